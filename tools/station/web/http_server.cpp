@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "bridge/bus/clock.hpp"
+#include "bridge/check.hpp"
 #include "bridge/log/log.hpp"
 
 namespace fieldcast::web {
@@ -34,10 +35,18 @@ HttpServer::HttpServer(asio::io_context& io, Site& site, MakeLiveProtocol make,
               limits.http,
               [this](const Site::Upgrade& who) { return refuse_live(who); },
               [this](LiveRequest request) { open_live(std::move(request)); },
-              [this](HttpSession* session) {
-                sessions_.erase(session);
+              [this](std::uint64_t id, bool logged_in) {
+                return admit(session_table_.work(id, logged_in));
+              },
+              [this](std::uint64_t id) { session_table_.wait(id, steady_now()); },
+              [this](std::uint64_t id) {
+                session_table_.close(id);
+                sessions_.erase(id);
                 look_for_end();
               }},
+      handshake_table_(limits.handshakes),
+      session_table_(limits.connections),
+      live_table_(limits.live),
       house_(io),
       farewell_(io) {
   site_.on_ended([this](std::uint64_t id) { end_logins(id); });
@@ -53,7 +62,16 @@ HttpServer::~HttpServer() {
   for (const auto& [socket, kept] : live_) socket->drop();
 }
 
-void HttpServer::serve(std::unique_ptr<TlsServer> tls) { tls_ = std::move(tls); }
+void HttpServer::serve(std::unique_ptr<TlsServer> tls) {
+  tls_ = std::move(tls);
+  forget_handshakes();
+}
+
+// The TLS server that made them is closed: it does not report their ends.
+void HttpServer::forget_handshakes() {
+  for (const auto& [id, end] : handshakes_) handshake_table_.close(id);
+  handshakes_.clear();
+}
 
 void HttpServer::accept(tcp::socket socket) {
   error_code ignored;
@@ -66,16 +84,19 @@ void HttpServer::accept(tcp::socket socket) {
 }
 
 void HttpServer::shake_hands(tcp::socket socket, std::string peer) {
-  if (handshakes_.size() >= limits_.handshakes) {
+  const std::uint64_t id = ++last_id_;
+  const auto admission = handshake_table_.open(id, {address_group(peer)},
+                                               ConnectionTable::Phase::kWaiting, steady_now());
+  if (admission.evicted) {
     ++turned_away_;
-    const auto end = std::move(handshakes_.begin()->second);
-    handshakes_.erase(handshakes_.begin());
+    const auto end = std::move(handshakes_.at(*admission.evicted));
+    handshakes_.erase(*admission.evicted);
     end();
   }
-  const std::uint64_t id = ++last_handshake_;
   auto end = tls_->shake_hands(std::move(socket), limits_.handshake,
                                [this, id, peer = std::move(peer)](TlsResult stream) {
                                  handshakes_.erase(id);
+                                 handshake_table_.close(id);
                                  if (stream) return accept(*std::move(stream), peer);
                                  ++shared_.faults;
                                });
@@ -84,26 +105,28 @@ void HttpServer::shake_hands(tcp::socket socket, std::string peer) {
 
 void HttpServer::accept(std::unique_ptr<ByteStream> stream, std::string peer) {
   ++accepted_;
-  if (closing_ || !make_way()) {
+  const std::uint64_t id = ++last_id_;
+  if (closing_) {
     ++turned_away_;
     return stream->close();
   }
-  const auto session = std::make_shared<HttpSession>(shared_, std::move(stream), std::move(peer));
-  sessions_.emplace(session.get(), session);
+  if (!admit(session_table_.open(id, {address_group(peer)}, ConnectionTable::Phase::kWaiting,
+                                 steady_now())))
+    return stream->close();
+  const auto session =
+      std::make_shared<HttpSession>(shared_, id, std::move(stream), std::move(peer));
+  sessions_.emplace(id, session);
   session->start();
 }
 
-// For one more connection; false: there is none to spare.
-bool HttpServer::make_way() {
-  if (sessions_.size() < limits_.connections) return true;
-  std::shared_ptr<HttpSession> oldest;
-  for (const auto& [key, session] : sessions_) {
-    if (session->is_idle() && (!oldest || session->since() < oldest->since())) oldest = session;
+// Closes the connection that leaves; returns whether the other one is admitted.
+bool HttpServer::admit(const ConnectionTable::Admission& admission) {
+  if (!admission.admitted || admission.evicted) ++turned_away_;
+  if (admission.evicted) {
+    const auto session = sessions_.at(*admission.evicted);
+    session->close();
   }
-  if (!oldest) return false;
-  ++turned_away_;
-  oldest->close();
-  return true;
+  return admission.admitted;
 }
 
 std::optional<HttpResponse> HttpServer::refuse_live(const Site::Upgrade& who) {
@@ -114,7 +137,11 @@ std::optional<HttpResponse> HttpServer::refuse_live(const Site::Upgrade& who) {
   });
   const bool too_many_of_one =
       who.login != 0 && static_cast<std::size_t>(of_one) >= limits_.live_of_one;
-  if (live_.size() < limits_.live && !too_many_of_one) return std::nullopt;
+  const bool has_room = live_table_
+                            .admission({address_group(who.caller.peer), who.login != 0},
+                                       ConnectionTable::Phase::kWorking)
+                            .admitted;
+  if (has_room && !too_many_of_one) return std::nullopt;
   ++turned_away_;
   log_counted(LogLevel::kWarning, "web", "WebSockets beyond the limit",
               fmt::format("{} at {}: {} are open", who.caller.user, who.caller.peer, live_.size()));
@@ -122,10 +149,17 @@ std::optional<HttpResponse> HttpServer::refuse_live(const Site::Upgrade& who) {
                        too_many_of_one ? "close other pages of yours" : "try again later");
 }
 
+// REQUIRES: refuse_live() has just admitted it.
 void HttpServer::open_live(LiveRequest request) {
+  const std::uint64_t id = ++last_id_;
+  const auto admission =
+      live_table_.open(id, {address_group(request.who.caller.peer), request.who.login != 0},
+                       ConnectionTable::Phase::kWorking, steady_now());
+  FIELDCAST_CHECK(admission.admitted && !admission.evicted);
   const auto socket = LiveSocket::open(io_, std::move(request), make_, limits_.socket,
-                                       [this, alive = std::weak_ptr(alive_)](LiveSocket* gone) {
+                                       [this, id, alive = std::weak_ptr(alive_)](LiveSocket* gone) {
                                          if (alive.expired()) return;
+                                         live_table_.close(id);
                                          live_.erase(gone);
                                          look_for_end();
                                        });
@@ -155,7 +189,7 @@ void HttpServer::close(std::function<void()> done) {
   done_ = std::move(done);
   house_.cancel();
   if (tls_) tls_->close();
-  handshakes_.clear();
+  forget_handshakes();
   for (const auto& [socket, kept] : live_) socket->end("the station stops");
   const auto sessions = sessions_;
   for (const auto& [key, session] : sessions) session->close();

@@ -1,8 +1,7 @@
 // The listening socket with all connections behind it: HTTP sessions and the WebSockets that some
 // of them become. Lives on one io thread, which also runs the site.
 //
-// Limits: see Limits. When there are too many connections, the one that has been idle for longest
-// makes way; while none is idle, new ones are turned away.
+// Limits: see ServerLimits. ConnectionTable decides which connection leaves beyond them.
 #pragma once
 
 #include <map>
@@ -14,15 +13,17 @@
 
 #include "bridge/net/listener.hpp"
 #include "bridge/net/tls.hpp"
+#include "tools/station/web/connection_table.hpp"
 #include "tools/station/web/live_socket.hpp"
 
 namespace fieldcast::web {
 
 struct ServerLimits {
-  std::size_t connections = 128;  // without WebSockets
-  std::size_t handshakes = 32;    // of TLS, at the same time; one more ends the oldest
-  std::size_t live = 64;          // WebSockets
-  std::size_t live_of_one = 8;    // of one user who is logged in
+  ConnectionLimits connections;  // without WebSockets
+  // Of TLS, at the same time; one more ends the oldest.
+  ConnectionLimits handshakes{.total = 32, .of_one = 16, .reserved = 0};
+  ConnectionLimits live{.total = 64, .of_one = 48, .working_of_one = 48, .reserved = 16};
+  std::size_t live_of_one = 8;  // WebSockets of one user who is logged in
   Duration handshake = std::chrono::seconds{10};
   Duration farewell = std::chrono::seconds{2};  // for WebSockets at the stop
   HttpLimits http;
@@ -60,7 +61,8 @@ class HttpServer {
 
  private:
   void shake_hands(boost::asio::ip::tcp::socket socket, std::string peer);
-  [[nodiscard]] bool make_way();
+  void forget_handshakes();
+  [[nodiscard]] bool admit(const ConnectionTable::Admission& admission);
   [[nodiscard]] std::optional<HttpResponse> refuse_live(const Site::Upgrade& who);
   void open_live(LiveRequest request);
   void end_logins(std::uint64_t id);
@@ -73,9 +75,10 @@ class HttpServer {
   const ServerLimits limits_;
   HttpSession::Server shared_;
   std::unique_ptr<TlsServer> tls_;
-  std::map<std::uint64_t, std::function<void()>> handshakes_;  // by age: what ends each
-  std::uint64_t last_handshake_ = 0;
-  std::map<HttpSession*, std::shared_ptr<HttpSession>> sessions_;
+  std::uint64_t last_id_ = 0;  // of handshakes, sessions and WebSockets
+  ConnectionTable handshake_table_, session_table_, live_table_;
+  std::map<std::uint64_t, std::function<void()>> handshakes_;  // what ends each
+  std::map<std::uint64_t, std::shared_ptr<HttpSession>> sessions_;
   std::map<LiveSocket*, std::shared_ptr<LiveSocket>> live_;
   boost::asio::steady_timer house_, farewell_;
   std::function<void()> done_;

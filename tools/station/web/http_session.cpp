@@ -78,8 +78,10 @@ struct HttpSession::Parser {
   bool told_to_continue = false;
 };
 
-HttpSession::HttpSession(Server& server, std::unique_ptr<ByteStream> stream, std::string peer)
+HttpSession::HttpSession(Server& server, std::uint64_t id, std::unique_ptr<ByteStream> stream,
+                         std::string peer)
     : server_(server),
+      id_(id),
       stream_(std::move(stream)),
       peer_(std::move(peer)),
       since_(steady_now()),
@@ -89,7 +91,7 @@ HttpSession::HttpSession(Server& server, std::unique_ptr<ByteStream> stream, std
 HttpSession::~HttpSession() = default;
 
 void HttpSession::start() {
-  enter(State::kIdle, server_.limits.request);  // the first request comes at once, or never
+  enter(State::kIdle, server_.limits.header);  // the first request comes at once, or never
   parser_ = std::make_unique<Parser>(server_.limits);
   read();
 }
@@ -101,7 +103,7 @@ void HttpSession::close() {
   pieces_.reset();
   if (stream_) stream_->close();
   const auto self = shared_from_this();  // the server lets go of it
-  server_.gone(this);
+  server_.gone(id_);
 }
 
 void HttpSession::enter(State state, Duration limit) {
@@ -127,7 +129,7 @@ void HttpSession::on_late() {
 void HttpSession::next_request() {
   parser_ = std::make_unique<Parser>(server_.limits);
   if (!received_.empty()) {
-    enter(State::kRequest, server_.limits.request);
+    enter(State::kRequest, server_.limits.header);
     return parse();
   }
   enter(State::kIdle, server_.limits.idle);
@@ -150,7 +152,7 @@ void HttpSession::on_read(std::size_t count) {
     sent_ += count;
     return sent_ > kMaxLingerBytes ? close() : read();
   }
-  if (state_ == State::kIdle) enter(State::kRequest, server_.limits.request);
+  if (state_ == State::kIdle) enter(State::kRequest, server_.limits.header);
   if (state_ != State::kRequest) return;  // it came too late
   received_.append(room_, 0, count);
   parse();
@@ -175,7 +177,10 @@ void HttpSession::parse() {
       return refuse(413, "the body is too long",
                     fmt::format("at most {} bytes", server_.limits.body_bytes));
     if (fault) return refuse(400, "no HTTP request", "send HTTP/1.1");
-    if (parser.is_header_done() && parser_->fields == 0) parser_->fields = count_of(parser.get());
+    if (parser.is_header_done() && parser_->fields == 0) {
+      parser_->fields = count_of(parser.get());
+      enter(State::kRequest, server_.limits.body);
+    }
     if (used == 0) break;
   }
   // The parser adds trailer fields of a chunked body to the header: Host, Origin, Cookie.
@@ -208,6 +213,10 @@ void HttpSession::on_request() {
   head_only_ = raw.method == "HEAD";
   if (upgrades) return upgrade(raw);
   parser_.reset();
+  if (!server_.work(id_, server_.site.has_login(raw))) {
+    keep_alive_ = false;
+    return respond(server_.site.refusal(503, "too many requests at a time", "try again later"));
+  }
   enter(State::kHandler, server_.limits.handler);
   server_.site.handle(std::move(raw),
                       [weak = weak_from_this(), answer = answer_](HttpResponse response) {
@@ -237,7 +246,7 @@ void HttpSession::upgrade(RawRequest& raw) {
   ++server_.requests;
   const auto self = shared_from_this();
   server_.take_live({std::move(stream_), std::move(head), std::move(*who)});
-  server_.gone(this);
+  server_.gone(id_);
 }
 
 void HttpSession::refuse(unsigned status, std::string_view error, std::string_view hint) {
@@ -321,6 +330,7 @@ void HttpSession::on_piece(std::uint64_t answer, Piece piece) {
 }
 
 void HttpSession::finish_response() {
+  server_.wait(id_);
   if (keep_alive_) return next_request();
   parser_.reset();
   received_.clear();

@@ -17,7 +17,8 @@ struct HttpLimits {
   std::size_t header_bytes = 8 * 1024;
   std::size_t body_bytes = 64 * 1024;
   Duration idle = std::chrono::seconds{75};      // between two requests
-  Duration request = std::chrono::seconds{10};   // from the first byte of one to the last
+  Duration header = std::chrono::seconds{10};    // from its first byte to its last
+  Duration body = std::chrono::seconds{10};      // from the end of the header to its last byte
   Duration handler = std::chrono::seconds{60};   // for the station to answer
   Duration progress = std::chrono::seconds{30};  // for a client to take some of the response
   Duration linger = std::chrono::seconds{1};     // for a client to take the last response
@@ -40,22 +41,22 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     // Why this caller gets no WebSocket now; nothing: it gets one.
     std::function<std::optional<HttpResponse>(const Site::Upgrade&)> refuse_live;
     std::function<void(LiveRequest)> take_live;
-    std::function<void(HttpSession*)> gone;  // once, when the stream is closed or taken
-    std::uint64_t requests = 0;              // that were answered
-    std::uint64_t faults = 0;                // bytes that were no request, and times run out
+    // Whether the station may work on the request that came; `logged_in`: with a valid login.
+    std::function<bool(std::uint64_t id, bool logged_in)> work;
+    std::function<void(std::uint64_t id)> wait;  // the response ended
+    std::function<void(std::uint64_t id)> gone;  // once, when the stream is closed or taken
+    std::uint64_t requests = 0;                  // that were answered
+    std::uint64_t faults = 0;                    // bytes that were no request, and times run out
   };
-  // `peer`: the address without the port.
-  HttpSession(Server& server, std::unique_ptr<ByteStream> stream, std::string peer);
+  // `id`: of the server, for its functions; `peer`: the address without the port.
+  HttpSession(Server& server, std::uint64_t id, std::unique_ptr<ByteStream> stream,
+              std::string peer);
   HttpSession(const HttpSession&) = delete;
   HttpSession& operator=(const HttpSession&) = delete;
   ~HttpSession();
 
   void start();
   void close();  // at once
-
-  // Between two requests, and since when.
-  [[nodiscard]] bool is_idle() const { return state_ == State::kIdle; }
-  [[nodiscard]] Instant since() const { return since_; }
 
  private:
   enum class State : std::uint8_t {
@@ -86,6 +87,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void finish_response();
 
   Server& server_;
+  const std::uint64_t id_;
   std::unique_ptr<ByteStream> stream_;
   const std::string peer_;
   State state_ = State::kIdle;

@@ -62,6 +62,8 @@ class Site {
   // request. Must not call back.
   void on_ended(std::function<void(std::uint64_t id)> ended) { ended_ = std::move(ended); }
   [[nodiscard]] SessionBook& book() { return book_; }
+  // Whether the cookie of the request is that of a login; counts as a use of it.
+  [[nodiscard]] bool has_login(const RawRequest& request) { return known(request).login != 0; }
 
   // `reply` is called once, now or later.
   void handle(RawRequest request, Reply reply);

@@ -235,17 +235,26 @@ TEST_F(HttpServerTest, BrokenFramesEndTheWebSocket) {
   EXPECT_EQ(most.next_frame()->second.size(), 4'096 + 9u);
 }
 
-TEST_F(HttpServerTest, ThereAreSixtyFourWebSockets) {
+TEST_F(HttpServerTest, ThereAreSixtyFourWebSocketsAndSixteenOfThemAreForLogins) {
   std::vector<RawClient> clients;
-  for (int i = 0; i < 64; ++i) clients.push_back(live());
-  RawClient one_more(port_);
-  one_more.send(RawClient::upgrade(port_));
-  EXPECT_THAT(one_more.read_until("\r\n\r\n"), StartsWith("HTTP/1.1 503"));
+  for (int i = 0; i < 48; ++i) clients.push_back(live());
+  const auto refused = [&](const std::string& more) {
+    RawClient one_more(port_);
+    one_more.send(RawClient::upgrade(port_, more));
+    return one_more.read_until("\r\n\r\n");
+  };
+  EXPECT_THAT(refused(""), StartsWith("HTTP/1.1 503"));
+  for (const std::string user : {"anna", "bert"}) {
+    const std::string cookie = "Cookie: " + log_in(user) + "\r\n";
+    for (int i = 0; i < 8; ++i) clients.push_back(live(cookie));
+  }
+  const std::string cookie = "Cookie: " + log_in("carl") + "\r\n";
+  EXPECT_THAT(refused(cookie), StartsWith("HTTP/1.1 503"));
   EXPECT_EQ(counters().live, 64u);
-  EXPECT_EQ(counters().open, 1u);
+  EXPECT_EQ(counters().turned_away, 2u);
   clients.pop_back();
   for (int i = 0; i < 100 && open_ > 63; ++i) std::this_thread::sleep_for(10ms);
-  live();
+  live(cookie);
 }
 
 TEST_F(HttpServerTest, OneUserHasEightAndALogoutEndsThem) {
@@ -338,7 +347,7 @@ class HttpsServerTest : public HttpServerTest {
     ASSERT_EQ(std::system(make.c_str()), 0);
     ServerLimits limits;
     limits.handshake = 300ms;
-    limits.handshakes = 3;
+    limits.handshakes = {.total = 3, .of_one = 3, .reserved = 0};
     auto tls = TlsServer::make({folder_ + "/cert.pem", folder_ + "/key.pem", {}, {}});
     ASSERT_TRUE(tls) << tls.error();
     restart(limits, *std::move(tls));
@@ -409,6 +418,19 @@ TEST_F(HttpsServerTest, HandshakesThatNeverEndAreCutByTimeAndNumber) {
   EXPECT_EQ(counters().turned_away, 2u);
   for (int i = 0; i < 100 && counters().open > 0; ++i) std::this_thread::sleep_for(10ms);
   EXPECT_EQ(counters().open, 0u);
+}
+
+TEST_F(HttpsServerTest, HandshakesOfARenewedCertificateAreNotCounted) {
+  std::vector<RawClient> clients;
+  for (int i = 0; i < 3; ++i) clients.emplace_back(port_);
+  for (int i = 0; i < 100 && counters().open < 3; ++i) std::this_thread::sleep_for(10ms);
+  EXPECT_EQ(counters().open, 3u);
+  auto tls = TlsServer::make({folder_ + "/cert.pem", folder_ + "/key.pem", {}, {}});
+  ASSERT_TRUE(tls) << tls.error();
+  run([&] { server_->serve(*std::move(tls)); });
+  EXPECT_EQ(counters().open, 0u);
+  EXPECT_EQ(get("/healthz", "--cacert " + folder_ + "/cert.pem"), "ok\n200");
+  EXPECT_EQ(counters().turned_away, 0u);
 }
 
 }  // namespace

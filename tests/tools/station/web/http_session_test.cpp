@@ -96,9 +96,10 @@ class HttpSessionTest : public testing::Test {
  private:
   static ServerLimits limits_with() {
     ServerLimits limits;
-    limits.connections = 4;
+    limits.connections = {.total = 4, .of_one = 4, .working_of_one = 4, .reserved = 0};
     limits.http.idle = 400ms;
-    limits.http.request = 400ms;
+    limits.http.header = 400ms;
+    limits.http.body = 400ms;
     limits.http.handler = 200ms;
     limits.http.progress = 200ms;
     limits.http.linger = 50ms;
@@ -274,6 +275,22 @@ TEST_F(HttpSessionTest, ARequestThatTakesTooLongIsRefused) {
   wait_until([&] { return link->station_closed; });
 }
 
+TEST_F(HttpSessionTest, ABodyThatTakesTooLongIsRefused) {
+  const auto link = connect();
+  const auto began = std::chrono::steady_clock::now();
+  auto next = began;
+  send(link, post("", "Content-Length: 60000\r\n"));
+  wait_until([&] {
+    if (std::chrono::steady_clock::now() >= next) link->to_station += 'a';
+    next = std::chrono::steady_clock::now() + 20ms;
+    link->wake();
+    return link->station_ended;
+  });
+  EXPECT_THAT(link->to_client, StartsWith("HTTP/1.1 408 Request Timeout\r\n"));
+  EXPECT_LT(std::chrono::steady_clock::now() - began, 3s);
+  wait_until([&] { return link->station_closed; });
+}
+
 TEST_F(HttpSessionTest, AConnectionWithoutRequestsIsClosed) {
   const auto silent = connect(), served = connect();
   send(served, get("/hello"));
@@ -384,9 +401,26 @@ TEST_F(HttpSessionTest, TheConnectionThatWasIdleForLongestMakesWay) {
 }
 
 TEST_F(HttpSessionTest, WhereNobodyIsIdleNewOnesAreTurnedAway) {
-  for (int i = 0; i < 4; ++i) send(connect(), "GET");
+  for (int i = 0; i < 4; ++i) send(connect(), get("/later"));
   EXPECT_TRUE(connect()->station_closed);
   EXPECT_EQ(server_.counters().open, 4u);
+  EXPECT_EQ(server_.counters().turned_away, 1u);
+}
+
+TEST_F(HttpSessionTest, RequestsThatAreNotWholeMakeWay) {
+  std::vector<std::shared_ptr<MemoryLink>> links;
+  for (const std::string& part : {std::string(), std::string("GET"), get("/hello").substr(0, 30),
+                                  post("", "Content-Length: 9\r\n")}) {
+    links.push_back(connect());
+    send(links.back(), part);
+  }
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const auto more = connect();
+    EXPECT_TRUE(links[i]->station_closed) << i;
+    EXPECT_THAT(send(more, get("/hello")), HasSubstr("hello"));
+  }
+  EXPECT_EQ(server_.counters().open, 4u);
+  EXPECT_EQ(server_.counters().turned_away, 4u);
 }
 
 TEST_F(HttpSessionTest, WithoutLiveValuesThereIsNoWebSocket) {

@@ -1,0 +1,157 @@
+#include "tools/station/web/connection_table.hpp"
+
+#include <gmock/gmock.h>
+
+namespace fieldcast::web {
+namespace {
+
+using Phase = ConnectionTable::Phase;
+using testing::Optional;
+
+constexpr ConnectionLimits kSmall{.total = 8, .of_one = 4, .working_of_one = 3, .reserved = 2};
+
+class ConnectionTableTest : public testing::Test {
+ protected:
+  ConnectionTable::Admission open(const std::string& group, bool logged_in = false,
+                                  Phase phase = Phase::kWaiting) {
+    return table_.open(++last_, {group, logged_in}, phase, now());
+  }
+  // The id of a connection of `group` that works.
+  ConnectionTable::Id working(const std::string& group, bool logged_in = false) {
+    EXPECT_TRUE(open(group).admitted);
+    const ConnectionTable::Id id = last_;
+    EXPECT_TRUE(table_.work(id, logged_in).admitted) << id;
+    return id;
+  }
+  Instant now() { return Instant{std::chrono::seconds{++seconds_}}; }
+
+  ConnectionTable table_{kSmall};
+  ConnectionTable::Id last_ = 0;
+  int seconds_ = 0;
+};
+
+TEST_F(ConnectionTableTest, OneAddressHasItsShareAndItsOldestWaitingOneLeaves) {
+  EXPECT_FALSE(open("b").evicted);
+  for (int i = 0; i < 4; ++i) EXPECT_FALSE(open("a").evicted);
+  const auto fifth = open("a");
+  EXPECT_TRUE(fifth.admitted);
+  EXPECT_THAT(fifth.evicted, Optional(2u));  // the first of "a", not that of "b"
+  EXPECT_EQ(table_.size(), 5u);
+}
+
+TEST_F(ConnectionTableTest, BeyondTheTotalTheOldestWaitingOneLeaves) {
+  for (const char* group : {"a", "b", "c", "d", "e", "f", "g", "h"})
+    EXPECT_FALSE(open(group).evicted);
+  table_.wait(1, now());  // "a" has had a response
+  EXPECT_THAT(open("i").evicted, Optional(2u));
+  EXPECT_EQ(table_.size(), 8u);
+}
+
+TEST_F(ConnectionTableTest, AConnectionThatWorksIsNeverEvicted) {
+  for (const char* group : {"a", "b", "c", "d", "e", "f"}) working(group);
+  for (int i = 0; i < 2; ++i) working("g", true);
+  const auto refused = open("h");
+  EXPECT_FALSE(refused.admitted);
+  EXPECT_FALSE(refused.evicted);
+  EXPECT_EQ(table_.size(), 8u);
+  table_.wait(3, now());
+  EXPECT_THAT(open("h").evicted, Optional(3u));
+}
+
+TEST_F(ConnectionTableTest, OnlyLoginsWorkInTheReserve) {
+  for (const char* group : {"a", "b", "c", "d", "e", "f"}) working(group);
+  ASSERT_TRUE(open("g").admitted);
+  EXPECT_FALSE(table_.work(last_, false).admitted);
+  EXPECT_TRUE(table_.work(last_, true).admitted);
+  ASSERT_TRUE(open("g").admitted);
+  EXPECT_FALSE(table_.work(last_, false).admitted);
+  EXPECT_THAT(open("h").evicted, Optional(8u));  // the one that was refused waits
+  EXPECT_TRUE(table_.work(last_, true).admitted);
+}
+
+TEST_F(ConnectionTableTest, AConnectionWithoutALoginLeavesBeforeOneWithALogin) {
+  const auto user = working("user", true);
+  table_.wait(user, now());  // the oldest of all
+  for (int i = 0; i < 7; ++i) EXPECT_FALSE(open("old" + std::to_string(i)).evicted);
+  for (int i = 0; i < 7; ++i) {
+    EXPECT_THAT(open("new" + std::to_string(i)).evicted, Optional(user + 1 + i));
+    EXPECT_TRUE(table_.work(last_, true).admitted);
+  }
+  EXPECT_THAT(open("last").evicted, Optional(user));  // no other one waits
+}
+
+TEST_F(ConnectionTableTest, AnAddressAlwaysHasRoomForALogin) {
+  for (int i = 0; i < 3; ++i) working("a");
+  ASSERT_TRUE(open("a").admitted);
+  EXPECT_FALSE(table_.work(last_, false).admitted);
+  const auto next = open("a");
+  EXPECT_THAT(next.evicted, Optional(4u));
+  EXPECT_TRUE(table_.work(last_, true).admitted);
+  EXPECT_FALSE(open("a").evicted);
+}
+
+TEST_F(ConnectionTableTest, LoginsOfOneAddressHaveALimitToo) {
+  for (int i = 0; i < 4; ++i) working("a", true);
+  ASSERT_TRUE(open("a").admitted);
+  EXPECT_FALSE(table_.work(last_, true).admitted);
+  table_.wait(2, now());
+  const auto room = table_.work(last_, true);
+  EXPECT_TRUE(room.admitted);
+  EXPECT_THAT(room.evicted, Optional(2u));
+}
+
+TEST_F(ConnectionTableTest, ALoginThatEndedCountsNoLonger) {
+  const auto id = working("a", true);
+  table_.wait(id, now());
+  for (int i = 0; i < 3; ++i) working("a");
+  EXPECT_FALSE(table_.work(id, false).admitted);
+  EXPECT_TRUE(table_.work(id, true).admitted);
+}
+
+TEST_F(ConnectionTableTest, WhatLeftTheTableHasNoEffect) {
+  ASSERT_TRUE(open("a").admitted);
+  table_.close(last_);
+  table_.close(last_);
+  table_.wait(last_, now());
+  EXPECT_EQ(table_.size(), 0u);
+}
+
+// As WebSockets are: they work from the start, and none makes way.
+TEST_F(ConnectionTableTest, ConnectionsThatWorkFromTheStartAreRefusedBeyondTheLimit) {
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(open("a", false, Phase::kWorking).admitted);
+  EXPECT_FALSE(open("a", false, Phase::kWorking).admitted);
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(open("b", false, Phase::kWorking).admitted);
+  EXPECT_FALSE(open("c", false, Phase::kWorking).admitted);
+  EXPECT_TRUE(table_.admission({"a", true}, Phase::kWorking).admitted);
+  for (int i = 0; i < 2; ++i) EXPECT_TRUE(open("a", true, Phase::kWorking).admitted);
+  EXPECT_FALSE(table_.admission({"a", true}, Phase::kWorking).admitted);
+  EXPECT_EQ(table_.size(), 8u);
+}
+
+TEST_F(ConnectionTableTest, OneHundredAndFiftySlowOnesLeaveTheStationOpen) {
+  ConnectionTable table{ConnectionLimits{}};
+  for (int i = 0; i < 150; ++i) {
+    const auto slow = table.open(++last_, {"a", false}, Phase::kWaiting, now());
+    EXPECT_EQ(slow.evicted.has_value(), i >= 128);
+  }
+  EXPECT_EQ(table.size(), 128u);
+  for (int i = 0; i < 128; ++i) {
+    EXPECT_FALSE(table.open(++last_, {"b", false}, Phase::kWaiting, now()).evicted);
+    EXPECT_TRUE(table.work(last_, i < 64).admitted);
+  }
+}
+
+TEST(AddressGroup, Ipv6CountsByItsSlash64AndAMappedAddressAsIpv4) {
+  EXPECT_EQ(address_group("10.0.0.7"), "10.0.0.7");
+  EXPECT_EQ(address_group("[2001:db8:1:2:3:4:5:6]"), "2001:db8:1:2::/64");
+  EXPECT_EQ(address_group("2001:db8:1:2::9"), "2001:db8:1:2::/64");
+  EXPECT_EQ(address_group("2001:db8:1:3::9"), "2001:db8:1:3::/64");
+  EXPECT_EQ(address_group("[fe80::1%eth0]"), "fe80::/64");
+  EXPECT_EQ(address_group("[::1]"), "::/64");
+  EXPECT_EQ(address_group("[::ffff:10.0.0.7]"), "10.0.0.7");
+  EXPECT_EQ(address_group("?"), "?");
+  EXPECT_EQ(address_group(""), "");
+}
+
+}  // namespace
+}  // namespace fieldcast::web
