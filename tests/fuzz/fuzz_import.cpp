@@ -1,7 +1,9 @@
 // Fuzz target of `fieldcast import`: any bytes as a list, of the format that they are recognised as
-// and of one that is named. What cannot be moved has a reason, and a fault is one line.
+// or of one that is named, with addresses that count from what is guessed, from 0 or from 1. What
+// cannot be moved has a reason, and a fault is one line.
 //
-// Input: one byte that chooses the format, then the file.
+// Input: one byte that chooses the format, the base and whether templates come of it; then the
+// file. One import for each input, which is what the time goes into.
 #include <cstdlib>
 
 #include "core/base/bytes.hpp"
@@ -10,10 +12,16 @@
 namespace fieldcast::importing {
 namespace {
 
-void run_once(const std::string& bytes, const std::string& from, bool as_template) {
+void run_import_bytes(ByteView data) {
+  if (data.empty()) return;
+  const std::string bytes(data.begin() + 1, data.end());
+  const std::size_t choices = formats().size() + 1;  // the last one: recognised
+  const std::size_t choice = data[0] % 128;
   ImportOptions options;
-  options.from = from;
-  options.as_template = as_template;
+  if (choice % choices < formats().size()) options.from = formats()[choice % choices].name;
+  if (const std::size_t base = choice / choices % 3; base > 0)
+    options.base = static_cast<unsigned>(base - 1);
+  options.as_template = data[0] >= 128;
   const auto outcome = run_import({{"list", bytes}}, options);
   if (!outcome) {
     if (outcome.error().empty() || outcome.error().find('\n') != std::string::npos) std::abort();
@@ -24,14 +32,6 @@ void run_once(const std::string& bytes, const std::string& from, bool as_templat
   }
   if (outcome->files.empty() && outcome->count(Fate::kRefused) != outcome->rows.size())
     std::abort();
-}
-
-void run_import_bytes(ByteView data) {
-  if (data.empty()) return;
-  const std::string bytes(data.begin() + 1, data.end());
-  const auto& format = formats()[data[0] % formats().size()];
-  run_once(bytes, "", data[0] >= 128);
-  run_once(bytes, std::string(format.name), data[0] >= 128);
 }
 
 }  // namespace

@@ -22,6 +22,7 @@ from plant import InAFolder, claim_domain, running_bridge, wait_until
 
 BIN_DIR, SOURCE_DIR = "", ""
 LISTS = os.path.join(HERE, "lists")
+MAKERS = os.path.join(LISTS, "makers")
 SECONDS = 30
 
 
@@ -64,7 +65,7 @@ class RealDevices(Imports):
         """The lists, with the port of the devices where theirs name one."""
         files = []
         for name in sorted(os.listdir(LISTS)):
-            if name == "values.txt":
+            if name in ("values.txt", "makers"):
                 continue
             shutil.copy(os.path.join(LISTS, name), self.path(name))
             files.append(self.path(name))
@@ -128,6 +129,43 @@ class RealDevices(Imports):
             return abs(sample["value"] - wanted) <= 1e-6 * max(1, abs(wanted))
 
         return {key: (samples.get(key), wanted) for key, wanted in expected.items() if not right(key, wanted)}
+
+
+class MakersTables(Imports):
+    """Rows of seven makers' tables; makers/README.md names the documents, makers/expected.txt has what they mean."""
+
+    @staticmethod
+    def expected():
+        """{list: (options, rows)}"""
+        lists, rows = {}, None
+        with open(os.path.join(MAKERS, "expected.txt"), encoding="utf-8") as file:
+            for line in filter(None, map(str.strip, file)):
+                if line.startswith("["):
+                    name, options = line[1:].split("]")
+                    rows = lists[name] = (options.split(), [])
+                elif not line.startswith("#"):
+                    rows[1].append(MakersTables.row_of(line.split(" | ")))
+        return lists
+
+    @staticmethod
+    def row_of(cells):
+        if cells[1] == "-":
+            return cells[0], "refused"
+        area, number = cells[1].split(":")
+        return cells[0], f"{area}:{int(number, 0)}", cells[2], float(cells[3]), cells[4]
+
+    def test_become_the_addresses_types_scales_and_access_of_their_documents(self):
+        lists = self.expected()
+        self.assertEqual(sorted(lists), sorted(name[:-4] for name in os.listdir(MAKERS) if name.endswith(".csv")))
+        for name, (options, expected) in lists.items():
+            with self.subTest(list=name):
+                done = run("fieldcast", "import", os.path.join(MAKERS, name + ".csv"), "--json", *options)
+                rows = [json.loads(line) for line in done.stdout.splitlines()]
+                self.assertEqual([(row["name"], "refused") if row["fate"] == "refused" else
+                                  (row["name"], row["at"], row["type"], row["scale"], row["access"]) for row in rows], expected, done.stderr)
+                orders = {row["word_order"] for row in rows if row["type"] in ("int32", "uint32") and row["fate"] != "refused"}
+                self.assertLessEqual(orders, {"little-endian" if "little-endian" in options else "big-endian"})
+                self.assertTrue(all(row["why"] for row in rows if row["fate"] == "refused"))
 
 
 class Output(Imports):

@@ -398,15 +398,5 @@ TEST(ImportList, ABlankSlaveIsThatOfTheRowAbove) {
   EXPECT_THAT(fate_of(*outcome, "F"), HasSubstr("no: no address of its device"));
 }
 
-TEST(ImportList, AUnitWithANumberHasANote) {
-  const auto outcome = import_text("meter.csv",
-                                   "Address,Name,Type,Unit\n0,A,U16,0.1kWh\n1,B,U16,V x10\n"
-                                   "2,C,U16,1/10 °C\n3,D,U16,1/min\n4,E,U16,m3\n");
-  ASSERT_TRUE(outcome) << outcome.error();
-  for (const char* name : {"A", "B", "C"})
-    EXPECT_THAT(fate_of(*outcome, name), HasSubstr("holds a number")) << name;
-  for (const char* name : {"D", "E"}) EXPECT_EQ(fate_of(*outcome, name), "ok") << name;
-}
-
 }  // namespace
 }  // namespace fieldcast::importing

@@ -126,14 +126,15 @@ void ListColumns::compare_addresses(const Table& table, std::size_t header) {
     for (std::size_t i = header + 1; i < table.rows.size(); ++i) {
       const auto listed = list_address_from(columns.cell(table.rows[i], Field::kAddress), {hex});
       const auto second = list_address_from(table.rows[i].cell(column), {second_hex});
-      if (!listed || !second || !listed->plain || !second->plain) continue;
-      any = true;
-      const auto is_behind = [](const ListAddress& counted, std::uint32_t number) {
-        return *counted.plain == number + 1 ||
-               (counted.reference && counted.reference->first == number);
+      if (!listed || !second) continue;
+      any = any || listed->plain || second->plain;
+      // 300001 can be a reference only.
+      const auto is_behind = [](const ListAddress& counted, std::optional<std::uint32_t> number) {
+        return number && (counted.plain == *number + 1 ||
+                          (counted.reference && counted.reference->first == *number));
       };
-      from_one = from_one && is_behind(*listed, *second->plain);
-      from_zero = from_zero && is_behind(*second, *listed->plain);
+      from_one = from_one && is_behind(*listed, second->plain);
+      from_zero = from_zero && is_behind(*second, listed->plain);
     }
     if (!any || from_one == from_zero) continue;
     counts_from = from_one ? 1 : 0;

@@ -187,4 +187,24 @@ tl::expected<std::optional<Factor>, std::string> factor_from(std::string_view ce
   return factor;
 }
 
+std::optional<Factor> factor_of_unit(std::string_view unit, NumberStyle style) {
+  if (unit.empty() || !is_numeral(unit[0])) return std::nullopt;
+  const auto factor = factor_from(unit, style);
+  if (!factor || !*factor || (*factor)->value <= 0) return std::nullopt;
+  const double places = std::log10((*factor)->value);
+  if (std::abs(places - std::round(places)) > 1e-9) return std::nullopt;
+  return **factor;
+}
+
+std::optional<double> weight_from(std::string_view remark) {
+  constexpr std::string_view kBegin = "value weight:";
+  const std::size_t at = lower(remark).find(kBegin);
+  if (at == std::string::npos) return std::nullopt;
+  const std::string_view weight = remark.substr(at + kBegin.size());
+  const std::size_t sign = weight.find('*');
+  if (sign == std::string_view::npos) return std::nullopt;
+  const auto number = number_from(trimmed(weight.substr(sign + 1)));
+  return number && *number > 0 ? number : std::nullopt;
+}
+
 }  // namespace fieldcast::importing

@@ -66,7 +66,9 @@ tl::expected<ListOrder, std::string> list_order_from(std::string_view cell, bool
 
 std::optional<Access> access_from(std::string_view cell) {
   const std::string word = column_word(cell);
-  for (const std::string_view read : {"", "r", "ro", "read", "readonly", "lesen", "l", "nurlesen"})
+  // "R/WC" is written by a command of the device, not by a write to the register.
+  for (const std::string_view read :
+       {"", "r", "ro", "read", "readonly", "rwc", "lesen", "l", "nurlesen"})
     if (word == read) return Access::kReadOnly;
   for (const std::string_view both :
        {"rw", "wr", "readwrite", "writeread", "readandwrite", "lesenschreiben", "schreibenlesen",

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
+#include "core/base/number_text.hpp"
 #include "tools/import/address.hpp"
 #include "tools/import/columns.hpp"
 #include "tools/import/formats/length_vote.hpp"
@@ -407,9 +409,6 @@ class ListReader {
     point.at = address_text(area, reference.first, reference.bit);
     point.unit = columns_.cell(row, Field::kUnit);
     if (point.unit == "-" || point.unit == "--") point.unit.clear();
-    if (holds_factor(point.unit))
-      point.changes.push_back(
-          fmt::format("unit '{}' holds a number, which is no part of the scale", point.unit));
     if (columns_.has(Field::kName)) point.description = columns_.cell(row, Field::kDescription);
     const std::string_view access_cell = columns_.cell(row, Field::kAccess);
     const auto access = access_from(access_cell);
@@ -423,7 +422,31 @@ class ListReader {
     } else if (!is_blank(refresh_cell)) {
       point.changes.push_back(fmt::format("refresh '{}' is no number of ms", refresh_cell));
     }
-    return read_scale(row, point);
+    if (const auto fault = read_scale(row, point)) return fault;
+    read_scale_beside(row, point);
+    return std::nullopt;
+  }
+
+  // The scale that stands in the unit or in the remarks, of a row without another.
+  void read_scale_beside(const Row& row, Point& point) const {
+    const bool scaled =
+        std::ranges::any_of(std::array{Field::kScale, Field::kDivisor, Field::kDecimals},
+                            [&](Field field) { return !is_blank(columns_.cell(row, field)); });
+    const std::optional<double> weight = weight_from(columns_.cell(row, Field::kDescription));
+    const auto factor = factor_of_unit(point.unit, list_.style);
+    if (weight && !scaled) {
+      point.scale = 1 / *weight;
+      point.changes.push_back(
+          fmt::format("the value weight {} of the remark divides the raw value", *weight));
+    } else if (factor && !scaled && point.type != ValueType::kString) {
+      point.changes.push_back(fmt::format("unit '{}' is taken for the scale {}", point.unit,
+                                          number_text(factor->value)));
+      point.scale = factor->value;
+      point.unit = factor->unit;
+    } else if (holds_factor(point.unit)) {
+      point.changes.push_back(
+          fmt::format("unit '{}' holds a number, which is no part of the scale", point.unit));
+    }
   }
 
   // "40001.0" of a number is no bit: a spreadsheet wrote the address with a decimal.

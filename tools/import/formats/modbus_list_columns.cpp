@@ -33,6 +33,7 @@ constexpr ColumnName kListColumns[] = {
     {"nombre", Field::kName},
     {"nome", Field::kName},
     {"designation", Field::kName},
+    {"variableengunit", Field::kName},  // Carlo Gavazzi
     {"address", Field::kAddress},
     {"adress", Field::kAddress},
     {"addr", Field::kAddress},
@@ -41,6 +42,7 @@ constexpr ColumnName kListColumns[] = {
     {"modbusadresse", Field::kAddress},
     {"register", Field::kAddress},
     {"registeraddress", Field::kAddress},
+    {"addressregister", Field::kAddress},
     {"registernumber", Field::kAddress},
     {"registerno", Field::kAddress},
     {"regaddr", Field::kAddress},
@@ -111,6 +113,7 @@ constexpr ColumnName kListColumns[] = {
     {"access", Field::kAccess},
     {"rw", Field::kAccess},
     {"readwrite", Field::kAccess},
+    {"readandwrite", Field::kAccess},
     {"accesstype", Field::kAccess},
     {"accessmode", Field::kAccess},
     {"zugriff", Field::kAccess},
@@ -156,6 +159,7 @@ constexpr ColumnName kListColumns[] = {
     {"unita", Field::kUnit},
     {"unidad", Field::kUnit},
     {"description", Field::kDescription},
+    {"details", Field::kDescription},
     {"beschreibung", Field::kDescription},
     {"comment", Field::kDescription},
     {"kommentar", Field::kDescription},
@@ -238,7 +242,17 @@ std::string list_title_word(std::string_view title) {
 
 }  // namespace
 
-Columns list_columns(const Row& header) { return {header, kListColumns, list_title_word}; }
+// The offset is that of the register where no other column has the address, as Siemens has it.
+Columns list_columns(const Row& header) {
+  Columns columns(header, kListColumns, list_title_word);
+  const auto offset = columns.index_of(Field::kOffset);
+  if (offset && !columns.has(Field::kAddress) &&
+      list_title_word(header.cell(*offset)) == "offset") {
+    columns.set(Field::kAddress, offset);
+    columns.set(Field::kOffset, std::nullopt);
+  }
+  return columns;
+}
 
 std::optional<unsigned> first_address_of_title(std::string_view title) {
   const std::string word = column_word(title);
