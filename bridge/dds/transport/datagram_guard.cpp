@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kPrefixAt = 8;  // in the header of a message
 constexpr std::size_t kMostWriters = 65'536, kMostAddresses = 1024, kMostFragmented = 1024;
 constexpr Duration kIdleWriter = std::chrono::seconds{60};
-constexpr Duration kSilentParticipant = std::chrono::minutes{10};
+constexpr Duration kGrace = std::chrono::seconds{10};  // beyond the lease of a participant
 constexpr double kFragmentSeconds = 10;
 // The number of our own message that a participant has left: above those of its writer, and below
 // the ones with which DDS Security refuses a participant (incoming_filter.cpp).
@@ -95,8 +95,9 @@ std::optional<RtpsFault> DatagramGuard::on_participant(const RtpsEvent& event) {
     return std::nullopt;
   }
   if (!may_join()) return RtpsFault::kJoinRate;
-  if (participants_.size() >= limits_.participants && !make_room()) return RtpsFault::kParticipants;
-  participants_[prefix] = {now_, ++joined_, {}};
+  if (participants_.size() >= limits_.participants && !make_room(false))
+    return RtpsFault::kParticipants;
+  participants_[prefix] = {now_, std::chrono::seconds{facts.lease_seconds}, ++joined_, {}};
   return std::nullopt;
 }
 
@@ -114,22 +115,23 @@ bool DatagramGuard::may_join() {
   return true;
 }
 
-// Forgets a participant that the library has given up long ago, or else the oldest one that has
-// announced no endpoint.
-bool DatagramGuard::make_room() {
-  auto oldest = participants_.end();
+// Removes the participant that has been silent the longest beyond its lease, or else, for another
+// participant, the oldest one that has announced no endpoint.
+bool DatagramGuard::make_room(bool for_endpoints) {
+  auto silent = participants_.end(), idle = participants_.end();
   for (auto one = participants_.begin(); one != participants_.end(); ++one) {
-    if (now_ - one->second.seen > kSilentParticipant) {
-      oldest = one;
-      break;
-    }
-    if (one->second.endpoints.empty() &&
-        (oldest == participants_.end() || one->second.order < oldest->second.order))
-      oldest = one;
+    const Participant& other = one->second;
+    if (now_ - other.seen > other.lease + kGrace &&
+        (silent == participants_.end() || other.seen < silent->second.seen))
+      silent = one;
+    if (!for_endpoints && other.endpoints.empty() &&
+        (idle == participants_.end() || other.order < idle->second.order))
+      idle = one;
   }
-  if (oldest == participants_.end()) return false;
-  before_ = participant_gone(oldest->first, kOurNumber + ++joined_);
-  forget(ParticipantPrefix{oldest->first});
+  const auto leaves = silent != participants_.end() ? silent : idle;
+  if (leaves == participants_.end()) return false;
+  before_ = participant_gone(leaves->first, kOurNumber + ++joined_);
+  forget(ParticipantPrefix{leaves->first});
   return true;
 }
 
@@ -156,8 +158,11 @@ std::optional<RtpsFault> DatagramGuard::on_endpoint(const RtpsEvent& event) {
     return std::nullopt;
   }
   if (endpoints.contains(guid)) return std::nullopt;
-  if (endpoints.size() >= limits_.endpoints || endpoints_ >= limits_.endpoints_in_all)
-    return RtpsFault::kEndpoints;
+  if (endpoints.size() >= limits_.endpoints) return RtpsFault::kEndpoints;
+  if (endpoints_ >= limits_.endpoints_in_all) {
+    found->second.seen = now_;  // it makes no room for itself
+    if (!make_room(true)) return RtpsFault::kEndpoints;
+  }
   endpoints.insert(guid);
   ++endpoints_;
   return std::nullopt;

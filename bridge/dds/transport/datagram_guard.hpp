@@ -1,9 +1,9 @@
 // Decides for each datagram from the network whether the DDS library may read it. The rules for a
 // single datagram are in rtps_validator.hpp; the guard adds what needs memory:
 //
-// - How many participants and endpoints exist, and how fast participants join. When the table of
-//   participants is full, the oldest one that has announced no endpoint makes room: the library
-//   is told that it has left.
+// - How many participants and endpoints exist, and how fast participants join. At a limit, a
+//   participant that has been silent for longer than its lease, or else the oldest one that has
+//   announced no endpoint, makes room: the library gets the message that it has left.
 // - How many bytes of fragmented samples are unfinished.
 // - Which sequence numbers a writer has reached. A GAP makes the library insert each number of its
 //   range into a set, a HEARTBEAT makes it count up to the first number (StatefulReader.cpp). A GAP
@@ -63,6 +63,7 @@ class DatagramGuard final : private RtpsEvents {
   };
   struct Participant {
     Instant seen{};
+    Duration lease{};
     std::uint64_t order = 0;  // in which it joined
     std::set<Guid> endpoints;
   };
@@ -84,7 +85,7 @@ class DatagramGuard final : private RtpsEvents {
   std::optional<RtpsFault> on_heartbeat(const RtpsEvent& event);
   std::optional<RtpsFault> on_gap(const RtpsEvent& event);
   std::optional<RtpsFault> on_fragment(const RtpsEvent& event);
-  [[nodiscard]] bool make_room();
+  [[nodiscard]] bool make_room(bool for_endpoints);
   [[nodiscard]] bool may_join();
   void forget(const ParticipantPrefix& prefix);
   Writer& writer_of(const RtpsEvent& event);

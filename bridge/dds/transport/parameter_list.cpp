@@ -137,7 +137,8 @@ const ParameterRow* row_of(std::uint16_t id) {
   return found != std::end(kRows) && found->id == id ? found : nullptr;
 }
 
-void note(std::uint16_t id, Bytes value, ParameterFacts& facts) {
+void note(std::uint16_t id, Bytes value, bool little, ParameterFacts& facts) {
+  if (id == 0x0002) facts.lease_seconds = RtpsCursor(value, little).u32();
   if (id == 0x0050) facts.participant_guid = value;
   if (id == 0x005a) facts.endpoint_guid = value;
   if (id == 0x0070) facts.key_hash = value;
@@ -166,7 +167,7 @@ std::optional<RtpsFault> check_parameters(Bytes list, bool little, ParameterFact
     if (++times > (row->form == Form::kLocator ? kMostOfOneLocator : 1))
       return RtpsFault::kParameter;
     if (row->form == Form::kHidden) facts.hidden.push_back(begin);
-    note(id, value, facts);
+    note(id, value, little, facts);
   }
   return RtpsFault::kParameterList;
 }
