@@ -90,8 +90,11 @@ class Validator {
       if (event_.at != kMessageHeader || is_last) return RtpsFault::kOrder;
       is_protected_ = true;
     } else if (kind == Submessage::kSrtpsPostfix) {
-      if (!is_last || !is_protected_) return RtpsFault::kOrder;
+      if (!is_protected_) return RtpsFault::kOrder;
       is_protected_ = false;
+      is_closed_ = true;
+    } else if (is_closed_) {  // only the counts of the vendor may follow
+      if (kind < Submessage::kStatistics) return RtpsFault::kOrder;
     } else if (kind == Submessage::kSecPrefix) {
       if (step_ != Step::kOutside) return RtpsFault::kOrder;
       step_ = Step::kBody;
@@ -342,6 +345,7 @@ class Validator {
   RtpsEvent event_;
   Step step_ = Step::kOutside;
   bool is_protected_ = false;  // between the prefix and the postfix of a whole message
+  bool is_closed_ = false;     // behind that postfix
   bool is_open_ = false;       // something protected has not ended yet
 };
 
