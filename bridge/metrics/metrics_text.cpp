@@ -177,8 +177,11 @@ constexpr Row<StoreCounters> kStoreRows[] = {
     {{"fieldcast_store_samples", Kind::kCounter, "", "Samples in committed transactions."},
      [](const StoreCounters& store) { return number(store.stored); }},
     {{"fieldcast_store_dropped_samples", Kind::kCounter, "",
-      "Samples that found no room or that the database refused."},
+      "Samples that found no room or whose batch was given up."},
      [](const StoreCounters& store) { return number(store.dropped); }},
+    {{"fieldcast_store_quarantined_rows", Kind::kCounter, "",
+      "Samples and events that the database refused; they are in its table quarantine."},
+     [](const StoreCounters& store) { return number(store.quarantined); }},
     {{"fieldcast_store_waiting_samples", Kind::kGauge, "", "Samples that wait to be written."},
      [](const StoreCounters& store) { return number(std::uint64_t{store.waiting}); }},
 };

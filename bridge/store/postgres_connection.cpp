@@ -192,14 +192,22 @@ class PostgresConnection final : public SqlConnection {
     std::string text;
     bool away = false;
     bool too_slow = false;
+    bool refused = false;
   };
   void note(Problem& problem, const PGresult* result) const {
     if (problem.text.empty())
-      problem = {text_of(result), is_away(result), state_of(result) == "57014"};
+      problem = {text_of(result), is_away(result), state_of(result) == "57014",
+                 is_refused(state_of(result))};
+  }
+  // postgresql.org/docs/current/errcodes-appendix.html: classes 22, data exception, 23, integrity
+  // constraint violation, and 54, program limit exceeded.
+  static bool is_refused(std::string_view state) {
+    return state.starts_with("22") || state.starts_with("23") || state.starts_with("54");
   }
   static void raise_if_any(const Problem& problem) {
     if (problem.too_slow) throw StoreTooSlow(problem.text);
     if (problem.away) throw StoreAway(problem.text);
+    if (problem.refused) throw StoreRowRefused(problem.text);
     if (!problem.text.empty()) throw StoreError(problem.text);
   }
   // postgresql.org/docs/current/errcodes-appendix.html: classes 53, insufficient resources (a full

@@ -6,6 +6,7 @@
 #include "bridge/store/sample_days.hpp"
 #include "bridge/store/sample_table.hpp"
 #include "bridge/store/tiers/tier_table.hpp"
+#include "core/base/saturated.hpp"
 
 namespace fieldcast {
 namespace {
@@ -155,12 +156,13 @@ UtcTime Retention::limit_of(SqlConnection& connection, std::size_t level, UtcTim
   if (too_large_ && is_server(connection)) {
     const auto days = SampleDays(connection).all();
     if (level == 0 && !days.empty())
-      before.nanoseconds =
-          std::max(before.nanoseconds, days.front().nanoseconds + SampleDays::kDay.count());
+      before.nanoseconds = std::max(
+          before.nanoseconds, saturated_sum(days.front().nanoseconds, SampleDays::kDay.count()));
   } else if (too_large_) {
     const auto oldest = oldest_of(connection, level, channels_);
     if (oldest && *oldest < utc) {
-      const std::int64_t span = std::max(utc.nanoseconds - oldest->nanoseconds, kShare);
+      const std::int64_t span =
+          std::max(saturated_difference(utc.nanoseconds, oldest->nanoseconds), kShare);
       before.nanoseconds = std::max(before.nanoseconds, oldest->nanoseconds + span / kShare);
     }
   }

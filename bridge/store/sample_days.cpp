@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "bridge/store/tiers/bucket.hpp"
+#include "core/base/saturated.hpp"
 
 namespace fieldcast {
 namespace {
@@ -31,7 +32,14 @@ std::optional<UtcTime> day_of(std::string_view name) {
       std::chrono::month{static_cast<unsigned>(number) / 100 % 100},
       std::chrono::day{static_cast<unsigned>(number) % 100}};
   if (!date.ok()) return std::nullopt;
-  return UtcTime{Duration{std::chrono::sys_days{date}.time_since_epoch()}.count()};
+  const std::chrono::days since{std::chrono::sys_days{date}.time_since_epoch()};
+  // The first day that 64 bits reach begins before they do.
+  if (since < std::chrono::floor<std::chrono::days>(Duration::min()) ||
+      since > std::chrono::floor<std::chrono::days>(Duration::max()))
+    return std::nullopt;
+  if (since == std::chrono::floor<std::chrono::days>(Duration::min()))
+    return UtcTime{Duration::min().count()};
+  return UtcTime{Duration{since}.count()};
 }
 
 }  // namespace
@@ -50,7 +58,7 @@ std::string SampleDays::table_for(UtcTime at) {
   connection_.script(
       fmt::format("create table if not exists {} (like samples including all, "
                   "check (published_at >= {} and published_at < {})) inherits (samples)",
-                  name, day.nanoseconds, day.nanoseconds + kDay.count()));
+                  name, day.nanoseconds, saturated_sum(day.nanoseconds, kDay.count())));
   return name;
 }
 

@@ -156,6 +156,14 @@ create table tokens (
   name text primary key, hash text not null, created_at bigint not null,
   ends_at bigint not null) {clustered};
 )",
+    // Rows that the database refused (quarantine_table.hpp).
+    R"(
+create table quarantine (
+  id {id}, at bigint not null, table_name text not null, content text not null,
+  reason text not null);
+create view quarantine_list as
+select id, {time at} as at, table_name, content, reason, at as at_ns from quarantine;
+)",
 };
 
 // What the two databases say in different words, or what would stand in a step again and again.

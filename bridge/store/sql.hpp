@@ -37,6 +37,13 @@ class StoreTooSlow : public StoreError {
   using StoreError::StoreError;
 };
 
+// The database refuses the values of a row, for example null where a value must be. The same row is
+// refused again.
+class StoreRowRefused : public StoreError {
+ public:
+  using StoreError::StoreError;
+};
+
 // std::monostate: null.
 using SqlValue = std::variant<std::monostate, std::int64_t, double, std::string>;
 using SqlRow = std::vector<SqlValue>;

@@ -101,6 +101,8 @@ class SqliteConnection final : public SqlConnection {
     if (code == SQLITE_FULL || code == SQLITE_READONLY || code == SQLITE_IOERR)
       throw StoreAway(text);
     if (code == SQLITE_INTERRUPT) throw StoreTooSlow(text);
+    if (code == SQLITE_CONSTRAINT || code == SQLITE_MISMATCH || code == SQLITE_TOOBIG)
+      throw StoreRowRefused(text);
     throw StoreError(text);
   }
 

@@ -37,8 +37,9 @@ class BackOff;
 struct StoreCounters {
   // Samples in committed transactions: a crash of the process does not take them back.
   std::uint64_t stored = 0;
-  std::uint64_t dropped = 0;  // samples that came to a full queue, or that the database refused
-  std::size_t waiting = 0;    // samples
+  std::uint64_t dropped = 0;      // samples that came to a full queue, or whose batch was given up
+  std::size_t waiting = 0;        // samples
+  std::uint64_t quarantined = 0;  // samples and events that the database refused
 };
 
 class Store final : public Audit, public AlarmSink {
@@ -102,6 +103,10 @@ class Store final : public Audit, public AlarmSink {
     std::set<std::size_t> changed;  // as changed_
     [[nodiscard]] bool empty() const { return samples.empty() && events.empty(); }
   };
+  // Rows of a committed batch that the database refused: they are in the quarantine.
+  struct RefusedRows {
+    std::uint64_t samples = 0, events = 0;
+  };
   class Writer;
   class DropReport;
 
@@ -113,7 +118,7 @@ class Store final : public Audit, public AlarmSink {
   [[nodiscard]] bool store(Writer& writer, const Batch& batch, BackOff& back_off,
                            DropReport& drops);
   [[nodiscard]] bool gather(Batch& batch, Duration longest);
-  void written(const Batch& batch, bool stored);
+  void written(const Batch& batch, const RefusedRows* refused);
 
   const StoreSpec spec_;
   const std::vector<Pattern> patterns_;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/saturated.hpp"
+
 namespace fieldcast {
 namespace {
 
@@ -15,7 +17,7 @@ std::optional<double> number_of(const Value& value) {
 
 UtcTime bucket_start(UtcTime at, Duration width) {
   const std::int64_t past = at.nanoseconds % width.count();
-  return {at.nanoseconds - (past < 0 ? past + width.count() : past)};
+  return {saturated_difference(at.nanoseconds, past < 0 ? past + width.count() : past)};
 }
 
 void Bucket::add(Quality quality, const Value& value) {

@@ -1,5 +1,7 @@
 #include "bridge/store/tiers/tier_history.hpp"
 
+#include "core/base/saturated.hpp"
+
 namespace fieldcast {
 
 bool TierHistory::read(const StoredChannel& channel, UtcTime from, UtcTime to,
@@ -8,7 +10,7 @@ bool TierHistory::read(const StoredChannel& channel, UtcTime from, UtcTime to,
   on_bucket_ = &on_bucket;
   wanted_ = true;
   from = bucket_start(from, every_);
-  const UtcTime last = bucket_start({to.nanoseconds - 1}, every_);
+  const UtcTime last = bucket_start({saturated_difference(to.nanoseconds, 1)}, every_);
   const bool ends = last.nanoseconds < kEndOfTime.nanoseconds - every_.count();
   to = ends ? UtcTime{last.nanoseconds + every_.count()} : kEndOfTime;
   const auto tier = tier_for(every_);
@@ -26,7 +28,7 @@ void TierHistory::read_levels(std::size_t levels, std::int64_t channel, UtcTime 
   const auto first = tiers_.first(tier, channel, from, to);
   const auto last = tiers_.last(tier, channel, from, to);
   if (!first || !last) return read_levels(levels - 1, channel, from, to);
-  const UtcTime end{last->nanoseconds + tier.width.count()};
+  const UtcTime end{saturated_sum(last->nanoseconds, tier.width.count())};
   read_levels(levels - 1, channel, from, *first);
   read_tier(levels, channel, *first, end);
   read_levels(levels - 1, channel, end, to);

@@ -1,13 +1,15 @@
 #include "bridge/store/tiers/tier_writer.hpp"
 
 #include <algorithm>
+
+#include "core/base/saturated.hpp"
 namespace fieldcast {
 namespace {
 
 // The bucket from what the tier before it has, or from samples. How many rows were read.
 std::int64_t read_bucket(SqlConnection& connection, std::size_t tier, Bucket& bucket) {
   std::int64_t rows = 0;
-  const UtcTime end{bucket.start.nanoseconds + kTiers[tier].width.count()};
+  const UtcTime end{saturated_sum(bucket.start.nanoseconds, kTiers[tier].width.count())};
   if (tier == 0) {
     SampleTable(connection)
         .numbers(bucket.channel, bucket.start, end, SampleTable::kNoLimit,
@@ -117,7 +119,8 @@ bool TierWriter::tier_old_samples(SqlConnection& connection, UtcTime before) {
     if (alone) open.push_back({from->channel, last});
     buckets.pop_back();
     table.set_untiered(
-        {from->channel, alone ? UtcTime{last.nanoseconds + kTiers[0].width.count()} : last});
+        {from->channel,
+         alone ? UtcTime{saturated_sum(last.nanoseconds, kTiers[0].width.count())} : last});
   }
   for (const Bucket& bucket : buckets) {
     if (bucket.start >= before) open.push_back({from->channel, bucket.start});

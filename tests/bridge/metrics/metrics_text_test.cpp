@@ -71,7 +71,7 @@ MetricsSnapshot snapshot() {
   table.note(press());
   MetricsSnapshot made{.bridge = "line-7"};
   table.copy_to(made);
-  made.store = StoreCounters{.stored = 41, .dropped = 42, .waiting = 43};
+  made.store = StoreCounters{.stored = 41, .dropped = 42, .waiting = 43, .quarantined = 44};
   made.receive_buffer = 1 << 20;
   made.refused_datagrams[static_cast<std::size_t>(RtpsFault::kGap)] = 44;
   return made;
@@ -154,6 +154,7 @@ TEST(MetricsText, HasTheStoreOnlyWhereThereIsOne) {
   EXPECT_THAT(metrics_text(with, MetricsFormat::kOpenMetrics),
               testing::AllOf(HasSubstr("\nfieldcast_store_samples_total 41\n"),
                              HasSubstr("\nfieldcast_store_dropped_samples_total 42\n"),
+                             HasSubstr("\nfieldcast_store_quarantined_rows_total 44\n"),
                              HasSubstr("\nfieldcast_store_waiting_samples 43\n")));
   with.alarms = AlarmCounts{5, 4, 3, 2, 1, 6};
   EXPECT_THAT(metrics_text(with, MetricsFormat::kOpenMetrics),

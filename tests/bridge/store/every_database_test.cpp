@@ -13,6 +13,7 @@
 #include "bridge/store/user_table.hpp"
 #include "tests/bridge/store/older_store.hpp"
 #include "tests/bridge/store/postgres_server.hpp"
+#include "tests/bridge/store/refused_rows.hpp"
 #include "tests/bridge/store/scratch.hpp"
 #include "tests/bridge/store/store_support.hpp"
 
@@ -311,6 +312,10 @@ void all_of_it(const StoreAddress& address) {
       {"active alarms", tells_which_alarms_are_active},
       {"what people did", keeps_what_people_did_about_alarms},
       {"version 5", goes_on_from_version_5},
+      {"refused events", test::puts_refused_events_aside},
+      {"refused samples", test::puts_refused_samples_aside},
+      {"not a number", test::goes_on_after_an_alarm_without_a_number},
+      {"extremes", test::goes_on_after_every_extreme},
       {"users", knows_its_users},
       {"retention", removes_what_is_too_old}};
   for (const auto& [name, check] : all) {

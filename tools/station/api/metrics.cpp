@@ -33,6 +33,8 @@ std::vector<Metric> metrics_of(const Database* database, const Store* store,
     const StoreCounters counters = store->counters();
     add("stored_samples_total", true, "Samples in committed transactions.", counters.stored);
     add("dropped_samples_total", true, "Samples that the store could not take.", counters.dropped);
+    add("quarantined_rows_total", true, "Samples and events that the store's database refused.",
+        counters.quarantined);
     add("waiting_samples", false, "Samples that wait to be stored.", counters.waiting);
   }
   if (recorder != nullptr) {

@@ -2,17 +2,24 @@
 
 #include <algorithm>
 
+#include "core/base/saturated.hpp"
+
 namespace fieldcast::web {
 namespace {
 
-Duration between(UtcTime from, UtcTime to) { return Duration{to.nanoseconds - from.nanoseconds}; }
-UtcTime operator-(UtcTime time, Duration by) { return {time.nanoseconds - by.count()}; }
+// The times are those of the network: any number of 64 bits.
+Duration between(UtcTime from, UtcTime to) {
+  return Duration{saturated_difference(to.nanoseconds, from.nanoseconds)};
+}
+UtcTime operator-(UtcTime time, Duration by) {
+  return {saturated_difference(time.nanoseconds, by.count())};
+}
 
 }  // namespace
 
 void ClockOffset::note(UtcTime acquired, UtcTime received) {
   const Duration offset = between(acquired, received);
-  if (std::chrono::abs(offset) > SampleStamp::kMaxOffset) return;
+  if (offset > SampleStamp::kMaxOffset || offset < -SampleStamp::kMaxOffset) return;
   const Duration age = between(window_began_, received);
   if (age >= kWindow || age < Duration{}) {
     before_ = age < 2 * kWindow ? now_ : std::nullopt;
@@ -37,7 +44,7 @@ std::optional<UtcTime> SampleStamp::next(const StationSample& sample, UtcTime re
                               age <= (first ? kOldest : kMaxOffset);
   UtcTime published = by_acquisition ? sample.acquired_at : received - offset;
   if (any_ && published <= published_ && between(published, published_) < kOrder)
-    published = UtcTime{published_.nanoseconds + 1};
+    published = UtcTime{saturated_sum(published_.nanoseconds, 1)};
   any_ = true;
   sequence_ = sample.sequence;
   acquired_ = sample.acquired_at;

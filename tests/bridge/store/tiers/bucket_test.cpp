@@ -25,6 +25,8 @@ TEST(Bucket, BeginsWhereUtcHasItsMinutesAndHours) {
   EXPECT_EQ(bucket_start(since_1970(60), 1min), since_1970(60));
   EXPECT_EQ(bucket_start(since_1970(1'700'000'000), 1h), since_1970(1'699'999'200));
   EXPECT_EQ(bucket_start({-1}, 1min), since_1970(-60)) << "a clock before 1970";
+  EXPECT_EQ(bucket_start({INT64_MIN}, 1h), UtcTime{INT64_MIN}) << "no hour begins before";
+  EXPECT_LE(bucket_start({INT64_MAX}, 1h), UtcTime{INT64_MAX});
 }
 
 TEST(Bucket, CountsGoodNumbersAndHowManySamplesWereNot) {

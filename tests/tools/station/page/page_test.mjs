@@ -16,13 +16,13 @@ globalThis.localStorage = { getItem: (key) => (key === 'fieldcast.language' ? 'e
 
 // The modules by one bundle, so that they share what they share in the page.
 const { buildSync } = createRequire(join(modules, 'x'))('esbuild');
-const names = ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock', 'alarm_rows', 'csv', 'plan_picture', 'device_health', 'port_command'];
+const names = ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock', 'alarm_rows', 'csv', 'plan_picture', 'device_health', 'port_command', 'printable'];
 const made = mkdtempSync(join(tmpdir(), 'fieldcast-page-'));
 buildSync({
   stdin: { contents: names.map((name) => `export * as ${name} from './${name}';`).join('\n'), resolveDir: source, loader: 'ts' },
   bundle: true, format: 'esm', outfile: join(made, 'page.mjs'), nodePaths: [modules], logLevel: 'warning',
 });
-const { frame, plant, router, rows, format, i18n, trend, ticks, typed, clock, alarm_rows, csv, plan_picture, device_health, port_command } = await import(join(made, 'page.mjs'));
+const { frame, plant, router, rows, format, i18n, trend, ticks, typed, clock, alarm_rows, csv, plan_picture, device_health, port_command, printable } = await import(join(made, 'page.mjs'));
 rmSync(made, { recursive: true });
 
 const row = (id, path, more = {}) => [id, path, more.type ?? 'float32', more.unit ?? '', 'holding:0', 'read-only', 'scheduled', 500, {}, more.description ?? '', 'north'];
@@ -32,6 +32,13 @@ const makePlant = (...channels) => {
   made.applyCatalogue({ version: 1, full: true, channels: channels.map((path, index) => row(index + 1, path)), gone: [] });
   return made;
 };
+
+test('marks that turn the writing direction are shown escaped', () => {
+  for (const mark of '\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069\u200e\u200f\u061c')
+    assert.equal(printable.printable(`a${mark}b`), `a\\u${mark.charCodeAt(0).toString(16).toUpperCase().padStart(4, '0')}b`);
+  assert.equal(i18n.word('cause', 'a\u202eb'), 'a\\u202Eb');
+  assert.equal(printable.printable('温度 °C "<b>'), '温度 °C "<b>');
+});
 
 test('a frame is read where it lies', () => {
   const read = frame.parseFrame(encodeFrame([sample(7, 1.5), sample(9, -2, { quality: 3 })]));

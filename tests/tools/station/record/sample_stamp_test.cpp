@@ -67,6 +67,28 @@ TEST(SampleStamp, AClockThatIsWrongIsNotBelieved) {
   EXPECT_EQ(stamp.next(reading(-5000, 3), at(3), 0ns, false), at(3)) << "from the past";
 }
 
+// Anybody in the domain can publish such times.
+TEST(SampleStamp, TimesAtTheEndsOf64BitsAreNotBelieved) {
+  for (const std::int64_t end : {INT64_MIN, INT64_MAX}) {
+    SampleStamp stamp;
+    EXPECT_EQ(stamp.next({.quality = Quality::kGood, .acquired_at = {end}, .sequence = 1}, at(1),
+                         0ns, true),
+              at(1));
+    ClockOffset clock;
+    clock.note({end}, at(1));
+    EXPECT_EQ(clock.least(), 0ns);
+    clock.note({end}, {0});
+    EXPECT_EQ(clock.least(), 0ns);
+  }
+}
+
+TEST(SampleStamp, AClockOfThisMachineAtTheEndOf64BitsDoesNotWrap) {
+  SampleStamp stamp;
+  const StationSample bad{.quality = Quality::kBadNoAnswer, .acquired_at = {}, .sequence = 1};
+  EXPECT_EQ(stamp.next(bad, {INT64_MAX}, -10s, true), UtcTime{INT64_MAX});
+  EXPECT_EQ(stamp.next({.sequence = 2}, {INT64_MAX}, 0ns, false), UtcTime{INT64_MAX});
+}
+
 TEST(ClockOffset, IsTheLeastOfAboutAMinute) {
   ClockOffset clock;
   EXPECT_EQ(clock.least(), 0ns);

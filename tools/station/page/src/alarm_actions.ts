@@ -1,10 +1,10 @@
 // What people do about alarms: asks, tells the station, and says what became of it.
 
-import { html } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
 import { request } from './api';
 import type { Context } from './context';
 import { t, word } from './i18n';
+import { html } from './markup';
 import type { Alarm } from './types';
 import { ask, errorText } from './view';
 

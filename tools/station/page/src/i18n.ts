@@ -1,6 +1,7 @@
 // Texts of the page in English and Chinese. Each page has a file in texts/ with a table for each language; the compiler holds that
 // both have the same keys, a test that all keys are used.
 
+import { printable } from './printable';
 import * as alarms from './texts/alarms';
 import * as audit from './texts/audit';
 import * as causes from './texts/causes';
@@ -42,10 +43,10 @@ export function setLanguage(next: Language): void {
 // The text of a key; {name} is replaced by a value.
 export function t(key: Key, values?: Record<string, string | number>): string {
   const text = tables[language][key] ?? key;
-  return values ? text.replace(/\{(\w+)\}/g, (whole, name: string) => String(values[name] ?? whole)) : text;
+  return values ? text.replace(/\{(\w+)\}/g, (whole, name: string) => printable(String(values[name] ?? whole))) : text;
 }
 
 // A word of the station (a state, a cause) in the user's language; as it came where there is no text for it.
 export function word(kind: string, value: string): string {
-  return tables[language][`${kind}.${value}`] ?? value;
+  return tables[language][`${kind}.${value}`] ?? printable(value);
 }

@@ -1,5 +1,6 @@
 // A virtual table of objects: each column says what text an object has in it. Keeps the selected object when the order changes.
 
+import { printable } from './printable';
 import { VirtualTable } from './table';
 import type { Row } from './table';
 
@@ -26,7 +27,8 @@ export interface ListOwner<T> {
   choose?(item: T): void;  // another one is selected
 }
 
-function setText(element: Element, text: string): void {
+function setText(element: Element, received: string): void {
+  const text = printable(received);
   if (element.textContent !== text) element.textContent = text;
 }
 
@@ -120,7 +122,7 @@ export class ListTable<T> {
   }
 
   private paintCell(cell: HTMLElement, column: ListColumn<T>, item: T): void {
-    const text = column.text(item), hint = column.hint?.(item) ?? (column.link || text.length > longText ? text : '');
+    const text = column.text(item), hint = printable(column.hint?.(item) ?? (column.link || text.length > longText ? text : ''));
     if (cell.title !== hint) cell.title = hint;
     if (column.checked) return this.paintBox(cell, column, item);
     const address = column.link?.(item) ?? '';

@@ -1,6 +1,6 @@
 // A list of what happened in a span of time, from the station's store: filter, range, CSV. The page gives the columns.
 
-import { html, nothing, render } from 'lit-html';
+import { nothing, render } from 'lit-html';
 import { query, request } from './api';
 import { csvText, download } from './csv';
 import type { Cell } from './csv';
@@ -9,6 +9,7 @@ import { count } from './format';
 import { t } from './i18n';
 import { ListTable } from './list';
 import type { ListColumn } from './list';
+import { html } from './markup';
 import { rangeOf, rangeTools } from './time_range';
 import type { Range } from './time_range';
 import { empty, errorText } from './view';

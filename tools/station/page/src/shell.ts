@@ -1,7 +1,7 @@
 // What stands around every page: the head with its links, the line of state below it, keys, messages. The line never changes its
 // height: when the connection is lost it turns into the banner, and the whole page greys by an attribute of the root.
 
-import { html, nothing, render } from 'lit-html';
+import { nothing, render } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
 import { wantsSomebody } from './alarm_rows';
 import type { Change, Page } from './context';
@@ -9,7 +9,9 @@ import { age, clock, count } from './format';
 import { language, languages, t } from './i18n';
 import type { Key, Language } from './i18n';
 import type { Live } from './live';
+import { html } from './markup';
 import type { Plant } from './plant';
+import { printable } from './printable';
 import { link } from './router';
 import type { Route } from './router';
 import { setTheme, theme, themes } from './theme';
@@ -75,7 +77,7 @@ export class Shell {
   say(text: string, bad = false): void {
     const message = document.createElement('p');
     message.className = bad ? 'message bad' : 'message';
-    message.textContent = text;
+    message.textContent = printable(text);
     this.messages.append(message);
     while (this.messages.childElementCount > 3) this.messages.firstElementChild!.remove();
     setTimeout(() => message.remove(), messageFor_ms);

@@ -1,10 +1,10 @@
 // The span of time that a page asks the station for: a length back from now, or from and to. It stands in the address, so that a
 // link shows the same.
 
-import { html } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
 import type { Context } from './context';
 import { t } from './i18n';
+import { html } from './markup';
 import { link } from './router';
 import { labelOf, spanOf, spans } from './spans';
 

@@ -1,9 +1,10 @@
 // Small pieces that several pages show: quality by shape, colour and text, bars of load, states, a confirming dialog.
 
-import { html, nothing, render } from 'lit-html';
+import { nothing, render } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
 import { percent } from './format';
 import { t, word } from './i18n';
+import { html } from './markup';
 import { isBad, notYetRead, qualities } from './types';
 
 export type Tone = 'good' | 'warning' | 'bad' | 'unknown';

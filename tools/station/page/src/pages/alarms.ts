@@ -1,6 +1,6 @@
 // Alarms by ISA-18.2: what wants somebody first. #/alarms shows those that are there, #/alarms/history what happened in a span.
 
-import { html, nothing, render } from 'lit-html';
+import { nothing, render } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
 import { acknowledge, limitText, shelve, unshelve } from '../alarm_actions';
 import { alarmHistory } from '../alarm_history';
@@ -11,6 +11,7 @@ import { age, count, exactValue, fullTime, time } from '../format';
 import { t, word } from '../i18n';
 import type { Key } from '../i18n';
 import { ListTable } from '../list';
+import { html } from '../markup';
 import { alarmKey } from '../plant';
 import { channelLink, link } from '../router';
 import type { Alarm } from '../types';

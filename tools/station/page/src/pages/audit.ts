@@ -1,11 +1,12 @@
 // Who did what: #/audit. Who may do what: #/audit/users. Both need the role operator; users are changed by a command only.
 
-import { html, nothing, render } from 'lit-html';
+import { nothing, render } from 'lit-html';
 import { request } from '../api';
 import type { Context, MakePage, Page } from '../context';
 import { csvTime } from '../csv';
 import { bytes, fullTime, time } from '../format';
 import { t, word } from '../i18n';
+import { html } from '../markup';
 import { PastList } from '../past';
 import { channelLink, link } from '../router';
 import type { AuditEntry, User } from '../types';

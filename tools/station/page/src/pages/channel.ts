@@ -1,6 +1,6 @@
 // One channel: its value in large, its trend from the store and live in one line, a write with a question before and its result after.
 
-import { html, nothing, render } from 'lit-html';
+import { nothing, render } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
 import { query, request } from '../api';
 import { Chart } from '../chart';
@@ -8,6 +8,7 @@ import type { Line } from '../chart';
 import type { Context, MakePage, Page } from '../context';
 import { age, clock, duration, exactValue, tableValue } from '../format';
 import { t, word } from '../i18n';
+import { html } from '../markup';
 import { link } from '../router';
 import { labelOf, spanOf, spans } from '../spans';
 import { LiveTail, lineOf } from '../trend';

@@ -1,6 +1,6 @@
 // Devices: how each is and why, what was learned of it, what it refuses, what failed, maintenance. #/devices/BUS/DEVICE shows one.
 
-import { html, nothing, render } from 'lit-html';
+import { nothing, render } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
 import { endMaintenance, startMaintenance } from '../alarm_actions';
 import type { Change, Context, MakePage, Page } from '../context';
@@ -9,6 +9,7 @@ import type { Reason } from '../device_health';
 import { age, count, duration, percent } from '../format';
 import { t, word } from '../i18n';
 import { ListTable } from '../list';
+import { html } from '../markup';
 import { link } from '../router';
 import type { Device } from '../types';
 import { bar, empty, makeElement, shape, stateBadge, toneOfState } from '../view';

@@ -1,13 +1,14 @@
 // Up to eight channels over any span: min to max as a band, the average as a line, what was bad at the foot. Every zoom asks the
 // station anew, so that the picture is as fine as the store is. The address holds channels and span.
 
-import { html, render } from 'lit-html';
+import { render } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
 import { query, request } from '../api';
 import { Chart } from '../chart';
 import type { Context, MakePage, Page } from '../context';
 import { count, duration, fullTime } from '../format';
 import { t } from '../i18n';
+import { html } from '../markup';
 import { channelLink, link } from '../router';
 import { labelOf, spanOf, spans } from '../spans';
 import { lineOf } from '../trend';

@@ -1,11 +1,13 @@
 // Every channel in one table: filter, sort, group by device, bad ones first, pinned ones on top. Only the rows that are seen are in
 // the document; of them only cells whose value changed are touched.
 
-import { html, render } from 'lit-html';
+import { render } from 'lit-html';
 import type { Context, MakePage } from '../context';
 import { age, count, duration, tableValue } from '../format';
 import { t } from '../i18n';
+import { html } from '../markup';
 import { meter } from '../meter';
+import { printable } from '../printable';
 import { channelLink } from '../router';
 import { arrange } from '../rows';
 import type { Choice, Rows, SortKey } from '../rows';
@@ -26,8 +28,14 @@ function readPins(): Set<string> {
   }
 }
 
-const setText = (element: Element, text: string): void => { if (element.textContent !== text) element.textContent = text; };
-const setTitle = (element: HTMLElement, text: string): void => { if (element.title !== text) element.title = text; };
+function setText(element: Element, received: string): void {
+  const text = printable(received);
+  if (element.textContent !== text) element.textContent = text;
+}
+function setTitle(element: HTMLElement, received: string): void {
+  const text = printable(received);
+  if (element.title !== text) element.title = text;
+}
 
 class LiveTable {
   readonly table: VirtualTable;

@@ -1,9 +1,10 @@
 // The login: user and password to the station, which answers with a cookie that no script can read.
 
-import { html, nothing, render } from 'lit-html';
+import { nothing, render } from 'lit-html';
 import { ApiError, request } from '../api';
 import type { MakePage } from '../context';
 import { t } from '../i18n';
+import { html } from '../markup';
 import { errorText, makeElement } from '../view';
 
 export const page: MakePage = () => {

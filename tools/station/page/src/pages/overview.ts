@@ -1,11 +1,12 @@
 // A card for each bus: its state, what the wire was planned to carry beside what it carries, misses by cause, the slowest device.
 
-import { html, nothing, render, svg } from 'lit-html';
+import { nothing, render } from 'lit-html';
 import { repeat } from 'lit-html/directives/repeat.js';
 import type { TemplateResult } from 'lit-html';
 import type { Context, MakePage } from '../context';
 import { age, count, duration } from '../format';
 import { t, word } from '../i18n';
+import { html, svg } from '../markup';
 import type { Load, Tally } from '../plant';
 import { link } from '../router';
 import type { Bus, Counts, Device } from '../types';

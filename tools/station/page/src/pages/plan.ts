@@ -1,13 +1,14 @@
 // The read plan of a bus as a picture: a row for each group of channels that are read together, a mark for each read, as wide as
 // the time that it takes of the wire. #/plan/BUS. Hovering, or the arrows, tell which channels a read carries.
 
-import { html, nothing, render, svg } from 'lit-html';
+import { nothing, render } from 'lit-html';
 import { repeat } from 'lit-html/directives/repeat.js';
 import type { TemplateResult } from 'lit-html';
 import { ApiError, query, request } from '../api';
 import type { Change, Context, MakePage, Page } from '../context';
 import { count, duration, percent, time } from '../format';
 import { t } from '../i18n';
+import { html, svg } from '../markup';
 import { axisTicks, marksOf, orderedGroups, pathOf, pointsOf, rangeText, readCount, readNear, readOf, readTime_ms } from '../plan_picture';
 import type { Read } from '../plan_picture';
 import { channelLink, link } from '../router';

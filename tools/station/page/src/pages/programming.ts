@@ -1,13 +1,14 @@
 // Programming: which devices and modules are there, who programs what since when, and how one starts. #/programming/BUS/DEVICE
 // shows the command for one device.
 
-import { html, nothing, render } from 'lit-html';
+import { nothing, render } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
 import type { Change, Context, MakePage, Page } from '../context';
 import { pathOf } from '../device_health';
 import { age, bytes, count, fullTime } from '../format';
 import { t, word } from '../i18n';
 import { ListTable } from '../list';
+import { html } from '../markup';
 import { portCommand, serverOf } from '../port_command';
 import type { PortChoice } from '../port_command';
 import { link } from '../router';

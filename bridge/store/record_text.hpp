@@ -1,0 +1,33 @@
+// Records of the store as text: one line for the log, and JSON for the quarantine. Pure functions.
+#pragma once
+
+#include <string>
+
+#include "bridge/store/alarm_sink.hpp"
+#include "bridge/store/records.hpp"
+#include "bridge/store/sample_table.hpp"
+
+namespace fieldcast {
+
+[[nodiscard]] std::string log_text(const AuditEntry& entry);
+[[nodiscard]] std::string log_text(const AlarmRecord& alarm);
+[[nodiscard]] std::string log_text(const KeptAlarm& alarm);
+[[nodiscard]] std::string log_text(const KeptMaintenance& maintenance);
+[[nodiscard]] std::string log_text(const AlarmEvent& event);
+[[nodiscard]] std::string log_text(const DeviceRecord& device);
+
+// One JSON object in ASCII with the table and the values of its columns. Bytes that are not UTF-8
+// are written as \xE4; a number that is not finite as a text.
+struct RecordJson {
+  std::string table;
+  std::string content;
+};
+[[nodiscard]] RecordJson json_of(const AuditEntry& entry);
+[[nodiscard]] RecordJson json_of(const AlarmRecord& alarm);
+[[nodiscard]] RecordJson json_of(const KeptAlarm& alarm);
+[[nodiscard]] RecordJson json_of(const KeptMaintenance& maintenance);
+[[nodiscard]] RecordJson json_of(const AlarmEvent& event);
+[[nodiscard]] RecordJson json_of(const DeviceRecord& device);
+[[nodiscard]] RecordJson json_of(const StoredChannel& channel, const SampleRow& sample);
+
+}  // namespace fieldcast

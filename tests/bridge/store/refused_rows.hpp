@@ -1,0 +1,16 @@
+// Checks of every_database_test.cpp: rows that a database refuses, and values that only a hostile
+// or broken program publishes. Each stores around them rows that must be there afterwards.
+//
+// They run on the thread of the test. The database exists and is at the present version.
+#pragma once
+
+#include "bridge/store/store_address.hpp"
+
+namespace fieldcast::test {
+
+void puts_refused_events_aside(const StoreAddress& address);
+void puts_refused_samples_aside(const StoreAddress& address);
+void goes_on_after_an_alarm_without_a_number(const StoreAddress& address);
+void goes_on_after_every_extreme(const StoreAddress& address);
+
+}  // namespace fieldcast::test
