@@ -101,11 +101,12 @@ void Bridge::State::answer_held(const std::string& bus, const CommandResult& res
   link->complete(bus, result, read_clocks());
 }
 
-void Bridge::State::run_command(const std::string& bus, Command command) {
+// `late`: it has expired already, and why.
+void Bridge::State::run_command(const std::string& bus, Command command, std::string late) {
   if (commands.was_answered_elsewhere(command, steady_now())) return;
   const AuditEntry asked = audit.asked(bus, command);
   ++standby.in_hand;
-  if (const auto refused = commands.take(bus, std::move(command), steady_now())) {
+  if (const auto refused = commands.take(bus, std::move(command), steady_now(), std::move(late))) {
     audit.refused(asked, *refused);
     if (!keeps_result(bus, *refused)) link->complete(bus, *refused, read_clocks());
   }

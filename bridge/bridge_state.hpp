@@ -148,7 +148,7 @@ struct Bridge::State {
   void answer_unknown(const StandbyNote& held);
   void seen_answer(const std::string& requester, std::uint64_t request_id);
   void answer_held(const std::string& bus, const CommandResult& result);
-  void run_command(const std::string& bus, Command command);
+  void run_command(const std::string& bus, Command command, std::string late = {});
   void run_action(const AlarmAction& action);
   void keep_identity(const std::string& bus, const std::string& requester, std::uint64_t request_id,
                      std::function<void(CommandRouter::Identity)> kept);
