@@ -13,7 +13,8 @@ CommandResult unfinished(const std::string& requester, std::uint64_t request_id,
   result.requester = requester;
   result.request_id = request_id;
   result.state = begun ? CommandState::kFailed : CommandState::kRejected;
-  result.cause = begun ? Cause::kShutdown : Cause::kOffline;
+  // kRejected with kShutdown is the proof for stations that it did not run: they send it again.
+  result.cause = Cause::kShutdown;
   result.reason = begun ? "the bridge that had begun it is gone; unknown whether it took effect"
                         : "no bridge of the group was master when it came, and it did not reach "
                           "the present one: it was not run, send it again";
