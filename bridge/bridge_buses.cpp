@@ -53,15 +53,21 @@ void Bridge::State::start_buses(const std::vector<std::string>& names, const Bri
 bool Bridge::State::follow_guard(const std::set<std::string>& uncontested) {
   const std::unique_lock lock(changing, std::try_to_lock);
   if (!lock) return false;  // the main thread stops or reloads
-  std::vector<std::string> away;
-  for (const auto& [name, bus] : buses) {
-    if (guard->serves(name)) continue;
-    log_error(name, fmt::format("given up: {} serves a bus of this name in DDS domain {} and was "
-                                "there first; names of buses are unique in a domain",
-                                guard->rival(name), spec.dds.domain));
-    away.push_back(name);
+  const std::set<std::string> now_contested = guard->contested();
+  for (const std::string& bus : now_contested) {
+    if (contested.contains(bus)) continue;
+    log_counted(LogLevel::kError, bus, "contested buses",
+                fmt::format("contested: {} says that it serves a bus of this name, too, in DDS "
+                            "domain {}, where names of buses are unique. This bridge serves it "
+                            "on; stop or rename one of the two",
+                            guard->rival(bus), spec.dds.domain));
   }
-  stop_buses(away);
+  for (const std::string& bus : contested) {
+    if (!now_contested.contains(bus) && buses.contains(bus))
+      log_counted(LogLevel::kInfo, bus, "contested buses",
+                  "contested no longer: only this bridge serves it");
+  }
+  contested = now_contested;
   for (const BusSpec& bus : spec.buses) {
     if (buses.contains(bus.name) || !guard->serves(bus.name)) continue;
     log_warning(bus.name, "taken over: the bridge that served a bus of this name is gone");

@@ -13,7 +13,8 @@ CommandResult unfinished(const std::string& requester, std::uint64_t request_id,
   result.requester = requester;
   result.request_id = request_id;
   result.state = begun ? CommandState::kFailed : CommandState::kRejected;
-  result.cause = begun ? Cause::kShutdown : Cause::kOffline;
+  // kRejected with kShutdown is the proof for stations that it did not run: they send it again.
+  result.cause = Cause::kShutdown;
   result.reason = begun ? "the bridge that had begun it is gone; unknown whether it took effect"
                         : "no bridge of the group was master when it came, and it did not reach "
                           "the present one: it was not run, send it again";
@@ -101,11 +102,12 @@ void Bridge::State::answer_held(const std::string& bus, const CommandResult& res
   link->complete(bus, result, read_clocks());
 }
 
-void Bridge::State::run_command(const std::string& bus, Command command) {
+// `late`: it has expired already, and why.
+void Bridge::State::run_command(const std::string& bus, Command command, std::string late) {
   if (commands.was_answered_elsewhere(command, steady_now())) return;
   const AuditEntry asked = audit.asked(bus, command);
   ++standby.in_hand;
-  if (const auto refused = commands.take(bus, std::move(command), steady_now())) {
+  if (const auto refused = commands.take(bus, std::move(command), steady_now(), std::move(late))) {
     audit.refused(asked, *refused);
     if (!keeps_result(bus, *refused)) link->complete(bus, *refused, read_clocks());
   }

@@ -72,6 +72,7 @@ struct Bridge::State {
   std::unique_ptr<CaptureService> captures;  // while the bridge runs
   std::map<std::string, RunningBus, std::less<>> buses;
   PublisherThread sinks;
+  std::set<std::string> contested;  // buses, as the log says; of the guard's thread
   std::unique_ptr<BusGuard> guard;  // outlives the link; its thread ends before the buses do
   std::unique_ptr<DdsLink> link;    // its handlers enter the members above: closed before they end
   std::unique_ptr<MetricsServer> metrics;  // with `metrics` only; ends before what it reads
@@ -147,7 +148,7 @@ struct Bridge::State {
   void answer_unknown(const StandbyNote& held);
   void seen_answer(const std::string& requester, std::uint64_t request_id);
   void answer_held(const std::string& bus, const CommandResult& result);
-  void run_command(const std::string& bus, Command command);
+  void run_command(const std::string& bus, Command command, std::string late = {});
   void run_action(const AlarmAction& action);
   void keep_identity(const std::string& bus, const std::string& requester, std::uint64_t request_id,
                      std::function<void(CommandRouter::Identity)> kept);

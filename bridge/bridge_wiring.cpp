@@ -57,6 +57,10 @@ void Bridge::State::join() {
     if (standby.hold(bus, command)) return;
     run_command(bus, std::move(command));
   };
+  handlers.on_late_command = [this](const std::string& bus, Command command, std::string why) {
+    if (standby.hold(bus, command)) return;
+    run_command(bus, std::move(command), std::move(why));
+  };
   handlers.on_alarm_action = [this](const AlarmAction& action) {
     if (standby.hold(action)) return;
     run_action(action);

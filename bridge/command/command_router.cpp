@@ -33,7 +33,7 @@ bool CommandRouter::was_answered_elsewhere(const Command& command, Instant now) 
 }
 
 std::optional<CommandResult> CommandRouter::take(const std::string& bus, Command command,
-                                                 Instant now) {
+                                                 Instant now, std::string late) {
   Keep keep;
   {
     const std::lock_guard lock(mutex_);
@@ -41,6 +41,8 @@ std::optional<CommandResult> CommandRouter::take(const std::string& bus, Command
       return rejection(command, Cause::kDuplicate, "this requester used this request_id before",
                        now);
     }
+    if (!late.empty())
+      return refusal(command, CommandState::kExpired, Cause::kExpired, std::move(late), now, now);
     // What is only read may be read twice.
     if (!keep_ || command.operation != Operation::kWrite) return post(bus, std::move(command), now);
     keep = keep_;

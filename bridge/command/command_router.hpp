@@ -45,9 +45,9 @@ class CommandRouter {
   void remove(const std::string& bus);
 
   // Nothing: a bus has the command or will have it, its result follows. Else the result, at once: a
-  // duplicate, a full queue, a bus that stops.
+  // duplicate, a full queue, a bus that stops. `late`: it has expired already, and why.
   [[nodiscard]] std::optional<CommandResult> take(const std::string& bus, Command command,
-                                                  Instant now);
+                                                  Instant now, std::string late = {});
 
  private:
   // REQUIRES: mutex_ held.

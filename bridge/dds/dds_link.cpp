@@ -108,12 +108,14 @@ void DdsLink::State::accept(const idl::Command& message, RequestTerms terms) {
   if (!command) return reject(message, command.error());
   command->subject = std::move(terms.subject);
   command->expires = terms.expires;
+  if (!terms.late.empty() && handlers.on_late_command)
+    return handlers.on_late_command(message.bus().c_str(), *std::move(command),
+                                    std::move(terms.late));
   handlers.on_command(message.bus().c_str(), *std::move(command));
 }
 
 void DdsLink::State::accept(const idl::AlarmAction& message, const RequestTerms& terms) {
-  if (terms.expires < terms.now.instant)
-    return reject(message, {Cause::kExpired, "it came too late"});
+  if (!terms.late.empty()) return reject(message, {Cause::kExpired, terms.late});
   auto action = from_idl(message);
   if (!action) return reject(message, action.error());
   action->subject = terms.subject;

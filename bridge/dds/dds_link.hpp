@@ -59,6 +59,9 @@ class DdsLink {
     std::function<void(AlarmAction action)> on_alarm_action{};
     // Readers of samples have come, or a station asks for the last values. Null: nobody listens.
     std::function<void()> on_readers{};
+    // A command that has expired when it arrives, and the reason, with the clocks of both. Null:
+    // on_command() is called.
+    std::function<void(const std::string& bus, Command command, std::string why)> on_late_command{};
   };
 
   struct BusCounters {

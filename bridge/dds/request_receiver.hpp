@@ -21,6 +21,7 @@ struct RequestTerms {
   std::string subject;  // who asks, by DDS Security; "" without it
   Instant expires;      // it may have passed already
   UtcMapping now;
+  std::string late;  // why it has expired already; empty if it has not
 };
 
 template <class Message>
@@ -75,15 +76,17 @@ class RequestReceiver : private dds::DataReaderListener {
     const UtcTime source{info.source_timestamp.to_ns()};
     const UtcMapping now = handlers_.clock();
     if (const auto before = written_before(listening_, source, now))
-      return handlers_.refused(message, {Cause::kExpired, too_early(*before)});
-    handlers_.accepted(
-        message, {*std::move(subject), expiry_of(source, writers_.lifespan_of(writer), now), now});
+      return handlers_.refused(message, {Cause::kExpired, too_early(*before, source, now)});
+    RequestTerms terms{
+        *std::move(subject), expiry_of(source, writers_.lifespan_of(writer), now), now, {}};
+    if (terms.expires <= now.instant)
+      terms.late = std::string(to_text(Cause::kExpired)) + ": " + clocks_text(source, now);
+    handlers_.accepted(message, std::move(terms));
   }
 
-  static std::string too_early(Duration before) {
-    return "it was written " + to_text(std::chrono::ceil<std::chrono::milliseconds>(before)) +
-           " before this bridge began to listen, by the clocks of both; if it is still wanted, "
-           "send it anew";
+  static std::string too_early(Duration before, UtcTime source, const UtcMapping& now) {
+    return "written " + to_text(std::chrono::ceil<std::chrono::milliseconds>(before)) +
+           " before this bridge began to listen; send it again. It was " + clocks_text(source, now);
   }
 
   Domain& domain_;

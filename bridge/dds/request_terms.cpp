@@ -1,6 +1,10 @@
 #include "bridge/dds/request_terms.hpp"
 
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <ctime>
 
 namespace fieldcast {
 
@@ -16,6 +20,14 @@ Duration age_of(UtcTime source, const UtcMapping& now) {
       __builtin_sub_overflow(now.utc.nanoseconds, source.nanoseconds, &age))
     age = 0;
   return Duration{std::clamp<std::int64_t>(age, 0, kLongestAge)};
+}
+
+// "2026-11-25 12:00:00.250 UTC". REQUIRES: after 1970.
+std::string utc_text(UtcTime time) {
+  const auto milliseconds = time.nanoseconds / 1'000'000;
+  return fmt::format("{:%Y-%m-%d %H:%M:%S}.{:03} UTC",
+                     fmt::gmtime(static_cast<std::time_t>(milliseconds / 1000)),
+                     milliseconds % 1000);
 }
 
 }  // namespace
@@ -57,6 +69,15 @@ void RequestWriters::on_participant(const FoundParticipant& participant) {
 
 Instant expiry_of(UtcTime source, Duration lifespan, const UtcMapping& now) {
   return now.instant + Duration{std::min(lifespan.count(), kLongestAge)} - age_of(source, now);
+}
+
+std::string clocks_text(UtcTime source, const UtcMapping& now) {
+  if (source.nanoseconds <= 0) return {};
+  const double seconds = std::chrono::duration<double>(age_of(source, now)).count();
+  return fmt::format(
+      "written at {}, received at {} by this bridge's clock: the requester's clock is {:.1f} s "
+      "behind, or the request was late by that",
+      utc_text(source), utc_text(now.utc), seconds);
 }
 
 std::optional<Duration> written_before(Instant listening, UtcTime source, const UtcMapping& now) {

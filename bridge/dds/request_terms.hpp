@@ -44,6 +44,10 @@ class RequestWriters : public DiscoveryListener {
 // say, but never negative.
 [[nodiscard]] Instant expiry_of(UtcTime source, Duration lifespan, const UtcMapping& now);
 
+// Both clocks, for the reason of a request that is too late by them: "written at .., received at ..
+// by this bridge's clock: ..". Empty if the request has no source time.
+[[nodiscard]] std::string clocks_text(UtcTime source, const UtcMapping& now);
+
 // How long before `listening` the request was written: it was not for the bridge that listens now,
 // although its writer may keep it and send it again. Nothing: since then. The source time is of the
 // sender's clock, so that a sender whose clock is behind by d is refused for the first d of a

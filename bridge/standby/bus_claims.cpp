@@ -1,6 +1,7 @@
 #include "bridge/standby/bus_claims.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <tuple>
 
 namespace fieldcast {
@@ -39,7 +40,8 @@ void BusClaims::want(const std::vector<std::string>& buses, UtcTime now) {
 }
 
 std::optional<BridgeClaims> BusClaims::rival(const std::string& bus) const {
-  auto first = rank(own_.at(bus), id_);
+  const BusClaim& own = own_.at(bus);
+  auto first = own.serving ? rank({UtcTime{INT64_MIN}, false}, {}) : rank(own, id_);
   const BridgeClaims* found = nullptr;
   for (const auto& [id, other] : others_) {
     const auto claim = other.claims.buses.find(bus);
@@ -52,10 +54,15 @@ std::optional<BridgeClaims> BusClaims::rival(const std::string& bus) const {
   return found == nullptr ? std::nullopt : std::optional(*found);
 }
 
-bool BusClaims::decide() {
+bool BusClaims::decide(Instant now) {
   bool changed = false;
   for (auto& [bus, claim] : own_) {
-    const bool serving = !standing_by_ && (claim.serving || !rival(bus));
+    const auto first = rival(bus);
+    if (!first || first->buses.at(bus).serving) unserved_.erase(bus);
+    // One that stands by counts this time as well: a takeover must not wait for it.
+    const bool unserved = first && !first->buses.at(bus).serving &&
+                          now - unserved_.try_emplace(bus, now).first->second >= kMostUnserved;
+    const bool serving = !standing_by_ && (claim.serving || !first || unserved);
     changed |= serving != claim.serving;
     claim.serving = serving;
   }
@@ -69,11 +76,8 @@ bool BusClaims::serves(const std::string& bus) const {
 
 std::set<std::string> BusClaims::contested() const {
   std::set<std::string> found;
-  for (const auto& [id, other] : others_) {
-    if (!is_rival(other)) continue;
-    for (const auto& [bus, claim] : other.claims.buses) {
-      if (claim.serving && serves(bus)) found.insert(bus);
-    }
+  for (const auto& [bus, claim] : own_) {
+    if (claim.serving && rival(bus)) found.insert(bus);
   }
   return found;
 }

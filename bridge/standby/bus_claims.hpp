@@ -1,13 +1,14 @@
 // Which bridge serves a bus when several of one domain name it: each tells the others what it wants
 // and what it serves (topic fieldcast/Bridge), and each decides by the same rule. Pure; one owner.
 //
-// The rule: a bridge that serves a bus keeps it, whatever other bridges claim: a claim can be forged.
+// The rule: a bridge that serves a bus keeps it, whatever others claim: a claim can be forged.
 // One that waits gives way to a bridge that serves; of two that wait, the one that has wanted the
 // bus for longer goes first; of two that began at the same instant, the one with the smaller
-// identity. Two that both served before they met both go on, and the bus is contested(). So clocks
-// that differ change who is first of several that begin together,
-// never who goes on. Bridges of one standby group are no rivals: the group's election says which of
-// them serves.
+// identity. Claims that only wait count for kMostUnserved: a bridge that has seen nobody serve the
+// bus for so long serves it. Two that both served before they met both go on, and the bus is
+// contested(). So clocks that differ change who is first of several that begin together, never who
+// goes on. Bridges of one standby group are no rivals: the group's election says which of them
+// serves.
 #pragma once
 
 #include <cstdint>
@@ -41,6 +42,9 @@ struct BridgeClaims {
 
 class BusClaims {
  public:
+  // A bridge that waits for others which only wait, too, serves the bus after this time.
+  static constexpr Duration kMostUnserved = std::chrono::seconds{5};
+
   // `id`: of this bridge in DDS, unique in the domain. Others are told apart by theirs.
   explicit BusClaims(std::string id = {}) : id_(std::move(id)) {}
   void set_id(std::string id) { id_ = std::move(id); }
@@ -72,15 +76,15 @@ class BusClaims {
 
   // Wants these buses, from now on those that are new. One it does not want any more is free.
   void want(const std::vector<std::string>& buses, UtcTime now);
-  // The bridge that keeps this one from serving a bus, and what it said; nothing: none does.
-  // REQUIRES: the bus is wanted.
+  // The bridge that keeps this one from serving a bus, and what it said. Of a bus that this bridge
+  // serves: one that serves it as well. Empty if there is none. REQUIRES: the bus is wanted.
   [[nodiscard]] std::optional<BridgeClaims> rival(const std::string& bus) const;
-  // Decides anew for each wanted bus whether this bridge serves it. True if something changed,
-  // which the others must be told.
-  bool decide();
+  // Decides for each wanted bus whether this bridge serves it. Returns true if something changed,
+  // which the others must be told. Called once in a while, as time counts: kMostUnserved.
+  bool decide(Instant now);
   [[nodiscard]] const std::map<std::string, BusClaim>& buses() const { return own_; }
   [[nodiscard]] bool serves(const std::string& bus) const;
-  // The buses that this bridge serves and another one as well: until one of both knows it.
+  // The buses that this bridge serves and another one claims to serve as well.
   [[nodiscard]] std::set<std::string> contested() const;
 
  private:
@@ -94,6 +98,7 @@ class BusClaims {
   std::string id_, group_;
   bool standing_by_ = false;
   std::map<std::string, BusClaim> own_;
+  std::map<std::string, Instant> unserved_;  // since when all that want the bus wait
   std::map<std::string, Other> others_;
 };
 

@@ -64,7 +64,7 @@ void BusGuard::stand_by(bool standing_by) {
   {
     const std::lock_guard lock(mutex_);
     claims_.set_standing_by(standing_by);
-    if (!settled_ || !claims_.decide()) return;
+    if (!settled_ || !claims_.decide(steady_now())) return;
     contested_ = claims_.contested();
   }
   announce();
@@ -75,7 +75,7 @@ void BusGuard::want(const std::string& id, const std::vector<std::string>& buses
     const std::lock_guard lock(mutex_);
     claims_.set_id(id);
     claims_.want(buses, handlers_.now());
-    if (settled_) (void)claims_.decide();
+    if (settled_) (void)claims_.decide(steady_now());
   }
   announce();
 }
@@ -107,7 +107,7 @@ void BusGuard::settle(const std::function<bool()>& give_up) {
   check_processes();
   lock.lock();
   settled_ = true;
-  (void)claims_.decide();
+  (void)claims_.decide(steady_now());
   contested_ = claims_.contested();
   const std::size_t unheard = silent_.size();
   lock.unlock();
@@ -126,6 +126,11 @@ std::string BusGuard::rival(const std::string& bus) const {
   return rival ? fmt::format("bridge '{}' on host {}", rival->bridge, rival->host) : "no bridge";
 }
 
+std::set<std::string> BusGuard::contested() const {
+  const std::lock_guard lock(mutex_);
+  return claims_.contested();
+}
+
 std::optional<BusClaims::Namesake> BusGuard::namesake() const {
   const std::lock_guard lock(mutex_);
   BridgeClaims own = own_;
@@ -134,12 +139,12 @@ std::optional<BusClaims::Namesake> BusGuard::namesake() const {
 }
 
 bool BusGuard::decide() {
-  const bool changed = claims_.decide();
+  const bool changed = claims_.decide(steady_now());
   const auto contested = claims_.contested();
+  changed_ |= changed || contested != contested_;
   for (const std::string& bus : std::exchange(contested_, contested)) {
     if (!contested.contains(bus) && claims_.serves(bus)) uncontested_.insert(bus);
   }
-  changed_ |= changed || !uncontested_.empty();
   return changed;
 }
 
@@ -171,7 +176,8 @@ void BusGuard::run() {
   pthread_setname_np(pthread_self(), "guard");
   std::unique_lock lock(mutex_);
   while (!ending_) {
-    if (std::exchange(dirty_, false) && decide()) {
+    dirty_ = false;
+    if (decide()) {
       lock.unlock();
       announce();
       lock.lock();

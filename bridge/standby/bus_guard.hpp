@@ -24,9 +24,9 @@ class BusGuard {
 
   struct Handlers {
     std::function<void(const BridgeClaims&)> announce;  // tells the others; one call at a time
-    // serves() may have changed. `uncontested`: buses that another bridge served as well, and
-    // serves no longer. On the guard's thread, after watch(). False: not possible now; it is called
-    // again in a moment.
+    // serves() or contested() may have changed. `uncontested`: buses that another bridge served as
+    // well, and serves no longer. On the guard's thread, after watch(). False: not possible now; it
+    // is called again in a moment.
     std::function<bool(const std::set<std::string>& uncontested)> changed;
     std::function<UtcTime()> now;
     std::function<Finding()> finding;  // without those of found(), and of the claims
@@ -63,6 +63,8 @@ class BusGuard {
   [[nodiscard]] bool serves(const std::string& bus) const;
   // The one that serves a bus in place of this bridge, for people: "bridge 'b' on host h".
   [[nodiscard]] std::string rival(const std::string& bus) const;
+  // The buses that this bridge serves and rival() serves as well.
+  [[nodiscard]] std::set<std::string> contested() const;
 
   // Another member of the group has the name of this one: it goes first, and this one must not be
   // master; or this one goes first.

@@ -16,15 +16,15 @@ BusServers::BusServers(Domain& domain, std::function<void()> changed)
 
 BusServers::~BusServers() { domain_.remove(reader_); }
 
-std::vector<BusServers::Participant> BusServers::takers(const std::string& bus) const {
-  std::vector<Participant> serving, keeping;
+std::vector<BusServers::Taker> BusServers::takers(const std::string& bus) const {
+  std::vector<Taker> serving, keeping;
   const std::lock_guard lock(mutex_);
   for (const auto& [writer, known] : known_) {
     const auto found = known.buses.find(bus);
     if (found == known.buses.end() || silent_.contains(writer)) continue;
-    const Participant participant = rtps::iHandle2GUID(writer).guidPrefix;
-    if (found->second) serving.push_back(participant);
-    if (known.in_group) keeping.push_back(participant);
+    const Taker taker{rtps::iHandle2GUID(writer).guidPrefix, known.since};
+    if (found->second) serving.push_back(taker);
+    if (known.in_group) keeping.push_back(taker);
   }
   return serving.empty() ? keeping : serving;
 }
@@ -37,7 +37,10 @@ void BusServers::on_data_available(dds::DataReader* reader) {
     while (reader->take_next_sample(&received, &info) == ReturnCode_t::RETCODE_OK) {
       if (!info.valid_data) continue;
       const StationBridge bridge = station_bridge(received);
-      Known said{.in_group = !bridge.standby_group.empty()};
+      const auto before = known_.find(info.publication_handle);
+      Known said{.in_group = !bridge.standby_group.empty(),
+                 .since = before == known_.end() ? std::chrono::steady_clock::now()
+                                                 : before->second.since};
       for (const auto& bus : bridge.buses) said.buses[bus.bus] = bus.serving;
       lost_.forget(info.publication_handle, info.publication_handle);
       known_[info.publication_handle] = std::move(said);

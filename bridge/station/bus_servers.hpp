@@ -5,6 +5,7 @@
 // DDS calls on its threads. takers() on any thread.
 #pragma once
 
+#include <chrono>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <functional>
 #include <map>
@@ -21,6 +22,11 @@ namespace fieldcast {
 class BusServers : private dds::DataReaderListener {
  public:
   using Participant = rtps::GuidPrefix_t;
+  struct Taker {
+    Participant participant;
+    // Since when it is heard. One that shows no endpoints for commands a while later is forged.
+    std::chrono::steady_clock::time_point since;
+  };
 
   // `changed` is called whenever what takers() says may be another. Throws DdsError.
   BusServers(Domain& domain, std::function<void()> changed);
@@ -28,13 +34,14 @@ class BusServers : private dds::DataReaderListener {
   BusServers(const BusServers&) = delete;
   BusServers& operator=(const BusServers&) = delete;
 
-  [[nodiscard]] std::vector<Participant> takers(const std::string& bus) const;
+  [[nodiscard]] std::vector<Taker> takers(const std::string& bus) const;
 
  private:
   using Handle = dds::InstanceHandle_t;
   struct Known {
     std::map<std::string, bool> buses;  // whether it serves them
     bool in_group = false;
+    std::chrono::steady_clock::time_point since;
   };
   void on_data_available(dds::DataReader* reader) override;
   void on_subscription_matched(dds::DataReader* reader,

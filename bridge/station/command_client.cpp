@@ -158,10 +158,15 @@ bool CommandClient::reaches(const std::string& bus, const Matches& writer) const
     });
   };
   // Commands are volatile: a bridge that is found later never gets them.
-  const auto takers = servers_.takers(bus);
-  return !takers.empty() && std::all_of(takers.begin(), takers.end(), [&](const auto& taker) {
-    return has(writer.readers, taker) && has(result_writers_, taker);
-  });
+  const auto now = std::chrono::steady_clock::now();
+  bool any = false, all = true;
+  for (const BusServers::Taker& taker : servers_.takers(bus)) {
+    const bool reached =
+        has(writer.readers, taker.participant) && has(result_writers_, taker.participant);
+    any |= reached;
+    all &= reached || now - std::max(taker.since, writer.made) >= kLongestMatch;
+  }
+  return any && all;
 }
 
 template <class Message>
@@ -206,6 +211,25 @@ tl::expected<std::uint64_t, StationFault> CommandClient::send(AlarmAction action
   idl::AlarmAction out;
   if (!to_idl(action, out)) return tl::unexpected(StationFault::kNotSent);
   return send(out, action_writer(), wait_for_bridge, awaited);
+}
+
+StationOutcome CommandClient::execute(StationCommand command, Duration wait_for_bridge,
+                                      Duration wait_for_result) {
+  const auto began = std::chrono::steady_clock::now();
+  const Duration lifespan = command.lifespan;
+  tl::expected<StationResult, StationFault> outcome = tl::unexpected(StationFault::kNotSent);
+  for (int attempt = 1;; ++attempt) {
+    const auto id = send(command, wait_for_bridge, true);
+    if (!id) return attempt == 1 ? tl::unexpected(id.error()) : outcome;
+    outcome = await(*id, command.lifespan + wait_for_result);
+    if (!outcome || !was_not_run(*outcome) || attempt == kMostAttempts) return outcome;
+    // In whole seconds: each lifespan has its writer. A new id, as bridges remember the old one.
+    const Duration spent = std::chrono::steady_clock::now() - began;
+    command.lifespan = std::chrono::floor<std::chrono::seconds>(lifespan - spent);
+    if (command.lifespan <= Duration::zero()) return outcome;
+    command.command.request_id = 0;
+    wait_for_bridge = std::min(wait_for_bridge, command.lifespan);
+  }
 }
 
 tl::expected<StationResult, StationFault> CommandClient::await(std::uint64_t request_id,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <map>
 #include <memory>
@@ -32,11 +33,20 @@ class CommandClient {
   [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(AlarmAction action,
                                                                Duration wait_for_bridge,
                                                                bool awaited);
+  // send() and await(); while its lifespan lasts, a command that was_not_run() is sent again.
+  [[nodiscard]] StationOutcome execute(StationCommand command, Duration wait_for_bridge,
+                                       Duration wait_for_result);
   [[nodiscard]] tl::expected<StationResult, StationFault> await(std::uint64_t request_id,
                                                                 Duration wait);
 
  private:
   CommandClient(Domain& domain, const std::string& name, const std::string& identity);
+
+  static constexpr int kMostAttempts = 4;  // of one command
+
+  // A bridge that takes no commands so long after it claimed a bus keeps no command back that
+  // another bridge takes: a claim can be forged.
+  static constexpr Duration kLongestMatch = std::chrono::seconds{2};
 
   // Distinct lifespans, each with a writer. Beyond that, the nearest shorter one is used.
   static constexpr std::size_t kMaxLifespans = 16;
@@ -51,6 +61,7 @@ class CommandClient {
     dds::DataWriter* entity = nullptr;
     std::set<dds::InstanceHandle_t> readers;
     std::atomic<bool> found_new{true};
+    const std::chrono::steady_clock::time_point made = std::chrono::steady_clock::now();
   };
   template <class Message>
   struct Writer : Matches {
@@ -84,7 +95,8 @@ class CommandClient {
   ActionWriter& action_writer();
   // Of this process, or of a person who asked it.
   [[nodiscard]] bool is_ours(std::string_view requester) const;
-  // Whoever takes commands for the bus hears this writer, and is heard. REQUIRES: mutex_ held.
+  // Each bridge that takes commands for the bus has matched this writer and the reader of results,
+  // but for those that had kLongestMatch for it. REQUIRES: mutex_ held.
   [[nodiscard]] bool reaches(const std::string& bus, const Matches& writer) const;
   // Waits for the bridge of the bus, then writes; gives the request_id, which is filled in here
   // unless it was reserved.

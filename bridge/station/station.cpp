@@ -85,6 +85,10 @@ std::string to_text(const StationOutcome& outcome) {
   return text;
 }
 
+bool was_not_run(const StationResult& result) {
+  return result.state == CommandState::kRejected && result.cause == to_name(Cause::kShutdown);
+}
+
 Duration age(const StationSample& sample) {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   return std::chrono::duration_cast<Duration>(now) - Duration{sample.acquired_at.nanoseconds};
@@ -258,11 +262,7 @@ void Station::withdraw_interest(const std::string& pattern) {
 StationOutcome Station::execute(StationCommand command, Duration wait_for_bridge,
                                 Duration wait_for_result) {
   if (!may_command()) return tl::unexpected(StationFault::kNoRight);
-  CommandClient& client = state_->client();
-  const Duration wait = command.lifespan + wait_for_result;
-  const auto id = client.send(std::move(command), wait_for_bridge, true);
-  if (!id) return tl::unexpected(id.error());
-  return client.await(*id, wait);
+  return state_->client().execute(std::move(command), wait_for_bridge, wait_for_result);
 }
 
 StationOutcome Station::write(std::string_view path, Value value, bool verify) {

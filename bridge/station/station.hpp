@@ -40,6 +40,10 @@ using StationOutcome = tl::expected<StationResult, StationFault>;
 // "verified", "rejected: channel is read-only (READ_ONLY)", "no result came in time".
 [[nodiscard]] std::string to_text(const StationOutcome& outcome);
 
+// True if the result proves that the command was not run, as the bus was stopped or taken over by
+// another bridge at that moment: it may be sent again, under a new request_id.
+[[nodiscard]] bool was_not_run(const StationResult& result);
+
 // How old a value is by this machine's clock, against the instant at which the bridge had the last
 // byte of it. Needs clocks that agree. A channel that was never read is as old as the epoch.
 [[nodiscard]] Duration age(const StationSample& sample);
@@ -105,8 +109,8 @@ class Station {
   void withdraw_interest(const std::string& pattern);
 
   // Writes the command once the bridge that serves the bus is found (at most wait_for_bridge) and
-  // blocks for its one result, at most lifespan + wait_for_result. request_id and requester are
-  // filled in here. Any thread; many at a time. kNoRight unless may_command(), as all below.
+  // blocks for its one result, at most lifespan + wait_for_result. One that was_not_run() is sent
+  // again while its lifespan lasts. request_id and requester are set here. kNoRight: as all below.
   [[nodiscard]] StationOutcome execute(StationCommand command,
                                        Duration wait_for_bridge = std::chrono::seconds{3},
                                        Duration wait_for_result = std::chrono::seconds{5});

@@ -35,7 +35,7 @@ CommandResult GroupMember::unfinished(const Key& key, bool begun) {
   CommandResult result;
   std::tie(result.requester, result.request_id) = key;
   result.state = begun ? CommandState::kFailed : CommandState::kRejected;
-  result.cause = begun ? Cause::kShutdown : Cause::kOffline;
+  result.cause = Cause::kShutdown;
   result.reason = begun ? "the bridge that had begun it is gone" : "it did not reach the master";
   return result;
 }

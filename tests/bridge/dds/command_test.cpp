@@ -207,6 +207,123 @@ TEST(DdsCommand, MalformedIsRejectedWithAReason) {
   EXPECT_EQ(bridge.received.commands.size(), 0u);
 }
 
+CommandResult refused_as(const Command& command, Cause cause) {
+  CommandResult result = done(command);
+  result.state = CommandState::kRejected;
+  result.cause = cause;
+  return result;
+}
+
+TEST(DdsCommand, IsSentAgainWithinItsLifespanWhenItsBusWasBeingTakenOver) {
+  const std::string bus = bus_name("takeover");
+  Obedient bridge(bus);
+  bridge.received.answer = [&](const std::string& name, const Command& command) {
+    const bool first = bridge.received.commands.size() == 1;
+    bridge.link.complete(name, first ? refused_as(command, Cause::kShutdown) : done(command),
+                         both_clocks());
+  };
+  Station station(loopback(), "operator");
+  const auto result = station.execute(write_running(bus));
+  ASSERT_TRUE(result) << to_text(result.error());
+  EXPECT_EQ(result->state, CommandState::kDone);
+  const auto commands = bridge.received.commands.all();
+  ASSERT_EQ(commands.size(), 2u);
+  const Command &first = commands[0].second, &second = commands[1].second;
+  EXPECT_EQ(first.requester, second.requester);
+  EXPECT_NE(first.request_id, second.request_id) << "bridges remember the first one";
+  EXPECT_LE(second.expires, first.expires);
+}
+
+TEST(DdsCommand, IsNotSentAgainWhenItMayHaveRunOrIsRefusedForAnotherReason) {
+  const std::string bus = bus_name("once");
+  Obedient bridge(bus);
+  Station station(loopback(), "operator");
+  CommandResult refusal = refused_as({}, Cause::kOffline);  // the store is away
+  bridge.received.answer = [&](const std::string& name, const Command& command) {
+    refusal.requester = command.requester;
+    refusal.request_id = command.request_id;
+    bridge.link.complete(name, refusal, both_clocks());
+  };
+  ASSERT_TRUE(station.execute(write_running(bus)));
+  refusal.state = CommandState::kFailed;  // it was begun
+  refusal.cause = Cause::kShutdown;
+  const auto failed = station.execute(write_running(bus));
+  ASSERT_TRUE(failed);
+  EXPECT_EQ(failed->state, CommandState::kFailed);
+  EXPECT_EQ(bridge.received.commands.size(), 2u) << "each once";
+}
+
+TEST(DdsCommand, IsSentAFewTimesOnlyToABridgeThatAlwaysStops) {
+  const std::string bus = bus_name("stops");
+  Obedient bridge(bus);
+  bridge.received.answer = [&](const std::string& name, const Command& command) {
+    bridge.link.complete(name, refused_as(command, Cause::kShutdown), both_clocks());
+  };
+  Station station(loopback(), "operator");
+  const auto result = station.execute(write_running(bus));
+  ASSERT_TRUE(result) << to_text(result.error());
+  EXPECT_TRUE(was_not_run(*result));
+  EXPECT_LE(bridge.received.commands.size(), 4u);
+  EXPECT_GE(bridge.received.commands.size(), 2u);
+}
+
+TEST(DdsCommand, IsNotKeptBackByAForgedClaimOnItsBus) {
+  const std::string bus = bus_name("claimed");
+  Obedient bridge(bus);
+  Domain forger(loopback(), "forger", nullptr);
+  dds::DataWriter* const claims = forger.writer(kBridgeTopic, "forger");
+  idl::Bridge claim;
+  to_idl(BridgeClaims{"forger", "host", "", UtcTime{1}, {{bus, {UtcTime{1}, true}}}}, claim);
+  ASSERT_TRUE(claims->write(&claim));
+  Station station(loopback(), "operator");
+  Collected<StationBridge> heard;
+  station.subscribe_bridges([&](const StationBridge& each) { heard.add(each); });
+  ASSERT_TRUE(eventually([&] { return heard.size() >= 2; }));
+  const auto result = station.execute(write_running(bus), 20s);
+  ASSERT_TRUE(result) << to_text(result.error());
+  EXPECT_EQ(result->state, CommandState::kDone);
+}
+
+TEST(DdsCommand, OfAClockThatIsBehindIsRefusedWithBothClocks) {
+  const std::string bus = bus_name("behind");
+  Received received;
+  Collected<std::string> late;
+  auto handlers = received.handlers();
+  std::atomic<Duration> lived{};  // of the link, for what was written before it began to listen
+  handlers.clock = [&lived] {
+    UtcMapping now = both_clocks();
+    now.instant += lived.load();
+    now.utc.nanoseconds += Duration{10s}.count();  // the station is 10 s behind
+    return now;
+  };
+  std::unique_ptr<DdsLink> link;
+  handlers.on_late_command = [&](const std::string& name, const Command& command, std::string why) {
+    CommandResult result = refused_as(command, Cause::kExpired);
+    result.state = CommandState::kExpired;
+    result.reason = std::move(why);
+    link->complete(name, result, both_clocks());
+  };
+  handlers.on_command = [&](const std::string&, const Command&) { late.add("it came in time"); };
+  link = std::make_unique<DdsLink>(loopback(), "test", std::move(handlers));
+  link->add_bus(bus_of(bus, 1));
+  claim(*link, {bus});
+  Station station(loopback(), "operator");
+  const std::string both = "by this bridge's clock: the requester's clock is 10.0 s behind";
+  const auto early = station.execute(write_running(bus));
+  ASSERT_TRUE(early) << to_text(early.error());
+  EXPECT_EQ(early->state, CommandState::kRejected);
+  EXPECT_THAT(early->reason, ::testing::HasSubstr("before this bridge began to listen"));
+  EXPECT_THAT(early->reason, ::testing::HasSubstr(both));
+  lived = 1h;
+  const auto result = station.execute(write_running(bus));
+  ASSERT_TRUE(result) << to_text(result.error());
+  EXPECT_EQ(result->state, CommandState::kExpired);
+  EXPECT_EQ(result->cause, to_name(Cause::kExpired));
+  EXPECT_THAT(result->reason, ::testing::StartsWith("expired before it could run: written at "));
+  EXPECT_THAT(result->reason, ::testing::HasSubstr(both));
+  EXPECT_EQ(late.size(), 0u);
+}
+
 TEST(DdsCommand, ManyRequestersEachGetTheirOwnResults) {
   const std::string bus = bus_name("many");
   Obedient bridge(bus);

@@ -34,6 +34,15 @@ TEST(CommandExpiry, DoesNotWrapForHugeNumbers) {
   EXPECT_LT(expiry_of({1}, 5s, kNow), kNow.instant);
 }
 
+TEST(CommandExpiry, ReasonNamesBothClocksAndTheirDifference) {
+  EXPECT_EQ(clocks_text(written(10s), kNow),
+            "written at 2023-11-14 22:13:10.000 UTC, received at 2023-11-14 22:13:20.000 UTC by "
+            "this bridge's clock: the requester's clock is 10.0 s behind, or the request was late "
+            "by that");
+  EXPECT_EQ(clocks_text({0}, kNow), "");
+  EXPECT_FALSE(clocks_text({1}, {Instant{}, {INT64_MAX}}).empty());
+}
+
 TEST(CommandAge, IsOlderThanTheReceiverThatWasNotThereYet) {
   const Instant listening = kNow.instant - 2s;
   EXPECT_EQ(written_before(listening, written(5s), kNow), Duration{3s});

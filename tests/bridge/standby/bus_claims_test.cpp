@@ -34,7 +34,7 @@ struct Domain {
     for (bool changed = true; changed; tell()) {
       changed = false;
       tell();
-      for (Bridge& bridge : bridges) changed |= bridge.claims.decide();
+      for (Bridge& bridge : bridges) changed |= bridge.claims.decide(now);
     }
   }
   [[nodiscard]] std::vector<std::string> serving(const std::string& bus = "bus") const {
@@ -45,6 +45,7 @@ struct Domain {
     return ids;
   }
   std::list<Bridge> bridges;
+  Instant now{};
 };
 
 TEST(BusClaims, ABridgeAloneServesWhatItWants) {
@@ -83,7 +84,7 @@ TEST(BusClaims, TwoThatServedBeforeTheyMetBothGoOnAndKnowIt) {
   Domain domain;
   auto& a = domain.add("a", 7);
   auto& b = domain.add("b", 6);
-  a.claims.decide(), b.claims.decide();
+  a.claims.decide({}), b.claims.decide({});
   EXPECT_THAT(domain.serving(), ElementsAre("a", "b"));
   domain.tell();
   EXPECT_THAT(a.claims.contested(), ElementsAre("bus"));
@@ -96,12 +97,43 @@ TEST(BusClaims, TwoThatServedBeforeTheyMetBothGoOnAndKnowIt) {
 TEST(BusClaims, AForgedClaimTakesNoBusFromTheBridgeThatServesIt) {
   BusClaims own("m");
   own.want({"bus"}, UtcTime{10});
-  ASSERT_TRUE(own.decide());
+  ASSERT_TRUE(own.decide({}));
   for (const bool serving : {true, false}) {
     own.receive("a", {"m", "host", "", UtcTime{1}, {{"bus", {UtcTime{1}, serving}}}});
-    EXPECT_FALSE(own.decide());
+    EXPECT_FALSE(own.decide({}));
     EXPECT_TRUE(own.serves("bus"));
   }
+}
+
+TEST(BusClaims, AForgedClaimThatOnlyWaitsKeepsAStartingBridgeForSecondsOnly) {
+  for (const bool standing_by : {false, true}) {
+    BusClaims own("m");
+    own.set_standing_by(standing_by);
+    own.want({"bus"}, UtcTime{10});
+    own.receive("a", {"forged", "host", "", UtcTime{1}, {{"bus", {UtcTime{1}, false}}}});
+    EXPECT_FALSE(own.decide(Instant{}));
+    EXPECT_FALSE(own.decide(Instant{} + BusClaims::kMostUnserved - Duration{1}));
+    EXPECT_EQ(own.rival("bus")->bridge, "forged");
+    own.set_standing_by(false);
+    EXPECT_TRUE(own.decide(Instant{} + BusClaims::kMostUnserved)) << "a takeover does not wait";
+    EXPECT_TRUE(own.serves("bus"));
+    EXPECT_THAT(own.contested(), IsEmpty());
+  }
+}
+
+TEST(BusClaims, TheTimeInWhichNobodyServesBeginsAgainWithEachThatServed) {
+  BusClaims own("m");
+  const auto claims = [&](bool serving) {
+    own.receive("a", {"other", "host", "", UtcTime{1}, {{"bus", {UtcTime{1}, serving}}}});
+  };
+  own.want({"bus"}, UtcTime{10});
+  claims(false);
+  EXPECT_FALSE(own.decide(Instant{}));
+  claims(true);
+  EXPECT_FALSE(own.decide(Instant{} + 2 * BusClaims::kMostUnserved));
+  claims(false);
+  EXPECT_FALSE(own.decide(Instant{} + 3 * BusClaims::kMostUnserved));
+  EXPECT_TRUE(own.decide(Instant{} + 4 * BusClaims::kMostUnserved));
 }
 
 TEST(BusClaims, WhoWaitsTakesOverWhenTheOtherIsGoneAndOneOfSeveral) {
@@ -120,15 +152,15 @@ TEST(BusClaims, WhoWaitsTakesOverWhenTheOtherIsGoneAndOneOfSeveral) {
 
 TEST(BusClaims, WhoIsSilentIsNoRivalAndTakesNoBusBackWhenItIsReceived) {
   Domain domain;
-  auto& first = domain.add("first", 1);
+  domain.add("first", 1);
   domain.come_to_rest();
   auto& later = domain.add("later", 2);
   domain.come_to_rest();
   later.claims.set_alive("first", false);
-  EXPECT_TRUE(later.claims.decide());
+  EXPECT_TRUE(later.claims.decide({}));
   EXPECT_TRUE(later.claims.serves("bus"));
   later.claims.set_alive("first", true);  // it was alive all the time, and served
-  EXPECT_FALSE(later.claims.decide());
+  EXPECT_FALSE(later.claims.decide({}));
   EXPECT_TRUE(later.claims.serves("bus"));
   EXPECT_THAT(later.claims.contested(), ElementsAre("bus"));
 }
@@ -200,10 +232,10 @@ TEST(BusClaims, WhoStandsByServesNothing) {
   own.set_group("g");
   own.set_standing_by(true);
   own.want({"bus"}, UtcTime{1});
-  EXPECT_FALSE(own.decide());
+  EXPECT_FALSE(own.decide({}));
   EXPECT_FALSE(own.serves("bus"));
   own.set_standing_by(false);
-  EXPECT_TRUE(own.decide());
+  EXPECT_TRUE(own.decide({}));
   EXPECT_TRUE(own.serves("bus"));
 }
 

@@ -228,6 +228,7 @@ TEST_F(HeldByMember, TellsTheMasterWhichAnswersWhatItDoesNotKnow) {
   const StationResult never_came = answer_to(StandbyNoteKind::kReturned, 101);
   const StationResult begun = answer_to(StandbyNoteKind::kBegun, 102);
   EXPECT_EQ(never_came.state, CommandState::kRejected);
+  EXPECT_EQ(never_came.cause, to_name(Cause::kShutdown)) << "stations send it again by that";
   EXPECT_THAT(never_came.reason, HasSubstr("send it again"));
   EXPECT_EQ(begun.state, CommandState::kFailed);
   EXPECT_THAT(begun.reason, HasSubstr("unknown whether it took effect"));

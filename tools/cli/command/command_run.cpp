@@ -13,9 +13,12 @@
 namespace fieldcast::cli {
 namespace {
 
+constexpr int kMostAttempts = 4;  // of one command
+
 struct Waiting {
   std::size_t errand = 0;
   Instant until{};
+  int attempts = 1;
 };
 
 }  // namespace
@@ -103,8 +106,8 @@ ExitCode CommandRun::why_not() const {
   return domain_.interrupted() ? ExitCode::kInterrupted : ExitCode::kNoBridge;
 }
 
-bool CommandRun::send(Errand& errand) {
-  errand.command.lifespan = options_.timeout;
+bool CommandRun::send(Errand& errand, Duration lifespan, Duration wait) {
+  errand.command.lifespan = lifespan;
   // Waits are short, so that Ctrl-C does not wait for a bridge that takes no commands.
   constexpr Duration kShortWait = std::chrono::milliseconds{100};
   auto& outcome = errand.outcome;
@@ -116,7 +119,7 @@ bool CommandRun::send(Errand& errand) {
     outcome.result.reason = held.substr(2);  // behind "; "
     return false;
   }
-  for (const auto until = instant_now() + kBridgeWait; !domain_.interrupted();) {
+  for (const auto until = instant_now() + wait; !domain_.interrupted();) {
     const auto sent = domain_.station().send(errand.command, kShortWait);
     if (sent) {
       outcome.result.request_id = *sent;
@@ -147,9 +150,9 @@ ExitCode CommandRun::execute(std::vector<Errand> errands) {
   while (next < errands.size() || !waiting.empty()) {
     for (; next < errands.size() && waiting.size() < kAtATime; ++next) {
       auto& errand = errands[next];
-      if (errand.to_be_sent() && send(errand)) {
+      if (errand.to_be_sent() && send(errand, options_.timeout, kBridgeWait)) {
         waiting[errand.outcome.result.request_id] = {
-            next, instant_now() + options_.timeout + kResultGrace};
+            next, instant_now() + options_.timeout + kResultGrace, 1};
       } else {
         finish(errand);
       }
@@ -163,9 +166,21 @@ ExitCode CommandRun::execute(std::vector<Errand> errands) {
       const auto* result = std::get_if<StationResult>(&event);
       const auto found = result == nullptr ? waiting.end() : waiting.find(result->request_id);
       if (found == waiting.end()) continue;
-      errands[found->second.errand].outcome.result = *result;
-      finish(errands[found->second.errand]);
+      Waiting was = found->second;
       waiting.erase(found);
+      Errand& errand = errands[was.errand];
+      // What is left of its time, in whole seconds: each lifespan has a writer.
+      const Duration left =
+          std::chrono::floor<std::chrono::seconds>(was.until - kResultGrace - instant_now());
+      if (was_not_run(*result) && left > Duration::zero() && was.attempts++ < kMostAttempts) {
+        if (send(errand, left, left)) {
+          waiting[errand.outcome.result.request_id] = was;
+          continue;
+        }
+        errand.outcome.state = Outcome::State::kResult;
+      }
+      errand.outcome.result = *result;
+      finish(errand);
     }
     for (auto entry = waiting.begin(); entry != waiting.end();) {
       if (entry->second.until > instant_now() && !domain_.interrupted()) {

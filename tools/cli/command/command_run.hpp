@@ -64,7 +64,8 @@ class CommandRun {
   static constexpr std::size_t kAtATime = 16;
   static constexpr Duration kResultGrace = std::chrono::seconds{2};
 
-  [[nodiscard]] bool send(Errand& errand);
+  // Waits for the bridge of its bus for `wait` at most.
+  [[nodiscard]] bool send(Errand& errand, Duration lifespan, Duration wait);
   std::optional<std::string> note(const DomainEvent& event);
   void print(const Outcome& outcome);
 

@@ -1,0 +1,105 @@
+"""Forged claims on a bus, on the topic fieldcast/Bridge, take it from no bridge, and hold none up.
+
+usage: forged_bridge.py BIN_DIR
+"""
+
+import contextlib
+import json
+import os
+import subprocess
+import sys
+import time
+
+from plant import Failure, Plant, wait_until
+
+CONFIG = """bridge: honest
+buses:
+  - name: line
+    port: { serial: {run}/line, baud: 115200, format: 8N1 }
+    protocol: modbus-rtu
+    devices:
+      - name: plc
+        address: 1
+        channels:
+          - { name: level, at: "holding:0", type: uint16, access: read-write, refresh: 100ms }
+"""
+CHANNEL = "line/plc/level"
+SECONDS = 5           # of each attack on a running bridge
+LONGEST_GAP = 2       # seconds between two samples, on a busy machine; without an attack some 0.1
+MOST_LINES = 40       # in the log of the bridge for one attack of 50 claims
+LEASE_SECONDS = 30    # until DDS gives up a forger that was killed: 10 when the machine is idle
+# A bridge that starts among claims that only wait serves after 1 + 5 s on an idle machine; Plant waits 20 s.
+
+
+@contextlib.contextmanager
+def forger(bin_dir, domain, what):
+    process = subprocess.Popen([os.path.join(bin_dir, "forge-claims"), str(domain), "line", what], stdin=subprocess.DEVNULL)
+    try:
+        yield
+        if process.poll() is not None:
+            raise AssertionError(f"forge-claims ended with {process.returncode}")
+    finally:
+        process.kill()
+        process.wait()
+
+
+def longest_gap(plant):
+    """Seconds, as a station sees the samples."""
+    watch = plant.start_cli("watch", CHANNEL, "--json", "--for", f"{SECONDS}s")
+    last, gap, count = time.monotonic(), 0.0, 0
+    for line in watch.stdout:
+        if json.loads(line).get("quality") == "GOOD":
+            now = time.monotonic()
+            last, gap, count = now, max(gap, now - last), count + 1
+    watch.wait()
+    print(f"  {count} samples, the longest gap {gap:.2f} s")
+    return gap if count else float("inf")
+
+
+def log_lines(plant):
+    with open(os.path.join(plant.run, "fieldcast-bridge.log"), encoding="utf-8") as log:
+        return log.readlines()
+
+
+def attack_running(bin_dir, faults):
+    with Plant(bin_dir, CONFIG) as plant:
+        for what in ("waiting", "serving", "both"):
+            print(f"claims of an older bridge, {what}, 10 a second for {SECONDS} s:")
+            before = len(log_lines(plant))
+            with forger(bin_dir, plant.domain, what):
+                if (gap := longest_gap(plant)) > LONGEST_GAP:
+                    faults.append(f"{what}: no sample for {gap:.1f} s")
+                written = plant.cli("write", f"{CHANNEL}=7")
+                if written.code != 0:
+                    faults.append(f"{what}: a write fails: {written}")
+            lines = len(log_lines(plant)) - before
+            print(f"  {lines} lines in the log of the bridge")
+            if lines > MOST_LINES:
+                faults.append(f"{what}: {lines} lines in the log")
+        wait_until(lambda: any("contested no longer" in line for line in log_lines(plant)), LEASE_SECONDS, "the bus is contested after the forger has ended")
+        said = "".join(log_lines(plant))
+        if "contested: bridge 'forger' on host elsewhere" not in said:
+            faults.append("the log does not name the forger")
+
+
+def attack_starting(bin_dir, faults):
+    plant = Plant(bin_dir, CONFIG)
+    with forger(bin_dir, plant.domain, "waiting"):
+        began = time.monotonic()
+        try:
+            with plant:
+                print(f"a bridge that starts among claims that wait serves after {time.monotonic() - began:.1f} s")
+        except Failure as failure:
+            faults.append(f"a bridge that starts among claims that wait: {failure}")
+
+
+def main(bin_dir):
+    faults = []
+    attack_running(bin_dir, faults)
+    attack_starting(bin_dir, faults)
+    print("\n".join(faults) or "no harm")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]))
