@@ -11,6 +11,7 @@
 #include "bridge/dds/topics/conversion.hpp"
 #include "bridge/station/subscription.hpp"
 #include "tests/bridge/support/claimed_domain.hpp"
+#include "tests/bridge/support/discovery_record.hpp"
 #include "tests/bridge/support/modbus_device.hpp"
 #include "tests/bridge/support/process.hpp"
 
@@ -42,17 +43,22 @@ class PlantSystem {
               spec.domain = domain;
               return spec;
             }(),
-            "plant-system", nullptr),
+            "plant-system", &discovered_),
         results_(domain_, kCommandResultTopic,
                  {[this](const idl::CommandResult& result) { note(result); }, {}, {}}),
-        commands_(domain_.writer(kCommandTopic, command_writer_qos(seconds{60}), "plant-system")) {}
+        commands_(domain_.writer(kCommandTopic, command_writer_qos(seconds{60}), "plant-system",
+                                 discovered_.matches(), dds::StatusMask::publication_matched())) {}
 
-  [[nodiscard]] bool matched_by(int bridges) {
-    return within([&] {
-      dds::PublicationMatchedStatus status;
-      commands_->get_publication_matched_status(status);
-      return status.current_count == bridges;
-    });
+  // Commands reach exactly so many bridges.
+  [[nodiscard]] testing::AssertionResult matched_by(int bridges) {
+    dds::PublicationMatchedStatus status;
+    if (within([&] {
+          commands_->get_publication_matched_status(status);
+          return status.current_count == bridges;
+        }))
+      return testing::AssertionSuccess();
+    return testing::AssertionFailure() << status.current_count << " bridges matched instead of "
+                                       << bridges << "; " << discovered_.text();
   }
   void write(std::uint64_t id) {
     written_[id] = now();
@@ -101,6 +107,7 @@ class PlantSystem {
   std::mutex mutex_;
   std::map<std::uint64_t, std::vector<StationResult>> results_by_id_;
   std::map<std::uint64_t, DdsTime> written_;
+  test::DiscoveryRecord discovered_;  // before the domain, which calls it
   Domain domain_;
   Subscription<idl::CommandResultPubSubType> results_;
   dds::DataWriter* commands_;
