@@ -6,10 +6,14 @@
 
 namespace fieldcast::web {
 
+void FrameBook::expire(Instant now) {
+  if (!kept_.empty() && now - oldest_ > kLife) kept_.clear();
+}
+
 LiveFrame FrameBook::frame(std::uint64_t version, const LiveSubscription& subscription,
                            Instant now) {
   ++counters_.asked;
-  if (!kept_.empty() && now - oldest_ > kLife) kept_.clear();
+  expire(now);
   const std::pair key{version, subscription.key()};
   if (const auto found = kept_.find(key); found != kept_.end()) return found->second;
 

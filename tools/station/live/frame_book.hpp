@@ -34,6 +34,10 @@ class FrameBook {
   [[nodiscard]] LiveFrame frame(std::uint64_t version, const LiveSubscription& subscription,
                                 Instant now);
 
+  // Drops frames that are too old for every client. To be called once a second.
+  void expire(Instant now);
+  [[nodiscard]] std::size_t kept() const { return kept_.size(); }
+
   struct Counters {
     std::uint64_t asked = 0;
     std::uint64_t encoded = 0;

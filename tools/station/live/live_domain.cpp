@@ -1,5 +1,7 @@
 #include "tools/station/live/live_domain.hpp"
 
+#include <malloc.h>
+
 #include <boost/asio/post.hpp>
 #include <utility>
 
@@ -9,6 +11,8 @@ namespace fieldcast::web {
 namespace {
 
 constexpr std::chrono::seconds kLook{1};  // for values that are overdue
+// Channels that were forgotten since the C library gave memory back to the system.
+constexpr std::uint64_t kTrimmedAfter = 10'000;
 
 class StationPort : public CommandPort {
  public:
@@ -50,6 +54,7 @@ struct LiveDomain::State {
   void listen();
   void deliver();
   void watch();  // for values that are overdue
+  void give_memory_back();
   // Handlers that DDS threads call, and that tell the tap, too.
   template <class Message, class Tap>
   auto both(void (DomainInbox::*note)(const Message&), const Tap& also) {
@@ -67,6 +72,7 @@ struct LiveDomain::State {
   const DomainTap tap;
   std::shared_ptr<bool> open = std::make_shared<bool>(true);  // posted tasks hold it weakly
   LiveModel model{first_version()};
+  std::uint64_t trimmed_at = 0;  // channels that were forgotten until then
   FrameBook frames{model};
   InterestBook interests{
       [this](const std::string& pattern, Duration refresh) { desk.declare(pattern, refresh); }};
@@ -96,8 +102,18 @@ void LiveDomain::State::watch() {
     deliver();  // what has come is not overdue
     const Instant now = steady_now();
     if (model.expire(now) > 0) hub.on_news(now);
+    frames.expire(now);
+    give_memory_back();
     watch();
   });
+}
+
+// Freed rows lie between others: by itself the C library returns the top of its heap only.
+void LiveDomain::State::give_memory_back() {
+  const std::uint64_t forgotten = model.counters().forgotten;
+  if (forgotten - trimmed_at < kTrimmedAfter) return;
+  trimmed_at = forgotten;
+  ::malloc_trim(0);
 }
 
 void LiveDomain::State::listen() {

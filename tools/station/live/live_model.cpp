@@ -5,6 +5,13 @@
 
 namespace fieldcast::web {
 
+namespace {
+
+// Of the table, when most of its rows were forgotten; then it gets smaller.
+constexpr std::size_t kMostEmptyBuckets = 1'024;
+
+}  // namespace
+
 void LiveModel::touch_value(Row& row) {
   row.live.version = ++version_;
   if (row.changed == changed_.end()) {
@@ -24,6 +31,7 @@ void LiveModel::forget(Row& row) {
   if (row.changed != changed_.end()) changed_.erase(row.changed);
   catalogued_.erase(row.catalogued);
   --gone_;
+  ++counters_.forgotten;
   const StationChannel& channel = row.live.channel;
   rows_.erase(rows_.find(PathView{channel.bus, channel.device, channel.channel}));
 }
@@ -56,6 +64,7 @@ void LiveModel::on_channel(const StationChannel& channel) {
   Row& row = *found->second;
   row.live.channel = channel;
   if (std::exchange(row.live.gone, false)) --gone_;
+  row.left.reset();
   touch_catalogue(row);
 }
 
@@ -91,8 +100,12 @@ void LiveModel::on_gone(const PathView& path) {
 
 std::size_t LiveModel::expire(Instant now) {
   std::size_t count = 0;
+  std::vector<Row*> departed;
   for (const auto& [path, row] : rows_) {
     LiveChannel& live = row->live;
+    if (live.gone && !row->left) row->left = now;
+    if (live.gone && now - *row->left >= kRemembered && departed.size() < kMostForgotten)
+      departed.push_back(row.get());
     const Duration refresh = live.channel.refresh;
     if (live.gone || live.last.quality != Quality::kGood || refresh <= Duration{}) continue;
     if (now - live.arrived <= kPatienceRefreshes * refresh + kPatience) continue;
@@ -100,6 +113,8 @@ std::size_t LiveModel::expire(Instant now) {
     touch_value(*row);
     ++count;
   }
+  for (Row* row : departed) forget(*row);
+  if (rows_.bucket_count() > kMostEmptyBuckets + 4 * rows_.size()) rows_.rehash(0);
   return count;
 }
 

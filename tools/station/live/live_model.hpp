@@ -3,9 +3,9 @@
 // owner, on the io thread; pointers and references stay valid until the next call that is not
 // const.
 //
-// A channel keeps its id for the life of the process, also while no bridge announces it, and an id
-// is never given to another channel. Channels that changed stand in a list, each once, the newest
-// at the end: whoever knows the version up to which it has seen everything gets what is newer.
+// A channel that no bridge announces any more keeps its id for kRemembered, then it is forgotten.
+// An id is never given to another channel. Channels that changed stand in a list, each once, the
+// newest at the end: a client that has seen everything up to a version gets what is newer.
 // When it is full (kMaxChannels), channels that nobody announces any more are forgotten, the oldest
 // first; if there are none, a new channel is refused and counted.
 //
@@ -17,6 +17,7 @@
 #include <list>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -64,8 +65,12 @@ class LiveModel {
   // Its bridge vanished, or does not have it any more: a good value is uncertain from now on.
   void on_gone(const PathView& path);
   // A good value is uncertain from now on when the next one is overdue: its bridge does not say so
-  // any more. To be called once a second. Gives how many.
+  // any more. Also forgets channels that nobody has announced for kRemembered, at most
+  // kMostForgotten of them, so that the thread is not held up. To be called once a second. Returns
+  // how many values are uncertain from now on.
   std::size_t expire(Instant now);
+  static constexpr Duration kRemembered = std::chrono::seconds{60};
+  static constexpr std::size_t kMostForgotten = 20'000;
   // How far a refresh may be exceeded before that: by itself, and by the time that a message takes.
   static constexpr int kPatienceRefreshes = 2;
   static constexpr Duration kPatience = std::chrono::seconds{2};
@@ -90,6 +95,8 @@ class LiveModel {
   // In the order of their paths; those that are gone are left out. Takes time n log n.
   [[nodiscard]] std::vector<const LiveChannel*> channels() const;
   [[nodiscard]] std::size_t count() const { return rows_.size() - gone_; }
+  // With those that are gone and not forgotten yet.
+  [[nodiscard]] std::size_t remembered() const { return rows_.size(); }
 
   // Grows with each value.
   [[nodiscard]] std::uint64_t version() const { return version_; }
@@ -115,6 +122,7 @@ class LiveModel {
     std::uint64_t samples = 0;  // that changed a channel
     std::uint64_t unknown = 0;  // samples of channels that were not announced
     std::uint64_t refused = 0;  // channels beyond the limit
+    std::uint64_t forgotten = 0;
   };
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
@@ -123,6 +131,7 @@ class LiveModel {
     LiveChannel live;
     std::list<Row*>::iterator changed;  // in changed_, once it has a value; else its end()
     std::list<Row*>::iterator catalogued;
+    std::optional<Instant> left;  // when expire() first found that it is gone
   };
   void touch_value(Row& row);
   void touch_catalogue(Row& row);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/tools/station/live/live_support.hpp"
+#include "tools/station/live/frame_book.hpp"
 
 namespace fieldcast::web {
 namespace {
@@ -124,6 +125,57 @@ TEST(LiveModel, AVersionOfAnotherProcessGetsEverything) {
   EXPECT_TRUE(model.catalogue_since(99'999).full);
   EXPECT_FALSE(model.catalogue_since(1'000).full);
   EXPECT_THAT(names(model.catalogue_since(1'000).changed), ElementsAre("a"));
+}
+
+TEST(LiveModel, AChannelThatIsGoneForAMinuteIsForgotten) {
+  using std::chrono::seconds;
+  constexpr int kMany = 5'000;
+  LiveModel model;
+  FrameBook frames(model);
+  LiveSubscription everything;
+  ASSERT_TRUE(everything.add(*Pattern::parse("*")));
+  model.on_channel(channel_of("stays"));
+  for (int i = 0; i < kMany; ++i) {
+    model.on_channel(channel_of("c" + std::to_string(i)));
+    model.on_sample(sample_of("c" + std::to_string(i), 1.0), Instant{seconds{100}});
+  }
+  EXPECT_EQ(frames.frame(0, everything, Instant{seconds{100}}).channels, 5'000u);
+  for (int i = 0; i < kMany; ++i) model.on_gone(path_of("c" + std::to_string(i)));
+  const std::uint64_t catalogue = model.catalogue_version();
+  model.expire(Instant{seconds{101}});
+  frames.expire(Instant{seconds{101}});
+  EXPECT_EQ(frames.kept(), 0u);
+  const std::uint32_t id = model.find(path_of("c7"))->id;
+  model.on_channel(channel_of("c7"));  // is back in time
+  model.expire(Instant{seconds{160}});
+  EXPECT_EQ(model.remembered(), 5'001u);
+  model.expire(Instant{seconds{161}});
+  EXPECT_EQ(model.remembered(), 2u);
+  EXPECT_EQ(model.count(), 2u);
+  EXPECT_EQ(model.counters().forgotten, 4'999u);
+  EXPECT_EQ(model.find(path_of("c7"))->id, id);
+  EXPECT_EQ(model.find(path_of("c8")), nullptr);
+  EXPECT_FALSE(model.catalogue_since(catalogue).full) << "it has been seen that they are gone";
+  EXPECT_TRUE(model.catalogue_since(1).full);
+  model.on_channel(channel_of("c8"));
+  EXPECT_GT(model.find(path_of("c8"))->id, 5'001u) << "an id is never given twice";
+  model.on_gone(path_of("c7"));
+  model.expire(Instant{seconds{162}});
+  model.expire(Instant{seconds{221}});
+  EXPECT_EQ(model.remembered(), 3u) << "its minute begins when it is gone again";
+}
+
+TEST(LiveModel, NotAllIsForgottenInOneTurn) {
+  LiveModel model;
+  constexpr std::size_t kMore = LiveModel::kMostForgotten + 1;
+  for (std::size_t i = 0; i < kMore; ++i) model.on_channel(channel_of(std::to_string(i)));
+  for (std::size_t i = 0; i < kMore; ++i) model.on_gone(path_of(std::to_string(i)));
+  const Instant start{std::chrono::seconds{100}};
+  model.expire(start);
+  model.expire(start + LiveModel::kRemembered);
+  EXPECT_EQ(model.remembered(), 1u);
+  model.expire(start + LiveModel::kRemembered);
+  EXPECT_EQ(model.remembered(), 0u);
 }
 
 TEST(LiveModel, AFullModelForgetsWhatIsGoneAndNeverGivesAnIdTwice) {
