@@ -61,6 +61,17 @@ TEST(ImportListAddress, AnOpenOrMalformedRangeIsRefusedWithItsPlace) {
   EXPECT_THAT(fate_of(*open, "A"), HasSubstr("the range '40003..' is open"));
 }
 
+TEST(ImportKepware, AnAddressOfTheLetterOfHexadecimalAloneIsRefused) {
+  const auto outcome = import_text(
+      "tags.csv",
+      "Tag Name,Address,Data Type,Client Access\nA,H,Word,RO\nB,h4,Word,RO\nC,H40001,Word,RO\n",
+      {.from = "kepware"});
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_EQ(fate_of(*outcome, "A"), "no: 'H' is no address");
+  EXPECT_EQ(fate_of(*outcome, "B"), "no: 'H4' is no address");
+  EXPECT_EQ(at_of(*outcome, "C"), "holding:0");
+}
+
 TEST(ImportBits, ThatTheListInvertsAreRefused) {
   const auto list = import_text("m.csv",
                                 "Address,Name,Type,Function,Scale,Offset\n1,A,BOOL,1,-1,1\n"

@@ -61,9 +61,10 @@ tl::expected<unsigned, std::string> elements_of(std::string_view brackets) {
 
 // "H400A1": hexadecimal behind the digit of the area, counted from `base`.
 ParsedKepware hexadecimal(std::string_view text, unsigned base) {
+  if (text.empty()) return tl::unexpected(std::string("'H' is no address"));
   const auto digits = whole_from(fmt::format("0x{}", text.substr(1)));
   constexpr std::string_view kAreas = "0134";
-  const std::size_t area = text.empty() ? std::string_view::npos : kAreas.find(text[0]);
+  const std::size_t area = kAreas.find(text[0]);
   if (!digits || area == std::string_view::npos || *digits < base || *digits > 65535 + base)
     return tl::unexpected(fmt::format("'H{}' is no address", text));
   return KepwareAddress{

@@ -13,6 +13,7 @@
 #include "tools/import/formats/mqm_converter.hpp"
 #include "tools/import/formats/readers.hpp"
 #include "tools/import/number.hpp"
+#include "tools/import/other_keys.hpp"
 #include "tools/import/text.hpp"
 #include "tools/import/tree.hpp"
 
@@ -63,6 +64,15 @@ class MqmReader {
   using MayFail = std::optional<std::string>;
 
   void read_network(const Node& network) {
+    other_keys_.look(network, "a network",
+                     {"name", "device", "baud", "parity", "data_bit", "stop_bit", "address", "port",
+                      "slaves", "response_timeout", "delay_before_command", "read_retries"});
+    if (const Node* slaves = child(network, "slaves"); is_list(slaves)) {
+      for (const Node* slave : slaves->items)
+        other_keys_.look(*slave, "a slave",
+                         {"name", "address", "write_mode", "response_timeout",
+                          "delay_before_command", "read_retries"});
+    }
     Bus& bus = found_.buses.emplace_back();
     bus.name = text_at(network, "name");
     bus.origin = {source_.file, line_of(network)};
@@ -165,6 +175,8 @@ class MqmReader {
   }
 
   void read_object(const Node& object, const Defaults& above) {
+    other_keys_.look(object, "an object",
+                     {"topic", "network", "slave", "refresh", "state", "availability", "commands"});
     Defaults defaults = above;
     defaults.topic = text_at(object, "topic");
     if (const auto text = text_at(object, "network"); !text.empty()) defaults.network = text;
@@ -207,6 +219,8 @@ class MqmReader {
 
   void read_value(const Node& node, const Defaults& defaults, const std::string& below,
                   const std::string& change) {
+    other_keys_.look(node, "a state or availability",
+                     {"name", "register", "register_type", "count", "converter", "refresh"});
     const std::string name = name_below(defaults, below);
     const auto place = place_of(text_at(node, "register"), defaults);
     if (!place) return refuse(node, name, place.error());
@@ -280,6 +294,8 @@ class MqmReader {
 
   // A command to what is read already makes that writable.
   void read_command(const Node& command, const Defaults& defaults) {
+    other_keys_.look(command, "a command",
+                     {"name", "register", "register_type", "count", "converter"});
     const std::string name = name_below(defaults, text_at(command, "name"));
     const auto place = place_of(text_at(command, "register"), defaults);
     if (!place) return refuse(command, name, place.error());
@@ -327,6 +343,7 @@ class MqmReader {
 
   const SourceText& source_;
   Found& found_;
+  OtherKeys other_keys_;
   std::map<std::string, const Node*, std::less<>> networks_;
   std::size_t made_ = 0;  // points
 };
@@ -343,6 +360,7 @@ std::optional<std::string> MqmReader::read(const Node& root) {
   defaults.refresh = span_at(*mqtt, "refresh");
   if (!defaults.refresh) defaults.refresh = std::chrono::seconds{5};
   for (const Node* object : objects->items) read_object(*object, defaults);
+  other_keys_.tell(source_.file, found_);
   return std::nullopt;
 }
 

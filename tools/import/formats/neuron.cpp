@@ -12,6 +12,7 @@
 #include "tools/import/formats/neuron_tag.hpp"
 #include "tools/import/formats/readers.hpp"
 #include "tools/import/number.hpp"
+#include "tools/import/other_keys.hpp"
 #include "tools/import/table.hpp"
 #include "tools/import/text.hpp"
 #include "tools/import/tree.hpp"
@@ -42,7 +43,15 @@ class NeuronReader {
     if (is_list(child(node, "groups")) || is_list(child(node, "tags"))) read_node(node);
   }
 
+  void tell_others() const { other_keys_.tell(source_.file, found_); }
+
   void read_table(const Table& table) {
+    for (const std::string& title : table.rows[0].cells) {
+      constexpr std::array kKnown{"group",     "interval", "name", "address",     "type",
+                                  "attribute", "decimal",  "bias", "description", ""};
+      if (std::ranges::find(kKnown, column_word(title)) == kKnown.end())
+        found_.notes.push_back(fmt::format("{}: column '{}' is not moved", source_.file, title));
+    }
     const auto column = [&](std::string_view word) -> std::size_t {
       const auto& titles = table.rows[0].cells;
       const auto found = std::ranges::find(titles, word, column_word);
@@ -78,6 +87,9 @@ class NeuronReader {
 
  private:
   void read_node(const Node& node) {
+    other_keys_.look(
+        node, "a node",
+        {"name", "node", "plugin", "params", "setting", "groups", "tags", "group", "interval"});
     std::string name(text_at(node, "name"));
     if (name.empty()) name = text_at(node, "node");
     const std::string plugin = lower(text_at(node, "plugin"));
@@ -114,6 +126,10 @@ class NeuronReader {
 
   void read_settings(const Node& settings, std::string_view plugin, Bus& bus, NeuronOrders& orders,
                      bool& says_base) {
+    other_keys_.look(
+        settings, "the settings",
+        {"host", "port", "device", "link", "baud", "parity", "data", "stop", "connection_mode",
+         "timeout", "interval", "address_base", "endianess", "endianess_64"});
     const auto host = text_at(settings, "host");
     const auto device = text_at(settings, "device");
     const bool rtu = plugin.find("rtu") != std::string_view::npos;
@@ -158,6 +174,8 @@ class NeuronReader {
     std::string name(text_at(group, "group"));
     if (name.empty()) name = text_at(group, "name");
     for (const Node* item : tags->items) {
+      other_keys_.look(*item, "a tag",
+                       {"name", "address", "type", "attribute", "decimal", "bias", "description"});
       NeuronTag tag;
       tag.name = text_at(*item, "name");
       if (several) tag.name = fmt::format("{}.{}", name, tag.name);
@@ -197,6 +215,7 @@ class NeuronReader {
                                 "by default"});
   }
 
+  OtherKeys other_keys_;
   std::optional<unsigned> base_;  // of the user
   std::optional<Duration> timeout_, pause_;
 };
@@ -237,7 +256,9 @@ Read read_neuron(std::span<const SourceText> sources, const ReadOptions& options
     if (begin.starts_with('{') || begin.starts_with('[')) {
       const auto tree = read_json(source.text);
       if (!tree) return fail(tree.error());
-      NeuronReader(source, options, found).read(*(*tree)->root, 0);
+      NeuronReader reader(source, options, found);
+      reader.read(*(*tree)->root, 0);
+      reader.tell_others();
     } else {
       const auto table = read_table(source.text);
       if (!table) return fail(table.error());

@@ -10,6 +10,7 @@
 #include "tools/import/address.hpp"
 #include "tools/import/formats/readers.hpp"
 #include "tools/import/number.hpp"
+#include "tools/import/other_keys.hpp"
 #include "tools/import/tree.hpp"
 #include "tools/import/types.hpp"
 
@@ -75,8 +76,10 @@ class TelegrafReader {
     const Node* inputs = child(root, "inputs");
     const Node* plugins = inputs == nullptr ? nullptr : child(*inputs, "modbus");
     if (is_map(plugins)) read_plugin(*plugins);
-    if (!is_list(plugins)) return;
-    for (const Node* plugin : plugins->items) read_plugin(*plugin);
+    if (is_list(plugins)) {
+      for (const Node* plugin : plugins->items) read_plugin(*plugin);
+    }
+    other_keys_.tell(source_.file, found_);
   }
 
  private:
@@ -89,6 +92,11 @@ class TelegrafReader {
   };
 
   void read_plugin(const Node& plugin) {
+    other_keys_.look(
+        plugin, "inputs.modbus",
+        {"name", "controller", "baud_rate", "data_bits", "stop_bits", "parity", "transmission_mode",
+         "interval", "timeout", "slave_id", "workarounds", "configuration_type", "coils",
+         "discrete_inputs", "input_registers", "holding_registers", "request", "metric"});
     Bus bus;
     bus.origin = {source_.file, line_of(plugin)};
     if (const std::string_view controller = text_at(plugin, "controller");
@@ -97,8 +105,12 @@ class TelegrafReader {
     bus.port = port_of_controller(plugin);
     bus.protocol = protocol_of(plugin, bus.port);
     strings_ = {};
-    if (const Node* workarounds = child(plugin, "workarounds"))
+    if (const Node* workarounds = child(plugin, "workarounds")) {
+      other_keys_.look(*workarounds, "workarounds",
+                       {"string_register_location", "pause_between_requests",
+                        "max_word_registers_per_request", "one_request_per_field"});
       strings_ = text_at(*workarounds, "string_register_location");
+    }
     refresh_ = go_duration(text_at(plugin, "interval"));
     if (!refresh_) refresh_ = interval_;
     const std::string_view name = text_at(plugin, "name");
@@ -117,6 +129,8 @@ class TelegrafReader {
   }
 
   void read_block(const Node& block, const Node& plugin, std::string_view name, Bus& bus) {
+    other_keys_.look(block, "a request or metric",
+                     {"slave_id", "byte_order", "register", "measurement", "fields"});
     const Node* fields = child(block, "fields");
     if (!is_list(fields)) return;
     Device& device = device_of(bus, plugin, name, block);
@@ -172,6 +186,9 @@ class TelegrafReader {
 
   void read_field(const Node& field, const FieldPlace& place, Device& device) {
     if (bool_at(field, "omit") == true) return;  // a filler between two fields
+    other_keys_.look(field, "a field",
+                     {"name", "address", "type", "data_type", "byte_order", "scale", "register",
+                      "measurement", "omit", "bit", "length", "output"});
     Point point;
     point.name = text_at(field, "name");
     point.origin = {source_.file, line_of(field)};
@@ -291,6 +308,7 @@ class TelegrafReader {
 
   const SourceText& source_;
   Found& found_;
+  OtherKeys other_keys_;
   std::optional<Duration> interval_, refresh_;
   std::string_view strings_;
 };

@@ -1,0 +1,89 @@
+// What other programs' files say beyond what moves is named in notes, once for each key.
+#include "tests/tools/import/support.hpp"
+
+namespace fieldcast::importing {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::Each;
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(ImportOtherKeys, OfTelegrafAreNamed) {
+  const auto outcome = import_text("t.conf", R"([[inputs.modbus]]
+  name = "m"
+  controller = "tcp://10.0.0.1:502"
+  busy_retries = 3
+  configuration_type = "request"
+  [inputs.modbus.workarounds]
+    pause_after_connect = "1s"
+  [[inputs.modbus.request]]
+    slave_id = 1
+    fields = [ { address = 0, name = "a", type = "UINT16", scale = 0.1 },
+               { address = 1, name = "b", type = "UINT16", offset = 4 } ]
+    [inputs.modbus.request.tags]
+      place = "hall"
+)");
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_THAT(outcome->notes, Contains("t.conf: key 'busy_retries' of inputs.modbus (line 4) "
+                                       "is not moved"));
+  for (const char* key : {"'pause_after_connect' of workarounds", "'tags' of a request or metric",
+                          "'offset' of a field"})
+    EXPECT_THAT(outcome->notes, Contains(AllOf(HasSubstr(key), HasSubstr("is not moved")))) << key;
+  for (const char* key : {"'scale'", "'configuration_type'", "'workarounds'"})
+    EXPECT_THAT(outcome->notes, Each(Not(HasSubstr(key)))) << key;
+}
+
+TEST(ImportOtherKeys, OfMqmgatewayAreNamedOnce) {
+  const auto outcome = import_text("m.yaml", R"(modbus:
+  networks:
+    - name: n
+      address: 10.0.0.1
+      watchdog: { watch_period: 10s }
+mqtt:
+  objects:
+    - topic: a
+      retain: false
+      state: { register: n.1.1, every: 5s }
+    - topic: b
+      retain: true
+      state: { register: n.1.2 }
+)");
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_THAT(outcome->notes,
+              Contains("m.yaml: key 'retain' of an object (line 9, ..) is not moved"));
+  EXPECT_THAT(outcome->notes, Contains(HasSubstr("key 'watchdog' of a network (line 5)")));
+  EXPECT_THAT(outcome->notes, Contains(HasSubstr("key 'every' of a state or availability")));
+}
+
+TEST(ImportOtherKeys, OfNeuronAreNamedInJsonAndInTables) {
+  const auto json = import_text("n.json", R"({"nodes":[{"name":"p","plugin":"Modbus TCP",
+    "params":{"host":"10.0.0.1","port":502,"max_retries":2},
+    "groups":[{"group":"g","interval":1000,"tags":[
+      {"name":"a","address":"1!40001","type":3,"attribute":1,"precision":2}]}]}]})");
+  ASSERT_TRUE(json) << json.error();
+  EXPECT_THAT(json->notes, Contains(HasSubstr("key 'max_retries' of the settings")));
+  EXPECT_THAT(json->notes, Contains(HasSubstr("key 'precision' of a tag (line 4)")));
+  const auto table = import_text("n.csv",
+                                 "group,interval,name,address,attribute,type,precision\n"
+                                 "g,1000,a,1!40001,Read,INT16,2\n");
+  ASSERT_TRUE(table) << table.error();
+  EXPECT_THAT(table->notes, Contains("n.csv: column 'precision' is not moved"));
+}
+
+TEST(ImportOtherKeys, HaveABound) {
+  std::string text = "modbus: { networks: [ { name: n, address: 10.0.0.1";
+  for (int i = 0; i < 200; ++i) text += ", k" + std::to_string(i) + ": 1";
+  text += " } ] }\nmqtt: { objects: [ { topic: a, state: { register: n.1.1 } } ] }\n";
+  const auto outcome = import_text("m.yaml", text);
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_EQ(std::ranges::count_if(outcome->notes,
+                                  [](const std::string& note) {
+                                    return note.find("is not moved") != std::string::npos;
+                                  }),
+            50);
+}
+
+}  // namespace
+}  // namespace fieldcast::importing

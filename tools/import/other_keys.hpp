@@ -1,0 +1,30 @@
+// Keys of a file's maps that its reader does not know, told once each. Pure.
+#pragma once
+
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tools/import/model.hpp"
+#include "tools/import/tree.hpp"
+
+namespace fieldcast::importing {
+
+class OtherKeys {
+ public:
+  // `of` names the map: "a request".
+  void look(const Node& map, std::string_view of, std::initializer_list<std::string_view> known);
+  // A note for each key, with the line where it stands first.
+  void tell(const std::string& file, Found& found) const;
+
+ private:
+  struct Other {
+    std::string_view key, of;
+    unsigned line = 0;
+    std::size_t count = 0;
+  };
+  std::vector<Other> others_;  // at most kMaxOthers; keys of the tree, which outlives this
+};
+
+}  // namespace fieldcast::importing
