@@ -7,6 +7,7 @@
 #include "config/channel_limits.hpp"
 #include "config/keys/channel_keys.hpp"
 #include "config/limits.hpp"
+#include "config/not_available.hpp"
 #include "config/scalars.hpp"
 #include "config/text_number.hpp"
 #include "core/model/fit.hpp"
@@ -282,6 +283,7 @@ ChannelSpec read_channel(const Node& node, const ChannelContext& context, FaultL
   read_address(map, context, draft);
   read_type(map, draft);
   read_text(map, draft);
+  read_not_available(map, draft.typed, spec.encoding);
   read_limits(map, spec);
   read_write(map, spec);
   read_order(draft);

@@ -41,7 +41,8 @@ inline constexpr std::size_t kMaxSites = 16;   // of a station
 inline constexpr std::uint64_t kMinRate =
     50'000;  // bytes a second: two messages of 32 000 in 1.3 s
 inline constexpr std::uint64_t kMaxRate = 1'000'000'000;
-inline constexpr std::size_t kMaxOptions = 32;  // of a device
+inline constexpr std::size_t kMaxOptions = 32;      // of a device
+inline constexpr std::size_t kMaxNotAvailable = 8;  // values of a channel's `not-available`
 
 // Texts, in bytes. Unit and description as in core/model/spec.hpp.
 inline constexpr std::size_t kMaxUnit = 32;

@@ -33,6 +33,8 @@ void add(Sum& sum, const ChannelSpec& channel) {
   sum.add(static_cast<std::int64_t>(encoding.byte_order));
   sum.add(encoding.bit ? *encoding.bit : -1);
   sum.add(fmt::format("{} {}", encoding.scale, encoding.offset));
+  for (const std::uint64_t pattern : encoding.not_available)
+    sum.add(static_cast<std::int64_t>(pattern));
   sum.add(channel.refresh.count());
   sum.add(static_cast<std::int64_t>(channel.mode));
   sum.add(static_cast<std::int64_t>(channel.access));

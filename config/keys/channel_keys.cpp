@@ -2,6 +2,7 @@
 
 #include "config/channel.hpp"
 #include "config/limits.hpp"
+#include "config/not_available.hpp"
 #include "config/scalars.hpp"
 #include "config/text_number.hpp"
 
@@ -154,6 +155,14 @@ std::vector<ChannelRow> channel_fields() {
                           "and exponent; what spells no number of the type is BAD_RANGE. Where a "
                           "declared place is a text, n may be left out"},
                  TextFormRule{}),
+      {{.name = "not-available",
+        .fallback = "none",
+        .text = "raw values by which the device says that it has no value, before scale and "
+                "offset: a value or a list of up to 8. `0x8000` is the bits of the type, `-1` a "
+                "number of it, `nan` any NaN of a float. Such a reading is BAD_RANGE, and the last "
+                "good value stays; a command cannot write it. In a cell of a channel list: "
+                "`0x7FFF 0x8000`",
+        .schema = not_available_schema()}},
       channel_row({.name = "deadband",
                    .fallback = "none: every reading is published",
                    .text = "changes of more than this are published; 0: every change",

@@ -48,6 +48,7 @@ constexpr std::array<Row, static_cast<std::size_t>(Cause::kCount)> kRows{{
     {"SHUTDOWN", "bridge is shutting down", Quality::kUncertain},
     {"WRONG_STATE", "not possible in this state", Quality::kUncertain},
     {"LATE", "not read in time", Quality::kUncertain},
+    {"NOT_AVAILABLE", "the device has no value", Quality::kBadRange},
 }};
 
 const Row& row(Cause cause) { return kRows[static_cast<std::size_t>(cause)]; }

@@ -46,9 +46,10 @@ enum class Cause : std::uint8_t {
   kOffline,        // the device or its port is down
   kUnsupported,    // the protocol or the device cannot do this
   kShutdown,
-  kWrongState,  // of an alarm: what is asked for does not apply to it now
-  kLate,        // nothing failed: the wire was not free in time
-  kCount        // not a cause: how many there are
+  kWrongState,    // of an alarm: what is asked for does not apply to it now
+  kLate,          // nothing failed: the wire was not free in time
+  kNotAvailable,  // the device sent the raw value that means "no value"
+  kCount          // not a cause: how many there are
 };
 
 // "no answer", "checksum error", ... for logs and results.

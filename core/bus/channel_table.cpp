@@ -131,7 +131,7 @@ void ChannelTable::acquired(ChannelIndex channel, unsigned item_bits, ByteView i
   entry.freshness.explain(value ? Cause::kNone : value.error());
   if (!value) {
     entry.last.quality = quality_of(value.error());
-    entry.last.device_code = 0;
+    entry.last.device_code = value.error() == Cause::kNotAvailable ? kNotAvailableCode : 0;
     publish(entry, out, acquired);
     return;
   }
@@ -186,7 +186,9 @@ void ChannelTable::expire(Instant now, std::vector<Sample>& out) {
       continue;
     }
     if (!entry.freshness.expire(now, misses_)) continue;
+    const Quality before = entry.last.quality;
     entry.last.quality = quality_of(entry.freshness.cause());
+    if (entry.last.quality != before) entry.last.device_code = 0;  // it explained that quality
     if (entry.freshness.cause() == Cause::kDeviceBusy) entry.last.device_code = entry.failing_code;
     if (entry.last.quality == Quality::kGood) entry.last.quality = Quality::kUncertain;
     // Uncertain is what is old; what was never read is not there yet, whatever delays it.

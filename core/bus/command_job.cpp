@@ -229,8 +229,10 @@ CommandResult CommandJob::result(Instant received, Instant completed) const {
     } else if (result.state == CommandState::kDone) {
       result.state = CommandState::kFailed;
       result.cause = value.error();
-      result.reason = "what the device holds is no value of type " +
-                      std::string(to_text(subject.encoding.type));
+      result.reason = value.error() == Cause::kNotAvailable
+                          ? std::string(to_text(value.error()))
+                          : "what the device holds is no value of type " +
+                                std::string(to_text(subject.encoding.type));
     }
   }
   return result;

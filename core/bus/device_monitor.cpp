@@ -63,7 +63,7 @@ void DeviceMonitor::judge_garbage(const Try& ended, bool answered, ActionSink& s
     if (garbage.answered())
       sink.notice(Notice::Kind::kGarbageEnded, ended.device, Cause::kNone,
                   "its answers can be read again");
-  } else if (garbage.received(echo ? ended.sent : ended.received, ended.sent)) {
+  } else if (garbage.received(echo ? ended.sent : ended.received, ended.sent, ended.expected)) {
     sink.notice(Notice::Kind::kGarbage, ended.device, Cause::kNone,
                 garbage.text(setup_.line(), over_network(setup_.spec().port)));
   }

@@ -42,6 +42,7 @@ class DeviceMonitor {
     Instant answered{};          // when done: arrival of the answer
     ByteView received, sent;     // the last ones
     bool echo_alone = false;     // nothing came but what was sent, which `received` has not
+    std::size_t expected = 0;    // characters of the whole answer; 0: not known
   };
   // A read that shows whether an offline device is back. `timeout`: what can be spared.
   struct Probe {

@@ -75,6 +75,8 @@ class ExchangeDriver {
   [[nodiscard]] Duration answer_began() const;
   // Since the last send, echo taken away; empty while an echo may still be on its way.
   [[nodiscard]] ByteView received() const { return echo_stripped_ ? received_ : ByteView{}; }
+  // Characters of the whole answer; 0: not known.
+  [[nodiscard]] std::size_t expected() const { return expected_; }
   // As many characters as the answer has, at least.
   [[nodiscard]] bool enough_came() const { return expected_ > 0 && received().size() >= expected_; }
   // What came before an answer of the expected length. After kDone: nothing that was asked for.

@@ -3,13 +3,28 @@
 // by the DeviceMonitor, on the bus's thread. Nothing can fail.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "core/base/bytes.hpp"
 #include "core/frame/line.hpp"
 
 namespace fieldcast {
+
+// What a broken answer has in common with the one that was expected. kOther: it does not even begin
+// like one, or its length is not known.
+enum class AnswerShape : std::uint8_t { kOther, kCut, kWhole, kLong };
+
+// Compares bytes with the head of their request (in all protocols here with a checksum an answer
+// begins with the two characters of its request) and with the characters that the whole answer has;
+// `expected` 0: not known.
+[[nodiscard]] AnswerShape answer_shape(ByteView bytes, ByteView request, std::size_t expected);
+
+// What a broken answer of this shape means and what to do: one clause for users. REQUIRES: not
+// kOther.
+[[nodiscard]] std::string_view broken_answer_text(AnswerShape shape);
 
 class Garbage {
  public:
@@ -19,7 +34,8 @@ class Garbage {
   static constexpr std::size_t kKept = 128;  // of the bytes, the last ones, to judge by
 
   // A try failed after these bytes. True: worth saying now, see text().
-  [[nodiscard]] bool received(ByteView bytes, ByteView request);
+  // `expected`: characters of the whole answer, 0: not known.
+  [[nodiscard]] bool received(ByteView bytes, ByteView request, std::size_t expected);
   // A valid answer. True: text() was worth saying before.
   bool answered();
 
@@ -28,9 +44,12 @@ class Garbage {
   [[nodiscard]] std::string text(const LineFormat& line, bool over_network) const;
 
  private:
-  unsigned exchanges_ = 0;   // in a row
-  std::uint64_t bytes_ = 0;  // in them
-  bool echo_ = true;         // each was the request, or a part of it
+  [[nodiscard]] AnswerShape shape() const;
+
+  unsigned exchanges_ = 0;            // in a row
+  std::uint64_t bytes_ = 0;           // in them
+  bool echo_ = true;                  // each was the request, or a part of it
+  std::array<unsigned, 4> shapes_{};  // how many of each AnswerShape
   Bytes last_;
 };
 

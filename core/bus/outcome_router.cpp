@@ -62,7 +62,7 @@ void OutcomeRouter::note_try(const Wire::Ended& ended, Instant now, ActionSink& 
     late_.unanswered(flight.asked, flight.block, longest, driver, now);
   }
   devices_.tried({device, ended.cause, flight.rest, driver.answered(), driver.raw_received(),
-                  driver.sent(), driver.echo_alone()},
+                  driver.sent(), driver.echo_alone(), driver.expected()},
                  now, sink);
   if (ended.done) return;
   causes_.add(ended.cause);

@@ -94,7 +94,22 @@ tl::expected<Value, Cause> decode_value(const Encoding& encoding, unsigned item_
   const auto bits = encoding.text_number ? bits_of_text(encoding, item_bits, items)
                                          : gather_bits(encoding, item_bits, items);
   if (!bits) return tl::unexpected(bits.error());
+  if (is_not_available(encoding, *bits)) return tl::unexpected(Cause::kNotAvailable);
   return value_of_bits(encoding, *bits);
+}
+
+bool is_not_available(const Encoding& encoding, std::uint64_t bits) {
+  const auto is_nan = [&](std::uint64_t pattern) {
+    if (encoding.type == ValueType::kFloat32)
+      return std::isnan(std::bit_cast<float>(static_cast<std::uint32_t>(pattern)));
+    return encoding.type == ValueType::kFloat64 && std::isnan(std::bit_cast<double>(pattern));
+  };
+  // Bits that a negative number was encoded to may be wider than its type.
+  const std::uint64_t mask = UINT64_MAX >> (64 - width_bits(Encoding{.type = encoding.type}));
+  return std::any_of(encoding.not_available.begin(), encoding.not_available.end(),
+                     [&](std::uint64_t pattern) {
+                       return ((pattern ^ bits) & mask) == 0 || (is_nan(pattern) && is_nan(bits));
+                     });
 }
 
 tl::expected<Value, Cause> value_of_bits(const Encoding& encoding, std::uint64_t bits) {

@@ -174,6 +174,7 @@ tl::expected<Bytes, Cause> encode_value(const Encoding& encoding, unsigned item_
   if (encoding.type == ValueType::kString) return encode_string(encoding, item_bits, value, codec);
   const Bits bits = bits_of_value(encoding, value);
   if (!bits) return tl::unexpected(bits.error());
+  if (is_not_available(encoding, *bits)) return tl::unexpected(Cause::kRange);
   if (encoding.text_number) return encode_text_number(encoding, item_bits, *bits);
   return spread_bits(encoding, item_bits, *bits);
 }

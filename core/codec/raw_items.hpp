@@ -26,6 +26,9 @@ namespace fieldcast {
 [[nodiscard]] tl::expected<Value, Cause> value_of_bits(const Encoding& encoding,
                                                        std::uint64_t bits);
 
+// Whether these bits mean "no value" by Encoding::not_available.
+[[nodiscard]] bool is_not_available(const Encoding& encoding, std::uint64_t bits);
+
 // The characters of a string in reading order: bytes of each word swapped where the channel says
 // so. Word order does not apply.
 [[nodiscard]] Bytes string_bytes_of(const Encoding& encoding, unsigned item_bits, ByteView items);

@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
+#include <vector>
 
 #include "core/base/bytes.hpp"
 #include "core/base/cause.hpp"
@@ -71,6 +72,9 @@ struct Encoding {
   double offset = 0.0;
   TextNumber text_number = {};       // a number that stands as text; not for bool, BCD and kString
   Charset charset = Charset::kUtf8;  // of kString
+  // Raw values that mean "no value", before scale and offset, as the bits of the type. A NaN stands
+  // for every NaN. Not for bool and kString.
+  std::vector<std::uint64_t> not_available{};
   [[nodiscard]] bool is_text() const { return type == ValueType::kString || text_number; }
   [[nodiscard]] bool scaled() const { return scale != 1.0 || offset != 0.0; }
   friend bool operator==(const Encoding&, const Encoding&) = default;
@@ -85,9 +89,9 @@ struct Encoding {
 // Items of item_bits each that hold one value. A bool is one item; int32 in 16-bit items is two.
 [[nodiscard]] std::uint32_t item_count(const Encoding& encoding, unsigned item_bits);
 
-// The value, or kRange: a NaN or infinite float, a BCD digit above 9, a scaled value that is not
-// finite, a text that spells no number of the type. REQUIRES: items holds item_count() items of
-// item_bits.
+// The value. kNotAvailable: one of Encoding::not_available; kRange: a NaN or infinite float, a BCD
+// digit above 9, a scaled value that is not finite, a text that spells no number of the type.
+// REQUIRES: items holds item_count() items of item_bits.
 // A string comes as printable UTF-8, by the codec.
 [[nodiscard]] tl::expected<Value, Cause> decode_value(const Encoding& encoding, unsigned item_bits,
                                                       ByteView items,
@@ -95,8 +99,8 @@ struct Encoding {
 
 // The items of a value. kWrongType: a text for a number, a fraction for an unscaled integer, a
 // string for a bool; kRange: does not fit the type after the scale is undone (rounded to nearest),
-// a string or the text of a number is too long, a text has characters that the channel's character
-// set lacks. With `bit` the item holds zeros beside that bit, or that byte: see merge_bit().
+// is one of Encoding::not_available, a string or the text of a number is too long, a text has
+// characters that the channel's character set lacks. With `bit` the item holds zeros beside that bit, or that byte: see merge_bit().
 [[nodiscard]] tl::expected<Bytes, Cause> encode_value(const Encoding& encoding, unsigned item_bits,
                                                       const Value& value,
                                                       TextCodec& codec = plain_text_codec());
@@ -112,5 +116,11 @@ void merge_bit(Bytes& item, unsigned bit, bool on);
 // "0x1F", "2.5".
 [[nodiscard]] tl::expected<Value, Cause> parse_value(const Encoding& encoding,
                                                      std::string_view text);
+
+// One value of Encoding::not_available as a user types it: "0x8000" is the bits of the type, "nan"
+// a NaN of a float type, "-1" a number of the type. Fails with kWrongType or kRange. REQUIRES: a
+// numeric type.
+[[nodiscard]] tl::expected<std::uint64_t, Cause> parse_not_available(const Encoding& encoding,
+                                                                     std::string_view text);
 
 }  // namespace fieldcast

@@ -166,4 +166,29 @@ tl::expected<Value, Cause> parse_value(const Encoding& encoding, std::string_vie
   return as_integer(encoding.type, *number);
 }
 
+tl::expected<std::uint64_t, Cause> parse_not_available(const Encoding& encoding,
+                                                       std::string_view text) {
+  const Encoding plain{.type = encoding.type};
+  const std::uint64_t mask = UINT64_MAX >> (64 - width_bits(plain));
+  if (text.starts_with("0x") || text.starts_with("0X")) {
+    const Parsed number = parse_number(text);
+    if (!number) return tl::unexpected(number.error());
+    const auto* const small = std::get_if<std::int64_t>(&*number);
+    const std::uint64_t bits =
+        small != nullptr ? static_cast<std::uint64_t>(*small) : std::get<std::uint64_t>(*number);
+    if (bits > mask) return tl::unexpected(Cause::kRange);
+    return bits;
+  }
+  if (text == "nan" || text == "NaN" || text == ".nan" || text == ".NaN") {
+    if (encoding.type == ValueType::kFloat32) return 0x7FC0'0000u;
+    if (encoding.type == ValueType::kFloat64) return 0x7FF8'0000'0000'0000u;
+    return tl::unexpected(Cause::kWrongType);
+  }
+  const auto value = parse_value(plain, text);
+  if (!value) return tl::unexpected(value.error());
+  const auto bits = bits_of_value(plain, *value);
+  if (!bits) return tl::unexpected(bits.error());
+  return *bits & mask;
+}
+
 }  // namespace fieldcast

@@ -14,11 +14,14 @@ namespace fieldcast {
 using ChannelIndex = std::uint32_t;  // within a bus
 using DeviceIndex = std::uint16_t;   // within a bus
 
+// Sample::device_code with kBadRange: the device sent what means "no value".
+inline constexpr std::uint16_t kNotAvailableCode = 1;
+
 struct Sample {
   ChannelIndex channel = 0;
   Value value;  // the last good one when the quality is bad; false / 0 / "" before the first
   Quality quality = Quality::kNotYetRead;
-  std::uint16_t device_code = 0;  // with kBadDeviceError
+  std::uint16_t device_code = 0;  // with kBadDeviceError; kNotAvailableCode
   Instant acquired = kLongAgo;    // arrival of the answer's last byte; kLongAgo: never read
   std::uint64_t sequence = 0;     // grows with each sample of the channel; 0: none yet
 };

@@ -60,6 +60,42 @@ TEST(ChannelTable, TextThatSpellsNoNumberIsBadRangeAndKeepsTheLastValue) {
   EXPECT_EQ(out[1].acquired, Instant{1s});
 }
 
+// A meter without a second direction counted 42949672.95 kWh, GOOD.
+TEST(ChannelTable, RawValueThatMeansNoValueIsBadRangeWithItsReason) {
+  ChannelSpec energy = channel("a", 1s);
+  energy.encoding = {.type = ValueType::kUint32, .scale = 0.01, .not_available = {0xFFFF'FFFF}};
+  const BusSpec bus = one_device({energy});
+  ChannelTable table(bus);
+  std::vector<Sample> out;
+  table.acquired(0, 16, *from_hex("00000064"), Instant{1s}, out);
+  table.acquired(0, 16, *from_hex("FFFFFFFF"), Instant{2s}, out);
+  table.acquired(0, 16, *from_hex("000000C8"), Instant{3s}, out);
+  ASSERT_EQ(out.size(), 3u);
+  EXPECT_EQ(out[0].quality, Quality::kGood);
+  EXPECT_EQ(out[1].quality, Quality::kBadRange);
+  EXPECT_EQ(out[1].device_code, kNotAvailableCode);
+  EXPECT_EQ(out[1].value, Value{1.0}) << "the last good one";
+  EXPECT_EQ(out[1].acquired, Instant{1s});
+  EXPECT_EQ(out[2].quality, Quality::kGood);
+  EXPECT_EQ(out[2].device_code, 0u);
+}
+
+TEST(ChannelTable, CodeOfNotAvailableEndsWithItsQuality) {
+  ChannelSpec energy = channel("a", 1s);
+  energy.encoding = {.type = ValueType::kUint16, .not_available = {0xFFFF}};
+  const BusSpec bus = one_device({energy});
+  ChannelTable table(bus);
+  std::vector<Sample> out;
+  table.start(Instant{});
+  table.acquired(0, 16, items(0xFFFF), Instant{500ms}, out);
+  table.failing(0, Cause::kNoAnswer, Instant{600ms});
+  out.clear();
+  table.expire(Instant{5s}, out);
+  ASSERT_FALSE(out.empty());
+  EXPECT_EQ(out.back().quality, Quality::kBadNoAnswer);
+  EXPECT_EQ(out.back().device_code, 0u);
+}
+
 TEST(ChannelTable, MissedRefreshIsToldOnceWithTheOldInstant) {
   const BusSpec bus = one_device({channel("a", 1s)});
   ChannelTable table(bus);

@@ -109,27 +109,57 @@ TEST(Garbage, RandomBytesAndTextOfAnotherProtocol) {
 
 TEST(Garbage, IsWorthSayingWhenItIsNoSingleNoise) {
   Garbage garbage;
-  EXPECT_FALSE(garbage.received(Bytes{0x12, 0x34}, kRequest));
-  EXPECT_FALSE(garbage.received({}, kRequest)) << "silence is no garbage";
-  EXPECT_FALSE(garbage.received(Bytes{0x56}, kRequest));
-  EXPECT_TRUE(garbage.received(Bytes{0x78}, kRequest));
+  EXPECT_FALSE(garbage.received(Bytes{0x12, 0x34}, kRequest, 9));
+  EXPECT_FALSE(garbage.received({}, kRequest, 9)) << "silence is no garbage";
+  EXPECT_FALSE(garbage.received(Bytes{0x56}, kRequest, 9));
+  EXPECT_TRUE(garbage.received(Bytes{0x78}, kRequest, 9));
   EXPECT_THAT(garbage.text(k8N1, false),
               StartsWith("bytes come that are no answer: 4 in 3 exchanges, the last ones 12 34 56 "
                          "78: no frame of this protocol: try another baud"));
   EXPECT_TRUE(garbage.answered());
   EXPECT_FALSE(garbage.answered());
-  EXPECT_FALSE(garbage.received(Bytes{1}, kRequest));
+  EXPECT_FALSE(garbage.received(Bytes{1}, kRequest, 9));
 }
 
 TEST(Garbage, AnEchoAloneIsNamed) {
   Garbage garbage;
-  for (unsigned i = 0; i < Garbage::kWorthSaying; ++i) (void)garbage.received(kRequest, kRequest);
+  for (unsigned i = 0; i < Garbage::kWorthSaying; ++i)
+    (void)garbage.received(kRequest, kRequest, 9);
   EXPECT_THAT(garbage.text(k8N1, false), HasSubstr("what was sent comes back"));
+}
+
+// Registers that are 0 were "another parity" on a line with a parity.
+TEST(Garbage, BrokenAnswersOfTheRightLineAreNotAWrongParity) {
+  constexpr std::size_t kExpected = 25;
+  const auto said = [&](std::size_t bytes) {
+    Bytes answer(bytes, 0);
+    std::copy_n(kRequest.begin(), 2, answer.begin());
+    answer[2] = 20;
+    Garbage garbage;
+    for (unsigned i = 0; i < Garbage::kWorthSaying; ++i)
+      (void)garbage.received(answer, kRequest, kExpected);
+    return garbage.text(k8E1, false);
+  };
+  EXPECT_THAT(said(25), AllOf(HasSubstr("right length, but a wrong checksum"),
+                              HasSubstr("two devices have this address"), Not(HasSubstr("8N1"))));
+  EXPECT_THAT(said(40), AllOf(HasSubstr("more bytes come than the answer has"),
+                              HasSubstr("two devices"), Not(HasSubstr("8N1"))));
+  EXPECT_THAT(said(12), AllOf(HasSubstr("the end is missing"), HasSubstr("gap-allowance"),
+                              Not(HasSubstr("8N1"))));
+}
+
+TEST(Garbage, BytesThatBeginOtherwiseAreJudgedByTheirBits) {
+  Garbage garbage;
+  for (unsigned i = 0; i < Garbage::kWorthSaying; ++i)
+    (void)garbage.received(Bytes{1, 0, 0, 0x20, 0, 0, 0, 0}, kRequest, 9);
+  EXPECT_THAT(garbage.text(k8E1, false), HasSubstr("try 8N1"));
+  EXPECT_EQ(answer_shape(kRequest, kRequest, 9), AnswerShape::kOther) << "an echo";
+  EXPECT_EQ(answer_shape(Bytes{1, 3, 4}, kRequest, 0), AnswerShape::kOther) << "of unknown length";
 }
 
 TEST(Garbage, ShowsTheLastBytesOfAFlood) {
   Garbage garbage;
-  for (int i = 0; i < 1000; ++i) (void)garbage.received(Bytes(300, 0x5A), kRequest);
+  for (int i = 0; i < 1000; ++i) (void)garbage.received(Bytes(300, 0x5A), kRequest, 9);
   const std::string text = garbage.text(k8N1, false);
   EXPECT_THAT(text, HasSubstr("300000 in 1000 exchanges"));
   EXPECT_LT(text.size(), 300u);

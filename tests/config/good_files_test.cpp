@@ -70,6 +70,7 @@ class Everything : public testing::Test {
                         std::nullopt,
                         0.5,
                         -40};
+    channel.encoding.not_available = {0x8000'0000, 0xFFFF'FFFF};
     channel.refresh = milliseconds{250};
     channel.mode = Mode::kScheduled;
     channel.access = Access::kReadWrite;

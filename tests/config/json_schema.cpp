@@ -110,8 +110,9 @@ json json_of(const Node& node) {
   static const std::regex kNumber("[-+]?(\\.[0-9]+|[0-9]+(\\.[0-9]*)?)([eE][-+]?[0-9]+)?");
   if (node.quoted) return node.text;
   if (node.text == "true" || node.text == "false") return node.text == "true";
-  if (std::regex_match(node.text, kInteger))
-    return std::stoll(node.text, nullptr, node.text.starts_with("0x") ? 16 : 10);
+  if (node.text.starts_with("0x") && std::regex_match(node.text, kInteger))
+    return std::stoull(node.text, nullptr, 16);
+  if (std::regex_match(node.text, kInteger)) return std::stoll(node.text);
   if (std::regex_match(node.text, kNumber)) return std::strtod(node.text.c_str(), nullptr);
   return node.text;
 }

@@ -265,6 +265,73 @@ TEST(ValueCodec, EveryDecodableImageEncodesToItself) {
   }
 }
 
+// The encoding of a type with the values of the key `not-available`.
+Encoding without(Encoding encoding, std::initializer_list<std::string_view> values) {
+  for (const auto value : values)
+    encoding.not_available.push_back(parse_not_available(encoding, value).value());
+  return encoding;
+}
+
+TEST(NotAvailable, IsComparedAfterTheOrderAndBeforeTheScale) {
+  const auto none = tl::unexpected(Cause::kNotAvailable);
+  const Encoding current = without({.type = ValueType::kUint32, .scale = 0.01}, {"0xFFFFFFFF"});
+  EXPECT_EQ(decode_value(current, 16, hex("FFFF FFFF")), none);
+  EXPECT_EQ(decode_value(current, 16, hex("FFFF FFFE")), Value{42949672.94});
+
+  const Encoding turned = without(ordered(ValueType::kInt32, kLow, kSwapped), {"0x80000001"});
+  EXPECT_EQ(decode_value(turned, 16, hex("0100 0080")), none);
+  EXPECT_TRUE(decode_value(turned, 16, hex("8000 0001")).has_value());
+
+  const Encoding several = without(of(ValueType::kInt16), {"0x7FFF", "-32768"});
+  for (const auto* items : {"7FFF", "8000"}) {
+    EXPECT_EQ(decode_value(several, 16, hex(items)), none) << items;
+  }
+  EXPECT_EQ(decode_value(several, 16, hex("FFFF")), i(-1));
+
+  const Encoding byte = without({.type = ValueType::kInt8, .bit = 8}, {"-1"});
+  EXPECT_EQ(decode_value(byte, 16, hex("FF12")), none);
+  EXPECT_EQ(decode_value(byte, 16, hex("12FF")), i(0x12));
+}
+
+TEST(NotAvailable, HoldsForBcdTextsAndEveryNan) {
+  const auto none = tl::unexpected(Cause::kNotAvailable);
+  EXPECT_EQ(decode_value(without(of(ValueType::kBcd16), {"0xFFFF"}), 16, hex("FFFF")), none);
+  EXPECT_EQ(decode_value(without(of(ValueType::kBcd16), {"9999"}), 16, hex("9999")), none);
+  const Encoding real = without(of(ValueType::kFloat32), {"nan", "-1"});
+  for (const auto* items : {"7FC00000", "FFFFFFFF", "7F800001", "BF800000"}) {
+    EXPECT_EQ(decode_value(real, 16, hex(items)), none) << items;
+  }
+  EXPECT_EQ(decode_value(real, 16, hex("7F800000")), tl::unexpected(Cause::kRange)) << "infinite";
+  const Encoding text = without({.type = ValueType::kInt16,
+                                 .string_bytes = 4,
+                                 .text_number = {.kind = TextNumber::Kind::kDecimal}},
+                                {"-999"});
+  EXPECT_EQ(decode_value(text, 16, hex("2D39 3939")), none);
+}
+
+TEST(NotAvailable, IsNotWritten) {
+  const auto range = tl::unexpected(Cause::kRange);
+  EXPECT_EQ(encode_value(without(of(ValueType::kInt16), {"0x8000"}), 16, i(-32768)), range);
+  EXPECT_EQ(encode_value(without({.type = ValueType::kUint16, .scale = 0.1}, {"0xFFFF"}), 16,
+                         Value{6553.5}),
+            range);
+  EXPECT_TRUE(encode_value(without(of(ValueType::kInt16), {"0x8000"}), 16, i(-32767)).has_value());
+}
+
+TEST(NotAvailable, IsTypedAsBitsOrAsANumberOfTheType) {
+  EXPECT_EQ(parse_not_available(of(ValueType::kInt16), "0x8000"), 0x8000u);
+  EXPECT_EQ(parse_not_available(of(ValueType::kInt16), "-32768"), 0x8000u);
+  EXPECT_EQ(parse_not_available({.type = ValueType::kInt16, .scale = 0.1}, "32767"), 0x7FFFu);
+  EXPECT_EQ(parse_not_available(of(ValueType::kUint64), "0xFFFFFFFFFFFFFFFF"), UINT64_MAX);
+  EXPECT_EQ(parse_not_available(of(ValueType::kFloat32), "0xFF7FFFFF"), 0xFF7FFFFFu);
+  EXPECT_EQ(parse_not_available(of(ValueType::kFloat32), "-1"), 0xBF800000u);
+  EXPECT_EQ(parse_not_available(of(ValueType::kInt16), "32768").error(), Cause::kRange);
+  EXPECT_EQ(parse_not_available(of(ValueType::kInt16), "0x10000").error(), Cause::kRange);
+  EXPECT_EQ(parse_not_available(of(ValueType::kBcd16), "12345").error(), Cause::kRange);
+  EXPECT_EQ(parse_not_available(of(ValueType::kUint16), "nan").error(), Cause::kWrongType);
+  EXPECT_EQ(parse_not_available(of(ValueType::kUint16), "").error(), Cause::kWrongType);
+}
+
 TEST(ValueText, NamesOfTypesLeadBack) {
   for (int type = 0; type <= static_cast<int>(ValueType::kBcd8); ++type) {
     EXPECT_EQ(value_type_from(to_text(static_cast<ValueType>(type))), static_cast<ValueType>(type));

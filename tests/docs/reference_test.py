@@ -14,6 +14,7 @@ from xml.etree import ElementTree
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from document import parse
+from links import anchors, dead_links
 
 SOURCE_DIR, DOCUMENTS = "", []
 
@@ -36,27 +37,6 @@ def section(path, heading):
     rest = text[match.end():]
     end = re.search(rf"^#{{1,{len(match.group(1))}}} ", rest, re.MULTILINE)
     return rest[:end.start()] if end else rest
-
-
-def anchors(path):
-    """Those that GitHub makes of the headings."""
-    headings = re.findall(r"^#+ (.+)$", re.sub(r"```.*?```", "", read(path), flags=re.DOTALL), re.MULTILINE)
-    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
-
-
-def dead_links(path):
-    found = []
-    text = re.sub(r"```.*?```", "", read(path), flags=re.DOTALL)
-    for link in re.findall(r"\]\(([^)\s]+)\)", text):
-        if "://" in link:
-            continue
-        file, _, anchor = link.partition("#")
-        target = os.path.normpath(os.path.join(os.path.dirname(path), file)) if file else path
-        if not os.path.exists(os.path.join(SOURCE_DIR, target)):
-            found.append(f"{path}: {link}: there is no {target}")
-        elif anchor and target.endswith(".md") and anchor not in anchors(target):
-            found.append(f"{path}: {link}: {target} has no such heading")
-    return found
 
 
 class Metrics(unittest.TestCase):
@@ -192,10 +172,10 @@ class ProgramPort(unittest.TestCase):
 
 class Links(unittest.TestCase):
     def test_lead_somewhere(self):
-        self.assertEqual([dead for path in DOCUMENTS for dead in dead_links(path)], [])
+        self.assertEqual([dead for path in DOCUMENTS for dead in dead_links(SOURCE_DIR, path)], [])
 
     def test_a_dead_one_is_found(self):
-        self.assertEqual(anchors("docs/qualities.md") & {"the-table", "no-such"}, {"the-table"})
+        self.assertEqual(anchors(read("docs/qualities.md")) & {"the-table", "no-such"}, {"the-table"})
 
 
 if __name__ == "__main__":

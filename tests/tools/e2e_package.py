@@ -13,6 +13,9 @@ import sys
 import tempfile
 import unittest
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "docs"))
+from links import dead_links, links
+
 BUILD_DIR = SOURCE_DIR = PACKAGES_DIR = ""
 PROGRAMS = ["fieldcast", "fieldcast-bridge", "fieldcast-port", "fieldcast-sim", "fieldcast-station"]
 MAX_PACKAGES_BYTES = 7_500_000  # all three together; fieldcast-station with its page is 2.1 MB of it
@@ -27,6 +30,12 @@ def run(*command, **options):
 def environment(root):
     """Without what could lead a program to the tree or to another installation."""
     return {"PATH": f"{root}/bin:/usr/bin:/bin", "HOME": root, "LC_ALL": "C.UTF-8"}
+
+
+def documents(root):
+    """(The folder of the documents below an installed root, the paths of its texts)."""
+    folder = f"{root}/share/doc/fieldcast"
+    return folder, sorted(os.path.relpath(path, folder) for path in glob.glob(f"{folder}/**/*.md", recursive=True))
 
 
 class Installed(unittest.TestCase):
@@ -55,6 +64,14 @@ class Installed(unittest.TestCase):
         result = subprocess.run([f"{self.root}/bin/fieldcast-bridge", "--check", f"{examples}/complete.yaml"],
                                 capture_output=True, text=True, env=environment(self.root), timeout=60)
         self.assertEqual(result.returncode, 3, "found templates that are not installed: " + result.stdout)
+
+    def test_a_dead_link_of_a_document_is_found(self):
+        folder = os.path.join(self.folder, "texts")
+        os.mkdir(folder)
+        for name, text in [("a.md", "[b](b.md) [c](b.md#c) [d](d.md) [e](b.md#e) [f](../root/lib)"), ("b.md", "# c\n")]:
+            with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
+                file.write(text)
+        self.assertEqual([dead.split(": ")[1] for dead in dead_links(folder, "a.md")], ["d.md", "b.md#e", "../root/lib"])
 
     def test_pkg_config_names_the_same_library(self):
         flags = run("pkg-config", "--cflags", "--libs", "fieldcast-station",
@@ -108,6 +125,13 @@ class Packages(unittest.TestCase):
         for file in ["lib/systemd/system/fieldcast-bridge@.service", "lib/systemd/system/fieldcast-station.service", "lib/udev/rules.d/70-fieldcast.rules",
                      "share/fieldcast/profiles/fieldcast-station.xml", "share/fieldcast/idl/fieldcast.idl"]:
             self.assertTrue(os.path.exists(f"{usr}/{file}"), file)
+
+    def test_every_link_of_the_documents_leads_to_a_file_of_the_same_package(self):
+        root = os.path.join(self.folder, "documents")
+        run("dpkg-deb", "-x", self.packages[0], root)
+        folder, paths = documents(f"{root}/usr")
+        self.assertGreater(sum(len(links(folder, path)) for path in paths), 200, paths)
+        self.assertEqual([dead for path in paths for dead in dead_links(folder, path)], [])
 
     def test_no_library_is_missing_among_what_they_depend_on(self):
         depends = run("dpkg-deb", "-f", self.packages[0], "Depends")

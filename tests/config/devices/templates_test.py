@@ -181,12 +181,14 @@ class Values(InAFolder):
 
     @staticmethod
     def wrong(config, expected, channels):
-        """{(device, channel): sample} of those that are not GOOD, or not what an example says."""
+        """{(device, channel): sample} of those that are not GOOD (where an example says null: BAD_RANGE), or not what an example says."""
         done = run("fieldcast", "watch", "--json", "--once", "--config", config)
         samples = {(s["device"], s["channel"]): s for s in map(json.loads, done.stdout.splitlines())}
 
         def right(key):
             sample = samples.get(key)
+            if sample is not None and key in expected and expected[key] is None:
+                return (sample["quality"], sample["value"], sample["device_code"]) == ("BAD_RANGE", None, 1)
             if sample is None or sample["quality"] != "GOOD":
                 return False
             wanted, value = expected.get(key), sample["value"]

@@ -69,6 +69,14 @@ TEST(SampleJson, DevicesOwnCodeIsThereWhenItGaveOne) {
   EXPECT_EQ(quality_text(sample, &about), "BAD_DEVICE_ERROR (02 illegal data address)");
 }
 
+TEST(SampleText, RawValueThatMeansNoValueIsNamed) {
+  auto sample = sample_of(true);
+  sample.quality = Quality::kBadRange;
+  EXPECT_EQ(quality_text(sample), "BAD_RANGE");
+  sample.device_code = kNotAvailableCode;
+  EXPECT_EQ(quality_text(sample), "BAD_RANGE (the device has no value)");
+}
+
 TEST(ValueForPeople, HasEveryDigitOfItsType) {
   EXPECT_EQ(value_text(static_cast<double>(0.1f), "float32"), "0.1");
   EXPECT_EQ(value_text(static_cast<double>(0.1f), "float64"), "0.10000000149011612");

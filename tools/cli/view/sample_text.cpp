@@ -52,6 +52,8 @@ Tone tone_of(Quality quality) {
 std::string quality_text(const StationSample& sample, const StationChannel* about) {
   const std::string text{to_text(sample.quality)};
   if (sample.device_code == 0) return text;
+  if (sample.quality == Quality::kBadRange && sample.device_code == kNotAvailableCode)
+    return fmt::format("{} ({})", text, to_text(Cause::kNotAvailable));
   return fmt::format("{} ({})", text,
                      device_code_at(about != nullptr ? about->at : "", sample.device_code));
 }

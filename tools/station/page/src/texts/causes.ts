@@ -11,6 +11,7 @@ export const en = {
   'cause.QUEUE_FULL': 'too many commands are waiting', 'cause.RATE_LIMITED': 'written too often', 'cause.NOT_VERIFIED': 'the value read back differs',
   'cause.LEASED': 'bus is leased to a programming session', 'cause.OFFLINE': 'device is offline', 'cause.UNSUPPORTED': 'not supported by the device',
   'cause.SHUTDOWN': 'bridge is shutting down', 'cause.WRONG_STATE': 'not possible in this state', 'cause.LATE': 'not read in time',
+  'cause.NOT_AVAILABLE': 'the device has no value',
 };
 
 export const zh: Record<keyof typeof en, string> = {
@@ -24,4 +25,5 @@ export const zh: Record<keyof typeof en, string> = {
   'cause.QUEUE_FULL': '等待的命令过多', 'cause.RATE_LIMITED': '写入过于频繁', 'cause.NOT_VERIFIED': '回读值不一致',
   'cause.LEASED': '总线已租给编程会话', 'cause.OFFLINE': '设备离线', 'cause.UNSUPPORTED': '设备不支持',
   'cause.SHUTDOWN': '网桥正在关闭', 'cause.WRONG_STATE': '此状态下不可执行', 'cause.LATE': '未按时读取',
+  'cause.NOT_AVAILABLE': '设备没有该数值',
 };
