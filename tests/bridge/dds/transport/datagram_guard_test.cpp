@@ -1,0 +1,213 @@
+// The rules of the guard that need memory, in virtual time.
+#include "bridge/dds/transport/datagram_guard.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/bridge/dds/transport/rtps_datagrams.hpp"
+
+namespace fieldcast {
+namespace {
+
+using namespace testing;  // NOLINT(google-build-using-namespace): parts of datagrams
+
+ParticipantPrefix numbered(std::uint32_t number) {
+  ParticipantPrefix prefix = kSender;
+  for (std::size_t i = 0; i < 4; ++i) prefix[8 + i] = static_cast<std::uint8_t>(number >> 8 * i);
+  return prefix;
+}
+
+struct Checked {
+  explicit Checked(const RtpsLimits& limits = {}) : guard(limits) {}
+
+  std::string cause_of(const Datagram& datagram, std::uint8_t address = 1) {
+    const auto verdict = guard.check(datagram, {address}, now, scratch);
+    bytes.assign(verdict.bytes.begin(), verdict.bytes.end());
+    before = verdict.before;
+    return verdict.fault ? std::string(to_text(*verdict.fault)) : "none";
+  }
+  void wait(Duration time) { now += time; }
+
+  DatagramGuard guard;
+  Instant now{std::chrono::seconds{1000}};
+  Datagram scratch, bytes, before;
+};
+
+TEST(DatagramGuard, WhatIsValidReachesTheLibraryAsItCame) {
+  Checked one;
+  for (const NamedDatagram& valid : valid_datagrams()) {
+    EXPECT_EQ(one.cause_of(valid.bytes), "none") << valid.name;
+    EXPECT_TRUE(one.before.empty()) << valid.name;
+    if (std::string(valid.name) == "endpoint") continue;  // the next test
+    EXPECT_EQ(one.bytes, valid.bytes) << valid.name;
+  }
+  EXPECT_EQ(one.guard.refused(), RtpsFaultCounts{});
+}
+
+TEST(DatagramGuard, TheDescriptionOfATypeReachesTheLibraryAsPadding) {
+  Checked one;
+  const Datagram whole = endpoint(1);
+  ASSERT_EQ(one.cause_of(whole), "none");
+  ASSERT_EQ(one.bytes.size(), whole.size());
+  std::vector<std::size_t> different;
+  for (std::size_t i = 0; i < whole.size(); ++i)
+    if (whole[i] != one.bytes[i]) different.push_back(i);
+  ASSERT_EQ(different.size(), 1U) << "0x0075 has an upper half of 0";
+  EXPECT_EQ(whole[different[0]], 0x75);
+  EXPECT_EQ(one.bytes[different[0]], 0);
+  EXPECT_EQ(one.cause_of(one.bytes), "none") << "it is a valid datagram still";
+}
+
+TEST(DatagramGuard, RefusedDatagramsAreCountedByCause) {
+  Checked one;
+  EXPECT_EQ(one.cause_of(sample(0)), "SEQUENCE_NUMBER");
+  EXPECT_EQ(one.cause_of(sample(0)), "SEQUENCE_NUMBER");
+  EXPECT_EQ(one.cause_of({}), "HEADER");
+  EXPECT_EQ(one.guard.refused()[static_cast<std::size_t>(RtpsFault::kSequenceNumber)], 2U);
+  EXPECT_EQ(one.guard.refused()[static_cast<std::size_t>(RtpsFault::kHeader)], 1U);
+}
+
+// A plant of 200 participants after a power cut: all start at once, at one address.
+TEST(DatagramGuard, APlantThatStartsAtOnceIsNotRefused) {
+  Checked one;
+  for (std::uint32_t i = 0; i < 200; ++i)
+    ASSERT_EQ(one.cause_of(announcement(numbered(i))), "none") << i;
+  for (std::uint32_t i = 0; i < 200; ++i)
+    for (std::uint32_t n = 0; n < 100; ++n)
+      ASSERT_EQ(one.cause_of(endpoint(n, numbered(i))), "none") << i << ' ' << n;
+  for (std::uint32_t i = 0; i < 200; ++i)
+    ASSERT_EQ(one.cause_of(announcement(numbered(i))), "none") << i << " again";
+  EXPECT_EQ(one.guard.participants(), 200U);
+  EXPECT_EQ(one.guard.endpoints(), 20'000U);
+  EXPECT_EQ(one.guard.refused(), RtpsFaultCounts{});
+}
+
+TEST(DatagramGuard, NewParticipantsOfAnAddressAreBoundedInRate) {
+  Checked one({.joins_per_second = 10});
+  std::uint32_t number = 0;
+  for (; number < 40; ++number)
+    ASSERT_EQ(one.cause_of(announcement(numbered(number))), "none") << number;
+  EXPECT_EQ(one.cause_of(announcement(numbered(number++))), "JOIN_RATE");
+  EXPECT_EQ(one.cause_of(announcement(numbered(0))), "none") << "one that is there already";
+  EXPECT_EQ(one.cause_of(announcement(numbered(number++)), 2), "none") << "another address";
+  one.wait(std::chrono::seconds{1});
+  for (int i = 0; i < 10; ++i)
+    EXPECT_EQ(one.cause_of(announcement(numbered(number++))), "none") << i;
+  EXPECT_EQ(one.cause_of(announcement(numbered(number))), "JOIN_RATE");
+}
+
+TEST(DatagramGuard, TheOldestWithoutEndpointsMakesRoom) {
+  Checked one({.participants = 3});
+  for (std::uint32_t i = 0; i < 3; ++i) ASSERT_EQ(one.cause_of(announcement(numbered(i))), "none");
+  ASSERT_EQ(one.cause_of(endpoint(1, numbered(0))), "none");
+  ASSERT_EQ(one.cause_of(announcement(numbered(3))), "none");
+  // The library is told that number 1 has left: in its name, with its GUID, disposed.
+  ASSERT_FALSE(one.before.empty());
+  EXPECT_TRUE(std::equal(one.before.begin() + 8, one.before.begin() + 20, numbered(1).begin()));
+  const Datagram left =
+      list_of({{0x0070, guid_of(numbered(1), kParticipant)}, {0x0071, {0, 0, 0, 3}}});
+  EXPECT_TRUE(std::equal(left.rbegin(), left.rend(), one.before.rbegin()));
+  EXPECT_EQ(one.guard.participants(), 3U);
+  EXPECT_EQ(one.guard.endpoints(), 1U);
+}
+
+TEST(DatagramGuard, WhoHasEndpointsStaysAndTheNewOneIsRefused) {
+  Checked one({.participants = 2});
+  for (std::uint32_t i = 0; i < 2; ++i) {
+    ASSERT_EQ(one.cause_of(announcement(numbered(i))), "none");
+    ASSERT_EQ(one.cause_of(endpoint(1, numbered(i))), "none");
+  }
+  EXPECT_EQ(one.cause_of(announcement(numbered(2))), "PARTICIPANTS");
+  EXPECT_TRUE(one.before.empty());
+  ASSERT_EQ(one.cause_of(goodbye(numbered(0))), "none");
+  EXPECT_EQ(one.guard.endpoints(), 1U);
+  EXPECT_EQ(one.cause_of(announcement(numbered(2))), "none");
+  ASSERT_EQ(one.cause_of(endpoint(1, numbered(2))), "none");
+}
+
+// The lease of an announcement is 20 s.
+TEST(DatagramGuard, WhoIsSilentBeyondItsLeaseMakesRoom) {
+  Checked one({.participants = 2, .endpoints_in_all = 2});
+  for (std::uint32_t i = 0; i < 2; ++i) {
+    ASSERT_EQ(one.cause_of(announcement(numbered(i))), "none");
+    ASSERT_EQ(one.cause_of(endpoint(1, numbered(i))), "none");
+    one.wait(std::chrono::seconds{20});
+  }
+  EXPECT_EQ(one.cause_of(endpoint(2, numbered(1))), "none") << "number 0 is silent for 40 s";
+  EXPECT_FALSE(one.before.empty());
+  EXPECT_EQ(one.guard.endpoints(), 2U);
+  ASSERT_EQ(one.cause_of(announcement(numbered(2))), "none");
+  EXPECT_EQ(one.cause_of(announcement(numbered(3))), "none") << "number 2 has no endpoint";
+  one.wait(std::chrono::seconds{31});
+  EXPECT_EQ(one.cause_of(announcement(numbered(4))), "none");
+  EXPECT_EQ(one.guard.endpoints(), 0U) << "number 1 was silent for the longest time";
+}
+
+TEST(DatagramGuard, EndpointsAreBoundedForAParticipantAndInAll) {
+  Checked one({.endpoints = 3, .endpoints_in_all = 5});
+  for (std::uint32_t i = 0; i < 2; ++i) ASSERT_EQ(one.cause_of(announcement(numbered(i))), "none");
+  for (std::uint32_t n = 0; n < 3; ++n) ASSERT_EQ(one.cause_of(endpoint(n, numbered(0))), "none");
+  EXPECT_EQ(one.cause_of(endpoint(3, numbered(0))), "ENDPOINTS");
+  EXPECT_EQ(one.cause_of(endpoint(2, numbered(0))), "none") << "one that is there already";
+  for (std::uint32_t n = 0; n < 2; ++n) ASSERT_EQ(one.cause_of(endpoint(n, numbered(1))), "none");
+  EXPECT_EQ(one.cause_of(endpoint(2, numbered(1))), "ENDPOINTS") << "in all";
+  EXPECT_EQ(one.cause_of(endpoint(1, numbered(9))), "none") << "the library ignores strangers";
+  EXPECT_EQ(one.guard.endpoints(), 5U);
+}
+
+TEST(DatagramGuard, FragmentedSamplesThatBeginAreBoundedInBytes) {
+  Checked one({.sample_bytes = 1 << 20, .fragment_bytes = 2 << 20});
+  const auto begun = [](std::int64_t number) {
+    return data_frag(1, 1, 1024, 1 << 20, 1024, 28, number);
+  };
+  ASSERT_EQ(one.cause_of(begun(1)), "none");
+  ASSERT_EQ(one.cause_of(begun(2)), "none");
+  EXPECT_EQ(one.cause_of(begun(3)), "FRAGMENT_MEMORY");
+  EXPECT_EQ(one.cause_of(data_frag(2, 1, 1024, 1 << 20, 1024, 28, 2)), "none") << "begun";
+  one.wait(std::chrono::seconds{5});
+  EXPECT_EQ(one.cause_of(begun(3)), "none");
+  EXPECT_EQ(one.cause_of(begun(4)), "FRAGMENT_MEMORY");
+}
+
+// CVE-2026-22590: the library copies the last fragment by the first one's sizes.
+TEST(DatagramGuard, BehindAFragmentIsMemoryForAWholeSample) {
+  DatagramGuard guard(RtpsLimits{});
+  Datagram scratch;
+  const Datagram fragment = data_frag(2, 1, 1024, 2000, 976);
+  const auto verdict = guard.check(fragment, {}, Instant{std::chrono::seconds{1}}, scratch);
+  ASSERT_FALSE(verdict.fault.has_value());
+  EXPECT_EQ(verdict.bytes.data(), scratch.data());
+  EXPECT_GE(scratch.capacity(), fragment.size() + RtpsLimits{}.sample_bytes);
+}
+
+// CVE-2025-65016: the library counts up to the first number of a HEARTBEAT, one by one.
+TEST(DatagramGuard, AHeartbeatThatJumpsFarIsRefused) {
+  constexpr auto kFirst = DatagramGuard::kFirstJump, kJump = DatagramGuard::kJump;
+  Checked one;
+  EXPECT_EQ(one.cause_of(heartbeat(kFirst, kFirst + 1, 1)), "SEQUENCE_NUMBER");
+  EXPECT_EQ(one.cause_of(heartbeat(1, 100, 1)), "none");
+  EXPECT_EQ(one.cause_of(heartbeat(1, 100 + kJump, 2)), "none");
+  EXPECT_EQ(one.cause_of(heartbeat(1, 101 + 2 * kJump, 3)), "SEQUENCE_NUMBER");
+  one.wait(std::chrono::seconds{61});  // the writer was silent, and went on meanwhile
+  EXPECT_EQ(one.cause_of(heartbeat(1, 101 + 2 * kJump, 3)), "none");
+}
+
+// CVE-2025-64438: the library inserts each number of a GAP into a set.
+TEST(DatagramGuard, ALongGapReachesTheLibraryAsAHeartbeat) {
+  constexpr auto kMost = DatagramGuard::kMostGapped;
+  Checked one;
+  ASSERT_EQ(one.cause_of(heartbeat(1, kMost + 50, 7)), "none");
+  const Datagram allowed = gap(1, kMost);
+  ASSERT_EQ(one.cause_of(allowed), "none");
+  EXPECT_EQ(one.bytes, allowed);
+  const Datagram more = gap(kMost, kMost + 10);
+  ASSERT_EQ(one.cause_of(more), "none");
+  // Final, so that no answer follows; it has all from the end of the range on.
+  Datagram expected = heartbeat(kMost + 10, kMost + 50, 8);
+  expected[21] = 3;
+  EXPECT_EQ(one.bytes, expected);
+  EXPECT_FALSE(fault_of(one.bytes, {}).has_value());
+  EXPECT_EQ(one.cause_of(gap(1, kMost + 51 + DatagramGuard::kJump)), "GAP");
+}
+
+}  // namespace
+}  // namespace fieldcast
