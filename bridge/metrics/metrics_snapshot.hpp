@@ -44,7 +44,7 @@ struct MetricsSnapshot {
   std::optional<AlarmCounts> alarms;
   std::optional<StoreCounters> store;  // nothing: there is no store
   std::optional<StandbyFigures> standby;
-  RtpsFaultCounts refused_datagrams{};  // by all guards of this process
+  RtpsFaultCounts refused_datagrams{};          // by all guards of this process
   std::optional<std::uint32_t> receive_buffer;  // bytes of a UDP socket; nothing: not known
 };
 

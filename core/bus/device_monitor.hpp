@@ -85,8 +85,8 @@ class DeviceMonitor {
   void busy(DeviceIndex device, Instant now);
   // Its last answers were Cause::kDeviceBusy, at least two. One alone may concern its block.
   [[nodiscard]] bool stays_busy(DeviceIndex device) const { return devices_[device].busy(); }
-  // After an exchange without an answer, or with Cause::kDeviceBusy. True: the device went offline, and another one may be
-  // there when it comes back; what was learned of it is forgotten.
+  // After an exchange without an answer, or with Cause::kDeviceBusy. True: the device went offline,
+  // and another one may be there when it comes back; what was learned of it is forgotten.
   [[nodiscard]] bool failed(DeviceIndex device, Cause cause, Instant now, ActionSink& sink);
 
   // Leaves a sick device alone for a while: its failure wasted this much of the wire's time.

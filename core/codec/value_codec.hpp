@@ -100,7 +100,8 @@ struct Encoding {
 // The items of a value. kWrongType: a text for a number, a fraction for an unscaled integer, a
 // string for a bool; kRange: does not fit the type after the scale is undone (rounded to nearest),
 // is one of Encoding::not_available, a string or the text of a number is too long, a text has
-// characters that the channel's character set lacks. With `bit` the item holds zeros beside that bit, or that byte: see merge_bit().
+// characters that the channel's character set lacks. With `bit` the item holds zeros beside that
+// bit, or that byte: see merge_bit().
 [[nodiscard]] tl::expected<Bytes, Cause> encode_value(const Encoding& encoding, unsigned item_bits,
                                                       const Value& value,
                                                       TextCodec& codec = plain_text_codec());

@@ -30,7 +30,8 @@ struct AddressNotation {
 };
 
 // "40101", "4x0101", "%MW100", "0x64", "100 (0x64)", "100-101", "100..103", "100 to 101",
-// "100, 101", "30001/2", "40007 bit 3", "40007.3". Whatever else stands in the cell makes it no address; the error says why.
+// "100, 101", "30001/2", "40007 bit 3", "40007.3". Any other text in the cell is refused; the error
+// says why.
 [[nodiscard]] tl::expected<ListAddress, std::string> list_address_from(std::string_view cell,
                                                                        AddressNotation notation);
 
