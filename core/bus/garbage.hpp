@@ -17,9 +17,9 @@ namespace fieldcast {
 // like one, or its length is not known.
 enum class AnswerShape : std::uint8_t { kOther, kCut, kWhole, kLong };
 
-// Compares bytes with the head of their request (in all protocols here with a checksum an answer
-// begins with the two characters of its request) and with the characters that the whole answer has;
-// `expected` 0: not known.
+// Compares bytes with the first two characters of their request, with which an answer of Modbus and
+// Host Link begins too, and with the number of characters that the whole answer has. `expected` 0:
+// that number is not known.
 [[nodiscard]] AnswerShape answer_shape(ByteView bytes, ByteView request, std::size_t expected);
 
 // What a broken answer of this shape means and what to do: one clause for users. REQUIRES: not

@@ -348,6 +348,76 @@ TEST_F(EchoTest, AScanSaysThatWhatWasSentComesBack) {
   EXPECT_THAT(ended.err, Not(HasSubstr("another master")));
 }
 
+// Two devices with address 1: each request brings an answer of the right length with a wrong CRC,
+// and of a longer one.
+struct CollisionTest : DirectTest {
+  CollisionTest() { device.stop(); }
+  Ended scan_with(const Bytes& answer) {
+    std::atomic<bool> running = true;
+    std::thread devices([&] {
+      while (running) {
+        pollfd wait{pty.master(), POLLIN, 0};
+        if (::poll(&wait, 1, 5) <= 0) continue;
+        Bytes all = answer;
+        all[1] = pty.take()[1];  // the function
+        pty.send(all);
+      }
+    });
+    auto ended = scan({.port = pty.path(),
+                       .baud = 115200,
+                       .format = "8N1",
+                       .addresses = "1",
+                       .timeout = std::chrono::milliseconds{100}});
+    running = false;
+    devices.join();
+    return ended;
+  }
+};
+
+TEST_F(CollisionTest, AScanSaysThatTwoDevicesHaveTheAddress) {
+  for (const Bytes& answer : {Bytes{1, 3, 2, 0, 5, 0, 0}, Bytes{1, 3, 2, 0, 5, 0, 0, 1, 3, 2, 0}}) {
+    const auto ended = scan_with(answer);
+    EXPECT_EQ(ended.code, ExitCode::kNothing);
+    EXPECT_THAT(ended.err, HasSubstr("address 1, modbus-rtu 115200 8N1: bytes come that are not a "
+                                     "valid answer; they begin like its answer"));
+    EXPECT_THAT(ended.err, HasSubstr("two devices"));
+    EXPECT_THAT(ended.err, Not(HasSubstr("the settings are others")));
+  }
+}
+
+TEST_F(CollisionTest, AScanSaysThatAnswersAreCut) {
+  const auto ended = scan_with(Bytes{1, 3, 2, 0});
+  EXPECT_EQ(ended.code, ExitCode::kNothing);
+  EXPECT_THAT(ended.err, HasSubstr("the end is missing"));
+}
+
+TEST(FullPort, NamesOfSerialPortsAreCompleted) {
+  EXPECT_EQ(full_port("ttyUSB0"), "/dev/ttyUSB0");
+  EXPECT_EQ(full_port("null"), "/dev/null");
+  EXPECT_EQ(full_port("./x"), "./x");
+  EXPECT_EQ(full_port("/dev/ttyS1"), "/dev/ttyS1");
+  EXPECT_EQ(full_port("10.0.0.7:502"), "10.0.0.7:502");
+  EXPECT_EQ(full_port("plc.local"), "plc.local") << "still no HOST:PORT";
+}
+
+TEST_F(DirectTest, ScanTakesARelativePath) {
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("fieldcast-port-" + std::to_string(::getpid()));
+  std::filesystem::create_directory(folder);
+  std::filesystem::create_symlink(pty.path(), folder / "adapter");
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(folder);
+  const auto ended = scan({.port = "adapter",
+                           .baud = 115200,
+                           .format = "8N1",
+                           .addresses = "1",
+                           .timeout = std::chrono::milliseconds{300}});
+  std::filesystem::current_path(before);
+  std::filesystem::remove_all(folder);
+  EXPECT_EQ(ended.code, ExitCode::kOk) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("modbus-rtu 115200 8N1"));
+}
+
 TEST_F(EchoTest, AReadSaysThatWhatWasSentComesBack) {
   const auto ended = read({.line = line(), .addresses = {"holding:5"}});
   EXPECT_EQ(ended.code, ExitCode::kFailed);

@@ -127,6 +127,21 @@ TEST(Scanner, ALineOnWhichOthersSpeakIsLeft) {
   EXPECT_THAT(scanner.noisy_lines(), ElementsAre(0));
 }
 
+TEST(Scanner, BrokenAnswersThatBeginRightSettleTheLine) {
+  Scanner scanner(lines_of(3, {1, 2, 3}));
+  std::set<std::size_t> lines;
+  while (const auto ask = scanner.next()) {
+    lines.insert(ask->line);
+    const bool valid = ask->address == 3 && ask->question == 1;
+    const ScanAnswer broken{.cause = Cause::kChecksum, .bytes = 7, .shape = AnswerShape::kWhole};
+    scanner.answered(ask->address == 1 ? silence() : valid ? value() : broken);
+  }
+  EXPECT_THAT(lines, ElementsAre(0));
+  ASSERT_EQ(scanner.broken().size(), 1u) << "address 3 answered the second question";
+  EXPECT_EQ(scanner.broken()[0].address, 2);
+  EXPECT_EQ(scanner.broken()[0].shape, AnswerShape::kWhole);
+}
+
 TEST(Scanner, AnEchoIsNobodyWhoSpeaks) {
   Scanner scanner(lines_of(1, {1, 2, 3, 4, 5, 6, 7, 8, 9, 10}));
   while (scanner.next())

@@ -160,11 +160,13 @@ class Scan {
                       .device_code = heard->device_code,
                       .took = heard->took,
                       .bytes = heard->bytes,
-                      .echo_alone = heard->echo_alone};
+                      .echo_alone = heard->echo_alone,
+                      .shape = heard->shape};
     if (answer.cause == Cause::kNone && !heard->reply.empty()) {
       answer.cause = heard->reply.front().cause;
       answer.device_code = heard->reply.front().device_code;
     }
+    if (answer.cause == Cause::kNone) answer.shape = AnswerShape::kOther;
     answer.device = answer.cause == Cause::kNone || answer.cause == Cause::kDeviceError ||
                     answer.cause == Cause::kDeviceBusy;
     return answer;
@@ -217,10 +219,17 @@ class Scan {
   std::uint16_t sequence_ = 0;
 };
 
+void explain_broken(const Scanner& scanner, bool serial, std::ostream& err) {
+  for (const ScanBroken& broken : scanner.broken())
+    err << "address " << broken.address << ", " << line_text(scanner.lines()[broken.line], serial)
+        << ": bytes come that are not a valid answer; " << broken_answer_text(broken.shape) << '\n';
+}
+
 void explain_nothing(const ScanOptions& options, const Scanner& scanner, bool serial,
                      std::ostream& err) {
   err << "no device answered " << scanner.asked() << " questions on " << printable(options.port)
       << '\n';
+  if (!scanner.broken().empty()) return explain_broken(scanner, serial, err);
   for (const std::size_t line : scanner.noisy_lines())
     err << "  bytes came that are no answer: " << line_text(scanner.lines()[line], serial) << '\n';
   if (scanner.echoed())
@@ -260,8 +269,10 @@ ExitCode write_configuration(const ScanOptions& options, const Scanner& scanner,
 
 }  // namespace
 
-ExitCode scan(const ScanOptions& options, const Interrupt& interrupt, std::ostream& out,
+ExitCode scan(const ScanOptions& given, const Interrupt& interrupt, std::ostream& out,
               std::ostream& err, const Screen& screen) {
+  ScanOptions options = given;
+  options.port = full_port(given.port);
   std::vector<std::string> names = options.protocols;
   if (names.empty()) names = {is_serial(options) ? "modbus-rtu" : "modbus-tcp"};
   std::vector<NamedProtocol> protocols;
@@ -295,6 +306,7 @@ ExitCode scan(const ScanOptions& options, const Interrupt& interrupt, std::ostre
       explain_nothing(options, scanner, is_serial(options), err);
       return ExitCode::kNothing;
     }
+    explain_broken(scanner, is_serial(options), err);
     return options.out.empty() ? ExitCode::kOk : write_configuration(options, scanner, err);
   });
 }
@@ -304,7 +316,8 @@ namespace {
 class ScanCommand final : public CommandWith<ScanOptions> {
  public:
   void describe(CommandLine& line) override {
-    line.text("PORT", options_.port, "A serial port (/dev/ttyUSB0) or HOST:PORT").required();
+    line.text("PORT", options_.port, "A serial port (/dev/ttyUSB0, ttyUSB0) or HOST:PORT")
+        .required();
     line.texts(
         "--protocol", options_.protocols,
         "That devices may speak, in the order of trying (modbus-rtu; HOST:PORT: modbus-tcp)");

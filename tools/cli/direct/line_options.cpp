@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+
 #include "config/port.hpp"
 #include "core/model/make_protocol.hpp"
 #include "tools/cli/view/text_table.hpp"
@@ -12,7 +14,7 @@ namespace {
 constexpr std::uint32_t kLowestBaud = 50, kHighestBaud = 4'000'000;
 constexpr std::uint32_t kHighestAddress = 65535;
 
-bool is_path(const std::string& port) { return port.find('/') != std::string::npos; }
+bool is_path(const std::string& port) { return full_port(port).find('/') != std::string::npos; }
 
 // The error is what is wrong with a setting.
 tl::expected<std::map<std::string, std::string>, std::string> settings_of(
@@ -29,8 +31,16 @@ tl::expected<std::map<std::string, std::string>, std::string> settings_of(
 
 }  // namespace
 
+std::string full_port(const std::string& port) {
+  if (port.find_first_of("/:") != std::string::npos) return port;
+  std::error_code ignored;
+  if (std::filesystem::exists(port, ignored)) return "./" + port;
+  const std::string device = "/dev/" + port;
+  return port.starts_with("tty") || std::filesystem::exists(device, ignored) ? device : port;
+}
+
 void add_line_options(CommandLine& line, LineOptions& options) {
-  line.text("PORT", options.port, "A serial port (/dev/ttyUSB0) or HOST:PORT").required();
+  line.text("PORT", options.port, "A serial port (/dev/ttyUSB0, ttyUSB0) or HOST:PORT").required();
   line.text("--protocol", options.protocol,
             std::string(kProtocolHelp) + " (modbus-rtu; for HOST:PORT modbus-tcp)");
   line.number("--baud", options.baud, kLowestBaud, kHighestBaud,
@@ -62,7 +72,7 @@ tl::expected<PortSpec, std::string> port_of(const LineOptions& options, const Li
   if (options.baud) line.baud = *options.baud;
   if (is_path(options.port)) {
     SerialPortSpec port;
-    port.path = options.port;
+    port.path = full_port(options.port);
     port.line = line;
     return port;
   }

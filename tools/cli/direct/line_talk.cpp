@@ -167,6 +167,8 @@ tl::expected<LineTalk::Answer, std::string> LineTalk::ask(std::unique_ptr<Exchan
     answer.device_code = state.driver->device_code();
     answer.took = state.driver->answer_time();
     answer.echo_alone = state.driver->echo_alone();
+    answer.shape =
+        answer_shape(state.driver->raw_received(), state.driver->sent(), state.driver->expected());
   }
   (void)state.driver->finish();
   state.record_end(answer);

@@ -13,6 +13,7 @@
 
 #include "bridge/capture/capture_tap.hpp"
 #include "core/bus/exchange_driver.hpp"
+#include "core/bus/garbage.hpp"
 #include "core/model/port_spec.hpp"
 #include "tools/cli/interrupt.hpp"
 
@@ -31,9 +32,10 @@ class LineTalk {
     Cause cause = Cause::kNone;  // kNone: `reply` holds
     std::uint16_t device_code = 0;
     Reply reply;
-    Duration took{};          // the device's own time before its answer
-    std::size_t bytes = 0;    // that came
-    bool echo_alone = false;  // they are exactly those that were sent
+    Duration took{};                          // the device's own time before its answer
+    std::size_t bytes = 0;                    // that came
+    bool echo_alone = false;                  // they are exactly those that were sent
+    AnswerShape shape = AnswerShape::kOther;  // of bytes that are not a valid answer
   };
 
   // What passes goes into the tap, where there is one; null: nobody captures.

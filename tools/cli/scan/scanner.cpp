@@ -24,6 +24,11 @@ void Scanner::answered(const ScanAnswer& answer) {
   echoed_ = echoed_ || answer.echo_alone;
   const bool noise = answer.bytes > 0 && !answer.echo_alone;
   babble_ = noise ? babble_ + 1 : 0;
+  if (answer.shape != AnswerShape::kOther) {
+    // The second question may fit by chance: an answer with another parity can begin right.
+    if (pass_ == 0) settled_ = line_;
+    broken_.push_back({line_, lines_[line_].addresses[index_], answer.shape});
+  }
   if (noise && std::find(noisy_.begin(), noisy_.end(), line_) == noisy_.end())
     noisy_.push_back(line_);
   if (!settled_ && babbles()) {
@@ -31,6 +36,19 @@ void Scanner::answered(const ScanAnswer& answer) {
     return next_line();
   }
   advance();
+}
+
+std::vector<ScanBroken> Scanner::broken() const {
+  std::vector<ScanBroken> broken;
+  for (const ScanBroken& each : broken_) {
+    const auto same = [&](const auto& other) {
+      return other.line == each.line && other.address == each.address;
+    };
+    if (std::none_of(found_.begin(), found_.end(), same) &&
+        std::none_of(broken.begin(), broken.end(), same))
+      broken.push_back(each);
+  }
+  return broken;
 }
 
 bool Scanner::babbles() const {

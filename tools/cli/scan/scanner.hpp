@@ -10,6 +10,7 @@
 
 #include "core/base/cause.hpp"
 #include "core/base/time.hpp"
+#include "core/bus/garbage.hpp"
 #include "tools/cli/scan/scan_plan.hpp"
 
 namespace fieldcast::cli {
@@ -27,6 +28,7 @@ struct ScanAnswer {
   Duration took{};
   std::size_t bytes = 0;    // that came at all
   bool echo_alone = false;  // they are those that were sent: the adapter's, nobody else speaks
+  AnswerShape shape = AnswerShape::kOther;  // of a broken answer
 };
 
 struct ScanFound {
@@ -35,6 +37,14 @@ struct ScanFound {
   std::size_t question = 0;
   ScanAnswer answer;
   std::string identity;  // what the device says of itself; empty: nothing
+};
+
+// An address from which broken answers come that begin like valid ones: the settings of the line
+// are probably right.
+struct ScanBroken {
+  std::size_t line = 0;
+  std::uint16_t address = 1;
+  AnswerShape shape = AnswerShape::kWhole;
 };
 
 class Scanner {
@@ -62,6 +72,8 @@ class Scanner {
   [[nodiscard]] std::size_t left() const;
   // The lines on which bytes came that were no answer.
   [[nodiscard]] const std::vector<std::size_t>& noisy_lines() const { return noisy_; }
+  // Addresses whose answers are broken, without those that answered another question.
+  [[nodiscard]] std::vector<ScanBroken> broken() const;
   // What was sent came back, and nothing else.
   [[nodiscard]] bool echoed() const { return echoed_; }
 
@@ -75,6 +87,7 @@ class Scanner {
   std::vector<ScanLine> lines_;
   std::vector<ScanFound> found_;
   std::vector<std::size_t> noisy_;
+  std::vector<ScanBroken> broken_;
   std::vector<std::size_t> babbling_;   // left in the first pass
   std::optional<std::size_t> settled_;  // the line on which a device answered
   std::size_t pass_ = 0, line_ = 0, index_ = 0, asked_ = 0;
