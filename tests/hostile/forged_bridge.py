@@ -63,7 +63,7 @@ def log_lines(plant):
 
 def attack_running(bin_dir, faults):
     with Plant(bin_dir, CONFIG) as plant:
-        for what in ("waiting", "serving", "both"):
+        for what in ("both", "waiting", "serving"):
             print(f"claims of an older bridge, {what}, 10 a second for {SECONDS} s:")
             before = len(log_lines(plant))
             with forger(bin_dir, plant.domain, what):
