@@ -27,10 +27,13 @@ void OtherKeys::look(const Node& map, std::string_view of,
 }
 
 void OtherKeys::tell(const std::string& file, Found& found) const {
-  for (const Other& other : others_)
-    found.notes.push_back(fmt::format("{}: key '{}' of {} (line {}{}) is not moved", file,
-                                      other.key, other.of, other.line,
-                                      other.count > 1 ? ", .." : ""));
+  for (const Other& other : others_) {
+    std::string note = fmt::format("{}: key '{}' of {} (line {}{}) is not moved", file, other.key,
+                                   other.of, other.line, other.count > 1 ? ", .." : "");
+    // A template may be that of many devices.
+    if (std::ranges::find(found.notes, note) == found.notes.end())
+      found.notes.push_back(std::move(note));
+  }
 }
 
 }  // namespace fieldcast::importing

@@ -162,7 +162,8 @@ class MakersTables(Imports):
                 done = run("fieldcast", "import", os.path.join(MAKERS, name + ".csv"), "--json", *options)
                 rows = [json.loads(line) for line in done.stdout.splitlines()]
                 self.assertEqual([(row["name"], "refused") if row["fate"] == "refused" else
-                                  (row["name"], row["at"], row["type"], row["scale"], row["access"]) for row in rows], expected, done.stderr)
+                                  (row["name"], row["at"], row["type"], row["scale"], row["access"]) for row in rows],
+                                 expected, done.stderr)
                 orders = {row["word_order"] for row in rows if row["type"] in ("int32", "uint32") and row["fate"] != "refused"}
                 self.assertLessEqual(orders, {"little-endian" if "little-endian" in options else "big-endian"})
                 self.assertTrue(all(row["why"] for row in rows if row["fate"] == "refused"))

@@ -72,6 +72,21 @@ TEST(ImportOtherKeys, OfNeuronAreNamedInJsonAndInTables) {
   EXPECT_THAT(table->notes, Contains("n.csv: column 'precision' is not moved"));
 }
 
+TEST(ImportOtherKeys, OfATemplateOfWbAreNamedOnceForAllItsDevices) {
+  const auto outcome =
+      run_import({{"config-a.json", R"({"device_type":"a","device":{"name":"A","id":"a","channels":[
+          {"name":"x","reg_type":"holding","address":1,"group":"g","sporadic":true,"enum":[1]}]}})"},
+                  {"wb.conf", R"({"ports":[{"path":"/dev/ttyS1","devices":[
+          {"device_type":"a","slave_id":1},{"device_type":"a","slave_id":2}]}]})"}},
+                 {});
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_EQ(std::ranges::count(outcome->notes,
+                               "config-a.json: key 'sporadic' of a channel (line 2) is not moved"),
+            1);
+  EXPECT_THAT(outcome->notes, Contains(HasSubstr("key 'enum' of a channel")));
+  EXPECT_THAT(outcome->notes, Each(Not(HasSubstr("'group'"))));
+}
+
 TEST(ImportOtherKeys, HaveABound) {
   std::string text = "modbus: { networks: [ { name: n, address: 10.0.0.1";
   for (int i = 0; i < 200; ++i) text += ", k" + std::to_string(i) + ": 1";

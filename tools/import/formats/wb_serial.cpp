@@ -11,6 +11,7 @@
 #include "tools/import/formats/wb_channel.hpp"
 #include "tools/import/formats/wb_condition.hpp"
 #include "tools/import/number.hpp"
+#include "tools/import/other_keys.hpp"
 #include "tools/import/tree.hpp"
 
 namespace fieldcast::importing {
@@ -42,6 +43,7 @@ class WbDeviceReader {
     settings_ = settings;
     const bool of_template = settings != nullptr && settings != &device_;
     read_part(device_, device, {}, {}, of_template ? child(*settings, "channels") : nullptr, 0);
+    other_keys_.tell(file_.source->file, found_);
   }
 
   // A configuration's own channels: what it says of those of its template is no channel.
@@ -137,6 +139,15 @@ class WbDeviceReader {
   void read_channel(const Node& channel, Device& device, std::string name, const WbBase& base,
                     const Node* word) {
     Point point;
+    // The first four arrange the page there.
+    other_keys_.look(
+        channel, "a channel",
+        {"id",         "title",          "group",       "order",         "name",
+         "reg_type",   "address",        "format",      "write_address", "string_data_size",
+         "word_order", "byte_order",     "scale",       "offset",        "round_to",
+         "units",      "type",           "min",         "max",           "error_value",
+         "on_value",   "off_value",      "readonly",    "enabled",       "hidden",
+         "condition",  "read_period_ms", "consists_of", "poll_interval", "read_rate_limit_ms"});
     point.name = std::move(name);
     point.origin = {file_.source->file, line_of(channel)};
     auto fault = read_wb_channel(channel, base, point);
@@ -202,6 +213,7 @@ class WbDeviceReader {
   const WbFile& file_;
   const Node& device_;
   Found& found_;
+  OtherKeys other_keys_;
   const Node* settings_ = nullptr;
   const Node* template_ = nullptr;  // the channels of the template
   unsigned parts_ = 0;
