@@ -39,7 +39,7 @@ bool is_printable(std::string_view character) {
   if (code < 0x20 || (code >= 0x7F && code < 0xA0)) return false;
   if (code == 0x061C || code == 0xFEFF) return false;
   if (code >= 0x200B && code <= 0x200F) return false;
-  return !(code >= 0x2028 && code <= 0x202E) && !(code >= 0x2060 && code <= 0x2069);
+  return !(code >= 0x2028 && code <= 0x202E) && !(code >= 0x2060 && code <= 0x206F);
 }
 
 std::string printable(std::string_view text, std::size_t limit) {

@@ -19,6 +19,7 @@ TEST(Printable, ControlCharactersAreSpelled) {
 }
 
 TEST(Printable, MarksThatTurnOrBreakALineAreSpelled) {
+  EXPECT_EQ(printable("\u206A\u206F"), "\\u206A\\u206F");
   EXPECT_EQ(printable("\u202Eabc\u2028\u200B\uFEFF"), "\\u202Eabc\\u2028\\u200B\\uFEFF");
 }
 

@@ -33,6 +33,18 @@ TEST(SampleJson, IntegersAreExactAndDoublesRoundTrip) {
     EXPECT_EQ(std::strtod(json_value(number).c_str(), nullptr), number);
 }
 
+TEST(SampleJson, MarksThatTurnTheDirectionAreEscaped) {
+  for (const char* mark : {"\u202A", "\u202B", "\u202C", "\u202D", "\u202E", "\u2066", "\u2067",
+                           "\u2068", "\u2069", "\u200E", "\u200F", "\u061C", "\u009B"}) {
+    const Json json{{mark, std::string("a") + mark + "°C"}};
+    const std::string line = to_line(json);
+    EXPECT_EQ(line.find(mark), std::string::npos) << line;
+    EXPECT_EQ(Json::parse(line), json) << "the same text for a program";
+  }
+  EXPECT_EQ(to_line("\u202E"), R"("\u202e")");
+  EXPECT_EQ(to_line("\xff\"\\\n"), "\"\uFFFD\\\"\\\\\\n\"");
+}
+
 TEST(SampleJson, NoNumberIsNull) {
   EXPECT_EQ(json_value(std::nan("")), "null");
   EXPECT_EQ(json_value(std::numeric_limits<double>::infinity()), "null");

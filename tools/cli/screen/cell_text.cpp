@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "core/base/escaped.hpp"
+#include "core/base/printable.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -41,12 +42,12 @@ char32_t take_character(std::string_view& text) {
   return code;
 }
 
-// Unicode Standard Annex 9: explicit formatting characters, and the blocks of letters that are
-// written from right to left.
-bool turns_direction(char32_t c) {
+// The blocks of letters that are written from right to left (Unicode Standard Annex 9). The marks
+// that turn the direction are not is_printable().
+bool is_right_to_left(char32_t c) {
   const auto in = [c](char32_t first, char32_t last) { return c >= first && c <= last; };
-  return in(0x0590, 0x08FF) || in(0x200B, 0x200F) || in(0x2028, 0x202E) || in(0x2060, 0x206F) ||
-         in(0xFB1D, 0xFDFF) || in(0xFE70, 0xFEFF) || in(0x10800, 0x10FFF) || in(0x1E800, 0x1EFFF);
+  return in(0x0590, 0x08FF) || in(0xFB1D, 0xFDFF) || in(0xFE70, 0xFEFF) || in(0x10800, 0x10FFF) ||
+         in(0x1E800, 0x1EFFF);
 }
 
 constexpr int kMostMarks = 2;  // on one character
@@ -62,13 +63,15 @@ std::string shown(std::string_view text) {
   for (std::string_view rest = plain; !rest.empty();) {
     const std::string_view before = rest;
     const char32_t c = take_character(rest);
-    const int width = turns_direction(c) ? -1 : ::wcwidth(static_cast<wchar_t>(c));
+    const std::string_view character = before.substr(0, before.size() - rest.size());
+    const bool escape = is_right_to_left(c) || !is_printable(character);
+    const int width = escape ? -1 : ::wcwidth(static_cast<wchar_t>(c));
     if (width < 0 || (width == 0 && marks == kMostMarks)) {
       out += fmt::format("\\u{{{:X}}}", static_cast<std::uint32_t>(c));
       continue;
     }
     marks = width == 0 ? marks + 1 : 0;
-    out += before.substr(0, before.size() - rest.size());
+    out += character;
   }
   return out;
 }

@@ -15,7 +15,8 @@ using Json = nlohmann::ordered_json;  // fields stay in the order in which they 
 // infinities, bytes of a text that are no UTF-8 as \xE4.
 [[nodiscard]] Json to_json(const Value& value);
 
-// One line without its end; bytes that are no UTF-8 become U+FFFD.
+// One line without its end; bytes that are no UTF-8 become U+FFFD, and a character that is not
+// is_printable() (core/base/printable.hpp) is written as \u202e.
 [[nodiscard]] std::string to_line(const Json& json);
 
 }  // namespace fieldcast::cli

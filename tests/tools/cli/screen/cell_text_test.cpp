@@ -24,6 +24,9 @@ TEST(CellText, NothingMovesTheCursorOrTurnsTheDirection) {
   EXPECT_EQ(shown("\u05D0"), "\\u{5D0}");       // a Hebrew letter
   EXPECT_EQ(shown("a\u200Bb"), "a\\u{200B}b");  // without a width
   EXPECT_EQ(shown("\xFF"), "\\xFF");
+  for (const char* mark : {"\u202A", "\u202B", "\u202C", "\u202D", "\u202E", "\u2066", "\u2067",
+                           "\u2068", "\u2069", "\u200E", "\u200F", "\u061C"})
+    EXPECT_TRUE(shown(mark).starts_with("\\u{")) << shown(mark);
 }
 
 TEST(CellText, MarksAreKeptOnTheirLetterAsLongAsTheyAreFew) {
