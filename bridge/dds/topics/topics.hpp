@@ -95,7 +95,9 @@ struct TopicRow {
   Holding writer, reader;
   Lease lease = Lease::kNone;
   Unregister unregister = Unregister::kDisposes;
-  Duration longest_write = std::chrono::milliseconds{10};  // with readers that lag
+  // With readers that lag. Fast DDS 2.9.1 also waits so long for the lock of its timers; after that
+  // the writer sends no heartbeat any more (TimedEvent::restart_timer), so it must not be short.
+  Duration longest_write = std::chrono::milliseconds{100};
   Keys keys = Keys::kKeyed;
   Repair repair = Repair::kSoon;
   Ownership ownership = Ownership::kShared;
