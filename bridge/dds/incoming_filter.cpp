@@ -49,7 +49,7 @@ bool is_harmless(Submessage kind) {
 }
 
 std::size_t length_of(std::span<const std::uint8_t> head) {
-  const bool little = (head[1] & kLittleEndian) != 0;
+  const bool little = (head[1] & kLittleEndianFlag) != 0;
   return little ? head[2] | head[3] << 8 : head[2] << 8 | head[3];
 }
 
@@ -68,7 +68,7 @@ bool may_be_in_clear(std::span<const std::uint8_t> message) {
                   writer.size(), writer.begin());
       if (writer != kParticipantWriter && writer != kHandshakeWriter) return false;
       if (kind == Submessage::kData &&
-          word_at(rest, number, (rest[1] & kLittleEndian) != 0) >= kOurNumbers)
+          word_at(rest, number, (rest[1] & kLittleEndianFlag) != 0) >= kOurNumbers)
         return false;
     } else if (!is_harmless(kind)) {
       return false;

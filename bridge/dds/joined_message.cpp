@@ -13,8 +13,8 @@ namespace {
 
 // To every participant again (RTPS 2.2, 9.4.5.8, with GUIDPREFIX_UNKNOWN).
 constexpr std::array<std::uint8_t, 16> kToAll = {static_cast<std::uint8_t>(Submessage::kInfoDst),
-                                                 kOwnOrder, kOwnOrder == kLittleEndian ? 12 : 0,
-                                                 kOwnOrder == kLittleEndian ? 0 : 12};
+                                                 kOwnOrder, kOwnOrder == kLittleEndianFlag ? 12 : 0,
+                                                 kOwnOrder == kLittleEndianFlag ? 0 : 12};
 
 // What a message holds behind its header.
 struct Content {
@@ -41,7 +41,7 @@ std::optional<Content> content_of(std::span<const std::uint8_t> message) {
     const std::uint16_t length = length_at(message, begin);
     const std::size_t end = begin + kSubmessageHeader + length;
     // A length of 0 may mean "to the end", and each begins at a multiple of 4 (9.4.1, 9.4.5.1.3).
-    if ((message[begin + 1] & kLittleEndian) != kOwnOrder || length == 0 || length % 4 != 0 ||
+    if ((message[begin + 1] & kLittleEndianFlag) != kOwnOrder || length == 0 || length % 4 != 0 ||
         end > message.size())
       return std::nullopt;
     switch (kind) {

@@ -37,8 +37,8 @@ constexpr std::uint8_t kHasKeys = 2, kWantsNoAnswer = 2;
 constexpr std::uint32_t kOurCount = 0x7fffffff;  // no writer has sent as many
 
 void add_heartbeat(NoteBytes& message, std::uint64_t number) {
-  message.add(
-      {static_cast<std::uint8_t>(Submessage::kHeartbeat), kLittleEndian | kWantsNoAnswer, 28, 0});
+  message.add({static_cast<std::uint8_t>(Submessage::kHeartbeat),
+               kLittleEndianFlag | kWantsNoAnswer, 28, 0});
   message.add(kParticipantReader);
   message.add(kParticipantWriter);
   message.add_number(number);  // the first that it has, and the last
@@ -47,7 +47,7 @@ void add_heartbeat(NoteBytes& message, std::uint64_t number) {
 }
 
 void add_end(NoteBytes& message, const ParticipantPrefix& of, std::uint64_t number) {
-  message.add({static_cast<std::uint8_t>(Submessage::kData), kLittleEndian | kHasKeys, 52, 0});
+  message.add({static_cast<std::uint8_t>(Submessage::kData), kLittleEndianFlag | kHasKeys, 52, 0});
   message.add({0, 0, 16, 0});
   message.add(kParticipantReader);
   message.add(kParticipantWriter);

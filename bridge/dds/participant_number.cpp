@@ -33,7 +33,7 @@ std::uint16_t short_at(Span bytes, std::size_t at) {
 // order in which the library writes.
 std::size_t number_in(Span part, Span prefix) {
   if (part.size() < kParameters || (part[1] & kHasParameters) == 0 ||
-      (part[1] & kLittleEndian) != kOwnOrder ||
+      (part[1] & kLittleEndianFlag) != kOwnOrder ||
       part[0] != static_cast<std::uint8_t>(Submessage::kData) ||
       !std::ranges::equal(part.subspan(kWriter, kParticipantWriter.size()), kParticipantWriter))
     return 0;

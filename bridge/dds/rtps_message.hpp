@@ -37,9 +37,9 @@ enum class Submessage : std::uint8_t {
 
 // The flag of every submessage for the order of its bytes, and its value where the library writes:
 // in the order of this machine.
-inline constexpr std::uint8_t kLittleEndian = 1;
+inline constexpr std::uint8_t kLittleEndianFlag = 1;
 inline constexpr std::uint8_t kOwnOrder =
-    std::endian::native == std::endian::little ? kLittleEndian : 0;
+    std::endian::native == std::endian::little ? kLittleEndianFlag : 0;
 
 struct SubmessageView {
   Submessage kind{};
@@ -54,7 +54,7 @@ template <class Each>
 void for_each_submessage(std::span<const std::uint8_t> message, Each each) {
   for (std::size_t begin = kMessageHeader; begin + kSubmessageHeader <= message.size();) {
     const auto rest = message.subspan(begin);
-    SubmessageView one{static_cast<Submessage>(rest[0]), (rest[1] & kLittleEndian) != 0, begin,
+    SubmessageView one{static_cast<Submessage>(rest[0]), (rest[1] & kLittleEndianFlag) != 0, begin,
                        rest};
     const std::size_t length = one.little ? rest[2] | rest[3] << 8 : rest[2] << 8 | rest[3];
     // 9.4.5.1.3: 0 means to the end of the message, but of those that may be empty.

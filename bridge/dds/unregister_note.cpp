@@ -41,8 +41,8 @@ bool is_mark(std::span<const std::uint8_t> message, std::size_t parameter) {
 std::size_t find_mark(std::span<const std::uint8_t> message, std::size_t begin, std::size_t end) {
   const std::uint8_t flags = message[begin + 1];
   if (message[begin] != static_cast<std::uint8_t>(Submessage::kData) ||
-      (flags & kLittleEndian) != kOwnOrder || !(flags & kInlineQos) || !(flags & kDataPayload) ||
-      end < begin + kSubmessageHeader + 20)
+      (flags & kLittleEndianFlag) != kOwnOrder || !(flags & kInlineQos) ||
+      !(flags & kDataPayload) || end < begin + kSubmessageHeader + 20)
     return 0;
   std::size_t parameter =
       begin + kSubmessageHeader + 4 + at<std::uint16_t>(message, begin + kSubmessageHeader + 2);

@@ -205,7 +205,7 @@ std::optional<RtpsFault> DatagramGuard::on_gap(const RtpsEvent& event) {
   // Both have reader(4) writer(4), two numbers(8) and 4 more bytes.
   const auto part = copy().subspan(event.at);
   part[0] = static_cast<std::uint8_t>(Submessage::kHeartbeat);
-  part[1] = static_cast<std::uint8_t>((event.little ? kLittleEndian : 0) | kFinal);
+  part[1] = static_cast<std::uint8_t>((event.little ? kLittleEndianFlag : 0) | kFinal);
   const auto body = part.subspan(kSubmessageHeader);
   writer.last = std::max(writer.last, event.base - 1);
   put_number(body.subspan(8), event.base, event.little);

@@ -69,7 +69,7 @@ class Validator {
     event_ = {};
     event_.kind = static_cast<Submessage>(rest[0]);
     event_.at = at_;
-    event_.little = (rest[1] & kLittleEndian) != 0;
+    event_.little = (rest[1] & kLittleEndianFlag) != 0;
     flags_ = rest[1];
     std::size_t length = event_.little ? rest[2] | rest[3] << 8 : rest[2] << 8 | rest[3];
     // 9.4.5.1.3: 0 means up to the end of the message, except for those that may be empty.
