@@ -65,10 +65,9 @@ void read_not_available(MapReader& map, bool typed, Encoding& encoding) {
 
 std::string not_available_schema() {
   const std::string value = R"({ "type": ["string", "number"] })";
-  return fmt::format(
-      R"({{ "anyOf": [ {0}, )"
-      R"({{ "type": "array", "minItems": 1, "maxItems": {1}, "items": {0} }} ] }})",
-      value, kMaxNotAvailable);
+  return fmt::format(R"({{ "anyOf": [ {0}, )"
+                     R"({{ "type": "array", "minItems": 1, "maxItems": {1}, "items": {0} }} ] }})",
+                     value, kMaxNotAvailable);
 }
 
 }  // namespace fieldcast::config

@@ -26,8 +26,8 @@ struct LineOptions {
   std::uint32_t retries = 1;
 };
 
-// The path of a serial port that is given by its name alone: "ttyUSB0" is /dev/ttyUSB0, a file of the
-// working directory is "./NAME". HOST:PORT, a path, and a name that is no file stay as they are.
+// The path of a serial port that is given by its name alone: "ttyUSB0" is /dev/ttyUSB0, a file of
+// the working directory is "./NAME". HOST:PORT, a path, and any other name are returned unchanged.
 [[nodiscard]] std::string full_port(const std::string& port);
 
 // REQUIRES: options live until the parse.
