@@ -10,9 +10,10 @@ namespace {
 
 constexpr std::size_t kPrefixAt = 8;  // in the header of a message
 constexpr std::size_t kMostWriters = 65'536, kMostAddresses = 1024, kMostFragmented = 1024;
-constexpr Duration kIdleWriter = std::chrono::seconds{60};
 constexpr Duration kGrace = std::chrono::seconds{10};  // beyond the lease of a participant
 constexpr double kFragmentSeconds = 10;
+// The numbers of a writer that is not heard go on at this rate at most.
+constexpr double kNumbersPerSecond = 10'000, kCreditSeconds = 60;
 // The number of our own message that a participant has left: above those of its writer, and below
 // the ones with which DDS Security refuses a participant (incoming_filter.cpp).
 constexpr std::uint64_t kOurNumber = std::uint64_t{0x20000000} << 32;
@@ -174,19 +175,36 @@ DatagramGuard::Writer& DatagramGuard::writer_of(const RtpsEvent& event) {
   std::ranges::copy(event.writer, guid.begin() + 12);
   if (writers_.size() >= kMostWriters && !writers_.contains(guid)) writers_.clear();
   Writer& writer = writers_[guid];
-  // A writer that was silent may have been given up and found again; its numbers went on.
-  if (writer.last >= 0 && now_ - writer.seen > kIdleWriter) writer = {};
+  if (writer.last < 0) return writer;
+  // The numbers of a writer that is not heard for a while go on.
+  const double silence = to_seconds(now_ - writer.seen);
+  writer.credit += static_cast<std::int64_t>(silence * kNumbersPerSecond);
+  if (silence < kCreditSeconds) writer.credit = std::min(writer.credit, kJump);
   writer.seen = now_;
   return writer;
 }
 
+// False if the writer has no credit to move on to this number.
+bool DatagramGuard::may_reach(Writer& writer, std::int64_t number) const {
+  if (writer.last < 0) {
+    if (number > kFirstJump) return false;
+    writer.seen = now_;
+    writer.last = number;
+    return true;
+  }
+  const std::int64_t further = number - writer.last;
+  if (further <= 0) return true;
+  if (further > writer.credit) return false;
+  writer.credit -= further;
+  writer.last = number;
+  return true;
+}
+
 std::optional<RtpsFault> DatagramGuard::on_heartbeat(const RtpsEvent& event) {
   Writer& writer = writer_of(event);
-  const std::int64_t most = writer.last < 0 ? kFirstJump : writer.last + kJump;
-  if (event.base - 1 > most) return RtpsFault::kSequenceNumber;
   const bool is_newer =
       writer.last < 0 || static_cast<std::int32_t>(event.count - writer.count) > 0;
-  writer.last = std::max(writer.last, event.base - 1);
+  if (!may_reach(writer, event.base - 1)) return RtpsFault::kSequenceNumber;
   if (!is_newer) return std::nullopt;  // the library ignores it
   writer.count = event.count;
   if (event.first >= writer.gap_end) writer.gapped = 0;
@@ -195,8 +213,7 @@ std::optional<RtpsFault> DatagramGuard::on_heartbeat(const RtpsEvent& event) {
 
 std::optional<RtpsFault> DatagramGuard::on_gap(const RtpsEvent& event) {
   Writer& writer = writer_of(event);
-  const std::int64_t most = writer.last < 0 ? kFirstJump : writer.last + kJump;
-  if (event.base > most) return RtpsFault::kGap;
+  if (!may_reach(writer, event.base - 1)) return RtpsFault::kGap;
   const std::int64_t range = event.base - event.first + 1;
   writer.gap_end = std::max(writer.gap_end, event.base);
   writer.gapped += range;
@@ -207,7 +224,6 @@ std::optional<RtpsFault> DatagramGuard::on_gap(const RtpsEvent& event) {
   part[0] = static_cast<std::uint8_t>(Submessage::kHeartbeat);
   part[1] = static_cast<std::uint8_t>((event.little ? kLittleEndianFlag : 0) | kFinal);
   const auto body = part.subspan(kSubmessageHeader);
-  writer.last = std::max(writer.last, event.base - 1);
   put_number(body.subspan(8), event.base, event.little);
   put_number(body.subspan(16), writer.last, event.little);
   put(body.subspan(24), ++writer.count, event.little);

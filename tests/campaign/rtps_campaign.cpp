@@ -1,0 +1,121 @@
+// Hostile datagrams against the guard, and with --library what it accepts against a real
+// participant of Fieldcast in this process, over UDP on the loopback.
+//
+// usage: rtps_campaign --datagrams N --seed S [--library]
+//
+// Prints the counts by cause, the rate and the memory. Exits with 1 if the participant no longer
+// receives the samples of an honest writer, or if memory grows by more than 256 MB.
+#include <cstdlib>
+#include <cstring>
+
+#include "tests/campaign/attacked_domain.hpp"
+#include "tests/campaign/rtps_mutation.hpp"
+
+namespace fieldcast {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using testing::AttackedDomain;
+using testing::Datagram;
+
+constexpr std::uint64_t kBetweenChecks = 500'000;  // datagrams
+constexpr double kMostGrowth = 256;                // megabytes
+constexpr std::uint32_t kDomain = 97;
+
+struct Options {
+  std::uint64_t datagrams = 1'000'000, seed = 1;
+  bool library = false;
+};
+
+Options options_of(int argc, char** argv) {
+  Options options;
+  for (int i = 1; i < argc; ++i) {
+    const bool has_value = i + 1 < argc;
+    if (std::strcmp(argv[i], "--library") == 0) {
+      options.library = true;
+    } else if (has_value && std::strcmp(argv[i], "--datagrams") == 0) {
+      options.datagrams = std::strtoull(argv[++i], nullptr, 10);
+    } else if (has_value && std::strcmp(argv[i], "--seed") == 0) {
+      options.seed = std::strtoull(argv[++i], nullptr, 10);
+    } else {
+      std::fprintf(stderr, "usage: rtps_campaign --datagrams N --seed S [--library]\n");
+      std::exit(2);
+    }
+  }
+  return options;
+}
+
+// The valid datagrams, in the name of the writer with which the participant is matched.
+std::vector<Datagram> corpus_of(const AttackedDomain* attacked) {
+  std::vector<Datagram> all;
+  for (const auto& [name, bytes] : testing::valid_datagrams()) {
+    if (attacked == nullptr) {
+      all.push_back(bytes);
+      continue;
+    }
+    // Each occurrence of the names of the corpus; the sender is in GUIDs too.
+    Datagram one = bytes;
+    const auto replace = [&](const auto& from, const auto& to) {
+      for (auto at = one.begin();;) {
+        at = std::search(at, one.end(), from.begin(), from.end());
+        if (at == one.end()) return;
+        at = std::copy(to.begin(), to.end(), at);
+      }
+    };
+    replace(testing::kSender, attacked->forged_sender());
+    replace(testing::kSamplesReader, attacked->reader_entity());
+    replace(testing::kSamplesWriter, attacked->forged_entity());
+    all.push_back(std::move(one));
+  }
+  return all;
+}
+
+int run(const Options& options) {
+  std::unique_ptr<AttackedDomain> attacked;
+  if (options.library) {
+    DdsSpec spec;
+    spec.domain = kDomain;
+    attacked = std::make_unique<AttackedDomain>(spec);
+    if (!attacked->is_ready()) return std::fprintf(stderr, "no discovery within 10 s\n"), 1;
+  }
+  testing::RtpsMutation mutation(corpus_of(attacked.get()), options.seed);
+  DatagramGuard guard{RtpsLimits{}};
+  Datagram scratch;
+  std::uint64_t accepted = 0, sent = 0;
+  const auto start = Clock::now();
+  const double at_start = testing::resident_megabytes();
+  bool is_well = true;
+  for (std::uint64_t n = 1; n <= options.datagrams && is_well; ++n) {
+    const Datagram one = mutation.next();
+    const Instant now{Clock::now().time_since_epoch()};
+    const auto verdict = guard.check(one, {static_cast<std::uint8_t>(n)}, now, scratch);
+    if (!verdict.fault) {
+      ++accepted;
+      // The participant's own guard checks again and makes the same changes; a pause for each
+      // group, so that the buffer of its socket holds them.
+      if (attacked != nullptr) {
+        attacked->send(one, n % 2 == 0);
+        if (++sent % 32 == 0) std::this_thread::sleep_for(std::chrono::microseconds{200});
+      }
+    }
+    if (n % kBetweenChecks != 0 && n != options.datagrams) continue;
+    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    const double memory = testing::resident_megabytes();
+    const bool answers = attacked == nullptr || attacked->answers();
+    std::printf("%llu datagrams, %llu accepted, %llu sent, %.0f a second, %.1f MB, %s\n",
+                static_cast<unsigned long long>(n), static_cast<unsigned long long>(accepted),
+                static_cast<unsigned long long>(sent), static_cast<double>(n) / seconds, memory,
+                answers ? "receives" : "RECEIVES NO MORE");
+    std::fflush(stdout);
+    is_well = answers && memory - at_start < kMostGrowth;
+  }
+  for (std::size_t i = 0; i < kRtpsFaults; ++i)
+    std::printf("%-16s %12llu\n", std::string(to_text(static_cast<RtpsFault>(i))).c_str(),
+                static_cast<unsigned long long>(guard.refused()[i]));
+  return is_well ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace fieldcast
+
+int main(int argc, char** argv) { return fieldcast::run(fieldcast::options_of(argc, argv)); }
