@@ -13,7 +13,7 @@ constexpr std::size_t kMostWriters = 65'536, kMostAddresses = 1024, kMostFragmen
 constexpr Duration kGrace = std::chrono::seconds{10};  // beyond the lease of a participant
 constexpr double kFragmentSeconds = 10;
 // The numbers of a writer that is not heard go on at this rate at most.
-constexpr double kNumbersPerSecond = 10'000, kCreditSeconds = 60;
+constexpr double kNumbersPerSecond = 100'000, kCreditSeconds = 60;
 // The number of our own message that a participant has left: above those of its writer, and below
 // the ones with which DDS Security refuses a participant (incoming_filter.cpp).
 constexpr std::uint64_t kOurNumber = std::uint64_t{0x20000000} << 32;
@@ -178,8 +178,8 @@ DatagramGuard::Writer& DatagramGuard::writer_of(const RtpsEvent& event) {
   if (writer.last < 0) return writer;
   // The numbers of a writer that is not heard for a while go on.
   const double silence = to_seconds(now_ - writer.seen);
-  writer.credit += static_cast<std::int64_t>(silence * kNumbersPerSecond);
-  if (silence < kCreditSeconds) writer.credit = std::min(writer.credit, kJump);
+  writer.credit += silence * kNumbersPerSecond;
+  if (silence < kCreditSeconds) writer.credit = std::min<double>(writer.credit, kJump);
   writer.seen = now_;
   return writer;
 }
@@ -192,7 +192,7 @@ bool DatagramGuard::may_reach(Writer& writer, std::int64_t number) const {
     writer.last = number;
     return true;
   }
-  const std::int64_t further = number - writer.last;
+  const auto further = static_cast<double>(number - writer.last);
   if (further <= 0) return true;
   if (further > writer.credit) return false;
   writer.credit -= further;

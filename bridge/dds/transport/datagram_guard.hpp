@@ -53,7 +53,7 @@ class DatagramGuard final : private RtpsEvents {
   // Numbers of one writer in GAPs that the library may hold at a time.
   static constexpr std::int64_t kMostGapped = 65'536;
   // How far the first HEARTBEAT of a writer may move on, and how far later ones together; the
-  // latter comes back at 10 000 numbers a second. The library counts this range number by number.
+  // latter comes back at 100 000 numbers a second. The library counts this range number by number.
   static constexpr std::int64_t kFirstJump = std::int64_t{1} << 32, kJump = 1 << 20;
 
  private:
@@ -73,7 +73,7 @@ class DatagramGuard final : private RtpsEvents {
     std::uint32_t count = 0;  // of its newest HEARTBEAT
     std::int64_t gapped = 0;  // numbers in GAPs since the library forgot them
     std::int64_t gap_end = 0;
-    std::int64_t credit = kJump;  // how far it may move on
+    double credit = kJump;  // how far it may move on
   };
   struct Bucket {
     double tokens = 0;

@@ -191,6 +191,27 @@ TEST(DatagramGuard, AHeartbeatThatJumpsFarIsRefused) {
   EXPECT_EQ(one.cause_of(heartbeat(1, 101 + 2 * kJump, 3)), "none");
 }
 
+// CVE-2025-65016 in small steps: the library counts each number, so jumps in a row are bounded too.
+TEST(DatagramGuard, JumpsInARowShareOneCredit) {
+  constexpr auto kJump = DatagramGuard::kJump;
+  Checked one;
+  ASSERT_EQ(one.cause_of(heartbeat(1, 100, 1)), "none");
+  ASSERT_EQ(one.cause_of(heartbeat(1, 100 + kJump, 2)), "none");
+  for (std::uint32_t i = 0; i < 8; ++i)
+    EXPECT_EQ(one.cause_of(heartbeat(1, 100 + (2 + i) * kJump, 3 + i)), "SEQUENCE_NUMBER");
+}
+
+// A writer of 20 000 messages a second, each with a heartbeat, is not refused after a jump.
+TEST(DatagramGuard, AFastWriterRegainsItsCredit) {
+  Checked one;
+  ASSERT_EQ(one.cause_of(heartbeat(1, 1, 1)), "none");
+  ASSERT_EQ(one.cause_of(heartbeat(1, 1 + DatagramGuard::kJump, 2)), "none");
+  for (std::uint32_t i = 1; i < 10'000; ++i) {
+    one.wait(std::chrono::microseconds{50});
+    ASSERT_EQ(one.cause_of(heartbeat(1, 1 + DatagramGuard::kJump + i, 2 + i)), "none");
+  }
+}
+
 // CVE-2025-64438: the library inserts each number of a GAP into a set.
 TEST(DatagramGuard, ALongGapReachesTheLibraryAsAHeartbeat) {
   constexpr auto kMost = DatagramGuard::kMostGapped;
