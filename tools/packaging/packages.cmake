@@ -6,13 +6,13 @@ set(CPACK_PACKAGE_CONTACT "Fieldcast maintainers <maintainers@fieldcast.invalid>
 set(CPACK_PACKAGE_HOMEPAGE_URL "https://fieldcast.invalid")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_THREADS 0)  # of xz: as many as there are cores
 set(CPACK_COMPONENTS_ALL fieldcast fieldcast-dev fieldcast-sim)
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
+set(CPACK_DEBIAN_COMPRESSION_TYPE gzip)  # quick; compress.cmake makes them small
+set(CPACK_POST_BUILD_SCRIPTS ${CMAKE_CURRENT_LIST_DIR}/compress.cmake)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 # Modes of folders as Debian wants them, whoever builds.
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS

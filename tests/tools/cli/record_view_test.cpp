@@ -59,8 +59,8 @@ TEST(RecordView, CsvTextIsNeverAFormula) {
     EXPECT_EQ(csv_field(text), "'" + text);
     EXPECT_THAT(history_csv(sample(text)), HasSubstr(",oil,'" + text + ","));
   }
-  EXPECT_EQ(csv_field("\t=1"), "'\\x09=1");
-  EXPECT_EQ(csv_field("\r=1"), "'\\x0D=1");
+  EXPECT_EQ(csv_field("\t=1"), "'\\t=1");
+  EXPECT_EQ(csv_field("\r=1"), "'\\r=1");
   EXPECT_EQ(csv_field("=A1,\"b\""), "\"'=A1,\"\"b\"\"\"");
   EXPECT_EQ(csv_field("a=1"), "a=1");
   EXPECT_THAT(history_csv(sample(-21.5)), HasSubstr(",oil,-21.5,"));

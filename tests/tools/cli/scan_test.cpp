@@ -294,7 +294,7 @@ TEST(ScanView, WhatDevicesSayStaysAComment) {
   scanner.set_identity(0, "Evil\n      - name: more\x1b[2J");
   const std::string text = configuration_text("/dev/ttyUSB0", true, scanner);
   EXPECT_THAT(text, HasSubstr("baud: 19200, format: 8E1"));
-  EXPECT_THAT(text, HasSubstr("# it says: Evil\\x0A      - name: more\\x1B[2J\n"));
+  EXPECT_THAT(text, HasSubstr("# it says: Evil\\n      - name: more\\x1B[2J\n"));
   EXPECT_THAT(text, HasSubstr("# it answers, but refuses: 02 illegal data address"));
 }
 
