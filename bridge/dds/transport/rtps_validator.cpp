@@ -101,11 +101,9 @@ class Validator {
     } else if (kind == Submessage::kSecPostfix) {
       if (step_ != Step::kPostfix) return RtpsFault::kOrder;
       step_ = Step::kOutside;
-    } else if (step_ == Step::kPostfix) {
-      return RtpsFault::kOrder;
     } else if (step_ == Step::kBody) {
       step_ = Step::kPostfix;
-    } else if (kind == Submessage::kSecBody && !is_protected_) {
+    } else if (step_ == Step::kPostfix || (kind == Submessage::kSecBody && !is_protected_)) {
       return RtpsFault::kOrder;
     }
     is_open_ = is_protected_ || step_ != Step::kOutside;
