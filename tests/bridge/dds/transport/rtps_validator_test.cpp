@@ -110,6 +110,38 @@ TEST(RtpsValidator, AContentFilterInInlineQosIsAFault) {
   EXPECT_EQ(cause_of(with_qos(0x0055)), "none");
 }
 
+// CVE-2025-62603: the library allocates as many holders and properties as a handshake announces.
+TEST(RtpsValidator, CountsOfAHandshakeAreThose) {
+  constexpr EntityBytes kHandshake{0, 2, 1, 0xc3};
+  const auto handshake = [&](std::uint32_t holders, std::uint32_t properties) {
+    Datagram content(2 * 24 + 3 * 16, 0);
+    put_text(content, "dds.sec.auth", 13);
+    put_u32(content, holders);
+    put_text(content, "DDS:Auth:PKI-DH:1.0+Req", 24);
+    put_all(content, words({properties, 0}));
+    return data(kHandshake, 1, {}, payload_of(1, content));
+  };
+  EXPECT_EQ(cause_of(handshake(1, 0)), "none");
+  EXPECT_EQ(cause_of(handshake(0xffffffff, 0)), "PARAMETER");
+  EXPECT_EQ(cause_of(handshake(1, 0xffffffff)), "PARAMETER");
+}
+
+// CVE-2026-45098: the library trusts the length of the protected bytes.
+TEST(RtpsValidator, ProtectedBytesEndWithTheirSubmessage) {
+  const auto protected_by = [](std::uint32_t length) {
+    Datagram all = of_submessage(0x33, 1, Datagram(20, 0));
+    Datagram body;  // big-endian whatever the flag says
+    for (int i = 3; i >= 0; --i) body.push_back(static_cast<std::uint8_t>(length >> 8 * i));
+    body.resize(4 + 32, 0x55);
+    put_submessage(all, 0x30, 1, body);
+    put_submessage(all, 0x34, 1, Datagram(20, 0));
+    return all;
+  };
+  EXPECT_EQ(cause_of(protected_by(32)), "none");
+  EXPECT_EQ(cause_of(protected_by(33)), "SUBMESSAGE");
+  EXPECT_EQ(cause_of(protected_by(0xfffffff0)), "SUBMESSAGE");
+}
+
 // Calls with each datagram in memory of just its size, so that AddressSanitizer sees each read
 // behind it.
 template <class Change>
