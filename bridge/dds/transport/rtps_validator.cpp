@@ -106,6 +106,10 @@ class Validator {
     } else if (step_ == Step::kPostfix || (kind == Submessage::kSecBody && !is_protected_)) {
       return RtpsFault::kOrder;
     }
+    // Fast DDS asserts that its counts are the last submessage (read_statistics_submessage), and
+    // ends the process if they are not.
+    const bool is_fast_dds = datagram_[6] == 1 && datagram_[7] == 15;
+    if (kind == Submessage::kStatistics && is_fast_dds && !is_last) return RtpsFault::kOrder;
     is_open_ = is_protected_ || step_ != Step::kOutside;
     return std::nullopt;
   }

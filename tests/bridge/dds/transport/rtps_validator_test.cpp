@@ -142,6 +142,13 @@ TEST(RtpsValidator, ProtectedBytesEndWithTheirSubmessage) {
   EXPECT_EQ(cause_of(protected_by(0xfffffff0)), "SUBMESSAGE");
 }
 
+// Found by the campaign: the library ends the process by an assertion.
+TEST(RtpsValidator, CountsOfFastDdsAreTheLastSubmessage) {
+  const Datagram counts = of_submessage(0x80, 1, Datagram(56, 0));
+  EXPECT_EQ(cause_of(joined(heartbeat(1, 2, 1), counts)), "none");
+  EXPECT_EQ(cause_of(joined(counts, heartbeat(1, 2, 1))), "ORDER");
+}
+
 // Calls with each datagram in memory of just its size, so that AddressSanitizer sees each read
 // behind it.
 template <class Change>
