@@ -79,8 +79,8 @@ class BusClaims {
   // The bridge that keeps this one from serving a bus, and what it said. Of a bus that this bridge
   // serves: one that serves it as well. Empty if there is none. REQUIRES: the bus is wanted.
   [[nodiscard]] std::optional<BridgeClaims> rival(const std::string& bus) const;
-  // Decides for each wanted bus whether this bridge serves it. Returns true if something changed,
-  // which the others must be told. Called once in a while, as time counts: kMostUnserved.
+  // Decides for each wanted bus whether this bridge serves it. Returns true if something changed:
+  // the caller announces it. Call it repeatedly, because kMostUnserved depends on the time.
   bool decide(Instant now);
   [[nodiscard]] const std::map<std::string, BusClaim>& buses() const { return own_; }
   [[nodiscard]] bool serves(const std::string& bus) const;

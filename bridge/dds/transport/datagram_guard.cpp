@@ -169,10 +169,15 @@ std::optional<RtpsFault> DatagramGuard::on_endpoint(const RtpsEvent& event) {
   return std::nullopt;
 }
 
-DatagramGuard::Writer& DatagramGuard::writer_of(const RtpsEvent& event) {
+DatagramGuard::Guid DatagramGuard::guid_of(const EntityBytes& writer) const {
   Guid guid{};
   std::copy_n(datagram_.begin() + kPrefixAt, 12, guid.begin());
-  std::ranges::copy(event.writer, guid.begin() + 12);
+  std::ranges::copy(writer, guid.begin() + 12);
+  return guid;
+}
+
+DatagramGuard::Writer& DatagramGuard::writer_of(const RtpsEvent& event) {
+  const Guid guid = guid_of(event.writer);
   if (writers_.size() >= kMostWriters && !writers_.contains(guid)) writers_.clear();
   Writer& writer = writers_[guid];
   if (writer.last < 0) return writer;
@@ -233,10 +238,7 @@ std::optional<RtpsFault> DatagramGuard::on_gap(const RtpsEvent& event) {
 // A sample that begins costs its size; the sum is forgiven within kFragmentSeconds.
 std::optional<RtpsFault> DatagramGuard::on_fragment(const RtpsEvent& event) {
   has_fragments_ = true;
-  Guid guid{};
-  std::copy_n(datagram_.begin() + kPrefixAt, 12, guid.begin());
-  std::ranges::copy(event.writer, guid.begin() + 12);
-  const std::pair<Guid, std::int64_t> sample{guid, event.first};
+  const std::pair<Guid, std::int64_t> sample{guid_of(event.writer), event.first};
   if (std::ranges::count(fragmented_, sample) != 0) return std::nullopt;
   Bucket& bucket = fragment_bytes_;
   if (bucket.filled == Instant{}) bucket.tokens = limits_.fragment_bytes;

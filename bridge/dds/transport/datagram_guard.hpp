@@ -89,6 +89,8 @@ class DatagramGuard final : private RtpsEvents {
   [[nodiscard]] bool make_room(bool for_endpoints);
   [[nodiscard]] bool may_join();
   void forget(const ParticipantPrefix& prefix);
+  // Of a writer of the sender of the datagram.
+  [[nodiscard]] Guid guid_of(const EntityBytes& writer) const;
   Writer& writer_of(const RtpsEvent& event);
   bool may_reach(Writer& writer, std::int64_t number) const;
   std::span<std::uint8_t> copy();  // of the datagram, to be changed

@@ -265,7 +265,7 @@ class Validator {
     }
     if (event_.writer == kLivelinessWriter) return check_liveliness(content, little);
     if (event_.writer == kHandshakeWriter) return check_handshake(content, little);
-    // Whatever DDS Security has in built-in endpoints besides is protected, and checked by it.
+    // The other built-in endpoints of DDS Security are protected: the library authenticates them.
     return event_.writer[0] == 0xff ? Fault{} : RtpsFault::kService;
   }
 

@@ -26,8 +26,8 @@ struct NumberStyle {
 [[nodiscard]] tl::expected<std::optional<Factor>, std::string> factor_from(std::string_view cell,
                                                                            NumberStyle style);
 
-// A scale that stands in the cell of the unit, "0.1 kW"; nothing: there is none, or it is no power
-// of ten.
+// Returns the scale in the cell of the unit, for example of "0.1 kW"; empty if there is no scale or
+// if it is not a power of ten.
 [[nodiscard]] std::optional<Factor> factor_of_unit(std::string_view unit, NumberStyle style);
 
 // "Value weight: Volt*10" among remarks: the device has multiplied by it. Nothing: none stands

@@ -427,7 +427,7 @@ class ListReader {
     return std::nullopt;
   }
 
-  // The scale that stands in the unit or in the remarks, of a row without another.
+  // Reads the scale from the unit or the remarks if the row has no column for it.
   void read_scale_beside(const Row& row, Point& point) const {
     const bool scaled =
         std::ranges::any_of(std::array{Field::kScale, Field::kDivisor, Field::kDecimals},
