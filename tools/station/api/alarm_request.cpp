@@ -12,8 +12,8 @@ namespace {
 
 using Body = nlohmann::json;
 
-constexpr std::size_t kMaxNameBytes = 64;   // of the topics
-constexpr std::size_t kMaxNoteBytes = 256;  // of the topics
+constexpr std::size_t kMaxNameBytes = 64;   // limit of the topic
+constexpr std::size_t kMaxNoteBytes = 256;  // limit of the topic
 
 tl::unexpected<HttpResponse> refuse(std::string_view error, std::string_view hint) {
   return tl::make_unexpected(error_response(400, error, hint));

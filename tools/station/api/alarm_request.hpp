@@ -1,4 +1,4 @@
-// The bodies of requests about alarms, from JSON. Pure; nothing in a body is trusted.
+// Parses and checks the JSON bodies of alarm requests. Pure.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -9,11 +9,11 @@
 
 namespace fieldcast::web {
 
-// {"alarms": [{"bus", "device", "channel", "limit"}..], "note"}: one action for each alarm. With
-// kShelve "minutes" too.
+// Body: {"alarms": [{"bus", "device", "channel", "limit"}..], "note"}; kShelve also requires
+// "minutes". Returns one action for each alarm.
 [[nodiscard]] Checked<std::vector<AlarmAction>> alarm_actions(AlarmActionKind kind,
                                                               const nlohmann::json& body);
-// {"bus", "device", "minutes", "note"}; 0 minutes end the maintenance.
+// Body: {"bus", "device", "minutes", "note"}. 0 minutes end the maintenance.
 [[nodiscard]] Checked<AlarmAction> maintenance_action(const nlohmann::json& body);
 
 }  // namespace fieldcast::web

@@ -1,5 +1,5 @@
-// GET /api/alarms: the alarms that are there now, from the live model; with `from` or `to` what
-// happened to alarms, from the store, the newest first. On the io thread.
+// GET /api/alarms: without parameters the current alarms from the live model. With `from` or `to`
+// the alarm history from the store, newest first. Runs on the io thread.
 #pragma once
 
 #include "tools/station/api/database.hpp"
@@ -8,7 +8,7 @@
 
 namespace fieldcast::web {
 
-// Model and database outlive the table. Database: null when the station has no store.
+// `model` and `database` must outlive the table. `database` is null if the station has no store.
 void add_alarm_routes(RouteTable& table, const LiveModel& model, Database* database,
                       std::function<UtcTime()> now);
 

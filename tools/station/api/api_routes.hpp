@@ -1,4 +1,4 @@
-// All resources under /api, and /metrics: one call for each of them.
+// Adds all routes under /api, and /metrics.
 #pragma once
 
 #include "tools/station/api/metrics.hpp"
@@ -8,8 +8,8 @@
 
 namespace fieldcast::web {
 
-// What the resources need; all of it outlives the table. Pointers may be null: there is no store,
-// nothing is recorded.
+// Objects that the routes use; all of them must outlive the table. Pointers are null if the station
+// has no store or records nothing.
 struct ApiNeeds {
   const LiveModel& model;
   CommandSink& commands;
@@ -17,7 +17,7 @@ struct ApiNeeds {
   const Store* store;
   const Recorder* recorder;
   std::function<UtcTime()> now;
-  std::function<std::vector<Metric>()> metrics;  // of what the program owns besides
+  std::function<std::vector<Metric>()> metrics;  // counters of the rest of the program
 };
 
 void add_routes(RouteTable& routes, const ApiNeeds& needs);

@@ -1,4 +1,4 @@
-// GET /api/audit: who did what, the newest first. GET /api/users: who may log in, without hashes.
+// GET /api/audit: the audit log, newest first. GET /api/users: the users without their hashes.
 #pragma once
 
 #include "tools/station/api/database.hpp"
@@ -6,7 +6,7 @@
 
 namespace fieldcast::web {
 
-// `now` on the io thread. Database: null when the station has no store.
+// `now` is called on the io thread. `database` is null if the station has no store.
 void add_audit_routes(RouteTable& table, Database* database, std::function<UtcTime()> now);
 void add_user_routes(RouteTable& table, Database* database);
 

@@ -12,7 +12,7 @@
 namespace fieldcast::web {
 namespace {
 
-// The whole catalogue, compressed once for all who ask for it; made anew when it has changed.
+// Caches the whole catalogue as compressed JSON; encodes it again when the catalogue changes.
 class KeptCatalogue {
  public:
   [[nodiscard]] std::shared_ptr<const std::string> whole(const LiveModel& model) {
@@ -52,7 +52,7 @@ void catalogue(const LiveModel& model, KeptCatalogue& kept, const HttpRequest& r
   reply(std::move(response));
 }
 
-// Those of the pattern behind the path `after`, `limit` at most.
+// Lists at most `limit` channels that match the pattern and follow the path `after`.
 void channels(const LiveModel& model, const HttpRequest& request, const Reply& reply) {
   const Parameters parameters(request, {"pattern", "after", "limit"});
   if (auto fault = parameters.fault()) return reply(*std::move(fault));

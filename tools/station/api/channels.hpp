@@ -1,6 +1,6 @@
-// What the domain is now, from the live model: GET /api/catalogue for the page, and GET
-// /api/channels, /api/buses, /api/devices, /api/sessions, /api/bridges for scripts. On the io
-// thread.
+// Current state of the domain from the live model. GET /api/catalogue is for the page;
+// /api/channels, /api/buses, /api/devices, /api/sessions and /api/bridges are for scripts. Runs on
+// the io thread.
 #pragma once
 
 #include "tools/station/live/live_model.hpp"
@@ -8,9 +8,9 @@
 
 namespace fieldcast::web {
 
-inline constexpr std::uint32_t kMaxListed = 10'000;  // channels of one answer
+inline constexpr std::uint32_t kMaxListed = 10'000;  // channels of one response
 
-// The model outlives the table.
+// The model must outlive the table.
 void add_channel_routes(RouteTable& table, const LiveModel& model);
 
 }  // namespace fieldcast::web

@@ -25,7 +25,7 @@ HttpResponse accepted(const std::vector<std::uint64_t>& ids) {
   return response;
 }
 
-// The body is that of {"write": ..} on /live.
+// The body has the form of {"write": ..} on /live.
 void write_value(const LiveModel& model, CommandSink& commands, const HttpRequest& request,
                  const Caller& caller, const Reply& reply) {
   if (auto body = body_of(request); !body) return reply(std::move(body.error()));
@@ -55,8 +55,8 @@ void act_on_alarms(AlarmActionKind kind, CommandSink& commands, const HttpReques
   std::vector<std::uint64_t> ids;
   for (AlarmAction& action : *actions) {
     const auto id = commands.submit(caller, std::move(action), {});
-    // Those before it are under way: whoever asks again for the rest acknowledges twice, which is
-    // no harm.
+    // The actions before it are already in flight. A client that repeats the request acknowledges
+    // them twice, which has no effect.
     if (!id) return reply(refused(503, id.error()));
     ids.push_back(*id);
   }

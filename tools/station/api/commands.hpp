@@ -1,6 +1,6 @@
-// What people do by HTTP: POST /api/commands writes a value, POST /api/alarms/acknowledge, shelve,
-// unshelve and maintenance act on alarms. Each is answered at once with the id of the request; what
-// became of it is told on /live and by GET /api/commands/result. On the io thread.
+// POST /api/commands writes a value; POST /api/alarms/acknowledge, shelve, unshelve and maintenance
+// act on alarms. Each response contains the request's id immediately; the result follows on /live
+// and by GET /api/commands/result. Runs on the io thread.
 #pragma once
 
 #include "tools/station/live/command_sink.hpp"
@@ -9,11 +9,11 @@
 
 namespace fieldcast::web {
 
-inline constexpr std::size_t kMaxAlarmsAtOnce = 200;  // of one request
+inline constexpr std::size_t kMaxAlarmsAtOnce = 200;  // in one request
 inline constexpr std::uint32_t kMaxShelvedMinutes = 24 * 60;
 inline constexpr std::uint32_t kMaxMaintenanceMinutes = 7 * 24 * 60;
 
-// Model and commands outlive the table.
+// `model` and `commands` must outlive the table.
 void add_command_routes(RouteTable& table, const LiveModel& model, CommandSink& commands);
 
 }  // namespace fieldcast::web

@@ -1,9 +1,9 @@
-// Questions to the store, asked from the io thread and answered there. One thread of its own with
-// one connection, which can change nothing, serves them one after the other.
+// Runs queries of the store on a thread of its own, one after the other, over one read-only
+// connection. Queries are posted from the io thread and their results return there.
 //
-// At most kMaxWaiting questions wait; one more is refused as busy. A question has kLongest. The
-// store is opened for the first question and again after a failure; it need not be there yet. What
-// went wrong stands in the log; who asked is told no detail.
+// At most kMaxWaiting queries wait; a further one fails with kBusy. A query may last kLongest. The
+// first query opens the store, and so does the next query after a failure; the store may be missing
+// until then. The log has the reason of a failure, the response has no detail.
 #pragma once
 
 #include <atomic>
@@ -19,13 +19,13 @@
 namespace fieldcast::web {
 
 enum class DatabaseFault : std::uint8_t {
-  kBusy,     // too many questions wait
-  kTooSlow,  // the answer takes longer than kLongest
-  kAway,     // the store cannot be opened, or it is broken
+  kBusy,     // too many queries wait
+  kTooSlow,  // the query lasts longer than kLongest
+  kAway,     // the store cannot be opened or is damaged
 };
 [[nodiscard]] HttpResponse response_of(DatabaseFault fault);
 
-// How to run something on the io thread.
+// Runs a function on the io thread.
 using PostToIo = std::function<void(std::function<void()>)>;
 
 class Database {
@@ -34,12 +34,12 @@ class Database {
   static constexpr Duration kLongest = std::chrono::seconds{10};
 
   Database(StoreAddress address, PostToIo post);
-  ~Database();  // answers who still waits with kAway
+  ~Database();  // waiting queries fail with kAway
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;
 
-  // `question` runs on the thread of the database and may throw StoreError. `done` is called on the
-  // io thread, once.
+  // `question` runs on the database thread and may throw StoreError. `done` is called once, on the
+  // io thread.
   template <class Answer>
   using Done = std::function<void(tl::expected<Answer, DatabaseFault>)>;
   template <class Answer>
@@ -48,26 +48,26 @@ class Database {
     if (waiting_.load() >= kMaxWaiting) return refuse(std::move(task));
     put(std::move(task));
   }
-  // A further question of something that began: it is never refused as busy. REQUIRES: at most one
-  // for each connection of the server.
+  // Adds a follow-up query of a request that has started; never fails with kBusy. REQUIRES: at most
+  // one in flight for each connection of the server.
   template <class Answer>
   void ask_further(std::function<Answer(SqlConnection&)> question, Done<Answer> done) {
     put(task_of(std::move(question), std::move(done)));
   }
-  // A question whose answer is a response.
+  // A query that returns an HTTP response.
   using Question = std::function<HttpResponse(SqlConnection&)>;
   void answer(Question question, Reply reply);
 
   struct Counters {
     std::uint64_t answered = 0;
-    std::uint64_t busy = 0, too_slow = 0, away = 0;  // refused
+    std::uint64_t busy = 0, too_slow = 0, away = 0;  // failed queries
     std::size_t waiting = 0;
   };
-  [[nodiscard]] Counters counters() const;  // any thread
+  [[nodiscard]] Counters counters() const;  // thread-safe
 
  private:
   struct Task {
-    std::function<void(SqlConnection&)> run;  // may throw StoreError, and has posted nothing then
+    std::function<void(SqlConnection&)> run;  // may throw StoreError, before it posts a result
     std::function<void(DatabaseFault)> refuse;
   };
   template <class Answer>
@@ -88,15 +88,15 @@ class Database {
   void serve(Task task);
   void fail(Task& task, DatabaseFault fault, const char* reason);
 
-  // More than ask() lets in: what ask_further() adds.
+  // Larger than kMaxWaiting, because ask_further() has no limit of its own.
   static constexpr std::size_t kQueue = 4096;
 
   const StoreAddress address_;
   const PostToIo post_;
-  std::unique_ptr<SqlConnection> connection_;  // on the thread; null: not open
+  std::unique_ptr<SqlConnection> connection_;  // used on the database thread only; null: not open
   std::atomic<std::size_t> waiting_{0};
   std::atomic<std::uint64_t> answered_{0}, busy_{0}, too_slow_{0}, away_{0};
-  Worker<Task> worker_;  // last: it uses what is above
+  Worker<Task> worker_;  // last member: its thread uses the members above
 };
 
 }  // namespace fieldcast::web

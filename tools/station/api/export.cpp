@@ -11,7 +11,7 @@ namespace {
 
 constexpr Duration kShortest = std::chrono::milliseconds{1};
 
-// One export that is under way. Shared by the response and the questions that it asks.
+// One running export. Shared by the response and its queries.
 class ExportStream {
  public:
   using Running = std::shared_ptr<std::atomic<int>>;
@@ -25,7 +25,8 @@ class ExportStream {
 
   static void next(const std::shared_ptr<ExportStream>& self, std::function<void(Piece)> give) {
     if (self->broken_) return give(std::nullopt);
-    // The question holds the stream: a client that leaves meanwhile destroys the response.
+    // The query shares ownership of the stream: a client that disconnects meanwhile destroys the
+    // response.
     self->database_.ask_further<Piece>(
         [self](SqlConnection& connection) { return self->exporter_.next(connection); },
         [self, give = std::move(give)](tl::expected<Piece, DatabaseFault> piece) mutable {
@@ -33,7 +34,7 @@ class ExportStream {
             self->broken_ = true;
             return give(self->exporter_.broken_off());
           }
-          // Nothing was found for a while, or zlib keeps it.
+          // An empty piece: no sample was found within kLongestPiece, or zlib buffers the bytes.
           if (*piece && (*piece)->empty()) return next(self, std::move(give));
           give(*std::move(piece));
         });
@@ -43,7 +44,7 @@ class ExportStream {
   Database& database_;
   Exporter exporter_;
   const Running running_;
-  bool broken_ = false;  // on the io thread
+  bool broken_ = false;  // used on the io thread
 };
 
 std::string file_name(const ExportQuestion& question) {

@@ -1,4 +1,4 @@
-// GET /api/export: the history of any number of channels as CSV or JSON lines, streamed.
+// GET /api/export: streams the history of any number of channels as CSV or JSON lines.
 #pragma once
 
 #include "tools/station/api/database.hpp"
@@ -6,11 +6,11 @@
 
 namespace fieldcast::web {
 
-// At a time; one more is refused.
+// Exports that run at the same time; a further one is refused.
 inline constexpr int kMaxExports = 4;
 
-// `now` on the io thread. Database: null when the station has no store; it outlives the streams'
-// questions.
+// `now` is called on the io thread. `database` is null if the station has no store; it must outlive
+// the queries of all exports.
 void add_export_routes(RouteTable& table, Database* database, std::function<UtcTime()> now);
 
 }  // namespace fieldcast::web

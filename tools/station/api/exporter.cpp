@@ -25,7 +25,7 @@ std::optional<std::string> Exporter::next(SqlConnection& connection) {
     }
     ended_ = channel_ == channels_.size();
     std::string piece = take(ended_);
-    // zlib keeps what is short: an empty piece would be a question too many.
+    // zlib buffers short texts; returning an empty piece would cost another query.
     if (!piece.empty() || ended_ || std::chrono::steady_clock::now() >= until) return piece;
   }
 }
@@ -62,7 +62,7 @@ bool Exporter::add_buckets(SqlConnection& connection) {
   const Duration every = *question_.every;
   const StoredChannel& channel = channels_[channel_];
   const std::int64_t span = every.count() * kBucketsAtOnce;
-  // To the end of whole buckets: none is told in two parts.
+  // The span is a multiple of the bucket length, so that no bucket is split.
   const UtcTime first = bucket_start(bucket_, every);
   const UtcTime end = question_.to.nanoseconds - first.nanoseconds > span
                           ? UtcTime{first.nanoseconds + span}

@@ -1,9 +1,8 @@
-// The stored samples of channels, or what they were in equal stretches of time, as one long text
-// that is made piece by piece: each piece is a question to the database of its own, so that a slow
-// client holds up nobody and nothing is held.
+// Writes the stored samples of channels, or their buckets, as one long text, piece by piece. Each
+// piece is a separate query, so a slow client blocks nobody and no transaction stays open.
 //
-// Lines are those of `fieldcast history --csv` and `--json`. One owner; next() runs on the thread
-// of the database, one call at a time, and throws StoreError.
+// The lines are those of `fieldcast history --csv` and `--json`. next() runs on the database
+// thread, one call at a time, and throws StoreError.
 #pragma once
 
 #include <optional>
@@ -18,30 +17,31 @@ namespace fieldcast::web {
 struct ExportQuestion {
   Pattern pattern;
   UtcTime from, to;
-  std::optional<Duration> every;  // nothing: each sample
-  bool json_lines = false;        // else CSV
+  std::optional<Duration> every;  // bucket length; empty: each sample
+  bool json_lines = false;        // false: CSV
   bool compress = false;
 };
 
 class Exporter {
  public:
-  // A piece has at least so many bytes before compression, or took so long.
+  // A piece ends at this size before compression, or after this time.
   static constexpr std::size_t kPiece = 64 << 10;
   static constexpr Duration kLongestPiece = std::chrono::milliseconds{200};
 
   explicit Exporter(ExportQuestion question);
 
-  // The next piece; nothing: the text has ended.
+  // Returns the next piece; empty when the text has ended.
   [[nodiscard]] std::optional<std::string> next(SqlConnection& connection);
-  // The last piece, when there is no more to be had: a line that says so.
+  // Returns the last piece of an export that failed: a line with the error.
   [[nodiscard]] std::string broken_off();
 
  private:
   static constexpr std::int64_t kSamplesAtOnce = 2000;
-  static constexpr std::int64_t kBucketsAtOnce = 1000;  // as long as that many buckets
+  // a query covers the time of this many buckets
+  static constexpr std::int64_t kBucketsAtOnce = 1000;
 
   void begin(SqlConnection& connection);
-  // Adds lines of the present channel. True: it has no more.
+  // Adds lines of the current channel. Returns true if the channel has no more.
   [[nodiscard]] bool add_samples(SqlConnection& connection);
   [[nodiscard]] bool add_buckets(SqlConnection& connection);
   [[nodiscard]] std::string take(bool last);
@@ -51,10 +51,10 @@ class Exporter {
   bool begun_ = false;
   bool ended_ = false;
   std::vector<StoredChannel> channels_;
-  std::size_t channel_ = 0;  // in channels_
+  std::size_t channel_ = 0;  // index in channels_
   SampleTable::Position after_;
-  UtcTime bucket_;    // where the next buckets begin
-  std::string text_;  // of this piece
+  UtcTime bucket_;    // start of the next buckets
+  std::string text_;  // of the current piece
 };
 
 }  // namespace fieldcast::web

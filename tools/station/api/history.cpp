@@ -7,11 +7,12 @@
 namespace fieldcast::web {
 namespace {
 
-constexpr Duration kRaw = kOneDay;  // longer spans are not tried sample by sample
+constexpr Duration kRaw = kOneDay;  // longer spans are always read as buckets
 
 bool is_text(const StoredChannel& channel) { return channel.type == to_text(ValueType::kString); }
 
-// True: there are no more samples than points, and each is a row.
+// Adds each sample as a row. Returns false if the span exceeds kRaw or has more samples than
+// points.
 bool read_samples(SqlConnection& connection, const HistoryQuestion& question,
                   HistorySeries& series) {
   if (question.to.nanoseconds - question.from.nanoseconds > kRaw.count()) return false;

@@ -1,4 +1,4 @@
-// GET /api/history: up to eight channels of the store, each in a bounded number of buckets.
+// GET /api/history: up to eight channels of the store, each with a limited number of buckets.
 #pragma once
 
 #include "core/model/channel_path.hpp"
@@ -14,15 +14,15 @@ inline constexpr std::uint32_t kMaxHistoryPoints = 5000;
 struct HistoryQuestion {
   std::vector<ChannelPath> channels;
   UtcTime from, to;
-  std::uint32_t points = 1000;  // of each channel, at most
+  std::uint32_t points = 1000;  // maximum for each channel
 };
 
-// On the thread of the database; throws StoreError. Series in the order of the question. As many
-// samples as points, or fewer, are given as they are; more become buckets.
+// Runs on the database thread; throws StoreError. Returns the series in the order of the channels.
+// Up to `points` samples are returned unchanged; more are aggregated to buckets.
 [[nodiscard]] std::vector<HistorySeries> read_history(SqlConnection& connection,
                                                       const HistoryQuestion& question);
 
-// `now` on the io thread. Database: null when the station has no store.
+// `now` is called on the io thread. `database` is null if the station has no store.
 void add_history_routes(RouteTable& table, Database* database, std::function<UtcTime()> now);
 
 }  // namespace fieldcast::web

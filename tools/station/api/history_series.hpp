@@ -1,5 +1,5 @@
-// The history of one channel as the page and scripts get it: columns of equal length, one row for
-// each bucket that holds something. A bucket without samples has no row: a gap stays a gap. Pure.
+// History of one channel in the JSON of the API: columns of equal length, one row for each bucket
+// with samples. An empty bucket has no row, so a gap remains a gap. Pure.
 #pragma once
 
 #include <string>
@@ -12,23 +12,23 @@ namespace fieldcast::web {
 
 struct HistorySeries {
   StoredChannel channel;
-  bool known = false;  // the store has such a channel
-  std::string tier;    // "raw", "minute", "hour": the coarsest that it was read from
+  bool known = false;  // the channel exists in the store
+  std::string tier;    // "raw", "minute" or "hour": the coarsest tier that was read
   Duration bucket{};   // 0: each row is a sample
   std::vector<Bucket> rows;
-  // Of a channel of texts, instead of rows: its samples, up to as many as points were asked for.
+  // Samples of a text channel, used instead of `rows`; at most as many as the requested points.
   struct Text {
     UtcTime at;
     Quality quality = Quality::kNotYetRead;
     std::string text;
   };
   std::vector<Text> texts;
-  bool cut = false;  // there are more texts behind them
+  bool cut = false;  // more texts follow than were requested
 };
 
-// {"from_ms", "to_ms", "series": [{"channel", "known", "unit", "type", "tier", "bucket_ms",
-// "t": [], "min": [], "max": [], "average": [], "last": [], "count": [], "bad": []}]}. A channel of
-// texts has "t", "text", "quality" and "cut" instead. Numbers of a bucket without a good sample are
+// {"from_ms", "to_ms", "series": [{"channel", "known", "unit", "type", "tier", "bucket_ms", "t":
+// [], "min": [], "max": [], "average": [], "last": [], "count": [], "bad": []}]}. A text channel
+// has "t", "text", "quality" and "cut" instead. The numbers of a bucket without a good sample are
 // null.
 [[nodiscard]] std::string history_json(UtcTime from, UtcTime to,
                                        const std::vector<HistorySeries>& series);

@@ -1,5 +1,4 @@
-// GET /metrics: the station's own counters, as Prometheus reads them (text format 0.0.4). Pure but
-// for the functions that are handed in; on the io thread.
+// GET /metrics: the station's counters in the Prometheus text format 0.0.4. Runs on the io thread.
 #pragma once
 
 #include <functional>
@@ -13,18 +12,18 @@
 namespace fieldcast::web {
 
 struct Metric {
-  const char* name;  // without "fieldcast_station_"
-  bool counter;      // else a gauge
+  const char* name;  // without the prefix "fieldcast_station_"
+  bool counter;      // false: gauge
   const char* help;
   double value;
 };
 [[nodiscard]] std::string metrics_text(const std::vector<Metric>& metrics);
 
-// Of what a station has; pointers may be null.
+// Returns the metrics of these objects; each pointer may be null.
 [[nodiscard]] std::vector<Metric> metrics_of(const Database* database, const Store* store,
                                              const Recorder* recorder);
 
-// `further`: the figures of what the program owns besides. All of them outlive the table.
+// `further` returns the metrics of the rest of the program. All arguments must outlive the table.
 void add_metrics_routes(RouteTable& table, const Database* database, const Store* store,
                         const Recorder* recorder, std::function<std::vector<Metric>()> further);
 

@@ -1,4 +1,4 @@
-// GET /api/openapi.yaml: what stands in tools/station/openapi.yaml, which is part of the program.
+// GET /api/openapi.yaml: returns tools/station/openapi.yaml, which is compiled into the program.
 #pragma once
 
 #include <string_view>

@@ -33,9 +33,9 @@ std::optional<Number> whole_number(std::string_view text) {
   return number;
 }
 
-// Milliseconds may have a fraction, as JavaScript's clocks give them.
+// Accepts a fraction of a millisecond, because JavaScript clocks have one.
 std::optional<UtcTime> from_unix_ms(std::string_view text) {
-  constexpr double kMost = 9'000'000'000'000;  // year 2255: its nanoseconds fit
+  constexpr double kMost = 9'000'000'000'000;  // year 2255: its nanoseconds fit in 64 bits
   const auto ms = whole_number<double>(text);
   if (!ms || !(*ms >= 0 && *ms <= kMost)) return std::nullopt;
   const auto whole = static_cast<std::int64_t>(*ms);

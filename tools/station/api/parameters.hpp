@@ -1,5 +1,5 @@
-// The parameters of a request, read and checked. What is wrong becomes the response that refuses
-// the request: it names the parameter, what came and what is wanted. Pure: the time is handed in.
+// Reads and checks the parameters of a request. A fault is returned as the response: it names the
+// parameter, its value and what is allowed. Pure.
 #pragma once
 
 #include <cstdint>
@@ -22,29 +22,29 @@ inline constexpr Duration kOneDay = std::chrono::hours{24};
 
 class Parameters {
  public:
-  // `known`: every name that the resource takes. The request outlives it.
+  // `known`: all parameter names of the resource. The request must outlive this object.
   Parameters(const HttpRequest& request, std::initializer_list<std::string_view> known)
       : request_(request), known_(known) {}
 
-  // The response that refuses a name that is not known, or one that came twice and may not.
+  // Returns the response that refuses an unknown name, or a repeated one other than `may_repeat`.
   [[nodiscard]] std::optional<HttpResponse> fault(std::string_view may_repeat = {}) const;
 
-  // Each has a value for a parameter that is missing.
+  // Each function returns the given default if the parameter is missing.
   [[nodiscard]] Checked<std::uint32_t> number(std::string_view name, std::uint32_t least,
                                               std::uint32_t most, std::uint32_t missing) const;
-  [[nodiscard]] Checked<Pattern> pattern(std::string_view name) const;  // missing: everything
+  [[nodiscard]] Checked<Pattern> pattern(std::string_view name) const;  // missing: all channels
   [[nodiscard]] Checked<bool> chosen(std::string_view name, std::string_view no,
-                                     std::string_view yes) const;  // missing: no
-  // Nothing: it is missing. At least `least`.
+                                     std::string_view yes) const;  // missing: `no`
+  // Empty if the parameter is missing. Refuses less than `least`.
   [[nodiscard]] Checked<std::optional<Duration>> duration(std::string_view name,
                                                           Duration least) const;
 
   struct Span {
     UtcTime from, to;
   };
-  // `from` and `to`; missing: `length` until now. REQUIRES of who asks: from < to.
+  // Reads `from` and `to`; the default is the last `length` before `now`. Refuses from >= to.
   [[nodiscard]] Checked<Span> span(UtcTime now, Duration length) const;
-  // Every value of that name; at least one, at most `most`, each once.
+  // Returns all values of that name: at least one, at most `most`. Refuses duplicates.
   [[nodiscard]] Checked<std::vector<ChannelPath>> channels(std::string_view name,
                                                            std::size_t most) const;
 

@@ -1,5 +1,5 @@
-// GET /api/plan?bus=B: the read plan that is in force on a bus, as its bridge tells it. Without
-// `bus` those of all buses. On the io thread.
+// GET /api/plan?bus=B: the active read plan of a bus, as announced by its bridge. Without `bus`,
+// the plans of all buses. Runs on the io thread.
 #pragma once
 
 #include "tools/station/live/live_model.hpp"
@@ -7,7 +7,7 @@
 
 namespace fieldcast::web {
 
-// The model outlives the table.
+// The model must outlive the table.
 void add_plan_routes(RouteTable& table, const LiveModel& model);
 
 }  // namespace fieldcast::web

@@ -1,4 +1,4 @@
-// Responses that several resources give. Pure.
+// Responses that several resources return. Pure.
 #pragma once
 
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace fieldcast::web {
 
-// Longer ones are compressed for who takes gzip.
-inline constexpr std::size_t kWorthCompressing = 2048;  // bytes
+// bytes; longer bodies are compressed if the client accepts gzip
+inline constexpr std::size_t kWorthCompressing = 2048;
 [[nodiscard]] HttpResponse json_response(std::string json, bool compress = false);
-// The station has no store, and the resource needs one.
+// Refuses a resource that needs a store if the station has none.
 [[nodiscard]] HttpResponse no_store();
 
 }  // namespace fieldcast::web

@@ -6,7 +6,7 @@
 namespace fieldcast::web {
 namespace {
 
-constexpr std::string_view kWhat = "token";  // in place of a user's name, which it has not told
+constexpr std::string_view kWhat = "token";  // replaces the user name in the audit log
 
 LoginVerdict refused(LoginRefused::Why why, Duration wait = {}) {
   return tl::make_unexpected(LoginRefused{why, wait});

@@ -1,5 +1,5 @@
-// Logins by token: looks the token up in the store. On the io thread; never blocks. Every attempt
-// is audited, with the token's name and never with the token. A peer that sends wrong ones has to
+// Logs in by token: looks the token up in the store. Runs on the io thread and never blocks. Audits
+// each attempt with the token's name, never with the token. A peer that sends wrong tokens must
 // wait.
 #pragma once
 
@@ -12,19 +12,18 @@ namespace fieldcast::web {
 
 class Tokens {
  public:
-  // Database and audit outlive it.
+  // `database` and `audit` must outlive this object.
   Tokens(Database& database, Audit& audit, std::function<UtcTime()> utc,
          std::function<Instant()> now)
       : database_(database), audit_(audit), utc_(std::move(utc)), now_(std::move(now)) {}
   Tokens(const Tokens&) = delete;
   Tokens& operator=(const Tokens&) = delete;
 
-  // `done` is called once, on the io thread, at once or later, also when this object is gone by
-  // then. What a token lets in may read, and no more.
+  // `done` is called once, on the io thread, immediately or later; this object may be destroyed by
+  // then. A token grants the role of a viewer.
   void check(std::string token, const std::string& peer, std::function<void(LoginVerdict)> done);
 
-  // The names of those that have not ended, for logins that go on; nothing: the store cannot be
-  // asked now.
+  // Returns the names of all valid tokens; empty if the store cannot be read now.
   void names(std::function<void(std::optional<std::vector<std::string>>)> done);
 
  private:

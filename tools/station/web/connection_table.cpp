@@ -58,7 +58,7 @@ bool ConnectionTable::may_work(const Peer& peer) const {
          count(works_there) < limits_.working_of_one;
 }
 
-// `self`: the connection that needs the room, if it is in the table already.
+// `self`: the connection to admit, if it is in the table already.
 ConnectionTable::Admission ConnectionTable::room_at_address(const Peer& peer,
                                                             std::optional<Id> self) const {
   const auto is_alike = [&](const Row& row) {

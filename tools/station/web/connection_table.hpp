@@ -1,9 +1,9 @@
-// Which connections a server keeps, and which one leaves when there are too many: limits in all and
-// for each address, with a reserve for logins. Pure: no socket, no clock. Owns no connection.
+// Decides which connections a server accepts and which one it closes beyond a limit. There are
+// limits in total and for each address, and a reserve for logins. Pure; owns no connection.
 //
-// A connection waits for its client (the next request, the rest of one, the handshake), or works
-// (the station makes a response, or the client receives it). One that waits can be closed for a new
-// one; one that works is never closed. Whether a login is valid is known when a request is whole.
+// A connection waits for its client (next request, rest of a request, handshake) or works (the
+// station makes a response or sends it). Only a waiting connection can be closed for a new one. The
+// server can validate a login only when the request is complete.
 #pragma once
 
 #include <cstddef>
@@ -19,13 +19,14 @@ namespace fieldcast::web {
 
 struct ConnectionLimits {
   std::size_t total = 256;
-  std::size_t of_one = 128;         // of one address; with and without a login are counted apart
-  std::size_t working_of_one = 96;  // of them, without a login: a new one always finds room
-  std::size_t reserved = 64;        // of `total`: only connections with a login work there
+  std::size_t of_one = 128;  // of one address; connections with a login are counted separately
+  // of one address without a login; lower than of_one, so a new connection always fits
+  std::size_t working_of_one = 96;
+  std::size_t reserved = 64;  // part of `total` in which only connections with a login work
 };
 
-// The address without its port as its /64 for IPv6, since a host has as many addresses of it as it
-// likes, and as IPv4 for one that is mapped to IPv6. Another text is returned as it is.
+// Returns the address without its port. An IPv6 address becomes its /64, because a host can use all
+// addresses of it; an IPv4-mapped one becomes IPv4. Other text is returned unchanged.
 [[nodiscard]] std::string address_group(std::string_view address);
 
 class ConnectionTable {
@@ -33,28 +34,28 @@ class ConnectionTable {
   using Id = std::uint64_t;  // given by the caller, never reused
   enum class Phase : std::uint8_t { kWaiting, kWorking };
   struct Peer {
-    std::string group;  // address_group()
+    std::string group;  // result of address_group()
     bool logged_in = false;
   };
   struct Admission {
     bool admitted = false;
-    std::optional<Id> evicted;  // left the table; the caller closes it
+    std::optional<Id> evicted;  // removed from the table; the caller closes it
   };
 
   explicit ConnectionTable(const ConnectionLimits& limits) : limits_(limits) {}
 
-  // Adds a connection. Beyond a limit, the one that has waited for longest leaves: of the same
-  // address beyond the limit of that address, one without a login first beyond that of all. Not
-  // admitted if none of them waits, or if only the reserve is left for work.
+  // Adds a connection. Beyond a limit, removes the connection that has waited longest: of the same
+  // address for its limit, and one without a login first for the total. Admits nothing if no
+  // connection waits, or if only the reserve is left for work.
   [[nodiscard]] Admission open(Id id, Peer peer, Phase phase, Instant now);
-  // The same decision, without a change.
+  // Returns the same decision without a change.
   [[nodiscard]] Admission admission(const Peer& peer, Phase phase) const;
-  // A whole request came, by this login or without one. Not admitted: it stays as it was, and the
-  // caller refuses the request. REQUIRES: `id` is in the table.
+  // Reports a complete request with or without a valid login. If it is not admitted, the table is
+  // unchanged and the caller refuses the request. REQUIRES: `id` is in the table.
   [[nodiscard]] Admission work(Id id, bool logged_in);
-  // The response ended; no effect if `id` left the table.
+  // Reports the end of the response; no effect if `id` was removed.
   void wait(Id id, Instant now);
-  void close(Id id);  // no effect if it left the table
+  void close(Id id);  // no effect if `id` was removed
 
   [[nodiscard]] std::size_t size() const { return rows_.size(); }
 
@@ -62,7 +63,7 @@ class ConnectionTable {
   struct Row {
     Peer peer;
     Phase phase = Phase::kWaiting;
-    Instant since{};  // waits since then
+    Instant since{};  // start of waiting
   };
   template <typename Rule>
   [[nodiscard]] std::size_t count(Rule rule) const;

@@ -7,7 +7,7 @@
 namespace fieldcast::web {
 namespace {
 
-constexpr int kGzip = 15 + 16;  // the largest window; with the header of gzip
+constexpr int kGzip = 15 + 16;  // the largest window; + 16 selects the gzip header
 constexpr std::size_t kPiece = 32 * 1024;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Bodies in gzip (RFC 1952). No thread of its own; throws std::bad_alloc only.
+// Gzip (RFC 1952) for bodies. Throws only std::bad_alloc.
 #pragma once
 
 #include <memory>
@@ -7,12 +7,12 @@
 
 namespace fieldcast::web {
 
-// All of it at once, at the fastest level.
+// Compresses the whole text at the fastest level.
 [[nodiscard]] std::string packed(std::string_view text);
-// REQUIRES: packed, and of our own making.
+// REQUIRES: the bytes are output of packed().
 [[nodiscard]] std::string unpacked(std::string_view gzip);
 
-// Piece by piece, for a streamed body.
+// Compresses a streamed body piece by piece.
 class GzipPieces {
  public:
   GzipPieces();
@@ -20,9 +20,9 @@ class GzipPieces {
   GzipPieces(const GzipPieces&) = delete;
   GzipPieces& operator=(const GzipPieces&) = delete;
 
-  // What is to be sent for this piece; may be empty, since it gathers.
+  // Returns the bytes to send for this piece; may be empty, because zlib buffers.
   [[nodiscard]] std::string put(std::string_view text);
-  [[nodiscard]] std::string finish();  // the rest; once
+  [[nodiscard]] std::string finish();  // returns the rest; call once
 
  private:
   struct State;

@@ -57,7 +57,7 @@ std::optional<HeadFault> HeadCheck::put(std::string_view all) {
 
 std::optional<HeadFault> HeadCheck::on_line(std::string_view line) {
   if (std::exchange(first_, false)) {
-    old_ = !line.ends_with(" HTTP/1.1");  // the parser checks the rest
+    old_ = !line.ends_with(" HTTP/1.1");  // the parser checks the rest of the line
     return std::nullopt;
   }
   if (line.front() == ' ' || line.front() == '\t') return kFolding;

@@ -1,6 +1,6 @@
-// Checks the header of a request byte by byte before a parser reads it, and refuses what a proxy in
-// front of the station could read differently (RFC 9112, 2.2, 5.1, 5.2, 6.1, 6.3): another length
-// of the same request would hide a second request in its body. Pure.
+// Checks the header of a request byte by byte before the parser reads it. Refuses what a proxy in
+// front of the station could parse differently (RFC 9112, 2.2, 5.1, 5.2, 6.1, 6.3): with a
+// different length, the body could smuggle a second request. Pure.
 #pragma once
 
 #include <cstddef>
@@ -16,9 +16,10 @@ struct HeadFault {
 
 class HeadCheck {
  public:
-  // `all`: every byte of the request so far. The fault is final; empty if there is none yet.
+  // `all`: every byte of the request received so far. Returns the first fault, which is final;
+  // empty if there is none yet.
   [[nodiscard]] std::optional<HeadFault> put(std::string_view all);
-  // Bytes of the header with its empty line; 0 while it is incomplete.
+  // Size of the header with its empty line; 0 while it is incomplete.
   [[nodiscard]] std::size_t size() const { return size_; }
 
  private:
@@ -26,7 +27,8 @@ class HeadCheck {
   [[nodiscard]] std::optional<HeadFault> on_length(std::string_view value);
   [[nodiscard]] std::optional<HeadFault> on_coding(std::string_view value);
 
-  std::size_t next_ = 0, line_ = 0, size_ = 0;  // the next byte; where its line begins
+  // next_: the next byte; line_: the start of its line
+  std::size_t next_ = 0, line_ = 0, size_ = 0;
   bool first_ = true, has_length_ = false, has_coding_ = false, old_ = false;
 };
 

@@ -20,8 +20,8 @@ std::optional<unsigned> hex_digit(char c) {
   return std::nullopt;
 }
 
-// Percent escapes (RFC 3986, 2.1); in a query "+" is a space. Nothing for a bad escape or a zero
-// byte.
+// Decodes percent escapes (RFC 3986, 2.1); in a query "+" is a space. Empty for an invalid escape
+// or a zero byte.
 std::optional<std::string> decoded(std::string_view text, bool in_query) {
   std::string out;
   out.reserve(text.size());

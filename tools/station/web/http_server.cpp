@@ -19,7 +19,7 @@ using asio::ip::tcp;
 using boost::system::error_code;
 
 constexpr std::chrono::seconds kHousekeeping{30};
-// What the kernel keeps for a client that reads slowly: more would be old when it arrives.
+// Limits the kernel's buffer for a slow client: data beyond it would be outdated on arrival.
 constexpr int kSendBuffer = 256 * 1024;
 
 }  // namespace
@@ -67,7 +67,7 @@ void HttpServer::serve(std::unique_ptr<TlsServer> tls) {
   forget_handshakes();
 }
 
-// The TLS server that made them is closed: it does not report their ends.
+// The closed TLS server does not report the end of its handshakes.
 void HttpServer::forget_handshakes() {
   for (const auto& [id, end] : handshakes_) handshake_table_.close(id);
   handshakes_.clear();
@@ -119,7 +119,7 @@ void HttpServer::accept(std::unique_ptr<ByteStream> stream, std::string peer) {
   session->start();
 }
 
-// Closes the connection that leaves; returns whether the other one is admitted.
+// Closes the evicted connection; returns whether the new one is admitted.
 bool HttpServer::admit(const ConnectionTable::Admission& admission) {
   if (!admission.admitted || admission.evicted) ++turned_away_;
   if (admission.evicted) {
@@ -149,7 +149,7 @@ std::optional<HttpResponse> HttpServer::refuse_live(const Site::Upgrade& who) {
                        too_many_of_one ? "close other pages of yours" : "try again later");
 }
 
-// REQUIRES: refuse_live() has just admitted it.
+// REQUIRES: refuse_live() has just admitted the request.
 void HttpServer::open_live(LiveRequest request) {
   const std::uint64_t id = ++last_id_;
   const auto admission =
@@ -172,7 +172,7 @@ void HttpServer::end_logins(std::uint64_t id) {
   }
 }
 
-// An open page is a use of its login; a login that has expired ends its pages.
+// An open page counts as use of its login. The end of an expired login closes its pages.
 void HttpServer::keep_house() {
   house_.expires_after(kHousekeeping);
   house_.async_wait([this](error_code cancelled) {

@@ -1,7 +1,7 @@
-// The listening socket with all connections behind it: HTTP sessions and the WebSockets that some
-// of them become. Lives on one io thread, which also runs the site.
+// Manages all connections of the station: TLS handshakes, HTTP sessions and WebSockets. Runs on the
+// io thread, as the site does.
 //
-// Limits: see ServerLimits. ConnectionTable decides which connection leaves beyond them.
+// ConnectionTable decides which connection is closed beyond a limit of ServerLimits.
 #pragma once
 
 #include <map>
@@ -20,41 +20,41 @@ namespace fieldcast::web {
 
 struct ServerLimits {
   ConnectionLimits connections;  // without WebSockets
-  // Of TLS, at the same time; one more ends the oldest.
+  // TLS handshakes at the same time; a further one closes the oldest.
   ConnectionLimits handshakes{.total = 32, .of_one = 16, .reserved = 0};
   ConnectionLimits live{.total = 64, .of_one = 48, .working_of_one = 48, .reserved = 16};
-  std::size_t live_of_one = 8;  // WebSockets of one user who is logged in
+  std::size_t live_of_one = 8;  // WebSockets of one logged-in user
   Duration handshake = std::chrono::seconds{10};
-  Duration farewell = std::chrono::seconds{2};  // for WebSockets at the stop
+  Duration farewell = std::chrono::seconds{2};  // for WebSockets when the server closes
   HttpLimits http;
   LiveLimits socket;
 };
 
 struct ServerCounters {
-  std::uint64_t connections = 0;  // accepted so far
-  std::uint64_t requests = 0;     // answered
-  std::uint64_t faults = 0;       // no HTTP, no TLS, or too slow
-  std::uint64_t turned_away = 0;  // connections and WebSockets beyond a limit
-  std::size_t open = 0;           // connections now, without WebSockets
-  std::size_t live = 0;           // WebSockets now
+  std::uint64_t connections = 0;  // accepted since start
+  std::uint64_t requests = 0;     // responses sent
+  std::uint64_t faults = 0;       // invalid HTTP or TLS, or timeout
+  std::uint64_t turned_away = 0;  // connections and WebSockets refused or closed by a limit
+  std::size_t open = 0;           // current connections without WebSockets
+  std::size_t live = 0;           // current WebSockets
 };
 
 class HttpServer {
  public:
-  // The site must outlive the server. `make` may be empty: there is no /live then.
+  // The site must outlive the server. If `make` is empty, /live does not exist.
   HttpServer(boost::asio::io_context& io, Site& site, MakeLiveProtocol make,
              const ServerLimits& limits = {});
-  ~HttpServer();  // closes what is left, without a farewell
+  ~HttpServer();  // closes all connections without a farewell
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
 
-  // `accepted` sockets go through TLS when there is one. Null: without.
+  // Sockets passed to accept() use TLS. Null: plain TCP.
   void serve(std::unique_ptr<TlsServer> tls);
   void accept(boost::asio::ip::tcp::socket socket);
-  // For tests, too: any stream of bytes as a connection.
+  // Accepts any byte stream as a connection; also for tests.
   void accept(std::unique_ptr<ByteStream> stream, std::string peer);
 
-  // Closes every connection. `done` is called when all have gone, at the latest after the farewell.
+  // Closes every connection. Calls `done` when all are closed, at the latest after the farewell.
   void close(std::function<void()> done);
 
   [[nodiscard]] ServerCounters counters() const;
@@ -75,9 +75,10 @@ class HttpServer {
   const ServerLimits limits_;
   HttpSession::Server shared_;
   std::unique_ptr<TlsServer> tls_;
-  std::uint64_t last_id_ = 0;  // of handshakes, sessions and WebSockets
+  std::uint64_t last_id_ = 0;  // shared by handshakes, sessions and WebSockets
   ConnectionTable handshake_table_, session_table_, live_table_;
-  std::map<std::uint64_t, std::function<void()>> handshakes_;  // what ends each
+  // function that cancels the handshake
+  std::map<std::uint64_t, std::function<void()>> handshakes_;
   std::map<std::uint64_t, std::shared_ptr<HttpSession>> sessions_;
   std::map<LiveSocket*, std::shared_ptr<LiveSocket>> live_;
   boost::asio::steady_timer house_, farewell_;

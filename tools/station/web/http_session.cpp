@@ -21,9 +21,9 @@ namespace beast = boost::beast;
 namespace http = boost::beast::http;
 using boost::system::error_code;
 
-constexpr std::size_t kPiece = 8 * 1024;               // bytes of one read
-constexpr std::size_t kMaxLingerBytes = 256 * 1024;    // read away after the last response
-constexpr std::string_view kProtocol = "fieldcast.1";  // of /live
+constexpr std::size_t kPiece = 8 * 1024;               // size of one read
+constexpr std::size_t kMaxLingerBytes = 256 * 1024;    // bytes discarded after the last response
+constexpr std::string_view kProtocol = "fieldcast.1";  // subprotocol of /live
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
@@ -54,7 +54,7 @@ std::size_t count_of(const Fields& fields) {
   return static_cast<std::size_t>(std::distance(fields.begin(), fields.end()));
 }
 
-// The header as bytes again.
+// Serializes the header again for the WebSocket library.
 template <typename Request>
 std::string head_of(const Request& request) {
   std::string head =
@@ -74,7 +74,7 @@ struct HttpSession::Parser {
   }
   http::request_parser<http::string_body> parser;
   HeadCheck head;
-  std::size_t fields = 0;  // of the header
+  std::size_t fields = 0;  // number of header fields
   bool told_to_continue = false;
 };
 
@@ -91,7 +91,8 @@ HttpSession::HttpSession(Server& server, std::uint64_t id, std::unique_ptr<ByteS
 HttpSession::~HttpSession() = default;
 
 void HttpSession::start() {
-  enter(State::kIdle, server_.limits.header);  // the first request comes at once, or never
+  // a new client must send its first request within this limit
+  enter(State::kIdle, server_.limits.header);
   parser_ = std::make_unique<Parser>(server_.limits);
   read();
 }
@@ -102,7 +103,7 @@ void HttpSession::close() {
   timer_.cancel();
   pieces_.reset();
   if (stream_) stream_->close();
-  const auto self = shared_from_this();  // the server lets go of it
+  const auto self = shared_from_this();  // the server releases its pointer
   server_.gone(id_);
 }
 
@@ -153,7 +154,7 @@ void HttpSession::on_read(std::size_t count) {
     return sent_ > kMaxLingerBytes ? close() : read();
   }
   if (state_ == State::kIdle) enter(State::kRequest, server_.limits.header);
-  if (state_ != State::kRequest) return;  // it came too late
+  if (state_ != State::kRequest) return;  // too late: the session has closed or sends a response
   received_.append(room_, 0, count);
   parse();
 }
@@ -183,11 +184,12 @@ void HttpSession::parse() {
     }
     if (used == 0) break;
   }
-  // The parser adds trailer fields of a chunked body to the header: Host, Origin, Cookie.
+  // The parser appends trailer fields of a chunked body to the header, also Host, Origin and
+  // Cookie.
   if (parser.is_done() && count_of(parser.get()) != parser_->fields)
     return refuse(400, "fields behind the body", "send them in the header");
   if (parser.is_done()) return on_request();
-  // A header that is not complete yet is kept here until it is.
+  // An incomplete header stays in received_.
   if (received_.size() > server_.limits.header_bytes)
     return refuse(431, "the header is too long",
                   fmt::format("at most {} bytes", server_.limits.header_bytes));
@@ -302,9 +304,9 @@ void HttpSession::on_written(std::size_t count) {
   write();
 }
 
-// The client has taken everything: the station makes more.
+// Requests the next piece after the client has received everything.
 void HttpSession::next_piece() {
-  const auto next = pieces_;  // stays alive while it runs
+  const auto next = pieces_;  // keeps the function alive while it runs
   (*next)([weak = weak_from_this(), answer = answer_](Piece piece) {
     if (const auto self = weak.lock()) self->on_piece(answer, std::move(piece));
   });
@@ -323,7 +325,7 @@ void HttpSession::on_piece(std::uint64_t answer, Piece piece) {
     bytes = std::move(*piece);
   }
   send(std::make_shared<const std::string>(std::move(bytes)));
-  // Not from here: a station that answers at once, always, would fill the stack.
+  // Post the call: a handler that always returns immediately would overflow the stack.
   asio::post(server_.io, [self = shared_from_this()] {
     if (self->state_ == State::kResponse) self->write();
   });
@@ -335,7 +337,8 @@ void HttpSession::finish_response() {
   parser_.reset();
   received_.clear();
   stream_->end_sending();
-  // Closed over unread bytes, TCP would take the response back: they are read away.
+  // If the socket is closed with unread bytes, TCP resets the connection and the client can lose
+  // the response. Read and discard them first.
   enter(State::kLinger, server_.limits.linger);
   read();
 }

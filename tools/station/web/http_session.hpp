@@ -1,6 +1,6 @@
-// One connection of a client: a request, its response, and again (HTTP/1.1, one request at a time;
-// what a client sends ahead waits). Owns the stream. Ends itself at a fault or a limit of time or
-// size. Lives on the io thread; shared with the operations under way.
+// One client connection with HTTP/1.1. Handles one request at a time; pipelined requests wait. Owns
+// the stream. Closes itself on a fault, a timeout or a size limit. Runs on the io thread; pending
+// operations share ownership.
 #pragma once
 
 #include <boost/asio/steady_timer.hpp>
@@ -17,38 +17,38 @@ struct HttpLimits {
   std::size_t header_bytes = 8 * 1024;
   std::size_t body_bytes = 64 * 1024;
   Duration idle = std::chrono::seconds{75};      // between two requests
-  Duration header = std::chrono::seconds{10};    // from its first byte to its last
-  Duration body = std::chrono::seconds{10};      // from the end of the header to its last byte
-  Duration handler = std::chrono::seconds{60};   // for the station to answer
-  Duration progress = std::chrono::seconds{30};  // for a client to take some of the response
-  Duration linger = std::chrono::seconds{1};     // for a client to take the last response
+  Duration header = std::chrono::seconds{10};    // from its first to its last byte
+  Duration body = std::chrono::seconds{10};      // from the end of the header to the last byte
+  Duration handler = std::chrono::seconds{60};   // for the station's response
+  Duration progress = std::chrono::seconds{30};  // for a client to receive part of the response
+  Duration linger = std::chrono::seconds{1};     // for a client to receive the last response
 };
 
 // A connection that becomes a WebSocket.
 struct LiveRequest {
   std::unique_ptr<ByteStream> stream;
-  std::string head;  // the request's header, as it is to be read again by the WebSocket's library
+  std::string head;  // request header, which the WebSocket library parses again
   Site::Upgrade who;
 };
 
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
  public:
-  // What a session needs of its server; it outlives the sessions.
+  // Services of the server for its sessions; must outlive them.
   struct Server {
     boost::asio::io_context& io;
     Site& site;
     HttpLimits limits;
-    // Why this caller gets no WebSocket now; nothing: it gets one.
+    // Returns the response that refuses a WebSocket; empty if it is allowed.
     std::function<std::optional<HttpResponse>(const Site::Upgrade&)> refuse_live;
     std::function<void(LiveRequest)> take_live;
-    // Whether the station may work on the request that came; `logged_in`: with a valid login.
+    // Returns whether the request may be processed; `logged_in`: it has a valid login.
     std::function<bool(std::uint64_t id, bool logged_in)> work;
-    std::function<void(std::uint64_t id)> wait;  // the response ended
-    std::function<void(std::uint64_t id)> gone;  // once, when the stream is closed or taken
-    std::uint64_t requests = 0;                  // that were answered
-    std::uint64_t faults = 0;                    // bytes that were no request, and times run out
+    std::function<void(std::uint64_t id)> wait;  // the response has ended
+    std::function<void(std::uint64_t id)> gone;  // called once, when the stream is closed or taken
+    std::uint64_t requests = 0;                  // responses
+    std::uint64_t faults = 0;                    // invalid requests and timeouts
   };
-  // `id`: of the server, for its functions; `peer`: the address without the port.
+  // `id`: id of the session in the server; `peer`: address without the port.
   HttpSession(Server& server, std::uint64_t id, std::unique_ptr<ByteStream> stream,
               std::string peer);
   HttpSession(const HttpSession&) = delete;
@@ -56,15 +56,15 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   ~HttpSession();
 
   void start();
-  void close();  // at once
+  void close();  // immediately
 
  private:
   enum class State : std::uint8_t {
     kIdle,      // waits for the first byte of a request
-    kRequest,   // reads one
-    kHandler,   // waits for the station's answer
-    kResponse,  // sends it
-    kLinger,    // reads away what still comes, so that the client gets the last response
+    kRequest,   // reads a request
+    kHandler,   // waits for the handler's response
+    kResponse,  // sends the response
+    kLinger,    // discards input, so that the client receives the last response
     kClosed,
   };
   struct Parser;
@@ -93,16 +93,16 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   State state_ = State::kIdle;
   Instant since_{};
   boost::asio::steady_timer timer_;
-  std::unique_ptr<Parser> parser_;  // of the request under way
-  std::string received_;            // and not parsed yet
-  std::string room_;                // for the next read
+  std::unique_ptr<Parser> parser_;  // of the current request
+  std::string received_;            // not parsed yet
+  std::string room_;                // buffer of the next read
   bool reading_ = false, keep_alive_ = false, chunked_ = false;
   bool head_only_ = false;    // the request was HEAD: its response has no body
-  std::uint64_t answer_ = 0;  // counts responses: a handler's second reply is told by it
-  // Of the response under way; null: its body does not come in pieces, or has ended.
+  std::uint64_t answer_ = 0;  // number of responses; detects a second reply of a handler
+  // Source of the streamed body; null if there is none or it has ended.
   std::shared_ptr<const std::function<void(std::function<void(Piece)>)>> pieces_;
   std::deque<std::shared_ptr<const std::string>> unsent_;
-  std::size_t sent_ = 0;  // bytes of the first of them
+  std::size_t sent_ = 0;  // bytes of the first buffer already sent
 };
 
 }  // namespace fieldcast::web

@@ -1,4 +1,4 @@
-// The JSON of a request's body, from anybody. Pure.
+// Parses JSON bodies of untrusted requests. Pure.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -12,10 +12,11 @@ namespace fieldcast::web {
 
 inline constexpr int kMaxJsonDepth = 8;
 
-// An object; nothing: no JSON, no object, too deep, no UTF-8, or a key twice.
+// Returns the object. Empty if the text is not JSON, not an object, nested too deep, not UTF-8 or
+// has a duplicate key.
 [[nodiscard]] std::optional<nlohmann::json> parse_object(std::string_view text);
 
-// As above, with the response that refuses: 400.
+// Like parse_object(), but fails with the response 400.
 [[nodiscard]] tl::expected<nlohmann::json, HttpResponse> body_of(const HttpRequest& request);
 
 }  // namespace fieldcast::web

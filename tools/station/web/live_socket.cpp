@@ -21,7 +21,8 @@ namespace websocket = boost::beast::websocket;
 using boost::system::error_code;
 
 constexpr std::size_t kMaxReasonBytes = 120;
-constexpr bool kCompression = false;  // memory for each client, and a way to guess secrets
+// costs memory for each client and helps to guess secrets (CRIME)
+constexpr bool kCompression = false;
 
 std::chrono::steady_clock::duration steady(Duration duration) {
   return std::chrono::duration_cast<std::chrono::steady_clock::duration>(duration);
@@ -38,14 +39,14 @@ class Socket final : public LiveSocket,
         limits_(limits),
         gone_(std::move(gone)),
         stream_(StreamAdapter(io, std::move(request.stream))),
-        message_(limits.message_bytes + 1, '\0'),  // never full: a longer message is refused
+        message_(limits.message_bytes + 1, '\0'),  // + 1: never full, a longer message is refused
         wake_(io),
         end_(io) {
     http::request_parser<http::empty_body> parser;
     parser.eager(true);
     error_code fault;
     parser.put(asio::const_buffer(request.head.data(), request.head.size()), fault);
-    FIELDCAST_CHECK(parser.is_done());  // it was parsed before
+    FIELDCAST_CHECK(parser.is_done());  // HttpSession has parsed the same header
     request_ = parser.release();
   }
 
@@ -106,7 +107,7 @@ class Socket final : public LiveSocket,
       if (!cancelled && !self->closed_ && !self->ending_) self->protocol_->on_wake(steady_now());
     });
   }
-  // What is being written ends first; what waits is not sent.
+  // Finishes the message being written; drops waiting messages.
   void close(std::string_view reason) override {
     if (closed_ || ending_) return;
     ending_ = true;
@@ -126,14 +127,14 @@ class Socket final : public LiveSocket,
     bool binary;
   };
 
-  // Not inside a call of the protocol's.
+  // Post the drop: the protocol may be the caller.
   void drop_soon() {
     ending_ = true;
     asio::post(io_, [self = shared_from_this()] { self->drop(); });
   }
 
-  // Some of a message at a time, into a buffer of ours: Beast 1.74 fails an assertion when a close
-  // of this side meets a message in fragments inside its async_read() (read_size_hint).
+  // Reads part of a message into our own buffer. Beast 1.74 fails an assertion in async_read()
+  // (read_size_hint) if this side closes while it receives a fragmented message.
   void read() {
     stream_.async_read_some(asio::buffer(&message_[size_], message_.size() - size_),
                             [self = shared_from_this()](error_code fault, std::size_t count) {
@@ -191,12 +192,12 @@ class Socket final : public LiveSocket,
   const std::function<void(LiveSocket*)> gone_;
   websocket::stream<StreamAdapter, kCompression> stream_;
   http::request<http::empty_body> request_;
-  std::string message_;  // of the client, as far as it has come: the first size_ bytes
+  std::string message_;  // received part of the client's message: the first size_ bytes
   std::size_t size_ = 0;
   asio::steady_timer wake_, end_;
   std::unique_ptr<LiveProtocol> protocol_;
-  std::deque<Message> unsent_;    // the first is being written
-  std::size_t unsent_bytes_ = 0;  // of texts
+  std::deque<Message> unsent_;    // the first message is being written
+  std::size_t unsent_bytes_ = 0;  // text messages only
   std::string reason_;
   bool open_ = false, writing_ = false, binary_under_way_ = false, ending_ = false, closed_ = false;
 };

@@ -1,5 +1,5 @@
-// One WebSocket at /live: the shell around its protocol. Owns the stream, the protocol and what
-// waits to be sent. Lives on the io thread; shared with the operations under way.
+// One WebSocket at /live; passes messages to and from its protocol. Owns the stream, the protocol
+// and the send queue. Runs on the io thread; pending operations share ownership.
 #pragma once
 
 #include <memory>
@@ -11,15 +11,15 @@
 namespace fieldcast::web {
 
 struct LiveLimits {
-  std::size_t message_bytes = 4 * 1024;           // of the client
-  Duration handshake = std::chrono::seconds{10};  // and the farewell of a close
-  Duration idle = std::chrono::seconds{120};      // no byte came, not even the answer to a ping
+  std::size_t message_bytes = 4 * 1024;           // maximum message of the client
+  Duration handshake = std::chrono::seconds{10};  // also limits the closing handshake
+  Duration idle = std::chrono::seconds{120};      // no byte received, not even a pong
 };
 
 class LiveSocket {
  public:
   virtual ~LiveSocket() = default;
-  // `gone` is called once, when the WebSocket is closed, and never inside this function.
+  // `gone` is called once, when the WebSocket is closed, never within open().
   [[nodiscard]] static std::shared_ptr<LiveSocket> open(boost::asio::io_context& io,
                                                         LiveRequest request,
                                                         const MakeLiveProtocol& make,
@@ -27,9 +27,9 @@ class LiveSocket {
                                                         std::function<void(LiveSocket*)> gone);
 
   [[nodiscard]] virtual const Site::Upgrade& who() const = 0;
-  // Sends a close frame; closes at the latest after the limit of the handshake.
+  // Sends a close frame; closes at the latest after LiveLimits::handshake.
   virtual void end(std::string_view reason) = 0;
-  virtual void drop() = 0;  // closes at once
+  virtual void drop() = 0;  // closes immediately
 };
 
 }  // namespace fieldcast::web

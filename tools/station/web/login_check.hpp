@@ -1,4 +1,4 @@
-// How the site asks whether a login is right. Answers come on the io thread.
+// Functions that the site calls to verify a login. Results arrive on the io thread.
 #pragma once
 
 #include <functional>
@@ -12,20 +12,20 @@
 namespace fieldcast::web {
 
 struct LoginGrant {
-  std::string user;  // of a token: its name
+  std::string user;  // name of the user or of the token
   Role role = Role::kViewer;
-  Duration left = SessionBook::kWhole;  // until it ends; a token's own end
+  Duration left = SessionBook::kWhole;  // time until the login ends; for a token, until it expires
   bool by_token = false;
 };
 using LoginVerdict = tl::expected<LoginGrant, LoginRefused>;
 
-// Each calls `done` once, on the io thread, at once or later. Empty: there are no users, or no
-// tokens.
+// Each function calls `done` once, on the io thread, immediately or later. Empty if the station has
+// no users or no tokens.
 struct LoginCheck {
   std::function<void(LoginAttempt, std::function<void(LoginVerdict)> done)> by_password;
   std::function<void(std::string token, std::string peer, std::function<void(LoginVerdict)> done)>
       by_token;
-  // 32 bytes of the system's randomness.
+  // 32 bytes of the system's random generator.
   std::function<SessionBook::Secret()> random;
 };
 

@@ -1,4 +1,4 @@
-// The routes of the site itself: who am I, log in, log out, is anybody there.
+// Routes of the site itself: current user, login, logout, health check.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -39,7 +39,7 @@ HttpResponse response_of(const LoginRefused& refused) {
   return response;
 }
 
-// The field, when it is a text that is not empty and not too long.
+// Returns the field if it is a string of 1 to `limit` bytes.
 std::optional<std::string> text_field(const nlohmann::json& body, const char* name,
                                       std::size_t limit) {
   const auto found = body.find(name);
@@ -115,7 +115,7 @@ void Site::log_in(const HttpRequest& request, const Caller& caller, const Reply&
   logins_.by_password({std::move(*user), Secret::taken_from(*password), caller.peer}, done);
 }
 
-// A cookie from before the login is worth nothing after it.
+// A cookie from before the login is invalid afterwards (session fixation).
 void Site::finish_login(const std::string& old_cookie, const Reply& reply, LoginVerdict verdict) {
   if (!verdict) return reply(response_of(verdict.error()));
   book_.end(old_cookie);

@@ -1,6 +1,5 @@
-// Which names of this station a request may be made to, and that a page of the station itself made
-// it. The first keeps out pages that have their own name point here (DNS rebinding), the second
-// every page of other sites (forged requests, cross-site WebSockets). Pure.
+// Checks the headers Host and Origin of a request. The Host check prevents DNS rebinding; the
+// Origin check prevents forged requests and WebSockets of other sites. Pure.
 #pragma once
 
 #include <string>
@@ -13,23 +12,24 @@ namespace fieldcast::web {
 
 class HostList {
  public:
-  // Served are the address itself, unless it is that of every interface; localhost, 127.0.0.1 and
-  // [::1] with its port; and `names`: "station.plant" with this port or without one,
-  // "station.plant:443" just so. `usual_port` is left out by browsers: 80, with TLS 443.
+  // Accepted hosts are: the listen address, unless it is a wildcard; localhost, 127.0.0.1 and [::1]
+  // with its port; and `names`. A name without a port is accepted with the listen port or none, a
+  // name with a port only as written. Browsers omit port 80, with TLS 443.
   HostList(const ListenSpec& listen, const std::vector<std::string>& names, bool tls);
 
-  // Whether the header Host ("127.0.0.1:8090") is one of these.
+  // Returns whether the Host header ("127.0.0.1:8090") is accepted.
   [[nodiscard]] bool serves(std::string_view host) const;
 
  private:
-  std::vector<std::string> hosts_;  // in small letters
+  std::vector<std::string> hosts_;  // in lower case
 };
 
-// Whether the header Origin names this scheme and the very Host of the same request. "null" does
-// not.
+// Returns whether the Origin header has this scheme and the Host of the same request. Refuses
+// "null".
 [[nodiscard]] bool same_origin(std::string_view origin, std::string_view host, bool tls);
 
-// Whether a text can stand in `hosts`: a name, an IPv4 address or "[v6]", and maybe a port.
+// Returns whether `hosts` may contain the text: a name, an IPv4 address or "[v6]", optionally with
+// a port.
 [[nodiscard]] bool is_host_name(std::string_view text);
 
 }  // namespace fieldcast::web

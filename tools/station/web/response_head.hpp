@@ -1,4 +1,4 @@
-// The bytes of a response before its body: HTTP/1.1, RFC 9112. Pure.
+// Encodes the status line and the headers of a response (HTTP/1.1, RFC 9112). Pure.
 #pragma once
 
 #include <optional>
@@ -12,16 +12,16 @@ namespace fieldcast::web {
 struct HeadOptions {
   UtcTime date;
   bool keep_alive = true;
-  // Of the body; nothing: it comes in chunks, or, for HTTP/1.0, ends with the connection.
+  // Of the body. Empty for a chunked body, or, in HTTP/1.0, one that ends with the connection.
   std::optional<std::size_t> length;
   bool chunked = false;
 };
 
-// A name or value with an end of line in it is left out: it would begin another header.
+// Omits a name or value with a line break, because it would start another header.
 [[nodiscard]] std::string response_head(const HttpResponse& response, const HeadOptions& options);
 
 [[nodiscard]] std::string_view reason_of(unsigned status);  // "Not Found"
-// A status that never has a body: 204, 304.
+// Statuses that never have a body: 204, 304.
 [[nodiscard]] bool has_no_body(unsigned status);
 
 }  // namespace fieldcast::web

@@ -1,5 +1,5 @@
-// The routes of the station: one row each, filled at the start and constant from then on. What is
-// not in the table is refused, and each row says who may use it: there is no default.
+// Routes of the station, filled at start and constant afterwards. A path that is not in the table
+// is refused. Each route states its access; there is no default.
 #pragma once
 
 #include <map>
@@ -14,8 +14,8 @@ namespace fieldcast::web {
 
 enum class Access : std::uint8_t {
   kPublic,    // everybody
-  kViewer,    // who is logged in
-  kOperator,  // who may also write
+  kViewer,    // logged-in users
+  kOperator,  // users who may also write
 };
 
 struct Route {
@@ -25,7 +25,7 @@ struct Route {
   Handler handler;
 };
 
-// Whether this caller may use it; nobody is logged in: nothing.
+// Returns whether this role may use the route; the role is empty without a login.
 [[nodiscard]] bool may_use(Access access, const std::optional<Role>& role);
 
 // 405 with the header `allow`.
@@ -33,20 +33,19 @@ struct Route {
 
 class RouteTable {
  public:
-  // REQUIRES: no such method and path yet, a path from "/", a handler.
+  // REQUIRES: the method and path are new, the path starts with "/", the handler is set.
   void add(Route route);
 
-  // The row, or the response that refuses: 404, 405 (with `allow`), 401 (nobody is logged in), 403
-  // (the role is too low). A path that only logged-in callers may use is not told from one that
-  // does not exist by what a 405 says: access is checked first.
+  // Returns the route, or fails with 404, 405 (with `allow`), 401 (no login) or 403 (role too low).
+  // Access is checked before the method, so a 405 does not reveal a restricted path.
   [[nodiscard]] tl::expected<const Route*, HttpResponse> find(
       Method method, const std::string& path, const std::optional<Role>& role) const;
 
-  // The header `allow` of that path: "GET, HEAD, OPTIONS". Refuses as find() does.
+  // Returns the header `allow` of the path: "GET, HEAD, OPTIONS". Fails as find() does.
   [[nodiscard]] tl::expected<std::string, HttpResponse> allowed(
       const std::string& path, const std::optional<Role>& role) const;
 
-  [[nodiscard]] std::vector<const Route*> rows() const;  // by path
+  [[nodiscard]] std::vector<const Route*> rows() const;  // sorted by path
 
  private:
   std::map<std::string, std::map<Method, Route>> routes_;

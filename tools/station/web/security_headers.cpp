@@ -5,7 +5,8 @@
 namespace fieldcast::web {
 namespace {
 
-// Own scripts, styles and pictures; no text becomes markup but by the page's own policy.
+// Allows only the station's own scripts, styles and pictures; only lit-html may create markup from
+// text.
 constexpr std::string_view kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
     "connect-src 'self'; font-src 'self'; manifest-src 'self'; base-uri 'none'; "

@@ -1,4 +1,4 @@
-// What every response carries so that a browser trusts nothing but the station's own files. Pure.
+// Security headers of every response: a browser accepts only files of the station. Pure.
 #pragma once
 
 #include <string>
@@ -10,11 +10,11 @@ namespace fieldcast::web {
 
 class SecurityHeaders {
  public:
-  // `embed`: the sites that may show /embed in a frame ("https://wiki.plant"); nobody else may,
-  // and nothing else may be shown in one.
+  // `embed`: the sites that may show /embed in a frame ("https://wiki.plant"). No other page may be
+  // framed.
   SecurityHeaders(bool tls, const std::vector<std::string>& embed);
 
-  // Headers that the response has already stay.
+  // Keeps headers that the response already has.
   void add_to(HttpResponse& response, const std::string& path) const;
 
  private:

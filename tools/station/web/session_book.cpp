@@ -25,7 +25,7 @@ bool has_expired(const Login& login, Instant now) {
 
 }  // namespace
 
-// Of the text itself: what is no text of ours has no hash here.
+// Hashes the text of the cookie, not the decoded bytes. Empty if its size is wrong.
 std::optional<SessionBook::Hash> SessionBook::hash_of(std::string_view cookie) {
   if (cookie.size() != 2 * kSecretBytes) return std::nullopt;
   Hash hash;

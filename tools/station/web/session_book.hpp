@@ -1,7 +1,7 @@
-// Who is logged in: secrets of 256 random bits in cookies, of which only the hashes are kept here.
-// A login ends by logout, after 30 min without use, after 12 h in all (that of a token: at the
-// token's own end), when its user is gone or has another role, and when too many newer ones came.
-// Pure but for its memory: no clock, no randomness. Lives on the io thread.
+// Stores the logged-in sessions. A cookie has a secret of 256 random bits; only its hash is stored.
+// A login ends by logout, after 30 min without use, or after 12 h (by token: when the token
+// expires). It also ends when its user is removed or gets another role, and beyond kMaxLogins. No
+// clock and no randomness; runs on the io thread.
 #pragma once
 
 #include <array>
@@ -18,49 +18,49 @@
 namespace fieldcast::web {
 
 struct Login {
-  std::uint64_t id = 0;  // never reused; 0 is none
-  std::string user;      // of a token: its name
+  std::uint64_t id = 0;  // never reused; 0: none
+  std::string user;      // name of the user or of the token
   Role role = Role::kViewer;
   bool by_token = false;
   UtcTime begun_at;
-  Instant ends{};  // whatever happens
+  Instant ends{};  // latest end of the login
   Instant last_used{};
 };
 
 class SessionBook {
  public:
-  static constexpr std::size_t kMaxLogins = 1024;  // one more ends the one unused for longest
+  // a further login ends the one unused for longest
+  static constexpr std::size_t kMaxLogins = 1024;
   static constexpr Duration kIdle = std::chrono::minutes{30};
   static constexpr Duration kWhole = std::chrono::hours{12};
   static constexpr std::size_t kSecretBytes = 32;
   using Secret = std::array<unsigned char, kSecretBytes>;
 
-  // `ended` is told the id of each login that has ended. It must not call back.
+  // Calls `ended(id)` for each login that ends. The callback must not call this object.
   explicit SessionBook(std::function<void(std::uint64_t id)> ended) : ended_(std::move(ended)) {}
 
-  // Puts the login in, and gives the text for its cookie. `random` is fresh from the system, and
-  // used once. `login.id` and `last_used` are filled in here; `ends` is cut to kWhole, except that
-  // of a token.
+  // Adds the login and returns the text for its cookie. `random` must be new system randomness,
+  // used once. Sets `login.id` and `last_used`, and limits `ends` to kWhole unless by token.
   [[nodiscard]] std::string begin(Login login, const Secret& random, Instant now);
 
-  // Whose cookie it is; counts as a use. Null: nobody's, or it has ended. Valid until the next call
-  // of anything here.
+  // Returns the login of the cookie and counts as use. Null if the cookie is unknown or expired.
+  // The pointer is valid until the next call of this object.
   [[nodiscard]] const Login* find(std::string_view cookie, Instant now);
-  // A use without a request: its page has an open connection.
+  // Counts as use without a request: the page has an open connection.
   void touch(std::uint64_t id, Instant now);
 
   void end(std::string_view cookie);
   void end_expired(Instant now);
 
-  // What the store says of users at present: logins that fit none of them end. One whose password
-  // was set anew (the user was made after the login) has to log in again.
+  // A user in the store. users_are() ends each login that matches no user. After a new password
+  // (the user was created after the login) the user must log in again.
   struct KnownUser {
     std::string name;
     Role role;
     UtcTime created_at;
   };
   void users_are(std::span<const KnownUser> users);
-  // The same of tokens, by their names.
+  // Ends logins of tokens whose name is not in the list.
   void tokens_are(std::span<const std::string> names);
 
   [[nodiscard]] std::size_t size() const { return logins_.size(); }

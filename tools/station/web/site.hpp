@@ -1,8 +1,7 @@
-// What the station answers to a request, without a socket: Host, Origin and content type, who asks,
-// the route, the headers of the response; and logging in and out. Lives on the io thread; owns
-// routes and logins.
+// Handles requests without a socket: checks Host, Origin, content type and login, calls the route,
+// adds response headers. Also logs users in and out. Runs on the io thread; owns routes and logins.
 //
-//     request -> Host served? -> Origin (all but GET) -> content type -> login -> route -> handler
+//     request -> Host -> Origin (all but GET) -> content type -> login -> route -> handler
 #pragma once
 
 #include <functional>
@@ -21,26 +20,25 @@
 
 namespace fieldcast::web {
 
-// A request as it came, before anything of it is believed.
+// A request as received, before any check.
 struct RawRequest {
   std::string method, target;
-  std::vector<std::string> hosts;  // of every Host header
+  std::vector<std::string> hosts;  // all Host headers
   std::optional<std::string> origin;
   std::string content_type, cookie, accept_encoding, if_none_match;
   std::string body;
-  std::string peer;  // the address without the port
+  std::string peer;  // address without the port
 };
 
 struct SiteSpec {
-  ListenSpec listen;  // with the port that it got
+  ListenSpec listen;  // with the bound port
   bool tls = false;
   std::vector<std::string> hosts;  // further names
-  std::vector<std::string> embed;  // sites that may show /embed
+  std::vector<std::string> embed;  // sites that may show /embed in a frame
   std::string version;
-  bool store = false;  // there is one
+  bool store = false;  // the station has a store
 };
 
-// What the site needs of the world.
 struct SiteClock {
   std::function<Instant()> now;
   std::function<UtcTime()> utc;
@@ -48,30 +46,31 @@ struct SiteClock {
 
 class Site {
  public:
-  // `logins` may be null: there are no users. It must outlive the site.
+  // Without users and tokens, the functions of `logins` are empty. Objects that they use must
+  // outlive the site.
   Site(SiteSpec spec, SiteClock clock, LoginCheck logins);
   Site(const Site&) = delete;
   Site& operator=(const Site&) = delete;
 
   [[nodiscard]] RouteTable& routes() { return routes_; }
 
-  // What everybody may do who has no login; nothing: nobody may do anything. Sockets of those whose
-  // role this changes are told to end, as logins are (id 0).
+  // Sets the role of clients without a login; empty: they may do nothing. When the role changes,
+  // calls `ended(0)` to close their sockets.
   void set_local_role(std::optional<Role> role);
-  // Told the id of each login that has ended; 0: those without a login. Set before the first
-  // request. Must not call back.
+  // Calls `ended(id)` for each login that ends; id 0: clients without a login. Set it before the
+  // first request. The callback must not call this object.
   void on_ended(std::function<void(std::uint64_t id)> ended) { ended_ = std::move(ended); }
   [[nodiscard]] SessionBook& book() { return book_; }
-  // Whether the cookie of the request is that of a login; counts as a use of it.
+  // Returns whether the request has the cookie of a valid login; counts as use of it.
   [[nodiscard]] bool has_login(const RawRequest& request) { return known(request).login != 0; }
 
-  // `reply` is called once, now or later.
+  // `reply` is called once, immediately or later.
   void handle(RawRequest request, Reply reply);
-  // A response for bytes that are no request: with the headers of all.
+  // Response to an invalid request, with all common headers.
   [[nodiscard]] HttpResponse refusal(unsigned status, std::string_view error,
                                      std::string_view hint) const;
 
-  // Whether this request may become a WebSocket: for whom, and by which login (0: without one).
+  // Client of an allowed WebSocket and the id of its login (0: without one).
   struct Upgrade {
     Caller caller;
     std::uint64_t login = 0;
@@ -79,10 +78,10 @@ class Site {
   [[nodiscard]] tl::expected<Upgrade, HttpResponse> upgrade(const RawRequest& request);
 
  private:
-  struct Known {  // who asks
+  struct Known {  // identified client
     std::optional<Caller> caller;
     std::uint64_t login = 0;
-    std::string cookie;  // the secret, when one came
+    std::string cookie;  // secret of the cookie, if sent
   };
   [[nodiscard]] std::optional<HttpResponse> fault_of(const RawRequest& request, bool changes) const;
   [[nodiscard]] Known known(const RawRequest& request);
@@ -105,9 +104,9 @@ class Site {
   RouteTable routes_;
 };
 
-// Of the header Accept-Encoding.
+// Parses the header Accept-Encoding.
 [[nodiscard]] bool accepts_gzip(std::string_view accept_encoding);
-// Of the header Cookie; empty: there is none of that name.
+// Returns a value of the header Cookie; empty if the name is missing.
 [[nodiscard]] std::string_view cookie_named(std::string_view cookies, std::string_view name);
 
 }  // namespace fieldcast::web

@@ -5,7 +5,7 @@
 namespace fieldcast::web {
 namespace {
 
-// Bytes for many responses, made when the first one asks.
+// Buffers shared by many responses, made at the first request.
 struct KeptFile {
   EmbeddedFile file;
   std::shared_ptr<const std::string> packed, plain;
@@ -14,7 +14,7 @@ struct KeptFile {
 HttpResponse response_of(KeptFile& kept, const HttpRequest& request) {
   HttpResponse response;
   response.content_type = kept.file.content_type;
-  // Kept by the browser, and asked for anew each time: a 304 is all that it costs.
+  // The browser caches the file and revalidates it each time, which costs a 304.
   response.headers = {{"cache-control", "no-cache"},
                       {"etag", std::string(kept.file.etag)},
                       {"vary", "accept-encoding"}};

@@ -1,4 +1,4 @@
-// The routes of the page's files, which are part of the program: no file is ever found by its path.
+// Routes of the page's files, which are compiled into the program. No file is read by its path.
 #pragma once
 
 #include <span>
@@ -8,8 +8,8 @@
 
 namespace fieldcast::web {
 
-// One public route for each file; /embed is the index too. The bytes are kept compressed; a client
-// that takes no gzip gets them unpacked.
+// Adds a public route for each file; /embed is also the index. The files are stored compressed and
+// are decompressed for a client that does not accept gzip.
 void add_page_routes(RouteTable& routes, std::span<const EmbeddedFile> files);
 
 }  // namespace fieldcast::web

@@ -1,4 +1,4 @@
-// A ByteStream as Boost.Beast wants a stream to be. For live_socket.cpp only.
+// Adapts ByteStream to the stream concept of Boost.Beast. For live_socket.cpp only.
 #pragma once
 
 #include <boost/asio/any_io_executor.hpp>
@@ -44,7 +44,7 @@ class StreamAdapter {
   }
 
  private:
-  // The first that is not empty: "some" bytes are as many as a stream likes to take.
+  // The first buffer that is not empty; read_some and write_some may transfer fewer bytes.
   template <typename Buffer, typename Buffers>
   static Buffer first_of(const Buffers& buffers) {
     for (auto at = boost::asio::buffer_sequence_begin(buffers);
@@ -54,7 +54,7 @@ class StreamAdapter {
     }
     return {};
   }
-  // Handlers can be moved only, std::function copies.
+  // Makes a copyable handler for std::function; Asio handlers are move-only.
   template <typename Handler>
   static ByteStream::Done shared(Handler handler) {
     return [kept = std::make_shared<Handler>(std::move(handler))](
@@ -71,7 +71,7 @@ class StreamAdapter {
   std::unique_ptr<ByteStream> stream_;
 };
 
-// What Beast does at the end of a WebSocket, and when its time is up.
+// Beast calls these at the end of a WebSocket and on its timeout.
 template <typename Handler>
 void async_teardown(boost::beast::role_type, StreamAdapter& adapter, Handler&& handler) {
   adapter.stream().end_sending();
