@@ -28,7 +28,7 @@ using config::Node;
 using config::Rows;
 
 constexpr int kUsualPort = 8090;
-constexpr std::size_t kMaxTexts = 64;  // of a list: names, sites
+constexpr std::size_t kMaxTexts = 64;  // entries of a list of names or sites
 
 constexpr std::pair<std::string_view, LocalRole> kLocalRoles[] = {
     {"none", LocalRole::kNone}, {"viewer", LocalRole::kViewer}, {"operator", LocalRole::kOperator}};
@@ -37,7 +37,7 @@ struct RecordSpec {
   std::vector<std::string> patterns{"*"};
 };
 
-// A list of texts that a rule takes: `fault(text)` says what is wrong, or nothing.
+// Reads a list of strings; `fault(text)` returns what is wrong with one, or an empty text.
 template <typename Fault>
 void read_texts(MapReader& map, std::string_view key, std::string_view form,
                 std::vector<std::string>& target, Fault fault) {
@@ -266,7 +266,7 @@ LoadedStation load_station(const std::string& path, const std::optional<ListenSp
 }
 
 std::optional<ListenSpec> listen_from(const std::string& text) {
-  const bool any_port = text.ends_with(":0");  // a free one
+  const bool any_port = text.ends_with(":0");  // port 0 selects a free port
   const auto endpoint =
       config::host_port_from(any_port ? text.substr(0, text.size() - 1) + '1' : text);
   if (!endpoint) return std::nullopt;

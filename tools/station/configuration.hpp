@@ -1,4 +1,4 @@
-// The configuration of fieldcast-station: a YAML file, or the defaults. Functions without state.
+// Loads the configuration of fieldcast-station from a YAML file. Stateless functions.
 #pragma once
 
 #include <optional>
@@ -14,48 +14,48 @@
 
 namespace fieldcast::web {
 
-// What those may do who are not logged in, when the configuration says it.
+// Role of clients without a login, if configured.
 enum class LocalRole : std::uint8_t { kNone, kViewer, kOperator };
 
 struct WebSpec {
   ListenSpec listen{"127.0.0.1", 8090};
-  std::string certificate, key;    // paths; set: TLS
-  std::vector<std::string> hosts;  // further names of this station
-  std::vector<std::string> embed;  // sites that may show /embed in a frame
+  std::string certificate, key;    // paths; TLS if set
+  std::vector<std::string> hosts;  // further host names of this station
+  std::vector<std::string> embed;
   std::optional<LocalRole> local_role;
 };
 
 struct StationSpec {
   std::string name = "station";
-  std::vector<DdsSite> sites{DdsSite{}};  // one without a name, or several
+  std::vector<DdsSite> sites{DdsSite{}};  // one without a name, or several named ones
   LogSpec log;
   WebSpec web;
-  // `samples` are the patterns of what is recorded; none: nothing is.
+  // `samples` has the patterns of the recorded channels; if it is empty, nothing is recorded.
   std::optional<StoreSpec> store;
 };
 
 using LoadedStation = tl::expected<StationSpec, std::vector<config::Fault>>;
 
-// `listen` goes before that of the file. All faults at once, in the order of the text.
+// `listen` overrides the file. Returns all faults in the order of the text.
 [[nodiscard]] LoadedStation load_station(const std::string& path,
                                          const std::optional<ListenSpec>& listen = {});
 [[nodiscard]] LoadedStation load_station_text(std::string_view text, const std::string& file_name,
                                               const config::FileReader& reader,
                                               const std::optional<ListenSpec>& listen = {});
 
-// Why a station must not be reached as this one would be, and how to mend it: off the loopback it
-// needs TLS and a login, and never a role for everybody.
+// A reason why the listen address is not safe, and the fix. Outside the loopback interface a
+// station needs TLS and a login, and must not set a role for clients without a login.
 struct Exposure {
-  std::string_view key;  // of `web`: where the fault is
+  std::string_view key;  // key of `web` with the fault
   std::string what, mend;
 };
 [[nodiscard]] std::vector<Exposure> exposures_of(const StationSpec& spec);
 
-// "127.0.0.1:8090", "[::1]:8090", "127.0.0.1:0" (a free port); nothing: no address of this machine
-// and port.
+// Parses "127.0.0.1:8090", "[::1]:8090" or "127.0.0.1:0" (a free port). Empty if the text is not an
+// IP address and port.
 [[nodiscard]] std::optional<ListenSpec> listen_from(const std::string& text);
 
-// Every key with what it is for, for the document: "web.listen".
+// All keys for the documentation; name: "web.listen".
 struct DocumentedKey {
   std::string name, fallback, form, text;
 };

@@ -1,4 +1,4 @@
-// fieldcast-station: what the bridges of a DDS domain publish, as a web page.
+// fieldcast-station: shows a DDS domain as a web page.
 #include <fmt/format.h>
 #include <signal.h>
 
@@ -51,7 +51,7 @@ void log_library(bool error, std::string_view kind, std::string_view text) {
                          "Fast DDS", fmt::format("messages of {}", kind), text);
 }
 
-// Nothing: every fault is on stderr.
+// Empty if the options or the configuration are invalid; all faults are printed to stderr.
 std::optional<StationSpec> spec_of(const Options& options) {
   StationSpec spec;
   if (!options.config.empty()) {
@@ -106,7 +106,7 @@ void on_hangup(WebStation& station) {
   fieldcast::log_info("web", "certificate and key are taken from their files anew");
 }
 
-// A library that hangs, and the stop with it, is named in the log.
+// Logs the busy component if the stop hangs, for example in a library.
 class WhileItLives {
  public:
   WhileItLives(fieldcast::Signals& signals, WebStation& station) : signals_(signals) {
@@ -124,7 +124,7 @@ class WhileItLives {
   fieldcast::Signals& signals_;
 };
 
-// The identity of the program at each of its sites, from its start on.
+// Watches the DDS identity of the program at each site from its start on.
 class SiteIdentities {
  public:
   explicit SiteIdentities(const StationSpec& spec)
@@ -140,7 +140,7 @@ class SiteIdentities {
   std::vector<fieldcast::IdentityWatch> each_;
 };
 
-// False: it cannot join.
+// Returns false if the station cannot join.
 bool log_joining(const StationSpec& spec) {
   bool good = true;
   for (const fieldcast::DdsSite& site : spec.sites) {
@@ -189,7 +189,7 @@ ExitCode serve(fieldcast::Signals& signals, const StationSpec& spec) {
   }
 }
 
-// What a file says is good by now; whether the key that it names is one for a service is seen here.
+// Checks that the key file is not readable by others; the loader has checked the rest.
 ExitCode check_key(const StationSpec& spec) {
   if (spec.web.key.empty()) return ExitCode::kOk;
   const auto closed =
@@ -199,7 +199,7 @@ ExitCode check_key(const StationSpec& spec) {
   return ExitCode::kBadConfiguration;
 }
 
-// What is good is said too: silence could be a program that looked at nothing.
+// Also prints successful checks, so that an empty output is never a success.
 ExitCode check(const StationSpec& spec) {
   const ExitCode joining = check_joining(spec), key = check_key(spec);
   for (const fieldcast::DdsSite& site : spec.sites) {

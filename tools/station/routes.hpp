@@ -1,4 +1,4 @@
-// All routes under /api and /metrics: one call for each resource.
+// Adds all routes under /api, and /metrics.
 #pragma once
 
 #include <functional>
@@ -14,8 +14,8 @@
 
 namespace fieldcast::web {
 
-// What the resources need; all of it outlives the table. Pointers may be null: there is no store,
-// nothing is recorded.
+// Objects that the routes use; all of them must outlive the table. Pointers are null if the station
+// has no store or records nothing.
 struct RouteNeeds {
   LiveDomain& domain;
   Database* database;

@@ -34,9 +34,10 @@ namespace {
 namespace asio = boost::asio;
 using boost::system::error_code;
 
-constexpr std::chrono::milliseconds kTurn{500};        // of the io thread, for the watchdog
-constexpr std::chrono::seconds kServersAnswer{3};      // until then nothing is said of them
-constexpr std::chrono::milliseconds kStopLimit{2500};  // for pages to be told
+constexpr std::chrono::milliseconds kTurn{500};  // heartbeat of the io thread for the watchdog
+// a missing server is reported only after this time
+constexpr std::chrono::seconds kServersAnswer{3};
+constexpr std::chrono::milliseconds kStopLimit{2500};  // for the farewell to pages
 constexpr Duration kFlushLimit = std::chrono::seconds{2};
 
 SessionBook::Secret random_secret() {
@@ -45,8 +46,8 @@ SessionBook::Secret random_secret() {
   return secret;
 }
 
-// A store that is not there yet is made, so that its users can be asked. One that is away may come
-// later.
+// Creates the store if it is missing, so that its users can be read. An unavailable store may
+// become available later.
 void make_store(const StoreAddress& address) {
   try {
     (void)fieldcast::open_store(address, IfMissing::kCreate);
@@ -60,7 +61,7 @@ UtcTime utc_now() { return read_clocks().to_utc(steady_now()); }
 struct WebStation::State {
   State(StationSpec given, std::string text) : spec(std::move(given)), version(std::move(text)) {}
 
-  // Runs on the io thread and waits for it; an exception comes back.
+  // Runs the task on the io thread and waits; rethrows its exception.
   template <typename Task>
   void run(Task task) {
     std::promise<void> done;
@@ -81,17 +82,18 @@ struct WebStation::State {
   [[nodiscard]] UserWatch::Ask ask_users();
   [[nodiscard]] tl::expected<std::unique_ptr<TlsServer>, std::string> tls_server() const;
   void turn();
-  void tell_servers();  // which of them do not answer, when that changes
+  void tell_servers();  // reports changes of the missing servers
 
   const StationSpec spec;
   const std::string version;
-  std::atomic<std::chrono::nanoseconds::rep> turned{0};  // of the io thread, monotonic
+  // monotonic time of the io thread's last heartbeat
+  std::atomic<std::chrono::nanoseconds::rep> turned{0};
   std::atomic<const char*> busy = "starting";
   bool started = false;
-  std::vector<std::string> missing_servers;  // as last told
-  Instant servers_from{};                    // they had the time to answer
+  std::vector<std::string> missing_servers;  // as last reported
+  Instant servers_from{};                    // servers are checked from then on
 
-  // In the order of the start; what is below uses what is above.
+  // In the order of start; each member uses the ones above.
   std::unique_ptr<Store> store;
   std::unique_ptr<Recorder> recorder;
   IoThread io{"web"};
@@ -219,7 +221,7 @@ void WebStation::State::turn() {
   if (domain && steady_now() > servers_from) tell_servers();
   turning->expires_after(kTurn);
   turning->async_wait([this](error_code cancelled) {
-    // One that expired just before the stop comes without a fault.
+    // A timer that expired just before the stop has no error code.
     if (!cancelled && turning) turn();
   });
 }
@@ -295,7 +297,7 @@ void WebStation::stop() {
     s.domain.reset();
     s.listener.reset();
   });
-  s.run([] {});  // what was posted before
+  s.run([] {});  // waits for tasks posted before
   s.busy = "writing to the store";
   s.recorder.reset();
   if (s.store) (void)s.store->flush(kFlushLimit);

@@ -31,7 +31,7 @@ void UserWatch::look() {
   });
 }
 
-// While the store cannot be asked, logins go on, and who needed none needs none.
+// If the store cannot be read, logins and the local role remain unchanged.
 void UserWatch::on_users(const Users& users) {
   if (users) {
     users_ = users->size();

@@ -1,6 +1,5 @@
-// Looks every few seconds who the users of the store are: logins of users who are gone, have
-// another role or a new password end, and the role of everybody without a login follows. Lives on
-// the io thread.
+// Reads the users of the store every few seconds. Ends logins of users that were removed or got
+// another role or password, and updates the role of clients without a login. Runs on the io thread.
 #pragma once
 
 #include <boost/asio/steady_timer.hpp>
@@ -14,19 +13,19 @@
 
 namespace fieldcast::web {
 
-// What those may do who are not logged in. `users`: how many there are; nothing: not known, or
-// unknown whether there are any. Nothing comes back: they have to log in.
+// Role of clients without a login; empty: they must log in. `users`: number of users; empty if
+// unknown.
 [[nodiscard]] std::optional<Role> local_role_of(const StationSpec& spec,
                                                 std::optional<std::size_t> users);
 
 class UserWatch {
  public:
   static constexpr Duration kPeriod = std::chrono::seconds{5};
-  using Users = std::optional<std::vector<User>>;  // nothing: the store cannot be asked now
-  // Asks the store without blocking; `done` is called on the io thread.
+  using Users = std::optional<std::vector<User>>;  // empty: the store cannot be read now
+  // Reads the users without blocking; `done` is called on the io thread.
   using Ask = std::function<void(std::function<void(Users)> done)>;
 
-  // The site must outlive it.
+  // The site must outlive this object.
   UserWatch(boost::asio::io_context& io, const StationSpec& spec, Site& site, Ask ask);
   ~UserWatch();
   UserWatch(const UserWatch&) = delete;
@@ -41,7 +40,7 @@ class UserWatch {
   Site& site_;
   const Ask ask_;
   boost::asio::steady_timer timer_;
-  std::optional<std::size_t> users_;  // how many there were when the store was asked last
+  std::optional<std::size_t> users_;  // number of users at the last successful read
   std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
 };
 

@@ -17,14 +17,14 @@ namespace {
 using Json = nlohmann::json;
 using Parsed = tl::expected<ClientMessage, Refusal>;
 
-constexpr std::size_t kMaxText = 256;  // bytes of a string value: the topic's bound
-constexpr std::size_t kShown = 80;     // bytes of what a client sent, in what is said about it
+constexpr std::size_t kMaxText = 256;  // bytes of a string value, as in the topic
+constexpr std::size_t kShown = 80;     // bytes of client text quoted in an error
 
 tl::unexpected<Refusal> refuse(std::string error, std::string hint) {
   return tl::unexpected(Refusal{std::move(error), std::move(hint)});
 }
 
-// Counted before the text is parsed: brackets in strings do not count.
+// Checked before parsing; ignores brackets in strings.
 bool is_shallow(std::string_view text) {
   std::size_t depth = 0;
   bool quoted = false;
@@ -51,7 +51,7 @@ std::optional<std::uint64_t> number_in(const Json& json, const char* name) {
   return number <= kMaxExact ? std::optional(number) : std::nullopt;
 }
 
-// Whether the object has no member but these.
+// Returns whether the object has only these members.
 bool has_only(const Json& json, std::initializer_list<std::string_view> names) {
   return std::all_of(json.items().begin(), json.items().end(), [&](const auto& item) {
     return std::find(names.begin(), names.end(), item.key()) != names.end();

@@ -1,10 +1,10 @@
-// What a client of /live may say, from its JSON text. Pure; nothing in a text is trusted.
+// Parses the JSON messages of a client of /live. Pure; the text is untrusted.
 //
 //     {"subscribe": PATTERN, "refresh_ms": 500}    {"unsubscribe": PATTERN}
 //     {"write": {"channel": PATH, "value": 21.5, "verify": true}, "id": 7}
 //     {"acquire": {"channel": PATH}, "id": 8}      {"ping": 9}
 //
-// The id is the client's own number for the answer; it may be left out.
+// The response repeats the client's id; the id is optional.
 #pragma once
 
 #include <cstdint>
@@ -23,14 +23,14 @@ namespace fieldcast::web {
 
 struct Subscribe {
   Pattern pattern;
-  std::optional<Duration> refresh;  // the client wishes these channels read so often
+  std::optional<Duration> refresh;  // requested refresh of the channels
 };
 struct Unsubscribe {
   Pattern pattern;
 };
 struct WriteChannel {
   ChannelPath path;
-  Value value;  // as the JSON says: its type is not the channel's yet
+  Value value;  // JSON type; not converted to the channel's type yet
   bool verify = false;
 };
 struct AcquireChannel {
@@ -43,7 +43,7 @@ struct ClientMessage {
   std::variant<Subscribe, Unsubscribe, WriteChannel, AcquireChannel, Ping> what;
 };
 
-// One line for people about what is wrong, and one about what to do.
+// Human-readable: one line with the fault and one with the fix.
 struct Refusal {
   std::string error, hint;
 };
@@ -53,16 +53,16 @@ struct MessageFault {
 };
 
 inline constexpr std::size_t kMaxMessage = 4096;  // bytes
-inline constexpr std::size_t kMaxDepth = 4;       // of brackets within brackets
-// An interest names one device at most, and no refresh outside these.
+inline constexpr std::size_t kMaxDepth = 4;       // nested brackets
+// Limits of refresh_ms.
 inline constexpr Duration kShortestRefresh = std::chrono::milliseconds{50};
 inline constexpr Duration kLongestRefresh = std::chrono::hours{1};
 
 using ParsedMessage = tl::expected<ClientMessage, MessageFault>;
 [[nodiscard]] ParsedMessage parse_client_message(std::string_view text);
 
-// The value as the channel's type wants it: a text is taken for a number where the channel has one,
-// so that integers beyond 2^53 can be written. Whether it fits the channel, the bridge says.
+// Converts the value to the channel's type. A string may contain a number, so that integers beyond
+// 2^53 can be written. The bridge checks the limits of the channel.
 [[nodiscard]] tl::expected<Value, Refusal> value_for(std::string_view channel_type, Value value);
 
 }  // namespace fieldcast::web

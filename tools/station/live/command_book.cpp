@@ -20,7 +20,7 @@ void CommandBook::add(Asked asked, Done done, Instant deadline) {
 
 void CommandBook::on_sent(std::uint64_t request_id, Instant deadline) {
   const auto found = under_way_.find(request_id);
-  if (found == under_way_.end()) return;  // its result came first
+  if (found == under_way_.end()) return;  // the result arrived first
   found->second.sent = true;
   found->second.deadline = deadline;
 }

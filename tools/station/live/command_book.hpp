@@ -1,8 +1,5 @@
-// The commands of people that are under way, and the outcomes of the latest. Pure: `now` comes in.
-// One owner, on the io thread.
-//
-// Each command has one outcome: its result, or why there is none. What comes for a command that is
-// not under way any more is dropped.
+// Pending commands of users and their latest outcomes. Each command has one outcome: its result, or
+// the reason why there is none. Later results are ignored. Pure; used on the io thread.
 #pragma once
 
 #include <cstdint>
@@ -22,8 +19,8 @@ namespace fieldcast::web {
 class CommandBook {
  public:
   static constexpr std::size_t kMaxUnderWay = 256;
-  static constexpr std::size_t kMaxOfUser = 64;  // under way
-  static constexpr std::size_t kMaxKept = 1024;  // outcomes, the oldest go first
+  static constexpr std::size_t kMaxOfUser = 64;  // pending
+  static constexpr std::size_t kMaxKept = 1024;  // stored outcomes; the oldest are dropped first
   using Done = CommandSink::Done;
 
   struct Asked {
@@ -38,20 +35,20 @@ class CommandBook {
     Done done;
   };
 
-  // Why the user may not ask for one more now.
+  // Returns why the user may not send a further command now; empty if allowed.
   [[nodiscard]] std::optional<Refusal> why_not(const std::string& user) const;
-  // Its outcome is known at `deadline` at the latest.
+  // The command expires at `deadline`.
   void add(Asked asked, Done done, Instant deadline);
-  // It was sent: from here on its result has until `deadline`.
+  // The command was sent: its result must now arrive before `deadline`.
   void on_sent(std::uint64_t request_id, Instant deadline);
   [[nodiscard]] std::optional<Ended> on_fault(std::uint64_t request_id, StationFault fault);
   [[nodiscard]] std::optional<Ended> on_result(const StationResult& result);
-  // One whose deadline has passed; to be called until there is none.
+  // Removes one expired command; call it until it returns empty.
   [[nodiscard]] std::optional<Ended> take_expired(Instant now);
 
   [[nodiscard]] std::size_t under_way() const { return under_way_.size(); }
-  // Of a command of this user: the outcome; "pending" while it is under way. Nothing: unknown, or
-  // too long ago.
+  // Returns the outcome of a command of this user, "pending" while it has none. Empty if the
+  // command is unknown or its outcome was dropped.
   [[nodiscard]] std::optional<CommandOutcome> find(std::string_view user,
                                                    std::uint64_t request_id) const;
 

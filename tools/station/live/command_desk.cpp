@@ -10,7 +10,7 @@
 namespace fieldcast::web {
 namespace {
 
-constexpr std::size_t kShown = 128;  // bytes of a value in the audit
+constexpr std::size_t kShown = 128;  // bytes of a value in the audit log
 
 std::string what_of(const StationCommand& command) {
   if (command.command.operation == Operation::kAcquire) return "acquire";
@@ -65,8 +65,6 @@ void CommandDesk::run(BoundedQueue<std::function<void()>>& queue) {
   }
 }
 
-// ---- commands
-
 CommandDesk::Submitted CommandDesk::submit(const Caller& caller, StationCommand command,
                                            Done done) {
   command.person = caller.user;
@@ -98,7 +96,7 @@ CommandDesk::Submitted CommandDesk::enter(CommandBook::Asked asked, Send send, D
   const Instant now = steady_now();
   const Instant latest = now + kPatience;
   std::function<void()> task = [this, id, latest, lifespan, send = std::move(send)]() mutable {
-    if (steady_now() > latest) return;  // the book ends it
+    if (steady_now() > latest) return;  // the command has expired in book_
     const Sent sent = send();
     const Instant deadline = steady_now() + lifespan + kResult;
     post([this, id, sent, deadline] {
@@ -146,14 +144,12 @@ void CommandDesk::watch() {
   });
 }
 
-// ---- interests
-
 void CommandDesk::declare(const std::string& pattern, Duration refresh) {
   {
     const std::lock_guard lock(mutex_);
     declares_[pattern] = refresh;
   }
-  // With a full queue, those before it take what waits.
+  // If the queue is full, the tasks in it declare the waiting interests.
   std::function<void()> task = [] {};
   (void)worker_.queue().try_put(task);
 }

@@ -1,9 +1,7 @@
-// Sends the commands of people, what they do about alarms, and interests, without holding up the io
-// thread: a worker thread waits for bridges. Each command ends in one outcome, and in one entry of
-// the station's audit where there is one.
+// Sends commands, alarm actions and interests. A worker thread waits for bridges, so the io thread
+// never blocks. Each command ends with one outcome and one entry in the audit log, if there is one.
 //
-// Everything on the io thread, but on_result(), which is for any thread. Results that come after
-// close() are dropped.
+// Runs on the io thread, except on_result(). Results after close() are dropped.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -21,12 +19,12 @@
 
 namespace fieldcast::web {
 
-// What the desk needs of DDS.
+// DDS functions that the controller uses.
 class CommandPort {
  public:
   virtual ~CommandPort() = default;
   [[nodiscard]] virtual std::uint64_t reserve_request_id() = 0;
-  // These may wait some seconds; on the desk's worker thread.
+  // These may block for some seconds; called on the worker thread.
   [[nodiscard]] virtual tl::expected<std::uint64_t, StationFault> send(StationCommand command) = 0;
   [[nodiscard]] virtual tl::expected<std::uint64_t, StationFault> send(AlarmAction action) = 0;
   virtual void declare(const std::string& pattern, Duration refresh) = 0;  // 0: withdraw
@@ -35,14 +33,14 @@ class CommandPort {
 class CommandDesk : public CommandSink {
  public:
   static constexpr std::size_t kMaxQueued = CommandBook::kMaxUnderWay;
-  // What still waits for the worker after this time is not sent.
+  // A command that waits longer for the worker is not sent.
   static constexpr Duration kPatience = std::chrono::seconds{5};
-  // For a bridge to be found, and for a result after the lifespan of its command.
+  // Time to find a bridge, and time for a result after the lifespan of its command.
   static constexpr Duration kFinding = std::chrono::seconds{3};
   static constexpr Duration kResult = std::chrono::seconds{3};
 
-  // `audit` may be null. `others` is told the outcomes of commands that nobody waits for. All of
-  // them outlive the desk; the port is used from the first command on.
+  // `audit` may be null. `others` receives the outcome of commands without a `done`. All of them
+  // must outlive this object; `port` is used from the first command on.
   CommandDesk(boost::asio::io_context& io, CommandPort& port, Audit* audit, Done others);
   ~CommandDesk() override;
   CommandDesk(const CommandDesk&) = delete;
@@ -55,12 +53,12 @@ class CommandDesk : public CommandSink {
     return book_.find(user, request_id);
   }
 
-  // As InterestBook::Declare.
+  // See InterestBook::Declare.
   void declare(const std::string& pattern, Duration refresh);
 
-  void on_result(const StationResult& result);  // any thread
+  void on_result(const StationResult& result);  // thread-safe
 
-  // Nothing is sent from here on; what is under way has no outcome any more.
+  // Stops sending. Pending commands get no outcome.
   void close();
 
  private:
@@ -71,7 +69,7 @@ class CommandDesk : public CommandSink {
   void declare_all();
   void finish(std::optional<CommandBook::Ended> ended);
   void watch();
-  // Runs on the io thread, unless the desk is closed by then.
+  // Runs the task on the io thread, unless close() was called.
   void post(std::function<void()> task);
 
   boost::asio::io_context& io_;
@@ -82,10 +80,10 @@ class CommandDesk : public CommandSink {
   boost::asio::steady_timer timer_;
   bool watching_ = false;
   std::mutex mutex_;
-  std::map<std::string, Duration> declares_;  // those that wait for the worker; the newest wins
+  std::map<std::string, Duration> declares_;  // interests waiting for the worker; the newest wins
   std::shared_ptr<bool> open_ = std::make_shared<bool>(true);  // null: closed
-  const std::weak_ptr<bool> alive_ = open_;                    // any thread
-  Worker<std::function<void()>> worker_;                       // last: it uses what is above
+  const std::weak_ptr<bool> alive_ = open_;                    // thread-safe
+  Worker<std::function<void()>> worker_;  // last member: its thread uses the members above
 };
 
 }  // namespace fieldcast::web

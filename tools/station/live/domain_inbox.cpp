@@ -123,8 +123,7 @@ void DomainInbox::on_device_status(const StationDeviceStatus& status) {
 void DomainInbox::on_device_gone(const StationDeviceStatus& last) {
   put(names('d', last.bus, last.device), last, true);
 }
-// Detailed alarms have keys of their own: they do not take the place of the others, nor these of
-// them.
+// Detailed alarms have separate keys, so the two kinds do not replace each other.
 void DomainInbox::on_alarm(const StationAlarm& alarm) {
   const LiveAlarm live = live_alarm(alarm);
   put(alarm_names('a', live), live, false);

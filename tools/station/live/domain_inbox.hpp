@@ -1,9 +1,8 @@
-// What DDS threads hear of the domain, on its way to the io thread. The newest of each channel and
-// of each object wins, so that what waits is bounded by what there is, however long the io thread
-// takes.
+// Passes messages from DDS threads to the io thread. Keeps only the newest of each channel and
+// object, so that memory is bounded even if the io thread is slow.
 //
-// on_..() on any thread, which waits for nothing but a short lock; deliver() on the io thread. The
-// owner of the thread is told once when something waits (Wake), and again after deliver().
+// on_..() is thread-safe and holds only a short lock; deliver() runs on the io thread. Wake is
+// called once for the first waiting message, and again after deliver().
 #pragma once
 
 #include <cstdint>
@@ -23,9 +22,9 @@ namespace fieldcast::web {
 
 class DomainInbox {
  public:
-  // Objects that wait; what is beyond them is dropped and counted.
+  // Waiting objects; further ones are dropped and counted.
   static constexpr std::size_t kMaxObjects = 100'000;
-  // Called on the thread that brings something, without a lock; it only posts.
+  // Called on the DDS thread without a lock; must only post.
   using Wake = std::function<void()>;
 
   explicit DomainInbox(Wake wake) : wake_(std::move(wake)) {}
@@ -47,19 +46,19 @@ class DomainInbox {
   void on_read_plan(const StationReadPlan& plan);
   void on_read_plan_gone(const std::string& bus);
 
-  // Everything that waits, into the model.
+  // Moves all waiting messages to the model.
   void deliver(LiveModel& model, Instant now);
 
   struct Counters {
-    std::uint64_t samples = 0;    // that came
-    std::uint64_t overtaken = 0;  // by a newer one of their channel while they waited
+    std::uint64_t samples = 0;    // received
+    std::uint64_t overtaken = 0;  // replaced by a newer sample of the channel while waiting
     std::uint64_t dropped = 0;    // objects and channels beyond the limit
     std::uint64_t deliveries = 0;
   };
-  [[nodiscard]] Counters counters() const;  // any thread
+  [[nodiscard]] Counters counters() const;  // thread-safe
 
  private:
-  // Of one channel, in the order in which it counts: gone, then there, then a value.
+  // News of one channel, applied in this order: removed, announced, value.
   struct PathNews {
     ChannelPath path;
     bool gone = false;
@@ -78,12 +77,12 @@ class DomainInbox {
     std::unordered_map<PathView, PathNews*, PathHash, PathEqual> by_path;
     std::map<std::string, ObjectNews> objects;
   };
-  // REQUIRES: mutex_ held. Null: the inbox is full.
+  // REQUIRES: mutex_ is held. Null: the inbox is full.
   PathNews* news_of(const PathView& path);
   void put(std::string key, Object object, bool gone);
-  // Calls wake_ when it was not called since the last delivery. REQUIRES: mutex_ not held.
+  // Calls wake_ if it was not called since the last delivery. REQUIRES: mutex_ is not held.
   void wake(bool first);
-  [[nodiscard]] bool mark();  // REQUIRES: mutex_ held
+  [[nodiscard]] bool mark();  // REQUIRES: mutex_ is held
 
   const Wake wake_;
   mutable std::mutex mutex_;

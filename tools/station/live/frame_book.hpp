@@ -1,5 +1,5 @@
-// Frames for the clients of /live, encoded once for all that want the same: the same channels, from
-// the same version on, at about the same time. Pure; one owner, on the io thread.
+// Caches encoded frames of /live for all clients that need the same one: the same channels, from
+// the same version, at about the same time. Pure; used on the io thread.
 #pragma once
 
 #include <cstdint>
@@ -18,23 +18,23 @@ struct LiveFrame {
   std::shared_ptr<const std::string> binary;
   std::shared_ptr<const std::string> texts;  // null: none
   std::size_t channels = 0;
-  std::uint64_t version = 0;  // of the model, up to which it tells everything
+  std::uint64_t version = 0;  // version of the model that the client has after this frame
 };
 
 class FrameBook {
  public:
-  // Of one frame: 278 kB. What is beyond them comes with the next one.
+  // Channels of one frame: 278 kB. The rest is sent in the next frame.
   static constexpr std::size_t kMaxChannels = 16'384;
-  // For so long a frame stands for all.
+  // Lifetime of a cached frame.
   static constexpr Duration kLife = std::chrono::milliseconds{4};
 
   explicit FrameBook(const LiveModel& model) : model_(model) {}
 
-  // What changed since that version of the model.
+  // Returns the changes since that version of the model.
   [[nodiscard]] LiveFrame frame(std::uint64_t version, const LiveSubscription& subscription,
                                 Instant now);
 
-  // Drops frames that are too old for every client. To be called once a second.
+  // Drops expired frames. Call it once a second.
   void expire(Instant now);
   [[nodiscard]] std::size_t kept() const { return kept_.size(); }
 
@@ -46,8 +46,8 @@ class FrameBook {
 
  private:
   const LiveModel& model_;
-  // By version and subscription. Emptied when the first of them is too old: never more than clients
-  // ask within kLife.
+  // By version and subscription. Cleared when the oldest frame expires, so it holds at most the
+  // frames requested within kLife.
   std::map<std::pair<std::uint64_t, std::string>, LiveFrame> kept_;
   Instant oldest_{};
   Counters counters_;

@@ -1,6 +1,6 @@
-// The interests of all clients of the station, as one station has them on DDS: one refresh for each
-// pattern, the shortest that a client wishes, withdrawn with the last client. Pure; one owner, on
-// the io thread.
+// Merges the interests of all clients to the station's interests on DDS. Each pattern has the
+// shortest refresh that a client requested and is withdrawn with its last client. Pure; used on the
+// io thread.
 #pragma once
 
 #include <cstdint>
@@ -17,13 +17,13 @@ class InterestBook {
  public:
   static constexpr std::size_t kMaxPatterns = 1024;
 
-  // Called at each change: the refresh from now on; 0: the interest is withdrawn.
+  // Called at each change with the new refresh; 0: withdrawn.
   using Declare = std::function<void(const std::string& pattern, Duration refresh)>;
   explicit InterestBook(Declare declare) : declare_(std::move(declare)) {}
 
-  // False: too many patterns.
+  // Returns false if there are too many patterns.
   [[nodiscard]] bool add(const std::string& pattern, Duration refresh);
-  // REQUIRES: it was added with this refresh and not removed since.
+  // REQUIRES: add() succeeded with this refresh.
   void remove(const std::string& pattern, Duration refresh);
 
   [[nodiscard]] std::size_t count() const { return wished_.size(); }

@@ -1,4 +1,4 @@
-// JSON texts, appended piece by piece: what is sent often needs no tree in memory. Pure.
+// Writes JSON text piece by piece, without a tree in memory. Pure.
 #pragma once
 
 #include <concepts>
@@ -11,23 +11,22 @@
 
 namespace fieldcast::web {
 
-// The greatest integer up to which every integer is a double of its own (IEEE 754): what a browser
-// reads exactly.
+// 2^53: up to here a double (IEEE 754) and so a browser represents every integer exactly.
 inline constexpr std::uint64_t kMaxExact = std::uint64_t{1} << 53;
 
-// With its quotes. Bytes that are not UTF-8 become U+FFFD; a character that is not
-// is_printable() (core/base/printable.hpp) is written as \u202e.
+// Appends a quoted string. Invalid UTF-8 becomes U+FFFD; a character that is not is_printable()
+// (core/base/printable.hpp) is escaped, for example \u202e.
 void append_text(std::string& out, std::string_view text);
-// The fewest digits that read back as the same number; null for NaN and infinities.
+// Appends the fewest digits that read back as the same number; null for NaN and infinities.
 void append_number(std::string& out, double number);
-// Integers beyond kMaxExact and bytes that are no UTF-8 (as \xE4) as texts.
+// Integers beyond kMaxExact become strings; invalid UTF-8 becomes an escape such as \xE4.
 void append_value(std::string& out, const Value& value);
-// Unix time in milliseconds, with a fraction; 0 for no such time.
+// Unix time in milliseconds with a fraction; 0 for an unset time.
 [[nodiscard]] double unix_ms(UtcTime time);
 [[nodiscard]] double milliseconds(Duration duration);
 
-// One object; it sets the commas and escapes names as well as texts: some names, such as the causes
-// of a BusStatus, are received from the network.
+// Builds one object: adds commas and escapes names and texts. Some names, such as the causes of a
+// BusStatus, are received from the network.
 class JsonObject {
  public:
   JsonObject& add(std::string_view name, std::string_view text) {
@@ -49,7 +48,7 @@ class JsonObject {
     }
     return *this;
   }
-  // Null where there is no such time.
+  // Null for an unset time.
   JsonObject& add(std::string_view name, UtcTime time) {
     if (time.nanoseconds == 0) return add_json(name, "null");
     return add(name, unix_ms(time));
@@ -58,7 +57,7 @@ class JsonObject {
     append_value(begin(name), value);
     return *this;
   }
-  // `json` is JSON already.
+  // `json` is encoded already.
   JsonObject& add_json(std::string_view name, std::string_view json) {
     begin(name) += json;
     return *this;
@@ -74,7 +73,7 @@ class JsonObject {
   std::string text_ = "{";
 };
 
-// "[1,2]" of anything that `append(out, item)` appends.
+// Returns "[1,2]"; `append(out, item)` encodes an item.
 template <class Items, class Append>
 [[nodiscard]] std::string json_array(const Items& items, Append append) {
   std::string text = "[";

@@ -11,7 +11,7 @@
 namespace fieldcast::web {
 namespace {
 
-// A pause of a client that is told.
+// A shorter pause is not reported to the client.
 constexpr Duration kLag = std::chrono::milliseconds{250};
 
 std::string result_message(std::optional<std::uint64_t> id, const CommandOutcome& outcome) {
@@ -51,8 +51,6 @@ void LiveClient::withdraw_all() {
   for (const auto& [pattern, refresh] : interests_) context_.interests.remove(pattern, refresh);
   interests_.clear();
 }
-
-// ---- to the client
 
 void LiveClient::on_news(Instant now) {
   if (!open_) return;
@@ -142,8 +140,6 @@ void LiveClient::on_outcome(const CommandOutcome& outcome) {
   if (open_) peer_.send_text(result_message({}, outcome));
 }
 
-// ---- from the client
-
 bool LiveClient::within_rate(Instant now) {
   const double passed = to_seconds(now - allowance_at_);
   allowance_ = std::min<double>(kMaxMessages, allowance_ + passed * kMaxMessages);
@@ -168,7 +164,7 @@ void LiveClient::on_text(std::string_view message, Instant now) {
       peer_.close("too many messages");
       return on_closed();
     }
-    // Its id tells the client which one was not done; what it says is not looked at.
+    // Its id identifies the refused message for the client; the content is ignored.
     const auto parsed = parse_client_message(message);
     return refuse(parsed ? parsed->id : parsed.error().id,
                   {"too many messages", "at most 20 a second"});
@@ -206,7 +202,7 @@ std::optional<Refusal> LiveClient::subscribe(const Subscribe& wanted, Instant no
   if (wanted.refresh) {
     const std::string pattern = wanted.pattern.text();
     const auto known = interests_.find(pattern);
-    // The new one first: with one refresh alone the interest would be withdrawn in between.
+    // Add first: otherwise the interest could be withdrawn in between.
     if (!context_.interests.add(pattern, *wanted.refresh))
       return Refusal{"the station has too many interests", "try again later"};
     if (known != interests_.end()) context_.interests.remove(pattern, known->second);

@@ -1,9 +1,10 @@
-// What /live speaks with one client: its subscriptions, the newest values at the pace at which it
-// takes them, its commands and their results. Pure: no socket, no clock. On the io thread.
+// Protocol of /live with one client: its subscriptions, newest values, commands and results. Pure;
+// runs on the io thread.
 //
-// A batch is some texts and one binary frame behind them; the next one is made when that frame was
-// taken, from what is newest then, and not before kPeriod. So a slow client gets fewer frames and
-// never a queue. A frame of no channel follows texts alone: that it is taken tells that they are.
+// A batch has some texts and one binary frame behind them. The next batch is made from the newest
+// values when the kernel has accepted that frame, and not before kPeriod. So a slow client gets
+// fewer frames, and nothing is queued. A frame without channels follows texts alone, because its
+// acceptance shows that the texts were sent.
 #pragma once
 
 #include <cstdint>
@@ -22,28 +23,28 @@
 
 namespace fieldcast::web {
 
-// What all clients share; it outlives them.
+// Shared by all clients; must outlive them.
 struct LiveContext {
   const LiveModel& model;
   FrameBook& frames;
   InterestBook& interests;
   CommandSink& commands;
   std::function<UtcTime()> utc_now;
-  std::string version;  // of the program
+  std::string version;
 };
 
 class LiveClient : public LiveProtocol {
  public:
   static constexpr Duration kPeriod = std::chrono::milliseconds{20};
-  // After a pause, for what comes together: the samples of one exchange, of several buses.
+  // After a pause, collects samples that arrive together, for example of one exchange.
   static constexpr Duration kGathering = std::chrono::milliseconds{3};
-  // Between two notes that the catalogue changed.
+  // Shortest time between two catalogue notices.
   static constexpr Duration kCataloguePeriod = std::chrono::milliseconds{250};
   // Texts of one batch.
   static constexpr std::size_t kMaxTexts = 256;
-  // Messages of the client: so many at once, and so many a second.
+  // Limit of client messages: burst, and messages a second.
   static constexpr int kMaxMessages = 20;
-  // Refused ones without a pause; one more ends the connection.
+  // Consecutive refused messages; a further one closes the connection.
   static constexpr int kMaxRefused = 40;
 
   LiveClient(LiveContext& context, Caller caller, LivePeer& peer);
@@ -57,17 +58,17 @@ class LiveClient : public LiveProtocol {
   void on_wake(Instant now) override;
   void on_closed() override;
 
-  // The model has news.
+  // The model has changed.
   void on_news(Instant now);
-  // A command that this user sent by other means has ended.
+  // Reports the outcome of a command that this user sent by other means.
   void on_outcome(const CommandOutcome& outcome);
 
   [[nodiscard]] const Caller& caller() const { return caller_; }
 
   struct Counters {
-    std::uint64_t frames = 0;   // binary ones
-    std::uint64_t dropped = 0;  // that were not made, since the client was slow
-    std::uint64_t refused = 0;  // messages of the client
+    std::uint64_t frames = 0;   // binary
+    std::uint64_t dropped = 0;  // skipped because the client was slow
+    std::uint64_t refused = 0;  // client messages
   };
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
@@ -94,25 +95,25 @@ class LiveClient : public LiveProtocol {
   LivePeer& peer_;
   bool open_ = false;
   LiveSubscription subscription_;
-  std::map<std::string, Duration> interests_;  // by pattern: declared for this client
+  std::map<std::string, Duration> interests_;  // declared for this client, by pattern
 
-  bool under_way_ = false;       // a binary frame that was not taken yet
+  bool under_way_ = false;       // the last binary frame was not accepted yet
   Instant sent_{};               // when it was sent
-  Instant next_{};               // no batch before
-  Instant wake_ = kNever;        // what the peer was asked for
-  std::uint64_t seen_ = 0;       // version of the model up to which the client has everything
-  std::uint64_t objects_ = 0;    // of the objects
-  std::uint64_t catalogue_ = 0;  // of the catalogue, that the client was told
-  Instant next_catalogue_{};     // no note of the catalogue before
-  std::uint64_t dropped_ = 0;    // frames since the client was told
-  Instant counted_{};            // when one was counted last
+  Instant next_{};               // no batch before this time
+  Instant wake_ = kNever;        // requested wake time
+  std::uint64_t seen_ = 0;       // version of the model that the client has
+  std::uint64_t objects_ = 0;    // version of the objects that the client has
+  std::uint64_t catalogue_ = 0;  // version of the last catalogue notice
+  Instant next_catalogue_{};     // no catalogue notice before this time
+  std::uint64_t dropped_ = 0;    // skipped frames since the last report to the client
+  Instant counted_{};            // time of the last skipped frame
 
   double allowance_ = kMaxMessages;  // messages that the client may send now
   Instant allowance_at_{};
-  int refused_ = 0;  // messages since one was in time
+  int refused_ = 0;  // consecutive refused messages
 
   Counters counters_;
-  // For results that come when the client is gone.
+  // Weakly held by callbacks of commands, which can outlive the client.
   std::shared_ptr<LiveClient*> self_ = std::make_shared<LiveClient*>(this);
 };
 

@@ -10,8 +10,8 @@
 namespace fieldcast::web {
 namespace {
 
-constexpr std::chrono::seconds kLook{1};  // for values that are overdue
-// Channels that were forgotten since the C library gave memory back to the system.
+constexpr std::chrono::seconds kLook{1};  // period of the check for overdue values
+// Number of forgotten channels after which malloc_trim() runs.
 constexpr std::uint64_t kTrimmedAfter = 10'000;
 
 class StationPort : public CommandPort {
@@ -25,7 +25,8 @@ class StationPort : public CommandPort {
     return station_.send(std::move(action), CommandDesk::kFinding);
   }
   void declare(const std::string& pattern, Duration refresh) override {
-    if (!station_.may_declare_interest()) return;  // it has what others are interested in
+    // a station with its own interest list may not declare more
+    if (!station_.may_declare_interest()) return;
     refresh == Duration{} ? station_.withdraw_interest(pattern)
                           : station_.declare_interest(pattern, refresh);
   }
@@ -34,7 +35,7 @@ class StationPort : public CommandPort {
   Sites& station_;
 };
 
-// Versions of the catalogue grow over restarts of the program, as long as its clock does.
+// Milliseconds of the clock, so that versions increase over restarts of the program.
 std::uint64_t first_version() {
   return static_cast<std::uint64_t>(read_clocks().utc.nanoseconds / 1'000'000);
 }
@@ -53,9 +54,9 @@ struct LiveDomain::State {
 
   void listen();
   void deliver();
-  void watch();  // for values that are overdue
+  void watch();  // checks for overdue values
   void give_memory_back();
-  // Handlers that DDS threads call, and that tell the tap, too.
+  // Returns a handler for DDS threads that calls the inbox and the tap.
   template <class Message, class Tap>
   auto both(void (DomainInbox::*note)(const Message&), const Tap& also) {
     return [this, note, &also](const Message& message) {
@@ -72,7 +73,7 @@ struct LiveDomain::State {
   const DomainTap tap;
   std::shared_ptr<bool> open = std::make_shared<bool>(true);  // posted tasks hold it weakly
   LiveModel model{first_version()};
-  std::uint64_t trimmed_at = 0;  // channels that were forgotten until then
+  std::uint64_t trimmed_at = 0;  // number of forgotten channels at the last malloc_trim()
   FrameBook frames{model};
   InterestBook interests{
       [this](const std::string& pattern, Duration refresh) { desk.declare(pattern, refresh); }};
@@ -86,7 +87,7 @@ struct LiveDomain::State {
   }};
   StationPort port{station};
   CommandDesk desk;
-  Sites station;  // last: its callbacks use what is above
+  Sites station;  // last member: its callbacks use the members above
 };
 
 void LiveDomain::State::deliver() {
@@ -99,7 +100,7 @@ void LiveDomain::State::watch() {
   overdue.expires_after(kLook);
   overdue.async_wait([this, weak = std::weak_ptr(open)](boost::system::error_code cancelled) {
     if (cancelled || weak.expired()) return;
-    deliver();  // what has come is not overdue
+    deliver();  // deliver first, so that waiting values are not overdue
     const Instant now = steady_now();
     if (model.expire(now) > 0) hub.on_news(now);
     frames.expire(now);
@@ -108,7 +109,7 @@ void LiveDomain::State::watch() {
   });
 }
 
-// Freed rows lie between others: by itself the C library returns the top of its heap only.
+// Freed rows are scattered over the heap; by itself the C library returns only its top.
 void LiveDomain::State::give_memory_back() {
   const std::uint64_t forgotten = model.counters().forgotten;
   if (forgotten - trimmed_at < kTrimmedAfter) return;

@@ -1,8 +1,8 @@
-// A station's end of the domain with everything that the pages need of it: what is known now, the
-// clients of /live, commands and interests. Owns its DDS participant.
+// The DDS side of the station with all that the page needs: the live model, the clients of /live,
+// commands and interests. Owns its DDS participants.
 //
-// Made and destroyed while the io thread does not run, or on it; everything else on the io thread.
-// The context, the audit and the tap outlive it.
+// Create and destroy it while the io thread does not run, or on the io thread; call the rest on the
+// io thread. `io`, `audit` and the tap must outlive this object.
 #pragma once
 
 #include <functional>
@@ -19,11 +19,11 @@
 
 namespace fieldcast::web {
 
-// For whoever wants each sample, not the newest alone: a recorder. Called on DDS threads, must not
-// block. Those that are null are not called.
+// Receives each sample, not only the newest, for example to record it. Called on DDS threads; must
+// not block. Null functions are skipped.
 struct DomainTap {
   std::function<void(const StationChannel&)> channel;
-  Station::OnGone gone;  // of a channel
+  Station::OnGone gone;  // a channel was removed
   std::function<void(const StationSample&)> sample;
   std::function<void(const StationDeviceStatus&)> device_status;
   std::function<void(const StationAlarm&)> alarm;
@@ -32,8 +32,7 @@ struct DomainTap {
 
 class LiveDomain {
  public:
-  // Joins the domain, or those of several sites. `name` is the station's; `version` the program's.
-  // Throws DdsError.
+  // Joins the domains of all sites. Throws DdsError.
   LiveDomain(boost::asio::io_context& io, const std::vector<DdsSite>& sites,
              const std::string& name, const std::string& version, Audit* audit = nullptr,
              DomainTap tap = {});
@@ -44,7 +43,7 @@ class LiveDomain {
   [[nodiscard]] const LiveModel& model() const;
   [[nodiscard]] CommandDesk& commands();
   [[nodiscard]] LiveHub& hub();
-  // For the server: a protocol for each WebSocket. They go before this object.
+  // Creates the protocol of each WebSocket. They must be destroyed before this object.
   [[nodiscard]] MakeLiveProtocol make_protocol();
 
   struct Counters {
@@ -56,7 +55,7 @@ class LiveDomain {
     std::size_t channels = 0, connected = 0, interests = 0;
   };
   [[nodiscard]] Counters counters() const;
-  // Discovery servers that do not answer.
+  // Returns the discovery servers that do not respond.
   [[nodiscard]] std::vector<std::string> missing_servers() const;
 
  private:

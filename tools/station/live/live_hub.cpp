@@ -11,7 +11,7 @@ void add(LiveClient::Counters& to, const LiveClient::Counters& more) {
 
 }  // namespace
 
-// A client that leaves the hub when its socket lets go of it.
+// Leaves the hub when its socket destroys it.
 class LiveHub::Member : public LiveClient {
  public:
   Member(LiveHub& hub, const Caller& caller, LivePeer& peer)

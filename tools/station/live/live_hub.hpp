@@ -1,5 +1,5 @@
-// The clients of /live: made by it, woken by it when there is news. Pure; on the io thread. It
-// outlives its clients, whom their sockets own.
+// Creates the clients of /live and notifies them of changes. Pure; runs on the io thread. It must
+// outlive its clients, which their sockets own.
 #pragma once
 
 #include <memory>
@@ -11,19 +11,18 @@ namespace fieldcast::web {
 
 class LiveHub {
  public:
-  // The context outlives the hub.
+  // The context must outlive the hub.
   explicit LiveHub(LiveContext& context) : context_(context) {}
   LiveHub(const LiveHub&) = delete;
   LiveHub& operator=(const LiveHub&) = delete;
 
   [[nodiscard]] std::unique_ptr<LiveProtocol> make(const Caller& caller, LivePeer& peer);
-  // The model has news.
   void on_news(Instant now);
-  // A command that came by HTTP has ended: told to every client of its user.
+  // Sends the outcome of a command sent by HTTP to every client of its user.
   void on_outcome(const CommandOutcome& outcome);
 
   [[nodiscard]] std::size_t count() const { return clients_.size(); }
-  // Of all clients since the start.
+  // Totals of all clients since start.
   [[nodiscard]] LiveClient::Counters counters() const;
 
  private:
@@ -32,7 +31,7 @@ class LiveHub {
 
   LiveContext& context_;
   std::set<Member*> clients_;
-  LiveClient::Counters before_;  // of clients that are gone
+  LiveClient::Counters before_;  // totals of disconnected clients
 };
 
 }  // namespace fieldcast::web

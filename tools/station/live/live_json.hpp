@@ -1,6 +1,6 @@
-// What the domain reports, as JSON objects: for the messages of /live and for the resources under
-// /api. Names are those of the IDL in snake_case; times are Unix milliseconds (`.._ms`, null for no
-// such time), durations are milliseconds. Pure functions.
+// Encodes reports of the domain as JSON for /live and /api. Names are those of the IDL in
+// snake_case. Times are Unix milliseconds (`.._ms`, null if unset), durations milliseconds. Pure
+// functions.
 #pragma once
 
 #include <initializer_list>
@@ -19,21 +19,21 @@ namespace fieldcast::web {
 [[nodiscard]] std::string bridge_json(const StationBridge& bridge);
 // {"bus", "in_force_since_ms", "load", "stretch", "slot_ms", "hyperperiod_ms", "groups":
 // [{"device", "list", "period_ms", "phase_ms", "slack_ms", "load", "points": [{"area", "first",
-// "count", "channels": [names], "period_ms", "phase_ms", "worst_gap_ms", "stretch"}]}]}. Null: slot
-// and hyperperiod of a plan without a timetable; times of what is not in it.
+// "count", "channels": [names], "period_ms", "phase_ms", "worst_gap_ms", "stretch"}]}]}. Slot and
+// hyperperiod are null without a timetable, as are times of entries outside it.
 [[nodiscard]] std::string read_plan_json(const StationReadPlan& plan);
 // For scripts: {"channel", "type", "unit", "access", "refresh_ms", "value", "quality",
-// "acquired_ms", "sequence"}, and "device_code" where the device gave one. The value of a channel
-// that was never acquired is null.
+// "acquired_ms", "sequence"}, and "device_code" if the device sent one. The value is null if it was
+// never acquired.
 [[nodiscard]] std::string channel_json(const LiveChannel& channel);
 [[nodiscard]] std::string names_json(
     std::initializer_list<std::pair<std::string_view, std::string_view>> names);
 
-// {"kind":"bus", ..} of {..}.
+// Prefixes {..} with the kind: {"kind":"bus", ..}.
 [[nodiscard]] std::string kind_message(std::string_view kind, const std::string& object);
 
-// What changed in the catalogue since that version: {"version", "full", "channels": [[id, path,
-// type, unit, at, access, mode, refresh_ms, {"high": ..}, description, bridge]..], "gone": [ids]}.
+// Changes of the catalogue since that version: {"version", "full", "channels": [[id, path, type,
+// unit, at, access, mode, refresh_ms, {"high": ..}, description, bridge]..], "gone": [ids]}.
 [[nodiscard]] std::string catalogue_json(const LiveModel& model, std::uint64_t after);
 
 }  // namespace fieldcast::web

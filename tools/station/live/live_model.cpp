@@ -7,7 +7,7 @@ namespace fieldcast::web {
 
 namespace {
 
-// Of the table, when most of its rows were forgotten; then it gets smaller.
+// The table shrinks when it has more buckets than this and most rows were forgotten.
 constexpr std::size_t kMostEmptyBuckets = 1'024;
 
 }  // namespace
@@ -153,7 +153,7 @@ std::vector<const LiveChannel*> LiveModel::changed_since(std::uint64_t version,
 
 LiveModel::CatalogueChange LiveModel::catalogue_since(std::uint64_t version) const {
   CatalogueChange change;
-  // A version that this process never gave is of a process before it.
+  // An unknown version was issued by a previous process.
   change.full = version == 0 || version < forgotten_ || version > catalogue_version_;
   auto first = change.full ? catalogued_.begin() : catalogued_.end();
   if (!change.full) {

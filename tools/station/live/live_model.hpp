@@ -1,16 +1,14 @@
-// What a station knows of the domain at this moment: the newest value of each channel, and every
-// bus, device, alarm, session, bridge and read plan. Pure: no clock, no lock, no DDS entity. One
-// owner, on the io thread; pointers and references stay valid until the next call that is not
-// const.
+// Current state of the domain: the newest value of each channel, and every bus, device, alarm,
+// session, bridge and read plan. Pure; used on the io thread. Pointers and references are valid
+// until the next non-const call.
 //
-// A channel that no bridge announces any more keeps its id for kRemembered, then it is forgotten.
-// An id is never given to another channel. Channels that changed stand in a list, each once, the
-// newest at the end: a client that has seen everything up to a version gets what is newer.
-// When it is full (kMaxChannels), channels that nobody announces any more are forgotten, the oldest
-// first; if there are none, a new channel is refused and counted.
+// A channel that no bridge announces keeps its id for kRemembered and is then forgotten. Ids are
+// never reused. A full model (kMaxChannels) forgets such channels earlier, oldest first; if there
+// are none, a new channel is refused and counted.
 //
-// Versions of the catalogue begin at a number that the owner chooses: with the time of the start,
-// a version that another process gave is known as such.
+// Changed channels are in a list, each once, newest last: a client that has version N gets the
+// entries after N. The owner chooses the first catalogue version, for example the start time, so
+// that versions of a previous process are recognized.
 #pragma once
 
 #include <cstdint>
@@ -30,21 +28,21 @@
 namespace fieldcast::web {
 
 struct LiveValue {
-  Value value;  // the last good one when the quality is bad
+  Value value;  // the last good value if the quality is bad
   Quality quality = Quality::kNotYetRead;
   std::uint16_t device_code = 0;
   UtcTime acquired_at;         // 0: never acquired
-  std::uint64_t sequence = 0;  // 0: no sample came yet
+  std::uint64_t sequence = 0;  // 0: no sample received
 };
 
 struct LiveChannel {
   std::uint32_t id = 0;
   StationChannel channel;
   LiveValue last;
-  Instant arrived{};             // of the value, at this station
-  bool gone = false;             // no bridge announces it any more
-  std::uint64_t version = 0;     // of the model, when the value changed last
-  std::uint64_t catalogued = 0;  // version of the catalogue, when its entry changed last
+  Instant arrived{};             // arrival of the value at this station
+  bool gone = false;             // no bridge announces it
+  std::uint64_t version = 0;     // model version of the last change of the value
+  std::uint64_t catalogued = 0;  // catalogue version of the last change of the entry
 };
 
 class LiveModel {
@@ -56,22 +54,19 @@ class LiveModel {
   LiveModel(const LiveModel&) = delete;
   LiveModel& operator=(const LiveModel&) = delete;
 
-  // ---- what came from the domain
-
   void on_channel(const StationChannel& channel);
-  // A sample of a channel that is not in the catalogue is left out. `now`: when it arrived.
+  // Ignores a sample of a channel outside the catalogue. `now`: its arrival.
   void on_sample(const PathView& path, LiveValue value, Instant now);
   void on_sample(const StationSample& sample, Instant now = {});
-  // Its bridge vanished, or does not have it any more: a good value is uncertain from now on.
+  // The bridge has left or no longer has the channel: a good value becomes uncertain.
   void on_gone(const PathView& path);
-  // A good value is uncertain from now on when the next one is overdue: its bridge does not say so
-  // any more. Also forgets channels that nobody has announced for kRemembered, at most
-  // kMostForgotten of them, so that the thread is not held up. To be called once a second. Returns
-  // how many values are uncertain from now on.
+  // Makes good values uncertain if the next sample is overdue. Forgets at most kMostForgotten
+  // channels that nobody has announced for kRemembered, to bound the time. Call it once a second.
+  // Returns the number of values that became uncertain.
   std::size_t expire(Instant now);
   static constexpr Duration kRemembered = std::chrono::seconds{60};
   static constexpr std::size_t kMostForgotten = 20'000;
-  // How far a refresh may be exceeded before that: by itself, and by the time that a message takes.
+  // A value is overdue after this many refreshes, and at least after this time for the transport.
   static constexpr int kPatienceRefreshes = 2;
   static constexpr Duration kPatience = std::chrono::seconds{2};
   void on_bus_status(const StationBusStatus& status) { objects_.put(status); }
@@ -88,38 +83,34 @@ class LiveModel {
   void on_read_plan(const StationReadPlan& plan) { objects_.put(plan); }
   void on_read_plan_gone(const std::string& bus) { objects_.remove_read_plan(bus); }
 
-  // ---- channels
-
-  // Null: never announced, or forgotten. It may be gone.
+  // Null if never announced or forgotten. The channel may be gone.
   [[nodiscard]] const LiveChannel* find(const PathView& path) const;
-  // In the order of their paths; those that are gone are left out. Takes time n log n.
+  // Sorted by path, without channels that are gone. O(n log n).
   [[nodiscard]] std::vector<const LiveChannel*> channels() const;
   [[nodiscard]] std::size_t count() const { return rows_.size() - gone_; }
-  // With those that are gone and not forgotten yet.
+  // Includes channels that are gone but not forgotten.
   [[nodiscard]] std::size_t remembered() const { return rows_.size(); }
 
-  // Grows with each value.
+  // Increases with each value.
   [[nodiscard]] std::uint64_t version() const { return version_; }
-  // Those with a value that is newer than `version`, the oldest first, at most `limit`.
+  // Channels with a value newer than `version`, oldest first.
   [[nodiscard]] std::vector<const LiveChannel*> changed_since(std::uint64_t version,
                                                               std::size_t limit) const;
 
-  // Grows with each change of the catalogue.
+  // Increases with each change of the catalogue.
   [[nodiscard]] std::uint64_t catalogue_version() const { return catalogue_version_; }
   struct CatalogueChange {
-    bool full = false;  // everything, since what is older than `version` is not known any more
-    std::vector<const LiveChannel*> changed;  // the oldest first
+    bool full = false;  // all channels, because changes since `version` are no longer stored
+    std::vector<const LiveChannel*> changed;  // oldest first
     std::vector<std::uint32_t> gone;
   };
-  // Version 0: everything.
+  // Version 0: all channels.
   [[nodiscard]] CatalogueChange catalogue_since(std::uint64_t version) const;
-
-  // ---- everything else
 
   [[nodiscard]] const LiveObjects& objects() const { return objects_; }
 
   struct Counters {
-    std::uint64_t samples = 0;  // that changed a channel
+    std::uint64_t samples = 0;  // samples that changed a channel
     std::uint64_t unknown = 0;  // samples of channels that were not announced
     std::uint64_t refused = 0;  // channels beyond the limit
     std::uint64_t forgotten = 0;
@@ -129,13 +120,13 @@ class LiveModel {
  private:
   struct Row {
     LiveChannel live;
-    std::list<Row*>::iterator changed;  // in changed_, once it has a value; else its end()
+    std::list<Row*>::iterator changed;  // in changed_ once it has a value, else its end()
     std::list<Row*>::iterator catalogued;
-    std::optional<Instant> left;  // when expire() first found that it is gone
+    std::optional<Instant> left;  // when expire() first saw it as gone
   };
   void touch_value(Row& row);
   void touch_catalogue(Row& row);
-  // False: the model is full.
+  // Returns false if the model is full.
   [[nodiscard]] bool make_room();
   void forget(Row& row);
 
@@ -143,10 +134,10 @@ class LiveModel {
   std::unordered_map<ChannelPath, std::unique_ptr<Row>, PathHash, PathEqual> rows_;
   std::list<Row*> changed_;     // by version of the value
   std::list<Row*> catalogued_;  // by version of the catalogue
-  std::size_t gone_ = 0;        // of rows_
+  std::size_t gone_ = 0;        // number in rows_
   std::uint32_t next_id_ = 1;
   std::uint64_t version_ = 0, catalogue_version_;
-  std::uint64_t forgotten_;  // version of the catalogue of the newest row that was forgotten
+  std::uint64_t forgotten_;  // catalogue version of the newest forgotten row
   LiveObjects objects_;
   Counters counters_;
 };

@@ -8,7 +8,7 @@
 namespace fieldcast::web {
 namespace {
 
-// A byte that no name holds stands between the parts; the first one tells the kind.
+// The first byte is the kind; the names are separated by a byte that no name contains.
 std::string key_of(char kind, const std::string& a, const std::string& b = {}) {
   return std::string(1, kind) + a + '\x1F' + b;
 }
@@ -17,7 +17,7 @@ std::string key_of(const LiveAlarm& alarm) {
          std::string(to_text(alarm.limit));
 }
 
-// Whether a person would miss it.
+// Returns whether the reports differ only in details that the page does not show.
 bool looks_the_same(const DeviceReport& a, const DeviceReport& b) {
   return a.state == b.state && a.refused == b.refused && a.refused_gaps == b.refused_gaps;
 }
@@ -122,7 +122,7 @@ void LiveObjects::put(const StationDeviceStatus& device) {
   if (found != entries_.end() && !found->second.gone) {
     const auto& last = std::get<StationDeviceStatus>(found->second.object);
     const std::int64_t passed = device.reported_at.nanoseconds - found->second.told_at.nanoseconds;
-    // A clock that was set back must not silence a device.
+    // If the clock was set back, the device is reported.
     quietly =
         looks_the_same(last.report, device.report) && passed >= 0 && passed < kDevicePeriod.count();
   }
@@ -161,7 +161,7 @@ void LiveObjects::remove(const LiveAlarm& alarm) {
   const auto found = entries_.find(key);
   if (found == entries_.end() || found->second.gone) return;
   if (!alarm.detailed && std::get<LiveAlarm>(found->second.object).detailed) return;
-  // Its message says that it is clear.
+  // The last message reports the alarm as clear.
   auto& last = std::get<LiveAlarm>(found->second.object);
   last.state = "clear";
   last.active = false;

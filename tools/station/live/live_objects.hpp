@@ -1,9 +1,9 @@
-// Buses, devices, alarms, programming sessions, bridges and read plans as they were reported last,
-// and the message that tells a client of each. Pure; one owner, on the io thread.
+// Last reports of buses, devices, alarms, programming sessions, bridges and read plans, with their
+// messages for clients. Pure; used on the io thread.
 //
-// Objects that changed stand in a list, each once, the newest at the end. A message is made when
-// the first client needs it and is the same for all. An object that is gone stays in the list until
-// kMaxGone others are gone after it.
+// Changed objects are in a list, each once, newest last. A message is encoded when the first client
+// needs it and is shared by all. A removed object stays in the list until kMaxGone others were
+// removed after it.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@
 
 namespace fieldcast::web {
 
-// An alarm with what people did about it.
+// An alarm with the actions of operators.
 struct LiveAlarm {
   std::string bus, device, channel;
   LimitKind limit = LimitKind::kHigh;
@@ -30,23 +30,23 @@ struct LiveAlarm {
   std::uint32_t occurrences = 0;  // in the last 10 minutes
   bool chattering = false;
   std::string acknowledged_by, note;
-  UtcTime acknowledged_at;  // 0: nobody did
-  UtcTime shelved_until;    // 0: it is not shelved
+  UtcTime acknowledged_at;  // 0: not acknowledged
+  UtcTime shelved_until;    // 0: not shelved
   std::string shelved_by;
   std::string suppressed;  // "maintenance", or empty
-  bool detailed = false;   // its bridge tells what people did
+  bool detailed = false;   // the bridge reports actions of operators
   friend bool operator==(const LiveAlarm&, const LiveAlarm&) = default;
 };
-// Of a bridge that tells no more than this.
+// From a bridge that does not report actions of operators.
 [[nodiscard]] LiveAlarm live_alarm(const StationAlarm& alarm);
 [[nodiscard]] LiveAlarm live_alarm(const StationAlarmStatus& status);
 
 class LiveObjects {
  public:
-  // Of each kind; what is beyond them is left out and counted.
+  // Limit of each kind; further objects are refused and counted.
   static constexpr std::size_t kMaxObjects = 20'000;
   static constexpr std::size_t kMaxGone = 1024;
-  // A device whose state did not change is told anew after this time of its reports.
+  // An unchanged device is reported again after this time, measured by its reports.
   static constexpr Duration kDevicePeriod = std::chrono::seconds{2};
 
   using Object = std::variant<StationBusStatus, StationDeviceStatus, LiveAlarm,
@@ -54,12 +54,12 @@ class LiveObjects {
 
   void put(const StationBusStatus& bus);
   void put(const StationDeviceStatus& device);
-  // One that is clear, and neither shelved nor suppressed, is gone. What is not detailed changes
-  // nothing about one that is.
+  // Removes the alarm if it is clear and neither shelved nor suppressed. A report without details
+  // does not change a detailed one.
   void put(const LiveAlarm& alarm);
   void put(const ProgramSessionReport& session);
   void put(const StationBridge& bridge);
-  // Clients are told that there is another plan, not the plan.
+  // Clients receive only a notice of the new plan.
   void put(const StationReadPlan& plan);
   void remove(const LiveAlarm& alarm);
   void remove_bus(const std::string& bus);
@@ -67,10 +67,10 @@ class LiveObjects {
   void remove_bridge(const std::string& bridge);
   void remove_read_plan(const std::string& bus);
 
-  // The plan in force on this bus. Null: none is known.
+  // Active plan of the bus. Null if unknown.
   [[nodiscard]] const StationReadPlan* read_plan(const std::string& bus) const;
 
-  // Those of a kind that are there, by their names.
+  // All present objects of a kind, sorted by name.
   template <class Kind>
   [[nodiscard]] std::vector<const Kind*> all() const {
     std::vector<const Kind*> found;
@@ -83,12 +83,12 @@ class LiveObjects {
 
   using Message = std::shared_ptr<const std::string>;
   struct News {
-    bool lost = false;              // what is gone since `version` is not known any more
-    std::uint64_t version = 0;      // up to which these messages tell everything
-    std::vector<Message> messages;  // the oldest first
+    bool lost = false;              // removals since `version` are no longer stored
+    std::uint64_t version = 0;      // version that the client has after these messages
+    std::vector<Message> messages;  // oldest first
   };
   [[nodiscard]] std::uint64_t version() const { return version_; }
-  // Version 0: everything that is there. At most `limit` messages.
+  // Version 0: all present objects. Returns at most `limit` messages.
   [[nodiscard]] News since(std::uint64_t version, std::size_t limit) const;
 
   [[nodiscard]] std::uint64_t refused() const { return refused_; }
@@ -98,8 +98,8 @@ class LiveObjects {
     Object object;
     bool gone = false;
     std::uint64_t version = 0;
-    UtcTime told_at;          // of a device: reported_at of the report that was told last
-    mutable Message message;  // null: nobody needed it yet
+    UtcTime told_at;          // device: reported_at of the last report sent to clients
+    mutable Message message;  // null: not encoded yet
     std::list<Entry*>::iterator changed;
   };
   void put(const std::string& key, Object object, bool quietly = false);
@@ -110,9 +110,9 @@ class LiveObjects {
   std::map<std::string, Entry, std::less<>> entries_;  // by kind and names
   std::map<std::size_t, std::size_t> counts_;          // by kind
   std::list<Entry*> changed_;
-  std::list<std::string> gone_;  // keys of entries that are gone, the oldest first
+  std::list<std::string> gone_;  // keys of removed entries, oldest first
   std::uint64_t version_ = 0;
-  std::uint64_t forgotten_ = 0;  // version of the newest entry that was forgotten
+  std::uint64_t forgotten_ = 0;  // version of the newest forgotten entry
   std::uint64_t refused_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// A channel's path as a key that is looked up without making a string. Pure values.
+// Key for the lookup of a channel path without allocating a string. Pure values.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace fieldcast::web {
 
-// Borrows its texts.
+// Does not own its texts.
 struct PathView {
   PathView(std::string_view of_bus, std::string_view of_device, std::string_view of_channel)
       : bus(of_bus), device(of_device), channel(of_channel) {}

@@ -1,4 +1,4 @@
-// The channels that a client wants: its patterns, each once. A pure value.
+// The set of patterns that a client has subscribed to. A pure value.
 #pragma once
 
 #include <cstddef>
@@ -14,9 +14,9 @@ class LiveSubscription {
  public:
   static constexpr std::size_t kMaxPatterns = 16;
 
-  // True when channels may match that did not before. REQUIRES: there is room.
+  // Returns true if further channels may match now. REQUIRES: has_room().
   bool add(const Pattern& pattern);
-  // False: there is no such pattern.
+  // Returns false if the pattern is unknown.
   bool remove(const Pattern& pattern);
   [[nodiscard]] bool has(const Pattern& pattern) const {
     return patterns_.contains(pattern.text());
@@ -25,7 +25,7 @@ class LiveSubscription {
   [[nodiscard]] bool empty() const { return patterns_.empty(); }
 
   [[nodiscard]] bool matches(const StationChannel& channel) const;
-  // The same for clients that want the same.
+  // Equal for clients with the same patterns.
   [[nodiscard]] const std::string& key() const { return key_; }
 
  private:

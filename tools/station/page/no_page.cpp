@@ -1,4 +1,4 @@
-// What stands in the page's place with -DFIELDCAST_STATION_PAGE=OFF.
+// Replaces the page if built with -DFIELDCAST_STATION_PAGE=OFF.
 #include "tools/station/web/embedded_file.hpp"
 
 namespace fieldcast::web {

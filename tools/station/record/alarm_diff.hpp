@@ -1,7 +1,6 @@
-// What happened to an alarm between two of its statuses, as the store keeps it. DDS tells how an
-// alarm is, not what happened; what carries its own time is the same whoever records it again.
-//
-// Pure: no clock, no thread; one owner. Nothing can fail.
+// Derives the alarm events for the store from two successive statuses, because DDS publishes only
+// the status. Events use the times in the status, so a second recorder writes equal records. Pure;
+// cannot fail.
 #pragma once
 
 #include <map>
@@ -23,9 +22,9 @@ struct AlarmNews {
 
 class AlarmDiff {
  public:
-  static constexpr std::size_t kMaxAlarms = 50'000;  // others are left out
+  static constexpr std::size_t kMaxAlarms = 50'000;  // further alarms are ignored
 
-  // `received`: by this machine's clock, for what has no time of its own.
+  // `received`: local time, for events without a time of their own.
   [[nodiscard]] AlarmNews next(const StationAlarmStatus& alarm, UtcTime received);
 
  private:
@@ -33,7 +32,7 @@ class AlarmDiff {
                UtcTime received, AlarmNews& news);
   void compare_shelving(const AlarmKey& key, const AlarmPause& before, const AlarmPause& now,
                         UtcTime received, AlarmNews& news);
-  // All alarms of a device tell of its maintenance; it is one.
+  // All alarms of a device report its maintenance; it is recorded once.
   void compare_maintenance(const AlarmKey& key, const AlarmPause& now, UtcTime received,
                            AlarmNews& news);
 

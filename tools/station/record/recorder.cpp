@@ -11,7 +11,7 @@ std::string path_of(const std::string& bus, const std::string& device, const std
   return path.append(bus).append(1, '/').append(device).append(1, '/').append(channel);
 }
 
-// As a bridge stores it: "string(16)" is "string".
+// Type as stored by a bridge: "string(16)" becomes "string".
 std::string stored_type(const std::string& type) { return type.substr(0, type.find('(')); }
 
 }  // namespace
@@ -63,7 +63,7 @@ void Recorder::on_sample(const StationSample& sample, UtcTime received) {
     if (!to->number) return;
     ClockOffset& clock = clocks_[sample.bus];
     const bool first = std::exchange(to->is_new, false);
-    // The last value of a channel that comes back says nothing of the way.
+    // The first sample of a returned channel is its last value and does not show the delay.
     if (sample.quality == Quality::kGood && !first) clock.note(sample.acquired_at, received);
     const auto published = to->stamp.next(sample, received, clock.least(), first);
     if (!published) {
@@ -79,7 +79,7 @@ void Recorder::on_sample(const StationSample& sample, UtcTime received) {
            .device_code = sample.device_code,
            .value = sample.value,
            .perhaps_stored = first};
-    // Within the lock: the rows of a channel reach the store in their order.
+    // Within the lock, so that rows of a channel are queued in order.
     store_.put(std::span(&row, 1));
   }
 }

@@ -7,7 +7,7 @@
 namespace fieldcast::web {
 namespace {
 
-// The times are those of the network: any number of 64 bits.
+// The times are untrusted network data: any 64-bit number.
 Duration between(UtcTime from, UtcTime to) {
   return Duration{saturated_difference(to.nanoseconds, from.nanoseconds)};
 }

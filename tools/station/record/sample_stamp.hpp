@@ -1,9 +1,7 @@
-// When a sample counts as published in a history that is recorded from DDS, which tells only when
-// it was acquired. A good sample counts from its acquisition: whoever records it twice, after a
-// restart or beside a second recorder, writes the same row. A sample that is not good is published
-// some time after its last good value. It counts from its arrival, by the clock of its bridge.
-//
-// Pure: no clock, no thread; one owner. Nothing can fail.
+// Chooses the publication time of a sample recorded from DDS, which has only the acquisition time.
+// A good sample uses its acquisition time, so that a second recorder, or a restarted one, writes
+// the same row. Any other sample is published after its last good value; it uses its arrival time
+// by the clock of its bridge. Pure; cannot fail.
 #pragma once
 
 #include <optional>
@@ -12,33 +10,32 @@
 
 namespace fieldcast::web {
 
-// How much later this machine receives samples of a bus than its bridge says that it acquired them:
-// the way, and what the two clocks differ by. It may be negative.
+// Difference between the arrival of samples of a bus and their acquisition time: transport delay
+// plus clock difference. It can be negative.
 class ClockOffset {
  public:
   static constexpr Duration kWindow = std::chrono::minutes{1};
 
-  // A good sample; one of more than SampleStamp::kMaxOffset is ignored.
+  // Adds a good sample; ignores a difference of more than SampleStamp::kMaxOffset.
   void note(UtcTime acquired, UtcTime received);
-  [[nodiscard]] Duration least() const;  // of the last one or two windows; 0: nothing was noted
+  [[nodiscard]] Duration least() const;  // minimum of the last one or two windows; 0: no sample
 
  private:
   std::optional<Duration> before_, now_;
   UtcTime window_began_;
 };
 
-// The samples of one channel.
 class SampleStamp {
  public:
-  // A good sample that differs by more counts from its arrival: the clock of its bridge is wrong.
+  // Beyond this difference the clock of the bridge is wrong, and the arrival time is used.
   static constexpr Duration kMaxOffset = std::chrono::minutes{10};
-  // Of the first sample, which may be the last value of a channel that is rarely read.
+  // Maximum age of the first sample, which may be the last value of a slow channel.
   static constexpr Duration kOldest = std::chrono::hours{24};
-  // Within it no sample comes before the one that was received before it.
+  // Within this time, samples keep the order of their arrival.
   static constexpr Duration kOrder = std::chrono::seconds{2};
 
-  // When it counts as published; nothing: it is the sample before it once more. `first`: nothing
-  // came since the channel is there.
+  // Returns the publication time; empty for a duplicate of the previous sample. `first`: first
+  // sample since the channel exists.
   [[nodiscard]] std::optional<UtcTime> next(const StationSample& sample, UtcTime received,
                                             Duration offset, bool first);
 
