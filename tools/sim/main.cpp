@@ -1,4 +1,4 @@
-// fieldcast-sim: the plant of a configuration file, simulated where the bridge looks for it.
+// fieldcast-sim: simulates the plant of a configuration file at the ports that the bridge opens.
 #include <fmt/format.h>
 #include <sched.h>
 
@@ -17,7 +17,6 @@ namespace {
 
 using namespace fieldcast;
 
-// What the caller of the program can tell apart.
 enum ExitCode : int { kFine = 0, kBadArguments = 2, kBadFile = 3, kNoPort = 4, kNoReport = 5 };
 
 struct Arguments {
@@ -67,12 +66,12 @@ int fail(ExitCode code, const std::string& text) {
   return code;
 }
 
-// Where the run ends: never, or so long after `start`.
+// End of the run; kNever without --seconds.
 tl::expected<Instant, std::string> end_of(const Arguments& given, Instant start) {
   if (given.time.empty()) return kNever;
   const auto time = read_duration(given.time, {Duration{}, std::chrono::hours{24 * 365}, true});
   if (!time) return tl::unexpected("--seconds: " + fault_text(given.time, time.error()));
-  return *time == Duration{} ? kNever : start + *time;  // as 0 has always meant
+  return *time == Duration{} ? kNever : start + *time;  // 0 means forever
 }
 
 int simulate(const Arguments& given) {

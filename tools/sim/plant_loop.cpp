@@ -71,7 +71,7 @@ void PlantLoop::arm(Instant at) {
   armed_ = at;
   itimerspec timer{};
   if (at != kNever) {
-    const auto since = std::max(at.time_since_epoch(), Duration{1});  // zero would disarm
+    const auto since = std::max(at.time_since_epoch(), Duration{1});  // zero would disarm the timer
     timer.it_value.tv_sec = since.count() / 1'000'000'000;
     timer.it_value.tv_nsec = since.count() % 1'000'000'000;
   }
@@ -99,7 +99,7 @@ void PlantLoop::take(int fd) {
   }
   serving_ = owner_[static_cast<std::size_t>(fd)];
   served_[serving_].bus->on_readable(fd, now());
-  served_[serving_].due = kLongAgo;  // what it received may change when it has something to do
+  served_[serving_].due = kLongAgo;  // received bytes may change its due time
 }
 
 void PlantLoop::wait(Instant until) {

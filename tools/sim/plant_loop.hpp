@@ -1,9 +1,9 @@
-// Runs all buses of the plant on one thread: waits for bytes, instants and signals, and calls the
-// bus that they concern.
+// Runs all buses of the plant on one thread: waits for bytes, timers and signals, and calls the bus
+// concerned.
 //
-// Plain epoll and one timerfd, not Asio: the loop's product is the exact instant, so it wants one
-// absolute timer on the monotonic clock (without the slack of a poll's timeout), the freedom to
-// spin before it, and nothing between the kernel and the write.
+// Uses epoll and one timerfd instead of Asio for exact timing: one absolute timer on the monotonic
+// clock without the slack of a poll timeout, optional spinning before it, and no layer between
+// kernel and write.
 #pragma once
 
 #include <memory>
@@ -19,29 +19,29 @@ namespace fieldcast::sim {
 [[nodiscard]] Instant now();
 
 struct LoopOptions {
-  Instant end = kNever;  // stops by itself then
-  Duration spin{};       // busy-wait the last stretch before an instant
-  std::string report;    // file, written at the end and on SIGUSR1; empty: none
+  Instant end = kNever;  // stops by itself at this time
+  Duration spin{};       // busy-waits this long before a due time
+  std::string report;    // file written at the end and on SIGUSR1; empty: none
 };
 
 class PlantLoop : private Watcher {
  public:
-  // Blocks SIGINT, SIGTERM and SIGUSR1 in this thread and takes them itself. REQUIRES: the buses
-  // outlive the loop.
+  // Blocks SIGINT, SIGTERM and SIGUSR1 in this thread and handles them. REQUIRES: the buses outlive
+  // the loop.
   PlantLoop(const std::vector<std::unique_ptr<SimBus>>& buses, LoopOptions options);
   ~PlantLoop() override;
 
-  // Opens every port; or why not, with those opened closed again.
+  // Opens every port; on failure closes the opened ones.
   [[nodiscard]] tl::expected<void, std::string> open();
   [[nodiscard]] std::vector<std::string> locations() const;
-  // Until the end, SIGINT or SIGTERM; then ports are closed and links gone. False: the report could
-  // not be written.
+  // Runs until the end time, SIGINT or SIGTERM; then closes ports and removes links. Returns false
+  // if the report cannot be written.
   [[nodiscard]] bool run();
 
  private:
   struct Entry {
     std::unique_ptr<ServedBus> bus;
-    Instant due = kLongAgo;  // when on_time() wants to be called
+    Instant due = kLongAgo;  // time of the next on_time()
   };
   void watch(int fd) override;
   void forget(int fd) override;
@@ -55,8 +55,8 @@ class PlantLoop : private Watcher {
   LoopOptions options_;
   FileDescriptor epoll_, timer_, signals_;
   std::vector<Entry> served_;
-  std::vector<std::size_t> owner_;  // by descriptor: which of served_
-  std::size_t serving_ = 0;         // who is being called
+  std::vector<std::size_t> owner_;  // by descriptor: index in served_
+  std::size_t serving_ = 0;         // index of the bus being called
   Instant armed_ = kNever;
   bool stopping_ = false, reported_ = true;
 };

@@ -20,7 +20,7 @@
 namespace fieldcast::sim {
 namespace {
 
-// The same terminal as /dev/pts/5, in a spelling that nobody else uses.
+// Another spelling of /dev/pts, which marks links created by this program.
 constexpr const char* kOurs = "/dev/pts/../pts/";
 
 std::string reason(const std::string& path, const char* what) {
@@ -33,7 +33,7 @@ std::string target_of(const std::string& path) {
   return length > 0 ? std::string(target, static_cast<std::size_t>(length)) : std::string{};
 }
 
-// A name in the abstract socket space, bound while a program of ours serves the path.
+// Binds a name in the abstract socket namespace while the program serves the path.
 FileDescriptor take_lock(const std::string& path) {
   FileDescriptor lock(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   sockaddr_un address{};

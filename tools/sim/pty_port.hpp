@@ -1,9 +1,9 @@
-// A pseudo-terminal in place of a serial adapter: a symbolic link at the path leads to
-// its slave side.
+// A pseudo-terminal in place of a serial adapter, with a symbolic link at the path to its slave
+// side.
 //
-// Owns the terminal and the link; both go with it. Never over a file that no program of ours made:
-// a link is known as ours by the spelling of its target, and a living program by a socket name that
-// dies with its process, so that a link left by a killed one is taken over.
+// Owns the terminal and the link and removes both. Never replaces a foreign file: the spelling of a
+// link's target shows that this program created it. A bound socket name shows that its process is
+// alive; it disappears with the process, so the link of a killed process is replaced.
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ namespace fieldcast::sim {
 
 class PtyPort {
  public:
-  // The terminal, raw, with its link at `path`; or why not, for people.
+  // Opens the raw terminal with its link at `path`; the error is human-readable.
   [[nodiscard]] static tl::expected<PtyPort, std::string> open(const std::string& path);
   PtyPort(PtyPort&&) = default;
   PtyPort& operator=(PtyPort&&) = delete;
@@ -24,8 +24,8 @@ class PtyPort {
   [[nodiscard]] int fd() const { return master_.get(); }                   // non-blocking
   [[nodiscard]] const std::string& terminal() const { return terminal_; }  // "/dev/pts/5"
 
-  // A real adapter forgets exclusive use when its last user closes it; a terminal that the
-  // simulator keeps open would not.
+  // Clears exclusive use (TIOCNXCL). A real adapter does so when its last user closes it; this
+  // terminal stays open in the simulator.
   void forget_exclusive_use();
 
  private:

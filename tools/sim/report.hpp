@@ -1,4 +1,4 @@
-// What the plant did, as JSON, for people and for tests.
+// Writes the counters of the plant as JSON, for users and tests.
 #pragma once
 
 #include <memory>
@@ -9,13 +9,13 @@
 
 namespace fieldcast::sim {
 
-// Where a bus of the plant is, as one JSON line without its end.
+// Location of a bus as one JSON line without line end.
 [[nodiscard]] std::string location_line(const BusSpec& bus, const std::string& location);
 
 [[nodiscard]] std::string report_of(std::span<const std::unique_ptr<SimBus>> buses,
                                     Duration running);
 
-// Replaces the file in one step, so that a reader never sees half of it. False: errno says why.
+// Replaces the file atomically. Returns false on failure; see errno.
 [[nodiscard]] bool write_report(const std::string& path, const std::string& report);
 
 }  // namespace fieldcast::sim

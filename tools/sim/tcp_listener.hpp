@@ -1,4 +1,4 @@
-// Listening for masters over TCP, on this machine only.
+// Accepts TCP masters on this machine only.
 #pragma once
 
 #include <cstdint>
@@ -9,15 +9,15 @@
 
 namespace fieldcast::sim {
 
-// The configured address if it is one of 127.0.0.0/8, else 127.0.0.1: a plant's real addresses are
-// simulated here, never there.
+// Returns the configured address if it is in 127.0.0.0/8, else 127.0.0.1: the simulator never
+// listens on a plant's real address.
 [[nodiscard]] std::string loopback_for(const std::string& host);
 
-// A non-blocking listener, or why not, for people.
+// Opens a non-blocking listener; the error is human-readable.
 [[nodiscard]] tl::expected<FileDescriptor, std::string> listen_on(const std::string& loopback,
                                                                   std::uint16_t port);
 
-// The next connection, non-blocking and without Nagle's delay; an empty FileDescriptor when none
+// Returns the next connection, non-blocking and with TCP_NODELAY; an empty FileDescriptor if none
 // waits.
 [[nodiscard]] FileDescriptor accept_from(int listener);
 

@@ -11,8 +11,8 @@ BitNoise::BitNoise(double rate, unsigned bits_per_character, std::uint64_t seed)
 
 void BitNoise::draw() {
   if (rate_ <= 0) return;
-  // How many good bits precede the next bad one is geometrically distributed; far beyond a week's
-  // traffic it does not matter.
+  // The number of good bits before the next bad one has a geometric distribution. The limit of 1e15
+  // bits is far more than a week of traffic.
   const double gap = rate_ >= 1
                          ? 0
                          : std::floor(std::log1p(-std::generate_canonical<double, 53>(random_)) /
@@ -25,7 +25,7 @@ std::uint8_t BitNoise::pass(std::uint8_t character) {
   unsigned used = 0;
   while (bits_left_ < bits_ - used) {
     used += static_cast<unsigned>(bits_left_) + 1;
-    // Bits 1..8 of a character are data; a flipped start, parity or stop bit makes most UARTs
+    // Bits 1..8 of a character are data. A flipped start, parity or stop bit makes most UARTs
     // deliver a wrong character.
     character =
         static_cast<std::uint8_t>(character ^ (used >= 2 && used <= 9 ? 1u << (used - 2) : 0x55u));

@@ -66,7 +66,7 @@ struct BoundedRule {
 };
 constexpr BoundedRule kProbability{0, 1};
 
-// Calls read(item) for each item of a list, or for the one map that stands in its place.
+// Calls read(item) for each item of a list, or for a single map.
 template <typename Read>
 void each(const Node& node, std::string_view key, FaultList& faults, const Read& read) {
   if (node.kind == Kind::kMap) return read(node);
@@ -178,7 +178,7 @@ void read_unplug(const Node& node, BusFaults& bus, FaultList& faults) {
   });
 }
 
-// The nodes of a map of names that speak of `name`: "*", which speaks of all, then its own.
+// Returns the nodes for `name`: first the one of "*" (all names), then its own.
 std::vector<const Node*> about(const Node& names, std::string_view name) {
   std::vector<const Node*> found;
   for (const std::string_view wanted : {std::string_view("*"), name}) {
@@ -189,7 +189,7 @@ std::vector<const Node*> about(const Node& names, std::string_view name) {
   return found;
 }
 
-// Names that the plant does not have.
+// Reports names that the plant does not have.
 template <typename Specs>
 void check_names(const Node& names, std::string_view what, const Specs& specs, FaultList& faults) {
   if (names.kind != Kind::kMap) {

@@ -1,6 +1,6 @@
-// The faults file of the simulator: text -> Faults, or every fault of the text at once with file,
-// line and column, as configurations have it. Names of buses, devices and areas are checked against
-// the plant. The format: tools/sim/README.md.
+// Parses the faults file of the simulator; the format is described in tools/sim/README.md. Returns
+// all faults of the text with file, line and column. Checks names of buses, devices and areas
+// against the plant.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
-// What goes wrong in the plant: plain values, read from the faults file (fault_file.hpp) or made by
-// a test; and their effect on one answer.
+// Simulated faults as plain values, read from the faults file (fault_file.hpp) or set by a test,
+// and their effect on one response.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace fieldcast::sim {
 
-// Since the plant's start; `to` is kForever where nothing ends it.
+// Time since the start of the plant.
 inline constexpr Duration kForever = Duration::max();
 struct Window {
   Duration from{}, to = kForever;
@@ -24,27 +24,27 @@ struct Window {
   }
 };
 
-// From the last character of the request to the first of the answer.
+// From the last character of the request to the first of the response.
 struct AnswerDelay {
   Duration base = std::chrono::milliseconds{2};
-  Duration spread{};  // up to this much more, evenly distributed
+  Duration spread{};  // random addition up to this, uniform
   double spike_probability = 0;
-  Duration spike{};  // this much more, now and then
+  Duration spike{};  // occasional addition
 };
 
 struct DeviceFaults {
   AnswerDelay delay;
-  double loss = 0;              // the answer never leaves
-  double late_probability = 0;  // the answer leaves much later
+  double loss = 0;              // probability that the response is not sent
+  double late_probability = 0;  // probability that the response is sent after the time `late`
   Duration late{};
-  bool queues = false;       // while it thinks, it takes further requests and answers them in order
-  double doubled = 0;        // the answer comes twice
-  Duration doubled_after{};  // the time between the two answers
-  Duration deaf{};           // after each of its answers
-  double garble = 0;         // some characters of the answer are other ones
-  double truncate = 0;       // the answer ends early
-  double stray = 0;          // stray characters precede the answer
-  std::vector<Window> silence;  // the device is dead: it neither receives nor answers
+  bool queues = false;          // accepts further requests while it is busy and responds in order
+  double doubled = 0;           // probability that the response is sent twice
+  Duration doubled_after{};     // time between the two responses
+  Duration deaf{};              // ignores the line for this time after each response
+  double garble = 0;            // probability of wrong characters
+  double truncate = 0;          // probability of a truncated response
+  double stray = 0;             // probability of stray characters before the response
+  std::vector<Window> silence;  // the device neither receives nor sends
   std::vector<RefusedRange> refused;
   bool only_configured = false;
 };
@@ -52,34 +52,35 @@ struct DeviceFaults {
 struct BusFaults {
   double noise = 0;  // probability that a bit on the line is flipped
   bool echo = false;
-  double babble = 0;           // bursts a second of foreign characters
+  double babble = 0;           // bursts of random characters a second
   unsigned babble_length = 8;  // characters of the longest burst
-  double foreign = 0;  // conversations a second of another master with a unit that is not ours
-  std::vector<Window> unplugged;  // the port vanishes and comes back
+  // exchanges a second of a second master with a unit outside the configuration
+  double foreign = 0;
+  std::vector<Window> unplugged;  // the port is missing
   unsigned fifo = 8;
-  std::map<std::string, DeviceFaults> devices;  // by name; others have none
+  std::map<std::string, DeviceFaults> devices;  // by name; other devices have no faults
 };
 
 struct Faults {
-  std::map<std::string, BusFaults> buses;  // by name; others have none
+  std::map<std::string, BusFaults> buses;  // by name; other buses have no faults
 };
 
-// An answer as it really goes out.
+// A response after the faults were applied.
 struct FaultyAnswer {
   Bytes characters;  // empty: lost
   Duration delay{};
   bool doubled = false;
 };
 
-// The random faults of one device: the same seed and the same requests give the same faults.
+// Random faults of one device. The same seed and the same requests give the same faults.
 class FaultDice {
  public:
   FaultDice(const DeviceFaults& faults, std::uint64_t seed) : faults_(faults), random_(seed) {}
   [[nodiscard]] FaultyAnswer roll(Bytes answer);
   [[nodiscard]] bool dead(Duration since_start) const;
   [[nodiscard]] const DeviceFaults& faults() const { return faults_; }
-  [[nodiscard]] std::uint64_t late() const { return late_; }        // answers so far
-  [[nodiscard]] std::uint64_t doubled() const { return doubled_; }  // of them
+  [[nodiscard]] std::uint64_t late() const { return late_; }        // late responses so far
+  [[nodiscard]] std::uint64_t doubled() const { return doubled_; }  // doubled responses so far
 
  private:
   [[nodiscard]] bool happens(double probability);

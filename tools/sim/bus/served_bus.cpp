@@ -14,9 +14,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::size_t kMaxConnections = 64;  // of one bus; more are closed at once
+constexpr std::size_t kMaxConnections = 64;  // of one bus; further ones are closed immediately
 
-// Reads what is there; false: the other end is gone.
+// Reads available bytes. Returns false if the peer has closed.
 bool receive(int fd, BusLine& line, Instant now) {
   std::array<std::uint8_t, 4096> buffer;
   const ssize_t count = ::read(fd, buffer.data(), buffer.size());
@@ -24,7 +24,7 @@ bool receive(int fd, BusLine& line, Instant now) {
   return count > 0 || (count < 0 && (errno == EAGAIN || errno == EINTR));
 }
 
-// What a serial port and a listener have in common: faults unplug them and plug them in again.
+// Common part of serial port and listener: unplugs and plugs the port according to the faults.
 class PluggedBus : public ServedBus {
  public:
   explicit PluggedBus(SimBus& bus) : bus_(bus) {}
@@ -42,7 +42,7 @@ class PluggedBus : public ServedBus {
       plugged_ = false;
     } else if (!plugged_ && !unplugged(now) && now >= next_try_) {
       plugged_ = plug().has_value();
-      next_try_ = now + 1s;  // somebody took the path meanwhile
+      next_try_ = now + 1s;  // the path may be in use meanwhile
     }
     if (plugged_) return std::min(advance(now), next_change(now));
     return unplugged(now) ? next_change(now) : next_try_;
@@ -51,7 +51,7 @@ class PluggedBus : public ServedBus {
  protected:
   [[nodiscard]] virtual tl::expected<void, std::string> plug() = 0;
   virtual void unplug() = 0;
-  // Does what is due on a plugged bus and says when it wants to be called next.
+  // Does the due work of a plugged bus and returns the next due time.
   virtual Instant advance(Instant now) = 0;
   [[nodiscard]] SimBus& bus() { return bus_; }
   [[nodiscard]] bool plugged() const { return plugged_; }
@@ -115,7 +115,7 @@ class SerialBus : public PluggedBus {
     }
     said_.clear();
     line_->advance(now, said_);
-    // A full terminal means that nobody reads; a line does not wait for its listeners.
+    // A full terminal has no reader; a line does not wait for its receivers.
     if (!said_.empty()) [[maybe_unused]]
       const ssize_t count = ::write(port_->fd(), said_.data(), said_.size());
     return std::min(line_->next_due(), next_care_);
@@ -123,7 +123,7 @@ class SerialBus : public PluggedBus {
 
   Watcher& watcher_;
   std::string path_;
-  std::optional<PtyPort> port_;  // none while unplugged
+  std::optional<PtyPort> port_;  // empty while unplugged
   std::unique_ptr<BusLine> line_;
   Bytes said_;
   Instant next_care_ = kLongAgo;
@@ -183,7 +183,7 @@ class TcpBus : public PluggedBus {
       said_.clear();
       connection.line->advance(now, said_);
       const auto size = static_cast<ssize_t>(said_.size());
-      // A peer that does not take a few hundred bytes is no master.
+      // A peer that does not read a few hundred bytes is not a master.
       const bool taken =
           said_.empty() || ::send(current->first, said_.data(), said_.size(), MSG_NOSIGNAL) == size;
       if (!taken || connection.line->hung_up()) {

@@ -1,8 +1,8 @@
-// A simulated bus where the bridge finds it: the pseudo-terminal at its serial path, or the TCP
-// port of its address.
+// Serves a simulated bus at the port that the bridge opens: a pseudo-terminal at its serial path,
+// or a listener at its TCP port.
 //
-// Owns descriptors and conversations; borrows the SimBus. Driven by the plant loop on its one
-// thread: descriptors that became readable, and instants that have come.
+// Owns descriptors and BusLines; does not own the SimBus. Driven by the single thread of the plant
+// loop.
 #pragma once
 
 #include <map>
@@ -17,24 +17,23 @@
 
 namespace fieldcast::sim {
 
-// Where a bus tells which descriptors it waits for; the loop implements it.
+// Registers the descriptors of a bus; implemented by the loop.
 class Watcher {
  public:
   virtual ~Watcher() = default;
   virtual void watch(int fd) = 0;
-  virtual void forget(int fd) = 0;  // before it is closed
+  virtual void forget(int fd) = 0;  // call before closing it
 };
 
 class ServedBus {
  public:
   virtual ~ServedBus() = default;
-  // Opens the port; or why not, for people.
+  // Opens the port; the error is human-readable.
   [[nodiscard]] virtual tl::expected<void, std::string> open(Instant now) = 0;
-  // Where a master finds it: "/tmp/line-1 -> /dev/pts/5", "127.0.0.1:1502".
+  // Address for a master: "/tmp/line-1 -> /dev/pts/5", "127.0.0.1:1502".
   [[nodiscard]] virtual std::string location() const = 0;
   virtual void on_readable(int fd, Instant now) = 0;
-  // Does what is due and says when it wants to be called next; kNever: not before something is
-  // readable.
+  // Does the due work and returns the next due time; kNever: only when a descriptor is readable.
   virtual Instant on_time(Instant now) = 0;
 };
 

@@ -58,7 +58,7 @@ tl::expected<std::unique_ptr<SimBus>, std::string> SimBus::make(const BusSpec& s
   return bus;
 }
 
-// Like the first device of the bus, at an address that no other one has.
+// Creates a copy of the first device at an unused address.
 tl::expected<void, std::string> SimBus::make_foreign(const DeviceKind& kind) {
   foreign_.spec = spec_.devices.front();
   foreign_.spec.name = "foreign";
@@ -124,7 +124,8 @@ void BusLine::plan_foreign(Instant from) {
   next_foreign_ = from + from_seconds(std::min(wait(random_), 3600.0));
 }
 
-// One whole conversation, request by answer. On a link that is not a line only its answers come.
+// Sends one whole exchange, round by round. A link without a shared line carries only the
+// responses.
 void BusLine::send_to_foreign(Instant now) {
   constexpr std::uint32_t kMostItems = 16;
   constexpr int kMostRounds = 8;
@@ -171,8 +172,8 @@ void BusLine::babble(Instant now) {
   plan_babble(now);
 }
 
-// Silence counts only where the line rests: a character under way has not been received yet, but it
-// is there.
+// Silence is measured only while the line is idle, because a character in flight is not received
+// yet.
 Instant BusLine::silence_due() const {
   Instant due = kNever;
   if (!wire_.at_rest()) return due;
@@ -205,7 +206,7 @@ void BusLine::advance(Instant now, Bytes& to_master) {
 }
 
 void BusLine::deliver(const Passed& passed) {
-  if (passed.sender == kEcho) return;  // the line's own echo: the devices received the original
+  if (passed.sender == kEcho) return;  // the devices have received the original
   for (std::size_t device = 0; device < receivers_.size(); ++device) {
     if (passed.sender == static_cast<Sender>(device)) continue;
     Instant end = passed.first_end;

@@ -1,9 +1,8 @@
-// One bus of the plant: its devices, what goes wrong with them, and the lines on which masters
-// reach them.
+// One bus of the plant: its devices, their faults, and the lines to its masters.
 //
-// A SimBus owns the devices. A BusLine is one conversation: the serial port, or one TCP connection;
-// it owns a Wire and a receiver of each device, and must not outlive its bus. Pure: bytes and
-// instants in, bytes and instants out; one thread.
+// A SimBus owns the devices. A BusLine is the serial port or one TCP connection: it owns a Wire and
+// a receiver of each device, and must not outlive its bus. Pure: bytes and instants in, bytes and
+// instants out. Single-threaded.
 #pragma once
 
 #include <functional>
@@ -18,13 +17,12 @@
 
 namespace fieldcast::sim {
 
-// Counters of the line itself.
 struct LineStatistics {
   std::uint64_t bytes_received = 0, bytes_sent = 0;  // from the master, to the master
-  std::uint64_t lost = 0;  // characters of a master that sends without end
+  std::uint64_t lost = 0;  // characters of a master that exceeded the queue
   std::uint64_t collisions = 0;
   std::uint64_t connections = 0;
-  // From the end of an answer to the master's next character.
+  // From the end of a response to the master's next character.
   std::optional<Duration> shortest_rest;
 };
 
@@ -36,12 +34,11 @@ class SimBus {
     std::string name;
     std::unique_ptr<SimDevice> device;
     FaultDice dice;
-    std::uint64_t missed = 0;   // characters while it was dead, busy or sending
-    std::uint64_t spoiled = 0;  // answers that faults took away or changed
+    std::uint64_t missed = 0;   // characters received while dead, busy or sending
+    std::uint64_t spoiled = 0;  // responses suppressed or changed by faults
   };
 
-  // The bus, or why it cannot be simulated: a protocol without devices here, or a device that
-  // refuses its specification.
+  // Fails if a protocol has no simulated devices or a device refuses its specification.
   [[nodiscard]] static tl::expected<std::unique_ptr<SimBus>, std::string> make(
       const BusSpec& spec, const BusFaults& faults, std::uint64_t seed, Instant start);
 
@@ -59,7 +56,7 @@ class SimBus {
 
   BusSpec spec_;
   BusFaults faults_;
-  // A unit that another master sends to.
+  // A unit outside the configuration that a second master polls.
   struct Foreign {
     DeviceSpec spec;
     std::unique_ptr<Protocol> protocol;
@@ -78,13 +75,13 @@ class SimBus {
 class BusLine {
  public:
   BusLine(SimBus& bus, const WireOptions& options, std::uint64_t seed);
-  // The master's bytes arrived.
+  // Adds received bytes of the master.
   void receive(ByteView bytes, Instant now);
-  // When advance() has something to do; kNever: nothing until the master sends.
+  // Time of the next advance(); kNever: only after the master sends.
   [[nodiscard]] Instant next_due() const;
-  // Everything that happens until `now`; appends what the master's receiver gets.
+  // Simulates until `now`; appends the bytes for the master.
   void advance(Instant now, Bytes& to_master);
-  // The stream is beyond repair: the connection should be closed.
+  // The stream cannot be parsed further: close the connection.
   [[nodiscard]] bool hung_up() const { return hung_up_; }
 
  private:
@@ -101,8 +98,8 @@ class BusLine {
   SimBus& bus_;
   Wire wire_;
   std::vector<std::unique_ptr<Receiver>> receivers_;  // one for each member
-  std::mt19937_64 random_;                            // of the babble
-  std::vector<Instant> spoke_until_;                  // each member
+  std::mt19937_64 random_;                            // for babble
+  std::vector<Instant> spoke_until_;                  // by member
   Instant next_babble_ = kNever, next_foreign_ = kNever;
   bool hung_up_ = false;
 };

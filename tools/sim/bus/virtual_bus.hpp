@@ -1,7 +1,7 @@
-// A bus engine and its simulated plant in virtual time: hours in seconds, replayed bit for bit by a
-// seed.
+// Runs a bus engine and its simulated plant in virtual time: hours in seconds, exactly reproducible
+// by the seed.
 //
-// Owns the engine, the plant and their clock. Pure: no thread, no I/O; whoever drives it sees every
+// Owns the engine, the plant and their clock. Pure: no thread, no I/O. The caller observes every
 // action of the engine.
 #pragma once
 
@@ -18,34 +18,34 @@ namespace fieldcast::sim {
 
 class VirtualBus {
  public:
-  // Called for each action, before bytes are sent and after everything else was done.
+  // Called for each action; for sends before it is executed, for others after.
   using Watcher = std::function<void(const Action&)>;
 
-  // Called for all that reaches the engine from the line.
+  // Called for all bytes that the engine receives.
   std::function<void(ByteView)> on_received;
 
-  // The plant starts at Instant{}; throws std::runtime_error when it cannot be simulated.
+  // The plant starts at Instant{}; throws std::runtime_error if it cannot be simulated.
   VirtualBus(const BusSpec& spec, const BusFaults& faults, std::uint64_t seed,
              Watcher watcher = {});
   VirtualBus(const VirtualBus&) = delete;
   VirtualBus& operator=(const VirtualBus&) = delete;
 
   void run_until(Instant until);
-  void feed(const BusEvent& event);  // at the instant reached
+  void feed(const BusEvent& event);  // at the current time
   void unplug();
   void plug();
-  // The engine goes, and another one begins with `spec` after `absence`, as `opened` says. On a
-  // serial line what the devices still say reaches the new one; a TCP connection is a new one.
-  // REQUIRES: not inside the watcher; the devices of `spec` are those of the plant.
+  // Destroys the engine and creates a new one with `spec` and `opened` after `absence`. On a serial
+  // line, pending responses reach the new engine; TCP gets a new connection. REQUIRES: not called
+  // by the watcher; `spec` has the devices of the plant.
   void replace_engine(const BusSpec& spec, Duration absence, const Opened& opened = {});
 
   [[nodiscard]] Instant now() const { return now_; }
   [[nodiscard]] bool plugged() const { return line_ != nullptr; }
   [[nodiscard]] BusEngine& engine() { return *engine_; }
   [[nodiscard]] SimBus& plant() { return *plant_; }
-  // The end of the last request on the wire.
+  // End of the last request on the wire.
   [[nodiscard]] Instant wire_free() const { return wire_free_; }
-  // A number that two runs share only when everything they did was the same.
+  // Hash of all events; equal in two runs only if they did the same.
   [[nodiscard]] std::uint64_t fingerprint() const { return fingerprint_; }
 
  private:
@@ -64,7 +64,7 @@ class VirtualBus {
   Instant reopen_at_ = kNever;
   Instant wire_free_{};
   Bytes received_;
-  std::vector<Actions> spare_;                        // feed() may be called from inside a watcher
+  std::vector<Actions> spare_;                        // feed() may be called by a watcher
   std::uint64_t fingerprint_ = 1469598103934665603u;  // FNV-1a
 };
 

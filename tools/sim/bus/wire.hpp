@@ -1,11 +1,11 @@
-// The wire in virtual time: when each character has passed, who received it, and what sending at
-// once does to it.
+// Simulates the wire in virtual time: when each character has passed, who received it, and
+// collisions.
 //
-// A pseudo-terminal has no baud rate: a request arrives in one piece. Here its characters take
-// their time from the moment the first arrives, one after the other; a device's answer is handed
-// over as a UART's FIFO would, in pieces, the last exactly when its last stop bit ends. On a
-// half-duplex line characters that overlap garble each other. Instants are absolute, so that
-// lateness never adds up. Pure: no clock, no I/O.
+// A pseudo-terminal has no baud rate and delivers a request in one piece. Here its characters pass
+// one after the other, from the arrival of the first. A device's response is delivered in pieces
+// like those of a UART FIFO, the last one exactly at its last stop bit. On a half-duplex line
+// overlapping characters garble each other. Instants are absolute, so that delays do not add up.
+// Pure: no clock, no I/O.
 #pragma once
 
 #include <cstdint>
@@ -20,28 +20,28 @@
 
 namespace fieldcast::sim {
 
-// Who sends: the number of a device on its bus, or one of these.
+// The index of a device on its bus, or one of these.
 using Sender = int;
 inline constexpr Sender kMaster = -1;
-inline constexpr Sender kNobody = -2;  // babble of foreign equipment
-inline constexpr Sender kEcho = -3;    // the line giving back what the master sent
+inline constexpr Sender kNobody = -2;  // babble
+inline constexpr Sender kEcho = -3;    // echo of the master's characters by the line
 
 struct WireOptions {
   LineFormat line;
-  bool paced = true;  // false: characters take no time (plain TCP)
+  bool paced = true;  // false: characters need no time (plain TCP)
   bool half_duplex = true;
-  unsigned fifo = 8;  // characters handed over at a time; 0: the whole answer at its end
+  unsigned fifo = 8;  // characters of one piece; 0: the whole response
   bool echo = false;
-  double noise = 0;  // probability that a bit of the line is flipped
+  double noise = 0;  // probability that a bit is flipped
   std::uint64_t seed = 1;
 };
 
-// Flips bits with a given rate; asks its generator only where the next flipped bit falls.
+// Flips bits at a given rate; draws a random number only for the next flipped bit.
 class BitNoise {
  public:
   BitNoise(double rate, unsigned bits_per_character, std::uint64_t seed);
   [[nodiscard]] std::uint8_t pass(std::uint8_t character);
-  [[nodiscard]] std::uint8_t garble(std::uint8_t character);  // at least one bit other
+  [[nodiscard]] std::uint8_t garble(std::uint8_t character);  // changes at least one bit
 
  private:
   void draw();
@@ -51,47 +51,47 @@ class BitNoise {
   std::uint64_t bits_left_ = 0;  // good bits until the next flipped one
 };
 
-// Characters that passed the line, in the order of time.
+// Characters that passed the line, in order of time.
 struct Passed {
   Sender sender = kMaster;
   Bytes characters;
   Instant first_end{};   // end of the first character
-  Duration character{};  // from one to the next
+  Duration character{};  // time of one character
 };
 
 class Wire {
  public:
-  // Characters of the master under way; more are lost and counted.
+  // Limit of queued master characters; further ones are lost and counted.
   static constexpr std::size_t kMaxQueued = 8192;
 
   explicit Wire(const WireOptions& options);
 
-  // The master's characters arrived at `now`.
+  // Adds characters of the master that arrived at `now`.
   void from_master(ByteView characters, Instant now);
-  // Somebody else begins a transmission at `start`.
+  // Adds a transmission of another sender.
   void from_device(Sender sender, ByteView characters, Instant start);
 
-  // When advance() has something to do: the end of a piece of the master's, or of the next piece
-  // for it. kNever: the line is at rest.
+  // Time of the next advance(): the end of a piece of the master, or of the next piece for the
+  // master. kNever: the line is idle.
   [[nodiscard]] Instant next_due() const;
   [[nodiscard]] bool at_rest() const { return queued_.empty() && transmissions_.empty(); }
-  // The next thing that passed until `now`, or nothing. An answer to it may be added before
-  // the next call.
+  // Returns the next characters that passed until `now`; empty if none. The caller may add a
+  // response before the next call.
   [[nodiscard]] std::optional<Passed> advance(Instant now);
 
-  // The end of this sender's last transmission that is known; kLongAgo: none under way.
+  // End of this sender's last pending transmission; kLongAgo: none.
   [[nodiscard]] Instant sends_until(Sender sender) const;
   [[nodiscard]] bool sending(Sender sender, Instant at) const;
   [[nodiscard]] std::uint64_t lost() const { return lost_; }
   [[nodiscard]] std::uint64_t collisions() const { return collisions_; }
-  // The shortest rest seen between the end of any transmission and the master's next character;
-  // kNever's distance: none yet.
+  // Shortest time between the end of any transmission and the master's next character; empty: none
+  // yet.
   [[nodiscard]] std::optional<Duration> shortest_rest() const { return shortest_rest_; }
 
  private:
   struct Queued {
     std::uint8_t character;
-    Instant end, piece_end;  // of itself, and of the piece with which it came
+    Instant end, piece_end;  // of the character, and of its piece
     bool garbled;
   };
   struct Transmission {
@@ -116,7 +116,7 @@ class Wire {
   std::deque<Queued> queued_;
   std::vector<Transmission> transmissions_;
   Instant master_free_ = kLongAgo;         // end of the master's last character
-  Instant transmission_ended_ = kLongAgo;  // end of the last transmission that passed
+  Instant transmission_ended_ = kLongAgo;  // end of the last complete transmission
   std::uint64_t lost_ = 0, collisions_ = 0;
   std::optional<Duration> shortest_rest_;
 };

@@ -1,5 +1,5 @@
-// The answers of the simulated device, disturbed in every single way: the same value comes out, or
-// none.
+// Disturbs the responses of the simulated device in every way: the result must be the same value,
+// or none.
 #include <fmt/format.h>
 
 #include <numeric>
@@ -11,7 +11,7 @@ namespace fieldcast::sim {
 namespace {
 
 constexpr int kNoiseRounds = 200;
-// Characters of an answer in which every bit is flipped; beyond, one bit of each.
+// All bits are flipped in this many characters; in later characters one bit each.
 constexpr std::size_t kMostFlipped = 160;
 
 class AnswerCheck {
@@ -33,7 +33,7 @@ class AnswerCheck {
   }
 
  private:
-  // An exchange whose answers are disturbed, and what comes of it undisturbed.
+  // An exchange with its result without disturbance.
   struct Example {
     const NamedRequest& named;
     std::uint16_t sequence;
@@ -59,7 +59,7 @@ class AnswerCheck {
     for (int round = 0; round < kNoiseRounds; ++round) add_noise(example);
   }
 
-  // One answer in two parts at every byte, then byte by byte.
+  // Splits one response in two parts at every byte, then in single bytes.
   void split(const Example& example, std::size_t round, const std::string& in_round) {
     const Bytes& answer = example.clean.answers[round];
     for (std::size_t cut = 0; cut < answer.size(); ++cut) {

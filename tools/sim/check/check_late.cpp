@@ -1,5 +1,5 @@
-// The whole engine against two devices of which one answers late, again and again: no channel ever
-// shows another's value.
+// Runs the whole engine with two devices, one of which often responds late: no channel may show a
+// value of another channel.
 #include <fmt/format.h>
 
 #include <stdexcept>
@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 constexpr Duration kRun = 20s;
 constexpr std::size_t kMostChannels = 12;
 
-// A bus engine, a plant and the samples between them, in virtual time.
+// Connects a bus engine, a plant and their samples in virtual time.
 class LateBus {
  public:
   LateBus(const Subject& subject, CheckRow& row)
@@ -26,7 +26,7 @@ class LateBus {
     BusFaults faults;
     DeviceFaults& own = faults.devices[spec_.devices[0].name];
     own.late_probability = 0.2;
-    own.late = 60ms;  // beyond what the engine has learned to wait, within the timeout
+    own.late = 60ms;  // longer than the learned response time, shorter than the timeout
     auto plant = SimBus::make(spec_, faults, 3, now_);
     if (!plant) throw std::runtime_error(plant.error());
     plant_ = std::move(*plant);
@@ -71,7 +71,7 @@ class LateBus {
     return bus;
   }
 
-  // As wide as the slot: a bool, a number or a text.
+  // Returns a bool, number or text of the slot's width.
   static Encoding encoding_of(const Slot& slot) {
     Encoding encoding{ValueType::kBool};
     if (slot.text_bytes != 0) {
@@ -89,8 +89,7 @@ class LateBus {
     return encoding;
   }
 
-  // One item of each area, or one value of a record, read by itself; each holds a number or a text
-  // of its own.
+  // Adds one item of each area, or one value of a record, each with its own number or text.
   void add_channels(std::size_t device) {
     DeviceSpec& spec = spec_.devices[device];
     for (std::size_t i = 0;

@@ -1,4 +1,4 @@
-// Every form of an address: the bridge and the simulated device mean the same item by it.
+// Checks that every form of an address means the same item to the bridge and the simulated device.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 constexpr Duration kStep = std::chrono::milliseconds{250};
 constexpr int kSteps = 120;  // longer than the period of any waveform
 
-// A live value shows at which phase of its waveform it is.
+// Looks for a non-zero item over a whole period of the waveform.
 bool shows(SimDevice& device, std::string_view area, const Range& range, const Encoding& encoding,
            Instant now) {
   for (int step = 0; step < kSteps; ++step, now += kStep) {
@@ -27,7 +27,7 @@ bool shows(SimDevice& device, std::string_view area, const Range& range, const E
   return false;
 }
 
-// As reads of the area must begin and end.
+// Extends the range to the alignment of the area.
 Range aligned(const Range& range, const Area& area) {
   const std::uint32_t first = range.first / area.alignment * area.alignment;
   const std::uint32_t end = (range.end() + area.alignment - 1) / area.alignment * area.alignment;

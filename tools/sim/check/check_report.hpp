@@ -1,4 +1,4 @@
-// What a check tried, what passed and what did not, row by row.
+// Rows of a check with their counters and failures.
 #pragma once
 
 #include <cstdint>
@@ -9,15 +9,16 @@ namespace fieldcast::sim {
 
 struct CheckFailure {
   std::string what;   // "bit 3 of byte 12 flipped: taken: [00 05], undisturbed: taken: [00 04]"
-  std::string frame;  // the disturbed bytes, or the request, in hexadecimal
+  std::string frame;  // disturbed bytes, or the request, in hexadecimal
 };
 
 struct CheckRow {
-  static constexpr std::size_t kMostFailures = 20;  // kept; the others are counted
+  // stored failures; further ones are only counted
+  static constexpr std::size_t kMostFailures = 20;
 
   std::string variant, check, where;
   std::uint64_t tried = 0, passed = 0;
-  std::string note;  // why nothing was tried, or what was let pass
+  std::string note;  // why nothing was tried, or which failures are allowed
   std::vector<CheckFailure> failures;
 
   [[nodiscard]] std::uint64_t failed() const { return tried - passed; }

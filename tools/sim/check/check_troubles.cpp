@@ -1,5 +1,4 @@
-// What a device says when it will not, what is taken for an answer when it says nothing, and when
-// another one says it.
+// Checks device errors, a silent device, and responses of a wrong station.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,7 +17,7 @@ std::string frames(const std::vector<Bytes>& all) {
   return text;
 }
 
-// Every area in turn refuses everything.
+// All areas refuse every request.
 void refusals(const Subject& subject, const Requests& requests, CheckRows& rows) {
   CheckRow row{.check = "device errors", .where = "refusals"};
   const bool silent =
@@ -33,7 +32,7 @@ void refusals(const Subject& subject, const Requests& requests, CheckRows& rows)
     }
     LiveDevice live(subject, faults);
     const RunOutcome outcome = live.run(requests.protocol().begin(example.request, {++sequence}));
-    // Of several ranges each has its own code, or all have one.
+    // Each range has its own error code, or all ranges have one.
     const bool each =
         outcome.done && std::ranges::all_of(outcome.reply, [](const RangeReply& range) {
           return range.cause == Cause::kDeviceError;
@@ -62,8 +61,8 @@ void silence(const Subject& subject, const Requests& requests, CheckRows& rows) 
   rows.push_back(std::move(row));
 }
 
-// A neighbour's answer to the same request; and, where a sequence tells, the answer to the request
-// before.
+// Responses of a neighbour to the same request and, with sequence numbers, the response to the
+// previous request.
 void strangers(const Subject& subject, const Requests& requests, CheckRows& rows) {
   CheckRow row{.check = "wrong station", .where = "answers"};
   CheckRow old{.check = "late answer", .where = "of the request before"};

@@ -1,4 +1,4 @@
-// Every area, in every type: what the device holds is read, what is written is held and read back.
+// Checks every area with every type: reads the device's values, writes and reads back.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -107,7 +107,7 @@ class ValueCheck {
 
   void typed(AreaIndex area, const TypedValues& type) {
     if (bits(area) == 1 && type.encoding.type != ValueType::kBool) return;
-    if (bits(area) > 1 && type.encoding.type == ValueType::kBool) return;  // bits of words: below
+    if (bits(area) > 1 && type.encoding.type == ValueType::kBool) return;  // see bit()
     const std::uint32_t count = item_count(type.encoding, bits(area));
     for (const Slot& slot : requests_.slots(area, count)) {
       for (const Value& value : type.values) {
@@ -146,12 +146,12 @@ class ValueCheck {
                               frames(outcome));
   }
 
-  // By the device's own account, and by reading it back.
+  // Checks the device's memory and a read-back.
   void write(const Slot& slot, const Bytes& image, const std::string& what) {
     const std::size_t each = image_bytes(slot.item_bits, 1);
     WriteRequest whole{.range = slot.range, .items = image};
     std::vector<WriteRequest> writes{whole};
-    if (!requests_.allows(whole)) {  // item by item, where no more goes
+    if (!requests_.allows(whole)) {  // single items if the protocol allows no more
       writes.clear();
       for (std::uint32_t i = 0; i < slot.range.count; ++i) {
         writes.push_back(
@@ -182,7 +182,7 @@ class ValueCheck {
                                frames(back));
   }
 
-  // One bit of an item, without touching the others.
+  // Writes one bit of an item; the others must not change.
   void bit(AreaIndex area) {
     const Area& row = requests_.protocol().areas()[area];
     if (!row.bit_write || row.item_bits == 1) return;
@@ -197,7 +197,7 @@ class ValueCheck {
         if (!requests_.allows(request)) return;
         if (requests_.protocol()
                 .areas()[area]
-                .window) {  // the protocol keeps what it wrote: begin from there
+                .window) {  // the protocol stores what it wrote: start from there
           if (!ask(WriteRequest{.range = slot.range, .items = image}).done) return;
         }
         const RunOutcome outcome = ask(request);
@@ -212,7 +212,7 @@ class ValueCheck {
     }
   }
 
-  // One byte of an item, without touching the others.
+  // Writes one byte of an item; the others must not change.
   void byte(AreaIndex area) {
     const Area& row = requests_.protocol().areas()[area];
     if (!row.byte_write) return;
@@ -236,7 +236,7 @@ class ValueCheck {
     }
   }
 
-  // Scattered ranges of all areas in one request.
+  // Reads scattered ranges of all areas in one request.
   void lists() {
     const unsigned most = requests_.protocol().traits().max_ranges;
     if (most < 2) return;

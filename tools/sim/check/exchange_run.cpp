@@ -12,7 +12,7 @@ using namespace std::chrono_literals;
 
 constexpr Duration kTimeout = 1s, kGapAllowance = 20ms, kPiece = 1ms;
 constexpr int kMostSteps = 100'000;      // of one exchange: more is a hang
-constexpr std::size_t kMostRounds = 64;  // more is an exchange without an end
+constexpr std::size_t kMostRounds = 64;  // more is an endless exchange
 
 BusSpec bus_of(const Subject& subject) {
   BusSpec bus;
@@ -90,7 +90,7 @@ RunOutcome LiveDevice::run(std::unique_ptr<Exchange> exchange) {
     }
     if (how == ExchangeDriver::Outcome::kSend) send();
   }
-  now_ += 200ms;  // the line comes to rest, as between any two requests
+  now_ += 200ms;  // the line becomes idle, as between two requests
   Bytes late;
   line_->advance(now_, late);
   return finish(driver, how, std::move(outcome));

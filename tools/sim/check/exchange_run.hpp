@@ -1,5 +1,5 @@
-// One exchange in virtual time: live against the simulated device, or against bytes that are known.
-// The engine's own driver of an exchange is between them, with its timers.
+// Runs one exchange in virtual time with the engine's own driver and timers, against the simulated
+// device or against given bytes.
 #pragma once
 
 #include <memory>
@@ -17,10 +17,10 @@ struct RunOutcome {
   bool done = false;
   Cause cause = Cause::kNone;
   std::uint16_t code = 0;
-  Reply reply;                 // when done
-  std::vector<Bytes> sent;     // every request
-  std::vector<Bytes> answers;  // what came after each
-  // A value, or a device's refusal: what a disturbed answer must not turn into.
+  Reply reply;                 // if done
+  std::vector<Bytes> sent;     // all requests
+  std::vector<Bytes> answers;  // bytes received after each request
+  // True for a value or a device error: a disturbed response must not become one of these.
   [[nodiscard]] bool says_something() const {
     return done || cause == Cause::kDeviceError || cause == Cause::kDeviceBusy;
   }
@@ -28,7 +28,7 @@ struct RunOutcome {
   [[nodiscard]] std::string text() const;
 };
 
-// A subject's device on a line of its own.
+// A subject's device on its own line.
 class LiveDevice {
  public:
   explicit LiveDevice(const Subject& subject, const BusFaults& faults = {});
@@ -43,7 +43,7 @@ class LiveDevice {
   Instant now_{};
 };
 
-// answers[n] comes after the n-th send, in pieces that end at `cuts`; afterwards silence.
+// Replays answers[n] after the n-th request, in pieces that end at `cuts`; afterwards silence.
 [[nodiscard]] RunOutcome replay(std::unique_ptr<Exchange> exchange, const LineFormat& line,
                                 std::span<const Bytes> answers,
                                 std::span<const std::size_t> cuts = {});

@@ -14,7 +14,7 @@ std::string number(std::uint32_t number, int base) {
   return {text, end};
 }
 
-// As the declaration spells numbers; hexadecimal digits in either case.
+// Uses the base of the declaration; hexadecimal digits in both cases.
 void add_numbered(const declared::DeclaredArea& area, std::vector<std::string>& all) {
   const std::uint32_t last = area.origin + area.items - 1;
   const auto add = [&](std::uint32_t item) {

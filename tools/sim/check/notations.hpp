@@ -1,5 +1,5 @@
-// Every way in which an address of a protocol can be written: what the bridge accepts, the
-// simulated device must accept too, and mean the same item.
+// Lists all notations of an address. The simulated device must accept what the bridge accepts, and
+// use the same item.
 #pragma once
 
 #include <string>
@@ -9,12 +9,11 @@
 
 namespace fieldcast::sim {
 
-// For each form of the notation one address or more; of a declaration those of its areas and
-// records.
+// Returns at least one address of each form; for a declaration, of its areas and records.
 [[nodiscard]] std::vector<std::string> notations_of(const Subject& subject);
 
-// The type that an address suggests by itself: a bool for a bit, else an unsigned number as wide as
-// the address says, or a text for a declared one.
+// Default type of an address: bool for a bit, else an unsigned number of its width, or a text if
+// declared.
 [[nodiscard]] Encoding natural_encoding(const ParsedAddress& address, const Area& area,
                                         const declared::Declaration* declaration);
 

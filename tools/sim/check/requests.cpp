@@ -14,7 +14,7 @@ Requests::Requests(const Subject& subject) : subject_(subject), protocol_(subjec
 
 namespace {
 
-// What the field that brings a place says of it.
+// Copies the properties of the field that contains the place.
 void describe(const declared::Frame& frame, Slot& slot) {
   for (std::size_t i = 0; i < frame.fields.size(); ++i) {
     const declared::Field& field = frame.fields[i];
@@ -28,7 +28,7 @@ void describe(const declared::Frame& frame, Slot& slot) {
   }
 }
 
-// Letters, none of which ends the text; an odd text leaves its last byte empty.
+// Letters without the end character; an odd text leaves its last byte empty.
 Bytes text_contents(const Slot& slot, std::mt19937& random) {
   Bytes image(image_bytes(slot.item_bits, slot.range.count));
   for (std::size_t i = 0; i < std::min<std::size_t>(slot.text_bytes, image.size()); ++i) {
@@ -89,7 +89,7 @@ std::optional<Range> Requests::largest_write(AreaIndex area) const {
 std::vector<NamedRequest> Requests::examples() const {
   std::vector<NamedRequest> all;
   ReadRequest list;
-  // Widths of items of which the largest read is there: one of each is enough.
+  // Item widths that already have a largest read: one for each width is enough.
   std::set<unsigned> large;
   const auto add = [&](const std::string& name, Request request) {
     if (allows(request)) all.push_back({name, std::move(request)});

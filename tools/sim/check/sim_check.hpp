@@ -1,4 +1,4 @@
-// The whole matrix of a protocol: its master against its simulated device, in virtual time.
+// Tests the master of a protocol against its simulated device in virtual time.
 #pragma once
 
 #include <functional>
@@ -8,21 +8,17 @@
 
 namespace fieldcast::sim {
 
-// Every check of one subject. Deterministic; some seconds at most. `on_share` is told how much of
-// it is done, of 1.
+// Runs all checks of one subject. Deterministic; lasts some seconds at most. `on_share` receives
+// the finished share, 0..1.
 [[nodiscard]] CheckRows sim_check(const Subject& subject,
                                   const std::function<void(double share)>& on_share = {});
 
-// Its parts. `rows` come behind those that are there.
-// Every area and type: written, read and read back.
+// Parts of sim_check(); each appends to `rows`.
 void check_values(const Subject& subject, CheckRows& rows);
-// Every form of an address means the same items on both ends.
 void check_notation(const Subject& subject, CheckRows& rows);
-// Splits, truncations, flipped bits, noise before.
+// Splits, truncations, flipped bits, leading noise.
 void check_answers(const Subject& subject, CheckRows& rows);
-// Refusals, silence, wrong station.
 void check_troubles(const Subject& subject, CheckRows& rows);
-// Late answers, with the whole engine.
 void check_late(const Subject& subject, CheckRows& rows);
 
 }  // namespace fieldcast::sim

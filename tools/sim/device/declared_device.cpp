@@ -14,12 +14,12 @@ using declared::Field;
 using declared::FieldKind;
 using declared::Operation;
 
-// For items that are not there, where the declaration gives the number a meaning.
+// For missing items, if the declaration defines this code.
 constexpr std::uint8_t kAddressCode = 2;
 
 class DeclaredReceiver : public Receiver {
  public:
-  // Three characters: less than any master's rest before it asks again.
+  // Three characters: less than the pause of any master before its next request.
   DeclaredReceiver(DeclaredDevice& device, const LineFormat& line, bool stream)
       : device_(device),
         character_(line.characters(1)),
@@ -176,7 +176,7 @@ void DeclaredDevice::store(const Operation& operation, const DeclaredText& text)
   ++statistics_.write_requests;
 }
 
-// What the answer is made of: the items asked for, or the record as it is now.
+// Sets the data of the response: the requested items, or the current record.
 void DeclaredDevice::fill(const Operation& operation, Instant now, DeclaredText& text) const {
   text.items.clear();
   if (!declaration_->areas[operation.area].record) {
@@ -207,7 +207,7 @@ std::optional<ItemAddress> DeclaredDevice::parse_address(std::string_view at) co
   const std::size_t dot = at.rfind('.');
   const std::uint64_t bit =
       dot == std::string_view::npos ? kNone : address_number(at.substr(dot + 1)).value_or(kNone);
-  // Values of records first, then numbers behind a prefix.
+  // Tries names of record values first, then numbers with a prefix.
   for (std::size_t i = 0; i < declaration_->areas.size(); ++i) {
     for (const declared::Place& place : declaration_->areas[i].places) {
       if (at == place.name) return ItemAddress{i, place.first, {}};

@@ -1,9 +1,8 @@
-// A simulated device of a declared protocol: it answers what the declaration says, from a memory
-// like that of any other.
+// A simulated device of a declared protocol.
 //
-// What fits no request makes it wait for a silence; a request for another address too, for its
-// answer may look like anything. Where the declaration has an error frame it refuses, elsewhere it
-// stays silent.
+// After bytes that match no request, or a request to another address, it waits for a silence,
+// because the response of the other device can have any form. It refuses a request only if the
+// declaration has an error frame; otherwise it stays silent.
 #pragma once
 
 #include <memory>
@@ -31,7 +30,7 @@ class DeclaredDevice : public SimDevice {
   [[nodiscard]] ItemMemory& memory() { return memory_; }
 
   enum class Taken : std::uint8_t { kMore, kDone, kNothing };
-  // All since the last silence or answer. kDone with an empty answer: silence is right.
+  // Parses all bytes since the last silence or response. kDone with an empty `answer`: stay silent.
   [[nodiscard]] Taken take(ByteView bytes, Instant now, Bytes& answer);
   [[nodiscard]] std::optional<ItemAddress> parse_address(std::string_view at) const;
 
@@ -52,12 +51,11 @@ class DeclaredDevice : public SimDevice {
   DeviceStatistics statistics_;
 };
 
-// Names of the areas whose items a fault can name.
+// Area names that a fault may use.
 [[nodiscard]] std::vector<std::string_view> declared_area_names(
     const declared::Declaration& declaration);
 
-// Refuses, with a text for people, an address that the declaration does not have, and a channel
-// whose address it does not know.
+// Fails with a human-readable text for an invalid device address or channel address.
 [[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_declared_device(
     const DeviceSetup& setup);
 

@@ -18,8 +18,8 @@ std::uint64_t mask(unsigned bits) {
   return bits >= 64 ? UINT64_MAX : (std::uint64_t{1} << bits) - 1;
 }
 
-// The characters of a word, highest first: bytes, or digits whose pairs are turned where the lowest
-// byte comes first.
+// Returns the characters of a word, most significant first: bytes, or pairs of digits if
+// little-endian.
 Bytes highest_first(ByteView characters, const Word& word) {
   Bytes turned(characters.begin(), characters.end());
   if (!word.little_endian) return turned;
@@ -57,14 +57,14 @@ Bytes characters_of(std::uint64_t number, const Word& word) {
       text.insert(text.begin(), static_cast<std::uint8_t>(number % base + (base == 10 ? '0' : 0)));
     }
   }
-  return highest_first(text, word);  // turning is its own inverse
+  return highest_first(text, word);  // the conversion is its own inverse
 }
 
 bool in_digits(const Field& field) {
   return field.word.notation == Notation::kHex && field.text.empty() && field.text_size == 0;
 }
 
-// Where each field begins, and the end; fields of one word begin together.
+// Start of each field, and the end of the frame; fields of one word have the same start.
 using Starts = std::array<std::size_t, declared::kMaxFields + 1>;
 
 Bytes summed(const Frame& frame, const Field& sum, ByteView bytes, const Starts& starts) {
@@ -94,7 +94,7 @@ class ParseRun {
     received_.text.count = operation.min_count;
   }
 
-  // Once.
+  // Call once.
   DeclaredMatch run() {
     for (at_ = 0; at_ < fields_.size(); ++at_) {
       starts_[at_] = offset_;
@@ -213,7 +213,8 @@ class ParseRun {
     }
   }
 
-  // What a length leaves for the one field of its span that has none of its own, in characters.
+  // Assigns the remaining length, in characters, to the field of the span without a length of its
+  // own.
   void length(const Field& field, std::uint64_t number) {
     auto left = static_cast<std::int64_t>(number) - field.plus;
     const Field* open = nullptr;
@@ -242,7 +243,7 @@ class ParseRun {
   const unsigned item_bits_;
   const ByteView bytes_;
   DeclaredMatch received_;
-  Starts starts_;  // up to the field that is examined
+  Starts starts_;  // up to the current field
   std::size_t at_ = 0, offset_ = 0;
   std::uint64_t word_ = 0;
   std::optional<std::size_t> told_;
@@ -290,8 +291,8 @@ DeclaredMatch on_request(const declared::Declaration& declaration,
 
 namespace {
 
-// The bytes of each field, without lengths and checksums. The parts of a word stand in the bytes of
-// the field that opens it.
+// Returns the bytes of each field, without lengths and checksums. The parts of a word are in the
+// field that opens it.
 std::vector<Bytes> parts_of(const Frame& frame, unsigned item_bits, const DeclaredText& text) {
   const auto& fields = frame.fields;
   std::vector<Bytes> parts(fields.size());
@@ -329,7 +330,7 @@ void put_lengths(const Frame& frame, std::vector<Bytes>& parts) {
   }
 }
 
-// In their order: a later checksum may cover an earlier one.
+// In order, because a later checksum may cover an earlier one.
 void put_checksums(const Frame& frame, const Starts& starts, Bytes& out) {
   for (std::size_t i = 0; i < frame.fields.size(); ++i) {
     const Field& field = frame.fields[i];

@@ -1,5 +1,4 @@
-// Upper-case hexadecimal and decimal digits as the simulated devices read and write them, apart
-// from the bridge's codec. Header only.
+// Digits of the simulated devices, independent of the bridge's codec. Header only.
 #pragma once
 
 #include <charconv>
@@ -11,7 +10,7 @@
 
 namespace fieldcast::sim {
 
-// Upper case alone: the standards know no other.
+// Accepts upper case only, as the standards define.
 [[nodiscard]] inline std::optional<unsigned> digit_of(std::uint8_t character) {
   constexpr std::string_view kDigits = "0123456789ABCDEF";
   const std::size_t at = kDigits.find(static_cast<char>(character));
@@ -19,7 +18,7 @@ namespace fieldcast::sim {
                                       : std::optional<unsigned>(static_cast<unsigned>(at));
 }
 
-// A whole column of digits; nothing when it is empty, longer than 16 or holds anything else.
+// Parses all digits; empty if the column is empty, longer than 16 or has another character.
 [[nodiscard]] inline std::optional<std::uint64_t> number_in(ByteView column, unsigned base = 16) {
   if (column.empty() || column.size() > 16) return std::nullopt;
   std::uint64_t number = 0;
@@ -35,7 +34,7 @@ namespace fieldcast::sim {
   return number_in(ByteView(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()), base);
 }
 
-// A number of an address: as many digits as one likes, hexadecimal ones in either case.
+// Parses a number of an address: any count of digits, hexadecimal in both cases.
 [[nodiscard]] inline std::optional<std::uint64_t> address_number(std::string_view text,
                                                                  int base = 10) {
   std::uint64_t number = 0;
@@ -50,7 +49,7 @@ inline void append_hex(Bytes& out, std::uint64_t number, unsigned digits) {
     out.push_back(static_cast<std::uint8_t>(kDigits[number >> 4 * left & 0x0Fu]));
 }
 
-// Pairs of digits; nothing for an odd count or any other character.
+// Parses pairs of digits; empty for an odd count or another character.
 [[nodiscard]] inline std::optional<Bytes> bytes_in(ByteView pairs) {
   Bytes bytes;
   for (std::size_t i = 0; i < pairs.size(); i += 2) {

@@ -24,8 +24,8 @@ bool crc_holds(ByteView message) {
   return message[message.size() - 2] == (crc & 0xFFu) && message[message.size() - 1] == crc >> 8;
 }
 
-// A packet that begins with anything but a head is noise: the receiver waits for silence, as after
-// a message that did not hold.
+// A packet without a valid flag is noise: the receiver waits for silence, as after an invalid
+// message.
 class DtcReceiver : public Receiver {
  public:
   DtcReceiver(DtcDevice& device, const LineFormat& line, bool stream)
@@ -67,7 +67,7 @@ class DtcReceiver : public Receiver {
   Instant last_ = kLongAgo;
 };
 
-// False: there is such an option, and it is no number up to `highest`.
+// Returns false if the option is set, but is not a number up to `highest`.
 bool read_option(const DeviceLink& link, const char* name, std::size_t highest,
                  std::size_t& value) {
   const auto found = link.options.find(name);

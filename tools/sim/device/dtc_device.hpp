@@ -1,12 +1,12 @@
-// A simulated DTC device. Written from the rules alone, apart from the bridge's codec: they share
-// the checksum.
+// A simulated DTC device. Implemented from the specification only, independent of the bridge's
+// codec except for the checksum.
 //
 //     packet    flag(1) length(2) body         flag 0: the message
 //                                              flag 1: the message's length(2), then LZW codes
 //     message   address command group.. CRC
 //
-// Its options are those of the bridge's side: max-message, and threshold for what it sends (`auto`
-// and none: 24 bytes).
+// Has the bridge's options max-message, and threshold for sent messages (default and `auto`: 24
+// bytes).
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ inline constexpr std::array<std::string_view, 5> kDtcAreaNames{"bit", "int16", "
                                                                "float64"};
 inline constexpr std::array<unsigned, 5> kDtcBits{1, 16, 32, 32, 64};  // of one variable
 
-// "int16:100" or "int16:100.3", read apart from the bridge's own parser.
+// "int16:100" or "int16:100.3"; independent of the bridge's parser.
 [[nodiscard]] std::optional<ItemAddress> parse_dtc_address(std::string_view at);
 
 class DtcDevice : public SimDevice {
@@ -40,8 +40,8 @@ class DtcDevice : public SimDevice {
   }
   [[nodiscard]] ItemMemory& memory() { return memory_; }
 
-  // The body of a packet that was received whole. The packet to answer with, or nothing where
-  // silence is right. False: it was broken.
+  // Processes the body of a complete packet. Sets `answer`, or leaves it empty to stay silent.
+  // Returns false for an invalid packet.
   bool take(bool compressed, ByteView body, Instant now, Bytes& answer);
 
  private:
@@ -51,7 +51,7 @@ class DtcDevice : public SimDevice {
     ByteView data;  // of a write
   };
   [[nodiscard]] Bytes execute(ByteView message, Instant now);
-  // The groups, or the code that refuses them.
+  // Parses the groups, or fails with the refusal code.
   [[nodiscard]] tl::expected<std::vector<Group>, std::uint8_t> groups_of(ByteView bytes,
                                                                          bool write) const;
   [[nodiscard]] std::uint8_t refusal_of(const Group& group) const;  // 0: none
@@ -67,8 +67,8 @@ class DtcDevice : public SimDevice {
   DeviceStatistics statistics_;
 };
 
-// Refuses, with a text for people, an address outside 0..255, an option that is no number, and a
-// channel whose address is no variable.
+// Fails with a human-readable text for an address outside 0..255, an invalid option, or a channel
+// address that is not a variable.
 [[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_dtc_device(
     const DeviceSetup& setup);
 

@@ -10,13 +10,13 @@ namespace {
 
 constexpr unsigned kFull = 4096;
 
-// Of the k-th code: what the highest number that can stand there takes.
+// Width of the k-th code: bits of the highest possible code.
 int bits_of_code(unsigned k) { return std::bit_width(std::min(15 + k, kFull - 1)); }
 
 }  // namespace
 
 Bytes dtc_compress(ByteView message) {
-  // String and nibble behind it -> string.
+  // (code of a string, next nibble) -> code of the longer string.
   std::map<std::pair<unsigned, unsigned>, unsigned> longer;
   Bytes out;
   unsigned next = 16, k = 0, room = 0;
@@ -62,8 +62,8 @@ std::optional<Bytes> dtc_expand(ByteView codes, std::size_t length) {
       if (bit / 8 >= codes.size()) return std::nullopt;
       code = code << 1 | (codes[bit / 8] >> (7 - bit % 8) & 1u);
     }
-    // The entry that the encoder made after its last code: that string, and the first nibble of
-    // this one.
+    // The entry that the encoder added after its previous code: that string and the first nibble of
+    // the current one.
     if (k > 0 && entries.size() < kFull) {
       if (code > entries.size()) return std::nullopt;
       const Entry head = entries[previous];

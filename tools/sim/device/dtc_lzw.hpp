@@ -1,4 +1,4 @@
-// LZW over nibbles as a DTC device does it, written apart from the bridge's own.
+// LZW over nibbles for the simulated DTC device, independent of the bridge's implementation.
 #pragma once
 
 #include <optional>
@@ -7,10 +7,9 @@
 
 namespace fieldcast::sim {
 
-// Codes, packed into bytes.
 [[nodiscard]] Bytes dtc_compress(ByteView message);
 
-// Nothing: these codes do not give `length` bytes. REQUIRES: length <= 4096.
+// Empty if the codes do not decode to `length` bytes. REQUIRES: length <= 4096.
 [[nodiscard]] std::optional<Bytes> dtc_expand(ByteView codes, std::size_t length);
 
 }  // namespace fieldcast::sim

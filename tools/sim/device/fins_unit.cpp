@@ -12,7 +12,7 @@ constexpr std::size_t kAddressSize = 4, kMostAnswer = 538, kMostItems = 128;
 constexpr std::uint16_t kUndefined = 0x0401, kCommandTooLong = 0x1001, kCommandTooShort = 0x1002,
                         kCountDiffers = 0x1003, kNoArea = 0x1101, kStartOutside = 0x1103,
                         kEndOutside = 0x1104, kAnswerTooLong = 0x110B, kParameter = 0x110C;
-// A CPU with the banks of EM that this one has.
+// A CPU with 13 EM banks, as simulated here.
 constexpr std::string_view kCpuModel = "CS1H-CPU67H", kCpuVersion = "04.00";
 constexpr std::size_t kCpuText = 20, kCpuSystem = 40, kCpuAreas = 12, kBusUnits = 65;
 
@@ -49,7 +49,7 @@ FinsUnit::Result FinsUnit::dispatch(std::uint16_t command, ByteView text, Instan
     case 0x0401: mode_ = text.size() >= 3 ? text[2] : std::uint8_t{2}; return {};
     case 0x0402: mode_ = 0; return {};
     case 0x0501: return cpu_data(text);
-    case 0x0601: {  // status, mode, errors, and a message of sixteen characters
+    case 0x0601: {  // status, mode, errors, and a message of 16 characters
       Bytes data{static_cast<std::uint8_t>(mode_ == 0 ? 0x04 : 0x05), mode_};
       data.resize(10);
       data.insert(data.end(), 16, ' ');
@@ -67,7 +67,7 @@ std::optional<FinsUnit::Address> FinsUnit::address_of(ByteView bytes) {
     const unsigned banks = area == kOmronEm ? kOmronEmBanks : 1;
     const bool words = row.word_code != 0 && code >= row.word_code && code < row.word_code + banks;
     const bool bits = row.bit_code != 0 && code >= row.bit_code && code < row.bit_code + banks;
-    // Timers and counters share a code and are told apart by their numbers.
+    // Timers and counters share a code; the number distinguishes them.
     const bool counters = number >= 0x8000;
     const bool shared = code == 0x89 || code == 0x09;
     if ((!words && !bits) || (shared && counters != (row.fins_first != 0))) continue;
@@ -148,7 +148,8 @@ FinsUnit::Result FinsUnit::write(ByteView text, Instant now) {
   if (count == 0) return {kParameter, {}};
   const ByteView data = text.subspan(kAddressSize + 2);
   if (data.size() != count * item_size(*address)) return {kCountDiffers, {}};
-  if (kOmronAreas[address->area].bits == 1) return {kNoArea, {}};  // flags are forced, not written
+  // flags can be forced, not written
+  if (kOmronAreas[address->area].bits == 1) return {kNoArea, {}};
   if (const std::uint16_t code = refusal(*address, count); code != 0) return {code, {}};
   store(*address, count, data, now);
   return {};
@@ -199,8 +200,8 @@ FinsUnit::Result FinsUnit::transfer(ByteView text, Instant now) {
   return {};
 }
 
-// [00: the CPU, 01: units on its bus] -> model(20) version(20) for the system(40) areas(12);
-// 01: 64 bytes of units and one of remote I/O; nothing: both (W342, 5-3-15).
+// [00: the CPU, 01: units on its bus] -> model(20) version(20) for the system(40) areas(12); 01: 64
+// bytes of units and one of remote I/O; no parameter: both (W342, 5-3-15).
 FinsUnit::Result FinsUnit::cpu_data(ByteView text) {
   if (text.size() > 1) return {kCommandTooLong, {}};
   if (!text.empty() && text[0] > 1) return {kParameter, {}};

@@ -1,10 +1,9 @@
-// A simulated Omron PLC at the level of FINS: a message in, the answer's message out (Omron W342).
-// Borrows the PLC's memory.
+// A simulated Omron PLC on the level of FINS messages (Omron W342). Does not own the PLC's memory.
 //
 //     direct    ICF 00, DA2, SA2, SID, command(2), text
-//     answer    ICF 40, the same, command, end code(2), data
+//     response  ICF 40, the same, command, end code(2), data
 //     relayed   ICF 80, RSV, GCT, destination(3), source(3), SID, command(2), text
-//     answer    ICF C0, source and destination exchanged
+//     response  ICF C0, source and destination exchanged
 #pragma once
 
 #include "tools/sim/device/device.hpp"
@@ -17,15 +16,14 @@ class FinsUnit {
   FinsUnit(ItemMemory& memory, DeviceStatistics& statistics)
       : memory_(memory), statistics_(statistics) {}
 
-  // Empty for what is too short to be a message.
+  // Returns an empty response if the message is too short.
   [[nodiscard]] Bytes execute(ByteView message, Instant now);
 
  private:
-  // What area, address and bit name.
   struct Address {
     std::size_t area = 0;
     std::uint32_t first = 0;
-    std::optional<std::uint8_t> bit;  // of a word: `count` runs over bits
+    std::optional<std::uint8_t> bit;  // bit of a word: `count` counts bits
   };
   struct Result {
     std::uint16_t end = 0;

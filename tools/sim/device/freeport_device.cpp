@@ -13,14 +13,14 @@ namespace {
 constexpr std::size_t kRequest = 17, kAnswer = 12, kRefusal = 7, kMostReceived = 64;
 enum Code : std::uint8_t { kCheck = 1, kLength, kDigits, kCommand };
 
-// No data can look like a mark: `q` begins a frame wherever it stands.
+// Data never contains `q`, so it starts a frame at any position.
 class FreeportReceiver : public Receiver {
  public:
   explicit FreeportReceiver(FreeportDevice& device) : device_(device) {}
   void on_character(std::uint8_t character, Instant end, Reaction& reaction) override {
     if (character == 'q') frame_.clear();
     if (frame_.empty() && character != 'q') return;
-    if (frame_.size() == kMostReceived) return;  // a babbling line; the next `q` ends it
+    if (frame_.size() == kMostReceived) return;  // babble; the next `q` ends it
     frame_.push_back(character);
     if (character != 'Q') return;
     reaction.answer = device_.take(frame_, end);
@@ -56,7 +56,7 @@ std::optional<ItemAddress> parse_window(std::string_view at) {
   return address;
 }
 
-// A window is there whole, whatever channels are cut out of it.
+// The whole window exists, even if channels use only parts of it.
 DeviceSetup whole_window(DeviceSetup setup) {
   setup.only_configured = false;
   return setup;

@@ -1,14 +1,13 @@
-// A simulated S7-200 station with the freeport program. Written from the rules alone, apart from
-// the bridge's codec: they share the XOR.
+// A simulated S7-200 station with the freeport program. Implemented from the specification only,
+// independent of the bridge's codec except for the XOR.
 //
 //     request   q DT DA DA LE LE DU*8 FC FC Q     17 characters
-//     answer    q DU*8 FC FC Q                    12
+//     response  q DU*8 FC FC Q                    12
 //     refusal   q E CC CC FC FC Q                  7
 //
-// Codes of a refusal: 01 check, 02 length, 03 digits, 04 command.
+// Refusal codes: 01 check, 02 length, 03 digits, 04 command.
 //
-// Its program shows what is written to it in its read window, but for bytes of channels that are
-// read-only.
+// The program copies written bytes to its read window, except bytes of read-only channels.
 #pragma once
 
 #include <array>
@@ -37,7 +36,7 @@ class FreeportDevice : public SimDevice {
   }
   [[nodiscard]] ItemMemory& memory() { return memory_; }
 
-  // A frame from `q` to `Q`. What to answer; empty where silence is right.
+  // Processes a frame from `q` to `Q`. Returns the response; empty to stay silent.
   [[nodiscard]] Bytes take(ByteView frame, Instant now);
 
  private:
@@ -47,15 +46,15 @@ class FreeportDevice : public SimDevice {
   [[nodiscard]] Bytes store(ByteView data, std::uint32_t length);
 
   const std::uint8_t station_;
-  const char read_, write_;  // the letters that its program takes for them
+  const char read_, write_;  // command letters of the program
   ItemMemory memory_;
   std::array<std::uint8_t, kBytes> written_{};
   std::array<bool, kBytes> mirrored_;
   DeviceStatistics statistics_;
 };
 
-// Refuses, with a text for people, a station outside 0..255, and a channel whose address is no
-// place in the window.
+// Fails with a human-readable text for a station outside 0..255 or a channel address outside the
+// window.
 [[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_freeport_device(
     const DeviceSetup& setup);
 

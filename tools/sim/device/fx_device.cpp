@@ -29,7 +29,7 @@ enum Area : std::size_t {
   kAreas
 };
 
-// Where an area's items begin in an address map, and how many of them it shows.
+// Start of an area in an address map, and its number of items there.
 struct Segment {
   Area area;
   std::uint32_t base, items;
@@ -42,7 +42,7 @@ constexpr Segment kClassic[] = {{kS, 0x0000, 1000},    {kX, 0x0080, 256},  {kY, 
 constexpr Segment kExtended[] = {{kC, 0x0A00, 200},     {kT, 0x1000, 320},  {kD, 0x4000, 8000},
                                  {kD8000, 0x8000, 512}, {kM, 0x8800, 7680}, {kY, 0x8BC0, 256},
                                  {kM8000, 0x8C00, 512}, {kX, 0x8CA0, 256},  {kS, 0x8CE0, 4096}};
-// The same for the bits that are forced, each with an address of its own.
+// The same for forced bits, each of which has its own address.
 constexpr Segment kClassicForce[] = {{kS, 0x0000, 1000},   {kX, 0x0400, 256},  {kY, 0x0500, 256},
                                      {kTs, 0x0600, 256},   {kM, 0x0800, 1536}, {kCs, 0x0E00, 256},
                                      {kM8000, 0x0F00, 256}};
@@ -60,7 +60,7 @@ std::vector<ItemArea> fx_areas() {
   return areas;
 }
 
-// Inside a frame everything but STX belongs to it, an ENQ too: a flipped bit makes one of an `E`.
+// Within a frame only STX is special. An ENQ is data, because a flipped bit changes `E` to ENQ.
 class FxReceiver : public Receiver {
  public:
   explicit FxReceiver(FxDevice& device) : device_(device) {}
@@ -226,7 +226,7 @@ Bytes FxDevice::write(bool extended, ByteView range, Instant now) {
   return {kAck};
 }
 
-// address(4), its low pair of digits first -> 06
+// address(4), low pair of digits first -> 06
 Bytes FxDevice::force(bool extended, ByteView range, bool on) {
   const auto turned = range.size() == 4 ? number_in(range) : std::nullopt;
   if (!turned) return {kNak};

@@ -1,11 +1,11 @@
-// A simulated Mitsubishi FX at its programming port. Written from the rules alone, apart from the
-// bridge's codec: they share the sum.
+// A simulated Mitsubishi FX at its programming port. Implemented from the specification only,
+// independent of the bridge's codec except for the sum.
 //
 //     ENQ 05                               ->  ACK 06
-//     02 command address(4) .. 03 sum(2)   ->  02 data 03 sum(2), or 06; 15 where it refuses
+//     02 command address(4) .. 03 sum(2)   ->  02 data 03 sum(2), or 06; 15 to refuse
 //
-// The classic commands 0, 1, 7, 8 and the extended E00, E10, E7, E8 with their own address map. One
-// PLC to a port: it has no address.
+// Supports the classic commands 0, 1, 7, 8 and the extended E00, E10, E7, E8 with their own address
+// map. A port has one PLC without an address.
 #pragma once
 
 #include <array>
@@ -35,7 +35,7 @@ class FxDevice : public SimDevice {
   }
   [[nodiscard]] ItemMemory& memory() { return memory_; }
 
-  // What stands between STX and the sum, ETX included, and the sum's two digits.
+  // `text`: after STX up to and including ETX; `sum`: its two digits.
   [[nodiscard]] Bytes take(ByteView text, ByteView sum, Instant now);
 
  private:
@@ -43,7 +43,7 @@ class FxDevice : public SimDevice {
   struct Cell {
     std::size_t area = 0;
     std::uint32_t item = 0;
-    unsigned byte = 0;  // of the item, the lowest first
+    unsigned byte = 0;  // index in the item, lowest first
   };
   [[nodiscard]] std::optional<Cell> cell_at(bool extended, std::uint32_t address) const;
   [[nodiscard]] bool refuses(const Cell& cell) const;
@@ -59,7 +59,7 @@ class FxDevice : public SimDevice {
   DeviceStatistics statistics_;
 };
 
-// Refuses, with a text for people, a channel whose address is no device of an FX.
+// Fails with a human-readable text for an invalid channel address.
 [[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_fx_device(
     const DeviceSetup& setup);
 

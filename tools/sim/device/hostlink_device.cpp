@@ -10,11 +10,11 @@
 namespace fieldcast::sim {
 namespace {
 
-constexpr std::size_t kMostCMode = 131, kMostFins = 1114;  // characters with the CR
+constexpr std::size_t kMostCMode = 131, kMostFins = 1114;  // characters including CR
 constexpr std::size_t kReadFirst = 120, kReadLater = 124, kFlagsFirst = 121, kFlagsLater = 124,
                       kWriteLater = 124;
 
-// CR ends a frame, `@` begins one wherever it stands. Other stations' lines come by as well.
+// CR ends a frame; `@` starts one at any position. Also receives the lines of other stations.
 class HostLinkReceiver : public Receiver {
  public:
   explicit HostLinkReceiver(HostLinkDevice& device) : device_(device) {}
@@ -88,7 +88,7 @@ void HostLinkDevice::take(ByteView line, Instant now, Reaction& reaction) {
   if (!line.empty() && line[0] == '@') return take_command(line, now, reaction);
   if (!writing_.empty()) return take_write_part(line, reaction);
   if (to_come_.empty()) return;
-  reaction.answer = to_come_.front();  // whatever is said now counts as the delimiter
+  reaction.answer = to_come_.front();  // any line counts as the delimiter
   to_come_.pop_front();
 }
 
@@ -170,7 +170,7 @@ tl::expected<HostLinkDevice::Address, std::string> HostLinkDevice::address_of(
   return tl::unexpected(std::string("15"));
 }
 
-// first(4 decimal; EM's bank before it) count(4 decimal)
+// first(4 decimal; EM with the bank before it) count(4 decimal)
 Bytes HostLinkDevice::read(const Command& command, Instant now) {
   const char letter = command.header[1];
   const std::size_t digits = address_digits(letter);
@@ -197,7 +197,7 @@ Bytes HostLinkDevice::read(const Command& command, Instant now) {
   return first;
 }
 
-// first item, data; what does not fit into one frame goes on in others
+// first item, data; further frames have the rest of the data
 Bytes HostLinkDevice::begin_write(const Command& command) {
   const std::size_t digits = address_digits(command.header[1]);
   if (command.text.size() <= digits) return answer(command.header, "14");

@@ -1,9 +1,9 @@
-// A simulated Omron PLC at its Host Link port: C-mode commands with replies and writes of several
-// frames, and FINS inside (header FA). Written from the rules alone, apart from the bridge's codec:
-// they share the XOR.
+// A simulated Omron PLC at its Host Link port: C-mode commands, including replies and writes of
+// several frames, and FINS (header FA). Implemented from the specification only, independent of the
+// bridge's codec except for the XOR.
 //
 //     @ uu HH text FCS * CR        ->  @ uu HH ee data FCS * CR
-//     .. FCS CR                        an unfinished frame: a lone CR asks for the next one
+//     .. FCS CR                        an unfinished frame: a lone CR requests the next one
 #pragma once
 
 #include <deque>
@@ -31,15 +31,15 @@ class HostLinkDevice : public SimDevice {
   }
   [[nodiscard]] ItemMemory& memory() { return memory_; }
 
-  // Everything up to a CR, which is left out; with `@` at its front, or none for a delimiter or a
-  // later frame of a write.
+  // Processes a line without its CR. It starts with `@`, unless it is a delimiter or a later frame
+  // of a write.
   void take(ByteView line, Instant now, Reaction& reaction);
 
  private:
   struct Command {
     std::string header;
-    std::string text;  // behind the header
-    bool last = true;  // it ended in `*`
+    std::string text;  // after the header
+    bool last = true;  // ended with `*`
   };
   struct Address {
     std::size_t area = 0;
@@ -52,7 +52,7 @@ class HostLinkDevice : public SimDevice {
   [[nodiscard]] Bytes begin_write(const Command& command);
   [[nodiscard]] Bytes finish_write();
   [[nodiscard]] Bytes fins(const Command& command, Instant now, Duration& pause);
-  // The digits that name the first item, and what follows them; or the end code that refuses them.
+  // Parses the digits of the first item, or fails with the end code.
   [[nodiscard]] tl::expected<Address, std::string> address_of(char letter, std::string_view digits,
                                                               std::uint32_t count) const;
   [[nodiscard]] std::uint8_t refusal(const Address& address, std::uint32_t count) const;
@@ -64,15 +64,14 @@ class HostLinkDevice : public SimDevice {
   ItemMemory memory_;
   DeviceStatistics statistics_;
   FinsUnit fins_;
-  unsigned mode_ = 2;          // as SC sets it: 0 PROGRAM, 2 MONITOR, 3 RUN
+  unsigned mode_ = 2;          // set by SC: 0 PROGRAM, 2 MONITOR, 3 RUN
   std::deque<Bytes> to_come_;  // frames of a reply that wait for a delimiter
-  std::string writing_;        // header of the write whose frames are still to come
-  std::string write_address_;  // its first item, as digits
-  std::string write_data_;     // so far
+  std::string writing_;        // header of the unfinished write
+  std::string write_address_;  // first item of the write, as digits
+  std::string write_data_;     // received so far
 };
 
-// Refuses, with a text for people, a unit outside 0..31, and a channel whose address the PLC does
-// not know.
+// Fails with a human-readable text for a unit outside 0..31 or an invalid channel address.
 [[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_hostlink_device(
     const DeviceSetup& setup);
 

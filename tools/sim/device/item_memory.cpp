@@ -20,14 +20,15 @@ std::uint32_t items_for(const Encoding& encoding, unsigned width) {
   return (waveform_bits(encoding) + width - 1) / width;
 }
 
-// Bit items have no bytes whose order could be turned.
+// Bit items have no byte order.
 Encoding in_bits(Encoding encoding) {
   encoding.word_order = WordOrder::kBigEndian;
   encoding.byte_order = ByteOrder::kBigEndian;
   return encoding;
 }
 
-// The value's bytes, filled up to whole items: a text behind, a number in front with its sign.
+// Returns the bytes of the value, padded to whole items: a text at the end, a number at the front
+// with its sign.
 Bytes image_of(const Encoding& encoding, const std::vector<std::uint16_t>& registers,
                unsigned width) {
   Bytes image;
@@ -99,7 +100,7 @@ std::uint64_t ItemMemory::bits_of(const Part& part, unsigned width, Instant now)
 std::uint64_t ItemMemory::read(std::size_t area, std::uint32_t item, Instant now) const {
   if (const auto found = written_[area].find(item); found != written_[area].end())
     return found->second;
-  std::uint64_t bits = 0;  // of several channels where each is one bit
+  std::uint64_t bits = 0;  // several channels may be single bits of the item
   const auto [begin, end] = parts_[area].equal_range(item);
   for (auto part = begin; part != end; ++part)
     bits |= bits_of(part->second, areas_[area].bits, now);

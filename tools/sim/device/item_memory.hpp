@@ -1,5 +1,5 @@
-// The memory of a simulated device as numbered items of several areas: what was written, the live
-// values of its channels, and what is refused. Owned by one device.
+// Memory of a simulated device as numbered items of several areas: written values, live values of
+// channels, and refused ranges. Owned by one device.
 #pragma once
 
 #include <cstdint>
@@ -22,45 +22,45 @@ struct ItemArea {
   std::uint32_t items = 65536;
 };
 
-// The item where a channel begins.
+// First item of a channel.
 struct ItemAddress {
   std::size_t area = 0;
   std::uint32_t first = 0;
-  std::optional<std::uint8_t> bit;  // of an item wider than a bit; of a byte in it the lowest one
+  std::optional<std::uint8_t> bit;  // bit of an item wider than a bit; for a byte its lowest bit
 };
 
 class ItemMemory {
  public:
   ItemMemory(std::vector<ItemArea> areas, const DeviceSetup& setup);
 
-  // A configured channel: its items follow the waveform until they are written. Items narrower than
-  // the value hold it from its highest byte on, bit items from its lowest bit; one wider than the
-  // value holds it alone. False: it does not fit into its area.
+  // Adds a channel: its items follow the waveform until they are written. Items narrower than the
+  // value contain it from its highest byte on, bit items from its lowest bit. An item wider than
+  // the value contains only this value. Returns false if it exceeds the area.
   bool add_channel(const ItemAddress& at, const Encoding& encoding, const Waveform& waveform);
-  // All channels of the setup, whose addresses `parse` understands; or what is wrong with one, for
-  // people.
+  // Adds all channels of the setup; `parse` parses their addresses. Fails with a human-readable
+  // text.
   [[nodiscard]] tl::expected<void, std::string> add_channels(
       const DeviceSetup& setup,
       const std::function<std::optional<ItemAddress>(std::string_view at)>& parse);
 
-  // The bits of an item, right-aligned. REQUIRES: the area and the item exist.
+  // Returns the bits, right-aligned. REQUIRES: the area and the item exist.
   [[nodiscard]] std::uint64_t read(std::size_t area, std::uint32_t item, Instant now) const;
-  // What is written stays.
+  // The item keeps the written value.
   void write(std::size_t area, std::uint32_t item, std::uint64_t bits) {
     written_[area][item] = bits;
   }
-  // By a master: counted.
+  // Write of a master: counted.
   void write(std::size_t area, std::uint32_t item, std::uint64_t bits,
              DeviceStatistics& statistics);
 
-  // The code of the refused range that these items touch; `missing` where they do not exist; 0:
-  // nothing refuses them.
+  // Returns the code of the refused range that contains one of the items, `missing` if they do not
+  // exist, or 0.
   [[nodiscard]] std::uint8_t refusal(std::size_t area, std::uint32_t first, std::uint32_t count,
                                      std::uint8_t missing) const;
   [[nodiscard]] bool configured(std::size_t area, std::uint32_t item) const {
     return parts_[area].contains(item);
   }
-  // For SimDevice.
+  // Implement SimDevice.
   [[nodiscard]] std::optional<std::uint64_t> peek(std::string_view area, std::uint32_t item,
                                                   Instant now) const;
   bool poke(std::string_view area, std::uint32_t item, std::uint64_t bits);
@@ -73,7 +73,7 @@ class ItemMemory {
   };
   struct Part {
     std::size_t channel = 0;
-    unsigned index = 0;  // of the channel's items
+    unsigned index = 0;  // index among the items of the channel
   };
   [[nodiscard]] std::optional<std::size_t> find(std::string_view area, std::uint32_t item) const;
   [[nodiscard]] std::uint64_t bits_of(const Part& part, unsigned width, Instant now) const;

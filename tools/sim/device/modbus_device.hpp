@@ -1,4 +1,4 @@
-// Simulated Modbus devices: memory and functions of a ModbusUnit under one of the three framings.
+// Simulated Modbus devices: a ModbusUnit with one of three framings.
 #pragma once
 
 #include <memory>
@@ -8,8 +8,8 @@
 
 namespace fieldcast::sim {
 
-// Refuses, with a text for people, a unit outside 1..247 (0..255 on TCP) and a channel whose
-// address is no Modbus address.
+// Each fails with a human-readable text for a unit outside 1..247 (0..255 on TCP) or an invalid
+// channel address.
 [[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_modbus_rtu_device(
     const DeviceSetup& setup);
 [[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_modbus_ascii_device(

@@ -6,7 +6,7 @@
 namespace fieldcast::sim {
 namespace {
 
-// Decimal, or hexadecimal behind 0x.
+// Decimal, or hexadecimal with the prefix 0x.
 std::optional<std::uint32_t> number(std::string_view text, std::uint32_t limit) {
   std::uint32_t value = 0;
   const bool hex = text.starts_with("0x") || text.starts_with("0X");
@@ -38,8 +38,8 @@ std::optional<ModbusAddress> parse_modbus_address(std::string_view at) {
     address.first = static_cast<std::uint16_t>(*first);
     return address;
   }
-  // The classic reference numbers: the first digit names the area, the rest counts from 1. Six
-  // digits reach all 65536 items.
+  // Classic reference numbers: the first digit is the area, the rest counts from 1. Six digits are
+  // needed for all 65536 items.
   if (at.size() != 5 && at.size() != 6) return std::nullopt;
   const auto rest = number(at.substr(1), ModbusMemory::kItems);
   if (!rest || *rest == 0) return std::nullopt;

@@ -9,10 +9,10 @@ namespace fieldcast::sim {
 namespace {
 
 constexpr std::size_t kMaxRtuFrame = 256;
-constexpr std::size_t kMaxAsciiDigits = 510;  // 513 less ':' CR LF
+constexpr std::size_t kMaxAsciiDigits = 510;  // 513 without ':' CR LF
 constexpr std::size_t kTcpHeader = 7;
 
-// Length of a whole RTU frame as far as its beginning tells.
+// Length of an RTU frame, as far as its first bytes determine it.
 struct Length {
   enum class Known : std::uint8_t { kYes, kNotYet, kNever } known;
   std::size_t bytes = 0;
@@ -21,7 +21,7 @@ constexpr Length kNotYet{Length::Known::kNotYet};
 constexpr Length kUnknowable{Length::Known::kNever};
 constexpr Length exactly(std::size_t bytes) { return {Length::Known::kYes, bytes}; }
 
-// fixed + the byte count that stands at `at`.
+// fixed + the byte count at `at`.
 Length counted(ByteView frame, std::size_t at, std::size_t fixed) {
   return frame.size() > at ? exactly(fixed + frame[at]) : kNotYet;
 }
@@ -77,7 +77,7 @@ bool crc_holds(ByteView frame) {
   return frame[frame.size() - 2] == (crc & 0xFFu) && frame[frame.size() - 1] == crc >> 8;
 }
 
-// Does the frame end with the character received last, if it has this length?
+// Whether the frame ends with the last received character.
 enum class Fit : std::uint8_t { kWhole, kOpen, kNot };
 Fit fit(Length length, ByteView frame) {
   if (length.known != Length::Known::kYes) return Fit::kOpen;
@@ -107,8 +107,8 @@ void RtuReceiver::on_character(std::uint8_t character, Instant end, Reaction& re
   if (lost_) return;
   frame_.push_back(character);
   const Fit as_request = fit(request_length(frame_), frame_);
-  // Answers on the line are those of the others: nobody else answers for this unit, and nobody for
-  // the broadcast.
+  // Responses on the line come from other units: no other unit responds for this one, and a
+  // broadcast has no response.
   const bool others = frame_[0] != 0 && frame_[0] != unit_.address();
   const Fit as_answer = others ? fit(answer_length(frame_), frame_) : Fit::kNot;
   const bool awaited =
@@ -130,7 +130,7 @@ void RtuReceiver::on_character(std::uint8_t character, Instant end, Reaction& re
   }
 }
 
-// A frame whose length its function does not tell ends here.
+// Ends a frame whose function does not determine its length.
 void RtuReceiver::on_silence(Instant now, Reaction& reaction) {
   if (!frame_.empty()) {
     const bool mine = frame_[0] == 0 || frame_[0] == unit_.address();
@@ -158,7 +158,7 @@ void RtuReceiver::answer(Instant now, Reaction& reaction) {
 }
 
 void AsciiReceiver::on_character(std::uint8_t character, Instant end, Reaction& reaction) {
-  if (character == ':') {  // begins a frame wherever it stands
+  if (character == ':') {  // starts a frame at any position
     digits_.clear();
     inside_ = true;
   } else if (inside_ && character == '\n') {
@@ -166,7 +166,7 @@ void AsciiReceiver::on_character(std::uint8_t character, Instant end, Reaction& 
     answer(end, reaction);
   } else if (inside_) {
     digits_.push_back(character);
-    if (digits_.size() > kMaxAsciiDigits + 1) {  // with the CR
+    if (digits_.size() > kMaxAsciiDigits + 1) {  // includes the CR
       ++unit_.statistics().bad_frames;
       inside_ = false;
     }
@@ -204,7 +204,7 @@ void TcpReceiver::on_character(std::uint8_t character, Instant end, Reaction& re
   if (read_u16(frame_, 2) != 0 || length < 2 || length > 1 + kMaxPdu) {
     ++unit_.statistics().bad_frames;
     frame_.clear();
-    reaction.hang_up = true;  // where the next frame would begin cannot be known
+    reaction.hang_up = true;  // the start of the next frame is unknown
     return;
   }
   if (frame_.size() < 6 + length) return;

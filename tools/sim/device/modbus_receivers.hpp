@@ -1,13 +1,13 @@
-// How a simulated Modbus device receives: the three framings.
+// Receivers of a simulated Modbus device for the three framings.
 //
-//   RTU    unit(1) PDU CRC lo, CRC hi                       256 bytes at most
-//   ASCII  ':' hex(unit PDU LRC) CR LF                      513 characters at most
-//   TCP    transaction(2) 0000 length(2) unit(1) PDU        length 2..254
+// RTU    unit(1) PDU CRC lo, CRC hi                       256 bytes at most
+// ASCII  ':' hex(unit PDU LRC) CR LF                      513 characters at most
+// TCP    transaction(2) 0000 length(2) unit(1) PDU        length 2..254
 //
-// A slave on a serial bus receives the others too: it knows the shapes of requests and of answers,
-// and after a frame that is neither it waits for a silence of 3.5 characters before it trusts the
-// line again (Modbus over Serial Line V1.02, 2.5.1). It knows whose answer is next: every answer of
-// two registers whose checksum ends with 00 begins with what would be a whole request.
+// A slave on a serial bus also receives frames of other units, so it parses requests and responses.
+// After any other frame it waits for a silence of 3.5 characters (Modbus over Serial Line V1.02,
+// 2.5.1). It tracks whose response is next: a response of two registers whose checksum ends with 00
+// starts with the bytes of a valid request.
 #pragma once
 
 #include "tools/sim/device/device.hpp"
@@ -15,8 +15,8 @@
 
 namespace fieldcast::sim {
 
-// Receives RTU frames. A silence of 3.5 characters ends a frame of unknown length or a broken one.
-// On a `stream`, whose network may hold back the second half of a frame, a tenth of a second does.
+// A silence of 3.5 characters ends a frame of unknown length or an invalid frame. On a `stream` it
+// is 100 ms, because the network may delay part of a frame.
 class RtuReceiver : public Receiver {
  public:
   RtuReceiver(ModbusUnit& unit, const LineFormat& line, bool stream);
@@ -25,12 +25,13 @@ class RtuReceiver : public Receiver {
   void on_silence(Instant now, Reaction& reaction) override;
 
  private:
-  void answer(Instant now, Reaction& reaction);  // to the whole frame in frame_
+  void answer(Instant now, Reaction& reaction);  // responds to the frame in frame_
   ModbusUnit& unit_;
   Duration character_, gap_;
   Bytes frame_;
-  Bytes asked_;  // unit and function of the last request to another, until its answer; empty: none
-  bool lost_ = false;  // inside something broken: nothing counts until a silence
+  // unit and function of the last request to another unit, until its response; empty: none
+  Bytes asked_;
+  bool lost_ = false;  // ignores an invalid frame until a silence
   Instant last_ = kLongAgo;
 };
 
@@ -46,7 +47,7 @@ class AsciiReceiver : public Receiver {
   Bytes digits_;  // characters after ':'
 };
 
-// `any_unit`: also answers for unit 0 and 255, the device that the address of the connection names.
+// `any_unit`: also responds for units 0 and 255, which mean the device at the connection's address.
 class TcpReceiver : public Receiver {
  public:
   TcpReceiver(ModbusUnit& unit, bool any_unit) : unit_(unit), any_unit_(any_unit) {}

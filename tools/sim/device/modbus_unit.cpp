@@ -8,7 +8,7 @@
 namespace fieldcast::sim {
 namespace {
 
-// Registers big-endian behind a prefix.
+// Appends registers, big-endian.
 void append_registers(Bytes& out, const std::vector<std::uint16_t>& values) {
   for (const std::uint16_t value : values) append_u16(out, value);
 }
@@ -129,8 +129,8 @@ Bytes ModbusUnit::write_register(ByteView pdu) {
   return {pdu.begin(), pdu.end()};
 }
 
-// 0F first(2) quantity(2) bytes(1) bits.. -> function, first, quantity; bits beyond the quantity
-// mean nothing
+// 0F first(2) quantity(2) bytes(1) bits.. -> function, first, quantity; ignores bits beyond the
+// quantity
 Bytes ModbusUnit::write_coils(ByteView pdu) {
   if (pdu.size() < 6) return exception(pdu[0], ModbusException::kValue);
   const std::uint32_t first = read_u16(pdu, 1), quantity = read_u16(pdu, 3), bytes = pdu[5];
@@ -188,7 +188,7 @@ Bytes ModbusUnit::write_read(ByteView pdu, Instant now) {
   return answer;
 }
 
-// 07 -> eight bits; here the first eight coils, as the Modicon controllers have them
+// 07 -> eight bits; here the first eight coils, as in Modicon controllers
 Bytes ModbusUnit::exception_status(ByteView pdu, Instant now) {
   if (pdu.size() != 1) return exception(pdu[0], ModbusException::kValue);
   const auto coils = memory_.read(ModbusArea::kCoil, 0, 8, now);
@@ -204,7 +204,7 @@ Bytes ModbusUnit::diagnostics(ByteView pdu) {
   return {pdu.begin(), pdu.end()};
 }
 
-// 2B 0E 01 00: basic identification as a stream (V1.1b3, 6.21); nothing else is supported
+// 2B 0E 01 00: basic identification as a stream (V1.1b3, 6.21); other codes are not supported
 Bytes ModbusUnit::identification(ByteView pdu) {
   if (pdu.size() < 2 || pdu[1] != 0x0E) return exception(pdu[0], ModbusException::kFunction);
   if (pdu.size() != 4 || pdu[2] != 0x01) return exception(pdu[0], ModbusException::kValue);

@@ -1,5 +1,5 @@
-// A simulated Modbus device at the level of the PDU: function and data in, answer or exception out.
-// Written from the Application Protocol V1.1b3 alone, apart from the bridge's own Modbus.
+// A simulated Modbus device on the level of PDUs. Implemented from the Application Protocol V1.1b3
+// only, independent of the bridge's Modbus.
 #pragma once
 
 #include <string>
@@ -25,11 +25,11 @@ class ModbusUnit {
 
   void refuse(std::vector<RefusedRange> ranges) { refused_ = std::move(ranges); }
   void refuse_unconfigured() { only_configured_ = true; }
-  // What function 43/14 says: vendor, product code, revision. Each at most 64 characters.
+  // Objects of function 43/14: vendor, product code, revision; each at most 64 characters.
   void identify_as(std::vector<std::string> objects) { identification_ = std::move(objects); }
 
-  // Executes one request PDU of any length and content. The answer PDU, or an exception PDU; never
-  // empty for a PDU that is not.
+  // Executes a request PDU of any length and content. Returns the response or exception PDU; empty
+  // only for an empty request.
   [[nodiscard]] Bytes execute(ByteView pdu, Instant now);
 
  private:
@@ -50,7 +50,7 @@ class ModbusUnit {
   [[nodiscard]] Bytes exception(std::uint8_t function, ModbusException code) {
     return exception(function, static_cast<std::uint8_t>(code));
   }
-  // The code with which these items are refused, or 0.
+  // Returns the exception code for these items, or 0.
   [[nodiscard]] std::uint8_t refusal(ModbusArea area, std::uint32_t first,
                                      std::uint32_t count) const;
   void store(ModbusArea area, std::uint32_t first, const std::vector<std::uint16_t>& values);

@@ -24,7 +24,7 @@ std::vector<ItemArea> omron_areas() {
 
 std::optional<ItemAddress> parse_omron_address(std::string_view at) {
   const std::size_t underscore = at.find('_');
-  // The bank of EM may be a letter: E1_100, EMC_0.
+  // The EM bank may be a letter: E1_100, EMC_0.
   const std::size_t digits = underscore != std::string_view::npos && underscore > 0
                                  ? underscore - 1
                                  : std::min(at.find_first_of("0123456789"), at.size());

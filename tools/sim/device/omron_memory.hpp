@@ -1,5 +1,4 @@
-// What an Omron PLC keeps and how its two languages name it. Written from the rules alone, apart
-// from the bridge's own.
+// Areas of an Omron PLC and their addresses in FINS and C-mode. Independent of the bridge's tables.
 #pragma once
 
 #include <array>
@@ -16,16 +15,16 @@ inline constexpr std::array<std::string_view, 11> kOmronAreaNames{
     "CIO", "W", "LR", "HR", "AR", "DM", "EM", "T", "C", "TF", "CF"};
 inline constexpr std::uint32_t kEmBankWords = 32768;
 
-// Zeros where a language does not reach an area.
+// 0: the protocol cannot access the area.
 struct OmronArea {
   unsigned bits;           // of one item
   std::uint32_t items;     // of a bank, in FINS
   char letter;             // of the C-mode commands R_ and W_
-  std::uint32_t c_first;   // the number in C-mode of the first item
+  std::uint32_t c_first;   // C-mode number of the first item
   std::uint32_t c_items;   // of a bank, in C-mode
-  std::uint8_t word_code;  // of FINS; EM's first bank
+  std::uint8_t word_code;  // FINS; of the first EM bank
   std::uint8_t bit_code;
-  std::uint32_t fins_first;  // the number in FINS of the first item
+  std::uint32_t fins_first;  // FINS number of the first item
 };
 inline constexpr std::array<OmronArea, 11> kOmronAreas{{
     {16, 6144, 'R', 0, 10000, 0xB0, 0x30, 0},

@@ -11,8 +11,8 @@ constexpr std::uint8_t kLong = 0x68, kShort = 0x10, kToken = 0xDC, kAcknowledge 
 constexpr std::uint8_t kRequest = 0x40, kNoData = 0x09, kData = 0x08;
 constexpr std::size_t kLeastCounted = 3, kMostCounted = 249, kShortSize = 6, kTokenSize = 3;
 
-// Telegrams have no mark that data could not hold: one is followed by its length. What is none is
-// dropped up to the next byte that could begin one, and all of it after a silence.
+// Data can contain any start byte, so telegrams are recognized by their length. Invalid bytes are
+// dropped up to the next possible start byte, and all bytes after a silence.
 class PpiReceiver : public Receiver {
  public:
   PpiReceiver(PpiDevice& device, const LineFormat& line, bool stream)
@@ -33,7 +33,7 @@ class PpiReceiver : public Receiver {
   void on_silence(Instant, Reaction&) override { received_.clear(); }
 
  private:
-  // Bytes that are done with; 0: more must come.
+  // Returns the number of consumed bytes; 0: incomplete.
   std::size_t whole(Instant end, Reaction& reaction) {
     switch (received_[0]) {
       case kLong: return whole_long(end, reaction);
@@ -107,7 +107,7 @@ Bytes PpiDevice::take_long(ByteView telegram, Instant now) {
 
 Bytes PpiDevice::take_short(std::uint8_t to, std::uint8_t from, std::uint8_t control) {
   if (to != station_ || (control & kRequest) == 0) return {};
-  // FDL status: I am here.
+  // FDL status request: the station is present.
   if ((control & 0x0Fu) == 0x09) return short_telegram(from, station_, 0x00);
   if ((control & 0x0Fu) != 0x0C && (control & 0x0Fu) != 0x0D) return {};
   if (queued_.empty()) {

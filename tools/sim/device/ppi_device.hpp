@@ -1,11 +1,11 @@
-// A simulated S7-200 at its PPI port. Written from the rules alone, apart from the bridge's codec:
-// they share the sum.
+// A simulated S7-200 at its PPI port. Implemented from the specification only, independent of the
+// bridge's codec except for the sum.
 //
 //     request   68 LE LE 68 DA SA FC 32 01 .. FCS 16     ->  E5
 //     poll      10 DA SA FC FCS 16                       ->  68 .. 32 03 .. 16
-//               with nothing queued                      ->  10 SA DA 09 FCS 16
+//               if nothing is queued                     ->  10 SA DA 09 FCS 16
 //
-// The link layer; what a telegram asks is the unit's work (ppi_unit.hpp).
+// This class is the link layer; PpiUnit (ppi_unit.hpp) executes the requests.
 #pragma once
 
 #include <memory>
@@ -31,8 +31,7 @@ class PpiDevice : public SimDevice {
   }
   [[nodiscard]] PpiUnit& unit() { return unit_; }
 
-  // A telegram that came whole and right, from its destination to its last unit byte. Empty where
-  // silence is right.
+  // Processes a valid telegram from its destination to its last unit byte. Empty: stay silent.
   [[nodiscard]] Bytes take_long(ByteView telegram, Instant now);
   [[nodiscard]] Bytes take_short(std::uint8_t to, std::uint8_t from, std::uint8_t control);
 
@@ -41,13 +40,13 @@ class PpiDevice : public SimDevice {
   const LineFormat line_;
   const bool stream_;
   PpiUnit unit_;
-  Bytes queued_;  // the answer that waits for a poll
-  Bytes given_;   // the one that the last poll brought
-  // The frame control of the last poll: a poll with the same one requests the same answer again.
+  Bytes queued_;  // response waiting for a poll
+  Bytes given_;   // response to the last poll
+  // Frame control of the last poll: a poll with the same value repeats the response.
   std::optional<std::uint8_t> last_poll_{};
 };
 
-// Refuses, with a text for people, a station outside 0..126, and a channel whose address is no
+// Fails with a human-readable text for a station outside 0..126 or a channel address that is not a
 // variable.
 [[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_ppi_device(
     const DeviceSetup& setup);

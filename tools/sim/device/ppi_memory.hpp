@@ -1,5 +1,5 @@
-// What an S7-200 keeps, and how its variables are named: in a channel's notation and in the items
-// of a telegram. Written from the rules alone, apart from the bridge's own.
+// Areas of an S7-200 and the notation of its variables, for channels and for telegram items.
+// Independent of the bridge's tables.
 #pragma once
 
 #include <array>
@@ -19,13 +19,13 @@ struct PpiArea {
   std::uint8_t code;     // in an item
   unsigned bits;         // of one variable
   std::uint32_t items;   // of a CPU 226
-  bool counted;          // addressed by number, its transport is its code
-  std::uint32_t locked;  // number of variables, from the first on, that cannot be written
+  bool counted;          // addressed by number; the transport equals the code
+  std::uint32_t locked;  // number of leading read-only variables
 };
 inline constexpr std::array<PpiArea, 11> kPpiAreas{{
     {0x84, 8, 10240, false, 0},
     {0x83, 8, 32, false, 0},
-    {0x81, 8, 16, false, 16},  // forced only
+    {0x81, 8, 16, false, 16},  // can only be forced
     {0x82, 8, 16, false, 0},
     {0x04, 8, 32, false, 32},
     {0x05, 8, 550, false, 30},

@@ -11,7 +11,7 @@ constexpr std::uint8_t kGood = 0xFF, kNotAccessible = 0x03, kOutOfRange = 0x05, 
 constexpr std::uint16_t kUnknownFunction = 0x8104, kTooLong = 0x8500;
 
 Bytes acknowledge(ByteView reference, std::uint16_t error, ByteView parameters, ByteView data) {
-  const std::uint8_t kind = error == 0 ? 0x03 : 0x02;  // with data, without
+  const std::uint8_t kind = error == 0 ? 0x03 : 0x02;  // with data, without data
   Bytes answer{0x32, kind, 0x00, 0x00};
   append(answer, reference);
   append_u16(answer, static_cast<std::uint16_t>(parameters.size()));
@@ -52,7 +52,7 @@ Bytes PpiUnit::execute(ByteView job, Instant now) {
     case 0x04: return read(reference, parameters.subspan(2), now);
     case 0x05: return write(reference, parameters.subspan(2), data, now);
     case 0x28:
-    case 0x29:  // start and stop: the simulated plant runs on
+    case 0x29:  // start and stop have no effect on the simulated plant
       ++statistics_.requests[function == 0x28 ? "start" : "stop"];
       return acknowledge(reference, 0, parameters.first(1), {});
     case 0xF0: {
@@ -102,7 +102,7 @@ std::uint8_t PpiUnit::fault_of(const Item& item) const {
   return memory_.refusal(item.area, item.first, item.count, kOutOfRange);
 }
 
-// A timer, counter or high-speed counter comes with a status byte in front.
+// A timer, counter or high-speed counter has a leading status byte.
 Bytes PpiUnit::value_of(const Item& item, Instant now) const {
   Bytes value;
   for (std::uint32_t i = item.first; i < item.first + item.count; ++i) {
@@ -120,7 +120,8 @@ Bytes PpiUnit::read(ByteView reference, ByteView items, Instant now) {
   Bytes data;
   for (std::size_t at = 0; at < items.size(); at += kItem) {
     const Item item = item_of(items.subspan(at, kItem));
-    if (data.size() % 2 != 0) data.push_back(0);  // all but the last are filled up
+    // all but the last value are padded to an even length
+    if (data.size() % 2 != 0) data.push_back(0);
     if (const std::uint8_t fault = fault_of(item); fault != 0) {
       append(data, Bytes{counted(fault), 0, 0, 0});
       continue;
@@ -138,7 +139,7 @@ Bytes PpiUnit::read(ByteView reference, ByteView items, Instant now) {
   return acknowledge(reference, 0, parameters, data);
 }
 
-// Data for each item: 00 TS length(2) value, filled up to an even length.
+// Data for each item: 00 TS length(2) value, padded to an even length.
 Bytes PpiUnit::write(ByteView reference, ByteView items, ByteView data, Instant now) {
   ++statistics_.requests["write"];
   Bytes codes;

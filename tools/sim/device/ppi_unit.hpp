@@ -1,4 +1,4 @@
-// A simulated S7-200 at the level of the S7 unit: a job in, an acknowledgement with its data out.
+// A simulated S7-200 on the level of S7 messages: a job in, an acknowledgement with data out.
 //
 //     job    32 01 0000 reference(2) parameters(2) data(2) ..
 //            the parameters: 04|05 n, then items of 12 bytes
@@ -17,12 +17,11 @@ class PpiUnit {
   [[nodiscard]] ItemMemory& memory() { return memory_; }
   [[nodiscard]] const DeviceStatistics& statistics() const { return statistics_; }
 
-  // The answer to a job of any content; empty where its lengths contradict each other: then its
-  // meaning is unknown.
+  // Responds to a job of any content; empty if its lengths contradict each other.
   [[nodiscard]] Bytes execute(ByteView job, Instant now);
 
  private:
-  // What an item of a job names: `count` bits, bytes or numbered variables.
+  // An item of a job: `count` bits, bytes or numbered variables.
   struct Item {
     std::size_t area = 0;
     std::uint32_t first = 0, count = 0;  // in variables of the area

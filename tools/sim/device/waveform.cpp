@@ -14,7 +14,7 @@ struct Bounds {
   double low, high;
 };
 
-// What the raw number of a type can be.
+// Range of the raw number of a type.
 Bounds type_bounds(ValueType type) {
   switch (type) {
     case ValueType::kBool: return {0, 1};
@@ -27,7 +27,7 @@ Bounds type_bounds(ValueType type) {
     case ValueType::kInt32: return {-2147483648.0, 2147483647.0};
     case ValueType::kUint32: return {0, 4294967295.0};
     case ValueType::kBcd32: return {0, 99999999};
-    case ValueType::kInt64: return {-9e15, 9e15};  // whole numbers that a double still tells apart
+    case ValueType::kInt64: return {-9e15, 9e15};  // integers that a double represents exactly
     case ValueType::kUint64: return {0, 9e15};
     default: return {-1e9, 1e9};
   }
@@ -56,7 +56,7 @@ std::uint16_t swapped(std::uint16_t word) {
   return static_cast<std::uint16_t>(word << 8 | word >> 8);
 }
 
-// Digits behind the mark of a number as text.
+// Decimals of a number as text.
 int decimals_of(const Encoding& encoding) {
   if (encoding.text_number.decimals >= 0) return encoding.text_number.decimals;
   const bool real = encoding.type == ValueType::kFloat32 || encoding.type == ValueType::kFloat64;
@@ -88,7 +88,7 @@ std::vector<std::uint16_t> text_items(const Waveform& waveform, const Encoding& 
                 static_cast<unsigned>(waveform.at(since_start)) % 100000u);
   std::string padded(encoding.text_number ? spelt_number(waveform.at(since_start), encoding)
                                           : text);
-  padded.resize(encoding.string_bytes);  // cut, or filled with zeros
+  padded.resize(encoding.string_bytes);  // truncated or padded with zeros
   if (padded.size() % 2 != 0) padded.push_back('\0');
   std::vector<std::uint16_t> items;
   for (std::size_t i = 0; i < padded.size(); i += 2) {
@@ -98,7 +98,7 @@ std::vector<std::uint16_t> text_items(const Waveform& waveform, const Encoding& 
   return items;
 }
 
-// The largest number that a text has room for.
+// The largest number that fits in the text.
 double most_in_text(const Encoding& encoding) {
   if (encoding.text_number.kind == TextNumber::Kind::kHex)
     return std::pow(16.0, std::min<int>(encoding.string_bytes, 6)) - 1;
@@ -108,7 +108,7 @@ double most_in_text(const Encoding& encoding) {
   return std::pow(10.0, std::clamp(digits, 0, 9)) - 1;
 }
 
-// Smooth noise: random heights at whole periods, eased between them.
+// Smooth noise: random heights at whole periods, interpolated with easing.
 double walk(std::uint64_t seed, double turns) {
   const double whole = std::floor(turns);
   const double part = turns - whole;
@@ -171,7 +171,7 @@ Waveform waveform_for(const ChannelSpec& channel, std::uint64_t seed) {
       wave.shape = kShapes[wave.seed % 4];
     }
   }
-  // A channel that says where it lives stays there.
+  // The waveform stays within the channel's limits.
   const auto low = channel.write_min    ? channel.write_min
                    : channel.limits.low ? channel.limits.low
                                         : channel.limits.low_low;

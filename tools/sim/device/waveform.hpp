@@ -1,6 +1,6 @@
-// What the plant does while nobody commands it: a value over time for each channel, and its items
-// in 16-bit registers. The encoding is written apart from the bridge's codec, so that a misreading
-// cannot pass on both ends. Pure functions of time and seed.
+// Generates the simulated value of each channel as a function of time and seed, encoded in 16-bit
+// registers. The encoder is independent of the bridge's codec, so that an error cannot cancel out.
+// Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -17,30 +17,29 @@ enum class Shape : std::uint8_t { kSine, kRamp, kCounter, kWalk, kSquare, kConst
 
 struct Waveform {
   Shape shape = Shape::kSine;
-  double low = 0, high = 1000;  // of the raw number, before scale and offset
+  double low = 0, high = 1000;  // raw number, before scale and offset
   Duration period = std::chrono::seconds{10};
   std::uint64_t seed = 1;
-  // The raw number at a time since the plant's start; within low .. high.
+  // Returns the raw number at this time, within low .. high.
   [[nodiscard]] double at(Duration since_start) const;
 };
 
-// A shape that suits the channel's type and limits; the same seed gives the same plant.
+// Chooses a shape for the channel's type and limits; deterministic for a seed.
 [[nodiscard]] Waveform waveform_for(const ChannelSpec& channel, std::uint64_t seed);
 
-// Registers that a value of this encoding takes.
+// Number of registers of a value.
 [[nodiscard]] std::uint32_t waveform_registers(const Encoding& encoding);
 
-// Its bits: 1 for bool, 8 for the types of one byte, 8 * n for string(n).
+// Number of bits: 1 for bool, 8 for one-byte types, 8 * n for string(n).
 [[nodiscard]] std::uint32_t waveform_bits(const Encoding& encoding);
 
-// The value's registers at a time; for bool one item of 0 or 1, for a byte its bits in the low
-// half.
+// Returns the registers of the value at this time: for bool one item of 0 or 1, for a byte its bits
+// in the low half.
 [[nodiscard]] std::vector<std::uint16_t> waveform_items(const Waveform& waveform,
                                                         const Encoding& encoding,
                                                         Duration since_start);
 
-// A good, cheap mixing of bits (splitmix64, Steele et al. 2014): seeds of parts from the seed of
-// the whole.
+// Derives the seed of a part from the seed of the whole (splitmix64, Steele et al. 2014).
 [[nodiscard]] std::uint64_t mix(std::uint64_t seed, std::uint64_t salt);
 [[nodiscard]] std::uint64_t mix(std::uint64_t seed, std::string_view salt);
 
