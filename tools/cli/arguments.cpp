@@ -16,7 +16,7 @@ constexpr const char* kExitCodes =
     "failed, 7 expired, 8 no result, "
     "9 trouble, 130 interrupted";
 
-// Names the nearest command, where the library would only say that a command is required.
+// Suggests the nearest command; the library would only report that a command is required.
 std::optional<NoCommand> unknown_command(std::string_view word) {
   std::vector<std::string> names;
   for (const CommandEntry& entry : commands()) names.emplace_back(entry.name);
@@ -50,7 +50,7 @@ tl::expected<std::unique_ptr<Command>, NoCommand> parse_arguments(int argc,
     return tl::unexpected(NoCommand{ended->fault ? ExitCode::kUsage : ExitCode::kOk,
                                     (ended->fault ? "fieldcast: " : "") + ended->text});
   }
-  const std::string_view given = argv[1];  // a command: else the parse would have ended
+  const std::string_view given = argv[1];  // a valid command, otherwise parsing has ended above
   const auto entry = std::ranges::find(commands(), given, &CommandEntry::name);
   return std::move(all[static_cast<std::size_t>(entry - commands().begin())]);
 }

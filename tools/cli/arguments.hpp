@@ -1,4 +1,4 @@
-// The command line of `fieldcast`: which command is to be run, with its options.
+// Parses the command line of `fieldcast` to a command with its options.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,7 @@
 
 namespace fieldcast::cli {
 
-// Not a command to be run: help, the version, or a fault with what is wrong.
+// No command to run: help, version, or a fault.
 struct NoCommand {
   ExitCode code = ExitCode::kOk;
   std::string text;

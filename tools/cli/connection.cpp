@@ -25,7 +25,7 @@ void add_connection(CommandLine& line, ConnectionOptions& options) {
   line.value(
       "--security",
       [&options](const std::string& text) -> std::optional<std::string> {
-        // An unset variable of a script would join without security, and nobody would say so.
+        // An empty variable of a script would otherwise join without security unnoticed.
         if (text.empty()) return "is empty; name the folder of a member, or leave it out";
         options.security = text;
         return std::nullopt;
@@ -35,7 +35,7 @@ void add_connection(CommandLine& line, ConnectionOptions& options) {
 
 namespace {
 
-// Why nothing would be received, in words of ours instead of the library's.
+// Checks the spec before joining, because the library's messages are not useful to the user.
 std::string fault_of_joining(const DdsSpec& spec) {
   std::string text;
   for (const JoinRemark& fault : check_joining(spec, false, utc_now()).faults)
@@ -43,7 +43,7 @@ std::string fault_of_joining(const DdsSpec& spec) {
   return text;
 }
 
-// A station's file has one of these keys, a bridge's has none.
+// Only a station's file has one of these keys.
 bool is_of_station(const std::string& path) {
   std::ifstream file(path);
   for (std::string text; std::getline(file, text);) {
@@ -129,7 +129,7 @@ std::string domain_text(const Connection& connection) {
 
 namespace {
 
-// A member finds members only, and nobody says why: whom a bridge refuses may not know it.
+// A secured member finds only secured members, and a bridge that refuses it sends no notice.
 std::string member_remark(const Connection& connection) {
   std::string folders;
   for (const DdsSite& site : connection.sites) {

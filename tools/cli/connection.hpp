@@ -1,5 +1,5 @@
-// Where a command looks for bridges: the DDS domain of a bridge's or a station's configuration
-// file, the sites of a station's, or the domain of --domain and --interface.
+// Resolves where a command looks for bridges: the DDS domain of a bridge's configuration file, the
+// sites of a station's, or the domain of --domain and --interface.
 #pragma once
 
 #include <cstdint>
@@ -15,45 +15,45 @@
 
 namespace fieldcast::cli {
 
-// Until a bridge must have shown itself.
+// Time for a bridge to be discovered.
 inline constexpr Duration kBridgeWait = std::chrono::seconds{5};
-// When nothing new came for so long, everything that is there is known.
+// If nothing new arrives for this time, everything is known.
 inline constexpr Duration kQuietTime = std::chrono::milliseconds{700};
-// The same before a bus is called unknown: another bridge may have it, which shows itself later.
+// Longer wait before a bus is reported as unknown, because a second bridge may be discovered later.
 inline constexpr Duration kOtherBridges = std::chrono::seconds{2};
 
 struct ConnectionOptions {
-  std::string config;                   // its `dds:` section; empty: none
-  std::optional<std::uint32_t> domain;  // goes before the file's
-  std::vector<std::string> interfaces;  // goes before the file's
-  std::string security;                 // a member's folder; goes before the file's; empty: none
+  std::string config;                   // path; its `dds:` section is used; empty: none
+  std::optional<std::uint32_t> domain;  // overrides the file
+  std::vector<std::string> interfaces;  // overrides the file
+  std::string security;                 // directory of a member; overrides the file; empty: none
 };
 
-// --config, --domain, --interface and --security.
+// Adds --config, --domain, --interface and --security.
 void add_connection(CommandLine& line, ConnectionOptions& options);
 
-// The domain that a command joins, or those of several sites.
+// The domains that a command joins.
 struct Connection {
   Connection(DdsSpec spec) : sites{DdsSite{{}, std::move(spec)}} {}
   Connection(std::vector<DdsSite> given) : sites(std::move(given)) {}
 
-  std::vector<DdsSite> sites;  // one at least
+  std::vector<DdsSite> sites;  // at least one
 };
 
-// The fault is for people: every fault of the file or of the member's folder, one on each line.
+// The error is human-readable, with one line for each fault of the file or the member's directory.
 [[nodiscard]] tl::expected<Connection, std::string> resolve(const ConnectionOptions& options);
 
-// "; plant press may command press-* only", if that is why a command to the bus has no result.
+// Returns for example "; plant press may command press-* only" if this explains a missing result.
 [[nodiscard]] std::string held_remark(const Connection& connection, std::string_view bus);
 
-// Why a command was not sent: no bridge of the bus was found within kBridgeWait.
+// Explains that a command was not sent because no bridge of the bus was found within kBridgeWait.
 [[nodiscard]] std::string not_served_text(const Connection& connection, std::string_view bus);
 
 // "DDS domain 0 on 127.0.0.1", "the sites north, south"
 [[nodiscard]] std::string domain_text(const Connection& connection);
 
-// Nobody was found there: what that means and what to look at.
-// `missing`: discovery servers that do not answer.
+// Explains that no bridge was found and what to check. `missing`: discovery servers that do not
+// respond.
 [[nodiscard]] std::string no_bridge_text(const Connection& connection,
                                          const std::vector<std::string>& missing);
 

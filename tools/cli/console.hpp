@@ -1,14 +1,14 @@
-// The terminal, if there is one: its size and its colours. Main thread.
+// Properties of the terminal. Main thread.
 #pragma once
 
 #include "tools/cli/view/text_table.hpp"
 
 namespace fieldcast::cli {
 
-// Standard output as it is now: zero bounds and no colour when it is no terminal; NO_COLOR is
-// honoured (no-color.org).
+// Without a terminal, output_screen() has zero size and no colour. NO_COLOR is honoured
+// (no-color.org).
 [[nodiscard]] bool output_is_terminal();
-// Standard output goes to a program, which may have the terminal for itself, as less has.
+// Standard output is a pipe; its reader may use the terminal, as less does.
 [[nodiscard]] bool output_is_pipe();
 [[nodiscard]] Screen output_screen();
 

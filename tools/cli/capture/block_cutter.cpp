@@ -5,7 +5,7 @@
 namespace fieldcast::cli {
 namespace {
 
-// A bridge of this machine writes little-endian.
+// Little-endian: the bridge runs on the same machine.
 std::uint32_t number_at(ByteView bytes, std::size_t at) {
   return static_cast<std::uint32_t>(bytes[at]) | static_cast<std::uint32_t>(bytes[at + 1]) << 8 |
          static_cast<std::uint32_t>(bytes[at + 2]) << 16 |

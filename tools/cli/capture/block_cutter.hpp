@@ -1,4 +1,4 @@
-// Cuts a stream of pcapng into whole blocks. Pure; owns what came of the next block.
+// Splits a pcapng stream into whole blocks. Pure; buffers an incomplete block.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +14,9 @@ class BlockCutter {
     std::uint32_t type = 0;
     Bytes bytes;
   };
-  // The whole blocks that are there now; the rest waits.
+  // Adds bytes and returns the complete blocks.
   [[nodiscard]] std::vector<Block> take(ByteView bytes);
-  [[nodiscard]] bool broken() const { return broken_; }  // that is no pcapng
+  [[nodiscard]] bool broken() const { return broken_; }  // the stream is not pcapng
 
  private:
   Bytes waiting_;

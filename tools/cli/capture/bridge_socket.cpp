@@ -16,11 +16,11 @@
 namespace fieldcast::cli {
 namespace {
 
-constexpr std::size_t kMaxAnswer = 65536;  // characters: 256 names of buses
-constexpr std::size_t kMaxBridges = 64;    // that are asked
+constexpr std::size_t kMaxAnswer = 65536;  // characters: 256 bus names
+constexpr std::size_t kMaxBridges = 64;    // bridges requested
 constexpr timeval kAnswerLimit{1, 0};
 
-// The error is the number of the system.
+// Fails with errno.
 tl::expected<FileDescriptor, int> connect_to(const CaptureSocketName& socket) {
   FileDescriptor made(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
   sockaddr_un address{};
@@ -32,13 +32,13 @@ tl::expected<FileDescriptor, int> connect_to(const CaptureSocketName& socket) {
   if (!made.valid() ||
       ::connect(made.get(), reinterpret_cast<const sockaddr*>(&address), size) != 0)
     return tl::unexpected(errno);
-  // Anybody may take such a name.
+  // Any user can bind such a name.
   if (peer_user(made.get()) != socket.user) return tl::unexpected(EPERM);
   (void)::setsockopt(made.get(), SOL_SOCKET, SO_RCVTIMEO, &kAnswerLimit, sizeof kAnswerLimit);
   return made;
 }
 
-// The text line of the answer; what follows it stays in the socket.
+// Returns the text line of the response; the bytes behind it stay in the socket.
 tl::expected<std::string, int> ask(const FileDescriptor& socket, const std::string& request) {
   const std::string line = request + '\n';
   if (::send(socket.get(), line.data(), line.size(), MSG_NOSIGNAL) !=

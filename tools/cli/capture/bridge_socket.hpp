@@ -1,5 +1,5 @@
-// Finds the bridges of this machine that let this user capture, and asks one of them
-// (bridge/capture/capture_socket.hpp). Blocking, with a limit. Main thread.
+// Finds the bridges of this machine that allow this user to capture, and requests captures
+// (bridge/capture/capture_socket.hpp). Blocks, with a time limit. Main thread.
 #pragma once
 
 #include <string>
@@ -18,12 +18,12 @@ struct FoundBridge {
 };
 struct Bridges {
   std::vector<FoundBridge> found;
-  std::vector<std::string> refused;  // names of bridges that this user may not capture
+  std::vector<std::string> refused;  // names of bridges that refuse this user
 };
-// Those that answer within a second.
+// Returns the bridges that respond within a second.
 [[nodiscard]] Bridges find_bridges();
 
-// A connection that brings pcapng from now on. The error is one line.
+// Returns a connection that sends pcapng. The error is one line.
 [[nodiscard]] tl::expected<FileDescriptor, std::string> ask_for_capture(
     const CaptureSocketName& socket, const std::string& bus);
 

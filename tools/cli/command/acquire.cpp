@@ -31,8 +31,8 @@ Errand errand_of(const ChannelPath& path, Target target, std::string text, std::
   return errand;
 }
 
-// One command for each channel: a result names no channels, and each may fail for a reason of its
-// own.
+// One command for each channel, because a result names no channels and each channel may fail
+// separately.
 std::vector<Errand> errands_of(const ChannelPath& wanted, const Catalogue& catalogue) {
   std::vector<Errand> errands;
   for (const auto& [path, channel] : catalogue.channels()) {

@@ -1,5 +1,5 @@
-// `fieldcast acquire`: reads on demand, of a channel, of all channels of a device, or with --at of
-// addresses.
+// `fieldcast acquire`: reads a channel, all channels of a device, or with --at addresses, on
+// demand.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ struct AcquireOptions : CommandOptions {
   std::uint32_t count = 1;  // values at the address
 };
 
-// The code of the worst result. Throws DdsError.
+// Returns the code of the worst result. Throws DdsError.
 [[nodiscard]] ExitCode acquire(const AcquireOptions& options, const Connection& connection,
                                Interrupt& interrupt, std::ostream& out, std::ostream& err);
 

@@ -27,12 +27,12 @@ AlarmKey key_of(const StationAlarm& alarm) {
   return {alarm.bus, alarm.device, alarm.channel, alarm.limit};
 }
 
-// What the bridges tell until nothing new comes.
+// Reports of the bridges until nothing new arrives.
 struct Told {
   KnownAlarms alarms;
   Listening listening;
 
-  // True for something new.
+  // Returns true if the event is new.
   bool note(const DomainEvent& event) {
     if (const auto* bus = std::get_if<StationBusStatus>(&event))
       return !listening.heard_site_of(bus->bus);
@@ -49,7 +49,7 @@ struct Told {
 
 Told listen(DomainView& domain, const Connection& connection) {
   domain.subscribe_alarms();
-  domain.subscribe_status();  // where no alarm is, a bus still reports
+  domain.subscribe_status();  // a bus without alarms still reports its status
   const auto began = instant_now();
   Told told{{}, {connection, began}};
   const auto end = began + kBridgeWait;
@@ -65,7 +65,7 @@ Told listen(DomainView& domain, const Connection& connection) {
   return told;
 }
 
-// Nothing: the bridges have told.
+// Returns the exit code if no bridge reported; else empty.
 std::optional<ExitCode> trouble(const DomainView& domain, const Told& told,
                                 const Connection& connection, std::ostream& err) {
   if (domain.interrupted()) return ExitCode::kInterrupted;
@@ -101,7 +101,7 @@ ExitCode alarms(const AlarmsOptions& options, const Connection& connection, Inte
 
 namespace {
 
-// Whether the action can be meant for this alarm.
+// Returns whether the action applies to this alarm.
 bool is_meant(const AlarmsOptions& options, const AlarmKey& key, const AlarmStatus& status) {
   if (!options.pattern.matches(key.bus, key.device, key.channel)) return false;
   if (options.limit && key.limit != *options.limit) return false;
@@ -137,7 +137,7 @@ std::vector<AlarmAction> actions_of(const AlarmsOptions& options, const std::str
   for (const auto& [key, known] : alarms) {
     if (!known.status || !is_meant(options, key, *known.status)) continue;
     action.alarm = key;
-    // What the person saw, not what comes meanwhile.
+    // Acknowledges the state that the user saw, not a newer one.
     if (action.kind == AlarmActionKind::kAcknowledge) action.raised_at = known.status->raised_at;
     actions.push_back(action);
   }
@@ -224,7 +224,7 @@ namespace {
 
 constexpr Duration kShortest = std::chrono::seconds{1};
 
-// Of the person at the shell: not root, if root is that person by sudo.
+// Login name of the user at the shell; under sudo not root.
 std::string login_name() {
   const uid_t user = ::getuid();
   // NOLINTNEXTLINE(concurrency-mt-unsafe): nothing sets it

@@ -1,6 +1,5 @@
-// `fieldcast alarms`: which limits are passed now and what people did about that, from the bridges;
-// with a time, what the store knows of then. `alarms ack`, `shelve`, `unshelve`, `maintenance`: do
-// something about them.
+// `fieldcast alarms`: shows active limits and the actions of operators, from the bridges; with a
+// time span, from the store. `alarms ack`, `shelve`, `unshelve` and `maintenance` act on alarms.
 #pragma once
 
 #include <iosfwd>
@@ -19,25 +18,25 @@ namespace fieldcast::cli {
 struct AlarmsOptions {
   ConnectionOptions connection;
   StoreSource source;
-  std::optional<TimeSpan> span;  // of the store; nothing: now, from the bridges
-  bool json = false;             // the present alarms that are clear too
-  // Nothing: they are shown.
+  std::optional<TimeSpan> span;  // of the store; empty: current alarms of the bridges
+  bool json = false;             // also lists current alarms that are clear
+  // Empty: show the alarms.
   std::optional<AlarmActionKind> action;
-  Pattern pattern;                 // of the channels, or of the device
-  std::optional<LimitKind> limit;  // nothing: all of them
+  Pattern pattern;                 // of the channels or the device
+  std::optional<LimitKind> limit;  // empty: all limits
   Duration duration{};
   std::string note;
 };
 
-// kOk when a bridge was there (also without any alarm), else kNoBridge. Throws DdsError.
+// Returns kOk if a bridge reported, with or without alarms, else kNoBridge. Throws DdsError.
 [[nodiscard]] ExitCode alarms(const AlarmsOptions& options, const Connection& connection,
                               Interrupt& interrupt, std::ostream& out, std::ostream& err);
-// Acts in the name of `by`. kNothing when no alarm is meant; else the code of the worst result.
-// Throws DdsError. REQUIRES: an action.
+// Acts in the name of `by`. Returns kNothing if no alarm matches, else the code of the worst
+// result. Throws DdsError. REQUIRES: options.action is set.
 [[nodiscard]] ExitCode act_on_alarms(const AlarmsOptions& options, const std::string& by,
                                      const Connection& connection, Interrupt& interrupt,
                                      std::ostream& out, std::ostream& err);
-// kOk when there were some, else kNothing. Throws StoreError.
+// Returns kOk if alarms were found, else kNothing. Throws StoreError.
 [[nodiscard]] ExitCode stored_alarms(const AlarmsOptions& options, std::ostream& out,
                                      std::ostream& err);
 

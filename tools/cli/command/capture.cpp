@@ -24,13 +24,14 @@
 namespace fieldcast::cli {
 namespace {
 
-constexpr int kLookMilliseconds = 50;                      // for Ctrl-C and the end of the time
-constexpr Duration kLastBlocks = std::chrono::seconds{2};  // after the end was asked for
-constexpr std::size_t kTail = 512;                         // what the end of a file may take
+constexpr int kLookMilliseconds = 50;  // interval of checks for Ctrl-C and the end time
+// time to receive the rest after the end was requested
+constexpr Duration kLastBlocks = std::chrono::seconds{2};
+constexpr std::size_t kTail = 512;  // reserve for the end of the file
 
 using Fault = CaptureFile::Fault;
 
-// A file of its own, or standard output.
+// A new file, or standard output.
 class CaptureOut {
  public:
   [[nodiscard]] static tl::expected<CaptureOut, Fault> open(const std::string& path) {
@@ -51,7 +52,7 @@ class CaptureOut {
     return {};
   }
   [[nodiscard]] std::uint64_t size() const { return size_; }
-  // Nothing came: no file is left.
+  // Removes the file if nothing was captured.
   void discard() const {
     if (file_) ::unlink(file_->path().c_str());
   }
@@ -62,7 +63,7 @@ class CaptureOut {
   std::uint64_t size_ = 0;
 };
 
-// Which bridge to ask; nothing was found: said on `err`.
+// Chooses the bridge; prints to `err` if there is none.
 tl::expected<FoundBridge, ExitCode> choose(const CaptureOptions& options, std::ostream& err) {
   Bridges bridges = find_bridges();
   if (!options.bridge.empty())
@@ -117,7 +118,7 @@ class Capturing {
   }
 
  private:
-  // False: nothing more comes.
+  // Returns false at the end of the stream.
   bool take() {
     buffer_.resize(65536);
     const auto got = ::recv(socket_.get(), buffer_.data(), buffer_.size(), MSG_DONTWAIT);
@@ -129,7 +130,7 @@ class Capturing {
     return !cutter_.broken();
   }
 
-  // False: it cannot be written.
+  // Returns false if writing fails.
   bool write(const BlockCutter::Block& block) {
     const bool packet = block.type == pcapng::kEnhancedPacket;
     full_ |=
@@ -147,7 +148,7 @@ class Capturing {
   void look(Instant now) {
     const bool over = options_.time && now - begun_ >= *options_.time;
     if (!asked_end_ && (over || full_ || interrupt_.raised())) {
-      ::shutdown(socket_.get(), SHUT_WR);  // the bridge sends the end
+      ::shutdown(socket_.get(), SHUT_WR);  // requests the end from the bridge
       asked_end_ = now;
     }
     over_ = asked_end_ && now - *asked_end_ > kLastBlocks;
@@ -200,7 +201,7 @@ class Capturing {
   std::optional<Instant> asked_end_;
   std::string fault_;
   std::uint64_t frames_ = 0;  // written
-  bool ended_ = false;        // the last block came
+  bool ended_ = false;        // the last block arrived
   bool full_ = false, over_ = false;
 };
 

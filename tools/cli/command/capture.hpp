@@ -1,4 +1,4 @@
-// `fieldcast capture BUS --out FILE.pcapng`: what passes on the wire of a bus of a bridge on this
+// `fieldcast capture BUS --out FILE.pcapng`: captures the frames of a bus of a bridge on this
 // machine, for Wireshark. Needs no DDS.
 #pragma once
 
@@ -15,16 +15,17 @@ namespace fieldcast::cli {
 struct CaptureOptions {
   std::string bus;
   std::string out;     // "-": standard output
-  std::string bridge;  // where several have a bus of this name; empty: the one that has it
+  std::string bridge;  // needed if several bridges have a bus of this name; else empty
   std::optional<Duration> time;
-  std::uint64_t size = 0;  // bytes of the file; 0: no bound
+  std::uint64_t size = 0;  // maximum file size in bytes; 0: no limit
 };
 
-// "250kB", "10MB", "1GB", "5000": bytes; 0 for what is none of these.
+// Parses "250kB", "10MB", "1GB", "5000" to bytes. Returns 0 for other text.
 [[nodiscard]] std::uint64_t bytes_from(const std::string& text);
 
-// kOk also after Ctrl-C, which is how a capture without an end ends. kNoBridge, kNothing: no such
-// bus. kTrouble: the file cannot be written, or the bridge was lost; what came is whole.
+// Returns kOk also after Ctrl-C, which ends a capture without a limit. kNoBridge, kNothing: no such
+// bus. kTrouble: the file cannot be written or the bridge was lost; the blocks received until then
+// are complete.
 [[nodiscard]] ExitCode capture(const CaptureOptions& options, const Interrupt& interrupt,
                                std::ostream& err);
 

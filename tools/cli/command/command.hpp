@@ -1,7 +1,5 @@
-// A subcommand of `fieldcast`: it describes its options, and runs once they are read. Each one has
-// a file of its own in this folder and a row in registry.cpp; nothing else knows it.
-//
-// Main thread.
+// A subcommand of `fieldcast`. Each one has its own file in this directory and an entry in
+// registry.cpp. Main thread.
 #pragma once
 
 #include <iosfwd>
@@ -19,24 +17,24 @@ struct Streams {
   std::istream& in;
   std::ostream& out;
   std::ostream& err;
-  bool colour = false;  // `out` is a terminal that shows colours
-  // For what is printed once: better wrapped by the terminal than cut.
+  bool colour = false;  // `out` is a terminal with colours
+  // For text printed once: the terminal wraps long lines, nothing is truncated.
   [[nodiscard]] Screen wide_screen() const { return {0, 0, colour}; }
 };
 
-// "fieldcast scan: FAULT" on `err`.
+// Prints "fieldcast scan: FAULT" to `err`.
 ExitCode usage_fault(std::ostream& err, std::string_view command, std::string_view fault);
 
 class Command {
  public:
   virtual ~Command() = default;
-  // Called once, before the command line is parsed.
+  // Adds its options; called once, before the command line is parsed.
   virtual void describe(CommandLine& line) = 0;
   // May throw DdsError or StoreError.
   [[nodiscard]] virtual ExitCode run(const Streams& streams) = 0;
 };
 
-// A command whose options are a value; tests look at it.
+// Gives tests access to the parsed options.
 template <typename Options>
 class CommandWith : public Command {
  public:
@@ -48,7 +46,7 @@ class CommandWith : public Command {
 
 struct CommandEntry {
   std::string_view name;     // "watch"
-  std::string_view summary;  // one line for people
+  std::string_view summary;  // one human-readable line
   std::unique_ptr<Command> (*make)() = nullptr;
 };
 

@@ -1,4 +1,4 @@
-// The options that `write` and `acquire` share.
+// Options that `write` and `acquire` share.
 #pragma once
 
 #include <span>
@@ -15,22 +15,22 @@ namespace fieldcast::cli {
 
 struct CommandOptions {
   ConnectionOptions connection;
-  std::string at;    // an address in the PLC's own notation; empty: channels
-  std::string type;  // of the values at the address; empty: what the address implies
-  std::string byte;  // of a wider item, for an 8-bit type
+  std::string at;    // address in the PLC's notation; empty: channels
+  std::string type;  // type of the values at the address; empty: default of the address
+  std::string byte;  // byte of a wider item, for an 8-bit type
   bool json = false;
   Duration timeout = std::chrono::seconds{5};
 };
 
-// "Read" or "Write to" in the help of --at. REQUIRES: options live until the parse.
+// `verb`: "Read" or "Write to", for the help of --at. REQUIRES: `options` lives until the parse.
 void add_command_options(CommandLine& line, CommandOptions& options, const std::string& verb);
 
 struct AddressType {
   std::string text;  // as in --type
   Encoding encoding;
 };
-// What --at, --type and --byte say together. Without --type the channels of the device may be
-// needed to tell which protocol it speaks. The error is one line.
+// Combines --at, --type and --byte. Without --type, the channels of the device may be needed to
+// determine its protocol. The error is one line.
 [[nodiscard]] tl::expected<AddressType, std::string> address_type(
     const CommandOptions& options, std::span<const KnownChannel> channels = {});
 

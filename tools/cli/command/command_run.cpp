@@ -64,7 +64,7 @@ bool CommandRun::learn(const std::vector<ChannelPath>& paths, Wanted wanted) {
   };
   const auto began = instant_now();
   Listening listening(connection_, began);
-  // Until when it may still become known.
+  // Latest time at which the path may still be announced.
   const auto until = [&](const ChannelPath& path) {
     if (!listening.heard_site_of(path.bus)) return began + kBridgeWait;
     return listening.last_news() + (catalogue_.has_bus(path.bus) ? kQuietTime : kOtherBridges);
@@ -88,7 +88,7 @@ bool CommandRun::learn(const std::vector<ChannelPath>& paths, Wanted wanted) {
   return false;
 }
 
-// The bus of something new.
+// Returns the bus if the event is new.
 std::optional<std::string> CommandRun::note(const DomainEvent& event) {
   if (const auto* channel = std::get_if<StationChannel>(&event)) {
     const bool is_new =
@@ -96,7 +96,7 @@ std::optional<std::string> CommandRun::note(const DomainEvent& event) {
     catalogue_.add(*channel);
     return is_new ? std::optional(channel->bus) : std::nullopt;
   }
-  // The catalogue has no rows for a device without channels, but its status tells of it.
+  // A device without channels is known only by its status.
   const auto* device = std::get_if<StationDeviceStatus>(&event);
   const bool is_new = device != nullptr && catalogue_.add_device(device->bus, device->device);
   return is_new ? std::optional(device->bus) : std::nullopt;
@@ -108,15 +108,15 @@ ExitCode CommandRun::why_not() const {
 
 bool CommandRun::send(Errand& errand, Duration lifespan, Duration wait) {
   errand.command.lifespan = lifespan;
-  // Waits are short, so that Ctrl-C does not wait for a bridge that takes no commands.
+  // Short waits, so that Ctrl-C works while a bridge accepts no commands.
   constexpr Duration kShortWait = std::chrono::milliseconds{100};
   auto& outcome = errand.outcome;
-  // The library of this program would keep it back, and the bridge's would not hear it.
+  // DDS Security would drop the command without a notice on either side.
   if (const std::string held = held_remark(connection_, errand.command.bus); !held.empty()) {
     outcome.state = Outcome::State::kRefusedHere;
     outcome.result.state = CommandState::kRejected;
     outcome.result.cause = to_name(Cause::kReadOnly);
-    outcome.result.reason = held.substr(2);  // behind "; "
+    outcome.result.reason = held.substr(2);  // skips "; "
     return false;
   }
   for (const auto until = instant_now() + wait; !domain_.interrupted();) {
@@ -169,7 +169,7 @@ ExitCode CommandRun::execute(std::vector<Errand> errands) {
       Waiting was = found->second;
       waiting.erase(found);
       Errand& errand = errands[was.errand];
-      // What is left of its time, in whole seconds: each lifespan has a writer.
+      // Remaining time in whole seconds, because each lifespan needs its own writer.
       const Duration left =
           std::chrono::floor<std::chrono::seconds>(was.until - kResultGrace - instant_now());
       if (was_not_run(*result) && left > Duration::zero() && was.attempts++ < kMostAttempts) {

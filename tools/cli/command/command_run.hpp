@@ -1,4 +1,4 @@
-// Commands from here to their results: what `write` and `acquire` share.
+// Sends commands and waits for their results; used by `write` and `acquire`.
 #pragma once
 
 #include <iosfwd>
@@ -14,22 +14,20 @@
 
 namespace fieldcast::cli {
 
-// One command on its way. `command` is not used when the outcome says already that it is not to be
-// sent.
+// A command with its outcome. If the outcome is already known, `command` is not sent.
 struct Errand {
   StationCommand command;
   Outcome outcome;
   [[nodiscard]] bool to_be_sent() const { return outcome.state == Outcome::State::kResult; }
 };
 
-// A write of one value to a channel.
 struct WriteDetails {
   std::string type, unit;  // of the channel
   bool verify = false;     // read back
 };
 [[nodiscard]] Errand channel_write(const ChannelPath& path, Value value, WriteDetails details);
 
-// For a command to an address `at` on a bus that no bridge announced. When only the device is
+// For a command to an address `at` on a bus that no bridge announced. If only the device is
 // unknown, the bridge refuses the command.
 [[nodiscard]] Errand unknown_bus(ChannelPath path, const std::string& at, bool write,
                                  const Catalogue& catalogue);
@@ -38,33 +36,33 @@ class CommandRun {
  public:
   struct Options {
     bool json = false;
-    // The command's lifespan; its result may take kResultGrace longer.
+    // Lifespan of a command; its result may arrive up to kResultGrace later.
     Duration timeout = std::chrono::seconds{5};
   };
-  // REQUIRES: the domain view lives longer.
+  // REQUIRES: the references outlive this object.
   CommandRun(DomainView& domain, const Connection& connection, Options options, std::ostream& out,
              std::ostream& err);
 
-  // Reads the catalogue until it holds every path, or until nothing new comes. For a path without a
-  // channel it waits for all channels; with kDevice only until the device is there. False: no
-  // bridge is there, or Ctrl-C; err says which.
+  // Reads the catalogue until it has every path, or until nothing new arrives. For a path without a
+  // channel it waits for all channels, with kDevice only for the device. Returns false without a
+  // bridge or after Ctrl-C, and prints the reason to `err`.
   enum class Wanted : unsigned char { kChannels, kDevice };
   [[nodiscard]] bool learn(const std::vector<ChannelPath>& paths,
                            Wanted wanted = Wanted::kChannels);
   [[nodiscard]] const Catalogue& catalogue() const { return catalogue_; }
 
-  // Sends, in this order and a bounded number at a time, and prints each outcome as it comes. The
-  // code is that of the worst.
+  // Sends the commands in order, at most kAtATime in flight, and prints each outcome. Returns the
+  // code of the worst outcome.
   [[nodiscard]] ExitCode execute(std::vector<Errand> errands);
 
-  // After learn() was false.
+  // Exit code after learn() returned false.
   [[nodiscard]] ExitCode why_not() const;
 
  private:
   static constexpr std::size_t kAtATime = 16;
   static constexpr Duration kResultGrace = std::chrono::seconds{2};
 
-  // Waits for the bridge of its bus for `wait` at most.
+  // Waits at most `wait` for the bridge of the bus.
   [[nodiscard]] bool send(Errand& errand, Duration lifespan, Duration wait);
   std::optional<std::string> note(const DomainEvent& event);
   void print(const Outcome& outcome);

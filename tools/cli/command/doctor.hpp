@@ -1,5 +1,5 @@
-// `fieldcast doctor [CONFIG]`: what of this machine keeps Fieldcast from running well, and what to
-// do. Needs no bridge and joins no domain.
+// `fieldcast doctor [CONFIG]`: finds problems of this machine and proposes fixes. Needs no bridge
+// and joins no domain.
 #pragma once
 
 #include <iosfwd>
@@ -11,12 +11,12 @@
 namespace fieldcast::cli {
 
 struct DoctorOptions {
-  std::string config;      // empty: the machine alone
-  std::string root = "/";  // where its files lie
+  std::string config;      // empty: checks only the machine
+  std::string root = "/";  // root of the file system
   bool json = false;
 };
 
-// kOk, kFound when something of the configuration cannot run, kUsage when the file has faults.
+// Returns kOk, kFound if part of the configuration cannot run, kUsage if the file has faults.
 [[nodiscard]] ExitCode doctor(const DoctorOptions& options, std::ostream& out, std::ostream& err,
                               const Screen& screen);
 

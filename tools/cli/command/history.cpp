@@ -21,14 +21,14 @@ namespace fieldcast::cli {
 
 namespace {
 
-// How much of the time that is asked for is printed: channels come one behind the other, each in
-// the order of time.
+// Share of the requested time that was printed. Channels are printed one after the other, each in
+// order of time.
 class PrintedShare {
  public:
   PrintedShare(UtcTime to, std::size_t channels)
       : to_(std::min(to, utc_now()).nanoseconds), channels_(std::max<std::size_t>(channels, 1)) {}
 
-  // Of a StoredChannel or a StoredSample.
+  // `of`: a StoredChannel or a StoredSample.
   template <class Named>
   void reached(const Named& of, UtcTime at) {
     if (index_ == 0 || of.channel != channel_ || of.device != device_ || of.bus != bus_) {
@@ -40,7 +40,7 @@ class PrintedShare {
     }
     at_ = at.nanoseconds;
   }
-  // Of 1.
+  // Between 0 and 1.
   [[nodiscard]] double value() const {
     if (index_ == 0) return 0;
     const double span = static_cast<double>(std::max<std::int64_t>(to_ - first_, 1));
@@ -51,16 +51,16 @@ class PrintedShare {
  private:
   const std::int64_t to_;
   const std::size_t channels_;
-  std::size_t index_ = 0;               // channels begun
-  std::string bus_, device_, channel_;  // the last one begun
+  std::size_t index_ = 0;               // number of started channels
+  std::string bus_, device_, channel_;  // the last started channel
   std::int64_t first_ = 0, at_ = 0;
 };
 
-// Prints what the options ask for; counts what was printed.
+// Prints the lines that the options select, and counts them.
 class Printer {
  public:
-  // `progress` may be null: the lines themselves are on the terminal, or go to a program that may
-  // have it. `interrupt` may be null.
+  // `progress` may be null: if the lines go to the terminal, or to a program that may use it.
+  // `interrupt` may be null.
   Printer(const HistoryOptions& options, SqlConnection& connection, std::ostream& out,
           ProgressLine* progress, const Interrupt* interrupt)
       : options_(options),
@@ -70,7 +70,7 @@ class Printer {
         interrupt_(interrupt),
         share_(options.span.to, SampleTable(connection).channels(options.pattern).size()) {}
 
-  // Each sample. How many channels of the pattern the store knows.
+  // Prints each sample. Returns the number of matching channels in the store.
   std::size_t samples() {
     if (options_.csv) out_ << history_csv_head() << '\n';
     const auto print = [&](const StoredSample& sample) {
@@ -103,7 +103,7 @@ class Printer {
   [[nodiscard]] std::size_t lines() const { return lines_; }
 
  private:
-  static constexpr std::size_t kLook = 256;  // lines between two looks at the clock
+  static constexpr std::size_t kLook = 256;  // lines between two checks of the clock
 
   bool line(const std::string& text) {
     ++lines_;
@@ -128,8 +128,8 @@ class Printer {
   std::size_t lines_ = 0;
 };
 
-// A line that says so when channels go back further in a coarser tier than in what is shown, to
-// the time that is asked for; of the first one of them.
+// Returns a hint if a coarser tier has older data in the requested time than the printed one; names
+// the first such channel.
 std::string what_is_coarser(const HistoryOptions& options, SqlConnection& connection,
                             Duration every) {
   TierHistory history(connection, every);
@@ -217,7 +217,7 @@ class HistoryCommand final : public CommandWith<HistoryOptions> {
 
  private:
   static constexpr std::uint32_t kMostPoints = 1'000'000;
-  // A database that searches, and an output that nobody takes, are not waited for.
+  // Does not wait longer for the database or a blocked output.
   static constexpr std::chrono::milliseconds kLastLine{100};
 
   SpanOption span_;

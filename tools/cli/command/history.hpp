@@ -1,5 +1,5 @@
-// `fieldcast history`: the stored samples of channels, or what the channels were in each minute,
-// hour or any other stretch of time; as lines, CSV or JSON lines. Reads the store, needs no bridge.
+// `fieldcast history`: prints the stored samples of channels or their buckets as lines, CSV or JSON
+// lines. Reads the store; needs no bridge.
 #pragma once
 
 #include <cstdint>
@@ -19,17 +19,17 @@ struct HistoryOptions {
   StoreSource source;
   Pattern pattern;
   TimeSpan span;
-  // Either, or neither: samples.
+  // Without either option, samples are printed.
   std::optional<Duration> every;
-  std::optional<std::uint32_t> points;  // for each channel, at most
-  Zone zone = Zone::kUtc;               // of times for people and in CSV
-  std::string gzip;  // the new file that is written, compressed; empty: standard output
+  std::optional<std::uint32_t> points;  // maximum for each channel
+  Zone zone = Zone::kUtc;               // of times in text and CSV
+  std::string gzip;                     // new compressed file; empty: standard output
   bool csv = false;
   bool json = false;
 };
 
-// kOk when there was something, kNothing with the reason when not, kInterrupted behind a whole line
-// when `interrupt` was raised; it may be null. Throws StoreError.
+// Returns kOk, kNothing with the reason, or kInterrupted after a whole line if `interrupt` was
+// raised; it may be null. Throws StoreError.
 [[nodiscard]] ExitCode history(const HistoryOptions& options, std::ostream& out, std::ostream& err,
                                const Interrupt* interrupt = nullptr);
 

@@ -27,7 +27,7 @@ bool is_folder(const std::string& out) {
   return out.ends_with('/') || fs::is_directory(out, ignored);
 }
 
-// Empty: fine.
+// Returns an error, or an empty text.
 std::string set_port(const std::string& port, ImportOptions& options) {
   if (port.empty()) return {};
   if (port.find('/') != std::string::npos) {
@@ -41,7 +41,7 @@ std::string set_port(const std::string& port, ImportOptions& options) {
   return {};
 }
 
-// The names under which the configuration is checked are those under which it is written.
+// Sets the file names, because the configuration is validated under the names of its files.
 ImportOptions import_options(const ImportCommandOptions& options) {
   ImportOptions import = options.import;
   import.lists = !import.as_template && is_folder(options.out);
@@ -50,7 +50,7 @@ ImportOptions import_options(const ImportCommandOptions& options) {
   return import;
 }
 
-// Where each file goes; the error is one line.
+// Returns the path of each file; the error is one line.
 tl::expected<std::vector<NewFile>, std::string> placed(const ImportCommandOptions& options,
                                                        const Outcome& outcome) {
   std::vector<NewFile> files;

@@ -1,6 +1,6 @@
-// `fieldcast import`: makes a configuration or device templates of the lists that other programs
-// have. Needs no bridge and no device; says of every value whether it moved, with which change, or
-// why not.
+// `fieldcast import`: converts channel lists of other programs to a configuration or to device
+// templates. Reports for each value whether it was imported, changed or rejected. Needs no bridge
+// and no device.
 #pragma once
 
 #include <iosfwd>
@@ -16,7 +16,7 @@ namespace fieldcast::cli {
 
 struct ImportCommandOptions {
   std::vector<std::string> files;
-  std::string out;   // a file, or a folder: with '/' at its end, or there already
+  std::string out;   // a file, or a directory: existing, or with '/' at its end
   std::string port;  // /dev/ttyUSB0 or HOST:PORT
   bool force = false;
   bool all = false;
@@ -24,7 +24,7 @@ struct ImportCommandOptions {
   importing::ImportOptions import;
 };
 
-// `writing` is held while files are written: who ends the process takes it first.
+// `writing` is locked while files are written; lock it before the process exits.
 [[nodiscard]] ExitCode import_files(const ImportCommandOptions& options, std::mutex& writing,
                                     std::ostream& out, std::ostream& err, const Screen& screen);
 

@@ -20,11 +20,11 @@
 namespace fieldcast::cli {
 namespace {
 
-// Of a frame in hexadecimal; a frame is far shorter, a slip of the hand far longer.
+// Of a frame in hexadecimal; limits wrong input, a real frame is far shorter.
 constexpr std::size_t kMaxHexCharacters = 65536;
 constexpr std::size_t kMaxTraceCharacters = 64 << 20;
 
-// What is to be explained: from the command line, or from `in`.
+// Input from the command line, or else from `in`.
 std::string text_of(const InspectOptions& options, std::istream& in) {
   std::string text;
   for (const auto& part : options.hex) text += part + (parse_trace_text(part) ? '\n' : ' ');
@@ -57,7 +57,7 @@ ExitCode inspect_hex(const NamedProtocol& protocol, const std::string& hex,
   return count_faults(fields) == 0 ? ExitCode::kOk : ExitCode::kFound;
 }
 
-// The whole configuration, or nothing, with the reason on `err`.
+// Prints the faults to `err` and returns empty if the file is invalid.
 std::optional<BridgeSpec> load_configuration(const std::string& path, std::ostream& err) {
   auto loaded = config::load_file(path);
   if (loaded) return *std::move(loaded);
@@ -92,7 +92,7 @@ ExitCode inspect(const InspectOptions& given, std::istream& in, std::ostream& ou
     FrameReport report(how, out, screen);
     return show_capture(file, options.protocol, report, err);
   }
-  // With a configuration the first word may be what is to be explained.
+  // With a configuration, the first word may be the input.
   if (options.protocol.empty() || parse_trace_text(options.protocol)) {
     if (!spec) {
       err << "fieldcast inspect: which protocol? Name it, or the configuration with --config\n";

@@ -1,6 +1,6 @@
-// `fieldcast inspect`: frames for people. A frame in hexadecimal, pasted lines of a bridge's trace,
-// or a capture. PROTOCOL is built in, the path of a declaration, or the name of one that comes with
-// Fieldcast; a capture and a configuration say it themselves. Needs no DDS.
+// `fieldcast inspect`: explains a frame in hexadecimal, lines of a bridge's trace, or a capture.
+// PROTOCOL is a built-in name, the path of a declaration, or the name of an installed one; captures
+// and configurations contain it. Needs no DDS.
 #pragma once
 
 #include <iosfwd>
@@ -13,15 +13,15 @@
 namespace fieldcast::cli {
 
 struct InspectOptions {
-  std::string protocol;          // or the path of a capture; empty: the configuration says it
-  std::vector<std::string> hex;  // or text lines of a trace; empty: from `in`
+  std::string protocol;          // or the path of a capture; empty: from the configuration
+  std::vector<std::string> hex;  // or lines of a trace; empty: read from `in`
   bool json = false;
-  std::string config;   // decodes values by it; empty: by none
-  bool fields = false;  // every field of each frame of a capture or a trace
+  std::string config;   // used to decode values; empty: no decoding
+  bool fields = false;  // prints every field of each frame of a capture or trace
 };
 
-// kOk, kFound when a frame has a fault or a capture is cut, kUsage for an unknown protocol or what
-// is neither hexadecimal nor a trace nor a capture.
+// Returns kOk, kFound if a frame is invalid or a capture is truncated, kUsage for an unknown
+// protocol or invalid input.
 [[nodiscard]] ExitCode inspect(const InspectOptions& options, std::istream& in, std::ostream& out,
                                std::ostream& err, const Screen& screen);
 

@@ -1,4 +1,4 @@
-// `fieldcast module`: a serial line of this machine as a module that dials in at a bridge.
+// `fieldcast module`: connects a serial line of this machine to a bridge as a dialling module.
 #pragma once
 
 #include <iosfwd>
@@ -17,13 +17,13 @@ struct ModuleArguments {
   bool tls = false;
 };
 
-// The error is what is wrong with the command line, or with a file that it names.
+// The error describes a fault of the command line or of a file named there.
 [[nodiscard]] tl::expected<program::ModuleOptions, std::string> options_of(
     const ModuleArguments& given);
 [[nodiscard]] tl::expected<SerialPortSpec, std::string> serial_line_of(
     const ModuleArguments& given);
 
-// Until SIGINT or SIGTERM.
+// Runs until SIGINT or SIGTERM.
 [[nodiscard]] ExitCode module(const ModuleArguments& given, std::ostream& out, std::ostream& err);
 
 }  // namespace fieldcast::cli

@@ -1,4 +1,4 @@
-// The pattern of channels on a command line.
+// Parses the channel pattern of a command line.
 #pragma once
 
 #include "bridge/base/command_line.hpp"
@@ -9,7 +9,7 @@ namespace fieldcast::cli {
 inline constexpr const char* kPatternHelp =
     "BUS/DEVICE/CHANNEL with *; a shorter one matches all below it";
 
-// Reads a pattern into target. REQUIRES: target lives until the parse.
+// REQUIRES: `target` lives until the parse.
 [[nodiscard]] inline CommandLine::Take pattern_into(Pattern& target) {
   return [&target](const std::string& text) -> std::optional<std::string> {
     auto pattern = Pattern::parse(text);

@@ -19,7 +19,7 @@ namespace fieldcast::cli {
 
 namespace {
 
-// Speed is told beside the result, which one seed repeats to the letter.
+// Prints the speed to `err`, so that the result on `out` is identical for the same seed.
 void tell_speed(const BusSimulation& simulation, Duration took, std::ostream& err) {
   err << simulation.plan->bus->name << ": " << to_text(simulation.options.length)
       << " of virtual time in " << std::fixed << std::setprecision(2) << to_seconds(took) << " s, "
@@ -71,7 +71,7 @@ ExitCode simulate_all(const BridgeSpec& spec, const PlanOptions& options, std::o
 ExitCode plan(const PlanOptions& options, std::ostream& out, std::ostream& err,
               const Screen& screen) {
   config::LoadOptions load = config::default_options();
-  load.refuse_hopeless = false;  // here is where its user learns what to do
+  load.refuse_hopeless = false;  // this command explains how to fix such a bus
   const auto loaded = config::load_file(options.config, load);
   if (!loaded) {
     err << config::to_text(loaded.error()) << '\n';

@@ -1,5 +1,5 @@
-// `fieldcast plan CONFIG`: what the wire will have to carry, before anything is connected; with
-// --simulate the whole engine of each bus in virtual time. Needs no DDS.
+// `fieldcast plan CONFIG`: calculates the bus load without a connection; with --simulate runs the
+// whole engine of each bus in virtual time. Needs no DDS.
 #pragma once
 
 #include <iosfwd>
@@ -15,12 +15,12 @@ struct PlanOptions {
   std::string config;
   bool json = false;
   Duration answer_time = kAssumedAnswerTime;
-  Duration simulate{};  // virtual time against simulated devices; 0: only plan
+  Duration simulate{};  // virtual time with simulated devices; 0: only plan
   std::uint64_t seed = 1;
-  std::string faults;  // file with what goes wrong in the simulated plant; empty: nothing
+  std::string faults;  // file with the faults of the simulated plant; empty: none
 };
 
-// kOk, kFound when some bus cannot keep its promises, kUsage when a file has faults.
+// Returns kOk, kFound if a bus cannot keep its refresh times, kUsage if a file has faults.
 [[nodiscard]] ExitCode plan(const PlanOptions& options, std::ostream& out, std::ostream& err,
                             const Screen& screen);
 

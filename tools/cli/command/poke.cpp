@@ -22,7 +22,8 @@ struct Write {
   std::vector<Value> values;
 };
 
-// "holding:100=7", "holding:100=7,8,9"; of a string everything behind '='. The error is one line.
+// Parses "holding:100=7" or "holding:100=7,8,9"; a string is everything behind '='. The error is
+// one line.
 tl::expected<Write, std::string> write_of(const std::string& assignment, const std::string& type,
                                           const Protocol& protocol) {
   const auto equals = assignment.find('=');
@@ -87,8 +88,8 @@ fieldcast::Command command_of(const Write& write, bool verify) {
   return command;
 }
 
-// What the bus would refuse before it asks the device; the first of them is shown. Nothing: all can
-// be tried.
+// Prints the first write that the bus would refuse without a request to the device. Returns false
+// if there is none.
 bool refuses_any(const PokeOptions& options, const std::vector<Write>& writes,
                  const DeviceSpec& device, const Protocol& protocol, std::ostream& out,
                  std::ostream& err) {

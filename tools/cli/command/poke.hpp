@@ -1,4 +1,4 @@
-// `fieldcast poke`: writes to addresses of a device on a line, without a bridge and without a
+// `fieldcast poke`: writes to addresses of a device on a line, without a bridge and a
 // configuration.
 #pragma once
 
@@ -14,15 +14,15 @@ namespace fieldcast::cli {
 
 struct PokeOptions {
   LineOptions line;
-  std::vector<std::string> assignments;  // "holding:100=7", with commas for values that follow
-  std::string type;                      // empty: what the address implies
+  std::vector<std::string> assignments;  // "holding:100=7"; commas separate consecutive values
+  std::string type;                      // empty: default of the address
   bool verify = false;
   bool trace = false;
-  std::string capture;  // a new file for what passes on the line; empty: none
+  std::string capture;  // new capture file; empty: none
   bool json = false;
 };
 
-// In the order given, up to the first that is not done; everything is checked before the first.
+// Checks all assignments first, then writes in order until one fails.
 [[nodiscard]] ExitCode poke(const PokeOptions& options, const Interrupt& interrupt,
                             std::ostream& out, std::ostream& err);
 

@@ -18,7 +18,7 @@
 namespace fieldcast::cli {
 namespace {
 
-// One address with its values cut into requests.
+// An address with the values of one request.
 struct Part {
   std::string at;
   std::uint32_t values = 1;
@@ -31,7 +31,7 @@ struct Wanted {
   std::vector<Part> parts;
 };
 
-// With `as` the items themselves are read. The error is one line.
+// With `as`, reads the raw items. The error is one line.
 tl::expected<Wanted, std::string> wanted_at(const ReadOptions& options, const Protocol& protocol,
                                             const std::string& at) {
   const auto parsed = protocol.parse_address(at);
@@ -69,7 +69,7 @@ tl::expected<Wanted, std::string> wanted_at(const ReadOptions& options, const Pr
                     printable(at), options.count, area.name,
                     (area.items - parsed->first) / wanted.value_items));
   std::uint32_t left = options.count, items = 0;
-  // Bits of a word are counted by the engine.
+  // The engine counts bits of a word itself.
   const std::uint32_t most =
       parsed->bit ? left : values_in_request(protocol, *parsed, wanted.value_items);
   while (left > 0) {

@@ -1,5 +1,4 @@
-// `fieldcast read`: reads addresses of a device on a line, without a bridge and without a
-// configuration.
+// `fieldcast read`: reads addresses of a device on a line, without a bridge and a configuration.
 #pragma once
 
 #include <cstdint>
@@ -18,14 +17,14 @@ struct ReadOptions {
   LineOptions line;
   std::vector<std::string> addresses;
   std::uint32_t count = 1;  // values at each address
-  std::string type;         // empty: what the address implies
-  std::string as;           // "float32,int32", "all": what items mean
+  std::string type;         // empty: default of the address
+  std::string as;           // "float32,int32", "all": types for --as
   bool trace = false;
-  std::string capture;  // a new file for what passes on the line; empty: none
+  std::string capture;  // new capture file; empty: none
   bool json = false;
 };
 
-// Continues after an address that the device refuses; the code is that of the last fault.
+// Continues after an address that the device refuses; returns the code of the last fault.
 [[nodiscard]] ExitCode read(const ReadOptions& options, const Interrupt& interrupt,
                             std::ostream& out, std::ostream& err, const Screen& screen);
 

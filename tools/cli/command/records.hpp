@@ -1,4 +1,4 @@
-// `fieldcast devices` and `fieldcast audit`: what the store knows of the devices, and who did what.
+// `fieldcast devices` and `fieldcast audit`: print device states and the audit log of the store.
 // Need no bridge.
 #pragma once
 
@@ -19,7 +19,7 @@ struct AuditOptions {
   bool json = false;
 };
 
-// kOk when there was something, else kNothing. Throw StoreError.
+// Return kOk if there are records, else kNothing. Throw StoreError.
 [[nodiscard]] ExitCode devices(const DevicesOptions& options, std::ostream& out, std::ostream& err);
 [[nodiscard]] ExitCode audit(const AuditOptions& options, std::ostream& out, std::ostream& err);
 

@@ -27,7 +27,7 @@ std::string buses_text(const security::Member& member) {
   return text;
 }
 
-// As a word of a command line that a shell reads back.
+// Quotes a word for the shell if necessary.
 std::string shell_word(const std::string& text) {
   const auto plain = [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
@@ -68,7 +68,7 @@ ExitCode renew(const SecureOptions& options, UtcTime now, std::ostream& out) {
   return ExitCode::kOk;
 }
 
-// What is done for the others, and not for one of them.
+// Prints the faults of single members; the other members were processed.
 ExitCode end_with(const std::vector<std::string>& faults, std::ostream& err) {
   for (const std::string& fault : faults) err << fault << '\n';
   return faults.empty() ? ExitCode::kOk : ExitCode::kFound;
@@ -131,7 +131,7 @@ MemberCheck check_authority(const std::string& folder, UtcTime now, std::ostream
 }
 
 ExitCode check(const SecureOptions& options, UtcTime now, std::ostream& out) {
-  std::error_code unknown;  // a folder of somebody else: the check says so
+  std::error_code unknown;  // for an unreadable directory: check_member() reports it
   const bool authority = std::filesystem::exists(options.folder + "/members", unknown);
   const MemberCheck all = authority ? check_authority(options.folder, now, out)
                                     : security::check_member(options.folder, now);
@@ -198,7 +198,7 @@ class SecureCommand final : public CommandWith<SecureOptions> {
     describe_action(check, SecureOptions::Action::kCheck);
   }
   ExitCode run(const Streams& streams) override {
-    // It takes a fraction of a second; a signal waits, so that no folder of keys is left half made.
+    // Delays signals for a fraction of a second, so that no key directory is left incomplete.
     const Interrupt interrupt;
     return secure(options_, utc_now(), streams.out, streams.err);
   }

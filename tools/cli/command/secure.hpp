@@ -1,5 +1,5 @@
-// `fieldcast secure init|add|renew|revoke|show|check`: identities and permissions for DDS Security.
-// Works on files alone, needs no bridge.
+// `fieldcast secure init|add|renew|revoke|show|check`: manages identities and permissions for DDS
+// Security. Works on files only; needs no bridge.
 #pragma once
 
 #include <iosfwd>
@@ -14,15 +14,16 @@ namespace fieldcast::cli {
 struct SecureOptions {
   enum class Action : unsigned char { kInit, kAdd, kRenew, kRevoke, kShow, kCheck };
   Action action = Action::kShow;
-  std::string folder = ".";  // of the authority, or with kCheck of a member too
+  std::string folder = ".";  // of the authority; with kCheck also of a member
   security::Member member;
   security::Protection protection = security::Protection::kEncrypt;
   Duration life = security::kMemberLife;  // of a certificate
   bool json = false;
 };
 
-// kRejected where a folder or a name is, or is not, there; kFound where kCheck finds a fault, or a
-// file of one of several members cannot be read or written: the others are done.
+// Returns kRejected if a directory or name exists or is missing unexpectedly. Returns kFound if
+// kCheck finds a fault, or if a file of one of several members cannot be read or written; the other
+// members are processed.
 [[nodiscard]] ExitCode secure(const SecureOptions& options, UtcTime now, std::ostream& out,
                               std::ostream& err);
 

@@ -1,5 +1,4 @@
-// `fieldcast sessions`: who programs which device through the bridges, and how much went either
-// way.
+// `fieldcast sessions`: lists programming sessions with their users, devices and byte counts.
 #pragma once
 
 #include <iosfwd>
@@ -15,10 +14,11 @@ namespace fieldcast::cli {
 struct SessionsOptions {
   ConnectionOptions connection;
   bool json = false;
-  std::optional<Duration> time;  // follows them for so long, a line for each report; nothing: once
+  // follows them for this time, one line for each report; empty: print once
+  std::optional<Duration> time;
 };
 
-// kOk when a bridge is there, with or without sessions, else kNoBridge. Throws DdsError.
+// Returns kOk if a bridge reported, with or without sessions, else kNoBridge. Throws DdsError.
 [[nodiscard]] ExitCode sessions(const SessionsOptions& options, const Connection& connection,
                                 Interrupt& interrupt, std::ostream& out, std::ostream& err);
 

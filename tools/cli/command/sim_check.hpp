@@ -1,6 +1,6 @@
-// `fieldcast sim-check PROTOCOL`: a protocol's master against its simulated device, through the
-// whole matrix, in virtual time. PROTOCOL is built in, the path of a declaration, or the name of
-// one that comes with Fieldcast. Needs no DDS.
+// `fieldcast sim-check PROTOCOL`: tests a protocol's master against its simulated device in virtual
+// time. PROTOCOL is a built-in name, the path of a declaration, or the name of an installed one.
+// Needs no DDS.
 #pragma once
 
 #include <iosfwd>
@@ -18,12 +18,12 @@ struct SimCheckOptions {
   bool json = false;
 };
 
-// kOk, kFound when anything failed, kUsage for an unknown protocol or a declaration at fault.
+// Returns kOk, kFound if a check failed, kUsage for an unknown protocol or an invalid declaration.
 [[nodiscard]] ExitCode sim_check(const SimCheckOptions& options, std::ostream& out,
                                  std::ostream& err, const Screen& screen);
 
 [[nodiscard]] Json check_json(std::string_view protocol, const sim::CheckRow& row);
-// A table of the rows, then every failure that was kept, with its frame.
+// Formats the rows as a table, followed by each stored failure with its frame.
 [[nodiscard]] std::vector<std::string> check_lines(const sim::CheckRows& rows,
                                                    const Screen& screen);
 

@@ -1,4 +1,4 @@
-// --from and --to: the time that a command looks at in the store.
+// --from and --to: the time span that a command reads from the store.
 #pragma once
 
 #include <optional>
@@ -13,8 +13,7 @@ class SpanOption {
  public:
   void describe(CommandLine& line);
   [[nodiscard]] bool given() const { return !from_.empty() || !to_.empty(); }
-  // Without either the last hour; a fault when a text is no time or the end is not behind the
-  // beginning.
+  // Default: the last hour. Fails if a text is not a time or the end is not after the start.
   [[nodiscard]] std::optional<CommandLine::Fault> read(TimeSpan& span) const;
 
  private:

@@ -20,9 +20,9 @@ constexpr Duration kRequestLimit = std::chrono::seconds{3};
 constexpr Duration kTakeLimit = std::chrono::seconds{5};
 using GiveUp = std::function<bool()>;
 
-// A bridge by its name, or a group: then the strongest of it that waits and is ready, or no bridge
-// where there is none. Nothing: nobody has that name. A request without a name would be obeyed by
-// the new master, too, where it comes late.
+// Selects the bridge `wanted`, or for a group its strongest ready waiting bridge; `bridge` is empty
+// if there is none. Empty if the name is unknown. A late request without a bridge name would also
+// be obeyed by the new master.
 std::optional<StandbyRequest> request_for(const StandbyModel& model, const std::string& wanted) {
   for (const auto& [key, member] : model) {
     if (key.second == wanted) return StandbyRequest{key.first, wanted, "fieldcast standby"};
@@ -34,7 +34,7 @@ std::optional<StandbyRequest> request_for(const StandbyModel& model, const std::
     is_group = true;
     const StandbyMember& member = message.member;
     if (member.role != StandbyRole::kWaiting || !member.not_ready.empty()) continue;
-    if (best == nullptr || member.strength > best->strength) best = &member;  // by name
+    if (best == nullptr || member.strength > best->strength) best = &member;  // ties: by name
   }
   if (!is_group) return std::nullopt;
   return StandbyRequest{wanted, best == nullptr ? "" : best->bridge, "fieldcast standby"};
@@ -95,7 +95,7 @@ ExitCode standby(const StandbyOptions& options, const Connection& connection, In
   StandbyWatch members(connection);
   const GiveUp give_up = [&interrupt] { return interrupt.raised(); };
   const auto is_there = [](const StandbyModel& model) { return !model.empty(); };
-  // Then everybody else is heard, most likely.
+  // By then all other members have probably reported.
   if (members.until(is_there, instant_now() + kBridgeWait, give_up)) {
     const auto never = [](const StandbyModel&) { return false; };
     (void)members.until(never, instant_now() + kQuietTime, give_up);

@@ -1,5 +1,5 @@
-// `fieldcast standby`: the bridges of standby groups and which one is master. `standby take NAME`:
-// another bridge is to be master.
+// `fieldcast standby`: lists the bridges of standby groups with their roles. `standby take NAME`:
+// makes another bridge the master.
 #pragma once
 
 #include <iosfwd>
@@ -15,11 +15,11 @@ struct StandbyOptions {
   ConnectionOptions connection;
   bool json = false;
   bool take = false;
-  std::string wanted;  // of take: a bridge, or a group, whose best waiting bridge takes over
+  std::string wanted;  // for `take`: a bridge, or a group, whose best waiting bridge takes over
 };
 
-// kOk when a member was there, else kNoBridge; of take: kOk when the bridge is master, kNothing for
-// a name that nobody has, kRejected when it is not ready, kNoAnswer when nothing happened. Throws
+// Returns kOk if a member reported, else kNoBridge. For `take`: kOk if the bridge became master,
+// kNothing for an unknown name, kRejected if it is not ready, kNoAnswer if nothing changed. Throws
 // DdsError.
 [[nodiscard]] ExitCode standby(const StandbyOptions& options, const Connection& connection,
                                Interrupt& interrupt, std::ostream& out, std::ostream& err);

@@ -32,7 +32,7 @@ void print_table(const StatusModel& model, std::ostream& out) {
   for (const auto& line : status_lines(model, utc_now(), screen)) out << line << '\n';
 }
 
-// Of bridges that stand by for each other: nothing without them.
+// Prints the standby bridges, if any.
 void print_members(const StandbyModel& model, std::ostream& out) {
   if (model.empty()) return;
   out << '\n';
@@ -46,7 +46,7 @@ void print_event(const DomainEvent& event, std::ostream& out) {
     out << to_line(status_json(*device)) << '\n';
 }
 
-// A terminal that cannot show a screen gets text, and is told why.
+// Returns false if the output is text; if the terminal cannot show a screen, prints the reason.
 bool screen_wanted(const StatusOptions& options, std::ostream& err) {
   if (!options.screen || options.json || !output_is_terminal()) return false;
   const std::string reason = no_screen_reason();

@@ -1,4 +1,5 @@
-// `fieldcast status`: buses and devices, their state, load, learned times and failures by cause.
+// `fieldcast status`: shows buses and devices with state, load, learned times and failures by
+// cause.
 #pragma once
 
 #include <iosfwd>
@@ -14,13 +15,13 @@ namespace fieldcast::cli {
 struct StatusOptions {
   ConnectionOptions connection;
   bool json = false;
-  bool screen = true;  // where the output is a terminal
-  // Follows it for so long: the screen, or a line for each report; nothing: once, or until the
-  // user leaves the screen.
+  bool screen = true;  // if the output is a terminal
+  // Follows the status for this time, as a screen or a line for each report. Empty: print once, or
+  // show the screen until the user quits.
   std::optional<Duration> time;
 };
 
-// kOk when a bus reported, else kNoBridge. Throws DdsError.
+// Returns kOk if a bus reported, else kNoBridge. Throws DdsError.
 [[nodiscard]] ExitCode status(const StatusOptions& options, const Connection& connection,
                               Interrupt& interrupt, std::ostream& out, std::ostream& err);
 

@@ -1,6 +1,5 @@
-// The screen of `fieldcast status` at work: terminal, domain and clock around StatusScreen.
-//
-// Main thread. Reads keys at once, events of the domain at least ten times a second.
+// Runs the screen of `fieldcast status` with terminal, domain and clock. Main thread. Processes
+// keys immediately, and DDS events at least ten times a second.
 #pragma once
 
 #include "tools/cli/connection.hpp"
@@ -10,8 +9,9 @@
 
 namespace fieldcast::cli {
 
-// Until `end`, until the user quits, or until the inbox is closed. REQUIRES: no_screen_reason() is
-// empty; the status is subscribed to. Throws std::runtime_error when the terminal cannot be used.
+// Runs until `end`, until the user quits, or until the inbox is closed. REQUIRES:
+// no_screen_reason() is empty; the status is subscribed. Throws std::runtime_error if the terminal
+// is unusable.
 void status_live(const Connection& connection, DomainView& domain, StatusModel& model,
                  StandbyWatch& members, Instant end);
 

@@ -84,7 +84,7 @@ ExitCode token(const TokenOptions& options, std::ostream& out, std::ostream& err
     err << address.error() << '\n';
     return ExitCode::kUsage;
   }
-  // Tokens may be added before the station ran for the first time.
+  // Tokens may be added before the first start of the station.
   const bool adds = options.action == TokenOptions::Action::kAdd;
   const auto connection = open_store(*address, adds ? IfMissing::kCreate : IfMissing::kFail);
   switch (options.action) {

@@ -1,5 +1,5 @@
-// `fieldcast token add|list|remove`: which programs and wall screens may read at a station, until
-// when. Opens the store, needs no bridge.
+// `fieldcast token add|list|remove`: manages read-only tokens of programs and wall screens for a
+// station. Opens the store; needs no bridge.
 #pragma once
 
 #include <cstdint>
@@ -16,11 +16,11 @@ struct TokenOptions {
   StoreSource source;
   Action action = Action::kList;
   std::string name;
-  std::uint32_t days = 0;  // until its end
+  std::uint32_t days = 0;  // lifetime
   bool json = false;
 };
 
-// kRejected for a token that is there already, kNothing for one that is not. Throws StoreError.
+// Returns kRejected if the token already exists, kNothing if it does not exist. Throws StoreError.
 [[nodiscard]] ExitCode token(const TokenOptions& options, std::ostream& out, std::ostream& err);
 
 }  // namespace fieldcast::cli

@@ -75,7 +75,7 @@ ExitCode user(const UserOptions& options, std::istream& in, std::ostream& out, s
     err << address.error() << '\n';
     return ExitCode::kUsage;
   }
-  // Users may be added before the bridge ran for the first time.
+  // Users may be added before the first start of the bridge.
   const bool adds = options.action == UserOptions::Action::kAdd;
   const auto connection = open_store(*address, adds ? IfMissing::kCreate : IfMissing::kFail);
   switch (options.action) {

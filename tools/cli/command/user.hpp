@@ -1,4 +1,4 @@
-// `fieldcast user add|list|remove`: who may log in. Opens the store, needs no bridge.
+// `fieldcast user add|list|remove`: manages the users of the store. Needs no bridge.
 #pragma once
 
 #include <iosfwd>
@@ -16,13 +16,13 @@ struct UserOptions {
   Action action = Action::kList;
   std::string name;
   Role role = Role::kViewer;
-  // Its first line; empty: asked for, or the first line of `in`. Never an argument: others could
-  // read it.
+  // File with the password in its first line; empty: prompt, or the first line of `in`. Never an
+  // argument, because other users can read arguments.
   std::string password_file;
   bool json = false;
 };
 
-// kRejected for a user that is there already, kNothing for one that is not. Throws StoreError.
+// Returns kRejected if the user already exists, kNothing if it does not exist. Throws StoreError.
 [[nodiscard]] ExitCode user(const UserOptions& options, std::istream& in, std::ostream& out,
                             std::ostream& err);
 

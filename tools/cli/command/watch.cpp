@@ -27,7 +27,7 @@ namespace {
 
 constexpr Duration kLook = std::chrono::milliseconds{200};
 constexpr Duration kInterestWait = std::chrono::seconds{1};
-constexpr Duration kLagAgain = std::chrono::seconds{1};  // between two events that we are too slow
+constexpr Duration kLagAgain = std::chrono::seconds{1};  // shortest time between two lag events
 constexpr Duration kOnceWait = std::chrono::seconds{10};
 
 class Watch {
@@ -62,11 +62,11 @@ class Watch {
   WatchModel model_;
   std::ostream& out_;
   std::ostream& err_;
-  std::optional<std::string> remark_;   // of our interest, once it is known
-  Instant last_news_{};                 // when the catalogue last grew
-  std::optional<Listening> listening_;  // of --once
-  std::uint64_t missing_told_ = 0;      // blocks that the last event counted
-  std::optional<Instant> lag_told_;     // when that was
+  std::optional<std::string> remark_;   // about the interest; empty until known
+  Instant last_news_{};                 // last growth of the catalogue
+  std::optional<Listening> listening_;  // for --once
+  std::uint64_t missing_told_ = 0;      // missing blocks in the last lag event
+  std::optional<Instant> lag_told_;     // time of the last lag event
 };
 
 ExitCode Watch::run() {
@@ -136,8 +136,8 @@ void Watch::read(const DomainEvent& event, Instant now) {
   }
 }
 
-// Bridges announce their channels anew when an interest takes effect; what they have not announced
-// a while later, they will not.
+// Bridges announce their channels again when an interest becomes effective; later announcements are
+// not expected.
 void Watch::remark_interest(Instant now, Instant began) {
   if (!options_.refresh || remark_ || !model_.anything_announced() ||
       now - std::max(began, last_news_) < kInterestWait)
@@ -146,7 +146,7 @@ void Watch::remark_interest(Instant now, Instant began) {
   if (!remark_->empty()) err_ << "fieldcast watch: " << *remark_ << '\n' << std::flush;
 }
 
-// In JSON lines as an event. Elsewhere the table's footer says it, and the last line of all.
+// Prints a lag event in JSON lines. Otherwise the table's footer and the last line report the lag.
 void Watch::tell_lag(Instant now) {
   model_.on_counters(domain_.station().block_counters());
   const Station::BlockCounters& counters = model_.counters();
@@ -158,7 +158,7 @@ void Watch::tell_lag(Instant now) {
   out_ << to_line(lag_json(counters)) << '\n';
 }
 
-// A terminal that cannot show a screen gets lines, and is told why.
+// Returns false if the output is lines; if the terminal cannot show a screen, prints the reason.
 bool Watch::screen_wanted() {
   if (options_.once || options_.json || options_.plain || !output_is_terminal()) return false;
   const std::string reason = no_screen_reason();

@@ -1,4 +1,5 @@
-// `fieldcast watch`: the newest samples as a screen (docs/screens.md), as lines, or as JSON lines.
+// `fieldcast watch`: shows the newest samples as a screen (docs/screens.md), as lines, or as JSON
+// lines.
 #pragma once
 
 #include <iosfwd>
@@ -17,14 +18,14 @@ struct WatchOptions {
   Pattern pattern;
   bool json = false;
   bool plain = false;               // lines, also in a terminal
-  bool unicode = false;             // the terminal shows more than ASCII
-  bool once = false;                // every matching channel once, in the order of names
-  std::optional<Duration> time;     // ends after this; with once: the longest wait
-  std::optional<Duration> refresh;  // keeps the channels this fresh while it runs
+  bool unicode = false;             // the terminal supports Unicode
+  bool once = false;                // prints every matching channel once, sorted by name
+  std::optional<Duration> time;     // ends after this; with `once`: the longest wait
+  std::optional<Duration> refresh;  // requested refresh while the command runs
 };
 
-// kOk when samples came (and for an endless watch that Ctrl-C ends), kNothing or kNoBridge when
-// not. Throws DdsError.
+// Returns kOk if samples arrived, or if Ctrl-C ended an endless watch; else kNothing or kNoBridge.
+// Throws DdsError.
 [[nodiscard]] ExitCode watch(const WatchOptions& options, const Connection& connection,
                              Interrupt& interrupt, std::ostream& out, std::ostream& err);
 

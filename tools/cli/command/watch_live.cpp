@@ -15,7 +15,7 @@ namespace fieldcast::cli {
 namespace {
 
 constexpr Duration kDrawAgain = std::chrono::milliseconds{100};
-constexpr Duration kSettled = std::chrono::seconds{1};  // after an interest took effect
+constexpr Duration kSettled = std::chrono::seconds{1};  // wait after an interest became effective
 
 Moment moment_now() { return {instant_now(), utc_now()}; }
 
@@ -40,7 +40,7 @@ class WatchLive {
     auto next_draw = began_;
     for (auto now = began_; now < end && !quit_ && !domain_.inbox().closed(); now = instant_now()) {
       bool pressed = false;
-      // All keys that are there, then one frame for them.
+      // Processes all pending keys, then draws one frame.
       while (const auto key = terminal.key(pressed ? now : std::min(end, next_draw))) {
         pressed = true;
         take(screen_.on_key(*key, moment_now()));
@@ -78,7 +78,7 @@ class WatchLive {
     }
   }
 
-  // What is worth a remark: no bridge, an interest that changes nothing, a station too slow.
+  // Reports a missing bridge, an ineffective interest, or lag of this station.
   void tell(Instant now) {
     model_.on_counters(domain_.station().block_counters());
     if (!model_.anything_announced()) {
@@ -105,7 +105,7 @@ class WatchLive {
   WatchScreen screen_;
   WriteDesk desk_;
   const Instant began_;
-  Instant last_news_;  // when the catalogue last grew
+  Instant last_news_;  // last growth of the catalogue
   bool remarked_ = false;
   std::string interest_remark_;
   bool quit_ = false;

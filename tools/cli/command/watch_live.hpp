@@ -1,7 +1,5 @@
-// The screen of `fieldcast watch` at work: terminal, domain and clock around WatchScreen.
-//
-// Main thread. Reads keys at once, events of the domain at least ten times a second, and draws as
-// often.
+// Runs the screen of `fieldcast watch` with terminal, domain and clock. Main thread. Processes keys
+// immediately; reads DDS events and draws at least ten times a second.
 #pragma once
 
 #include "tools/cli/command/watch.hpp"
@@ -10,9 +8,9 @@
 
 namespace fieldcast::cli {
 
-// Until `end`, until the user quits, or until the inbox is closed. REQUIRES: no_screen_reason() is
-// empty; channels and samples are subscribed to. Throws std::runtime_error when the terminal cannot
-// be used.
+// Runs until `end`, until the user quits, or until the inbox is closed. REQUIRES:
+// no_screen_reason() is empty; channels and samples are subscribed. Throws std::runtime_error if
+// the terminal is unusable.
 void watch_live(const WatchOptions& options, const Connection& connection, DomainView& domain,
                 WatchModel& model, Instant end);
 

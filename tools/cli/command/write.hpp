@@ -1,4 +1,4 @@
-// `fieldcast write`: values into channels, or with --at into addresses of a device.
+// `fieldcast write`: writes values to channels, or with --at to addresses of a device.
 #pragma once
 
 #include <iosfwd>
@@ -16,8 +16,8 @@ struct WriteOptions : CommandOptions {
   bool verify = false;
 };
 
-// The code of the worst result. Nothing is sent when one of the assignments is refused here. Throws
-// DdsError.
+// Returns the code of the worst result. Sends nothing if one of the assignments is refused locally.
+// Throws DdsError.
 [[nodiscard]] ExitCode write(const WriteOptions& options, const Connection& connection,
                              Interrupt& interrupt, std::ostream& out, std::ostream& err);
 

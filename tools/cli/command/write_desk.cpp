@@ -7,7 +7,7 @@
 namespace fieldcast::cli {
 namespace {
 
-// For a bridge that takes commands, each time around the loop of the screen.
+// Wait for a bridge in each turn of the screen's loop.
 constexpr Duration kSendWait = std::chrono::milliseconds{10};
 constexpr Duration kLifespan = std::chrono::seconds{5};
 constexpr Duration kResultLimit = kLifespan + std::chrono::seconds{2};

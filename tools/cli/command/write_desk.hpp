@@ -1,5 +1,5 @@
-// One write from a screen to its result, without waiting: the loop of the screen goes on meanwhile.
-// The rights are those of `fieldcast write`. Main thread.
+// Sends one write of a screen and waits for its result without blocking the screen's loop. The user
+// needs the same rights as for `fieldcast write`. Main thread.
 #pragma once
 
 #include <optional>
@@ -11,15 +11,16 @@ namespace fieldcast::cli {
 
 class WriteDesk {
  public:
-  // REQUIRES: both live longer, and the domain view has subscribed to results.
+  // REQUIRES: both outlive this object; `domain` has subscribed to results.
   WriteDesk(DomainView& domain, const Connection& connection)
       : domain_(domain), connection_(connection) {}
 
-  // REQUIRES: the one before has its outcome.
+  // REQUIRES: busy() is false.
   void begin(const WriteIntent& intent, Instant now);
-  // Sends what is not sent yet. The outcome when there is one: no bridge, no right, no result.
+  // Sends the write if still unsent. Returns the outcome if it ended: no bridge, no right, no
+  // result.
   [[nodiscard]] std::optional<Outcome> step(Instant now);
-  // The outcome when the result is the write's.
+  // Returns the outcome if the result belongs to this write.
   [[nodiscard]] std::optional<Outcome> on_result(const StationResult& result);
   [[nodiscard]] bool busy() const { return errand_.has_value(); }
 
@@ -31,7 +32,7 @@ class WriteDesk {
   const Connection& connection_;
   std::optional<Errand> errand_;
   bool sent_ = false;
-  Instant until_{};  // for sending, then for the result
+  Instant until_{};  // deadline for sending, then for the result
 };
 
 }  // namespace fieldcast::cli

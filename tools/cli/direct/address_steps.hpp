@@ -1,4 +1,4 @@
-// Addresses one behind the other in the PLC's own notation. Pure functions.
+// Calculates consecutive addresses in the PLC's notation. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +10,12 @@
 
 namespace fieldcast::cli {
 
-// The address `items` items behind `at`: "holding:102" for "holding:100" and 2. Nothing where its
-// notation counts in another way (bits of a word, octal numbers) or the area ends before.
+// Returns the address `items` after `at`: "holding:102" for "holding:100" and 2. Empty if the
+// notation counts differently (bits of a word, octal numbers) or the area ends before.
 [[nodiscard]] std::optional<std::string> address_behind(const Protocol& protocol,
                                                         std::string_view at, std::uint32_t items);
 
-// How many values of `value_items` items one request reads from `at` on, at least 1.
+// Returns how many values of `value_items` items one request can read from `at`; at least 1.
 [[nodiscard]] std::uint32_t values_in_request(const Protocol& protocol, const ParsedAddress& at,
                                               std::uint32_t value_items);
 
