@@ -1,7 +1,5 @@
-// One command's time in the DDS domain: a station whose callbacks all end in one inbox, which the
-// main thread reads.
-//
-// Main thread. Ctrl-C closes the inbox, so that no wait outlives it.
+// Connects a command to the DDS domain: a station whose callbacks put all events in one inbox,
+// which the main thread reads. Main thread. Ctrl-C closes the inbox and ends every wait.
 #pragma once
 
 #include <string>
@@ -37,16 +35,16 @@ using DomainEvent =
                  StationResult, ProgramSessionReport, StationAlarm, AlarmGone, StationAlarmStatus,
                  AlarmStatusGone, BusGone, DeviceGone>;
 
-// What it is about; empty: no bus, or none that it names.
+// Bus of the event; empty if it has none.
 [[nodiscard]] std::string_view bus_of(const DomainEvent& event);
 
-// Puts the status of a bus or a device into the model, or takes out what is gone. True when it
-// names one for the first time.
+// Adds or removes a bus or device in the model. Returns true if the event names it for the first
+// time.
 bool update(StatusModel& model, const DomainEvent& event);
 
 class DomainView {
  public:
-  // Events that may wait; then the oldest goes and is counted.
+  // Waiting events; beyond this the oldest is dropped and counted.
   static constexpr std::size_t kMaxWaiting = 65536;
 
   // Joins the domain. Throws DdsError.
@@ -55,14 +53,14 @@ class DomainView {
   DomainView(const DomainView&) = delete;
   DomainView& operator=(const DomainView&) = delete;
 
-  // Each at most once.
+  // Call each at most once.
   void subscribe_channels();
   void subscribe_samples();
   void subscribe_status();
   void subscribe_results();
-  // Bus status comes too: it tells that a bridge is there.
+  // Also subscribes the bus status, which shows that a bridge exists.
   void subscribe_program_sessions();
-  void subscribe_alarms();  // and what people did about them
+  void subscribe_alarms();  // with the actions of operators
 
   [[nodiscard]] Sites& station() { return station_; }
   [[nodiscard]] std::vector<std::string> missing_servers() const {
@@ -73,7 +71,7 @@ class DomainView {
 
  private:
   Interrupt& interrupt_;
-  // Before the station: its threads write here until it is gone.
+  // Before the station, because its threads write here until it is destroyed.
   BoundedQueue<DomainEvent> inbox_{kMaxWaiting};
   Sites station_;
 };

@@ -1,7 +1,7 @@
-// Ctrl-C of a command that works on without looking: the process ends where it is, with the exit
-// code 130. The progress line is wiped, and no file is left half written.
+// Ends the process immediately after Ctrl-C with exit code 130, for commands that do not check for
+// signals. Clears the progress line and leaves no incomplete file.
 //
-// Make one before any thread is started. The end comes on a thread of its own.
+// Create it before any thread is started. The process ends on a separate thread.
 #pragma once
 
 #include <condition_variable>
@@ -14,14 +14,14 @@ namespace fieldcast::cli {
 
 class EndAtOnce {
  public:
-  // `grace`: for a command that looks at interrupt() now and then and ends by itself. It should be
-  // a fraction of a second.
+  // `grace`: time for a command that checks interrupt() and ends by itself; at most a fraction of a
+  // second.
   explicit EndAtOnce(Duration grace = Duration::zero());
   ~EndAtOnce();
   EndAtOnce(const EndAtOnce&) = delete;
   EndAtOnce& operator=(const EndAtOnce&) = delete;
 
-  // Locked while something is made that is of no use half: the end waits for it.
+  // Lock it while an output is incomplete; the end waits for it.
   [[nodiscard]] std::mutex& whole() { return whole_; }
   [[nodiscard]] const Interrupt& interrupt() const { return interrupt_; }
 
@@ -31,7 +31,7 @@ class EndAtOnce {
   const Duration grace_;
   std::mutex whole_;
   std::condition_variable changed_;
-  bool ended_ = false;  // by itself; guarded by whole_
+  bool ended_ = false;  // the command has ended by itself; guarded by whole_
   Interrupt interrupt_;
 };
 

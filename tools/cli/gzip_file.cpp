@@ -16,11 +16,11 @@
 namespace fieldcast::cli {
 namespace {
 
-constexpr unsigned kBuffer = 128 << 10;  // bytes; zlib.h asks for large ones
+constexpr unsigned kBuffer = 128 << 10;  // bytes; zlib.h recommends large buffers
 
 gzFile gzip(void* file) { return static_cast<gzFile>(file); }
 
-// The temporary names of this process, for its end by a signal.
+// Temporary files of this process, to be removed if a signal ends it.
 std::mutex unfinished_mutex;
 std::set<std::string> unfinished;
 
@@ -80,7 +80,7 @@ void GzipFile::open() {
   if (descriptor_ >= 0) take_temporary(part);
 }
 
-// Fails when somebody else has made a file of this name meanwhile.
+// Fails if a file of this name was created meanwhile.
 void GzipFile::give_name() {
   const std::string from =
       temporary_.empty() ? "/proc/self/fd/" + std::to_string(descriptor_) : temporary_;

@@ -1,6 +1,5 @@
-// A file that is compressed while it is written (RFC 1952), for std::ostream. It has no name until
-// it is whole: whatever ends the process before, nothing half written is left. Owns the file. One
-// owner, the main thread.
+// A std::ostream buffer that writes a compressed file (RFC 1952). The file has no name until it is
+// complete, so no incomplete file remains if the process ends. Owns the file. Main thread.
 #pragma once
 
 #include <memory>
@@ -12,18 +11,18 @@ namespace fieldcast::cli {
 
 class GzipFile final : public std::streambuf {
  public:
-  // A new file: one that is there is left alone. What cannot be opened takes nothing, and close()
-  // says why.
+  // Creates a new file; never replaces one. If it cannot be opened, writes have no effect and
+  // close() returns the reason.
   explicit GzipFile(std::string path);
   ~GzipFile() override;
   GzipFile(const GzipFile&) = delete;
   GzipFile& operator=(const GzipFile&) = delete;
 
-  // To be called once, at the end. What went wrong, for people; nothing: all is in the file.
+  // Call once at the end. Returns a human-readable fault; empty on success.
   [[nodiscard]] std::optional<std::string> close();
 
-  // For a process that ends from another thread, at a signal: takes away what has a name already.
-  // Only a file system without files that have none needs it.
+  // Removes temporary files when a signal ends the process; any thread. Only file systems without
+  // unnamed files (O_TMPFILE) have them.
   static void remove_unfinished() noexcept;
 
  protected:
@@ -41,9 +40,9 @@ class GzipFile final : public std::streambuf {
   void drop_temporary();
 
   const std::string path_;
-  int descriptor_ = -1;    // of the file, for its name
-  std::string temporary_;  // its name meanwhile, on a file system without files that have none
-  std::unique_ptr<void, Closer> file_;  // gzFile; null: it could not be opened, or it is closed
+  int descriptor_ = -1;                 // of the unnamed file
+  std::string temporary_;               // temporary name on a file system without unnamed files
+  std::unique_ptr<void, Closer> file_;  // gzFile; null: not open
   std::optional<std::string> fault_;
 };
 

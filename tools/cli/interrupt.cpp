@@ -50,7 +50,7 @@ void Interrupt::wait_for_signals() {
     const std::lock_guard lock(mutex_);
     if (wake_) wake_();
   }
-  // A command whose output nobody takes hangs in it: the second signal ends it, or the limit.
+  // A command can block in a full output: a second signal or the time limit ends it.
   const timespec limit{kEndLimit.count(), 0};
   while (sigtimedwait(&set, nullptr, &limit) < 0 && errno == EINTR) {}
   if (ending_) return;

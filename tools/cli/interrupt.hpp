@@ -1,8 +1,8 @@
-// Ctrl-C and termination as an ordinary event, so that every command ends through its own last
-// line.
+// Handles Ctrl-C and SIGTERM as an event, so that every command prints its last line and ends
+// normally.
 //
-// Make one in main before any thread is started: the signals are blocked there and taken by this
-// object's thread alone.
+// Create it in main before any thread is started: it blocks the signals, and only its own thread
+// receives them.
 #pragma once
 
 #include <atomic>
@@ -15,7 +15,7 @@ namespace fieldcast::cli {
 
 class Interrupt {
  public:
-  // Of a command that was asked to end; then, or with a second signal, the process ends at once.
+  // Time limit after a signal; then, or at a second signal, the process ends immediately.
   static constexpr std::chrono::seconds kEndLimit{8};
 
   Interrupt();
@@ -23,10 +23,10 @@ class Interrupt {
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;
 
-  [[nodiscard]] bool raised() const { return raised_; }  // any thread
+  [[nodiscard]] bool raised() const { return raised_; }  // thread-safe
 
-  // Called once, on this object's thread, when a signal comes; at once if it came already. Replaces
-  // the one before; empty: none.
+  // Calls `wake` once on this object's thread when a signal arrives, or immediately if one has
+  // arrived. Replaces the previous function; empty: none.
   void on_raise(std::function<void()> wake);
 
  private:

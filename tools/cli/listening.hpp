@@ -1,5 +1,5 @@
-// When a command that asks once may take it that all bridges have told what they have: nothing new
-// came for kQuietTime, and each site of the connection was heard, or kBridgeWait is over. Pure.
+// Decides when all bridges have reported: nothing new for kQuietTime and each site of the
+// connection has reported, or kBridgeWait has passed. Pure.
 #pragma once
 
 #include <string>
@@ -15,19 +15,21 @@ class Listening {
  public:
   Listening(const Connection& connection, Instant began);
 
-  // Something new came of this bus (of a site: "site:bus").
+  // Something new arrived for this bus (with sites: "site:bus").
   void news(std::string_view bus, Instant now);
 
   [[nodiscard]] bool anybody() const { return anybody_; }
-  // Some bridge of this bus's site was heard; of a bus without a site of the connection: of any.
+  // Returns whether a bridge of the bus's site has reported; for a bus without a known site, any
+  // bridge.
   [[nodiscard]] bool heard_site_of(std::string_view bus) const;
-  // Then it is over, unless more news come; never later than kBridgeWait, but for who goes on
-  // telling.
+  // Time at which the wait ends without further news. At most kBridgeWait after the start, unless
+  // news continue.
   [[nodiscard]] Instant over_at() const;
   [[nodiscard]] Instant last_news() const { return last_news_; }
-  // Of several sites those that were not heard.
+  // Sites without a report, if there are several.
   [[nodiscard]] std::vector<std::string> silent_sites() const;
-  // "no bridge found in site south": of several sites those that were not heard. Empty: none.
+  // "no bridge found in site south": names sites without a report, if there are several. Empty:
+  // none.
   [[nodiscard]] std::string silent_text() const;
 
  private:

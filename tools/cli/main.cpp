@@ -1,4 +1,4 @@
-// `fieldcast`: reads the command line, runs one command, ends with its exit code.
+// `fieldcast`: parses the command line, runs one command and exits with its code.
 #include <cerrno>
 #include <exception>
 #include <iostream>
@@ -13,8 +13,7 @@
 namespace fieldcast::cli {
 namespace {
 
-// What was not written was not said, whatever the command came to. A reader that closes the pipe
-// has read enough.
+// Reports incomplete output as an error. A reader that has closed the pipe needs no message.
 ExitCode whole_output(ExitCode code) {
   errno = 0;
   if (std::cout.flush() || code != ExitCode::kOk) return code;

@@ -10,7 +10,7 @@
 namespace fieldcast::cli {
 namespace {
 
-// The terminal shows nothing of what is typed while this lives.
+// Disables the terminal's echo during its lifetime.
 class Silence {
  public:
   Silence() {

@@ -1,4 +1,4 @@
-// A secret from whoever sits at the terminal, without an echo; or from a file or a pipe.
+// Reads a secret from the terminal without echo, or from a file or pipe.
 #pragma once
 
 #include <iosfwd>
@@ -9,9 +9,9 @@
 
 namespace fieldcast::cli {
 
-// The first line of the file, which nobody else may read. Without a file name: asked for twice when
-// `in` is std::cin and that is a terminal, else the first line of `in`. The fault is a line for
-// people.
+// Returns the first line of the file, which must not be readable by other users. Without a file
+// name: prompts twice if `in` is std::cin and a terminal, else reads the first line of `in`. The
+// error is one human-readable line.
 [[nodiscard]] tl::expected<Secret, std::string> new_password(const std::string& file,
                                                              std::istream& in,
                                                              std::ostream& prompt);

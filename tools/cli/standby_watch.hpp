@@ -1,5 +1,5 @@
-// The members of standby groups as one command hears them. Joins the domain, or those of several
-// sites, with participants of its own. Any thread.
+// Receives the messages of standby groups for one command. Joins all domains of the connection with
+// its own participants. Thread-safe.
 #pragma once
 
 #include <condition_variable>
@@ -20,11 +20,10 @@ class StandbyWatch {
   explicit StandbyWatch(const Connection& connection);
 
   [[nodiscard]] StandbyModel model();
-  // Until the condition holds, which is looked at again and again. False: not before `end`, or not
-  // before `give_up` said so.
+  // Waits until the condition is true. Returns false after `end`, or when `give_up` returns true.
   [[nodiscard]] bool until(const std::function<bool(const StandbyModel&)>& condition, Instant end,
                            const std::function<bool()>& give_up);
-  // In each site. False: no bridge heard it within the limit.
+  // Sends the request in each site. Returns false if no bridge received it within the limit.
   [[nodiscard]] bool request(const StandbyRequest& wanted, Duration limit);
 
  private:
@@ -33,7 +32,7 @@ class StandbyWatch {
   std::mutex mutex_;
   std::condition_variable changed_;
   StandbyModel model_;
-  std::vector<std::unique_ptr<StandbyMonitor>> sites_;  // last: they call learn()
+  std::vector<std::unique_ptr<StandbyMonitor>> sites_;  // last member: its callbacks call learn()
 };
 
 }  // namespace fieldcast::cli

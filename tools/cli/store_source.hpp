@@ -1,4 +1,4 @@
-// Which store a command opens: that of a configuration file, or the one named.
+// Selects the store of a command: from a configuration file, or by name.
 #pragma once
 
 #include <memory>
@@ -12,14 +12,14 @@
 namespace fieldcast::cli {
 
 struct StoreSource {
-  std::string config;  // its `store:` section
-  std::string store;   // a file or a connection string; goes before the configuration's
+  std::string config;  // its `store:` section is used
+  std::string store;   // a file or a connection string; overrides the configuration
 };
 
-// --config and --store.
+// Adds --config and --store.
 void add_store(CommandLine& line, StoreSource& source);
 
-// The fault is for people.
+// The error is human-readable.
 [[nodiscard]] tl::expected<StoreAddress, std::string> resolve(const StoreSource& source);
 
 struct TimeSpan {

@@ -30,9 +30,10 @@
 namespace fieldcast::cli {
 namespace {
 
-constexpr int kEscapeWait = 25;  // ms until an ESC is the key, not the beginning of another one
+// ms after which an ESC is the key itself, not the start of a sequence
+constexpr int kEscapeWait = 25;
 
-// What a crash needs: prepared beforehand, as nothing can be made then.
+// Data for a crash handler, prepared because it cannot allocate.
 struct Rescue {
   std::atomic<bool> armed = false;
   termios modes{};
@@ -44,7 +45,7 @@ Rescue rescue;
 constexpr std::array kCrashes{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 
 std::atomic<bool> stop_asked = false;  // Ctrl-Z
-std::atomic<bool> continued = false;   // after another stop, by SIGSTOP
+std::atomic<bool> continued = false;   // after a stop by SIGSTOP
 
 void on_stop(int) { stop_asked = true; }
 void on_continue(int) { continued = true; }
@@ -155,7 +156,7 @@ std::string no_screen_reason() {
   return {};
 }
 
-// Keeps what is written to standard error out of the screen.
+// Redirects standard error while the screen is shown.
 class QuietErrors {
  public:
   QuietErrors() {
@@ -197,7 +198,7 @@ void Terminal::State::arm() const {
   std::string reset;
   for (const char* name : {"sgr0", "cnorm", "rmcup"}) {
     const char* text = ::tigetstr(name);
-    // A sequence with pauses in it is for terminals of paper.
+    // Sequences with delays are for printing terminals.
     if (text != nullptr && text != reinterpret_cast<const char*>(-1) &&
         std::strstr(text, "$<") == nullptr)
       reset += text;
@@ -245,7 +246,7 @@ Terminal::Terminal() : state_(std::make_unique<State>()) {
   ::keypad(stdscr, TRUE);
   ::nodelay(stdscr, TRUE);
   ::set_escdelay(kEscapeWait);
-  ::typeahead(-1);  // a frame is drawn whole, whatever is typed meanwhile
+  ::typeahead(-1);  // draws complete frames even during input
   ::curs_set(0);
   state_->colour = output_screen().colour && ::has_colors();
   if (state_->colour) {
@@ -294,14 +295,14 @@ std::optional<Key> Terminal::key(Instant until) {
       if (key->kind == Key::Kind::kRedraw) ::clearok(curscr, TRUE);
       return key;
     }
-    if (kind != ERR) continue;  // a key that means nothing
+    if (kind != ERR) continue;  // an unused key
     const auto left = until - instant_now();
     if (left <= Duration{}) return std::nullopt;
     pollfd input{STDIN_FILENO, POLLIN, 0};
     const timespec time{left.count() / 1'000'000'000, left.count() % 1'000'000'000};
-    ::ppoll(&input, 1, &time, nullptr);  // a signal ends it too
+    ::ppoll(&input, 1, &time, nullptr);  // a signal also ends it
     if ((input.revents & (POLLHUP | POLLERR | POLLNVAL)) != 0) {
-      // The terminal is gone; SIGHUP ends the command.
+      // The terminal was closed; SIGHUP ends the command.
       ::ppoll(nullptr, 0, &time, nullptr);
       return std::nullopt;
     }

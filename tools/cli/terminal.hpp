@@ -1,7 +1,7 @@
-// The terminal as a screen of cells, by ncurses: frames go out, keys come in. Only what changed is
-// sent. It is given back as it was, also when the process is ended by a signal or crashes.
+// The terminal as a screen of cells, with ncurses. Sends only changed cells. Restores the terminal
+// also after a signal or a crash.
 //
-// Main thread; one at a time. use_terminal_locale() before there are other threads.
+// Main thread; one instance at a time. Call use_terminal_locale() before other threads start.
 #pragma once
 
 #include <memory>
@@ -12,26 +12,26 @@
 
 namespace fieldcast::cli {
 
-// Takes the user's character set, and UTF-8 where that is none of Unicode. True when the user's own
-// is Unicode: more than ASCII may be drawn.
+// Uses the user's character set, or UTF-8 if that is not Unicode. Returns true if the user's own is
+// Unicode: then non-ASCII characters may be drawn.
 bool use_terminal_locale();
 
-// Why there can be no screen: input or output is no terminal, or it cannot move its cursor. Empty:
-// there can.
+// Why a screen is not possible: input or output is not a terminal, or it cannot move its cursor.
+// Empty: possible.
 [[nodiscard]] std::string no_screen_reason();
 
 class Terminal {
  public:
-  // Takes the terminal's other screen; the scroll-back stays as it was. What is written to standard
-  // error meanwhile is kept, 64 KiB at most, and written when the screen is given back. Throws
-  // std::runtime_error when the terminal cannot be used. REQUIRES: no_screen_reason() is empty.
+  // Switches to the terminal's alternate screen, which keeps the scroll-back. Standard error is
+  // buffered meanwhile, up to 64 KiB, and printed at the end. Throws std::runtime_error if the
+  // terminal is unusable. REQUIRES: no_screen_reason() is empty.
   Terminal();
   ~Terminal();
   Terminal(const Terminal&) = delete;
   Terminal& operator=(const Terminal&) = delete;
 
-  // The next key; waits until the limit at most. Ctrl-Z gives the terminal back, stops the process
-  // and comes back as kRedraw.
+  // Returns the next key, or empty at `until`. Ctrl-Z restores the terminal, stops the process, and
+  // returns kRedraw afterwards.
   [[nodiscard]] std::optional<Key> key(Instant until);
   void draw(const Frame& frame);
   [[nodiscard]] Screen size() const;
@@ -41,8 +41,8 @@ class Terminal {
   std::unique_ptr<State> state_;
 };
 
-// Gives the terminal back from wherever the process is when it must end at once: any thread, also a
-// signal handler. Nothing happens without a Terminal.
+// Restores the terminal when the process must end immediately. Any thread, also in a signal
+// handler. No effect without a Terminal.
 void give_terminal_back_now() noexcept;
 
 }  // namespace fieldcast::cli

@@ -4,7 +4,7 @@
 
 #include <cstdlib>
 
-// These two last: their macros are words of other headers.
+// Include these two last: their macros are common words.
 #include <curses.h>
 #include <term.h>
 

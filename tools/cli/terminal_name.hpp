@@ -1,16 +1,16 @@
-// Which description of terminals fits this one. A file of its own, as <term.h> makes macros of
-// common words.
+// Selects the terminal description. A separate file, because <term.h> defines common words as
+// macros.
 #pragma once
 
 #include <string>
 
 namespace fieldcast::cli {
 
-// TERM as the environment has it.
+// TERM of the environment.
 [[nodiscard]] std::string terminal_name();
 
-// The terminal's own name, or that of xterm, which nearly every terminal follows, where this
-// machine does not know it. Empty: it cannot move its cursor.
+// Returns the terminal's own name, or xterm if this machine does not know it. Empty: it cannot move
+// its cursor.
 [[nodiscard]] std::string usable_terminal_name();
 
 }  // namespace fieldcast::cli

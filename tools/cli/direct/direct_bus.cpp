@@ -15,19 +15,19 @@ namespace {
 
 constexpr std::chrono::milliseconds kInterruptCheck{50};
 constexpr std::chrono::milliseconds kTraceFlush{200};
-constexpr std::chrono::hours kResultLimit{24};  // the engine answers every command long before
+constexpr std::chrono::hours kResultLimit{24};  // the engine completes every command long before
 
-// What the bus says, kept for the thread that waits.
+// Stores events of the bus for the waiting thread.
 class Results final : public BusSink {
  public:
   struct Heard {
     bool running = false;
-    std::string closed;  // why the port is closed; empty: it was not
+    std::string closed;  // why the port closed; empty: it is open
     std::optional<CommandResult> result;
   };
 
-  // What was heard once it is `enough`. Nothing: `limit` passed or the interrupt came before.
-  // `meanwhile` is called now and then.
+  // Waits until `enough`; returns the events. Empty after `limit` or an interrupt. Calls
+  // `meanwhile` regularly.
   template <class Enough, class Meanwhile>
   std::optional<Heard> wait(const Interrupt& interrupt, Duration limit, const Enough& enough,
                             const Meanwhile& meanwhile) {

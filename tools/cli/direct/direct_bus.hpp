@@ -1,7 +1,7 @@
-// A bus of this process alone: the bridge's own engine on a port, without DDS and without a
-// configuration. Commands run one after the other; their results come back to the caller.
+// Runs the bridge's bus engine on a port in this process, without DDS and without a configuration.
+// Commands run one after the other and return their results to the caller.
 //
-// Used on one thread; the bus has a thread of its own.
+// Use it on one thread; the bus has its own thread.
 #pragma once
 
 #include <memory>
@@ -19,20 +19,20 @@ class LineCapture;
 
 class DirectBus {
  public:
-  // How long a port may take to open.
+  // Time limit for opening the port.
   static constexpr Duration kOpenLimit = std::chrono::seconds{5};
 
-  // `trace`: the bytes go to the standard output as they pass, a text line each. `capture` takes
-  // them, too, and outlives the bus; it may be null. REQUIRES: `bus` is as the loader makes it.
+  // `trace`: prints the bytes to standard output, one line each. `capture` also receives them and
+  // must outlive the bus; it may be null. REQUIRES: `bus` is valid as from the loader.
   DirectBus(const BusSpec& bus, bool trace, LineCapture* capture = nullptr);
   ~DirectBus();  // closes the port
   DirectBus(const DirectBus&) = delete;
   DirectBus& operator=(const DirectBus&) = delete;
 
-  // Waits until the port is open. The error says why it is not, a text line for people; it is empty
-  // when `interrupt` was raised.
+  // Waits until the port is open. The error is one human-readable line; it is empty if `interrupt`
+  // was raised.
   [[nodiscard]] tl::expected<void, std::string> open(const Interrupt& interrupt);
-  // Waits for the result. Nothing: `interrupt` was raised. REQUIRES: open() was successful.
+  // Waits for the result; empty if `interrupt` was raised. REQUIRES: open() was successful.
   [[nodiscard]] std::optional<CommandResult> run(fieldcast::Command command,
                                                  const Interrupt& interrupt);
 

@@ -50,7 +50,7 @@ void LineCapture::packet(ByteView block, UtcTime) {
   if (fault_.empty()) ++counts_.frames;
 }
 
-// What did not fit once is not tried again: frames would be missing in between.
+// Stops after the first failure, because later frames would leave a gap.
 void LineCapture::append(ByteView blocks) {
   if (!fault_.empty()) return;
   if (const auto written = file_.append(blocks); !written)

@@ -1,8 +1,8 @@
-// What a command says on a line, in a file for Wireshark (--capture FILE): the same file as
-// `fieldcast capture` makes of a bus of a bridge.
+// Writes the frames of a command to a file for Wireshark (--capture FILE), in the same format as
+// `fieldcast capture`.
 //
-// Owns the file, which grows by whole frames: whatever ends the command, it can be read. Used on
-// one thread; the tap takes from the thread of the bus.
+// Owns the file, which is readable after each frame, however the command ends. Use it on one
+// thread; the tap accepts records from the bus thread.
 #pragma once
 
 #include <functional>
@@ -20,19 +20,19 @@ namespace fieldcast::cli {
 
 class LineCapture final : private CaptureSink {
  public:
-  // A new file; one that is there is left alone. `bus`: its devices say which dissector takes their
-  // frames. `command`: "fieldcast read". The error is one line.
+  // Creates a new file; never replaces one. `bus`: its devices select the dissectors. `command`:
+  // "fieldcast read". The error is one line.
   [[nodiscard]] static tl::expected<std::unique_ptr<LineCapture>, std::string> make(
       const std::string& path, const BusSpec& bus, const std::string& command);
-  // The file is removed when no frame came.
+  // Removes the file if it has no frame.
   ~LineCapture() override;
   LineCapture(const LineCapture&) = delete;
   LineCapture& operator=(const LineCapture&) = delete;
 
   [[nodiscard]] const std::shared_ptr<CaptureTap>& tap() const { return tap_; }
-  // Writes what came since the last call; often, as the tap has a limit.
+  // Writes the records since the last call. Call it often, because the tap has a limit.
   void write();
-  // Writes the rest and the end. Why not all of it is in the file, on one line; nothing: it is.
+  // Writes the rest and the end. Returns one line if the file is incomplete; else empty.
   [[nodiscard]] std::optional<std::string> end();
 
  private:
@@ -46,16 +46,16 @@ class LineCapture final : private CaptureSink {
   const std::shared_ptr<CaptureTap> tap_ = std::make_shared<CaptureTap>();
   BusCapture capture_;
   CaptureCounts counts_;
-  std::string fault_;  // the first; empty: none
+  std::string fault_;  // the first fault; empty: none
   bool ended_ = false;
 };
 
 inline constexpr char kCaptureHelp[] =
     "Write what passes on the line into this new file, for Wireshark (x.pcapng)";
 
-// Runs `work` of a command ("read") with a capture in the file `path`; with null where that is
-// empty. `work` ends everything that uses the capture. The exit code of `work`; kTrouble when the
-// file cannot be made, or not be written whole.
+// Runs `work` of a command ("read") with a capture to `path`, or with null if that is empty. `work`
+// must destroy all users of the capture. Returns its exit code, or kTrouble if the file cannot be
+// written completely.
 [[nodiscard]] ExitCode on_line(const std::string& path, const BusSpec& bus,
                                const std::string& command, std::ostream& err,
                                const std::function<ExitCode(LineCapture* capture)>& work);

@@ -1,5 +1,5 @@
-// How a line is reached and what is spoken on it, said on the command line instead of in a
-// configuration: `fieldcast read /dev/ttyUSB0 --baud 9600 --format 8N1 --address 3 holding:100`.
+// Port, line and protocol as command line options instead of a configuration: `fieldcast read
+// /dev/ttyUSB0 --baud 9600 --format 8N1 --address 3 holding:100`.
 #pragma once
 
 #include <cstdint>
@@ -17,31 +17,31 @@ namespace fieldcast::cli {
 struct LineOptions {
   std::string port;      // "/dev/ttyUSB0", "10.0.0.7:502"
   std::string protocol;  // empty: modbus-rtu, or modbus-tcp for HOST:PORT
-  // Without them as the protocol's devices come from the factory.
+  // Default: the factory settings of the protocol's devices.
   std::optional<std::uint32_t> baud;
   std::string format;  // "8N1"
   std::uint32_t address = 1;
-  std::vector<std::string> settings;  // "NAME=VALUE": the protocol's own options
+  std::vector<std::string> settings;  // "NAME=VALUE": options of the protocol
   Duration timeout = std::chrono::milliseconds{500};
   std::uint32_t retries = 1;
 };
 
-// The path of a serial port that is given by its name alone: "ttyUSB0" is /dev/ttyUSB0, a file of
-// the working directory is "./NAME". HOST:PORT, a path, and any other name are returned unchanged.
+// Returns the path of a serial port given by name: "ttyUSB0" becomes /dev/ttyUSB0; "./NAME" is a
+// file of the working directory. HOST:PORT, a path, or another name is returned unchanged.
 [[nodiscard]] std::string full_port(const std::string& port);
 
-// REQUIRES: options live until the parse.
+// REQUIRES: `options` lives until the parse.
 void add_line_options(CommandLine& line, LineOptions& options);
 
-// The protocol that was said, or the usual one of the port.
+// Returns the protocol of the options, or the default of the port.
 [[nodiscard]] std::string protocol_of(const LineOptions& options);
 
-// The port alone. `factory`: the line where none is said. The error is one line.
+// Returns the port only. `factory`: default line format. The error is one line.
 [[nodiscard]] tl::expected<PortSpec, std::string> port_of(const LineOptions& options,
                                                           const LineFormat& factory);
 
-// One bus named as the port, one device "device" without channels, which may be read and written
-// at any address. The error is one line.
+// Returns a bus named after the port with one device "device" without channels; every address may
+// be read and written. The error is one line.
 [[nodiscard]] tl::expected<BusSpec, std::string> bus_of(const LineOptions& options,
                                                         const NamedProtocol& protocol);
 

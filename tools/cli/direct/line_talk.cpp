@@ -9,12 +9,12 @@
 namespace fieldcast::cli {
 namespace {
 
-// A signal is seen within this.
+// Interval of checks for a signal.
 constexpr std::chrono::milliseconds kTalkCheck{50};
 constexpr std::chrono::seconds kOpenLimit{5};
-// Silence inside an answer that ends it: adapters deliver in pieces.
+// A silence that ends a response; longer than gaps between the pieces of adapters.
 constexpr std::chrono::milliseconds kGapAllowance{30};
-// A line that never falls silent is asked all the same.
+// After this time the request is sent even if the line is not silent.
 constexpr std::chrono::milliseconds kLongestStray{300};
 
 }  // namespace
@@ -35,7 +35,7 @@ struct LineTalk::State final : PortListener {
   }
   void on_closed(std::string reason, Cause) override { closed = std::move(reason); }
 
-  // Runs the port's handlers until `until`, the interrupt, or something happened.
+  // Runs the port's handlers until `until`, an interrupt, or an event.
   void wait(Instant until) {
     const Duration rest = std::max<Duration>(until - steady_now(), Duration::zero());
     io.restart();
@@ -51,7 +51,7 @@ struct LineTalk::State final : PortListener {
     if (tap && tap->wanted())
       tap->put({kind, read_clocks().to_utc(at), device, Bytes(bytes.begin(), bytes.end()), text});
   }
-  // How the exchange ended, for the capture.
+  // Records the end of the exchange in the capture.
   void record_end(const LineTalk::Answer& answer) const {
     if (answer.cause != Cause::kNone)
       record(CaptureRecord::Kind::kRemark, {}, std::string(to_text(answer.cause)), steady_now());
@@ -62,8 +62,8 @@ struct LineTalk::State final : PortListener {
   }
 
   const Interrupt& interrupt;
-  const std::shared_ptr<CaptureTap> tap;  // null: nobody captures
-  std::size_t device = 0;                 // that is asked, for the capture
+  const std::shared_ptr<CaptureTap> tap;  // null: no capture
+  std::size_t device = 0;                 // requested device, for the capture
   std::function<void()> meanwhile;
   boost::asio::io_context io{1};
   std::unique_ptr<Port> port;
@@ -72,9 +72,9 @@ struct LineTalk::State final : PortListener {
   bool opened = false;
   std::optional<std::string> closed;
   Instant last_byte = kLongAgo;
-  std::size_t strays = 0;  // since the last request
+  std::size_t strays = 0;  // bytes since the last request
   ExchangeDriver::Outcome outcome = ExchangeDriver::Outcome::kWaiting;
-  Bytes again;  // the next request of the exchange
+  Bytes again;  // next request of the exchange
 };
 
 LineTalk::LineTalk(const Interrupt& interrupt, std::shared_ptr<CaptureTap> tap)

@@ -1,8 +1,6 @@
-// Runs single exchanges on a port, one after the other, in the caller's thread: what a scan needs,
-// where the engine would plan, learn and probe. Timeouts, echo and frames are those of the engine's
-// own ExchangeDriver.
-//
-// Used on one thread.
+// Runs single exchanges on a port in the caller's thread, for a scan, which needs no planning,
+// learning and probing. Uses the engine's ExchangeDriver for timeouts, echo and frames. Use it on
+// one thread.
 #pragma once
 
 #include <functional>
@@ -19,41 +17,41 @@
 
 namespace fieldcast::cli {
 
-// What a capture says of an exchange.
+// Describes an exchange in a capture.
 struct LineNote {
-  std::size_t device = 0;  // of the bus that is captured
-  std::string text;        // what is asked
+  std::size_t device = 0;  // index on the captured bus
+  std::string text;        // what is requested
 };
 
 class LineTalk {
  public:
-  // What came of an exchange. `device_code` with Cause::kDeviceError.
+  // Result of an exchange; `device_code` is set with Cause::kDeviceError.
   struct Answer {
-    Cause cause = Cause::kNone;  // kNone: `reply` holds
+    Cause cause = Cause::kNone;  // kNone: `reply` is valid
     std::uint16_t device_code = 0;
     Reply reply;
-    Duration took{};                          // the device's own time before its answer
-    std::size_t bytes = 0;                    // that came
-    bool echo_alone = false;                  // they are exactly those that were sent
-    AnswerShape shape = AnswerShape::kOther;  // of bytes that are not a valid answer
+    Duration took{};                          // response time of the device
+    std::size_t bytes = 0;                    // received
+    bool echo_alone = false;                  // the received bytes equal the sent ones
+    AnswerShape shape = AnswerShape::kOther;  // if the bytes are not a valid response
   };
 
-  // What passes goes into the tap, where there is one; null: nobody captures.
+  // Records all bytes in `tap`, which may be null.
   explicit LineTalk(const Interrupt& interrupt, std::shared_ptr<CaptureTap> tap = nullptr);
-  ~LineTalk();  // close()
+  ~LineTalk();  // calls close()
   LineTalk(const LineTalk&) = delete;
   LineTalk& operator=(const LineTalk&) = delete;
 
-  // Closes what was open. The error says why the port does not open, a text line for people; it is
-  // empty when the interrupt was raised.
+  // Closes the previous port first. The error is one human-readable line; it is empty if the
+  // interrupt was raised.
   [[nodiscard]] tl::expected<void, std::string> open(const PortSpec& port);
-  // Waits for silence on the line before it sends, and for the answer, at most `timeout` to its
-  // first byte. The error as of open(): the port is gone. REQUIRES: open() was successful.
+  // Waits for silence on the line, sends, and waits for the response; its first byte must arrive
+  // within `timeout`. Fails like open() if the port is lost. REQUIRES: open() was successful.
   [[nodiscard]] tl::expected<Answer, std::string> ask(std::unique_ptr<Exchange> exchange,
                                                       Duration timeout, const LineNote& note = {});
-  // Called several times a second while it waits: for the progress.
+  // Calls `meanwhile` several times a second during waits, for the progress.
   void while_waiting(std::function<void()> meanwhile);
-  // Leaves the line alone for so long; less when the interrupt is raised. REQUIRES: as ask().
+  // Keeps the line idle for this time, or until an interrupt. REQUIRES: open() was successful.
   void rest(Duration time);
   void close();
 

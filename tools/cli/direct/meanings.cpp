@@ -14,7 +14,7 @@ namespace {
 constexpr auto kSwapped = WordOrder::kLittleEndian;
 constexpr auto kBytesSwapped = ByteOrder::kLittleEndian;
 
-// A type with each order of its words and bytes that differs for it.
+// Adds the type with each different word and byte order.
 void add_orders(const Encoding& encoding, std::vector<Meaning>& out) {
   const std::string type = to_text(encoding);
   const auto add = [&](const char* order, WordOrder words, ByteOrder bytes) {

@@ -1,5 +1,5 @@
-// What the items of a device mean in every type and order: for those who know the value on the
-// display of the device, and look for its type. Pure functions.
+// Decodes items in every type and order, so that the user can find the type that matches the
+// device's display. Pure functions.
 #pragma once
 
 #include <span>
@@ -13,18 +13,17 @@
 
 namespace fieldcast::cli {
 
-// One reading of items: a type, and in which order its words and bytes stand.
+// A type with its word and byte order.
 struct Meaning {
   std::string name;  // "float32", "float32 word-swapped"
   Encoding encoding;
 };
 
-// "float32,int32", or "all": each type with its orders, as far as it has any. The error is one
-// line.
+// Parses "float32,int32" or "all"; each type with all its orders. The error is one line.
 [[nodiscard]] tl::expected<std::vector<Meaning>, std::string> meanings_of(std::string_view types);
 
-// For each item a line with its address and bytes, then what begins there by each meaning; "-"
-// where it is no value of the type, nothing where the items end too soon. REQUIRES: `image` is
+// Returns one line for each item: its address and bytes, then the value that starts there for each
+// meaning. "-" if the value is invalid, blank if the items end too early. REQUIRES: `image` has
 // whole items of item_bits, 8 or 16 (protocol.hpp).
 [[nodiscard]] std::vector<std::string> meaning_lines(std::span<const std::string> addresses,
                                                      unsigned item_bits, ByteView image,

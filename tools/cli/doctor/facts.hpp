@@ -1,5 +1,5 @@
-// What `fieldcast doctor` knows of a machine. Plain values: gather.hpp reads them, findings.hpp
-// judges them.
+// Facts about a machine for `fieldcast doctor`, as plain values. gather.hpp reads them,
+// findings.hpp evaluates them.
 #pragma once
 
 #include <cstdint>
@@ -11,58 +11,58 @@
 
 namespace fieldcast::cli {
 
-// A serial adapter at the USB.
+// A USB serial adapter.
 struct AdapterFacts {
   std::string name;                  // "ttyUSB0"
   std::string driver;                // "ftdi_sio"; empty: unknown
-  std::optional<int> latency_timer;  // ms; FTDI's drivers alone have one
-  std::string latency_file;          // where it is set
+  std::optional<int> latency_timer;  // ms; only FTDI drivers have one
+  std::string latency_file;          // file that sets it
 };
 
-// A serial port that a bus of the configuration names.
+// A serial port of the configuration.
 struct SerialPortFacts {
   std::string bus;
   std::string path;
   bool there = false;
-  bool readable_and_writable = false;  // by whoever asks
+  bool readable_and_writable = false;  // by the current user
   std::string group;                   // that may open it
 };
 
 struct InterfaceFacts {
   std::string address;     // IPv4
   std::string name;        // "eth0"; empty: no interface of this machine has the address
-  bool multicast = false;  // a socket gets it there
+  bool multicast = false;  // a socket can receive it there
   bool loopback = false;
 };
 
 struct DiskFacts {
-  std::string path;    // the store's file
-  std::string folder;  // in which it is, or will be
+  std::string path;    // file of the store
+  std::string folder;  // its directory, which may not exist yet
   bool folder_there = true;
   std::uint64_t free_bytes = 0;
 };
 
-// `max_instances` of a reader or writer in the Fast DDS profile that the configuration names.
+// `max_instances` of a reader or writer in the configured Fast DDS profile.
 struct ProfileLimit {
   std::string profile;  // "fieldcast/Sample"
   std::int64_t max_instances = 0;
 };
 
-// Of what cannot be found out nothing is said.
+// Facts that cannot be determined are empty.
 struct MachineFacts {
-  std::uint64_t receive_buffer_asked = 0;             // by each of our sockets, bytes
+  std::uint64_t receive_buffer_asked = 0;             // requested by each of our sockets, bytes
   std::optional<std::uint64_t> receive_buffer_limit;  // net.core.rmem_max, bytes
   std::vector<AdapterFacts> adapters;
   std::optional<bool> clock_synchronised;
 
-  // With a configuration:
-  std::string profile_file;  // its Fast DDS profile; empty: none
+  // The following need a configuration.
+  std::string profile_file;  // Fast DDS profile; empty: none
   std::vector<ProfileLimit> profile_limits;
   std::vector<SerialPortFacts> ports;
-  std::vector<InterfaceFacts> interfaces;  // that DDS shall use
+  std::vector<InterfaceFacts> interfaces;  // configured for DDS
   bool discovery_server = false;
-  std::optional<DiskFacts> disk;        // of a store that is a file
-  std::vector<CaptureRemark> captures;  // what is wrong with the folders of captures
+  std::optional<DiskFacts> disk;        // for a store in a file
+  std::vector<CaptureRemark> captures;  // faults of the capture directories
   std::size_t channels = 0;
 };
 

@@ -12,7 +12,7 @@ using Findings = std::vector<Finding>;
 
 constexpr std::uint64_t kMegabyte = 1'000'000;
 constexpr std::uint64_t kDiskLow = 1'000 * kMegabyte;
-constexpr std::uint64_t kDiskFull = 50 * kMegabyte;  // SQLite refuses to write soon
+constexpr std::uint64_t kDiskFull = 50 * kMegabyte;  // SQLite soon refuses to write
 
 void look_at_receive_buffer(const MachineFacts& facts, Findings& found) {
   if (!facts.receive_buffer_limit) return;
@@ -128,7 +128,7 @@ void look_at_capture(const CaptureRemark& capture, Findings& found) {
                    fmt::format("bus {}: {}", capture.bus, capture.what), capture.remedy});
 }
 
-// Those of the topics that have an instance for each channel.
+// Checks the topics that have an instance for each channel.
 void look_at_profile(const MachineFacts& facts, Findings& found) {
   for (const ProfileLimit& limit : facts.profile_limits) {
     if (limit.profile != "fieldcast/Sample" && limit.profile != "fieldcast/Channel") continue;
@@ -136,7 +136,7 @@ void look_at_profile(const MachineFacts& facts, Findings& found) {
                     fmt::format("{}: max_instances {} for {} channels", limit.profile,
                                 limit.max_instances, facts.channels),
                     ""};
-    // The library takes 0 and less for no limit.
+    // The library treats 0 and less as no limit.
     if (limit.max_instances > 0 &&
         static_cast<std::uint64_t>(limit.max_instances) < facts.channels) {
       finding.severity = Severity::kPrevents;

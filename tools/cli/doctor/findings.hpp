@@ -1,4 +1,4 @@
-// What the facts of a machine mean for Fieldcast. Pure: facts in, findings out.
+// Evaluates the facts of a machine. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -11,25 +11,25 @@
 namespace fieldcast::cli {
 
 enum class Severity : std::uint8_t {
-  kOk,        // was looked at and is as it should be
-  kAdvice,    // it runs, slower or less surely than it could
-  kPrevents,  // something of the configuration cannot run
+  kOk,        // checked and correct
+  kAdvice,    // works, but slower or less reliably than possible
+  kPrevents,  // part of the configuration cannot run
 };
 [[nodiscard]] std::string_view severity_text(Severity severity);  // "ok", "advice", "prevents"
 
 struct Finding {
   Severity severity = Severity::kOk;
   std::string check;  // "receive buffer"
-  std::string where;  // the file, port or address; may be empty
+  std::string where;  // file, port or address; may be empty
   std::string what;
-  std::string remedy;  // what to type or to change; empty: nothing
+  std::string remedy;  // command or change that fixes it; empty: none
   friend bool operator==(const Finding&, const Finding&) = default;
 };
 
-// In the order of the checks; of facts that are not known there is no finding.
+// In the order of the checks; unknown facts have no finding.
 [[nodiscard]] std::vector<Finding> findings_of(const MachineFacts& facts);
 
-// The worst of them; kOk for none.
+// Returns the worst severity; kOk if there are no findings.
 [[nodiscard]] Severity worst_of(const std::vector<Finding>& findings);
 
 }  // namespace fieldcast::cli

@@ -31,7 +31,7 @@ class Machine {
   explicit Machine(fs::path root) : root_(std::move(root)) {}
 
   [[nodiscard]] bool is_this_one() const { return root_ == "/"; }
-  // Where a file of the machine lies: "/sys/.." below the root.
+  // Path of a file below the root: "/sys/..".
   [[nodiscard]] fs::path at(const fs::path& path) const { return root_ / path.relative_path(); }
 
   [[nodiscard]] std::optional<std::int64_t> number_in(const fs::path& path) const {
@@ -82,7 +82,8 @@ SerialPortFacts port_facts(const Machine& machine, const std::string& bus,
   return facts;
 }
 
-// The kernel's own word, which every time service sets; of another machine its service's mark.
+// Reads the kernel's flag, which every time service sets; with another root, the file of the time
+// service.
 std::optional<bool> is_synchronised(const Machine& machine) {
   if (machine.has("/run/systemd/timesync/synchronized")) return true;
   if (!machine.is_this_one()) return std::nullopt;
@@ -113,7 +114,7 @@ std::vector<InterfaceFacts> interface_facts(const std::vector<std::string>& addr
   return all;
 }
 
-// Of the folder in which the file is, or will be.
+// Of the file's directory, which may not exist yet.
 std::optional<DiskFacts> disk_facts(const StoreSpec& store) {
   if (StoreAddress(store.address).is_server()) return std::nullopt;
   const fs::path folder = fs::absolute(store.address).parent_path();
@@ -124,7 +125,7 @@ std::optional<DiskFacts> disk_facts(const StoreSpec& store) {
   return DiskFacts{store.address, folder, true, space.available};
 }
 
-// The library's own limit where a profile names none.
+// The library's limit if a profile sets none.
 constexpr std::int64_t kLibraryInstances = 10;
 
 std::vector<ProfileLimit> profile_limits(const std::string& file) {

@@ -1,5 +1,5 @@
-// Reads what `fieldcast doctor` wants to know from the machine: /proc, /sys, the ports, the disk.
-// Changes nothing and opens no port. Main thread.
+// Reads the facts for `fieldcast doctor` from /proc, /sys, the ports and the disk. Changes nothing
+// and opens no port. Main thread.
 #pragma once
 
 #include <filesystem>
@@ -9,9 +9,8 @@
 
 namespace fieldcast::cli {
 
-// `root` stands for "/" where files of the machine are looked at: a folder with such files is
-// looked at instead, and system calls that know but this machine are left out. `spec`: may be null.
-// What cannot be read is not known.
+// `root`: directory that replaces "/" for files of the machine. With another root than "/", system
+// calls about this machine are skipped. `spec` may be null. Unreadable facts stay empty.
 [[nodiscard]] MachineFacts gather_facts(const std::filesystem::path& root, const BridgeSpec* spec);
 
 }  // namespace fieldcast::cli

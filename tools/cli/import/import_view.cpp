@@ -8,7 +8,7 @@ namespace {
 using importing::Fate;
 using importing::PointFate;
 
-// On one text line, whatever a list has in its names.
+// Replaces line breaks and tabs in names of a list.
 std::string one_line(std::string_view text) {
   std::string line = printable(text);
   for (char& c : line) {

@@ -1,4 +1,4 @@
-// What an import came to, as lines for people and as JSON. Pure functions.
+// Formats the result of an import as text and as JSON. Pure functions.
 #pragma once
 
 #include <string>
@@ -10,8 +10,8 @@
 
 namespace fieldcast::cli {
 
-// Of the values that moved as they are the first `kMovedShown`, unless all are wanted; what changed
-// or cannot be moved always.
+// Number of unchanged values shown, unless all are requested. Changed and rejected values are
+// always shown.
 inline constexpr std::size_t kMovedShown = 20;
 [[nodiscard]] std::vector<std::string> import_lines(const importing::Outcome& outcome, bool all,
                                                     const Screen& screen);
@@ -19,8 +19,8 @@ inline constexpr std::size_t kMovedShown = 20;
 // "12 moved, 3 moved with a change, 1 cannot be moved"
 [[nodiscard]] std::string import_summary(const importing::Outcome& outcome);
 
-// {"fate", "name", "channel", "at", "type", "why", "file", "line"}, and of what moved "scale",
-// "offset", "word_order", "byte_order", "access"
+// {"fate", "name", "channel", "at", "type", "why", "file", "line"}; for imported values also
+// "scale", "offset", "word_order", "byte_order", "access"
 [[nodiscard]] Json fate_json(const importing::PointFate& row);
 
 }  // namespace fieldcast::cli

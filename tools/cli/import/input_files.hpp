@@ -1,4 +1,4 @@
-// The files that `fieldcast import` is given, read whole. Main thread.
+// Reads the input files of `fieldcast import`. Main thread.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace fieldcast::cli {
 
-// Regular files of at most config::kMaxFileBytes, together config::kMaxTotalBytes. The error names
-// the file, what is wrong with it and what to do.
+// Accepts regular files of at most config::kMaxFileBytes, together config::kMaxTotalBytes. The
+// error has the file, the fault and the fix.
 [[nodiscard]] tl::expected<std::vector<importing::InputFile>, std::string> read_inputs(
     const std::vector<std::string>& paths);
 

@@ -18,12 +18,13 @@ namespace {
 
 std::string beside(const std::string& path) { return path + ".new"; }
 
-// 0, or an errno. What is there is replaced only where that is wanted, in one step of the kernel.
+// Renames the temporary file; returns 0 or an errno. Replaces an existing file atomically, only
+// with `replace`.
 int give_name(const std::string& path, bool replace) {
   const unsigned flags = replace ? 0 : RENAME_NOREPLACE;
   if (::renameat2(AT_FDCWD, beside(path).c_str(), AT_FDCWD, path.c_str(), flags) == 0) return 0;
   if (errno != EINVAL && errno != ENOSYS) return errno;
-  // A file system that knows no such flag: a second name fails where the first one exists.
+  // For file systems without RENAME_NOREPLACE: link() fails if the file exists.
   if (!replace && ::link(beside(path).c_str(), path.c_str()) != 0) return errno;
   if (!replace) return ::unlink(beside(path).c_str()) == 0 ? 0 : errno;
   return std::rename(beside(path).c_str(), path.c_str()) == 0 ? 0 : errno;
@@ -43,7 +44,7 @@ std::optional<std::string> write_new_files(const std::vector<NewFile>& files, bo
   std::optional<std::string> fault;
   try {
     for (const NewFile& file : files) {
-      ::unlink(beside(file.path).c_str());  // of a run that was killed
+      ::unlink(beside(file.path).c_str());  // left by a killed run
       security::write_new(beside(file.path), file.text, security::kForAll);
     }
   } catch (const security::SecurityError& error) { fault = error.what(); }

@@ -1,4 +1,4 @@
-// Writes several files as one: all of them, whole, or none. Main thread.
+// Writes several files as a unit: all of them completely, or none. Main thread.
 #pragma once
 
 #include <optional>
@@ -12,8 +12,8 @@ struct NewFile {
   std::string text;
 };
 
-// Each text goes to PATH.new first, then every file gets its name. Without `replace` a file that is
-// there is never touched. The fault is one line; then nothing of ours is left.
+// Writes each text to PATH.new first, then renames all files. Never replaces an existing file
+// without `replace`. Returns one line on failure; then no new file remains.
 [[nodiscard]] std::optional<std::string> write_new_files(const std::vector<NewFile>& files,
                                                          bool replace);
 

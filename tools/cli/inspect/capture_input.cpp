@@ -21,7 +21,7 @@ namespace {
 constexpr std::string_view kOwn = "fieldcast-";
 constexpr std::string_view kDeclaredFrames = "fieldcast-frame";
 
-// Of a dissector; empty: none of ours.
+// Protocol of a dissector; an unknown dissector is returned unchanged.
 std::string protocol_of(const UpperPdu& pdu) {
   for (const ProtocolEntry& entry : protocols()) {
     if (pdu.dissector == entry.dissector) return std::string(entry.name);
@@ -104,7 +104,7 @@ ExitCode show_capture(std::istream& in, const std::string& name, FrameReport& re
 
 bool show_trace(std::string_view text, FrameReport& report) {
   bool any = false;
-  // By bus: an answer comes in pieces, and is whole when something else follows.
+  // By bus: a response arrives in pieces and ends when another line follows.
   std::map<std::string, SeenFrame> answers;
   const auto end_answer = [&](const std::string& bus) {
     if (const auto answer = answers.extract(bus)) report.show(answer.mapped());

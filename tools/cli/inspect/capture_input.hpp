@@ -1,4 +1,4 @@
-// Where `fieldcast inspect` gets frames from: a capture, or the lines of a trace. Main thread.
+// Reads frames for `fieldcast inspect` from a capture or from lines of a trace. Main thread.
 #pragma once
 
 #include <iosfwd>
@@ -10,19 +10,19 @@
 
 namespace fieldcast::cli {
 
-// The bytes that follow begin a capture: pcapng, or pcap, which is refused with a word. Nothing is
-// taken.
+// Returns whether the stream starts like pcapng or pcap; pcap is refused later with a message.
+// Consumes nothing.
 [[nodiscard]] bool is_capture(std::istream& in);
 
-// "x.pcapng": what is in it is no protocol, whatever it is.
+// "x.pcapng": such a word is never a protocol.
 [[nodiscard]] bool has_name_of_capture(std::string_view path);
 
-// Shows every frame. What ends it before its end goes to `err`; what came before is shown.
-// kFound: a frame has a fault, or the capture is cut. kUsage: it is no capture at all.
+// Shows every frame. If reading fails, prints the reason to `err` after the frames before it.
+// Returns kFound if a frame is invalid or the capture is truncated, kUsage if it is not a capture.
 [[nodiscard]] ExitCode show_capture(std::istream& in, const std::string& name, FrameReport& report,
                                     std::ostream& err);
 
-// False: no text line is one of a trace, and nothing was shown.
+// Returns false if no line belongs to a trace; nothing was shown then.
 [[nodiscard]] bool show_trace(std::string_view text, FrameReport& report);
 
 }  // namespace fieldcast::cli

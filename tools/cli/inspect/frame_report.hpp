@@ -1,5 +1,5 @@
-// Explains frames that passed on buses, one after the other: from a capture or from lines of a
-// trace. With a configuration each answer has its values. Writes to the streams given; main thread.
+// Explains frames of a capture or trace, one after the other. With a configuration, also decodes
+// the values of responses. Writes to the given streams; main thread.
 #pragma once
 
 #include <iosfwd>
@@ -16,9 +16,9 @@
 namespace fieldcast::cli {
 
 struct SeenFrame {
-  std::string time, bus;  // for people; empty: not said
+  std::string time, bus;  // human-readable; empty: unknown
   std::optional<Direction> direction;
-  std::string protocol;  // empty: what the configuration says, or the default
+  std::string protocol;  // empty: from the configuration, or the default
   Bytes bytes;
   std::string comment;
 };
@@ -27,19 +27,19 @@ class FrameReport {
  public:
   struct Options {
     bool json = false;
-    bool fields = false;                    // every field of each frame; else its faults only
-    std::optional<NamedProtocol> protocol;  // where a frame names none
+    bool fields = false;                    // every field of each frame; else only faults
+    std::optional<NamedProtocol> protocol;  // for frames without a protocol
     const BridgeSpec* spec = nullptr;       // null: no values
   };
   FrameReport(Options options, std::ostream& out, const Screen& screen);
 
   void show(const SeenFrame& frame);
-  // What a trace says of an exchange.
+  // Prints a remark of a trace about an exchange.
   void remark(const std::string& time, const std::string& bus, const std::string& text);
 
   [[nodiscard]] std::size_t frames() const { return frames_; }
-  [[nodiscard]] std::size_t faulty() const { return faulty_; }    // frames with a fault
-  [[nodiscard]] std::size_t unknown() const { return unknown_; }  // frames of no known protocol
+  [[nodiscard]] std::size_t faulty() const { return faulty_; }
+  [[nodiscard]] std::size_t unknown() const { return unknown_; }  // frames of unknown protocols
 
  private:
   struct Explained {

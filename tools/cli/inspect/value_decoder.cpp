@@ -12,9 +12,9 @@
 namespace fieldcast::cli {
 namespace {
 
-constexpr std::size_t kMaxKnown = 1024;    // requests that are remembered
+constexpr std::size_t kMaxKnown = 1024;    // stored requests
 constexpr std::size_t kMaxAnswer = 65536;  // bytes
-constexpr std::uint32_t kMostLonger = 4;   // items that a read may have beyond its last channel
+constexpr std::uint32_t kMostLonger = 4;   // items that a read may have after its last channel
 constexpr unsigned kSequences = 65536;
 
 Bytes request_of(const Protocol& protocol, const std::vector<Range>& ranges,
@@ -24,7 +24,7 @@ Bytes request_of(const Protocol& protocol, const std::vector<Range>& ranges,
   return out;
 }
 
-// But for what the number of the exchange changes: the number itself, and a check over it.
+// Compares requests, ignoring bytes that depend on the sequence number.
 bool is_request_of(const Protocol& protocol, const std::vector<Range>& ranges, ByteView frame) {
   if (!protocol.size(ReadRequest{ranges})) return false;
   const Bytes one = request_of(protocol, ranges, 0);
@@ -36,7 +36,8 @@ bool is_request_of(const Protocol& protocol, const std::vector<Range>& ranges, B
   return true;
 }
 
-// The exchange of a request; `sequence` is about where its number is, and becomes it.
+// Returns the exchange of a request. The search for its sequence number starts at `sequence`, which
+// is set to the result.
 std::unique_ptr<Exchange> exchange_of(const Protocol& protocol, const std::vector<Range>& ranges,
                                       ByteView frame, std::uint16_t& sequence) {
   if (!is_request_of(protocol, ranges, frame)) return nullptr;
@@ -134,7 +135,7 @@ std::optional<ValueDecoder::Asked> ValueDecoder::by_trial(std::size_t device, By
         const std::uint32_t count =
             area.window ? area.items : (*end - first + align - 1) / align * align;
         const std::vector<Range> ranges{{index, first, count}};
-        if (!protocol->size(ReadRequest{ranges})) break;  // too long, and so is the rest
+        if (!protocol->size(ReadRequest{ranges})) break;  // too long, as all further ends are
         if (is_request_of(*protocol, ranges, frame)) return Asked{device, ranges};
       }
     }
@@ -168,7 +169,7 @@ bool ValueDecoder::begin(const Asked& asked, ByteView frame) {
   return exchange_ != nullptr;
 }
 
-// The frame is the next request of the exchange: of several rounds.
+// Returns whether the frame is the next request of an exchange with several rounds.
 bool ValueDecoder::goes_on(ByteView frame) {
   if (!exchange_) return false;
   if (next_.empty() && exchange_->on_silence(next_).kind != Step::Kind::kSend) next_.clear();

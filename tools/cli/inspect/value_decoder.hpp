@@ -1,10 +1,10 @@
-// What the frames of one bus mean by its configuration: which channels were asked for, and the
-// values that came. Pure; owns the exchange under way.
+// Decodes frames of one bus with its configuration: requested channels and received values. Pure;
+// owns the current exchange.
 //
-// The exchange is played again by the protocol itself (core/protocol). Which items a request is
-// about stands in the comment of a capture of Fieldcast; else it is found by making the requests
-// that the bridge could have sent. Writes, and requests of several ranges without a comment, are
-// not decoded. Nothing can fail: what is not understood has no values.
+// The protocol (core/protocol) replays the exchange. The requested items are in the comment of a
+// Fieldcast capture; without one, the decoder generates requests that the bridge could have sent
+// and compares them. Writes, and requests of several ranges without a comment, are not decoded.
+// Nothing can fail: an unknown frame has no values.
 #pragma once
 
 #include <memory>
@@ -28,15 +28,15 @@ struct DecodedValue {
 
 class ValueDecoder {
  public:
-  // Requests that are made and compared for one that is not known yet.
+  // Limit of generated requests for one unknown request.
   static constexpr std::size_t kMaxCandidates = 200'000;
 
   explicit ValueDecoder(const BusSpec& bus);
 
-  // The frames of the bus in their order.
+  // Call it with all frames of the bus in order.
   [[nodiscard]] std::vector<DecodedValue> take(Direction direction, ByteView frame,
                                                std::string_view comment);
-  // The protocol of the device that was asked last; of the first device before.
+  // The device of the last request; before it, the first device.
   [[nodiscard]] const DeviceSpec& asked_device() const { return bus_.devices[asked_]; }
 
  private:
@@ -53,15 +53,15 @@ class ValueDecoder {
   [[nodiscard]] std::vector<DecodedValue> values() const;
 
   const BusSpec bus_;
-  std::vector<std::unique_ptr<Protocol>> protocols_;  // by device; null: none can be made
-  std::vector<std::uint16_t> sequences_;              // the last one of each device
-  std::vector<Asked> known_;                          // that were found by trial
-  std::set<Bytes> unknown_;                           // requests that were not
+  std::vector<std::unique_ptr<Protocol>> protocols_;  // by device; null: cannot be created
+  std::vector<std::uint16_t> sequences_;              // last sequence number of each device
+  std::vector<Asked> known_;                          // requests found by comparison
+  std::set<Bytes> unknown_;                           // requests not found
   std::size_t asked_ = 0;
-  std::unique_ptr<Exchange> exchange_;  // under way
-  std::vector<Range> ranges_;           // of it
+  std::unique_ptr<Exchange> exchange_;  // the current exchange
+  std::vector<Range> ranges_;           // of the exchange
   Bytes received_;                      // since its last request
-  Bytes next_;                          // its next request, when it wants to send one
+  Bytes next_;                          // its next request, if any
 };
 
 }  // namespace fieldcast::cli

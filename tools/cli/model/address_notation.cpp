@@ -18,7 +18,7 @@
 namespace fieldcast::cli {
 namespace {
 
-// Each protocol in each of its variants, whose addresses and codes may differ.
+// Every variant of each protocol, because their addresses and codes may differ.
 const std::vector<std::unique_ptr<Protocol>>& families() {
   static const auto all = [] {
     std::vector<std::unique_ptr<Protocol>> made;
@@ -38,8 +38,8 @@ std::string type_of(const ParsedAddress& address, const Protocol& protocol) {
   return type ? to_text(*type) : std::string();
 }
 
-// Whether the channel can be one of a device of this family. Which bit or byte it means, where a
-// key of its own says so, the catalogue does not tell.
+// Returns whether a device of this family can have the channel. The catalogue does not contain a
+// bit or byte given by a separate key.
 bool can_have(const Protocol& protocol, const KnownChannel& channel) {
   const auto address = protocol.parse_address(channel.at);
   const auto type = parse_type(channel.type);
@@ -66,7 +66,7 @@ tl::expected<std::string, std::string> type_at(std::string_view at, const std::s
 tl::expected<std::string, std::string> type_at(std::string_view at, const std::string& said,
                                                std::span<const KnownChannel> channels) {
   if (!said.empty()) return said;
-  std::map<std::string, std::string_view> types;  // with a family that takes it so
+  std::map<std::string, std::string_view> types;  // type -> a family that implies it
   for (const auto& protocol : families()) {
     const auto address = protocol->parse_address(at);
     const bool possible =
@@ -75,7 +75,7 @@ tl::expected<std::string, std::string> type_at(std::string_view at, const std::s
         });
     if (possible) types.emplace(type_of(*address, *protocol), protocol->traits().name);
   }
-  // A declared protocol, or a slip: the bridge knows, and refuses what has another width.
+  // A declared protocol or a typing error: the bridge refuses a value of a different width.
   if (types.empty()) return "uint16";
   if (types.size() == 1 && !types.begin()->first.empty()) return types.begin()->first;
   std::string all;

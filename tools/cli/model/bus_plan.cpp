@@ -22,7 +22,7 @@ BusPlan make_plan(const BusSpec& bus, Duration answer_time) {
                                                       : std::nullopt);
     }
   }
-  // As the bus engine begins, and as the devices are.
+  // The schedule starts with the engine's assumption; the devices then respond after answer_time.
   plan.input = schedule_input(bus, protocols, std::move(map.points), kAssumedAnswerTime);
   for (DeviceTiming& device : plan.input.devices) device.answer_time = answer_time;
   plan.prediction = predict(plan.input, {.planner = bus.planner, .assumed = kAssumedAnswerTime});

@@ -1,5 +1,4 @@
-// The plan of one bus: what its channels ask of the wire, and what the scheduler will make of it.
-// Pure.
+// The plan of one bus: the load of its channels and the prediction of the scheduler. Pure.
 #pragma once
 
 #include <memory>
@@ -16,16 +15,15 @@ namespace fieldcast::cli {
 struct BusPlan {
   const BusSpec* bus = nullptr;                      // outlives the plan
   std::vector<std::unique_ptr<Protocol>> protocols;  // one for each device; `input` points to them
-  Duration answer_time{};                            // assumed of every device
+  Duration answer_time{};                            // assumed for every device
   ScheduleInput input;
-  // For each channel in the order of the spec; nothing: it is never read by itself.
+  // For each channel in the order of the spec; empty: never read by itself.
   std::vector<std::optional<PointIndex>> point_of;
   Prediction prediction;
 };
 
-// REQUIRES: bus is as the loader makes it. Channels on the same items of a device share a point, as
-// they do in the bus engine; write-only, on-demand and on-interest channels cost nothing until
-// somebody asks.
+// REQUIRES: `bus` is valid as from the loader. Channels on the same items of a device share a
+// point, as in the engine. Write-only, on-demand and on-interest channels cause no load.
 [[nodiscard]] BusPlan make_plan(const BusSpec& bus, Duration answer_time);
 
 }  // namespace fieldcast::cli

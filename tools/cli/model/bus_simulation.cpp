@@ -7,7 +7,7 @@
 namespace fieldcast::cli {
 namespace {
 
-// Virtual time in small steps, each of which is told.
+// Advances virtual time in small steps and reports each.
 class Steps {
  public:
   Steps(sim::VirtualBus& bus, Duration length, const OnSimulated& on_simulated)
@@ -29,7 +29,7 @@ class Steps {
   const OnSimulated& on_simulated_;
 };
 
-// The instants at which the port comes and goes.
+// Unplugs and plugs the port at the times of the faults.
 void run(sim::VirtualBus& bus, const sim::BusFaults& faults, Instant end, Steps steps) {
   for (const sim::Window& window : faults.unplugged) {
     if (window.from >= end - Instant{}) break;

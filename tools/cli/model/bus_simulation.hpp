@@ -1,5 +1,4 @@
-// One bus of a configuration in virtual time: the whole engine against simulated devices, and what
-// came of each channel. Pure.
+// Runs the whole engine of a bus against simulated devices in virtual time. Pure.
 #pragma once
 
 #include <cstdint>
@@ -19,20 +18,21 @@ struct SimulationOptions {
   std::uint64_t seed = 1;
 };
 
-// Told a hundred times or so, with the share of the virtual time that is over. Changes nothing.
+// Called about a hundred times with the finished share of the virtual time. Has no effect on the
+// result.
 using OnSimulated = std::function<void(double share)>;
 
 struct BusSimulation {
-  const BusPlan* plan = nullptr;  // what was predicted; outlives the simulation
+  const BusPlan* plan = nullptr;  // the prediction; outlives the simulation
   SimulationOptions options;
   BusReport bus;                        // its measured load covers the whole run
   std::vector<DeviceReport> devices;    // in the order of the spec
   std::vector<ChannelReport> channels;  // in the order of the spec
-  std::uint64_t fingerprint = 0;  // two runs share it only when everything they did was the same
+  std::uint64_t fingerprint = 0;        // equal in two runs only if they did the same
 };
 
-// Devices answer after the plan's answer time, unless the faults say otherwise. Throws
-// std::runtime_error when the bus cannot be simulated. One seed, one run.
+// Devices respond after the plan's answer time, unless the faults differ. Deterministic for a seed.
+// Throws std::runtime_error if the bus cannot be simulated.
 [[nodiscard]] BusSimulation simulate(const BusPlan& plan, const sim::BusFaults& faults,
                                      const SimulationOptions& options,
                                      const OnSimulated& on_simulated = {});

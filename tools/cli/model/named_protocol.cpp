@@ -19,7 +19,7 @@ void explain_unknown(const std::string& name, std::string_view command, std::ost
   err << "fieldcast " << command << ": protocol '" << printable(name) << "' is unknown";
   if (const auto near = near_miss(name, names); !near.empty())
     err << "; did you mean " << near << '?';
-  // Configurations find it by its name, in the folder beside them.
+  // Configurations find it by name in the directory next to them.
   const std::string own = "./protocols/" + name + ".yaml";
   std::error_code ignored;
   if (std::filesystem::exists(own, ignored)) err << "; a declaration is named by its file: " << own;

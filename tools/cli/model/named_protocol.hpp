@@ -1,5 +1,5 @@
-// A protocol as people name it: built in, the path of a declaration, or the name of one that comes
-// with Fieldcast.
+// A protocol named by the user: built in, the path of a declaration, or the name of an installed
+// one.
 #pragma once
 
 #include <iosfwd>
@@ -16,7 +16,7 @@ inline constexpr const char* kProtocolHelp =
     "modbus-rtu, omron-hostlink, .., or a declaration: instrument, ./mine.yaml";
 
 struct NamedProtocol {
-  const ProtocolEntry* built_in = nullptr;  // null: it is declared
+  const ProtocolEntry* built_in = nullptr;  // null: declared
   declared::SharedDeclaration declaration;
   [[nodiscard]] std::string_view name() const {
     return built_in != nullptr ? built_in->name : std::string_view(declaration.value->name);
@@ -26,7 +26,7 @@ struct NamedProtocol {
   }
 };
 
-// What is wrong with the name, or with the declaration, goes to err; `command` asks ("inspect").
+// Prints a fault of the name or the declaration to `err`; `command` is for example "inspect".
 [[nodiscard]] std::optional<NamedProtocol> named_protocol(const std::string& name,
                                                           std::string_view command,
                                                           std::ostream& err);

@@ -1,5 +1,5 @@
-// What `fieldcast watch` knows: the newest sample of each channel that its pattern matches, and how
-// often they come. Pure: time comes in.
+// Data of `fieldcast watch`: the newest sample of each matching channel and its rate. Pure: the
+// caller passes the time.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace fieldcast::cli {
 
-// Samples in each second, over windows of two.
+// Samples a second, measured over two seconds.
 class RateMeter {
  public:
   void count(Instant now);
@@ -30,44 +30,46 @@ class RateMeter {
 
 class WatchModel {
  public:
-  static constexpr std::size_t kMaxChannels = 200'000;  // more are not shown, but counted
+  // further channels are not shown, but their samples are counted
+  static constexpr std::size_t kMaxChannels = 200'000;
 
   struct Row {
-    StationSample sample;  // NOT_YET_READ until one came
+    StationSample sample;  // NOT_YET_READ before the first sample
     RateMeter rate;
-    bool gone = false;  // its bridge removed it, or is gone
+    bool gone = false;  // removed, or its bridge has left
   };
 
   explicit WatchModel(Pattern pattern) : pattern_(std::move(pattern)) {}
 
   void on_channel(const StationChannel& channel);
-  // False when the pattern does not match: nothing is kept.
+  // Returns false, and stores nothing, if the pattern does not match.
   bool on_sample(const StationSample& sample, Instant now);
   void on_gone(const ChannelPath& path);
-  // What the station counted so far.
+  // Sets the station's counters.
   void on_counters(const Station::BlockCounters& counters) { counters_ = counters; }
 
   [[nodiscard]] const Pattern& pattern() const { return pattern_; }
   [[nodiscard]] const Catalogue& catalogue() const { return catalogue_; }  // the matching channels
-  // Of a pattern that matches nothing: the one that was probably meant, or an empty text.
+  // For a pattern without a match: the probably intended one, or an empty text.
   [[nodiscard]] std::string meant() const { return others_.meant_further_down(pattern_); }
   [[nodiscard]] const std::map<ChannelPath, Row>& rows() const { return rows_; }
   [[nodiscard]] std::uint64_t samples() const { return samples_; }
   [[nodiscard]] double rate(Instant now) const { return rate_.rate(now); }
   [[nodiscard]] std::size_t good() const;
-  [[nodiscard]] std::size_t sampled() const;  // channels of which at least one sample came
-  // A bridge is there, with channels or without.
+  [[nodiscard]] std::size_t sampled() const;  // channels with at least one sample
+  // A bridge exists, with or without channels.
   [[nodiscard]] bool anything_announced() const { return announced_; }
-  // Announced channels that promise samples and of which no real one came yet; with an interest of
-  // ours every one of them promises.
+  // Announced channels that should send samples but have sent no real one yet; with an own
+  // interest, all channels should.
   [[nodiscard]] std::size_t awaited(bool interested = false) const;
 
-  // A remark about our interest at this refresh, once the bridges had time to read it: why it
-  // changes nothing for some channels, or for any. Nothing: it holds for all.
+  // Explains why an interest at this refresh has no effect for some or all channels; empty if it
+  // holds for all. Call it after the bridges had time to receive the interest.
   [[nodiscard]] std::optional<std::string> interest_remark(Duration refresh) const;
 
   [[nodiscard]] const Station::BlockCounters& counters() const { return counters_; }
-  // That this station is slower than the bridges, and what it lost by that. Nothing: it keeps up.
+  // Explains that this station is slower than the bridges, and its losses; empty: it is fast
+  // enough.
   [[nodiscard]] std::optional<std::string> lag_remark() const;
 
   // "1234 samples of 100 channels, 98 of them GOOD"
@@ -78,7 +80,7 @@ class WatchModel {
 
   Pattern pattern_;
   Catalogue catalogue_;
-  Catalogue others_;  // announced before the first that matches, to tell what was meant
+  Catalogue others_;  // channels announced before the first match, for meant()
   std::map<ChannelPath, Row> rows_;
   RateMeter rate_;
   std::uint64_t samples_ = 0;

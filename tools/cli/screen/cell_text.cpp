@@ -12,7 +12,7 @@
 namespace fieldcast::cli {
 namespace {
 
-// The widths of characters are those of the C library, whatever the user's locale is.
+// Uses the C library's character widths of a Unicode locale, independent of the user's locale.
 class WidthsOfUnicode {
  public:
   WidthsOfUnicode() : before_(::uselocale(unicode())) {}
@@ -32,7 +32,7 @@ bool is_ascii(std::string_view text) {
   return std::ranges::all_of(text, [](char c) { return static_cast<unsigned char>(c) < 0x80; });
 }
 
-// REQUIRES: valid UTF-8, not empty. Takes the first character off the text.
+// REQUIRES: valid UTF-8, not empty. Removes the first character from the text.
 char32_t take_character(std::string_view& text) {
   const std::size_t length = std::max<std::size_t>(1, utf8_length(text));
   auto code = static_cast<unsigned char>(text[0]) & (length == 1 ? 0x7Fu : 0xFFu >> (length + 1));
@@ -42,8 +42,8 @@ char32_t take_character(std::string_view& text) {
   return code;
 }
 
-// The blocks of letters that are written from right to left (Unicode Standard Annex 9). The marks
-// that turn the direction are not is_printable().
+// The blocks of right-to-left letters (Unicode Standard Annex 9). Direction marks are not
+// is_printable().
 bool is_right_to_left(char32_t c) {
   const auto in = [c](char32_t first, char32_t last) { return c >= first && c <= last; };
   return in(0x0590, 0x08FF) || in(0xFB1D, 0xFDFF) || in(0xFE70, 0xFEFF) || in(0x10800, 0x10FFF) ||
@@ -117,7 +117,8 @@ std::vector<std::string> wrapped(std::string_view shown, std::size_t columns, st
   while (lines.empty() || !shown.empty()) {
     const std::string before(lines.empty() ? 0 : indent, ' ');
     std::string line = cut(shown, columns - before.size());
-    if (line.empty() && !shown.empty()) line = cut(shown, 2);  // a wide one on a single column
+    // a wide character in a single column
+    if (line.empty() && !shown.empty()) line = cut(shown, 2);
     if (line.size() < shown.size() && shown[line.size()] != ' ') {
       if (const auto space = line.rfind(' '); space != std::string::npos && space != 0)
         line.resize(space);

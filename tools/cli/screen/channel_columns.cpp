@@ -16,7 +16,7 @@ enum class Field : unsigned char { kName, kValue, kUnit, kQuality, kMark, kAge, 
 struct FieldColumn {
   Field field;
   std::string_view head;
-  std::size_t width;  // of kName: 0, it takes what is left
+  std::size_t width;  // 0 for kName: the remaining width
   Align align = Align::kLeft;
   std::optional<ChannelOrder> order{};
 };
@@ -52,8 +52,8 @@ std::vector<FieldColumn> fields_for(std::size_t columns) {
   return fields;
 }
 
-// An age that breaks the promise twice over is worth a colour, whatever the quality says: the
-// bridge itself may be gone.
+// Warns if the age exceeds twice the refresh, whatever the quality is, because the bridge itself
+// may have stopped.
 Tone tone_of_age(const StationSample& sample, const StationChannel* about, UtcTime now) {
   if (about == nullptr || about->refresh == Duration{} || sample.acquired_at.nanoseconds == 0)
     return Tone::kFaint;

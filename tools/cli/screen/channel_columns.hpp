@@ -1,4 +1,4 @@
-// The columns of the channels' list, by the width of the screen. Pure functions.
+// Columns of the channel list, depending on the width of the screen. Pure functions.
 #pragma once
 
 #include <cstddef>
@@ -10,15 +10,16 @@
 
 namespace fieldcast::cli {
 
-// Heads at 80 columns: channel, value, unit, quality, age, refresh; wider ones have the rate too,
-// narrower ones leave out what matters least. At 20 columns: name, value and one letter.
+// Heads at 80 columns: channel, value, unit, quality, age, refresh. Wider screens add the rate,
+// narrower ones omit the least important. At 20 columns: name, value and one letter.
 [[nodiscard]] FrameLine channel_heads(std::size_t columns);
 
-// REQUIRES: a row of a channel. `grouped`: the name alone, moved in below its device.
+// REQUIRES: the row is a channel. `grouped`: shows only the channel name, indented below its
+// device.
 [[nodiscard]] FrameLine channel_line(const ListRow& row, const StationChannel* about, bool grouped,
                                      const Moment& moment, std::size_t columns);
 
-// What a click on the heads at this column sorts by. Nothing: the column sorts nothing.
+// Order for a click on the heads at this column; empty if the column is not sortable.
 [[nodiscard]] std::optional<ChannelOrder> order_at(std::size_t column, std::size_t columns);
 
 }  // namespace fieldcast::cli

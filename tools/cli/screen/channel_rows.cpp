@@ -10,7 +10,7 @@ namespace {
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-// A channel with what it is sorted by.
+// A channel with its sort keys.
 struct Sortable {
   const ChannelEntry* entry;
   Rank rank;
@@ -28,7 +28,7 @@ std::string searched_text(const ChannelEntry& entry, const StationChannel* about
 double sort_key(const ChannelEntry& entry, ChannelOrder order, Instant now) {
   const auto& row = entry.second;
   switch (order) {
-    case ChannelOrder::kValue:  // the greatest first, texts last
+    case ChannelOrder::kValue:  // greatest first, texts last
       return -trend_value(row.sample.value).value_or(-std::numeric_limits<double>::max());
     case ChannelOrder::kAge: return static_cast<double>(row.sample.acquired_at.nanoseconds);
     case ChannelOrder::kRate: return -row.rate.rate(now);
@@ -85,7 +85,7 @@ ListRow channel_row(const Sortable& one) {
   return row;
 }
 
-// REQUIRES: all in the order of their names.
+// REQUIRES: `all` is sorted by name.
 ListRows grouped(const std::vector<Sortable>& all, const ChannelChoice& choice,
                  const RowList& list) {
   std::vector<Group> buses;
@@ -154,7 +154,7 @@ std::vector<std::string> filter_words(std::string_view filter) {
 
 bool has_words(std::string_view text, const std::vector<std::string>& words) {
   return std::ranges::all_of(words, [&](const std::string& word) {
-    // Not std::ranges::search: clang 14 does not compile that of GCC 12's library.
+    // std::ranges::search of GCC 12's library does not compile with clang 14.
     return std::search(text.begin(), text.end(), word.begin(), word.end(),
                        [](char a, char b) { return lower(a) == b; }) != text.end();
   });

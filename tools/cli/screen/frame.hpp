@@ -1,4 +1,4 @@
-// What a screen shows and what a person does at it, as values: nothing here knows a terminal.
+// Output and input of a screen as values, independent of the terminal.
 #pragma once
 
 #include <cstddef>
@@ -18,16 +18,16 @@ struct Span {
 };
 
 struct FrameLine {
-  std::vector<Span> spans;  // together as wide as the screen at most
+  std::vector<Span> spans;  // together at most as wide as the screen
   bool inverse = false;     // the selected row, the heads of columns
 };
 
 struct Frame {
-  std::vector<FrameLine> lines;                               // as high as the screen at most
-  std::optional<std::pair<std::size_t, std::size_t>> cursor;  // row and column; nothing: hidden
+  std::vector<FrameLine> lines;                               // at most as high as the screen
+  std::optional<std::pair<std::size_t, std::size_t>> cursor;  // row and column; empty: hidden
 };
 
-// One moment by both clocks.
+// The same moment on both clocks.
 struct Moment {
   Instant now{};
   UtcTime utc{};
@@ -35,7 +35,7 @@ struct Moment {
 
 struct Key {
   enum class Kind : unsigned char {
-    kText,  // one character that can be printed, UTF-8
+    kText,  // one printable character, UTF-8
     kEnter,
     kEscape,
     kBackspace,
@@ -52,12 +52,12 @@ struct Key {
     kClick,     // of the first button
     kWheelUp,
     kWheelDown,
-    kRedraw,  // Ctrl-L, another size, or back from the background
+    kRedraw,  // Ctrl-L, a new size, or return to the foreground
   };
   Kind kind = Kind::kText;
   std::string text{};
-  int number = 0;                   // of kFunction
-  std::size_t row = 0, column = 0;  // of kClick
+  int number = 0;                   // for kFunction
+  std::size_t row = 0, column = 0;  // for kClick
 };
 
 [[nodiscard]] inline Key text_key(std::string text) { return {Key::Kind::kText, std::move(text)}; }

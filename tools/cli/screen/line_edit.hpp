@@ -1,4 +1,4 @@
-// One line of text that a person types. Pure value.
+// One line of typed text. Pure value.
 #pragma once
 
 #include <string>
@@ -9,9 +9,9 @@ namespace fieldcast::cli {
 
 class LineEdit {
  public:
-  static constexpr std::size_t kMostBytes = 256;  // more is not taken
+  static constexpr std::size_t kMostBytes = 256;  // further text is ignored
 
-  // True when the key was one for the text.
+  // Returns true if the key edits the text.
   bool on_key(const Key& key) {
     if (key.kind == Key::Kind::kText) {
       if (text_.size() + key.text.size() <= kMostBytes) text_ += key.text;

@@ -15,7 +15,7 @@ Layout layout_of(const Screen& screen, std::size_t pane, bool must) {
   Layout layout;
   layout.columns = screen.columns;
   const std::size_t rows = screen.rows;
-  if (must && rows < pane + 6) {  // nothing but the question
+  if (must && rows < pane + 6) {  // shows only the question
     layout.pane = std::min(pane, rows);
     layout.list_rows = rows - layout.pane;
     return layout;
@@ -26,7 +26,8 @@ Layout layout_of(const Screen& screen, std::size_t pane, bool must) {
   layout.state = rows >= 12 ? 1 : 0;
   const std::size_t fixed = layout.bottom + layout.title + layout.head + layout.state;
   const std::size_t left = rows - std::min(rows, fixed);
-  const std::size_t list = must ? 1 : std::max<std::size_t>(6, left / 2);  // that stay in any case
+  // minimum height of the list
+  const std::size_t list = must ? 1 : std::max<std::size_t>(6, left / 2);
   layout.pane = std::min(pane, left - std::min(left, list));
   if (!must && layout.pane < 2) layout.pane = 0;
   layout.list_top = layout.title + layout.state + layout.head;
@@ -182,7 +183,7 @@ void ListControl::toggle_fold() {
   stale = true;
 }
 
-// Folds the group; of a member, or of a folded group, goes to the group that it is in.
+// Folds the group. For a member or a folded group, selects its parent group.
 void ListControl::fold_to_left() {
   const ListRow* row = list.selected();
   if (row == nullptr) return;

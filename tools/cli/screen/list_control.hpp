@@ -1,5 +1,5 @@
-// What every screen with a list has: the keys that move, fold, filter and explain, and where on the
-// screen its parts stand. Pure values.
+// Common part of all list screens: keys to move, fold, filter and show help, and the layout. Pure
+// values.
 #pragma once
 
 #include <cstddef>
@@ -16,19 +16,19 @@
 
 namespace fieldcast::cli {
 
-// Rows of the terminal that each part takes. A part of no rows is left out: on a small screen the
-// list comes first, then the bottom line, then the title, the heads, the pane and the state.
+// Rows of each part; 0: hidden. On a small screen the list has priority, then the bottom line, the
+// title, the heads, the pane and the state.
 struct Layout {
   std::size_t columns = 80;
-  std::size_t title = 0, state = 0, head = 0;  // one row or none
+  std::size_t title = 0, state = 0, head = 0;  // 0 or 1
   std::size_t list_top = 0, list_rows = 0;
   std::size_t pane = 0;
-  std::size_t bottom = 0;  // one row or none
+  std::size_t bottom = 0;  // 0 or 1
 };
-// `pane`: rows that are wanted below the list. `must`: a question that a person has to see.
+// `pane`: requested rows below the list. `must`: a question that the user must see.
 [[nodiscard]] Layout layout_of(const Screen& screen, std::size_t pane, bool must = false);
 
-// What the bottom line offers; a click on it is the key.
+// A key in the bottom line; a click on it has the same effect.
 struct BarKey {
   std::string_view label;  // "F1"
   std::string_view words;  // "help"
@@ -39,8 +39,8 @@ struct ScreenParts {
   FrameLine title, state, head;
   std::function<FrameLine(const ListRow&, std::size_t columns)> row;
   std::vector<FrameLine> pane;
-  std::string notice;           // in place of rows, while there are none
-  std::span<const BarKey> bar;  // shown when there is no message
+  std::string notice;           // shown if there are no rows
+  std::span<const BarKey> bar;  // shown if there is no message
   Span message;                 // in the bottom line; empty: none
   std::span<const std::string_view> help;
 };
@@ -49,25 +49,25 @@ class ListControl {
  public:
   enum class Mode : unsigned char { kList, kFilter, kHelp };
   enum class Took : unsigned char {
-    kNothing,  // the key means nothing to lists
+    kNothing,  // not a key of lists
     kKey,
     kQuit,
   };
 
   [[nodiscard]] Took on_key(const Key& key);
-  // The key of the bottom line that was clicked. Nothing: the click was elsewhere.
+  // Returns the clicked key of the bottom line; empty for another place.
   [[nodiscard]] std::optional<Key> bar_key(const Key& click) const;
-  // The column of a click on the heads. Nothing: it was elsewhere.
+  // Returns the clicked column of the heads; empty for another place.
   [[nodiscard]] std::optional<std::size_t> head_click(const Key& key) const;
 
-  // Draws the parts; remembers where they are, for clicks and pages.
+  // Draws the parts and stores their positions for clicks and pages.
   [[nodiscard]] Frame compose(const Layout& layout, const ScreenParts& parts);
 
   RowList list;
   Mode mode = Mode::kList;
   LineEdit filter;
-  bool details = true;  // the pane is wanted
-  bool stale = true;    // the rows are to be made anew: a filter or a fold has changed
+  bool details = true;  // the pane is enabled
+  bool stale = true;    // rows must be rebuilt: a filter or fold has changed
 
  private:
   Took on_filter_key(const Key& key);
@@ -89,10 +89,10 @@ class ListControl {
   std::vector<BarPlace> bar_;
 };
 
-// Spans that fill the columns exactly; what does not fit is cut.
+// Fills the columns exactly; truncates the rest.
 [[nodiscard]] FrameLine full_line(std::vector<Span> spans, std::size_t columns,
                                   bool inverse = false);
-// As many of the pieces as fit, two spaces between them; the first one is cut if it must be.
+// Joins as many pieces as fit with two spaces; truncates the first one if necessary.
 [[nodiscard]] std::string fitting_pieces(std::span<const std::string> pieces, std::size_t columns);
 
 }  // namespace fieldcast::cli

@@ -10,17 +10,17 @@
 
 namespace fieldcast::cli {
 
-// How bad something is: the smaller, the worse.
+// Lower is worse.
 enum class Rank : std::uint8_t { kBad, kUncertain, kUnread, kGood };
 
 // One row. A bus has an empty device, a device an empty channel.
 struct ListRow {
   ChannelPath id;
   Rank rank = Rank::kGood;  // of a group: of its worst member
-  // Of a group: what is in it, folded or not.
+  // Of a group: counts of its members, folded or not.
   std::uint32_t members = 0, good = 0, bad = 0;
   bool folded = false;
-  const void* item = nullptr;  // the owner's; of a channel in a list of channels its samples
+  const void* item = nullptr;  // set by the owner; in a channel list the channel's samples
   [[nodiscard]] bool is_bus() const { return id.device.empty(); }
   [[nodiscard]] bool is_device() const { return !is_bus() && id.channel.empty(); }
   [[nodiscard]] bool is_channel() const { return !id.channel.empty(); }
@@ -30,21 +30,21 @@ using ListRows = std::vector<ListRow>;
 
 class RowList {
  public:
-  // Other rows, or the same in another order. What was selected stays so; a row that is gone gives
-  // its place to the one that stands there now. The first row stays selected while nobody moved.
+  // Replaces the rows. The selected row stays selected; if it was removed, the row at its position
+  // is selected. Before the first movement, the first row stays selected.
   void assign(ListRows rows);
   [[nodiscard]] const ListRows& rows() const { return rows_; }
 
   [[nodiscard]] const ListRow* selected() const;  // null: the list is empty
   [[nodiscard]] std::size_t index() const { return index_; }
-  void select(std::size_t index);  // the last one when there are fewer
-  void move(std::ptrdiff_t by);    // as far as it goes
-  // The first row that is shown on so many lines; follows the selection.
+  void select(std::size_t index);  // selects the last row if there are fewer
+  void move(std::ptrdiff_t by);    // stops at the ends
+  // Returns the first visible row for this number of lines; follows the selection.
   std::size_t top(std::size_t lines);
-  // Without the selection, as a wheel does; the selection stays in sight.
+  // Scrolls as a mouse wheel does; moves the selection only to keep it visible.
   void scroll(std::ptrdiff_t by, std::size_t lines);
 
-  // Folding takes effect at the next assign().
+  // Folding becomes effective with the next assign().
   [[nodiscard]] bool is_folded(const ChannelPath& id) const { return folded_.contains(id); }
   void fold(const ChannelPath& id, bool folded);
   void unfold_all() { folded_.clear(); }
@@ -52,7 +52,7 @@ class RowList {
  private:
   ListRows rows_;
   ChannelPath selected_;
-  bool moved_ = false;  // by a person
+  bool moved_ = false;  // by the user
   std::size_t index_ = 0, top_ = 0;
   std::set<ChannelPath> folded_;
 };

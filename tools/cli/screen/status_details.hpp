@@ -1,4 +1,4 @@
-// What the screens tell of a bus and of a device. Pure functions.
+// Details of a bus or device on the screens. Pure functions.
 #pragma once
 
 #include <cstddef>
@@ -10,11 +10,11 @@
 
 namespace fieldcast::cli {
 
-// "closed", "offline", with its colour; empty when nothing is known of it, or when all is well.
-// REQUIRES: a path without a channel.
+// "closed", "offline", with its colour; empty if unknown or healthy. REQUIRES: a path without a
+// channel.
 [[nodiscard]] Span group_state(const StatusModel& model, const ChannelPath& id);
 
-// Its name, then each fact on a line or more.
+// Returns the name, then each fact on one or more lines.
 [[nodiscard]] std::vector<FrameLine> status_details(const StatusModel& model, const ChannelPath& id,
                                                     UtcTime now, std::size_t columns);
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::string_view kGroup = "group ";
 
-// A bus or a standby group, and the rows below it that are chosen.
+// A bus or a standby group with its selected members.
 struct StatusGroup {
   ListRow head;
   ListRows members;
@@ -24,7 +24,7 @@ class StatusGroups {
   explicit StatusGroups(const StatusChoice& choice)
       : choice_(choice), words_(filter_words(choice.filter)) {}
 
-  // `says`: what the filter looks at.
+  // `says`: text for the filter.
   void add_head(const ChannelPath& id, Rank rank, const std::string& says) {
     StatusGroup& group = group_of(id);
     group.head.rank = std::min(group.head.rank, rank);
@@ -62,7 +62,7 @@ class StatusGroups {
 
  private:
   StatusGroup& group_of(const ChannelPath& id) {
-    // StatusGroups of bridges stand before the buses that they serve.
+    // Standby groups are sorted before buses.
     StatusGroup& group = groups_[{standby_group_of(id).empty(), id.bus}];
     group.head.id = {id.bus, {}, {}};
     return group;

@@ -1,5 +1,5 @@
-// Which rows the screen of `fieldcast status` lists, and in which order: buses with their devices,
-// standby groups with their members. Pure.
+// Selects and sorts the rows of `fieldcast status`: buses with their devices, standby groups with
+// their members. Pure.
 #pragma once
 
 #include <string>
@@ -13,20 +13,20 @@ namespace fieldcast::cli {
 [[nodiscard]] Rank rank_of(const StationDeviceStatus& device);
 [[nodiscard]] Rank rank_of(const StandbyMessage& member);
 
-// A standby group stands in the list as a bus would, and its members as devices. No bus has such a
-// name: "group line-7" has a blank.
+// A standby group is listed like a bus, and its members like devices. The name "group line-7" has a
+// space, so no bus has it.
 [[nodiscard]] ChannelPath group_row_id(const std::string& group, const std::string& bridge = {});
-// The group of such a row; empty: it is a row of a bus or of a device.
+// Returns the standby group of a row; empty for a bus or device.
 [[nodiscard]] std::string standby_group_of(const ChannelPath& id);
-// Null: the row is no member of a standby group, or the member is gone.
+// Null if the row is not a member of a standby group, or the member was removed.
 [[nodiscard]] const StandbyMessage* member_of(const StatusModel& model, const ChannelPath& id);
 
 struct StatusChoice {
-  bool by_name = false;   // else bad first
-  bool bad_only = false;  // without what is as it should be
-  std::string filter;     // words: each is somewhere in name, state or causes
+  bool by_name = false;   // false: bad first
+  bool bad_only = false;  // hides healthy rows
+  std::string filter;     // words: each must occur in name, state or causes
 };
-// Without those in groups that `list` has folded.
+// Omits members of groups folded in `list`.
 [[nodiscard]] ListRows status_rows(const StatusModel& model, const StatusChoice& choice,
                                    const RowList& list);
 

@@ -120,7 +120,7 @@ StatusCells device_cells(const StationDeviceStatus& device) {
   return cells;
 }
 
-// Of a group, or of a member.
+// Cells of a standby group or a member.
 StatusCells standby_cells(const StatusModel& model, const ChannelPath& id) {
   StatusCells cells;
   if (id.device.empty()) {
@@ -219,7 +219,7 @@ Frame StatusScreen::frame(const Moment& moment, const Screen& screen) {
   if (const ListRow* row = control_.list.selected(); row != nullptr && control_.details)
     below = status_details(model_, row->id, moment.utc, screen.columns);
   Layout layout = layout_of(screen, below.size());
-  layout.list_top -= layout.state;  // what it would say stands in the title
+  layout.list_top -= layout.state;  // the title already contains this information
   layout.list_rows += std::exchange(layout.state, 0);
   ScreenParts parts;
   parts.title = title(moment, screen.columns);

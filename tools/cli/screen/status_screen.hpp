@@ -1,6 +1,6 @@
-// The screen of `fieldcast status`: keys in, frames out. Buses with their devices, standby groups
-// with their members, bad ones first; below them everything that is known of the selected one, in
-// words. Pure: no terminal, no clock, no DDS. Main thread; the model lives longer.
+// The screen of `fieldcast status`: keys in, frames out. Lists buses with devices and standby
+// groups with members, bad ones first, and below them the details of the selected row. Pure: no
+// terminal, clock or DDS. Main thread; the model must outlive it.
 #pragma once
 
 #include <optional>
@@ -16,9 +16,9 @@ class StatusScreen {
  public:
   explicit StatusScreen(const StatusModel& model) : model_(model) {}
 
-  // False: the person wants to leave.
+  // Returns false if the user quits.
   [[nodiscard]] bool on_key(const Key& key, const Moment& moment);
-  // In place of rows while there are none.
+  // Shown if there are no rows.
   void set_notice(std::string notice) { notice_ = std::move(notice); }
   [[nodiscard]] Frame frame(const Moment& moment, const Screen& screen);
 
@@ -31,10 +31,10 @@ class StatusScreen {
 
   const StatusModel& model_;
   ListControl control_;
-  bool by_name_ = false;  // else bad first
+  bool by_name_ = false;  // false: bad first
   bool bad_only_ = false;
   std::optional<Instant> sorted_at_;
-  std::size_t known_ = 0;  // buses, devices, members when the rows were made
+  std::size_t known_ = 0;  // number of buses, devices and members in the current rows
   std::string notice_;
 };
 

@@ -1,5 +1,4 @@
-// The last values of channels that a person has looked at, and their picture in one line of text.
-// Pure values.
+// Recent values of channels that the user has selected, drawn as one line of text. Pure values.
 #pragma once
 
 #include <cstddef>
@@ -21,26 +20,27 @@ struct TrendPoint {
 };
 using TrendPoints = std::deque<TrendPoint>;
 
-// A number, or 0 and 1 of a bool; texts have none.
+// A number, or 0 and 1 of a bool; empty for text.
 [[nodiscard]] std::optional<double> trend_value(const Value& value);
 
 class TrendBook {
  public:
-  static constexpr std::size_t kMostChannels = 64;  // then the one that was looked at first goes
-  static constexpr std::size_t kMostPoints = 512;   // of each channel: the newest
+  // beyond this, the channel selected first is dropped
+  static constexpr std::size_t kMostChannels = 64;
+  static constexpr std::size_t kMostPoints = 512;  // of each channel: the newest
 
-  // From now on values of this channel are kept.
+  // Stores values of this channel from now on.
   void follow(const ChannelPath& path);
   void add(const ChannelPath& path, const Value& value, UtcTime at);
   [[nodiscard]] const TrendPoints* find(const ChannelPath& path) const;
 
  private:
   std::map<ChannelPath, TrendPoints> points_;
-  std::list<ChannelPath> order_;  // of following
+  std::list<ChannelPath> order_;  // in the order of follow()
 };
 
-// The newest points, one in each column, between their least and their greatest value. With
-// `unicode` in eighths of a line, else in ASCII. Empty: there is no point.
+// Draws the newest points, one in each column, scaled between minimum and maximum. With `unicode`
+// in eighths of a line, else in ASCII. Empty: no points.
 [[nodiscard]] std::string sparkline(const TrendPoints& points, std::size_t columns, bool unicode);
 
 }  // namespace fieldcast::cli

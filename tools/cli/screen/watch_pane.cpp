@@ -1,5 +1,5 @@
-// The lower part of the screen of `fieldcast watch`: what is known of the selected row, and the
-// questions of a write.
+// Lower part of the screen of `fieldcast watch`: details of the selected row, and the dialogs of a
+// write.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -74,7 +74,7 @@ std::string trend_line(const TrendPoints& points, std::size_t columns, bool unic
 
 }  // namespace
 
-// What does not fit loses its beginning: the end is where one types.
+// Truncates the beginning of long text, because the user types at the end.
 std::string WatchScreen::input_text() const {
   std::string text = shown(typed_.text());
   const std::string before = columns_ < 44 ? "new " : "new value   ";

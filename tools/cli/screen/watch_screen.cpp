@@ -183,7 +183,7 @@ FrameLine WatchScreen::title(const Moment& moment, std::size_t columns) const {
       shown(model_.pattern().text()),
   };
   std::string text = fitting_pieces(pieces, columns);
-  // The clock stands at the right, without the date: "12:34:56Z".
+  // The clock is at the right, without the date: "12:34:56Z".
   const std::string clock = clock_text(moment.utc);
   std::vector<Span> spans{{text, sums_.bad == 0 ? Tone::kTitle : Tone::kBad}};
   if (columns_of(text) + clock.size() + 2 <= columns) {

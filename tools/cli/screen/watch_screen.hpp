@@ -1,8 +1,8 @@
-// The screen of `fieldcast watch`: keys in, frames and intents out. Pure: no terminal, no clock, no
-// DDS. Main thread; the models live longer.
+// The screen of `fieldcast watch`: keys in, frames and intents out. Pure: no terminal, clock or
+// DDS. Main thread; the models must outlive it.
 //
-// A write is typed, then shown with the old and the new value, and leaves as an intent only when a
-// person confirms it. One is on its way at a time.
+// The user types a value; the screen shows the old and the new one and returns a write intent only
+// after confirmation. One write at a time.
 #pragma once
 
 #include <optional>
@@ -29,15 +29,15 @@ using Intent = std::variant<std::monostate, QuitIntent, WriteIntent>;
 
 class WatchScreen {
  public:
-  // `unicode`: the terminal shows more than ASCII.
+  // `unicode`: the terminal supports Unicode.
   WatchScreen(const WatchModel& model, const StatusModel& status, bool unicode)
       : model_(model), status_(status), unicode_(unicode) {}
 
   void on_sample(const StationSample& sample);
   [[nodiscard]] Intent on_key(const Key& key, const Moment& moment);
-  // What became of the write.
+  // Result of the write.
   void on_outcome(const Outcome& outcome);
-  // In place of rows while there are none, and what is worth a warning. Empty: nothing.
+  // The notice is shown if there are no rows, the remark as a warning. Empty: none.
   void set_notice(std::string notice) { notice_ = std::move(notice); }
   void set_remark(std::string remark) { remark_ = std::move(remark); }
 
@@ -67,7 +67,7 @@ class WatchScreen {
   const bool unicode_;
   ListControl control_;
   ChannelChoice choice_;
-  ChannelRows sums_;  // without the rows, which the control has
+  ChannelRows sums_;  // without the rows, which the control stores
   TrendBook trends_;
   std::optional<Instant> sorted_at_;
   std::string notice_, remark_;
@@ -75,11 +75,11 @@ class WatchScreen {
 
   Question question_ = Question::kNone;
   LineEdit typed_;
-  std::string fault_;  // of what was typed
-  WriteIntent write_;  // that is asked about, or on its way
+  std::string fault_;  // fault of the typed value
+  WriteIntent write_;  // to be confirmed, or in flight
   bool waiting_ = false;
   std::size_t columns_ = 80;    // of the last frame
-  std::size_t input_line_ = 0;  // of the question, where the value is typed
+  std::size_t input_line_ = 0;  // line of the dialog where the value is typed
 };
 
 }  // namespace fieldcast::cli

@@ -16,7 +16,7 @@ bool is_away(const AlarmStatus& status) {
   return status.shelved.is_set() || status.suppressed.is_set();
 }
 
-// What to look at first; less is more urgent.
+// Sort key; lower is more urgent.
 auto urgency(const Entry& entry) {
   const AlarmStatus status = entry.second.status.value_or(AlarmStatus{});
   const int waits = is_away(status)                             ? 3

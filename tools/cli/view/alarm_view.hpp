@@ -1,5 +1,5 @@
-// Alarms and what people did about them, as lines for people and JSON. Field names are those of the
-// IDL where it has them. Pure functions.
+// Formats alarms and actions of operators as text and JSON. Field names are those of the IDL. Pure
+// functions.
 #pragma once
 
 #include <map>
@@ -14,17 +14,17 @@
 
 namespace fieldcast::cli {
 
-// What the two topics say of one alarm. An older bridge has the first one only.
+// An alarm from both topics. An older bridge sends only the first.
 struct KnownAlarm {
   std::optional<StationAlarm> alarm;
   std::optional<AlarmStatus> status;
   [[nodiscard]] bool active() const;
-  // Somebody has to know of it: it is active, not acknowledged, or put aside.
+  // The alarm is active, not acknowledged, shelved or suppressed.
   [[nodiscard]] bool is_shown() const;
 };
 using KnownAlarms = std::map<AlarmKey, KnownAlarm>;
 
-// Those that are shown, the most urgent first: what is not acknowledged, by priority and age.
+// Lists the alarms of is_shown(), most urgent first: not acknowledged, then by priority and age.
 [[nodiscard]] std::vector<std::string> alarm_lines(const KnownAlarms& alarms, UtcTime now,
                                                    const Screen& screen);
 [[nodiscard]] Json alarm_json(const AlarmKey& key, const KnownAlarm& known);

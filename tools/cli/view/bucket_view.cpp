@@ -9,7 +9,7 @@
 namespace fieldcast::cli {
 namespace {
 
-// Of the good samples: with every digit; "-" or whatever is given where there is none.
+// Statistics of the good samples with all digits; `none` if there are none.
 struct Numbers {
   std::string min, max, average;
 };
@@ -36,7 +36,7 @@ std::string bucket_head(Zone zone) {
 
 std::string bucket_line(const StoredChannel& channel, const Bucket& bucket, Zone zone) {
   Numbers numbers = numbers_of(channel, bucket, "-");
-  // A mean has more digits than people want to read.
+  // A mean has more digits than are useful.
   if (bucket.count > 0) numbers.average = fmt::format("{:.7g}", *bucket.average());
   std::string path = channel.bus + '/' + channel.device + '/' + channel.channel;
   if (!channel.unit.empty()) path += " (" + channel.unit + ')';

@@ -1,5 +1,5 @@
-// What channels were in equal stretches of time, as lines for people, CSV and JSON. Pure functions,
-// but for the time zone.
+// Formats buckets of channels as text, CSV and JSON. Pure functions; local times depend on the time
+// zone.
 #pragma once
 
 #include <string>
@@ -11,16 +11,16 @@
 
 namespace fieldcast::cli {
 
-// Columns as wide as their values usually are: any number of lines is printed as they come.
+// Columns have a fixed usual width, because lines are printed one by one.
 [[nodiscard]] std::string bucket_head(Zone zone);
 [[nodiscard]] std::string bucket_line(const StoredChannel& channel, const Bucket& bucket,
                                       Zone zone);
 
-// RFC 4180. min, max and average are empty where no sample was good.
+// RFC 4180. min, max and average are empty if no sample was good.
 [[nodiscard]] std::string bucket_csv_head();
 [[nodiscard]] std::string bucket_csv(const StoredChannel& channel, const Bucket& bucket, Zone zone);
 
-// The time is where the bucket begins, in nanoseconds.
+// The time is the start of the bucket in nanoseconds.
 [[nodiscard]] Json bucket_json(const StoredChannel& channel, const Bucket& bucket);
 
 }  // namespace fieldcast::cli

@@ -1,4 +1,4 @@
-// Commands as people type them, and results as people and scripts read them. Pure functions.
+// Parses typed commands and formats results as text and JSON. Pure functions.
 #pragma once
 
 #include <string>
@@ -27,28 +27,27 @@ struct Assignment {
 // "uint16", "float32", "string(16)".
 [[nodiscard]] tl::expected<Encoding, std::string> parse_type(std::string_view text);
 
-// "low", "high", "0" .. "7": which byte of a wider item an 8-bit type means; empty: none.
+// "low", "high", "0" .. "7": byte of a wider item for an 8-bit type; empty: none.
 [[nodiscard]] tl::expected<Encoding, std::string> with_byte(Encoding encoding,
                                                             std::string_view byte);
 
-// The value that `text` spells for a channel of this type. Whether it fits the channel is for the
-// bridge to say: an integer channel may be scaled, so a fraction is taken too. The fault is a line
-// for people.
+// Parses a value for a channel of this type. The bridge checks the channel's limits. An integer
+// channel may be scaled, so fractions are accepted. The error is one human-readable line.
 [[nodiscard]] tl::expected<Value, std::string> value_from_text(const Encoding& encoding,
                                                                std::string_view text);
 
-// One command and what became of it, or why it was not even sent.
+// A command with its result, or the reason why it was not sent.
 struct Outcome {
   enum class State : unsigned char { kResult, kRefusedHere, kNoResult, kNotSent };
   State state = State::kResult;
   std::string bus, device, target;  // target: the channel or the address
   bool write = false;
-  std::vector<Value> wanted;  // of a write
-  StationResult result;       // kResult; with kRefusedHere its cause and reason
-  std::string type, unit;     // of the channel, where known
+  std::vector<Value> wanted;  // values of a write
+  StationResult result;       // kResult; with kRefusedHere only cause and reason
+  std::string type, unit;     // of the channel, if known
 };
 
-// A refusal that needs no bridge: an unknown channel, a text that is no value.
+// A local refusal: an unknown channel or an invalid value.
 [[nodiscard]] Outcome refused_here(const ChannelPath& path, bool write, Cause cause,
                                    std::string reason);
 
@@ -59,8 +58,8 @@ struct Outcome {
 [[nodiscard]] std::string outcome_line(const Outcome& outcome);
 
 // {"request_id", "bus", "device", "target", "state", "cause", "reason", "device_code", "values",
-// "received_at", "started_at", "completed_at"}; state is a CommandState, or "no-answer" and
-// "not-sent" where there is none.
+// "received_at", "started_at", "completed_at"}; `state` is a CommandState, or "no-answer" or
+// "not-sent".
 [[nodiscard]] Json outcome_json(const Outcome& outcome);
 
 }  // namespace fieldcast::cli

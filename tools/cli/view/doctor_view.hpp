@@ -1,4 +1,4 @@
-// The findings of `fieldcast doctor` for people and as JSON. Pure.
+// Formats the findings of `fieldcast doctor` as text and JSON. Pure.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace fieldcast::cli {
 
-// One line for each, and below it the remedy where there is one.
+// One line for each, with its remedy below.
 [[nodiscard]] std::vector<std::string> doctor_lines(const std::vector<Finding>& findings,
                                                     const Screen& screen);
 

@@ -1,4 +1,4 @@
-// An explained frame as lines for people and as JSON. Pure functions.
+// Formats an explained frame as text and JSON. Pure functions.
 #pragma once
 
 #include <span>
@@ -15,8 +15,8 @@ namespace fieldcast::cli {
 
 [[nodiscard]] std::size_t count_faults(std::span<const FrameField> fields);
 
-// One line for each field: offset, its bytes, indented name and value; faults follow in words and
-// are marked "!!" at the left.
+// One line for each field: offset, bytes, indented name and value. Faults follow, marked with "!!"
+// at the left.
 [[nodiscard]] std::vector<std::string> inspect_lines(std::string_view protocol, ByteView frame,
                                                      std::span<const FrameField> fields,
                                                      const Screen& screen);

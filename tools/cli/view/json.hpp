@@ -1,4 +1,4 @@
-// JSON lines: field names and values of the IDL. Pure functions.
+// JSON lines with field names and values of the IDL. Pure functions.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -9,14 +9,14 @@
 
 namespace fieldcast::cli {
 
-using Json = nlohmann::ordered_json;  // fields stay in the order in which they were written
+using Json = nlohmann::ordered_json;  // keeps the order of fields
 
-// A plain JSON value: integers exact to 64 bits, doubles that round-trip, null for NaN and
-// infinities, bytes of a text that are no UTF-8 as \xE4.
+// Plain JSON value: exact 64-bit integers, doubles that round-trip, null for NaN and infinities,
+// invalid UTF-8 as \xE4.
 [[nodiscard]] Json to_json(const Value& value);
 
-// One line without its end; bytes that are no UTF-8 become U+FFFD, and a character that is not
-// is_printable() (core/base/printable.hpp) is written as \u202e.
+// One line without line end. Invalid UTF-8 becomes U+FFFD; characters that are not is_printable()
+// (core/base/printable.hpp) are escaped, for example \u202e.
 [[nodiscard]] std::string to_line(const Json& json);
 
 }  // namespace fieldcast::cli

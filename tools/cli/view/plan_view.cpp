@@ -34,7 +34,7 @@ struct Row {
   const DeviceSpec* device = nullptr;
   const ChannelSpec* channel = nullptr;
   const PointForecast* forecast = nullptr;
-  // How much of its refresh the worst gap takes; above 1 the promise is broken.
+  // Worst gap divided by refresh; above 1 the refresh is not kept.
   [[nodiscard]] double tightness() const {
     return to_seconds(forecast->worst_gap) / to_seconds(channel->refresh);
   }
@@ -67,7 +67,7 @@ std::string range_text(const Protocol& protocol, const Range& range) {
   return text;
 }
 
-// "d1/c1" or "52 channels (d1/c1, d1/c2, ..)": those of the points.
+// "d1/c1" or "52 channels (d1/c1, d1/c2, ..)": the channels of the points.
 std::string names_of(const BusPlan& plan, const std::vector<PointIndex>& points) {
   const std::set<PointIndex> wanted(points.begin(), points.end());
   std::string text;
@@ -103,7 +103,7 @@ std::string verdict(const BusPlan& plan) {
       prediction.missed, to_text(plan.answer_time));
 }
 
-// "uint32, low word first": the type, and the order where the value has one.
+// "uint32, low word first": the type, and its order if it has one.
 std::string type_text(const Encoding& encoding) {
   std::string text = to_text(encoding);
   if (encoding.type != ValueType::kString && width_bits(encoding) > 16)

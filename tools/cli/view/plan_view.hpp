@@ -1,4 +1,4 @@
-// A bus's plan for people and as JSON. Pure functions.
+// Formats the plan of a bus as text and JSON. Pure functions.
 #pragma once
 
 #include <string>
@@ -10,18 +10,16 @@
 
 namespace fieldcast::cli {
 
-// What would make an infeasible plan feasible, one sentence for each way; empty when it is
-// feasible.
+// Ways to make an infeasible plan feasible, one sentence each; empty if it is feasible.
 [[nodiscard]] std::vector<std::string> advice(const BusPlan& plan);
 
-// The verdict, the channels with the tightest first, the blocks with the most frequent first, and
-// the advice.
+// The verdict, the channels (tightest first), the blocks (most frequent first), and the advice.
 [[nodiscard]] std::vector<std::string> plan_lines(const BusPlan& plan, const Screen& screen);
 
 // {"bus", "feasible", "load", "planned_load", "stretch", "horizon", "reads", "missed",
 // "answer_time", "channels": [{"device", "channel", "refresh", "worst_gap", "reads"}], "blocks":
 // [{"device", "ranges": [{"area", "first", "count"}], "points", "cost", "per_second"}], "plan":
-// read_plan_json(), "advice": [..]}; times in nanoseconds, channels with the tightest first.
+// read_plan_json(), "advice": [..]}; times in nanoseconds, tightest channels first.
 [[nodiscard]] Json plan_json(const BusPlan& plan);
 
 }  // namespace fieldcast::cli

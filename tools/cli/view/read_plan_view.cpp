@@ -6,7 +6,6 @@
 namespace fieldcast::cli {
 namespace {
 
-// Names of the channels of each point.
 std::vector<std::vector<std::string>> channels_by_point(const BusPlan& plan) {
   std::vector<std::vector<std::string>> names(plan.input.points.size());
   std::size_t index = 0;
@@ -18,7 +17,7 @@ std::vector<std::vector<std::string>> channels_by_point(const BusPlan& plan) {
   return names;
 }
 
-// Null if `period` is none.
+// Null if `period` is zero.
 Json in_cycle(Duration period, Duration time) {
   return period == Duration::zero() ? Json() : Json(time.count());
 }

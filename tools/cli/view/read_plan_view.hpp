@@ -1,4 +1,4 @@
-// The plan that the scheduler of a bus follows (core/plan/read_plan.hpp), as JSON. Pure functions.
+// Formats the schedule of a bus (core/plan/read_plan.hpp) as JSON. Pure functions.
 #pragma once
 
 #include "core/plan/plan_report.hpp"
@@ -12,7 +12,7 @@ namespace fieldcast::cli {
 // "worst_gap", "stretch"}]}]}.
 //
 // Times are in nanoseconds, loads are shares of the wire. `slot` and `hyperperiod` are null in a
-// plan without a timetable; `period`, `phase`, `slack` and `worst_gap` of what has no period.
+// plan without a timetable; `period`, `phase`, `slack` and `worst_gap` are null without a period.
 [[nodiscard]] Json read_plan_json(const PlanReport& plan);
 [[nodiscard]] Json read_plan_json(const BusPlan& plan);
 

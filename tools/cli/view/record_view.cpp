@@ -12,13 +12,13 @@ StationSample as_sample(const StoredSample& stored) {
           stored.quality, stored.device_code, stored.acquired_at, stored.sequence};
 }
 
-// Spreadsheets evaluate a cell that begins with one of these as a formula.
+// Spreadsheets evaluate a cell that starts with one of these as a formula.
 constexpr std::string_view kFormulaStarts = "=+-@\t\r";
-constexpr std::string_view kTransmission = "program";  // the entries whose bytes are counted
+constexpr std::string_view kTransmission = "program";  // audit entries with byte counts
 
 bool was_read(const StoredSample& sample) { return sample.acquired_at.nanoseconds != 0; }
 
-// Only a text can be a formula: "-5" of a number stays a number.
+// Only a text can be a formula; a number such as "-5" stays unchanged.
 std::string csv_value(const StoredSample& sample) {
   const std::string text = value_text(sample.value, sample.type);
   return std::holds_alternative<std::string>(sample.value) ? csv_field(text) : text;
@@ -83,7 +83,7 @@ std::string history_line(const StoredSample& sample, Zone zone) {
                   was_read(sample) ? value_text(sample.value, sample.type) : "-");
   if (!sample.unit.empty()) line += ' ' + sample.unit;
   line += "  " + quality_text(as_sample(sample));
-  // Only a value that is published again is older than its sample.
+  // Only a republished value is older than its sample.
   if (sample.quality != Quality::kGood && was_read(sample))
     line += fmt::format(" (of {})", time_text(sample.acquired_at, zone));
   return printable(line);

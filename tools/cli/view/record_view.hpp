@@ -1,5 +1,5 @@
-// What the store keeps, as lines for people, CSV and JSON. Field names are those of the IDL where
-// it has them. Pure functions.
+// Formats records of the store as text, CSV and JSON. Field names are those of the IDL. Pure
+// functions.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@
 
 namespace fieldcast::cli {
 
-[[nodiscard]] Json record_json(const StoredSample& sample);  // a sample's fields, and published_at
+[[nodiscard]] Json record_json(const StoredSample& sample);  // fields of a sample, and published_at
 [[nodiscard]] Json record_json(const AuditEntry& entry);
 [[nodiscard]] Json record_json(const DeviceRecord& device);
 [[nodiscard]] Json record_json(const User& user);
@@ -22,9 +22,9 @@ namespace fieldcast::cli {
 
 [[nodiscard]] std::string history_line(const StoredSample& sample, Zone zone = Zone::kUtc);
 [[nodiscard]] std::string history_csv_head();
-// RFC 4180; a value that was never read is empty.
+// RFC 4180; empty for a value that was never read.
 [[nodiscard]] std::string history_csv(const StoredSample& sample, Zone zone = Zone::kUtc);
-// RFC 4180, 2.6 and 2.7, for one field; controls stand escaped.
+// One field by RFC 4180, 2.6 and 2.7; control characters are escaped.
 [[nodiscard]] std::string csv_field(const std::string& raw);
 [[nodiscard]] std::string audit_line(const AuditEntry& entry);
 

@@ -1,4 +1,4 @@
-// Programming sessions as a table and as JSON lines. Pure: the newest report of each, to text.
+// Formats programming sessions as a table and as JSON lines. Pure.
 #pragma once
 
 #include <map>

@@ -28,7 +28,7 @@ struct Row {
   }
 };
 
-// Channels that are read by themselves.
+// Rows of channels that are read by themselves.
 std::vector<Row> rows_of(const BusSimulation& simulation) {
   std::vector<Row> rows;
   std::size_t index = 0;

@@ -1,4 +1,4 @@
-// What a simulated bus did, for people and as JSON. Pure functions.
+// Formats the result of a simulated bus as text and JSON. Pure functions.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace fieldcast::cli {
 
-// The sum, misses by cause, and the channels with the most misses and then the tightest first.
+// The totals, misses by cause, and the channels sorted by misses, then by tightness.
 [[nodiscard]] std::vector<std::string> simulation_lines(const BusSimulation& simulation,
                                                         const Screen& screen);
 

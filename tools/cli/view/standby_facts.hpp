@@ -1,5 +1,5 @@
-// What is known of a standby group and of its members as named lines, for the screen of `fieldcast
-// status`. Pure functions.
+// Named facts of a standby group and its members for the screen of `fieldcast status`. Pure
+// functions.
 #pragma once
 
 #include <string>
@@ -9,10 +9,10 @@
 
 namespace fieldcast::cli {
 
-// "master", "waiting", "not ready": what fits into a column.
+// "master", "waiting", "not ready": short text for a column.
 [[nodiscard]] std::string role_text(const StandbyMessage& member);
 
-// The state comes first: who is master, or why a member does not take over.
+// The state is first: the master, or why a member does not take over.
 [[nodiscard]] std::vector<StatusFact> group_facts(const StandbyModel& model,
                                                   const std::string& group);
 [[nodiscard]] std::vector<StatusFact> member_facts(const StandbyModel& model,

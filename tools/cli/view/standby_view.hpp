@@ -1,5 +1,4 @@
-// The members of standby groups as a table and as JSON lines. Pure: the newest message of each, to
-// text.
+// Formats members of standby groups as a table and as JSON lines. Pure.
 #pragma once
 
 #include <map>
@@ -17,7 +16,7 @@ namespace fieldcast::cli {
 using StandbyModel = std::map<std::pair<std::string, std::string>, StandbyMessage>;
 
 [[nodiscard]] Tone tone_of(const StandbyMessage& member);
-// Of the greatest term, also while it hands over; null: the group has none.
+// The master of the greatest term, also during a handover; null: the group has none.
 [[nodiscard]] const StandbyMessage* master_of(const StandbyModel& model, const std::string& group);
 
 [[nodiscard]] std::vector<std::string> standby_lines(const StandbyModel& model,
@@ -26,7 +25,7 @@ using StandbyModel = std::map<std::pair<std::string, std::string>, StandbyMessag
 // The fields of Standby by their IDL names, and "topic".
 [[nodiscard]] Json standby_json(const StandbyMessage& message);
 
-// Blocks of the master that a waiting member has not followed yet.
+// Blocks of the master that a waiting member has not received yet.
 [[nodiscard]] std::uint64_t behind(const StandbyModel& model, const StandbyMessage& member);
 
 }  // namespace fieldcast::cli

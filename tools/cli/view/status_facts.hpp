@@ -1,5 +1,5 @@
-// What is known of a bus and of a device as named lines: each number with its name and its unit.
-// Pure functions; shared by the screens and the plain text of `fieldcast status`.
+// Named facts of a bus and of a device, with units, for the screens and the text of `fieldcast
+// status`. Pure functions.
 #pragma once
 
 #include <map>
@@ -29,9 +29,9 @@ struct StatusFact {
 [[nodiscard]] Tone tone_of(BusState state);
 [[nodiscard]] Tone tone_of(DeviceState state);
 
-// The state and why comes first. What is nothing worth telling is left out.
+// The state and its reason are first. Unimportant facts are omitted.
 [[nodiscard]] std::vector<StatusFact> bus_facts(const StationBusStatus& bus);
-// The bus may be null: unknown.
+// `bus` is null if unknown.
 [[nodiscard]] std::vector<StatusFact> device_facts(const StationDeviceStatus& device,
                                                    const StationBusStatus* bus);
 

@@ -1,4 +1,4 @@
-// Buses and devices as tables and JSON lines. Pure: the newest status of each, to text.
+// Formats the status of buses and devices as tables and JSON lines. Pure.
 #pragma once
 
 #include <map>
@@ -13,13 +13,13 @@
 
 namespace fieldcast::cli {
 
-// For each bus its facts in words, a table of its devices with bad ones first, and below it what is
-// special about each. Texts are wrapped at the screen's width, or at 80 columns.
+// For each bus its facts, a table of its devices (bad ones first), and remarks below. Wraps at the
+// screen's width, or at 80 columns.
 [[nodiscard]] std::vector<std::string> status_lines(const StatusModel& model, UtcTime now,
                                                     const Screen& screen);
 
-// The fields of BusStatus and DeviceStatus by their IDL names, and "topic": which of the two it is.
-// Times in nanoseconds.
+// The fields of BusStatus and DeviceStatus by their IDL names; "topic" names the type. Times in
+// nanoseconds.
 [[nodiscard]] Json status_json(const StationBusStatus& status);
 [[nodiscard]] Json status_json(const StationDeviceStatus& status);
 

@@ -43,7 +43,7 @@ struct Counted {
 std::vector<Counted> by_count(const CauseCounts& causes) {
   std::vector<Counted> sorted;
   for (const auto& [name, count] : causes) {
-    // A name that this program does not know comes from a newer bridge.
+    // An unknown name comes from a newer bridge.
     if (const Cause cause = cause_named(name); cause != Cause::kNone)
       sorted.push_back({cause, count});
   }

@@ -1,5 +1,5 @@
-// What qualities, states and counters mean, in words: shared by the screens and the plain text of
-// `fieldcast status`. Pure functions.
+// Explains qualities, states and counters in words, for the screens and the text of `fieldcast
+// status`. Pure functions.
 #pragma once
 
 #include <string>
@@ -12,19 +12,18 @@ namespace fieldcast::cli {
 // "the device, or the way to it, is silent: look at its power, cable and address".
 [[nodiscard]] std::string_view quality_words(Quality quality);
 
-// What a person can look at when exchanges fail by this cause: "baud rate, parity and stop bits".
-// Empty: nothing in particular.
+// What to check for this cause: "baud rate, parity and stop bits". Empty: nothing specific.
 [[nodiscard]] std::string_view advice(Cause cause);
 
-// The causes in words, the most frequent first: "no answer 12 times, checksum error 3 times".
-// `most`: how many; 0: all. What is left out is counted: ".. and 2 more causes".
+// The causes in words, most frequent first: "no answer 12 times, checksum error 3 times". `most`:
+// maximum number; 0: all. The rest is counted: ".. and 2 more causes".
 [[nodiscard]] std::string causes_words(const CauseCounts& causes, std::size_t most = 0);
 
-// "running", "closed: no such device file. Look at ...": why, and what to do about it.
+// "running", "closed: no such device file. Look at ...": state, reason and fix.
 [[nodiscard]] std::string bus_words(const StationBusStatus& bus);
 
-// "offline: its bus is closed (no such device file)", "offline: it does not answer ...". The bus
-// may be null: unknown.
+// "offline: its bus is closed (no such device file)", "offline: it does not answer ...". `bus` is
+// null if unknown.
 [[nodiscard]] std::string device_words(const StationDeviceStatus& device,
                                        const StationBusStatus* bus);
 

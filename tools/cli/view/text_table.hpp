@@ -1,5 +1,4 @@
-// Tables for terminals: columns as wide as their longest cell, colours by role. Pure: cells in,
-// lines out.
+// Tables for terminals: column widths follow the longest cell, colours follow the role. Pure.
 #pragma once
 
 #include <cstddef>
@@ -17,23 +16,23 @@ struct Cell {
   Tone tone = Tone::kPlain;
 };
 
-// How much a terminal can show. Zero: no bound.
+// Size of a terminal; 0: no limit.
 struct Screen {
   std::size_t columns = 0;
   std::size_t rows = 0;
   bool colour = false;
 };
 
-// Columns that text takes in a terminal: code points, of which each is taken to be one column wide.
+// Columns in a terminal; counts each code point as one column.
 [[nodiscard]] std::size_t display_width(std::string_view utf8);
 
-// What comes from the network is shown, never obeyed (core/base/printable.hpp).
+// Escapes control characters of untrusted text (core/base/printable.hpp).
 [[nodiscard]] std::string printable(std::string_view text);
 
 // The first `columns` columns of text.
 [[nodiscard]] std::string clip(std::string_view utf8, std::size_t columns);
 
-// In the colour of the tone, where the screen has colours.
+// Adds the colour of the tone if `colour` is true.
 [[nodiscard]] std::string painted(std::string_view text, Tone tone, bool colour);
 
 class TextTable {
@@ -48,8 +47,8 @@ class TextTable {
   void add_row(std::vector<Cell> cells);
   [[nodiscard]] std::size_t rows() const { return rows_.size(); }
 
-  // The title line and one line for each row, cut at the screen's width; of its height nothing is
-  // known here.
+  // Returns the title line and one line for each row, truncated to the screen's width. Ignores the
+  // height.
   [[nodiscard]] std::vector<std::string> render(const Screen& screen) const;
 
  private:

@@ -13,7 +13,7 @@
 namespace fieldcast::cli {
 namespace {
 
-// Takes `digits` digits from the front of text.
+// Removes `digits` digits from the front of the text.
 std::optional<int> take_number(std::string_view& text, std::size_t digits) {
   if (text.size() < digits || text.substr(0, digits).find_first_not_of("0123456789") != text.npos)
     return std::nullopt;
@@ -40,7 +40,7 @@ std::optional<Duration> take_date(std::string_view& text) {
   const chrono::year_month_day date{chrono::year{*year},
                                     chrono::month{static_cast<unsigned>(*month)},
                                     chrono::day{static_cast<unsigned>(*day)}};
-  // What fits 64 bits of nanoseconds.
+  // limits of 64-bit nanoseconds
   if (!date.ok() || *year < 1970 || *year > 2261) return std::nullopt;
   return Duration{chrono::sys_days{date}.time_since_epoch()};
 }
@@ -84,7 +84,7 @@ std::optional<UtcTime> time_from(std::string_view text) {
   return time.nanoseconds < 0 ? std::nullopt : std::optional(time);
 }
 
-// What the clocks of this machine show, and how far they are ahead of UTC.
+// Local time with its offset from UTC.
 std::string local_text(UtcTime time) {
   const std::time_t second = time.nanoseconds / 1'000'000'000;
   std::tm local{};

@@ -16,8 +16,8 @@ std::string rate_text(double rate) {
   return buffer.data();
 }
 
-// An age that breaks the promise twice over is worth a colour, whatever the quality says: the
-// bridge itself may be gone.
+// Warns if the age exceeds twice the refresh, whatever the quality is, because the bridge itself
+// may have stopped.
 Tone age_tone(const StationSample& sample, const StationChannel* about, UtcTime now) {
   if (about == nullptr || about->refresh == Duration{} || sample.acquired_at.nanoseconds == 0)
     return Tone::kFaint;
@@ -48,7 +48,7 @@ std::vector<std::string> watch_lines(const WatchModel& model, Instant now, UtcTi
                                      const Screen& screen) {
   const auto& rows = model.rows();
   const auto lag = model.lag_remark();
-  const std::size_t around = lag ? 4 : 3;  // title, head, remainder, what was lost
+  const std::size_t around = lag ? 4 : 3;  // title, head, remainder, lag remark
   const bool cut = screen.rows != 0 && rows.size() + around - 1 > screen.rows;
   const std::size_t shown = !cut ? rows.size() : screen.rows > around ? screen.rows - around : 1;
 

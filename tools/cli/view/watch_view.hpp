@@ -1,4 +1,4 @@
-// The live table of `fieldcast watch`: model -> lines. Pure.
+// Formats the live table of `fieldcast watch`. Pure.
 #pragma once
 
 #include <string>
@@ -10,13 +10,12 @@
 
 namespace fieldcast::cli {
 
-// A title with the totals, the table's head, one line for each channel in the order of their names;
-// what the screen has no room for is counted below them. Last comes the lag remark, if there is
-// one. `now` and `utc` are the same moment.
+// A title with totals, the table's head, and one line for each channel sorted by name. Rows that do
+// not fit are counted below. The lag remark, if any, is last. `now` and `utc` are the same moment.
 [[nodiscard]] std::vector<std::string> watch_lines(const WatchModel& model, Instant now,
                                                    UtcTime utc, const Screen& screen);
 
-// The event that this station is too slow, with the totals so far:
+// The event that this station is too slow, with totals:
 // {"event":"too_slow","blocks_missed","last_values_requests"}. Samples have no "event".
 [[nodiscard]] Json lag_json(const Station::BlockCounters& counters);
 
