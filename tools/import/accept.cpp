@@ -15,9 +15,10 @@
 namespace fieldcast::importing {
 namespace {
 
-constexpr unsigned kMaxRounds = 30;  // of writing and checking; each tells up to 1000 faults
+constexpr unsigned kMaxRounds = 30;  // of writing and validating; each reports up to 1000 faults
 constexpr unsigned kMaxStretch = 1024;
-constexpr std::size_t kTemplatesOfABus = 200;  // of the configuration that checks them
+// devices of one bus in the configuration that validates templates
+constexpr std::size_t kTemplatesOfABus = 200;
 constexpr Duration kDefaultRefresh = std::chrono::seconds{1};
 
 struct Checked {
@@ -25,7 +26,7 @@ struct Checked {
   std::optional<BridgeSpec> spec;
 };
 
-// The files as the bridge would read them.
+// Loads the files as the bridge would.
 Checked check(const std::vector<WrittenFile>& files, const std::string& main_file,
               const std::string& main_text, bool refuse_hopeless) {
   config::FileReader reader;
@@ -64,7 +65,7 @@ class Acceptance {
   }
 
  private:
-  // Most lists are right at once: each round has half of what is left.
+  // Most lists are valid in the first round, so each round gets half of the remaining progress.
   void tell(unsigned round, double part) const {
     if (progress_) progress_(1 - std::pow(0.5, round) * (1 - 0.5 * part));
   }
@@ -92,8 +93,8 @@ class Acceptance {
     return files;
   }
 
-  // A template is checked by a configuration that uses it.
-  // REQUIRES: one bus, as arrange() makes of templates.
+  // Wraps templates in a configuration for validation. REQUIRES: one bus, as arrange() makes for
+  // templates.
   [[nodiscard]] std::string main_text(const std::vector<WrittenFile>& files) const {
     if (!options_.as_template) return files.front().text;
     std::string text = "bridge: check\nbuses:\n";
@@ -110,7 +111,7 @@ class Acceptance {
     return text;
   }
 
-  // Faults by what they are of: a channel, a whole device, a whole bus. The first one counts.
+  // Faults by channel, device or bus. The first one is kept.
   struct Blamed {
     std::map<std::tuple<std::size_t, std::size_t, std::size_t>, std::string> points;
     std::map<std::pair<std::size_t, std::size_t>, std::string> devices;
@@ -132,7 +133,7 @@ class Acceptance {
     }
   }
 
-  // True if something was taken out for any of the faults.
+  // Removes the points with faults. Returns false if no fault belongs to a point.
   bool take_out(const std::vector<WrittenFile>& files, const std::vector<config::Fault>& faults) {
     Blamed bad;
     for (const config::Fault& fault : faults) {
@@ -142,7 +143,7 @@ class Acceptance {
         if (fault.file == file.name) blame(file, fault.line, reason, bad);
       }
     }
-    // From behind, so that indexes stay right.
+    // From the end, so that indexes stay valid.
     for (auto it = bad.points.rbegin(); it != bad.points.rend(); ++it) {
       const auto [bus, device, index] = it->first;
       auto& points = found_.buses[bus].devices[device].points;
@@ -173,7 +174,8 @@ class Acceptance {
     }
   }
 
-  // A bus that could never carry its channels gets longer refreshes; one that is late is told.
+  // Lengthens the refresh times of a bus that could never carry its channels; adds a note for a
+  // late bus.
   tl::expected<std::vector<WrittenFile>, std::string> stretched(std::vector<WrittenFile> files) {
     tell(0, 0.8);
     Checked result = checked(files, true);

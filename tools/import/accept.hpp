@@ -1,5 +1,5 @@
-// Writes what was found and lets the loader of the bridge read it, until nothing is wrong with it.
-// Pure.
+// Writes the imported configuration and validates it with the bridge's loader; points that the
+// loader rejects are removed until the rest is valid. Pure.
 #pragma once
 
 #include <tl/expected.hpp>
@@ -8,9 +8,9 @@
 
 namespace fieldcast::importing {
 
-// Points that the loader refuses move from `found.buses` to `found.refusals`, with its words. The
-// error: something else is wrong, which the user has to mend (--port, --protocol ..).
-// REQUIRES: arranged.
+// Moves each rejected point from `found.buses` to `found.refusals`, with the loader's message.
+// Fails with a fault that the user must fix by options (--port, --protocol ..). REQUIRES: arrange()
+// was called.
 [[nodiscard]] tl::expected<std::vector<WrittenFile>, std::string> write_accepted(
     Found& found, const ImportOptions& options, const std::string& head,
     const Progress& progress = {});

@@ -77,7 +77,7 @@ std::optional<ModbusArea> area_of_digit(char digit) {
   }
 }
 
-// The table that a function of Modbus reads or writes.
+// The table that a Modbus function reads or writes.
 std::optional<ModbusArea> area_of_function(std::uint64_t code) {
   switch (code) {
     case 1:
@@ -109,7 +109,7 @@ std::optional<ModbusArea> area_of_number(std::string_view word) {
   return area_of_function(whole_from(word.substr(0, end)).value_or(0));
 }
 
-// The tables that a word of several words names; nothing if it names two.
+// Finds a table name inside the word; empty if it contains two.
 std::optional<ModbusArea> area_inside(const std::string& word) {
   struct Part {
     std::string_view text;
@@ -128,7 +128,7 @@ std::optional<ModbusArea> area_inside(const std::string& word) {
     if (found && *found != part.area) return std::nullopt;
     found = part.area;
   }
-  // "Read Input Registers (04)", "3 (Holding register)": the function agrees.
+  // "Read Input Registers (04)", "3 (Holding register)": the function must agree.
   const std::size_t first = std::min(word.find_first_not_of("0123456789"), word.size());
   const std::size_t last = word.find_last_not_of("0123456789");
   for (const std::string& digits : {word.substr(0, first), word.substr(last + 1)}) {
@@ -157,7 +157,7 @@ bool all_digits(std::string_view text) {
 
 using Parsed = tl::expected<Reference, std::string>;
 
-// Counted from `base`.
+// Counts from `base`.
 Parsed counted(std::optional<ModbusArea> area, std::string_view digits, unsigned base) {
   const auto number = whole_from(digits);
   if (!number || *number > 65535 + base)
@@ -167,7 +167,7 @@ Parsed counted(std::optional<ModbusArea> area, std::string_view digits, unsigned
   return Reference{area, static_cast<std::uint32_t>(*number - base), {}};
 }
 
-// Counted from 0.
+// Counts from 0.
 Parsed offset(std::optional<ModbusArea> area, std::string_view digits) {
   const auto number = whole_from(digits);
   if (!number || *number > 65535)
@@ -208,7 +208,7 @@ std::string address_text(ModbusArea area, std::uint64_t first, std::optional<std
 }
 
 std::optional<ModbusArea> area_by_name(std::string_view name) {
-  // "03/06", "3, 16", "(R/W) Holding": all that is named has to be in one table.
+  // "03/06", "3, 16", "(R/W) Holding": all parts must name the same table.
   std::optional<ModbusArea> found;
   while (!name.empty()) {
     const std::size_t end = std::min(name.find_first_of("/,;+&|"), name.size());

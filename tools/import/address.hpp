@@ -1,4 +1,4 @@
-// Addresses of Modbus as lists write them. Pure.
+// Parses Modbus addresses as written in lists. Pure.
 #pragma once
 
 #include <cstdint>
@@ -22,24 +22,24 @@ enum class ModbusArea : std::uint8_t { kCoil, kInput, kInputRegister, kHolding }
 [[nodiscard]] std::string address_text(ModbusArea area, std::uint64_t first,
                                        std::optional<std::uint8_t> bit = {});
 
-// "Holding Register", "4x", "AI", "input", "03", "FC4": the table that a word means.
+// Table of a word: "Holding Register", "4x", "AI", "input", "03", "FC4".
 [[nodiscard]] std::optional<ModbusArea> area_by_name(std::string_view name);
 
-// The same, but in words alone: "4" or "3 bananas" may mean anything in a column of types.
+// The same for words only: in a column of types, "4" or "3 bananas" may mean anything.
 [[nodiscard]] bool is_area_word(std::string_view name);
 
-// The address of a device on its bus, as a list says it: nothing where it says none. Which numbers
-// a bus has, the loader knows. The error says why it is none.
+// Device address of a list; empty if the cell is empty. The loader checks its range. The error is
+// the reason.
 using Slave = tl::expected<std::optional<std::uint16_t>, std::string>;
 [[nodiscard]] Slave slave_from(std::string_view text);
 
 // "40101", "400101", "4x0101", "4:101", "30007.3", "%MW100", "HR100".
 struct Reference {
-  std::optional<ModbusArea> area;  // nothing: a bare number
+  std::optional<ModbusArea> area;  // empty: a plain number
   std::uint32_t first = 0;         // counted from 0
   std::optional<std::uint8_t> bit;
 };
-// `base`: the number of the first one in "40001" and "4x0001". The error says why it is none.
+// `base`: number of the first register in "40001" and "4x0001". The error is the reason.
 [[nodiscard]] tl::expected<Reference, std::string> reference_from(std::string_view text,
                                                                   unsigned base = 1);
 

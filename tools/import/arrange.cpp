@@ -20,7 +20,7 @@ constexpr std::string_view kGuessedPort = "/dev/ttyUSB0";
 
 bool same_port(const Port& a, const Port& b) { return a.serial == b.serial && a.tcp == b.tcp; }
 
-// Devices of one port belong to one bus: a port is opened once.
+// Merges devices of one port to one bus, because a port can be opened only once.
 void merge_buses(std::vector<Bus>& buses) {
   std::vector<Bus> merged;
   for (Bus& bus : buses) {
@@ -53,7 +53,7 @@ void merge_devices(Bus& bus) {
   bus.devices = std::move(merged);
 }
 
-// The user's port is that of what has none, and of a single bus that has one. True: a port was
+// Applies the user's port to buses without a port, and to a single bus. Returns true if a port was
 // guessed.
 bool set_ports(std::vector<Bus>& buses, const ImportOptions& options, Found& found) {
   const bool said = !options.port.serial.empty() || !options.port.tcp.empty();
@@ -87,8 +87,8 @@ bool set_ports(std::vector<Bus>& buses, const ImportOptions& options, Found& fou
   return guessed;
 }
 
-// What most devices of Modbus are set to; of another family as they come from the factory. The
-// loader's own default of Modbus is that of the standard, which few devices have.
+// Usual line of most Modbus devices; for other families the factory setting. Few devices use the
+// default of the Modbus standard, which the loader has.
 Line line_of_family(std::string_view protocol) {
   const ProtocolEntry* entry = find_protocol(protocol);
   if (entry == nullptr || protocol == "modbus-rtu") return {9600, "8N1"};
@@ -96,8 +96,8 @@ Line line_of_family(std::string_view protocol) {
   return {entry->factory_line.baud, text.substr(text.find(' ') + 1)};
 }
 
-// A serial port is written with its baud rate and format: what the program of the list takes where
-// it says none, or what is usual.
+// Sets the baud rate and format of a serial port: the default of the list's program, or the usual
+// one.
 void fill_line(Bus& bus, bool tell, Found& found) {
   Port& port = bus.port;
   if (port.serial.empty() || (port.line.baud && !port.line.format.empty())) return;
@@ -131,7 +131,7 @@ void set_addresses(Bus& bus, const ImportOptions& options, Found& found) {
   }
 }
 
-// A template has neither a port nor an address: what matters is that their names differ.
+// Removes ports and addresses for templates, which need only unique names.
 void forget_buses(std::vector<Bus>& buses) {
   for (std::size_t i = 1; i < buses.size(); ++i)
     std::ranges::move(buses[i].devices, std::back_inserter(buses[0].devices));
@@ -145,7 +145,7 @@ void name_points(Device& device) {
   UniqueNames names;
   for (Point& point : device.points) {
     std::string name = plain_name(point.name);
-    // Nothing of the name is left: its address, and the name as a description.
+    // An empty name is replaced by the address and kept as the description.
     const bool lost = name.empty();
     if (lost) name = plain_name(point.at);
     const bool foreign = lost || std::ranges::any_of(point.name, [](char c) {
@@ -189,7 +189,7 @@ void set_names(std::vector<Bus>& buses, const ImportOptions& options) {
   }
 }
 
-// The configuration has no scale at bits and texts: one that lost it would mean something else.
+// The configuration has no scale for bits and texts; dropping the scale would change the value.
 std::optional<std::string> fault_of_scale(const Point& point) {
   if (is_number(point.type) || (point.scale == 1 && point.offset == 0)) return std::nullopt;
   const std::string has =
@@ -211,7 +211,7 @@ void refuse_scaled_bits(Device& device, std::vector<Refusal>& refusals) {
   });
 }
 
-// What a reader found wrong with a bus or a device stands at each of its values.
+// Refuses every value of a bus or device with a fault.
 void refuse_faulty(Found& found) {
   for (Bus& bus : found.buses) {
     for (Device& device : bus.devices) {
@@ -244,7 +244,7 @@ void arrange(Found& found, const ImportOptions& options) {
   merge_buses(found.buses);
   for (Bus& bus : found.buses) merge_devices(bus);
   std::erase_if(found.buses, [](const Bus& bus) { return bus.devices.empty(); });
-  // A guess was told with all of its line.
+  // A guessed port has been reported with its line settings.
   for (Bus& bus : found.buses)
     fill_line(bus, !options.as_template && !(guessed && bus.port.serial == kGuessedPort), found);
   if (options.as_template) forget_buses(found.buses);

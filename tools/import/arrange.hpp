@@ -1,16 +1,16 @@
-// Makes what the readers found fit for a configuration: one bus for each port, names and addresses
-// that are unique and allowed, ports and protocols where a list says none. Pure.
+// Prepares the imported data for a configuration: one bus for each port, unique valid names and
+// addresses, and default ports and protocols. Pure.
 #pragma once
 
 #include "tools/import/importer.hpp"
 
 namespace fieldcast::importing {
 
-// Points that cannot be named alike are named apart; what was taken for granted becomes a note.
+// Duplicate names become unique; assumptions become notes.
 void arrange(Found& found, const ImportOptions& options);
 
-// Nothing of the device moves: a refusal for each of its points, which are taken away. "its bus
-// (telegraf.conf:12): REASON", with the place where the list says the bus, if it does.
+// Removes all points of the device and refuses each with the reason: "its bus (telegraf.conf:12):
+// REASON". The place is omitted if unknown.
 void refuse_device(Device& device, std::string_view whose, const Origin& where,
                    const std::string& reason, std::vector<Refusal>& refusals);
 

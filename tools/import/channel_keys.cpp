@@ -12,13 +12,13 @@
 namespace fieldcast::importing {
 namespace {
 
-// A key of a channel; in a map of its own for `limits` and `write`.
+// A key of a channel; `map` is "limits" or "write" for nested keys.
 struct KeyValue {
   std::string_view map, key, column;
   std::string value;
 };
 
-// Values of several registers, whose order of words matters; of texts the order of bytes does.
+// Word order matters for numbers of several registers, byte order also for text.
 bool has_words(const Point& point) {
   return is_number(point.type) && registers_of(point.type, 0) > 1;
 }

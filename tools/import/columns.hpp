@@ -1,4 +1,4 @@
-// The header row of a list: which column holds what, by the words that lists use. Pure.
+// Maps the header row of a list to fields by known column titles. Pure.
 #pragma once
 
 #include <array>
@@ -36,20 +36,20 @@ enum class Field : std::uint8_t {
   kBit,
   kLength,
   kWordOrder,
-  kDevice,  // its address on the bus
+  kDevice,  // device address on the bus
   kMin,
   kMax,
-  kCount  // of the fields
+  kCount  // number of fields
 };
 
 struct ColumnName {
-  std::string_view word;  // as column_word() makes it
+  std::string_view word;  // as returned by column_word()
   Field field;
 };
 
 class Columns {
  public:
-  // The first column of each field counts. `word_of` makes the words of the names of a title.
+  // Uses the first column of each field. `word_of` normalizes titles.
   Columns(const Row& header, std::span<const ColumnName> names,
           std::string (*word_of)(std::string_view) = column_word);
 
@@ -58,12 +58,12 @@ class Columns {
   [[nodiscard]] std::optional<std::size_t> index_of(Field field) const {
     return indexes_[static_cast<std::size_t>(field)];
   }
-  // Further columns whose title means the same field.
+  // Further columns with a title of the same field.
   [[nodiscard]] std::vector<std::size_t> others(Field field) const;
-  // Another column is that of the field; nothing: none is. Titles that are used are known.
+  // Assigns a different column to the field, or none. Assigned titles count as known.
   void set(Field field, std::optional<std::size_t> column);
   [[nodiscard]] std::size_t known() const { return known_; }
-  // Titles of columns that no field has.
+  // Titles of unknown columns.
   [[nodiscard]] std::vector<std::string> ignored() const;
 
  private:

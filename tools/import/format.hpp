@@ -1,5 +1,5 @@
-// The formats that can be imported: one row for each in format.cpp. A reader is pure: texts in,
-// points and refusals out; no exception leaves it, whatever the texts hold.
+// Registry of import formats; the table is in format.cpp. A reader is pure: texts in, points and
+// refusals out. It throws no exception for any input.
 #pragma once
 
 #include <optional>
@@ -14,20 +14,20 @@
 
 namespace fieldcast::importing {
 
-// One file that was given, as text.
+// An input file as text.
 struct SourceText {
-  std::string file;  // its path as given
-  std::string text;  // UTF-8, lines ended by '\n'
+  std::string file;  // path as given
+  std::string text;  // UTF-8, lines end with '\n'
 };
 
-// What the list itself does not say and the user may.
+// Options of the user for facts that are not in the list.
 struct ReadOptions {
   std::optional<WordOrder> word_order;
-  std::optional<unsigned> base;  // the number of the first register: 0 or 1
-  std::string protocol;          // "mitsubishi-fx"; empty: a family of Modbus
+  std::optional<unsigned> base;  // number of the first register: 0 or 1
+  std::string protocol;          // "mitsubishi-fx"; empty: Modbus
 };
 
-// How sure it is that a text is of a format: 0 (it is not) to 100.
+// 0 (not this format) to 100.
 using Confidence = unsigned;
 inline constexpr Confidence kCertain = 100, kLikely = 70, kGuess = 40;
 
@@ -35,17 +35,17 @@ struct Format {
   std::string_view name;   // "kepware", for --from
   std::string_view title;  // "Kepware tag export (CSV)"
   Confidence (*recognise)(const SourceText& source) = nullptr;
-  // The files belong together. The error: they cannot be read at all, one line, with the file.
+  // Reads related files. The error is one line with the file: nothing can be read.
   tl::expected<Found, std::string> (*read)(std::span<const SourceText> sources,
                                            const ReadOptions& options) = nullptr;
-  std::string_view base;  // from which number its addresses count; empty: --base may say it
+  std::string_view base;  // first address number of the format; empty: --base may set it
 };
 
 [[nodiscard]] std::span<const Format> formats();
 [[nodiscard]] const Format* format_by_name(std::string_view name);
 
 struct Recognised {
-  const Format* format = nullptr;  // nothing: of none
+  const Format* format = nullptr;  // null: unknown format
   Confidence confidence = 0;
 };
 [[nodiscard]] Recognised recognise(const SourceText& source);

@@ -29,7 +29,7 @@ std::string format_names() {
   return names;
 }
 
-// Files of one format belong together.
+// Groups the files by format.
 tl::expected<std::vector<Group>, std::string> recognise_all(const std::vector<InputFile>& inputs,
                                                             const ImportOptions& options,
                                                             Outcome& outcome) {
@@ -87,7 +87,7 @@ std::size_t count_points(const Found& found) {
   return points;
 }
 
-// A command that reads one value of the file, with what the configuration says of its device.
+// Returns a command that reads one value of the file with the settings of its device.
 std::string reading_of(const Found& found, const std::string& file) {
   for (const Bus& bus : found.buses) {
     for (const Device& device : bus.devices) {
@@ -109,7 +109,7 @@ std::string reading_of(const Found& found, const std::string& file) {
   return {};
 }
 
-// How a guess can be checked with the device itself.
+// Adds notes that explain how to verify a guess with the device.
 void tell_guesses(Found& found) {
   for (const BaseGuess& guess : found.guesses) {
     const std::string reading = reading_of(found, guess.file);

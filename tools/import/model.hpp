@@ -1,5 +1,5 @@
-// What the lists of other programs come to: buses, devices and points, before they are written as a
-// configuration. One form for all formats. Plain values.
+// Imported buses, devices and points in a common form for all formats, before they are written as a
+// configuration. Plain values.
 #pragma once
 
 #include <cstdint>
@@ -14,19 +14,19 @@
 
 namespace fieldcast::importing {
 
-// Of one import: more than a configuration may hold is never made, whatever a list multiplies.
+// Limit of one import, which arrays of a list cannot exceed.
 inline constexpr std::size_t kMaxPoints = 100'000;
 
 struct Origin {
   std::string file;
-  unsigned line = 0;    // from 1; of a table of Excel: the row
-  unsigned column = 0;  // of the cell that is wrong, from 1; 0: not of one cell
+  unsigned line = 0;    // from 1; in Excel the row
+  unsigned column = 0;  // of the invalid cell, from 1; 0: not one cell
 };
 
-// A channel to be. Its numbers mean what those of a channel mean: value = raw * scale + offset.
+// A future channel: value = raw * scale + offset.
 struct Point {
-  std::string name;    // as in the list; arrange() makes a channel's name of it
-  std::string listed;  // the name in the list, once it was arranged
+  std::string name;    // as in the list; arrange() converts it to a channel name
+  std::string listed;  // name in the list, set by arrange()
   Origin origin;
   std::string at;  // in our notation: "holding:100", "input-register:7.3"
   ValueType type = ValueType::kUint16;
@@ -40,7 +40,7 @@ struct Point {
   bool on_demand = false;  // read by command only
   std::optional<Duration> refresh;
   std::optional<double> low_low, low, high, high_high, hysteresis, deadband, write_min, write_max;
-  std::vector<std::string> changes;  // what is not as in the list, a few words for each
+  std::vector<std::string> changes;  // differences from the list, a few words each
 };
 
 struct Device {
@@ -49,24 +49,24 @@ struct Device {
   std::string description;
   std::optional<Duration> timeout, pause;
   std::optional<unsigned> retries, max_block, max_gap;
-  bool write_multiple = false;  // functions 15 and 16 for single items too
+  bool write_multiple = false;  // functions 15 and 16 also for single items
   std::vector<Point> points;
-  Origin origin;      // line 0: each point has a row of its own
-  std::string fault;  // why nothing of it can be moved; empty: it can
+  Origin origin;      // line 0: each point has its own row
+  std::string fault;  // reason to refuse all its points; empty: none
 };
 
 struct Line {
   std::optional<std::uint32_t> baud;
-  std::string format;  // "8N1"; empty: not said
+  std::string format;  // "8N1"; empty: unknown
 };
 
-// The baud rate that a program takes where its file says none.
+// Default baud rate of the list's program.
 struct UsualBaud {
-  std::uint32_t baud = 0;  // 0: not known
+  std::uint32_t baud = 0;  // 0: unknown
   std::string_view program;
 };
 
-// Where a bus is; empty where the list does not say.
+// Port of a bus; empty if the list has none.
 struct Port {
   std::string serial;  // a path
   std::string tcp;     // HOST:PORT
@@ -77,20 +77,20 @@ struct Port {
 struct Bus {
   std::string name;
   Port port;
-  std::string protocol;  // "modbus-rtu"; empty: not said
+  std::string protocol;  // "modbus-rtu"; empty: unknown
   std::vector<Device> devices;
   Origin origin;      // line 0: unknown
-  std::string fault;  // why nothing of it can be moved; empty: it can
+  std::string fault;  // reason to refuse all its points; empty: none
 };
 
-// What cannot be moved, and why.
+// A value that cannot be imported.
 struct Refusal {
   std::string name;
   Origin origin;
   std::string reason;
 };
 
-// From which number the addresses of a file were taken to count, which it does not say itself.
+// Assumed number of the first address, if the file does not contain it.
 struct BaseGuess {
   std::string file;
   unsigned base = 0;
@@ -100,8 +100,7 @@ struct BaseGuess {
 struct Found {
   std::vector<Bus> buses;
   std::vector<Refusal> refusals;
-  std::vector<std::string>
-      notes;  // of the whole list: what was taken for granted, what is left out
+  std::vector<std::string> notes;  // about the whole list: assumptions and omissions
   std::vector<BaseGuess> guesses;
 };
 

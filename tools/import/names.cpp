@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kMaxName = 64;
 
-// U+00C0 to U+00FF without their accents.
+// U+00C0 to U+00FF without accents.
 constexpr std::array<std::string_view, 64> kLatin{
     "A", "A", "A", "A", "Ae", "A", "AE", "C", "E", "E", "E", "E", "I",  "I", "I",  "I",
     "D", "N", "O", "O", "O",  "O", "Oe", "x", "O", "U", "U", "U", "Ue", "Y", "Th", "ss",

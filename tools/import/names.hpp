@@ -1,4 +1,4 @@
-// Names that a configuration takes, made from those of other programs. Pure.
+// Converts names to valid names of a configuration. Pure.
 #pragma once
 
 #include <map>
@@ -7,14 +7,14 @@
 
 namespace fieldcast::importing {
 
-// Letters, digits, '-', '_', '.' stay; letters with accents lose them; everything else becomes one
-// '-'. At most 64 bytes; empty if nothing of the name is left.
+// Keeps letters, digits, '-', '_' and '.', removes accents, and replaces other characters by a
+// single '-'. At most 64 bytes; may be empty.
 [[nodiscard]] std::string plain_name(std::string_view name);
 
-// A text that is cut at `bytes`, between two characters.
+// Truncates to `bytes` at a character boundary.
 [[nodiscard]] std::string cut_text(std::string_view utf8, std::size_t bytes);
 
-// Gives each name once: the second "power" becomes "power-2".
+// Makes names unique: the second "power" becomes "power-2".
 class UniqueNames {
  public:
   [[nodiscard]] std::string unique(std::string name);

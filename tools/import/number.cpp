@@ -43,7 +43,7 @@ std::optional<std::uint64_t> whole_from(std::string_view text) {
   if (text.starts_with('$')) return digits_from(text.substr(1), 16);
   if (text.ends_with('h') || text.ends_with('H'))
     return digits_from(text.substr(0, text.size() - 1), 16);
-  // A spreadsheet may have made a number with decimals of it.
+  // A spreadsheet may have added decimals.
   for (const char point : {'.', ','}) {
     const std::size_t at = text.find(point);
     if (at != std::string_view::npos && at > 0 &&

@@ -1,4 +1,4 @@
-// Numbers as lists write them. Pure.
+// Parses numbers of lists. Pure.
 #pragma once
 
 #include <cstdint>
@@ -7,11 +7,11 @@
 
 namespace fieldcast::importing {
 
-// "1.5", "1,5" (of a spreadsheet with decimal commas), "1e-3", "-7", "0x1F"; blanks around are
-// fine. Nothing for anything else, and for what is not finite.
+// "1.5", "1,5" (decimal comma), "1e-3", "-7", "0x1F", with surrounding blanks. Empty for other text
+// and non-finite numbers.
 [[nodiscard]] std::optional<double> number_from(std::string_view text);
 
-// A whole number without sign: "100", "0x64", "64h", "100.0". Nothing for anything else.
+// A whole number without sign: "100", "0x64", "64h", "100.0". Empty for other text.
 [[nodiscard]] std::optional<std::uint64_t> whole_from(std::string_view text);
 
 }  // namespace fieldcast::importing

@@ -12,7 +12,7 @@
 namespace fieldcast::importing {
 namespace {
 
-// The text line of the configuration below that each option stands on.
+// Line in configuration_of() that uses the options.
 struct OptionLine {
   unsigned line;
   std::string_view options;
@@ -21,8 +21,8 @@ constexpr std::array kOptionLines{OptionLine{1, "--bridge"},
                                   OptionLine{4, "--port, --baud, --format"},
                                   OptionLine{5, "--protocol"}, OptionLine{8, "--address"}};
 
-// A bus of one device, as it would be written of these options. What they do not say is taken so
-// that a list may still say it.
+// Writes a bus with one device from the options. Missing options get values that a list may still
+// replace.
 std::string configuration_of(const ImportOptions& options) {
   Port port = options.port;
   const bool said = !port.serial.empty() || !port.tcp.empty();

@@ -1,4 +1,4 @@
-// What the user said by options, checked by itself: a slip there is no fault of a list. Pure.
+// Validates the user's options separately, so that their faults are not reported for a list. Pure.
 #pragma once
 
 #include <optional>
@@ -8,7 +8,7 @@
 
 namespace fieldcast::importing {
 
-// "--baud: baud 115000 is no rate of serial ports; allowed: ..". Nothing: they are fine.
+// "--baud: baud 115000 is no rate of serial ports; allowed: ..". Empty: valid.
 [[nodiscard]] std::optional<std::string> fault_of_options(const ImportOptions& options);
 
 }  // namespace fieldcast::importing

@@ -30,7 +30,7 @@ void OtherKeys::tell(const std::string& file, Found& found) const {
   for (const Other& other : others_) {
     std::string note = fmt::format("{}: key '{}' of {} (line {}{}) is not moved", file, other.key,
                                    other.of, other.line, other.count > 1 ? ", .." : "");
-    // A template may be that of many devices.
+    // Several devices may use the same template.
     if (std::ranges::find(found.notes, note) == found.notes.end())
       found.notes.push_back(std::move(note));
   }

@@ -1,4 +1,4 @@
-// Keys of a file's maps that its reader does not know, told once each. Pure.
+// Reports unknown keys of a file, each once. Pure.
 #pragma once
 
 #include <initializer_list>
@@ -13,9 +13,9 @@ namespace fieldcast::importing {
 
 class OtherKeys {
  public:
-  // `of` names the map: "a request".
+  // `of` describes the map: "a request".
   void look(const Node& map, std::string_view of, std::initializer_list<std::string_view> known);
-  // A note for each key, with the line where it stands first.
+  // Adds a note for each key with its first line.
   void tell(const std::string& file, Found& found) const;
 
  private:
@@ -24,7 +24,8 @@ class OtherKeys {
     unsigned line = 0;
     std::size_t count = 0;
   };
-  std::vector<Other> others_;  // at most kMaxOthers; keys of the tree, which outlives this
+  // at most kMaxOthers; refers to keys of the tree, which must outlive it
+  std::vector<Other> others_;
 };
 
 }  // namespace fieldcast::importing

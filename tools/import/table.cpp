@@ -10,7 +10,7 @@
 namespace fieldcast::importing {
 namespace {
 
-// The one that stands most often outside of quotes in the first text lines.
+// Returns the most frequent separator outside quotes in the first lines.
 char separator_of(std::string_view text) {
   constexpr std::array kSeparators{';', '\t', ','};
   std::array<std::size_t, 3> counts{};
@@ -22,7 +22,7 @@ char separator_of(std::string_view text) {
     for (std::size_t i = 0; i < kSeparators.size() && !quoted; ++i)
       counts[i] += c == kSeparators[i];
   }
-  // A semicolon or a tab in the title row decides: commas may be decimal commas.
+  // A semicolon or tab in the title row has priority, because commas may be decimal commas.
   const std::string_view title = text.substr(0, text.find('\n'));
   for (std::size_t i = 0; i < 2; ++i) {
     if (title.find(kSeparators[i]) != std::string_view::npos && counts[i] >= lines)

@@ -1,7 +1,7 @@
-// A list as spreadsheets save it: cells by comma, semicolon or tab, with quotes, and Excel's habits
-// (`sep=;`, empty cells at the end of rows, blank rows). Pure.
+// Parses spreadsheet text: cells separated by comma, semicolon or tab, with quotes. Accepts Excel's
+// `sep=;`, empty trailing cells and blank rows. Pure.
 //
-// Bounds: kMaxRows rows, kMaxCells cells in each; what is beyond is left out and told.
+// Limits: kMaxRows rows, kMaxCells cells each; the rest is dropped and reported.
 #pragma once
 
 #include <string>
@@ -15,20 +15,20 @@ inline constexpr std::size_t kMaxRows = 200'000;
 inline constexpr std::size_t kMaxCells = 256;
 
 struct Row {
-  unsigned line = 0;  // where it begins, from 1
+  unsigned line = 0;  // its first line, from 1
   std::vector<std::string> cells;
-  // The text of a cell; empty behind the last one.
+  // Returns the cell; empty if the row is shorter.
   [[nodiscard]] std::string_view cell(std::size_t column) const {
     return column < cells.size() ? std::string_view(cells[column]) : std::string_view();
   }
 };
 
 struct Table {
-  std::vector<Row> rows;  // those that hold anything
+  std::vector<Row> rows;  // without empty rows
   char separator = ',';
 };
 
-// The error says what is wrong and in which line.
+// The error has the fault and its line.
 [[nodiscard]] tl::expected<Table, std::string> read_table(std::string_view text);
 
 // Lower case, letters and digits only: "Eng. Units" becomes "engunits".

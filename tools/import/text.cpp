@@ -28,7 +28,7 @@ void append_utf8(std::string& text, std::uint32_t code) {
   }
 }
 
-// Bytes of the sequence that begins with this byte; 0: none does.
+// Length of the UTF-8 sequence with this first byte; 0: invalid.
 std::size_t sequence_bytes(unsigned char first) {
   if (first < 0x80) return 1;
   if (first >= 0xC2 && first < 0xE0) return 2;
@@ -53,7 +53,7 @@ bool is_utf8(std::string_view bytes) {
   return true;
 }
 
-// The characters of Windows-1252 from 0x80 to 0x9F; 0: none.
+// Windows-1252 characters 0x80 to 0x9F; 0: unassigned.
 constexpr std::array<std::uint16_t, 32> kWindows{
     0x20AC, 0,      0x201A, 0x0192, 0x201E, 0x2026, 0x2020, 0x2021, 0x02C6, 0x2030, 0x0160,
     0x2039, 0x0152, 0,      0x017D, 0,      0,      0x2018, 0x2019, 0x201C, 0x201D, 0x2022,
@@ -92,7 +92,7 @@ std::string from_utf16(std::string_view bytes, bool big) {
   return text;
 }
 
-// UTF-16 without a mark: ASCII has a zero in every other byte.
+// UTF-16 without a byte order mark: in ASCII text every second byte is zero.
 bool looks_like_utf16(std::string_view bytes, bool big) {
   const std::size_t units = std::min<std::size_t>(bytes.size() / 2, 200);
   if (units < 8) return false;
@@ -123,10 +123,10 @@ bool is_control(char c) {
 }
 bool has_control(std::string_view text) { return std::ranges::any_of(text, is_control); }
 
-// A list may have slipped in one or two; what has many is no text.
+// A text may contain a few control characters by accident.
 constexpr std::ptrdiff_t kFewControls = 10;
 
-// Nothing: there are too many. Else where the first is, for people.
+// Describes the first control character; empty if there are too many.
 std::optional<std::string> few_controls(std::string_view text) {
   if (std::ranges::count_if(text, is_control) > kFewControls) return std::nullopt;
   const auto first = std::ranges::find_if(text, is_control);
@@ -136,7 +136,7 @@ std::optional<std::string> few_controls(std::string_view text) {
 
 constexpr std::string_view kBinary = "binary, no text";
 
-// What people give by mistake, by its first bytes.
+// Recognizes common wrong file types by their first bytes.
 std::string what_it_is(std::string_view bytes) {
   const auto begins = [&](std::string_view with) { return bytes.starts_with(with); };
   if (begins("\x7F"
@@ -167,7 +167,7 @@ tl::expected<Decoded, std::string> decode_text(std::string_view bytes) {
   } else {
     return tl::unexpected(what_it_is(bytes));
   }
-  // Programs of DOS end a text so.
+  // DOS programs end a text with this byte.
   if (decoded.text.ends_with('\x1A')) decoded.text.pop_back();
   if (has_control(decoded.text)) {
     const std::string what = what_it_is(bytes);

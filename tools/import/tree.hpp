@@ -1,7 +1,7 @@
-// JSON, TOML and YAML as one tree of nodes that know their line (config/document.hpp), and short
-// ways to look into it. Pure.
+// Parses JSON, TOML and YAML to one tree with line numbers (config/document.hpp), and accesses its
+// values. Pure.
 //
-// Bounds: kMaxTreeNodes nodes, kMaxTreeDepth levels; beyond them a text is refused.
+// Limits: kMaxTreeNodes nodes, kMaxTreeDepth levels; a larger text is refused.
 #pragma once
 
 #include <memory>
@@ -20,21 +20,21 @@ inline constexpr std::size_t kMaxTreeDepth = 64;
 using config::Node;
 using Tree = tl::expected<std::unique_ptr<config::Document>, std::string>;
 
-// JSON; comments are fine, as wb-mqtt-serial has them. The error names the line.
+// JSON with comments, as in wb-mqtt-serial. The error has the line.
 [[nodiscard]] Tree read_json(std::string_view text);
 [[nodiscard]] Tree read_toml(std::string_view text);
 [[nodiscard]] Tree read_yaml_tree(std::string_view text);
 
-// The value of a key; nothing if the node is no map or has no such key.
+// Null if the node is not a map or has no such key.
 [[nodiscard]] const Node* child(const Node& map, std::string_view key);
-// Of a scalar; empty for anything else.
+// Text of a scalar; else empty.
 [[nodiscard]] std::string_view text_of(const Node* node);
 [[nodiscard]] std::string_view text_at(const Node& map, std::string_view key);
 [[nodiscard]] std::optional<double> number_at(const Node& map, std::string_view key);
-// Of a key that is there and whose value is no number, or one without an end: a few words.
+// Describes a value that is not a finite number; empty if valid or missing.
 [[nodiscard]] std::optional<std::string> fault_of_number(const Node& map, std::string_view key);
 [[nodiscard]] std::optional<std::uint64_t> whole_at(const Node& map, std::string_view key);
-// true, yes, on, 1; nothing if the key is not there.
+// true, yes, on, 1; empty if the key is missing.
 [[nodiscard]] std::optional<bool> bool_at(const Node& map, std::string_view key);
 [[nodiscard]] bool is_list(const Node* node);
 [[nodiscard]] bool is_map(const Node* node);

@@ -1,4 +1,4 @@
-// JSON as a tree, by nlohmann's events. Their iterator counts the lines, since events have none.
+// Builds the tree from nlohmann's SAX events. The iterator counts lines, because events have none.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -120,7 +120,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
   config::Document& document_;
   const std::uint32_t& line_;
   std::vector<Node*> open_;
-  std::vector<Node*> keys_;  // beside each open node
+  std::vector<Node*> keys_;  // parallel to open_
   std::string fault_;
 };
 

@@ -1,5 +1,5 @@
-// TOML as a tree, by toml++. On some broken texts it fails an assertion of its own (3.3.0: "[.a]"):
-// here that is an exception, and the text is refused.
+// Builds the tree with toml++. On some invalid texts 3.3.0 fails an assertion ("[.a]"); this file
+// makes it an exception, and the text is refused.
 #include <fmt/format.h>
 
 #include <cstdint>
@@ -14,8 +14,8 @@ constexpr void require_toml(bool holds) {
 #define TOML_EXCEPTIONS 1
 #undef TOML_ASSERT
 #define TOML_ASSERT(...) ::fieldcast::importing::require_toml(static_cast<bool>(__VA_ARGS__))
-// 3.3.0 takes a letter from U+00A1 to U+0499 outside of quotes for impossible, and what it does
-// then is undefined. Such a letter is no space: that is the answer.
+// 3.3.0 marks an unquoted letter from U+00A1 to U+0499 as unreachable, which is undefined
+// behaviour. Such a letter is not a space, so return false.
 #include <toml++/impl/preprocessor.h>
 #pragma push_macro("TOML_UNREACHABLE")
 #undef TOML_UNREACHABLE
@@ -34,7 +34,7 @@ class TomlTree {
  public:
   explicit TomlTree(config::Document& document) : document_(document) {}
 
-  // Nothing beyond the bounds.
+  // Null beyond the limits.
   const Node* add(const toml::node& from, std::size_t depth) {
     if (depth == kMaxTreeDepth || document_.nodes.size() >= kMaxTreeNodes) return nullptr;
     Node& node = make(from.source());

@@ -171,7 +171,7 @@ constexpr Name kNames[] = {{"bool", ValueType::kBool},
                            {"str", ValueType::kString},
                            {"utf8", ValueType::kString}};
 
-// Cuts `word` from the end of the text, if it is there.
+// Removes `word` from the end of the text, if present.
 bool cut(std::string& text, std::string_view word) {
   if (!text.ends_with(word) || text.size() == word.size()) return false;
   text.resize(text.size() - word.size());
@@ -207,7 +207,7 @@ constexpr OrderWord kOrderWords[] = {
     {"mswfirst", kBigWords, std::nullopt},
 };
 
-// "string20", "ascii16", "char[8]": the bytes of a text.
+// "string20", "ascii16", "char[8]": size of a text.
 std::optional<TypeName> text_type(std::string_view word) {
   for (const std::string_view begin : {"string", "ascii", "char", "text", "str"}) {
     if (!word.starts_with(begin)) continue;

@@ -10,7 +10,7 @@
 namespace fieldcast::importing {
 namespace {
 
-// Counts the text lines of a file while it is written.
+// Counts lines while a file is written.
 class LineWriter {
  public:
   void line(std::string_view text) {
@@ -43,7 +43,7 @@ void write_channels(LineWriter& out, const Device& device, const SharedKeys& sha
   }
 }
 
-// A key and its value for each thing that the device says of itself.
+// Keys and values of the device itself.
 std::vector<std::string> device_lines(const Device& device, const SharedKeys& shared) {
   std::vector<std::string> lines;
   const auto add = [&](std::string_view key, const auto& value) {

@@ -1,5 +1,5 @@
-// A workbook is a zip archive of XML: libzip unpacks it, tinyxml2 reads it. Of the format only what
-// a list needs: texts, numbers and truth values of one sheet (ECMA-376, part 1, 18.3).
+// A workbook is a zip archive of XML, read with libzip and tinyxml2. Supports only texts, numbers
+// and booleans of one sheet (ECMA-376, part 1, 18.3).
 #include "tools/import/xlsx.hpp"
 
 #include <fmt/format.h>
@@ -36,7 +36,7 @@ class Archive {
   [[nodiscard]] bool has(const std::string& name) const {
     return zip_name_locate(archive_, name.c_str(), 0) >= 0;
   }
-  // Nothing: it is not there, damaged, or larger than the bound.
+  // Empty if the part is missing, damaged, or too large.
   [[nodiscard]] std::optional<std::string> part(const std::string& name) const {
     zip_stat_t stat;
     if (zip_stat(archive_, name.c_str(), 0, &stat) != 0 || (stat.valid & ZIP_STAT_SIZE) == 0 ||
@@ -51,7 +51,7 @@ class Archive {
     return text;
   }
 
-  // The first one in the order of their numbers.
+  // The sheet with the lowest number.
   [[nodiscard]] std::string first_sheet() const {
     std::string best;
     for (zip_int64_t i = 0; i < zip_get_num_entries(archive_, 0); ++i) {
@@ -68,7 +68,7 @@ class Archive {
   zip_t* archive_ = nullptr;
 };
 
-// All texts below an element: a text in several fonts is several of them.
+// Joins all texts below an element; a text in several fonts has several.
 std::string text_below(const tinyxml2::XMLElement& element) {
   std::string text;
   for (const auto* child = element.FirstChildElement(); child != nullptr;
@@ -84,7 +84,7 @@ std::string text_below(const tinyxml2::XMLElement& element) {
 
 using Document = tinyxml2::XMLDocument;
 
-// With its root; the error names the part.
+// Guarantees a root element; the error names the part.
 tl::expected<std::unique_ptr<Document>, std::string> read_part(const Archive& archive,
                                                                const std::string& name) {
   const auto part = archive.part(name);
@@ -98,7 +98,7 @@ tl::expected<std::unique_ptr<Document>, std::string> read_part(const Archive& ar
   return document;
 }
 
-// Workbooks of numbers alone have none.
+// Workbooks with numbers only have none.
 tl::expected<std::vector<std::string>, std::string> shared_texts(const Archive& archive) {
   static const std::string kPart = "xl/sharedStrings.xml";
   std::vector<std::string> texts;
@@ -111,7 +111,7 @@ tl::expected<std::vector<std::string>, std::string> shared_texts(const Archive& 
   return texts;
 }
 
-// "AB12" is in the column 27.
+// "AB12" is in column 27, counted from 0.
 std::size_t column_of(const char* reference, std::size_t otherwise) {
   if (reference == nullptr) return otherwise;
   std::size_t column = 0;
@@ -147,7 +147,7 @@ void append_cell(std::string& table, std::string_view text) {
   table += '"';
 }
 
-// Nothing: it is larger than kMaxUnpacked. Many cells may name one long text.
+// Empty if the table exceeds kMaxUnpacked; many cells may refer to one long text.
 std::optional<std::string> table_of(const tinyxml2::XMLElement& sheet,
                                     const std::vector<std::string>& shared) {
   std::string table;
@@ -155,7 +155,7 @@ std::optional<std::string> table_of(const tinyxml2::XMLElement& sheet,
   const auto* data = sheet.FirstChildElement("sheetData");
   for (const auto* row = data == nullptr ? nullptr : data->FirstChildElement("row"); row != nullptr;
        row = row->NextSiblingElement("row")) {
-    // The line of the text is the row of the sheet.
+    // Keeps the sheet's row as the line number of the text.
     const std::size_t number = row->UnsignedAttribute("r", static_cast<unsigned>(line));
     for (; line < std::min<std::size_t>(number, kMaxRows); ++line) table += '\n';
     std::size_t column = 0;

@@ -1,7 +1,7 @@
-// The first sheet of an Excel workbook (.xlsx) as a table of text, so that readers know text only.
-// Pure.
+// Converts the first sheet of an Excel workbook (.xlsx) to a text table, so that readers handle
+// only text. Pure.
 //
-// Bounds: kMaxUnpacked bytes of each part, and those of table.hpp.
+// Limits: kMaxUnpacked bytes of each part, and those of table.hpp.
 #pragma once
 
 #include <string>
@@ -17,7 +17,7 @@ inline constexpr std::size_t kMaxUnpacked = 32u << 20;
 // A zip archive with the parts of a workbook.
 [[nodiscard]] bool is_xlsx(std::string_view bytes);
 
-// Tabs between cells. The error says what is wrong.
+// Cells are separated by tabs. The error describes the fault.
 [[nodiscard]] tl::expected<Decoded, std::string> table_of_xlsx(std::string_view bytes);
 
 }  // namespace fieldcast::importing

@@ -1,5 +1,5 @@
 // EPICS with the modbus module: a startup script with drvModbusAsynConfigure, and its records.
-// Files that a script names by path are found by their name among those that were given.
+// Files named in a script are looked up by file name among the inputs.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 namespace fieldcast::importing {
 namespace {
 
-// A port of asyn: the line.
+// An asyn port: the line.
 struct OctetPort {
   Port port;
   char parity = 'N';
@@ -162,7 +162,7 @@ class EpicsReader {
   Found found_;
   std::map<std::string, OctetPort> octets_;
   std::map<std::string, ModbusPort, std::less<>> ports_;
-  std::map<std::string, Bus> buses_;  // by the port of asyn
+  std::map<std::string, Bus> buses_;  // by asyn port
   std::size_t others_ = 0;
 };
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr unsigned kMaxMacroDepth = 10;
 constexpr unsigned kMaxMacroSteps = 10'000;      // in one text
-constexpr std::size_t kMaxScanned = 256u << 20;  // bytes of databases, each load counted
+constexpr std::size_t kMaxScanned = 256u << 20;  // bytes of databases; each load counts
 
 std::string expand_at(std::string_view text, const Macros& macros, unsigned depth,
                       unsigned& steps) {
@@ -62,7 +62,7 @@ class EpicsLoader {
     for (const SourceText& source : sources_) {
       if (is_startup_script(source.text)) load_script(source);
     }
-    // What no script loads stands for itself.
+    // Then reads files that no script has loaded.
     for (const SourceText& source : sources_) {
       if (!used_.contains(source.file) && is_substitutions(source.text))
         load_substitutions(source, {});
@@ -153,7 +153,7 @@ class EpicsLoader {
         {std::string(path), origin, "the file is not among those that were given; give it, too"});
   }
 
-  // A file that was given, or one of the module's own.
+  // Loads an input file or a template of the module.
   void load_template(std::string_view path, const Macros& macros, const Origin& origin) {
     if (const SourceText* source = given(path)) return load_database(*source, macros, &origin);
     const std::string_view base = base_of(path);
@@ -270,7 +270,7 @@ class EpicsLoader {
     return list;
   }
 
-  // A=1, B="x y": the value of a quoted text stands behind its name.
+  // A=1, B="x y": a quoted value is the next token after its name.
   static Macros read_assignments(EpicsTokens& tokens) {
     Macros macros;
     std::string name;

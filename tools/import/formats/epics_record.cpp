@@ -1,7 +1,6 @@
 // Source: epics-modules/modbus docs/source/creating_driver.rst (data types), device_support.rst
 // (interfaces, offsets, masks); epics-modules/asyn devAsynInt32.c, devAsynInt64.c, devAsynFloat64.c
-// (bits, which conversion an interface has); EPICS record reference (LINR, ASLO, AOFF, DRVH,
-// alarms).
+// (bits, conversion of each interface); EPICS record reference (LINR, ASLO, AOFF, DRVH, alarms).
 #include "tools/import/formats/epics_record.hpp"
 
 #include <fmt/format.h>
@@ -21,7 +20,7 @@ namespace {
 
 using MayFail = std::optional<std::string>;
 
-// modbusDataType_t since R3-1, for scripts that give the number.
+// modbusDataType_t since R3-1, for scripts that use the number.
 constexpr std::array<std::string_view, 37> kNumbered{
     "INT16",           "INT16SM",      "BCD_UNSIGNED",  "BCD_SIGNED",
     "UINT16",          "INT32_LE",     "INT32_LE_BS",   "INT32_BE",
@@ -109,7 +108,7 @@ class RecordReader {
     return std::nullopt;
   }
 
-  // ".1 second", "10 second"; else as often as the port polls.
+  // ".1 second", "10 second"; other values use the poll time of the port.
   void read_period() {
     const std::string_view scan = field(record_, "SCAN");
     const std::size_t second = scan.find("second");
@@ -141,7 +140,7 @@ class RecordReader {
     return read_typed(interface, offset);
   }
 
-  // Some bits of a register of 16.
+  // Some bits of a 16-bit register.
   MayFail read_mask() {
     const std::int64_t mask = c_number(link_.mask).value_or(0xFFFF) & 0xFFFF;
     if (std::has_single_bit(static_cast<std::uint64_t>(mask))) {
@@ -184,7 +183,7 @@ class RecordReader {
     return std::nullopt;
   }
 
-  // Records that have states show the number of a register here.
+  // Records with states become the register's number.
   void note_states() {
     if (record_.type == "bi" || record_.type == "bo")
       point_.changes.emplace_back("a number: 0 is off, any other is on");
@@ -192,8 +191,8 @@ class RecordReader {
       point_.changes.emplace_back("the number of the register, not its state");
   }
 
-  // @asynMask(PORT OFFSET BITS) of asynInt32: what is read has so many bits, of a negative number
-  // with a sign; what is written is not cut.
+  // @asynMask(PORT OFFSET BITS) of asynInt32: read values have so many bits, a negative number
+  // means signed. Written values are not masked.
   MayFail read_bits(std::string_view interface) {
     if (!link_.masked || !interface.starts_with("asynInt32")) return std::nullopt;
     const auto said = c_number(link_.mask);
@@ -225,7 +224,7 @@ class RecordReader {
     return std::nullopt;
   }
 
-  // Limits of what is written, in the units of the record; none where they do not rise.
+  // Limits of written values in the units of the record; ignored if the upper one is not greater.
   void read_drive_limits() {
     if (!is_number(point_.type) || point_.access == Access::kReadOnly) return;
     const double low = number_field(record_, "DRVL").value_or(0);
@@ -253,8 +252,8 @@ class RecordReader {
     return std::nullopt;
   }
 
-  // VAL = raw * ASLO + AOFF, then by LINR. The device support of asynFloat64 leaves LINR out, that
-  // of asynInt64 gives the raw number.
+  // VAL = raw * ASLO + AOFF, then LINR. The device support of asynFloat64 ignores LINR; that of
+  // asynInt64 returns the raw number.
   MayFail read_scale(std::string_view interface) {
     if (interface.starts_with("asynInt64")) return std::nullopt;
     if (const auto slope = number_field(record_, "ASLO"); slope && *slope != 0)
@@ -277,8 +276,7 @@ class RecordReader {
     point_.offset = point_.offset * (slope == 0 ? 1 : slope) + offset;
   }
 
-  // LINEAR: the range of so many bits becomes EGUL to EGUF. Of those with a sign the lowest number
-  // is not used.
+  // LINEAR maps the range of the bits to EGUL .. EGUF. Signed values do not use the lowest number.
   MayFail read_range() {
     const double low = number_field(record_, "EGUL").value_or(0);
     const double high = number_field(record_, "EGUF").value_or(0);
@@ -293,7 +291,7 @@ class RecordReader {
     return std::nullopt;
   }
 
-  // Limits with a severity; they have to rise.
+  // Limits with a severity; they must increase.
   void read_alarms() {
     if (!is_number(point_.type) || point_.access == Access::kWriteOnly) return;
     const auto limit = [&](std::string_view value, std::string_view severity) {
@@ -323,8 +321,8 @@ class RecordReader {
   const ModbusPort& port_;
   Point point_;
   std::optional<std::uint8_t> bit_;
-  unsigned elements_ = 0;  // 0: no array
-  int bits_ = 0;           // of asynMask; below 0 with a sign, 0: not said
+  unsigned elements_ = 0;  // 0: not an array
+  int bits_ = 0;           // of asynMask; negative: signed, 0: unknown
 };
 
 }  // namespace

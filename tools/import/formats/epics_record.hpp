@@ -1,4 +1,4 @@
-// One record of an EPICS database behind drvModbusAsyn, as a point. Pure.
+// Converts an EPICS record of drvModbusAsyn to points. Pure.
 #pragma once
 
 #include <optional>
@@ -9,16 +9,16 @@
 
 namespace fieldcast::importing {
 
-// A port that drvModbusAsynConfigure made.
+// A port of drvModbusAsynConfigure.
 struct ModbusPort {
-  std::string octet_port;  // behind which line
+  std::string octet_port;  // port of its line
   std::uint16_t slave = 0;
   unsigned function = 0;
   std::int64_t start = 0;  // -1: offsets are addresses
   std::int64_t length = 0;
   std::string data_type;
   std::int64_t poll_ms = 0;
-  bool other_address_back = false;  // Wago: written registers are read elsewhere
+  bool other_address_back = false;  // Wago: written registers are read at other addresses
 };
 
 // "@asynMask(PORT OFFSET MASK TIMEOUT)DRVUSER"
@@ -26,10 +26,11 @@ struct AsynLink {
   bool masked = false;
   std::string port, offset, mask, driver_user;
 };
-// Nothing: no link of asyn.
+// Empty if the record has no asyn link.
 [[nodiscard]] std::optional<AsynLink> link_of(const EpicsRecord& record);
 
-// Appends the point of the record, or one for each element. The fault: why it cannot be moved.
+// Appends the point of the record, or one for each element. Returns the reason if it cannot be
+// imported.
 [[nodiscard]] std::optional<std::string> read_epics_record(const EpicsRecord& record,
                                                            const AsynLink& link,
                                                            const ModbusPort& port,

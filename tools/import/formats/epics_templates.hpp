@@ -1,5 +1,5 @@
-// The record templates that come with EPICS' modbus module: which record each one makes. They are
-// named by substitutions everywhere and need not be given. Pure.
+// Record templates of the EPICS modbus module. Substitutions name them, but users need not pass
+// them as inputs. Pure.
 //
 // Source: epics-modules/modbus modbusApp/Db.
 #pragma once
@@ -11,7 +11,7 @@
 
 namespace fieldcast::importing {
 
-// The record with its macros not yet expanded; nothing for other files.
+// Returns the record with unexpanded macros; empty for other files.
 [[nodiscard]] std::optional<EpicsRecord> module_template(std::string_view file);
 
 // Records about the driver itself: statistics, delays, the asyn record.

@@ -34,7 +34,7 @@ std::optional<EpicsToken> EpicsTokens::next() {
     if (at_ < text_.size()) ++at_;
     return token;
   }
-  // A macro's brackets belong to the word: $(P)$(R).
+  // The brackets of a macro are part of the word: $(P)$(R).
   std::size_t open = 0;
   for (; at_ < text_.size(); ++at_) {
     const char c = text_[at_];

@@ -1,5 +1,5 @@
-// Words of EPICS databases and substitutions: names, quoted texts, and single brackets and commas;
-// comments are skipped. Pure.
+// Tokenizer of EPICS databases and substitutions: names, quoted texts, brackets and commas. Skips
+// comments. Pure.
 #pragma once
 
 #include <optional>
@@ -18,7 +18,7 @@ struct EpicsToken {
 class EpicsTokens {
  public:
   explicit EpicsTokens(std::string_view text) : text_(text) {}
-  // Nothing at the end.
+  // Empty at the end.
   [[nodiscard]] std::optional<EpicsToken> next();
 
  private:

@@ -1,9 +1,9 @@
-// Tag lists of KEPServerEX and its kin, as File > Export CSV writes them. What the device's own
-// settings say (order of words, counting) is not in the list; the driver's defaults are taken.
+// Tag lists of KEPServerEX and related products (File > Export CSV). The list does not contain the
+// device settings for word order and address base; the driver's defaults are assumed.
 //
 // Source: Kepware, feature page CSV import and export (columns); Modbus driver help (addresses,
-// data types); Modbus device defaults as github.com/atc-net/atc-kepware has them: zero-based
-// addressing, first word low, first double word low.
+// data types); Modbus device defaults from github.com/atc-net/atc-kepware: zero-based addressing,
+// first word low, first double word low.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,16 +29,16 @@ constexpr ColumnName kKepwareColumns[] = {
     {"clamplow", Field::kClampLow},   {"clamphigh", Field::kClampHigh},
     {"engunits", Field::kUnit},       {"description", Field::kDescription},
     {"negatevalue", Field::kNegate}};
-// Their columns that say nothing about a channel.
+// Columns without a counterpart in a channel.
 constexpr std::string_view kWithoutMeaning[] = {"respectdatatype", "scaleddatatype"};
 
 constexpr unsigned kMaxArray = 1000;
 
-// The address of a tag of the Modbus drivers: "400001", "40001.5", "H400A1", "400001[10]",
+// Address of a tag of the Modbus drivers: "400001", "40001.5", "H400A1", "400001[10]",
 // "400001[2][5]", "400010.20H" of a string.
 struct KepwareAddress {
   Reference reference;
-  unsigned elements = 0;  // 0: no array
+  unsigned elements = 0;  // 0: not an array
   std::uint16_t string_bytes = 0;
   bool low_first = false;  // of a string
 };
@@ -59,7 +59,7 @@ tl::expected<unsigned, std::string> elements_of(std::string_view brackets) {
   return elements;
 }
 
-// "H400A1": hexadecimal behind the digit of the area, counted from `base`.
+// "H400A1": hexadecimal after the digit of the area, counted from `base`.
 ParsedKepware hexadecimal(std::string_view text, unsigned base) {
   if (text.empty()) return tl::unexpected(std::string("'H' is no address"));
   const auto digits = whole_from(fmt::format("0x{}", text.substr(1)));
@@ -121,7 +121,7 @@ class KepwareReader {
   KepwareReader(const SourceText& source, const ReadOptions& options, const Columns& columns)
       : source_(source), options_(options), columns_(columns) {}
 
-  // Lists of other families have the order of their driver, and nothing is written of it.
+  // Lists of other families use their driver's order and need no note about it.
   [[nodiscard]] bool is_modbus() const {
     return options_.protocol.empty() || options_.protocol.starts_with("modbus");
   }

@@ -17,10 +17,10 @@ namespace {
 
 constexpr unsigned kMostElements = 1000;
 
-// "DM0100.20H": letters, a number, what stands behind a dot. "V0100[4]": elements.
+// "DM0100.20H": letters, a number, and a suffix after a dot. "V0100[4]": elements.
 struct AddressParts {
   std::string area, digits, suffix;
-  unsigned elements = 0;  // 0: no array
+  unsigned elements = 0;  // 0: not an array
 
   [[nodiscard]] std::uint64_t number() const { return whole_from(digits).value_or(0); }
 };
@@ -28,7 +28,7 @@ struct AddressParts {
 bool is_area_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
 bool is_decimal(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
-// Nothing: the address has another form.
+// Empty if the address has a different form.
 std::optional<AddressParts> parts_of(std::string_view text) {
   AddressParts parts;
   std::size_t at = 0;
@@ -62,7 +62,7 @@ unsigned width_of(ValueType type) {
              : 16 * registers_of(type, 0);
 }
 
-// The width stands in our address, and in the type of theirs.
+// Our address contains the width; in Kepware the type does.
 Made s7_point(const AddressParts& parts, Point point) {
   static constexpr std::array<std::string_view, 3> kByNumber{"T", "C", "HC"};
   static constexpr std::array<std::string_view, 2> kWords{"AI", "AQ"};
@@ -95,7 +95,7 @@ Made s7_point(const AddressParts& parts, Point point) {
   return point;
 }
 
-// "20H": the first character in the high byte; "20L": in the low one.
+// "20H": the first character is in the high byte; "20L": in the low byte.
 Made omron_text(const AddressParts& parts, Point point) {
   const char order = parts.suffix.empty() ? '\0' : parts.suffix.back();
   if (order == 'D' || order == 'd' || order == 'E' || order == 'e')
@@ -114,14 +114,14 @@ Made omron_text(const AddressParts& parts, Point point) {
 
 Made omron_point(const AddressParts& parts, Point point) {
   if (point.type == ValueType::kString) return omron_text(parts, std::move(point));
-  // Timers and counters share their numbers: either letter names the same one.
+  // Timers and counters share their numbers, so both letters name the same item.
   const std::string area = parts.area == "TC" ? "T" : parts.area == "TS" ? "TF" : parts.area;
   if (area != parts.area) point.changes.push_back(fmt::format("{} is {} here", parts.area, area));
   point.at = area + parts.digits + (parts.suffix.empty() ? "" : "." + parts.suffix);
   return point;
 }
 
-// Elements of the same type behind each other.
+// Appends consecutive elements of the same type.
 tl::expected<void, std::string> append_elements(std::string_view protocol, AddressParts parts,
                                                 const Point& point, std::vector<Point>& points) {
   if (point.type == ValueType::kBool || point.type == ValueType::kString)

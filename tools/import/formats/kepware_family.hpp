@@ -1,8 +1,8 @@
-// Addresses of Kepware's drivers for other families than Modbus, in our notation. Most are the same
-// there and here; what differs is said below.
+// Converts addresses of Kepware drivers for other families than Modbus. Most notations are equal;
+// these differ:
 //
-//   s7-ppi           V100 with type Word is VW100; V100.3 stays; T37, C5 and HC0 are values
-//   omron-hostlink   TC005 is the value of a timer or counter, TS005 its flag; DM0100.20H a text
+// s7-ppi           V100 with type Word is VW100; V100.3 stays; T37, C5 and HC0 are values
+// omron-hostlink   TC005 is the value of a timer or counter, TS005 its flag; DM0100.20H a text
 //
 // Source: PTC, Kepware driver help, "S7-200 Addressing" and "C200H Addressing" (Omron Host Link),
 // support.ptc.com. Pure.
@@ -17,9 +17,9 @@
 
 namespace fieldcast::importing {
 
-// `type`: the data type of the tag in lower case, without " array"; `point` has everything but at
-// and type. Appends the point, or one for each element of an array. The error is the reason why it
-// cannot be moved; addresses that are unknown here are left to the check.
+// `type`: data type of the tag in lower case, without " array"; `point` has everything but `at` and
+// `type`. Appends one point for each element. The error is the reason for a refusal; the validation
+// checks unknown addresses.
 [[nodiscard]] tl::expected<void, std::string> append_family_point(std::string_view protocol,
                                                                   std::string_view address,
                                                                   const std::string& type,

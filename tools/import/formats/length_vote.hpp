@@ -1,5 +1,5 @@
-// Whether the numbers in a column of lengths are words, bytes or bits: what agrees with the types
-// that say their width, or else with the addresses, which lie one behind the other. Pure.
+// Determines the unit of a length column: words, bytes or bits. The unit must agree with types of
+// known width, or else with the distances of consecutive addresses. Pure.
 #pragma once
 
 #include <array>
@@ -10,16 +10,16 @@
 
 namespace fieldcast::importing {
 
-// "Size (bytes)", "Number of registers", "Words", "Bits"; nothing: the title does not say.
+// "Size (bytes)", "Number of registers", "Words", "Bits"; empty if the title has no unit.
 [[nodiscard]] std::optional<LengthUnit> length_unit_of_title(std::string_view title);
 
 class LengthVote {
  public:
-  // A value whose type says how wide it is.
+  // Adds a value with a type of known width.
   void add_type(const Length& length, unsigned bits);
-  // A value behind which the next one lies `step` registers further.
+  // Adds a value whose successor is `step` registers after it.
   void add_step(const Length& length, std::uint32_t step);
-  // What most say; nothing: nobody does, or they disagree.
+  // Returns the unit of the majority; empty without votes or in a tie.
   [[nodiscard]] std::optional<LengthUnit> unit() const;
 
  private:

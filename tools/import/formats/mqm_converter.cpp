@@ -1,5 +1,5 @@
-// Source: BlackZork/mqmgateway README.md, Data conversion; stdconv/*.hpp for what it leaves open:
-// divide and multiply take two registers as signed, and bits count from 1.
+// Source: BlackZork/mqmgateway README.md, Data conversion. Further details are from stdconv/*.hpp:
+// divide and multiply treat two registers as signed, and bits count from 1.
 #include "tools/import/formats/mqm_converter.hpp"
 
 #include <fmt/format.h>
@@ -37,7 +37,7 @@ std::string without_quotes(std::string_view text) {
   return std::string(quoted ? text.substr(1, text.size() - 2) : text);
 }
 
-// Commas inside of quotes and brackets belong to the argument.
+// Commas inside quotes and brackets do not separate arguments.
 Arguments arguments_of(std::string_view text) {
   Arguments arguments;
   std::string part;
@@ -81,7 +81,7 @@ void set_orders(Converted& result, bool low_first, bool swap_bytes) {
   if (swap_bytes) result.byte_order = ByteOrder::kLittleEndian;
 }
 
-// divide, multiply: of one register or of two.
+// divide, multiply: of one or two registers.
 Result scaled(const Arguments& arguments, unsigned count, bool divide) {
   const auto number = number_from(arguments.get(divide ? "divisor" : "multipler", 0));
   if (!number || *number == 0) return tl::unexpected(std::string("a scale that is no number"));
@@ -137,7 +137,7 @@ Result standard(std::string_view name, const Arguments& arguments, unsigned coun
                            : name == "uint32" ? ValueType::kUint32
                                               : ValueType::kFloat32;
     auto result = plain(type, 2, count);
-    const std::size_t first = type == ValueType::kFloat32 ? 1 : 0;  // behind the precision
+    const std::size_t first = type == ValueType::kFloat32 ? 1 : 0;  // after the precision
     if (result)
       set_orders(*result, arguments.flag("low_first", first),
                  arguments.flag("swap_bytes", first + 1));

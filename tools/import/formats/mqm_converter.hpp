@@ -1,5 +1,5 @@
-// The converters of mqmgateway: what `std.divide(10)` or `expr.evaluate("int32(R0, R1) / 100")`
-// makes of registers, as the type and the scale of a channel. Pure.
+// Converts mqmgateway converters, such as `std.divide(10)` or `expr.evaluate("int32(R0, R1) /
+// 100")`, to type and scale of a channel. Pure.
 #pragma once
 
 #include <string>
@@ -17,20 +17,20 @@ struct Converted {
   WordOrder word_order = WordOrder::kBigEndian;
   ByteOrder byte_order = ByteOrder::kBigEndian;
   double scale = 1, offset = 0;
-  std::string change;  // what is not as in the list; empty: nothing
+  std::string change;  // difference from the list; empty: none
 };
 
-// REQUIRES: `count`, the registers that are read, is 1 to 125. The error: what has no counterpart.
+// REQUIRES: `count`, the number of registers, is 1 to 125. The error names what is not supported.
 [[nodiscard]] tl::expected<Converted, std::string> convert_mqm(std::string_view converter,
                                                                unsigned count);
 
 // value = scale * X + offset, where X is one call such as `flt32(R0,R1)` or `R0`.
 struct LinearForm {
-  std::string function;    // "int32", "flt32bs", .. or empty: the register itself
+  std::string function;    // "int32", "flt32bs", ..; empty: the register itself
   bool low_first = false;  // (R1, R0)
   double scale = 1, offset = 0;
 };
-// Nothing if the expression is not of this form.
+// Empty if the expression is not of this form.
 [[nodiscard]] std::optional<LinearForm> linear_form(std::string_view expression);
 
 }  // namespace fieldcast::importing

@@ -94,7 +94,7 @@ class ExpressionParser {
     return number();
   }
 
-  // The same one everywhere.
+  // The expression may use only one value, but several times.
   Value the_value(std::string function, bool low_first) {
     if (seen_ && (form_.function != function || form_.low_first != low_first)) return std::nullopt;
     seen_ = true;

@@ -1,4 +1,4 @@
-// mqmgateway (modmqttd): networks become buses, slaves devices, and what a topic reads or writes
+// mqmgateway (modmqttd): networks become buses, slaves become devices, and values of topics become
 // channels. Decimal registers count from 1, hexadecimal ones from 0.
 //
 // Source: BlackZork/mqmgateway README.md, Configuration.
@@ -42,13 +42,13 @@ std::optional<Duration> span_at(const Node& map, std::string_view key) {
   return span && *span > Duration{} ? span : std::nullopt;
 }
 
-// What holds for all that is below it.
+// Values inherited from the levels above.
 struct Defaults {
   std::string_view network, slave, topic;
   std::optional<Duration> refresh;
 };
 
-// Registers of one value; 0: what stands there is no count.
+// Registers of one value; 0: invalid.
 std::uint64_t count_at(const Node& node) {
   return child(node, "count") == nullptr ? 1 : whole_at(node, "count").value_or(0);
 }
@@ -57,7 +57,7 @@ class MqmReader {
  public:
   MqmReader(const SourceText& source, Found& found) : source_(source), found_(found) {}
 
-  // The fault: what is missing.
+  // Returns what is missing, or empty.
   std::optional<std::string> read(const Node& root);
 
  private:
@@ -93,7 +93,7 @@ class MqmReader {
     networks_[bus.name] = &network;
   }
 
-  // The device of a slave, with what the network and its entries in `slaves` say.
+  // Returns the device of a slave with the settings of the network and of `slaves`.
   Device& device_of(Bus& bus, std::uint16_t slave) {
     for (Device& device : bus.devices) {
       if (device.address == slave) return device;
@@ -161,7 +161,7 @@ class MqmReader {
     found_.refusals.push_back({name, {source_.file, line_of(node)}, std::move(reason)});
   }
 
-  // The topic without its placeholders, which tell the devices apart, and the name below it.
+  // Joins the topic without its placeholders, which distinguish devices, and the name.
   static std::string name_below(const Defaults& defaults, std::string_view name) {
     std::string topic;
     for (std::size_t i = 0; i < defaults.topic.size(); ++i) {
@@ -292,7 +292,7 @@ class MqmReader {
     }
   }
 
-  // A command to what is read already makes that writable.
+  // A command for an existing read channel makes it writable.
   void read_command(const Node& command, const Defaults& defaults) {
     other_keys_.look(command, "a command",
                      {"name", "register", "register_type", "count", "converter"});
@@ -316,7 +316,7 @@ class MqmReader {
       return refuse(command, name, *fault);
     if (array)
       return refuse(command, name, "a list of registers in one command; each channel has its own");
-    // divide of a command divides what is written; the channel's scale says the other way.
+    // divide of a command divides the written value; the channel's scale is the inverse.
     if (point.scale != 1) point.scale = 1 / point.scale;
     for (const std::string_view network : split(place->network, ',')) {
       const auto bus = std::ranges::find(found_.buses, network, &Bus::name);

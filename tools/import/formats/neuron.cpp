@@ -1,4 +1,4 @@
-// Neuron's tags: JSON of its interface (nodes, groups, tags), and the tables that its pages export.
+// Neuron tags: JSON of its API (nodes, groups, tags), and tables exported from its pages.
 //
 // Source: emqx/neuron docs/api/english/http.md (JSON), plugins/modbus/modbus-tcp.json and
 // modbus-rtu.json (settings), plugins/modbus/modbus_point.c and src/base/tag.c (addresses, #BB),
@@ -20,9 +20,9 @@
 namespace fieldcast::importing {
 namespace {
 
-constexpr unsigned kMaxShells = 8;  // of lists and maps around the nodes
+constexpr unsigned kMaxShells = 8;  // lists and maps around the nodes
 
-// What is behind its number in the settings of a serial node.
+// Baud rates by their number in the settings of a serial node.
 constexpr std::array kBauds{115200u, 57600u, 38400u, 19200u, 9600u, 4800u, 2400u,
                             1800u,   1200u,  600u,   300u,   200u,  150u};
 
@@ -207,7 +207,7 @@ class NeuronReader {
 
   const SourceText& source_;
   Found& found_;
-  // A guess where neither the node nor the user says it.
+  // Adds a guess if neither the node nor the user gives the base.
   void tell_base(bool known) {
     if (!known && !base_)
       found_.guesses.push_back({source_.file, 1,
@@ -216,7 +216,7 @@ class NeuronReader {
   }
 
   OtherKeys other_keys_;
-  std::optional<unsigned> base_;  // of the user
+  std::optional<unsigned> base_;  // set by the user
   std::optional<Duration> timeout_, pause_;
 };
 

@@ -18,7 +18,7 @@ using MayFail = std::optional<std::string>;
 struct TypeWord {
   std::string_view word;
   unsigned number;
-  std::optional<ValueType> type;  // nothing: no type of a channel
+  std::optional<ValueType> type;  // empty: not supported
 };
 constexpr TypeWord kTypes[] = {
     {"int8", 1, ValueType::kInt8},      {"uint8", 2, ValueType::kUint8},
@@ -37,8 +37,8 @@ constexpr auto kBigBytes = ByteOrder::kBigEndian;
 constexpr auto kLittleBytes = ByteOrder::kLittleEndian;
 
 struct OrderWord {
-  std::string_view suffix;  // of the address, behind '#'
-  unsigned of_32, of_64;    // the setting of the node that means the same; 0: none
+  std::string_view suffix;  // of the address, after '#'
+  unsigned of_32, of_64;    // equivalent setting of the node; 0: none
   Orders orders;
 };
 constexpr OrderWord kOrders[] = {

@@ -1,4 +1,4 @@
-// One tag of Neuron as a point. Pure.
+// Converts a Neuron tag to a point. Pure.
 #pragma once
 
 #include <optional>
@@ -9,23 +9,23 @@
 
 namespace fieldcast::importing {
 
-// A tag as JSON and tables have it.
+// A tag of the JSON or a table.
 struct NeuronTag {
   std::string name, address, type, attribute, description;
   std::optional<double> decimal, bias, interval_ms;
 };
 
-// Settings of the node: 1 is what nobody changed.
+// Settings of the node; 1 is the default.
 struct NeuronOrders {
   unsigned of_32 = 1, of_64 = 1;
-  std::uint32_t base = 1;  // the first address
+  std::uint32_t base = 1;  // first address
 };
 
 struct ReadTag {
   std::uint16_t slave = 0;
   Point point;
 };
-// The error: why it cannot be moved.
+// The error is the reason for a refusal.
 [[nodiscard]] tl::expected<ReadTag, std::string> read_neuron_tag(const NeuronTag& tag,
                                                                  const NeuronOrders& orders);
 

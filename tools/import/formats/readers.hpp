@@ -1,5 +1,5 @@
-// The readers of all formats, for the table in tools/import/format.cpp. Each is in the file of its
-// name.
+// Readers of all formats, for the table in tools/import/format.cpp. Each is defined in the file of
+// its name.
 #pragma once
 
 #include "tools/import/format.hpp"

@@ -1,6 +1,5 @@
-// Whether numbers such as 40001 of a list are references, which count from 1 and name their area by
-// the first digit, or plain numbers. No row decides for the others alone: all rows that are
-// understood have a say, and where they disagree the list is told which ones. Pure.
+// Determines whether numbers such as 40001 are references, which count from 1 with the area in the
+// first digit, or plain numbers. All valid rows are compared; conflicts are reported. Pure.
 #pragma once
 
 #include <optional>
@@ -16,18 +15,18 @@ class ReferenceVote {
  public:
   struct Row {
     unsigned line = 0;
-    std::string_view cell;                // as the list has it
-    std::optional<ModbusArea> reference;  // nothing: it can be a plain number only
-    std::optional<ModbusArea> said;       // by the function or the table
-    bool is_number = false;               // its type is one, so it is in no area of bits
+    std::string_view cell;                // as in the list
+    std::optional<ModbusArea> reference;  // empty: can only be a plain number
+    std::optional<ModbusArea> said;       // from the function or table
+    bool is_number = false;               // the type is a number, so the area is not a bit area
   };
   void add(const Row& row) { rows_.push_back(row); }
 
-  // True if every row may be a reference, and their functions agree with the first digits; of a few
-  // rows whose function contradicts, while more in two areas agree, the caller makes refusals.
+  // Returns true if every row may be a reference and agrees with its function. Accepts a few
+  // contradictions if more rows in two areas agree; the caller refuses those rows.
   [[nodiscard]] bool counts_from_one() const;
 
-  // What to tell where the rows disagree; empty: they agree.
+  // Describes conflicting rows; empty if there are none.
   [[nodiscard]] std::string note() const;
 
  private:

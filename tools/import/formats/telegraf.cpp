@@ -1,7 +1,7 @@
-// Telegraf's configuration: every [[inputs.modbus]] in its three styles. Addresses count from 0.
+// Telegraf configuration: every [[inputs.modbus]] in its three styles. Addresses count from 0.
 //
 // Source: influxdata/telegraf plugins/inputs/modbus README.md and configuration_*.go (keys, data
-// types, orders of bytes), up to 1.36 and from 1.37 on; grid-x/serial serial.go (baud, parity).
+// types, byte orders), up to 1.36 and from 1.37 on; grid-x/serial serial.go (baud, parity).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ struct RegisterWord {
   std::string_view word;
   ModbusArea area;
 };
-// Of the style "register" the lists, of the other styles the value of `register`.
+// Lists of the style "register"; other styles use the values of `register`.
 constexpr RegisterWord kRegisterLists[] = {{"coils", ModbusArea::kCoil},
                                            {"discrete_inputs", ModbusArea::kInput},
                                            {"input_registers", ModbusArea::kInputRegister},
@@ -31,7 +31,7 @@ constexpr RegisterWord kRegisterWords[] = {{"coil", ModbusArea::kCoil},
                                            {"input", ModbusArea::kInputRegister},
                                            {"holding", ModbusArea::kHolding}};
 
-// "1s", "500ms", "1m30s" is not known here.
+// Parses "1s", "500ms"; does not support "1m30s".
 std::optional<Duration> go_duration(std::string_view text) {
   if (const auto plain = duration_from(text)) return plain;
   if (const auto seconds = number_from(text); seconds && *seconds >= 0 && *seconds < 1e6)
@@ -53,7 +53,7 @@ Port port_of_controller(const Node& plugin) {
   const auto bits = whole_at(plugin, "data_bits").value_or(8);
   const auto stop = whole_at(plugin, "stop_bits").value_or(1);
   const std::string_view parity = text_at(plugin, "parity");
-  // Its library of serial ports takes 19200 8E1 where nothing is said.
+  // The default of Telegraf's serial library is 19200 8E1.
   port.line.format = fmt::format("{}{}{}", bits, parity.empty() ? 'E' : parity[0], stop);
   port.usual = {19200, "Telegraf"};
   return port;
@@ -154,7 +154,7 @@ class TelegrafReader {
   Device& device_of(Bus& bus, const Node& plugin, std::string_view name,
                     const Node& says_slave) const {
     const Slave slave = slave_from(text_at(says_slave, "slave_id"));
-    // Of a request that says none it is 0, as it is there.
+    // A request without a slave_id uses 0, as in Telegraf.
     std::optional<std::uint16_t> address;
     if (slave) address = *slave;
     if (slave && !address && &says_slave != &plugin) address = 0;
@@ -203,7 +203,7 @@ class TelegrafReader {
     device.points.push_back(std::move(point));
   }
 
-  // One number, or in the style "register" a list of them, which follow each other.
+  // One number; in the style "register" a list of consecutive numbers.
   static tl::expected<std::pair<std::uint64_t, std::size_t>, std::string> address_of(
       const Node& field) {
     const Node* address = child(field, "address");
@@ -266,7 +266,7 @@ class TelegrafReader {
     if (name == "bit") {
       const std::uint64_t number = whole_at(field, "bit").value_or(0);
       if (number > 15) return fmt::format("bit {} is not 0 to 15", number);
-      // With swapped bytes it is a bit of the other byte.
+      // With swapped bytes the bit is in the other byte.
       const bool swapped = point.byte_order == ByteOrder::kLittleEndian;
       bit = static_cast<std::uint8_t>(swapped ? (number + 8) % 16 : number);
       point.type = ValueType::kBool;
@@ -300,8 +300,7 @@ class TelegrafReader {
     return std::nullopt;
   }
 
-  // FLOAT32 of the style "register" is an unsigned number of its registers; FLOAT32-IEEE is a
-  // float.
+  // In the style "register", FLOAT32 is an unsigned fixed-point number; FLOAT32-IEEE is a float.
   static bool is_fixed_point(std::string_view name, const FieldPlace& place) {
     return place.in_register_style && name == "float32";
   }

@@ -1,5 +1,5 @@
 // Source: wirenboard/wb-mqtt-serial README.md (keys of a channel), src/register.cpp (addresses of
-// parts), docs of Wiren Board MQTT conventions (units by the type of a control).
+// parts), docs of Wiren Board MQTT conventions (units by control type).
 #include "tools/import/formats/wb_channel.hpp"
 
 #include <fmt/format.h>
@@ -131,7 +131,7 @@ MayFail read_format(const Node& channel, Point& point) {
   return std::nullopt;
 }
 
-// A part of a register: one bit, one byte, or the whole of it.
+// A part of a register: one bit, one byte, or all of it.
 MayFail read_part(const WbAddress& address, Point& point, std::optional<std::uint8_t>& bit) {
   if (!address.width) return std::nullopt;
   const bool one_register = registers_of(point.type, 2) == 1;
@@ -172,7 +172,7 @@ MayFail read_numbers(const Node& channel, Point& point) {
   return std::nullopt;
 }
 
-// What of the register means on and off. Of a single bit 1 is on here, always.
+// Values for on and off. For a single bit, 1 is always on.
 MayFail read_switch(const Node& channel, Point& point) {
   const std::string_view on = text_at(channel, "on_value");
   const std::string_view off = text_at(channel, "off_value");

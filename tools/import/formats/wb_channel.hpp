@@ -1,4 +1,4 @@
-// One channel of wb-mqtt-serial: an entry of `channels` as a point. Pure.
+// Converts an entry of wb-mqtt-serial `channels` to a point. Pure.
 #pragma once
 
 #include <optional>
@@ -9,13 +9,13 @@
 
 namespace fieldcast::importing {
 
-// Where the addresses of a part of a device begin.
+// Address base of a part of a device.
 struct WbBase {
   std::uint32_t shift = 0;   // registers
-  std::uint32_t stride = 0;  // times the registers of each value
+  std::uint32_t stride = 0;  // multiplied by the registers of each value
 };
 
-// Fills a point whose name and origin are set. The fault: why it cannot be moved.
+// Fills a point that has its name and origin. Returns the reason if it cannot be imported.
 [[nodiscard]] std::optional<std::string> read_wb_channel(const Node& channel, const WbBase& base,
                                                          Point& point);
 

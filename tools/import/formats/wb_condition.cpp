@@ -9,7 +9,8 @@ namespace {
 
 constexpr unsigned kMaxConditionDepth = 50;
 
-// or := and {"||" and}; and := comparison {"&&" comparison}; comparison := value [op value]
+// or := and {"
+// " and}; and := comparison {"&&" comparison}; comparison := value [op value]
 class ConditionParser {
  public:
   ConditionParser(std::string_view text, const ParameterValue& value_of)
@@ -23,7 +24,7 @@ class ConditionParser {
   }
 
  private:
-  using Value = std::optional<double>;  // nothing: a parameter that is not set
+  using Value = std::optional<double>;  // empty: an unset parameter
 
   void skip_blanks() {
     while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\n'))

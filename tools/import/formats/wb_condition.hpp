@@ -1,8 +1,8 @@
-// Conditions of wb-mqtt-serial's templates: whether a channel exists, by the device's parameters.
+// Evaluates conditions of wb-mqtt-serial templates, which enable channels by device parameters.
 // Pure.
 //
-// Source: wirenboard/wb-mqtt-serial src/expression_evaluator.cpp: comparisons with a parameter that
-// is not set are false, `!=` is true.
+// Source: wirenboard/wb-mqtt-serial src/expression_evaluator.cpp: comparisons with an unset
+// parameter are false, `!=` is true.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@ namespace fieldcast::importing {
 
 using ParameterValue = std::function<std::optional<double>(std::string_view name)>;
 
-// Nothing if the text is no condition.
+// Empty if the text is not a condition.
 [[nodiscard]] std::optional<bool> condition_holds(std::string_view condition,
                                                   const ParameterValue& value_of);
 

@@ -1,4 +1,4 @@
-// wb-mqtt-serial: templates of devices, and its configuration, whose devices name templates.
+// wb-mqtt-serial: device templates, and configurations whose devices use them.
 //
 // Source: wirenboard/wb-mqtt-serial README.md, templates/.
 #include <fmt/format.h>
@@ -17,7 +17,7 @@
 namespace fieldcast::importing {
 namespace {
 
-constexpr unsigned kMaxParts = 8;         // parts in parts
+constexpr unsigned kMaxParts = 8;         // nesting depth of parts
 constexpr unsigned kMaxPartsRead = 5000;  // of a device
 
 struct WbFile {
@@ -32,13 +32,13 @@ std::optional<Duration> milliseconds_at(const Node& map, std::string_view key) {
   return std::chrono::microseconds{static_cast<std::int64_t>(*number * 1000)};
 }
 
-// The channels of one device, or of a part of it.
+// Reads the channels of a device or of a part.
 class WbDeviceReader {
  public:
   WbDeviceReader(const WbFile& file, const Node& device, Found& found)
       : file_(file), device_(device), found_(found) {}
 
-  // settings: what a configuration says of the device; nullptr: there is none.
+  // `settings`: the device's entry in a configuration; may be nullptr.
   void read(Device& device, const Node* settings) {
     settings_ = settings;
     const bool of_template = settings != nullptr && settings != &device_;
@@ -46,16 +46,16 @@ class WbDeviceReader {
     other_keys_.tell(file_.source->file, found_);
   }
 
-  // A configuration's own channels: what it says of those of its template is no channel.
+  // Skips channels of a configuration that only change settings of a template channel.
   void leave_out_those_of(const Node& template_device) {
     template_ = child(template_device, "channels");
   }
 
-  // What the template says of its device as a whole.
+  // Copies device settings of the template.
   void describe(Device& device) {
     if (const auto timeout = milliseconds_at(device_, "response_timeout_ms");
         timeout && *timeout >= std::chrono::milliseconds{50})
-      device.timeout = timeout;  // shorter ones are counted without the line's own time
+      device.timeout = timeout;  // shorter timeouts exclude the time of the line
     if (const auto guard = number_at(device_, "guard_interval_us");
         guard && *guard > 0 && *guard <= 60e6)
       device.pause = std::chrono::microseconds{static_cast<std::int64_t>(*guard)};
@@ -78,7 +78,7 @@ class WbDeviceReader {
           fmt::format("{}: {} {} of the device are not moved", file_.source->file, count, words));
   }
 
-  // The channels of a list by their names; of several with one name the last one.
+  // Channels by name; of duplicates the last.
   using ByName = std::map<std::string_view, const Node*>;
   static ByName by_name(const Node* channels) {
     ByName named;
@@ -87,7 +87,7 @@ class WbDeviceReader {
     return named;
   }
 
-  // words: what the configuration says of channels of this part.
+  // `words`: channel settings of the configuration for this part.
   void read_part(const Node& part, Device& device, std::string_view prefix, const WbBase& base,
                  const Node* words, unsigned depth) {
     const Node* channels = child(part, "channels");
@@ -109,7 +109,7 @@ class WbDeviceReader {
     }
   }
 
-  // A part that is one of several kinds: its default one.
+  // Reads a part with several kinds as its default kind.
   void read_sub_device(const Node& channel, Device& device, const std::string& name,
                        const WbBase& base, const Node* word, unsigned depth) {
     const Node* kinds = child(device_, "subdevices");
@@ -139,7 +139,7 @@ class WbDeviceReader {
   void read_channel(const Node& channel, Device& device, std::string name, const WbBase& base,
                     const Node* word) {
     Point point;
-    // The first four arrange the page there.
+    // The first four keys only arrange the page.
     other_keys_.look(
         channel, "a channel",
         {"id",         "title",          "group",       "order",         "name",
@@ -171,12 +171,11 @@ class WbDeviceReader {
     device.points.push_back(std::move(point));
   }
 
-  // Channels that are off, or are not there by the device's usual settings. What the configuration
-  // says of a channel counts more than what the template says.
+  // Makes disabled channels on-demand. The configuration overrides the template.
   void read_presence(const Node& channel, const Node* word, Point& point) const {
     const std::string_view condition = text_at(channel, "condition");
     const auto said = word == nullptr ? std::nullopt : bool_at(*word, "enabled");
-    const bool hidden = bool_at(channel, "hidden") == true;  // read there, and not shown
+    const bool hidden = bool_at(channel, "hidden") == true;  // read, but not shown
     const bool on = said.value_or(bool_at(channel, "enabled") != false) || hidden;
     if (!on && point.access != Access::kWriteOnly) {
       point.on_demand = true;
@@ -194,7 +193,7 @@ class WbDeviceReader {
         condition));
   }
 
-  // Of the configuration, or the template's default.
+  // From the configuration, or the template's default.
   [[nodiscard]] std::optional<double> parameter(std::string_view name) const {
     if (settings_ != nullptr) {
       if (const auto set = number_at(*settings_, name)) return set;
@@ -215,7 +214,7 @@ class WbDeviceReader {
   Found& found_;
   OtherKeys other_keys_;
   const Node* settings_ = nullptr;
-  const Node* template_ = nullptr;  // the channels of the template
+  const Node* template_ = nullptr;  // channels of the template
   unsigned parts_ = 0;
 };
 
@@ -254,7 +253,7 @@ class WbReader {
         {std::move(name), {file.source->file, line_of(at)}, std::move(reason)});
   }
 
-  // True for a template of Modbus.
+  // Refuses a template that is not Modbus and returns false.
   bool is_modbus(const WbFile& file, const Node& device) {
     const std::string_view protocol = text_at(device, "protocol");
     if (protocol.empty() || protocol == "modbus" || protocol == "modbus-tcp") return true;
