@@ -107,7 +107,7 @@ struct BareWriter::State {
       filler.finish();
       writer->write(&block);
       filler = BlockFiller(block, kBlockBytes);
-      (void)filler.add(static_cast<ChannelIndex>(next), value);  // an empty block has room
+      (void)filler.add(static_cast<ChannelIndex>(next), value);  // an empty block has space
     }
     filler.finish();
     writer->write(&block);
@@ -128,7 +128,7 @@ struct BareWriter::State {
   const std::size_t channels;
   dds::DataWriter* const writer;
   std::vector<std::string> names;
-  std::size_t next = 0;  // channel
+  std::size_t next = 0;  // next channel
   idl::SampleBlock block;
   idl::Sample sample;
 };

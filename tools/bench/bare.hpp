@@ -1,9 +1,8 @@
-// What a bridge and its stations are compared with: a writer and a reader of Fast DDS with the same
-// data, the library's own QoS but for reliability and limits, and nothing of ours in between.
-// UDP over the loopback, as ours.
+// A minimal Fast DDS writer and reader with the same data, as a reference for a bridge and its
+// stations. Uses the library's QoS except for reliability and limits, and UDP over the loopback.
 //
-// Each owns its participant. write() has one caller; the reader's handler is called on a DDS
-// thread, one sample at a time.
+// Each owns its participant. write() has one caller; the reader's handler runs on a DDS thread, one
+// sample at a time.
 #pragma once
 
 #include <chrono>
@@ -26,8 +25,8 @@ class BareWriter {
   BareWriter(const BareWriter&) = delete;
   BareWriter& operator=(const BareWriter&) = delete;
 
-  // Samples of so many channels, behind those of the last call; all say `number` and when the call
-  // began.
+  // Writes samples of the next `rows` channels; each contains `number` and the start time of the
+  // call.
   void write(std::size_t rows, std::uint64_t number);
 
  private:

@@ -1,5 +1,4 @@
-// A bare writer and a bare reader of Fast DDS (bare.hpp), each in a process of its own, and what
-// they cost. Main thread.
+// Measures a bare Fast DDS writer and reader (bare.hpp), each in its own process. Main thread.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +19,7 @@ class BarePair {
  public:
   BarePair(const ScratchFolder& folder, unsigned domain, BareData data, const BareLoad& load);
 
-  // Since they began.
+  // Totals since start.
   struct Spent {
     std::uint64_t written = 0, received = 0;  // samples
     double writer = 0, reader = 0;            // processor seconds

@@ -1,11 +1,11 @@
-// A bare writer or reader of Fast DDS (bare.hpp) in a process of its own, for benches. Says each
-// 20 ms how many samples it wrote or received.
+// A bare Fast DDS writer or reader (bare.hpp) in its own process. Prints the number of written or
+// received samples every 20 ms.
 //
 // usage: bench_bare DOMAIN blocks|samples write CHANNELS ROWS MICROSECONDS
 //        bench_bare DOMAIN blocks|samples read
 //
-// ROWS: of each block, or samples written one after the other; then it rests for MICROSECONDS,
-// counted from the last start.
+// ROWS: samples of a block, or samples written one after the other. The next round starts
+// MICROSECONDS after the start of the previous one.
 #include <atomic>
 #include <chrono>
 #include <csignal>

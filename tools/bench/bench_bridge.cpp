@@ -1,5 +1,5 @@
-// A bridge's side of DDS in a process of its own, without wires: buses whose channels are published
-// in blocks of 50, each once a second.
+// The DDS part of a bridge in its own process, without wires: publishes every channel once a second
+// in blocks of 50.
 //
 // usage: bench_bridge DOMAIN BUSES CHANNELS
 #include <atomic>

@@ -1,10 +1,9 @@
-// A station in a process of its own, for benches: takes every sample and says each 20 ms what
-// came.
+// A station in its own process: subscribes to every sample and prints totals every 20 ms.
 //
 // usage: bench_station DOMAIN one-by-one|by-blocks [SHARE OF DATAGRAMS LOST]
 //
-// Each line: samples received, samples missing by their sequence, channels with a value, channels
-// of the catalogue, blocks missing.
+// Each line: samples received, samples missing by sequence, channels with a value, channels of the
+// catalogue, blocks missing.
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -24,7 +23,7 @@ namespace {
 
 std::atomic<bool> stopped = false;
 
-// Counts what a subscription brings; one thread at a time, read by another.
+// Counts samples of a subscription; written by one thread, read by another.
 class Count {
  public:
   void add(const StationSample& sample) {
@@ -35,7 +34,7 @@ class Count {
     path_ += sample.channel;
     std::uint64_t& last = last_[path_];
     if (last == 0) ++channels;
-    // A bus that starts anew counts from 1 again.
+    // A restarted bus counts from 1 again.
     if (last != 0 && sample.sequence > last + 1) missing += sample.sequence - last - 1;
     last = sample.sequence;
     ++samples;

@@ -1,5 +1,5 @@
-// How long the first and the last sample of a block take, for samples that carry their block's
-// number. Samples are added on one thread at a time; everything else on another.
+// Measures the delay of the first and last sample of each block; samples contain their block's
+// number. add() is called on one thread, the rest on another.
 #pragma once
 
 #include <chrono>
@@ -19,8 +19,8 @@ class BlockTimes {
 
   struct Figures {  // milliseconds
     std::size_t blocks = 0;
-    double first = 0, first_p99 = 0;  // to the first callback of a block: median, 99th percentile
-    double last = 0, last_p99 = 0;    // to its last one
+    double first = 0, first_p99 = 0;  // delay of a block's first callback: median, 99th percentile
+    double last = 0, last_p99 = 0;    // delay of its last callback
   };
 
   explicit BlockTimes(std::size_t rows) : rows_(rows) {}
@@ -29,7 +29,7 @@ class BlockTimes {
     const std::lock_guard guard(lock_);
     counting_ = true;
   }
-  // A sample of block `number`, which left at `sent`, has come.
+  // Adds a received sample of block `number`, which was sent at `sent`.
   void add(std::uint64_t number, Clock::time_point sent, Clock::time_point now) {
     const std::lock_guard guard(lock_);
     if (!counting_) return;
@@ -40,7 +40,7 @@ class BlockTimes {
     last_.push_back(milliseconds(now - sent));
     open_.erase(number);
   }
-  // Of the blocks that came whole since start().
+  // Figures of the complete blocks since start().
   [[nodiscard]] Figures stop() {
     const std::lock_guard guard(lock_);
     counting_ = false;
@@ -60,7 +60,7 @@ class BlockTimes {
   const std::size_t rows_;  // of each block
   std::mutex lock_;
   bool counting_ = false;
-  std::unordered_map<std::uint64_t, Open> open_;  // by number: came in part
+  std::unordered_map<std::uint64_t, Open> open_;  // incomplete blocks by number
   std::vector<double> first_, last_;
 };
 

@@ -1,6 +1,6 @@
-// What captures cost the wire: 16 saturated lines (300 scattered registers each, 19200 baud,
-// devices that answer after 2 ms), read by one bridge, with every bus captured to a file and
-// without, in turns. The figure is the share of its wire that each bus gets, with / without.
+// Measures the cost of captures: one bridge reads 16 saturated lines (300 scattered registers each,
+// 19200 baud, devices with a response time of 2 ms), alternately with every bus captured to a file
+// and without. The figure is the ratio with / without of each bus's wire share.
 //
 // usage: capture_bench [TURNS]     of 21 s each (4)
 #include <cstdio>
@@ -31,10 +31,10 @@ std::string captured_buses() {
   return text;
 }
 
-// The share of its wire that each bus gets.
+// Wire share of each bus.
 using Shares = std::map<std::string, double>;
 void add_shares(Plant& plant, Shares& sums) {
-  let_run(10.5);  // the measured load looks back ten seconds
+  let_run(10.5);  // the measured load covers the last ten seconds
   for (const auto& [name, bus] : plant.buses()) sums[name] += bus.report.measured_load;
 }
 
@@ -69,7 +69,7 @@ void run_captures(int turns) {
   plant.wait_until_seen(kBuses * kUnits * kRegisters, 30);
   let_run(2);
   Shares without, with;
-  // In both orders: whatever else this machine does falls on both.
+  // In both orders, so that other load on the machine affects both alike.
   for (int turn = 0; turn < turns; ++turn) {
     if (turn % 2 == 0) add_shares(plant, without);
     {

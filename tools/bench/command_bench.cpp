@@ -1,5 +1,5 @@
-// 1 000 writes while the line is read at full load: one result each, each seen once by the device,
-// and how long a result takes against the time of one block.
+// Sends 1 000 writes while the line is read at full load. Checks that each has one result and
+// reaches the device once; compares the time to a result with the time of one block.
 //
 // usage: command_bench
 #include <chrono>
@@ -31,7 +31,7 @@ std::string buses() {
          scattered_devices(kDevices, kRegisters, "      ", 5);
 }
 
-// What came back, by request.
+// Results by request.
 struct Results {
   std::mutex lock;
   std::condition_variable arrived;
@@ -88,13 +88,14 @@ void run() {
       throw std::runtime_error("a command could not be sent: " + std::string(to_text(id.error())));
     results.asked[*id] = asked;
     guard.unlock();
-    let_run(0.010 + 0.00002 * static_cast<double>(random() % 1000));  // not in step with the blocks
+    // not synchronous with the blocks
+    let_run(0.010 + 0.00002 * static_cast<double>(random() % 1000));
   }
   std::unique_lock guard(results.lock);
   results.arrived.wait_for(guard, std::chrono::seconds(10),
                            [&] { return results.count.size() >= kWrites; });
   guard.unlock();
-  let_run(1.5);  // a second result for anything would come now; and the status counts all
+  let_run(1.5);  // waits for duplicate results and the final status
   const double wall = std::chrono::duration<double>(Clock::now() - began).count();
   const auto after = plant.buses().at("bus").report;
   plant.stop_bridge();

@@ -1,6 +1,6 @@
-// Memory over very many commands: a station sends, a bridge in another process answers at once.
-// Every command is an instance that both ends must forget again, or they grow without end. Prints
-// what both hold at each tenth; the figures must stay flat.
+// Measures memory over very many commands: a station sends, a bridge in another process responds
+// immediately. Every command is a DDS instance that both sides must release. Prints the memory of
+// both after each tenth; it must stay constant.
 //
 // usage: command_memory_bench [COMMANDS (200000)]
 #include <sys/prctl.h>
@@ -25,9 +25,9 @@ namespace fieldcast::bench {
 namespace {
 
 constexpr std::uint64_t kInFlight = 256;
-constexpr std::chrono::seconds kWait{30};  // for one result; only a fault reaches it
+constexpr std::chrono::seconds kWait{30};  // for one result; reached only on a fault
 constexpr const char* kBus = "bus";
-constexpr const char* kAsBridge = "--bridge";  // with the domain: the other process
+constexpr const char* kAsBridge = "--bridge";  // starts the bridge process; followed by the domain
 
 UtcMapping both_clocks() {
   const auto steady = std::chrono::steady_clock::now().time_since_epoch();
@@ -44,13 +44,13 @@ CommandResult done(const Command& command) {
   return result;
 }
 
-// A bridge that does at once what it is told, until SIGTERM.
+// A bridge that executes commands immediately, until SIGTERM.
 void run_bridge(const DdsSpec& spec) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // whatever state the library is in
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // ends with the parent, whatever the state of the library is
   sigset_t ending;
   sigemptyset(&ending);
   sigaddset(&ending, SIGTERM);
-  sigprocmask(SIG_BLOCK, &ending, nullptr);  // before any other thread
+  sigprocmask(SIG_BLOCK, &ending, nullptr);  // before other threads start
   DdsLink* self = nullptr;
   DdsLink link(
       spec, "bench",
@@ -69,7 +69,7 @@ void run_bridge(const DdsSpec& spec) {
   self = &link;
   BusSpec bus;
   bus.name = kBus;
-  link.add_bus(bus);  // commands come from here on
+  link.add_bus(bus);  // commands arrive from here on
   link.announce({.bridge = "bench", .buses = {{kBus, {.since = {1}, .serving = true}}}});
   int signal = 0;
   sigwait(&ending, &signal);

@@ -1,13 +1,12 @@
-// DTC against Modbus RTU on the same scattered channels: the wire time of one round of all
-// channels, with the best partition of each.
+// Compares DTC with Modbus RTU on the same scattered channels: wire time of one round of all
+// channels, each with its best partition.
 //
-// The registers of tests/maps, as Modbus holding registers and as DTC int16 variables. Modbus: the
-// optimal partition of core/plan. DTC: the best requests of tests/schedule. Both pay 11 bits a
-// character, the device's 2 ms for each request, and the silence of the maps' own model: 3.5
-// characters on both sides of an answer (tests/plan/maps.hpp). A second table has the silence
-// that the bridge keeps by default. Compressed figures are of real packets, over many rounds of
-// data, with the threshold that the protocol chooses for the line; the device compresses by the
-// same rule.
+// Uses the registers of tests/maps, as Modbus holding registers and as DTC int16 variables. Modbus:
+// the optimal partition of core/plan. DTC: the best requests of tests/schedule. Both need 11 bits a
+// character, 2 ms of the device for each request, and the silence of the maps' model: 3.5
+// characters before and after a response (tests/plan/maps.hpp). A second table uses the bridge's
+// default silence. Compressed figures are of real packets over many rounds of data, with the
+// protocol's threshold for the line; the device compresses by the same rule.
 //
 // usage: dtc_bench
 #include <algorithm>
@@ -33,12 +32,12 @@ using namespace fieldcast;
 
 constexpr Duration kAnswerTime = std::chrono::milliseconds{2};
 constexpr AreaIndex kHolding = 2, kInt16 = 1;
-constexpr int kRounds = 50;  // of data, for compressed figures
+constexpr int kRounds = 50;  // rounds of data, for compressed figures
 
 enum class Data { kIdle, kSlow, kLevels, kRandom };
 constexpr const char* kDataNames[] = {"idle", "slowly changing", "any levels", "random"};
 
-using Units = std::map<unsigned, std::vector<std::uint32_t>>;  // addresses in rising order, by unit
+using Units = std::map<unsigned, std::vector<std::uint32_t>>;  // ascending addresses by unit
 Units units_of(const test::Map& map) {
   Units units;
   for (const test::MapRow& row : map) units[row.unit].push_back(row.address);
@@ -77,10 +76,9 @@ std::vector<ReadRequest> dtc_requests(const Protocol& protocol,
   return test::best_requests(wanted, ListCost(timing, wire.line, wire.silence())).requests;
 }
 
-// The plant's registers over the rounds. Idle: one in ten is 1, the others 0. Slowly changing: like
-// measurements, temperatures of 20.0 to 25.0 degrees in tenths, one in four drifts by a tenth from
-// round to round. Any levels: the same drift around 0..1000, which is nothing that LZW could find
-// in one message. Random: all bits are.
+// Registers of the plant over the rounds. Idle: one in ten is 1, the others 0. Slowly changing:
+// temperatures of 20.0 to 25.0 degrees in tenths, one in four drifts by a tenth each round. Any
+// levels: the same drift around 0..1000, where LZW finds nothing in one message. Random: all bits.
 class Registers {
  public:
   explicit Registers(Data data) : data_(data) {}
@@ -128,7 +126,7 @@ struct Round {
   double request_bytes = 0, answer_bytes = 0, requests = 0;
 };
 
-// With nothing in `data`: plain packets, by the protocol's own sizes.
+// Without `data`: uncompressed packets with the protocol's sizes.
 Round dtc_round(const Units& units, const Wire& wire, std::optional<Data> data) {
   DeviceLink link{.address = 1, .line = wire.line};
   if (!data) link.options["threshold"] = "65535";

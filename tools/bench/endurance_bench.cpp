@@ -1,7 +1,6 @@
-// The maps of tests/maps on pseudo-terminals that are paced like wires, at 19200 and 115200 baud
-// and at a load of 0.5 and 0.6 of the least that any master needs (tests/plan/maps.hpp):
-// refreshes missed in so many seconds. All four lines at once, unless they are wanted one by one,
-// or those of one baud rate or load alone.
+// Reads the maps of tests/maps on pseudo-terminals with wire timing, at 19200 and 115200 baud and
+// at 0.5 and 0.6 of the load bound (tests/plan/maps.hpp). Counts missed refreshes. Runs all four
+// lines at once, unless --one-by-one, --baud or --load select otherwise.
 //
 // usage: endurance_bench [--seconds N] [--map 11|12|13|14] [--one-by-one] [--baud N] [--load SHARE]
 #include <algorithm>
@@ -22,7 +21,7 @@ namespace fieldcast::bench {
 namespace {
 
 constexpr auto kAnswerTime = std::chrono::milliseconds(2);  // of the simulated devices
-constexpr double kSettle = 20;  // seconds; twice the slowest refresh of a map, nearly
+constexpr double kSettle = 20;  // seconds; nearly twice the slowest refresh of a map
 
 struct Line {
   std::uint32_t baud;
@@ -42,7 +41,7 @@ std::string bus_of(const Line& line, const test::Map& map,
       ", format: 8E1 }\n    protocol: modbus-rtu\n    defaults: { silence: 3.5c }\n" +
       "    devices:\n";
   unsigned unit = 0;
-  for (const test::MapRow& row : map) {  // ordered by unit
+  for (const test::MapRow& row : map) {  // sorted by unit
     if (row.unit != unit) {
       unit = row.unit;
       text += "      - name: unit-" + std::to_string(unit) +

@@ -21,9 +21,9 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::uint32_t kBaud = 19200;
-constexpr Duration kSilence = 2'005'208ns;  // 3.5 characters: the least that an answer takes
+constexpr Duration kSilence = 2'005'208ns;  // 3.5 characters: the minimum time before a response
 constexpr std::size_t kChannels = 300;
-constexpr double kMost = 1.0;  // of the bound
+constexpr double kMost = 1.0;  // share of the bound
 
 BridgeSpec load(const test::Map& map, double stretch, const test::Notation& notation = {}) {
   auto loaded = config::load_text(test::configuration_of(map, stretch, kBaud, notation), "map.yaml",
@@ -32,14 +32,14 @@ BridgeSpec load(const test::Map& map, double stretch, const test::Notation& nota
   return *std::move(loaded);
 }
 
-// The bound counts an answer time from the silence of the request's end on.
+// The bound counts the response time from the end of the request's silence.
 double bound(const test::Map& map, Duration answer) {
   return test::least_load(map, kBaud, answer - kSilence);
 }
 
 std::uint64_t missed(const test::Map& map, Duration answer, double share, Duration length) {
   const BridgeSpec spec = load(map, bound(map, answer) / share);
-  cli::BusPlan plan;  // its prediction is not asked for
+  cli::BusPlan plan;  // its prediction is not needed
   plan.bus = &spec.buses[0];
   plan.answer_time = answer;
   return cli::simulate(plan, {}, {length, 1}).bus.deadline_misses;
@@ -59,7 +59,7 @@ std::uint64_t scheduler_missed(const test::Map& map, Duration answer, double sha
 struct Agreement {
   unsigned runs = 0, feasible = 0, disagree = 0, careful = 0;
 
-  // Says whether a run of the engine kept what its plan promised.
+  // Returns whether a run of the engine kept the refreshes of its plan.
   bool add(const BridgeSpec& spec, Duration answer) {
     const cli::BusPlan plan = cli::make_plan(spec.buses[0], answer);
     const std::uint64_t late = cli::simulate(plan, {}, {20min, 1}).bus.deadline_misses;
@@ -77,7 +77,7 @@ struct Agreement {
   }
 };
 
-// Refreshes for a load of 0.45 to 0.84 of the wire by the plan itself.
+// Scales refreshes to a planned load of 0.45 to 0.84 of the wire.
 double stretch_of(const test::Map& map, const test::Notation& notation, std::uint64_t seed,
                   Duration answer) {
   constexpr double kRoomy = 4;

@@ -1,15 +1,15 @@
-// The whole engine against its plan, in virtual time: for schedule_bench.
+// Compares the whole engine with its plan in virtual time, for schedule_bench.
 #pragma once
 
 #include <cstdint>
 
 namespace fieldcast::bench {
 
-// Random maps at several answer times: what `fieldcast plan` says, and what `--simulate` then sees.
+// Random maps at several response times: the result of `fieldcast plan` and of `--simulate`.
 void print_agreement(std::uint64_t first_seed, unsigned maps);
 
-// The load that the whole engine sustains on maps that nothing was tuned on, beside the
-// scheduler's.
+// The sustained load of the whole engine, compared with the scheduler's, on maps not used for
+// tuning.
 void print_engine(std::uint64_t first_seed, unsigned maps);
 
 }  // namespace fieldcast::bench

@@ -1,5 +1,5 @@
-// Ten devices on one line, one of them dead, then one whose answers are half noise: what the nine
-// others lose of their refreshes.
+// Ten devices on one line. First one is dead, then the responses of one are half noise. Measures
+// the missed refreshes of the nine others.
 //
 // usage: fault_bench [--seconds N]
 #include <cstdio>
@@ -29,7 +29,7 @@ void measure(const char* what, const std::string& faults, double seconds) {
   plant.listen();
   plant.start_bridge();
   plant.wait_until_seen(9 * 12, 20);
-  let_run(8);  // the first failures of the sick device are over, and reported
+  let_run(8);  // until the first failures of the faulty device were reported
   const auto before = plant.devices();
   plant.forget_samples();
   let_run(seconds);

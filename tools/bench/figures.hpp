@@ -1,4 +1,4 @@
-// Small statistics for benches.
+// Statistics for benches.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace fieldcast::bench {
 
-// The q-quantile (0..1) of the values; 0 of none.
+// The q-quantile (0..1) of the values; 0 if there are none.
 inline double quantile(std::vector<double> values, double q) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
@@ -15,7 +15,7 @@ inline double quantile(std::vector<double> values, double q) {
                          static_cast<std::size_t>(q * static_cast<double>(values.size())))];
 }
 
-// One line a figure: what, how much, and the goal it is held against.
+// Prints one line: name, value, unit and goal.
 inline void print_figure(const char* what, double value, const char* unit, const char* goal) {
   std::printf("%-58s %12.4g %-10s %s\n", what, value, unit, goal);
   std::fflush(stdout);

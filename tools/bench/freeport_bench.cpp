@@ -1,7 +1,7 @@
-// S7 freeport on a noisy line: how often a wrong value is published, against the least that its XOR
-// check makes possible.
+// S7 freeport on a noisy line: how often a wrong value is published, compared with the theoretical
+// minimum of its XOR check.
 //
-// usage: freeport_bench [exchanges]     (10 million without an argument; virtual time)
+// usage: freeport_bench [exchanges]     (default: 10 million; virtual time)
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>

@@ -1,5 +1,5 @@
-// What the guard before the DDS library costs: nanoseconds of one thread for each datagram, by its
-// form, in the order in which they come from many writers.
+// Measures the datagram guard before the DDS library: nanoseconds for each datagram, by its form,
+// with datagrams of many writers interleaved.
 //
 // usage: guard_bench [seconds of each measurement, 0.3]
 #include <chrono>
@@ -16,7 +16,7 @@ using namespace fieldcast;
 using testing::Datagram;
 using Clock = std::chrono::steady_clock;
 
-// The least time of a datagram among the rounds, as others share the machine.
+// The minimum of the rounds, because other processes share the machine.
 double nanoseconds_of(const std::vector<Datagram>& datagrams, double seconds) {
   DatagramGuard guard{RtpsLimits{}};
   Datagram scratch;

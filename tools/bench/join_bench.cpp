@@ -1,11 +1,11 @@
-// How long a station that joins late needs for the catalogue and the last value of every channel,
-// while the buses run. Bridge and station are processes of their own; the station is ours, or one
-// on Cyclone DDS (tests/interop/dds/join.c, where tests are built).
+// Measures how long a late joiner needs for the catalogue and the last value of every channel while
+// the buses run. Bridge and station are separate processes; the station is ours, or one on Cyclone
+// DDS (tests/interop/dds/join.c, if tests are built).
 //
 // usage: join_bench [--buses N] [--channels N] [--joins N] [--way NAME]
 //                   [--patience SECONDS]
-// Without --buses: 8, 16 and 64 of 1 000 channels. Each way joins N times (2): blocks,
-// samples, cyclone-blocks, cyclone-samples.
+// Default of --buses: 8, 16 and 64 of 1 000 channels. Each way joins N times (2): blocks, samples,
+// cyclone-blocks, cyclone-samples.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -55,7 +55,7 @@ constexpr Way kWays[] = {{"blocks", "bench_station", false},
                          {"cyclone-blocks", "cyclone-join", false},
                          {"cyclone-samples", "cyclone-join", true}};
 
-// How far the stations of one plant are.
+// Progress over the stations of one plant.
 class Course {
  public:
   explicit Course(std::size_t stations) : stations_(static_cast<double>(stations)) {}
@@ -75,7 +75,7 @@ class Course {
   ProgressLine line_{std::cerr};
 };
 
-// Waits for one station; `course` tells how many of them all are done, and this one's share.
+// Waits for one station and updates `course`.
 void join(const Options& options, const ScratchFolder& folder, unsigned domain, int buses,
           const Way& way, const std::string& name, const Process& bridge, Course& course) {
   const auto all = static_cast<std::uint64_t>(buses) * static_cast<std::uint64_t>(options.channels);

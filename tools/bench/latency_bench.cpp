@@ -1,10 +1,10 @@
-// How long a block of values takes from the last byte of an answer on the serial line to the first
-// and to the last callback of a reader in another process; beside it, in the same run, a bare
-// writer and reader of Fast DDS with the same data, so that the ratios hold on a slow day too.
+// Measures the time from the last byte of a response on the serial line to the first and last
+// callback of a reader in another process. In the same run, measures a bare Fast DDS writer and
+// reader with the same data, so that the ratio is independent of the machine's load.
 //
-// This process is the device (the far end of a pseudo-terminal) and the station; the bridge is
-// another process. Every register of an answer carries a running number, so each callback knows
-// when its answer's last byte was handed to the line.
+// This process is the device (the peer of a pseudo-terminal) and the station; the bridge is a
+// second process. Every register of a response contains a running number, which gives each callback
+// the send time of its response.
 //
 // usage: latency_bench [--seconds N]
 #include <fcntl.h>
@@ -38,8 +38,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// A unit that answers every read after 2 ms with registers that all hold the answer's running
-// number.
+// A unit that responds to every read after 2 ms; all registers contain the response's number.
 class CountingDevice {
  public:
   explicit CountingDevice(const std::string& link) : link_(link), handed_over_(65536) {
@@ -63,7 +62,7 @@ class CountingDevice {
   CountingDevice(const CountingDevice&) = delete;
   CountingDevice& operator=(const CountingDevice&) = delete;
 
-  // When the answer of this number was handed over.
+  // Time at which this response was written.
   [[nodiscard]] Clock::time_point handed_over(std::uint16_t number) const {
     return handed_over_[number].load();
   }
@@ -89,7 +88,7 @@ class CountingDevice {
       answer.push_back(static_cast<std::uint8_t>(crc));
       answer.push_back(static_cast<std::uint8_t>(crc >> 8));
       std::this_thread::sleep_for(
-          std::chrono::milliseconds(2));  // the device's own time, not a way to wait
+          std::chrono::milliseconds(2));  // simulated response time, not a wait
       handed_over_[number] = Clock::now();
       if (write(line_, answer.data(), answer.size()) < 0) return;
     }
@@ -139,7 +138,7 @@ Figures bridge_times(int channels, double seconds, bool one_by_one) {
       },
       {}, {.deadline = {}, .on_deadline_missed = {}, .one_by_one = one_by_one});
   const Process bridge("fieldcast-bridge", {file}, folder.path() + "/bridge.log");
-  let_run(2);  // discovery and first rounds are not what is measured
+  let_run(2);  // excludes discovery and the first rounds
   times.start();
   let_run(seconds);
   const Figures figures = times.stop();
@@ -147,7 +146,7 @@ Figures bridge_times(int channels, double seconds, bool one_by_one) {
   return figures;
 }
 
-// Of a bare writer in another process that writes as often as the bridge did.
+// A bare writer in another process at the rate of the bridge.
 Figures bare_times(BareData data, int channels, double seconds, double blocks_a_second) {
   const ScratchFolder folder;
   const unsigned domain = own_domain();
@@ -185,7 +184,7 @@ void print_ratio(const char* what, const Figures& figures, const Figures& other,
 }
 
 void measure(double seconds) {
-  std::optional<Figures> single;  // the first one measured
+  std::optional<Figures> single;  // the first measurement
   for (const int channels : {1, 10, 100}) {
     std::printf("block of %d channels\n", channels);
     const Figures blocks = bridge_times(channels, seconds, false);

@@ -1,8 +1,8 @@
-// What protocols whose requests carry lists of ranges make of their wire: S7-200 PPI (items, two
-// rounds), FINS in Host Link (multiple area read) and DTC (groups). Registers of tests/maps, 300 in
-// three stations, as V words, DM words and int16 variables.
+// Measures protocols with lists of ranges: S7-200 PPI (items, two rounds), FINS in Host Link
+// (multiple area read) and DTC (groups). Uses 300 registers of tests/maps in three stations as V
+// words, DM words and int16 variables.
 //
-// usage: list_bench [intensive] [sustained]     (all of them without an argument)
+// usage: list_bench [intensive] [sustained]     (default: all)
 #include <cstdio>
 #include <map>
 #include <memory>
@@ -29,7 +29,7 @@ struct Family {
   const char* at;  // its word area
   std::map<std::string, std::string> options;
   LineFormat line;
-  std::uint32_t items;  // of the area, for one register
+  std::uint32_t items;  // items of the area for one register
 };
 const Family kFamilies[] = {
     {"s7-ppi", "VB0", {}, {19200, 8, Parity::kEven, 1}, 2},
@@ -61,7 +61,7 @@ Bus bus_of(const Family& family, const test::Map& map, Duration delay, double st
   return bus;
 }
 
-// One round of all points with refresh up to `longest` of one device.
+// One round of all points of a device with a refresh up to `longest`.
 Duration round_of(const Bus& bus, DeviceIndex device, Duration longest) {
   const auto sooner = [](const Range& a, const Range& b) { return a.first < b.first; };
   std::vector<Range> wanted;
@@ -74,7 +74,7 @@ Duration round_of(const Bus& bus, DeviceIndex device, Duration longest) {
   return test::best_requests(wanted, cost).cost;
 }
 
-// What a plan needs that reads each class of refreshes with the faster ones, in the best requests:
+// Load of a plan that reads each refresh class together with the faster ones, in the best requests:
 // the sum of (best(up to R) - best(shorter than R)) / R.
 double best_load(const Bus& bus) {
   std::set<Duration> classes;

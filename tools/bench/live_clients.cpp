@@ -68,10 +68,10 @@ class Client {
     if (was && !paused && !reading_) read();
   }
 
-  // REQUIRES, for what follows: the lock of all clients is held.
+  // REQUIRES: the lock of all clients is held for the following members.
   LiveReceived received;
   double newest_ms = 0;
-  std::uint64_t values = 0;                            // since it was connected
+  std::uint64_t values = 0;                            // since the connection
   std::vector<std::pair<std::uint64_t, double>> came;  // values, and seconds since connect()
 
   std::mutex* lock = nullptr;

@@ -1,5 +1,5 @@
-// Clients of fieldcast-station's WebSocket, for benches: they subscribe to everything and note when
-// what was acquired arrives. All on one thread of their own.
+// Clients of fieldcast-station's WebSocket: subscribe to everything and record arrival times. All
+// run on one separate thread.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@
 
 namespace fieldcast::bench {
 
-// What one client received since the last mark.
+// Totals of one client since the last mark.
 struct LiveReceived {
   std::uint64_t frames = 0, values = 0, bytes = 0, texts = 0;
-  std::vector<double> ages_ms;    // of the newest value of each frame, when it arrived
-  std::vector<double> spread_ms;  // a sample of all values' ages, the first frame left out
+  std::vector<double> ages_ms;    // ages of the newest value of each frame on arrival
+  std::vector<double> spread_ms;  // sampled ages of all values, without the first frame
 };
 
 class LiveClients {
@@ -23,20 +23,19 @@ class LiveClients {
   LiveClients(const LiveClients&) = delete;
   LiveClients& operator=(const LiveClients&) = delete;
 
-  // Connects one more, and waits until it is connected. Gives its number. Throws
-  // std::runtime_error.
+  // Connects a client, waits for the connection, and returns its index. Throws std::runtime_error.
   std::size_t connect();
   void disconnect(std::size_t client);
-  // Seconds from the begin of connect() until as many values had come; 0: never, after `patience`
-  // seconds.
+  // Returns the seconds from the start of connect() until this many values arrived; 0 after
+  // `patience` seconds.
   [[nodiscard]] double first_data(std::size_t client, std::uint64_t values, double patience);
-  // The client reads nothing any more, until resume().
+  // Stops reading until resume().
   void stop_reading(std::size_t client);
   void resume(std::size_t client);
-  // Of the newest value that it has received, by the clock of now; in seconds.
+  // Age of the newest received value in seconds.
   [[nodiscard]] double age(std::size_t client) const;
 
-  void mark();  // a new measurement begins
+  void mark();  // starts a new measurement
   [[nodiscard]] LiveReceived received(std::size_t client) const;
   [[nodiscard]] bool is_open(std::size_t client) const;
 
@@ -45,7 +44,7 @@ class LiveClients {
   std::unique_ptr<State> state_;
 };
 
-// GET of a path: the body's size in bytes and the seconds that it took. Throws std::runtime_error.
+// Result of a GET: body size and time. Throws std::runtime_error.
 struct Fetched {
   std::size_t bytes = 0;
   double seconds = 0;
@@ -53,7 +52,7 @@ struct Fetched {
 };
 [[nodiscard]] Fetched fetch(std::uint16_t port, const std::string& path);
 
-// A port of the loopback that nobody listens at now.
+// A free port of the loopback.
 [[nodiscard]] std::uint16_t free_port();
 
 }  // namespace fieldcast::bench

@@ -24,7 +24,7 @@ constexpr std::size_t kClients = 8;
 constexpr Duration kStep = std::chrono::milliseconds{20};
 constexpr int kStepsOfSecond = 50;
 
-// Takes what it is given after some steps: a fast client, a slow one.
+// Accepts frames after some steps: a fast client or a slow one.
 struct Peer : LivePeer {
   void send_text(std::string text) override { bytes += text.size(); }
   void send_binary(std::shared_ptr<const std::string> frame) override {
@@ -117,7 +117,7 @@ class Hours {
     sample.sequence = ++sequence_;
     inbox_.on_sample(sample);
   }
-  // Pages come, stay a minute and go; one of them takes nothing for the most part.
+  // Pages connect, stay for a minute and disconnect; one of them reads almost nothing.
   void visit() {
     if (pages_.size() == kClients) pages_.erase(pages_.begin());
     auto page = std::make_unique<Page>();

@@ -1,9 +1,9 @@
-// Hours of virtual time of a station's model and its clients, without sockets and DDS.
+// Runs a station's model and its clients for hours of virtual time, without sockets and DDS.
 #pragma once
 
 namespace fieldcast::bench {
 
-// Prints the heap after each hour, and by how much it grew since the first one.
+// Prints the heap after each hour and its growth since the first hour.
 void run_hours(double hours);
 
 }  // namespace fieldcast::bench

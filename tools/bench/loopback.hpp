@@ -1,4 +1,4 @@
-// Where the benches listen and connect.
+// Address for listening and connecting in benches.
 #pragma once
 
 #include <arpa/inet.h>

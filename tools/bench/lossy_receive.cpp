@@ -1,5 +1,5 @@
-// Datagrams that never arrive, for benches and tests: in a program that links this file, recvfrom()
-// and recvmsg() drop a share of what a UDP socket receives, as a bad path would. Any thread.
+// Simulates packet loss for benches and tests: in a program that links this file, recvfrom() and
+// recvmsg() drop a share of the received UDP datagrams. Thread-safe.
 #include "tools/bench/lossy_receive.hpp"
 
 #include <dlfcn.h>
@@ -14,7 +14,7 @@ namespace {
 
 std::atomic<double> share_lost = 0;
 std::atomic<std::uint64_t> datagrams_lost = 0;
-std::atomic<std::int64_t> until_lost = -1;  // datagrams before the one that is lost; negative: none
+std::atomic<std::int64_t> until_lost = -1;  // datagrams before the lost one; negative: none
 
 bool lost() {
   thread_local std::minstd_rand random(std::random_device{}());
@@ -28,7 +28,7 @@ bool is_datagram(int socket) {
   return getsockopt(socket, SOL_SOCKET, SO_TYPE, &type, &size) == 0 && type == SOCK_DGRAM;
 }
 
-// Of what a socket has just received; -1 bytes: nothing.
+// Decides about a received datagram; size -1: nothing received.
 bool is_lost(int socket, ssize_t size) {
   const bool is_one = until_lost.load(std::memory_order_relaxed) >= 0;
   if (size < 0 || !(is_one || lost()) || !is_datagram(socket)) return false;
@@ -47,8 +47,8 @@ std::uint64_t lost_datagrams() { return datagrams_lost; }
 
 }  // namespace fieldcast::bench
 
-// Both in place of the C library's, also for the libraries of the program: Asio takes datagrams
-// with recvfrom(), older ones with recvmsg().
+// Replace the functions of the C library, also for the program's libraries: Asio uses recvfrom(),
+// older versions recvmsg().
 extern "C" {
 
 ssize_t recvmsg(int socket, msghdr* message, int flags) {

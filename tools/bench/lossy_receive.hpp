@@ -1,17 +1,17 @@
-// Datagrams that never arrive, for benches and tests (lossy_receive.cpp). Any thread.
+// Simulates packet loss for benches and tests (lossy_receive.cpp). Thread-safe.
 #pragma once
 
 #include <cstdint>
 
 namespace fieldcast::bench {
 
-// From now on this share of the received datagrams is lost: 0.05 is one in twenty.
+// Drops this share of the received datagrams from now on: 0.05 is one in twenty.
 void lose(double share);
 
-// One datagram is lost: the one that is received after so many others from now on. Negative: none.
+// Drops one datagram after this many others. Negative: none.
 void lose_one(std::int64_t after);
 
-// Those that were lost since the process began.
+// Number of dropped datagrams since start.
 [[nodiscard]] std::uint64_t lost_datagrams();
 
 }  // namespace fieldcast::bench

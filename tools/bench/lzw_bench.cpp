@@ -1,5 +1,5 @@
-// The trie of core/codec/lzw against the obvious encoder, whose dictionary is a std::map of
-// strings: both in one run, on the same messages, with the same codes (checked).
+// Compares the trie of core/codec/lzw with a simple encoder whose dictionary is a std::map of
+// strings. Both run on the same messages; the codes are checked to be equal.
 //
 // usage: lzw_bench [seconds of each measurement, 0.3]
 #include <algorithm>
@@ -26,7 +26,7 @@ enum class Kind { kIdle, kSlow, kRandom };
 constexpr const char* kNames[] = {"idle (few values, mostly zero)", "slowly changing registers",
                                   "random"};
 
-// Messages of `length` bytes as a plant makes them.
+// Typical messages of a plant with `length` bytes.
 std::vector<Bytes> messages(Kind kind, std::size_t length) {
   std::mt19937 random(1);
   std::vector<Bytes> all;
@@ -45,14 +45,14 @@ std::vector<Bytes> messages(Kind kind, std::size_t length) {
   return all;
 }
 
-// How long each measurement takes, and how many of them are done.
+// Duration of a measurement, and the progress.
 struct Course {
   double seconds;
   StepProgress& progress;
 };
 
-// Megabytes a second of `bytes`, which `work` makes of all messages; the best of the rounds, as
-// others share the machine.
+// Megabytes a second of `bytes`, processed by `work`. The best of the rounds, because other
+// processes share the machine.
 double rate(std::size_t bytes, const Course& course, const std::function<void()>& work) {
   double best = 0;
   const auto end = Clock::now() + std::chrono::duration<double>(course.seconds);
@@ -93,7 +93,7 @@ void compare(Kind kind, std::size_t length, const Course& course) {
   const double trie = rate(bytes, course, [&] {
     for (const Bytes& each : all) g_sink = *encoder.encode(each, out);
   });
-  // Codes alone: our encoder packs them as well.
+  // The reference makes only codes; our encoder also packs them.
   const double strings = rate(bytes, course, [&] {
     for (const Bytes& each : all) g_sink = test::reference_codes(each).size();
   });

@@ -41,7 +41,7 @@ void Plant::start_simulator(const std::vector<std::string>& more) {
 void Plant::start_bridge(const std::string& program) {
   {
     const std::lock_guard guard(lock_);
-    seen_.clear();  // of the bridge before
+    seen_.clear();  // of the previous bridge
   }
   bridge_ = std::make_unique<Process>(program, std::vector<std::string>{config_},
                                       folder_.path() + "/bridge.log");
@@ -83,7 +83,7 @@ void Plant::listen() {
 
 void Plant::forget_samples() {
   const std::lock_guard guard(lock_);
-  // The gap that is open at the mark counts whole.
+  // A gap that is open at the mark counts completely.
   for (auto& [name, seen] : seen_) seen = Seen{.last_acquired = seen.last_acquired};
 }
 
@@ -121,7 +121,7 @@ void let_run(double seconds) {
   const auto began = std::chrono::steady_clock::now();
   ProgressLine progress(std::cerr);
   for (Seconds left{seconds}; left > Seconds{};) {
-    // Where nobody looks nothing wakes up beside what is measured.
+    // without a terminal, avoids wake-ups during the measurement
     std::this_thread::sleep_for(progress.seen() ? std::min(left, kStep) : left);
     left = Seconds{seconds} - Seconds{std::chrono::steady_clock::now() - began};
     progress.show([&](Duration elapsed) {
@@ -139,7 +139,7 @@ double seconds_from(int argc, char** argv, double by_default) {
 
 namespace {
 
-// `step(r)` is how far register r + 1 lies behind register r; `first` where register 0 lies.
+// `first` is the address of register 0, `step(r)` the distance from register r to r + 1.
 template <class First, class Step>
 std::string devices_of(int devices, int registers, const std::string& indent, First first,
                        Step step) {
@@ -164,7 +164,7 @@ std::string devices_of(int devices, int registers, const std::string& indent, Fi
 std::string scattered_devices(int devices, int registers, const std::string& indent,
                               unsigned seed) {
   std::mt19937 random(seed);
-  // Mostly near neighbours, now and then a hole that no read should bridge.
+  // Mostly close addresses, sometimes a gap that no read should include.
   return devices_of(
       devices, registers, indent, [&] { return random() % 50; },
       [&](int) { return random() % 20 == 0 ? 30 + random() % 100 : 1 + random() % 4; });

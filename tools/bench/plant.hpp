@@ -1,5 +1,5 @@
-// A simulated plant, the bridge that reads it, and a station that listens: what most benches
-// measure. Each is a process of its own but the station.
+// A simulated plant, the bridge that reads it, and a station in this process. Plant and bridge are
+// separate processes.
 #pragma once
 
 #include <map>
@@ -14,7 +14,7 @@
 
 namespace fieldcast::bench {
 
-// What the station saw of one channel between two marks.
+// Totals of one channel at the station between two marks.
 struct Seen {
   std::uint64_t samples = 0;
   std::uint64_t bad = 0;
@@ -25,8 +25,8 @@ struct Seen {
 
 class Plant {
  public:
-  // `buses` is the YAML list below `buses:`, with {dir} for the folder of the serial links. `more`
-  // are other keys of the configuration, each a line.
+  // `buses` is the YAML list below `buses:`, with {dir} for the directory of the serial links.
+  // `more` has further lines of the configuration.
   Plant(const std::string& buses, const std::string& faults = {}, const std::string& more = {});
 
   void start_simulator(const std::vector<std::string>& more = {});
@@ -45,11 +45,11 @@ class Plant {
   [[nodiscard]] Process& bridge() { return *bridge_; }
   [[nodiscard]] Station& station() { return *station_; }
 
-  void forget_samples();                                   // a new measurement begins
+  void forget_samples();                                   // starts a new measurement
   [[nodiscard]] std::map<std::string, Seen> seen() const;  // by bus/device/channel
   [[nodiscard]] std::map<std::string, StationBusStatus> buses() const;
   [[nodiscard]] std::map<std::string, StationDeviceStatus> devices() const;  // by bus/device
-  // Waits until `channels` channels have had a good sample; throws with what is missing after
+  // Waits until `channels` channels have a good sample; throws with the missing ones after
   // `seconds`.
   void wait_until_seen(std::size_t channels, double seconds);
 
@@ -65,21 +65,21 @@ class Plant {
   std::map<std::string, Seen> seen_;
   std::map<std::string, StationBusStatus> buses_;
   std::map<std::string, StationDeviceStatus> devices_;
-  std::unique_ptr<Station> station_;  // last: its callbacks use what is above
+  std::unique_ptr<Station> station_;  // last member: its callbacks use the members above
 };
 
-// Measures by the clock on the wall: the only waiting that benches do. On a terminal it shows how
-// long it still takes.
+// Waits for the measurement in real time; the only wait in benches. Shows the remaining time on a
+// terminal.
 void let_run(double seconds);
 
-// --seconds N of the command line, or what a bench does by default.
+// --seconds N of the command line, or the default.
 [[nodiscard]] double seconds_from(int argc, char** argv, double by_default);
 
-// `devices` devices with `registers` scattered holding registers each (every third one or so),
-// seeded; YAML for the list `devices:`.
+// YAML for the list `devices:`: devices with scattered holding registers (about every third one),
+// by seed.
 [[nodiscard]] std::string scattered_devices(int devices, int registers, const std::string& indent,
                                             unsigned seed);
-// The same with registers that lie side by side in runs of `run`, each of which one request reads.
+// The same with contiguous registers in runs of `run`, each of which one request reads.
 [[nodiscard]] std::string packed_devices(int devices, int registers, const std::string& indent,
                                          int run);
 

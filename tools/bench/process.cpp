@@ -31,7 +31,7 @@ bool has_program(const std::string& program) { return std::filesystem::exists(pa
 Process::Process(const std::string& program, const std::vector<std::string>& arguments,
                  const std::string& log_path) {
   const std::string path = path_of(program);
-  // It ends with us, also where we are killed: no bridge stays that keeps its buses from the next.
+  // The child ends with the bench, even if that is killed, so no bridge keeps its buses.
   std::vector<std::string> words{"setpriv", "--pdeathsig", "TERM", "--", path};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
@@ -66,7 +66,7 @@ double Process::cpu_seconds() const {
   std::string text((std::istreambuf_iterator<char>(file)), {});
   std::istringstream fields(text.substr(text.rfind(')') + 2));
   std::string skipped;
-  // Proc(5): state is the third field, utime the 14th.
+  // proc(5): state is the third field, utime the 14th.
   for (int i = 0; i < 11; ++i) fields >> skipped;
   double user = 0;
   double system = 0;
@@ -92,8 +92,8 @@ ScratchFolder::ScratchFolder() {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
   held_ = ends[1];
-  // Ctrl-C goes to its group as well: it has a session of its own. Programs of the bench may still
-  // write while they end, so it removes twice.
+  // A separate session, because Ctrl-C is sent to the process group. It removes twice, because
+  // programs of the bench may still write while they end.
   const char* const script = "cat; rm -rf -- \"$0\" 2>/dev/null || { sleep 2; rm -rf -- \"$0\"; }";
   const char* const argv[] = {"sh", "-c", script, path_.c_str(), nullptr};
   posix_spawn_file_actions_t files;

@@ -1,4 +1,4 @@
-// A child process of a bench: started, measured, and ended by its id whatever happens.
+// A child process of a bench: starts it, measures it and always stops it by its id.
 #pragma once
 
 #include <sys/types.h>
@@ -8,16 +8,16 @@
 
 namespace fieldcast::bench {
 
-// Whether the folder in which this executable lies has such a program.
+// Returns whether the program exists in this executable's directory.
 [[nodiscard]] bool has_program(const std::string& program);
 
 class Process {
  public:
-  // Starts `program` of the folder in which this executable lies; its output goes to log_path.
-  // Throws std::runtime_error.
+  // Starts `program` from this executable's directory; its output goes to log_path. Throws
+  // std::runtime_error.
   Process(const std::string& program, const std::vector<std::string>& arguments,
           const std::string& log_path);
-  ~Process();  // stop()
+  ~Process();  // calls stop()
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
@@ -30,11 +30,10 @@ class Process {
   pid_t id_ = -1;
 };
 
-// What a process holds in memory; 0 if it is gone.
+// Resident memory of a process; 0 if it has ended.
 [[nodiscard]] double resident_mb(pid_t process);
 
-// A folder of its own below the system's temporary one, removed when this process ends, also by a
-// signal.
+// A temporary directory that is removed when this process ends, also by a signal.
 class ScratchFolder {
  public:
   ScratchFolder();
@@ -48,16 +47,16 @@ class ScratchFolder {
  private:
   std::string path_;
   int held_ = -1;       // open as long as this process lives
-  pid_t remover_ = -1;  // removes the folder when it is closed
+  pid_t remover_ = -1;  // removes the directory when held_ is closed
 };
 
-// Waits until the path exists; false after the time is over.
+// Waits until the path exists; false on timeout.
 [[nodiscard]] bool wait_for_path(const std::string& path, double seconds);
 
-// Waits until the file holds the text; false after the time is over.
+// Waits until the file contains the text; false on timeout.
 [[nodiscard]] bool wait_for_text(const std::string& path, const std::string& text, double seconds);
 
-// A DDS domain that no other run of this machine is likely to use: 100..199 by the process id.
+// Returns a DDS domain that is probably unused: 100..199 by the process id.
 [[nodiscard]] unsigned own_domain();
 
 }  // namespace fieldcast::bench

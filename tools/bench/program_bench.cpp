@@ -1,5 +1,5 @@
-// Program transmission measured: `exchange` against a direct line, `relay` of random bytes, `many`
-// pairings at once.
+// Measures program transmission: `exchange` compared with a direct line, `relay` of random bytes,
+// `many` concurrent pairings.
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>

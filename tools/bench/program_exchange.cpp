@@ -1,7 +1,7 @@
-// One megabyte of requests and answers over a line of 115200 7E2: directly over a pseudo-terminal
-// pair, and through fieldcast-port, a network with a delay, the bridge and a module. The PLC's end
-// is the same in both: it takes the time of the wire for every character. Both run at the same
-// time: they sleep nearly always.
+// Transfers one megabyte of requests and responses over a line of 115200 7E2: directly over a
+// pseudo-terminal pair, and through fieldcast-port, a network with a delay, the bridge and a
+// module. The simulated PLC is the same in both and uses the wire time of every character. Both run
+// concurrently, because they nearly always sleep.
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <netinet/tcp.h>
@@ -24,10 +24,10 @@ namespace fieldcast::bench {
 namespace {
 
 constexpr double kCharacter = 11.0 / 115200;  // 7E2: start, seven bits, parity, two stops
-// As a program upload: 0306 for a block of 512 bytes, its answer in hexadecimal digits (FINS
+// Like a program upload: 0306 for a block of 512 bytes, its response in hexadecimal digits (FINS
 // program read).
 constexpr std::size_t kRequest = 38, kAnswer = 1067;
-constexpr std::size_t kPiece = 64;  // characters that a module or a UART hands over at once
+constexpr std::size_t kPiece = 64;  // characters of one piece of a module or UART
 
 void wait_for_line(Clock::time_point& line, std::size_t characters) {
   line = std::max(line, Clock::now()) +
@@ -36,7 +36,7 @@ void wait_for_line(Clock::time_point& line, std::size_t characters) {
   std::this_thread::sleep_until(line);
 }
 
-// Answers every request until its stream ends.
+// Responds to every request until its stream ends.
 void serve_as_plc(int fd) {
   Bytes answer(kAnswer, '5');
   answer.back() = '\r';
@@ -56,7 +56,7 @@ void serve_as_plc(int fd) {
   }
 }
 
-// Seconds for one exchange, over as many as make the bytes.
+// Seconds for one exchange, averaged over the exchanges for `bytes`.
 double run_software(int fd, double bytes) {
   Bytes request(kRequest, '0');
   request.back() = '\r';
@@ -91,12 +91,12 @@ double direct(double bytes) {
   Terminals terminals;
   std::thread plc([fd = terminals.master.get()] { serve_as_plc(fd); });
   const double took = run_software(terminals.slave.get(), bytes);
-  terminals.slave.reset();  // the master's read then ends
+  terminals.slave.reset();  // then the read of the master ends
   plc.join();
   return took;
 }
 
-// Carries one connection to `target`, each byte half the delay late, in both directions.
+// Forwards one connection to `target` and delays each byte by half the delay, in both directions.
 class DelayingProxy {
  public:
   DelayingProxy(std::uint16_t target, double delay)
@@ -171,7 +171,7 @@ double through(const ExchangeOptions& options) {
       " }, protocol: modbus-rtu, devices: [ { name: d, address: 1, allow: [raw-read] } ] }\n");
   FileDescriptor module = connect_to(bridge.modules(), 5);
   send_all(module.get(), Bytes{'1', '7', '\n'});
-  paired_client(bridge.engineers(), "17").reset();  // it is registered
+  paired_client(bridge.engineers(), "17").reset();  // the module is registered now
   std::thread plc([fd = module.get()] { serve_as_plc(fd); });
   const std::string link = bridge.folder().path() + "/plc";
   double took = 0;

@@ -1,5 +1,5 @@
-// Many modules dialled in, half of them programmed at once, in one bridge that goes on collecting
-// from the others.
+// Many dialled-in modules on one bridge: half of them are programmed concurrently while the bridge
+// polls the others.
 #include <poll.h>
 #include <sys/socket.h>
 
@@ -32,8 +32,8 @@ std::string buses_of(int devices) {
   return text;
 }
 
-// Every module: answers Modbus reads of unit 1; what begins with `@` it gives back, as a PLC that
-// is programmed.
+// All modules: respond to Modbus reads of unit 1, and echo frames that start with `@` like a PLC
+// that is programmed.
 class Modules {
  public:
   Modules(std::uint16_t port, int count) {
@@ -79,7 +79,8 @@ class Modules {
   std::thread thread_;
 };
 
-// Program bytes there and back, again and again; gives how many round trips were right.
+// Sends program bytes and receives their echo repeatedly; returns the number of correct round
+// trips.
 std::uint64_t program(int fd, const std::atomic<bool>& over) {
   Bytes frame;
   append_u32(frame, 512);
@@ -143,7 +144,7 @@ void many_bench(const ManyOptions& options) {
   std::vector<FileDescriptor> clients;
   for (int i = 0; i < options.pairings; ++i)
     clients.push_back(paired_client(bridge.engineers(), name_of(i)));
-  std::this_thread::sleep_for(std::chrono::seconds(2));  // status of before has come
+  std::this_thread::sleep_for(std::chrono::seconds(2));  // until the previous status has arrived
   std::map<std::string, std::uint64_t> samples_before, missed_before;
   {
     const std::lock_guard lock(mutex);

@@ -94,7 +94,7 @@ ProgramBridge::ProgramBridge(const std::string& buses) {
   process_ = std::make_unique<Process>("fieldcast-bridge",
                                        std::vector<std::string>{folder_.write("plant.yaml", text)},
                                        folder_.path() + "/bridge.log");
-  (void)connect_to(engineers_, 10);  // it runs
+  (void)connect_to(engineers_, 10);  // waits until the bridge runs
 }
 
 }  // namespace fieldcast::bench

@@ -1,5 +1,5 @@
-// What the benches of program transmission share: sockets of the loopback, a bridge in a process of
-// its own, frames by length.
+// Common parts of the benches for program transmission: loopback sockets, a bridge in its own
+// process, length-prefixed frames.
 #pragma once
 
 #include <chrono>
@@ -18,23 +18,23 @@ using Clock = std::chrono::steady_clock;
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// A port that nobody listens at just now.
+// A free port.
 [[nodiscard]] std::uint16_t free_port();
 
-// Connects to 127.0.0.1; throws std::runtime_error. With a patience it tries again until something
+// Connects to 127.0.0.1; throws std::runtime_error. With a patience it retries until a server
 // listens.
 [[nodiscard]] FileDescriptor connect_to(std::uint16_t port, double patience = 0);
 
-void send_all(int fd, ByteView bytes);  // throws std::runtime_error when the peer is gone
+void send_all(int fd, ByteView bytes);  // throws std::runtime_error if the peer has closed
 [[nodiscard]] Bytes receive_some(int fd,
                                  std::size_t most);  // blocks; empty at the end of the stream
-// With the end; byte by byte: for short things.
+// Includes the end; reads byte by byte, for short texts.
 [[nodiscard]] std::string receive_until(int fd, std::string_view end);
 
-// Asks for a device with framing by length until it is there; throws when it is refused otherwise.
+// Requests a device with length-prefixed framing until it is available; throws for other refusals.
 [[nodiscard]] FileDescriptor paired_client(std::uint16_t port, const std::string& number);
 
-// fieldcast-bridge with `program` on two free ports and the buses given (YAML, indented by two).
+// fieldcast-bridge with `program` on two free ports and the given buses (YAML, indented by two).
 class ProgramBridge {
  public:
   explicit ProgramBridge(const std::string& buses);
@@ -50,16 +50,15 @@ class ProgramBridge {
   std::unique_ptr<Process> process_;
 };
 
-// The three benches.
 struct ExchangeOptions {
-  double bytes = 1e6;   // requests and answers together
+  double bytes = 1e6;   // requests and responses together
   double delay_ms = 0;  // added to each round trip
   bool markers = false;
 };
 void exchange_bench(const ExchangeOptions& options);
 struct RelayOptions {
-  double gigabytes = 1;   // each way
-  bool terminal = false;  // through fieldcast-port too
+  double gigabytes = 1;   // in each direction
+  bool terminal = false;  // also through fieldcast-port
 };
 void relay_bench(const RelayOptions& options);
 struct ManyOptions {

@@ -1,5 +1,5 @@
-// Random bytes both ways at once through the bridge, and through fieldcast-port if asked: every one
-// is compared, and the memory of the processes watched.
+// Sends random bytes in both directions through the bridge, optionally through fieldcast-port;
+// compares every byte and checks the memory of the processes.
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kPiece = 64 * 1024;
 
-// The same bytes for the same seed, eight at a time (xorshift64*, Vigna 2016).
+// Deterministic bytes for a seed, eight at a time (xorshift64*, Vigna 2016).
 class Stream {
  public:
   explicit Stream(std::uint64_t seed) : state_(seed) {}
@@ -40,7 +40,7 @@ class Stream {
   std::uint64_t state_;
 };
 
-// Sends `total` bytes of the stream; with heads where the framing by length wants them.
+// Sends `total` bytes of the stream, with length prefixes if `framed`.
 void produce(int fd, std::uint64_t seed, std::uint64_t total, bool framed) {
   Stream stream(seed);
   Bytes piece(kPiece), out;
@@ -53,7 +53,7 @@ void produce(int fd, std::uint64_t seed, std::uint64_t total, bool framed) {
   }
 }
 
-// Takes the heads out of a stream that is framed by length.
+// Removes the length prefixes.
 class Unframed {
  public:
   void take(ByteView bytes, Bytes& out) {
@@ -78,7 +78,7 @@ class Unframed {
   std::uint32_t left_ = 0;
 };
 
-// Bytes that came right, up to `total` or the first that is wrong; `so_far` on the way.
+// Returns the number of correct bytes, up to `total` or the first wrong one; updates `so_far`.
 std::uint64_t compare(int fd, std::uint64_t seed, std::uint64_t total, bool framed,
                       std::atomic<std::uint64_t>& so_far) {
   Stream stream(seed);
@@ -137,7 +137,7 @@ void relay_bench(const RelayOptions& options) {
     const std::string link = bridge.folder().path() + "/plc",
                       log = bridge.folder().path() + "/port.log";
     for (int attempt = 0; attempt < 20;
-         ++attempt) {  // the bench's own pairing is freed at its own pace
+         ++attempt) {  // the bridge needs time to end the bench's own pairing
       port = std::make_unique<Process>(
           "fieldcast-port",
           std::vector<std::string>{"--server", "127.0.0.1:" + std::to_string(bridge.engineers()),

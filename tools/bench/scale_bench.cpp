@@ -1,16 +1,15 @@
-// Saturated buses at 19200 baud with many channels, one bridge, stations in other processes: what
-// the stations received (by sequence), what that costs, and whether every bus gets its share of its
-// wire. Afterwards a bare writer and reader of Fast DDS with the same data, for ratios that hold on
-// a slow day too.
+// Saturated buses at 19200 baud with many channels, one bridge, stations in other processes.
+// Measures the samples received (by sequence), the cost, and the wire share of every bus. Then
+// measures a bare Fast DDS writer and reader with the same data, so that the ratio is independent
+// of the machine's load.
 //
 // usage: scale_bench [--seconds N] [--buses N] [--channels N] [--one-by-one] [--loss SHARE]
 //                    [--bridge PROGRAM] [--run N] [--scrape ROUNDS]
 //
-// Without --buses: 1, 16 and 32 of them. --one-by-one: stations take fieldcast/Sample. --bridge: a
-// bridge of another build, to compare. --run: registers side by side, N of which one request reads,
-// instead of scattered ones (blocks of some 10). --scrape: nothing of that, but each bus's share of
-// its wire while the metrics are read every second against its share while they are not, in so many
-// rounds of both.
+// Default of --buses: 1, 16 and 32. --one-by-one: stations use fieldcast/Sample. --bridge: bridge
+// of a different build, to compare. --run: contiguous registers, N for each request, instead of
+// scattered ones (blocks of about 10). --scrape: measures only each bus's wire share with and
+// without reading the metrics every second, alternately, in this many rounds.
 #include <algorithm>
 #include <cmath>
 #include <csignal>
@@ -38,7 +37,7 @@ struct Options {
   int channels = 300;  // of each bus
   int run = 0;         // 0: scattered
   bool one_by_one = false;
-  int scrape = 0;   // rounds; 0: another measurement
+  int scrape = 0;   // rounds; 0: off
   double loss = 0;  // share of the datagrams that do not reach a station
   std::string bridge = "fieldcast-bridge";
 };
@@ -75,7 +74,7 @@ std::string buses(int count, const Options& options) {
   return text;
 }
 
-// What the bridge says it did, over all buses.
+// Totals of the bridge over all buses.
 struct Done {
   double samples = 0, exchanges = 0;
 };
@@ -88,17 +87,17 @@ Done done(const std::map<std::string, StationBusStatus>& buses) {
   return sum;
 }
 
-// What one run found, to be compared with a bare writer and reader.
+// Figures of one run, to be compared with a bare writer and reader.
 struct Figures {
   double samples = 0, exchanges = 0;  // a second
-  double bridge = 0, station = 0;     // processor seconds for 1 000 samples; the first station's
+  double bridge = 0, station = 0;     // processor seconds for 1 000 samples; of the first station
 };
 
 class Measurement {
  public:
   explicit Measurement(const Options& options, Plant& plant) : options_(options), plant_(plant) {}
 
-  // The stations run already; those that are stopped do not count.
+  // The stations already run; stopped ones are not counted.
   Figures run(const char* what, const std::vector<StationProcess*>& stations) {
     const double cpu = plant_.bridge().cpu_seconds();
     const auto before = plant_.buses();
@@ -174,7 +173,7 @@ Compared measure_plant(const Options& options, int count) {
     throw std::runtime_error("the simulator made no links");
   plant.start_bridge(options.bridge);
   plant.listen_to_status();
-  let_run(12);  // the measured load looks back ten seconds
+  let_run(12);  // the measured load covers the last ten seconds
   Measurement measurement(options, plant);
   Compared compared;
   compared.alone = measurement.run("nobody listens to samples", {});
@@ -233,7 +232,7 @@ void compare_with_bare(const Options& options, std::size_t channels, const Compa
   }
 }
 
-// The shares of both kinds of rounds, added up.
+// Sums of the shares of both kinds of rounds.
 struct Shares {
   double without = 0, with = 0;
 };
@@ -258,7 +257,7 @@ void print_scrapes(const std::map<std::string, Shares>& shares, int rounds, cons
 }
 
 void measure_scrapes(const Options& options, int count) {
-  constexpr double kWindow = 10.5;  // the measured load looks back ten seconds
+  constexpr double kWindow = 10.5;  // the measured load covers the last ten seconds
   const std::uint16_t port = free_tcp_port();
   Plant plant(buses(count, options), {},
               "metrics: { listen: 127.0.0.1:" + std::to_string(port) + " }\n");

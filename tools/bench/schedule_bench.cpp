@@ -1,8 +1,8 @@
-// Figures of the scheduler in virtual time: the load it sustains without a missed refresh, what it
-// spends, what a decision costs.
+// Measures the scheduler in virtual time: sustained load without a missed refresh, wire usage, cost
+// of a decision.
 //
 // usage: schedule_bench [sustained] [spent] [decision] [intensive] [mixed] [agree] [engine]
-//        (all of them without an argument)
+//        (default: all)
 //        schedule_bench mixed FIRST_SEED
 //        schedule_bench agree|engine FIRST_SEED MAPS
 #include <fmt/format.h>
@@ -53,7 +53,7 @@ Spent run(const test::Map& map, Planner planner, Duration delay, double stretch,
   return {wire.missed() + wire.overdue(), wire.load(), scheduler->planned_load()};
 }
 
-// The highest share of the bound at which half an hour passes without a missed refresh.
+// The highest share of the bound without a missed refresh in half an hour.
 double sustained(const test::Map& map, Planner planner, Duration delay, StepProgress& progress) {
   const double least = test::least_load(map, kBaud, delay);
   return bench::greatest_share(1.0, progress, [&](double share) {
@@ -119,7 +119,7 @@ void print_spent() {
   std::puts("");
 }
 
-// Of this thread: others on the machine do not count.
+// Of this thread, so that other processes do not count.
 Duration processor_time() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
@@ -155,7 +155,7 @@ void print_decision() {
         now = std::get<Rest>(decision).until;
       }
       took.push_back(processor_time() - asked);
-      replan(*scheduler, now);  // on another thread, in a bridge
+      replan(*scheduler, now);  // runs on another thread in a bridge
       total += took.back();
       if (++decisions % kStep == 0) progress.step();
     }
@@ -203,8 +203,8 @@ void print_intensive() {
               to_seconds(longest) / to_seconds(shortest));
 }
 
-// A bus of two to six units that speak up to four protocols, with points of several areas and
-// refreshes from 100 ms to 10 s, and a planned load from a quarter of the wire to all of it.
+// A bus of two to six units with up to four protocols, points of several areas, refreshes from 100
+// ms to 10 s, and a planned load from a quarter of the wire to all of it.
 struct MixedBus {
   std::vector<std::unique_ptr<Protocol>> protocols;
   ScheduleInput input;
@@ -214,8 +214,8 @@ MixedBus mixed_bus(std::uint64_t seed) {
     const char* name;
     std::map<std::string, std::string> options;
     const char* areas[2];
-    std::uint32_t items[2];  // of one point, at most
-    std::uint32_t end;       // of the addresses in the second area
+    std::uint32_t items[2];  // maximum of one point
+    std::uint32_t end;       // end of the addresses in the second area
   };
   static const Family families[] = {
       {"modbus-rtu", {}, {"holding:", "coil:"}, {2, 1}, 2000},

@@ -14,7 +14,7 @@
 namespace fieldcast::bench {
 namespace {
 
-// The whole answer; empty when there is none.
+// Returns the whole response; empty on failure.
 std::string scrape(std::uint16_t port) {
   static constexpr std::string_view kRequest =
       "GET /metrics HTTP/1.1\r\nHost: bridge\r\nConnection: close\r\n"
@@ -34,7 +34,7 @@ std::string scrape(std::uint16_t port) {
 }  // namespace
 
 std::uint16_t free_tcp_port() {
-  constexpr unsigned kLowest = 20000, kCount = 12000;  // below those that the kernel assigns
+  constexpr unsigned kLowest = 20000, kCount = 12000;  // below the kernel's ephemeral ports
   for (unsigned i = 0; i < kCount; ++i) {
     const auto port =
         static_cast<std::uint16_t>(kLowest + (static_cast<unsigned>(::getpid()) * 7 + i) % kCount);

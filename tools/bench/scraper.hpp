@@ -1,4 +1,4 @@
-// Reads the metrics of a bridge once a second, as Prometheus does, on a thread of its own.
+// Reads the metrics of a bridge once a second on its own thread, as Prometheus does.
 #pragma once
 
 #include <atomic>
@@ -7,18 +7,18 @@
 
 namespace fieldcast::bench {
 
-// A port of the loopback that nobody listens at just now. Throws where there is none.
+// Returns a free port of the loopback; throws if there is none.
 [[nodiscard]] std::uint16_t free_tcp_port();
 
 class Scraper {
  public:
   explicit Scraper(std::uint16_t port);
-  ~Scraper();  // ends after the scrape under way
+  ~Scraper();  // waits for the pending scrape
   Scraper(const Scraper&) = delete;
   Scraper& operator=(const Scraper&) = delete;
 
-  [[nodiscard]] std::uint64_t scrapes() const { return scrapes_; }  // answered in full
-  [[nodiscard]] std::uint64_t bytes() const { return bytes_; }      // of the last answer
+  [[nodiscard]] std::uint64_t scrapes() const { return scrapes_; }  // complete responses
+  [[nodiscard]] std::uint64_t bytes() const { return bytes_; }      // of the last response
 
  private:
   void run();
@@ -26,7 +26,7 @@ class Scraper {
   const std::uint16_t port_;
   std::atomic<std::uint64_t> scrapes_{0}, bytes_{0};
   std::atomic<bool> ending_{false};
-  std::thread thread_;  // last: it uses what is above
+  std::thread thread_;  // last member: it uses the members above
 };
 
 }  // namespace fieldcast::bench

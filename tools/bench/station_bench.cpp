@@ -1,12 +1,12 @@
-// What fieldcast-station costs, and how fresh its pages are: a bridge without wires publishes every
-// channel once a second, and clients of the WebSocket read everything. Bridge and station are
-// processes of their own; loopback, and a DDS domain of their own.
+// Measures the cost of fieldcast-station and the age of the values on its pages: a bridge without
+// wires publishes every channel once a second, and WebSocket clients read everything. Bridge and
+// station are separate processes on the loopback, in a separate DDS domain.
 //
 // usage: station_bench [--channels N] [--seconds S] [--stopped S] [--hours H]
 //
 // --channels: 10000, on 10 buses. --seconds: of each measurement, 8. --stopped: how long one client
-// reads nothing, 60; 0 leaves that out. --hours: instead of all that, so many hours of virtual time
-// of the model and its clients, without sockets and DDS.
+// stops reading, 60; 0 skips this part. --hours: instead, runs the model and its clients for this
+// many hours of virtual time, without sockets and DDS.
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -43,15 +43,15 @@ Options options_from(int argc, char** argv) {
   return options;
 }
 
-// A figure and its share of the goal: below 1 it is reached.
+// Prints a figure and its ratio to the goal; the goal is reached below 1.
 void print_goal(const char* what, double value, const char* unit, double goal) {
   std::printf("%-58s %12.4g %-10s goal < %g: ratio %.2f%s\n", what, value, unit, goal, value / goal,
               value < goal ? "" : "  NOT REACHED");
   std::fflush(stdout);
 }
 
-// Of all threads of a process, to the nanosecond: what runs in short bursts falls between the ticks
-// by which the kernel counts cpu_seconds().
+// Run time of all threads in nanoseconds; cpu_seconds() counts in kernel ticks and misses short
+// bursts.
 double run_seconds(pid_t process) {
   double seconds = 0;
   const std::string threads = "/proc/" + std::to_string(process) + "/task";
@@ -95,7 +95,7 @@ class StationBench {
   }
   [[nodiscard]] std::uint64_t all() const { return static_cast<std::uint64_t>(options_.channels); }
 
-  // The station listens, has the catalogue and a value of each channel.
+  // Waits until the station listens and has the catalogue and a value of each channel.
   void wait_until_complete() {
     if (!wait_for_text(log(), "served at", 20))
       throw std::runtime_error("the station did not start; see " + log());
@@ -109,7 +109,7 @@ class StationBench {
                  "s", "");
   }
 
-  // Processor share and memory of the station, freshness and bytes at `count` clients.
+  // Measures processor share, memory, age and bytes with `count` clients.
   void with_clients(std::size_t count) {
     std::printf("%zu clients, %d channels, each once a second\n", count, options_.channels);
     LiveClients clients(port_);
@@ -158,7 +158,7 @@ class StationBench {
                clients.first_data(client, all(), 10), "s", 1);
   }
 
-  // One of 20 reads nothing for a while.
+  // One of 20 clients stops reading for some time.
   void stopped_client() {
     std::printf("one of 20 clients reads nothing for %.0f s\n", options_.stopped);
     LiveClients clients(port_);

@@ -1,11 +1,11 @@
-// What a station's history and its recorder cost, in one process and with SQLite: 30 days of one
-// sample a second as the answer of GET /api/history, without the HTTP around it; and 10 000 samples
-// a second that are recorded.
+// Measures a station's history and its recorder in one process with SQLite: the response of GET
+// /api/history for 30 days of one sample a second, without HTTP, and the recording of 10 000
+// samples a second.
 //
 // usage: station_history_bench [--file PATH] [--seconds S]
 //
-// --file: where the store with the 30 days is made and left, to be asked by a real station;
-// otherwise it is removed. --seconds: of recording, 20.
+// --file: keeps the store with the 30 days in this file, for tests with a real station; without it
+// the store is removed. --seconds: of recording, 20.
 #include <sys/resource.h>
 
 #include <cstdio>
@@ -24,7 +24,7 @@ namespace {
 
 using std::chrono::steady_clock;
 
-// Of store_history.cpp.
+// See store_history.cpp.
 constexpr UtcTime kHistoryBegin{1'699'920'000'000'000'000};
 constexpr UtcTime kHistoryEnd{kHistoryBegin.nanoseconds + 30 * 86'400'000'000'000};
 

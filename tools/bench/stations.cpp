@@ -47,7 +47,7 @@ std::uint64_t dropped_datagrams() {
 
 std::uint64_t dropped_datagrams(pid_t process) {
   std::set<std::string> sockets;  // their inodes
-  std::error_code gone;           // files close while they are listed
+  std::error_code gone;           // files may close while they are listed
   const std::string of_process = "/proc/" + std::to_string(process);
   for (const auto& file : std::filesystem::directory_iterator(of_process + "/fd", gone)) {
     const std::string target = std::filesystem::read_symlink(file.path(), gone).string();
@@ -56,11 +56,11 @@ std::uint64_t dropped_datagrams(pid_t process) {
   std::ifstream file(of_process + "/net/udp");
   std::uint64_t dropped = 0;
   std::string line;
-  std::getline(file, line);  // the heading
+  std::getline(file, line);  // skips the heading
   while (std::getline(file, line)) {
     std::istringstream fields(line);
     const std::vector<std::string> words{std::istream_iterator<std::string>(fields), {}};
-    // proc(5): inode is the tenth, drops the last one.
+    // proc(5): inode is the tenth field, drops the last.
     if (words.size() > 10 && sockets.contains(words[9])) dropped += std::stoull(words.back());
   }
   return dropped;

@@ -1,4 +1,4 @@
-// Stations in processes of their own, and what they received: for benches. Main thread.
+// Stations in separate processes with their counters. Main thread.
 #pragma once
 
 #include <cstdint>
@@ -10,21 +10,21 @@
 
 namespace fieldcast::bench {
 
-// What a station has received since it began.
+// Totals of a station since start.
 struct Received {
-  std::uint64_t samples = 0, missing = 0;  // by their sequence
+  std::uint64_t samples = 0, missing = 0;  // by sequence
   std::uint64_t channels = 0;              // with a value
-  std::uint64_t listed = 0;                // of the catalogue
+  std::uint64_t listed = 0;                // in the catalogue
   std::uint64_t missing_blocks = 0;
 };
 
 class StationProcess {
  public:
-  // `one_by_one`: by fieldcast/Sample instead of by blocks. `loss`: the share of datagrams that do
-  // not reach it. `program`: another one that prints what bench_station does.
+  // `one_by_one`: uses fieldcast/Sample instead of blocks. `loss`: share of dropped datagrams.
+  // `program`: prints the same lines as bench_station.
   StationProcess(const ScratchFolder& folder, unsigned domain, const std::string& name,
                  bool one_by_one, double loss = 0, const std::string& program = "bench_station");
-  [[nodiscard]] Received received() const;  // not older than 20 ms, if it runs
+  [[nodiscard]] Received received() const;  // at most 20 ms old while it runs
   [[nodiscard]] double cpu_seconds() const { return process_.cpu_seconds(); }
   [[nodiscard]] pid_t id() const { return process_.id(); }
 
@@ -33,9 +33,9 @@ class StationProcess {
   Process process_;
 };
 
-// Datagrams that the kernel dropped since the machine started, since a socket's buffer was full.
+// Datagrams that the kernel dropped since boot because a socket buffer was full.
 [[nodiscard]] std::uint64_t dropped_datagrams();
-// The same, of the sockets that a process has open now (/proc/net/udp).
+// The same for the open sockets of a process (/proc/net/udp).
 [[nodiscard]] std::uint64_t dropped_datagrams(pid_t process);
 
 }  // namespace fieldcast::bench

@@ -1,5 +1,5 @@
-// What the store costs those who acquire, and whether it keeps its word: 20 000 samples a second
-// for a minute, with and without it; the same in a bridge with saturated buses; and a process that
+// Measures the effect of the store on acquisition and its reliability: 20 000 samples a second for
+// a minute, with and without store; the same in a bridge with saturated buses; and a process that
 // is killed while it stores.
 //
 // usage: store_bench [--seconds N] [--url postgresql://..]
@@ -26,8 +26,8 @@ namespace fieldcast::bench {
 namespace {
 
 constexpr std::size_t kChannels = 1000;
-constexpr std::size_t kBlock = 100;                         // samples of one answer
-constexpr Duration kPeriod = std::chrono::milliseconds{5};  // 200 answers a second
+constexpr std::size_t kBlock = 100;                         // samples of one response
+constexpr Duration kPeriod = std::chrono::milliseconds{5};  // 200 responses a second
 constexpr unsigned kAnswers = 200;                          // in a second
 
 BusSpec bus() {
@@ -58,8 +58,7 @@ std::vector<Sample> block(std::uint64_t answer, Instant now) {
 struct Costs {
   std::vector<double> lateness, put;  // microseconds
 };
-// A bus that has an answer once in each period, as a thread that keeps its time like those of the
-// bridge.
+// A bus with one response each period, on a thread with the same timing as in the bridge.
 Costs acquire(Store::Intake* intake, double seconds, Duration ahead) {
   prctl(PR_SET_TIMERSLACK, 1000UL);
   Costs costs;
@@ -103,7 +102,7 @@ struct Stored {
   Costs costs;
   double processor = 0;  // cores
 };
-// Published at the present time, or `ahead` of it.
+// Published now, or `ahead` of now.
 Stored store_for(const std::string& address, double seconds, Duration ahead) {
   StoreSpec spec{address};
   const double cpu = cpu_of_process();
@@ -123,7 +122,7 @@ Stored store_for(const std::string& address, double seconds, Duration ahead) {
   return result;
 }
 
-// Samples of the minutes that have ended, told by their rows.
+// Samples counted by the rows of finished minutes.
 double counted_by_tiers(const std::string& address) {
   double counted = 0;
   open_store(StoreAddress(address), IfMissing::kFail)
@@ -150,7 +149,7 @@ void throughput(const std::string& address, double seconds) {
         static_cast<double>(std::filesystem::file_size(address)) / (seconds * kAnswers * kBlock),
         "bytes", "");
   }
-  // The minutes of the day after tomorrow do not close, so that none is written.
+  // Minutes in the future are not finished, so none is written.
   std::printf("the same without writing minutes\n");
   const Stored untiered = store_for(address, seconds, std::chrono::hours{48});
   print_figure("  processor, with minutes / without", with.processor / untiered.processor, "", "");
@@ -158,8 +157,6 @@ void throughput(const std::string& address, double seconds) {
                quantile(with.costs.lateness, 0.99) / quantile(untiered.costs.lateness, 0.99), "",
                "");
 }
-
-// ---- a bridge with saturated buses
 
 constexpr int kBuses = 8;
 
@@ -186,7 +183,7 @@ Acquired saturate(bool stored, double seconds) {
     throw std::runtime_error("the simulator made no links");
   plant.start_bridge();
   plant.listen_to_status();
-  let_run(12);  // the measured load looks back ten seconds
+  let_run(12);  // the measured load covers the last ten seconds
   const auto published = [&] {
     std::uint64_t sum = 0;
     for (const auto& [name, status] : plant.buses()) sum += status.report.samples;
@@ -215,8 +212,6 @@ void saturated(double seconds) {
   print_figure("  processor of the bridge, without", without.processor, "cores", "");
   print_figure("  processor of the bridge, with", with.processor, "cores", "");
 }
-
-// ---- the death of a process
 
 [[noreturn]] void store_and_tell(const std::string& address, int tell) {
   Store store(StoreSpec{address});
@@ -247,7 +242,7 @@ void killed(const std::string& address, double seconds) {
   ::waitpid(child, nullptr, 0);
   ::close(ends[0]);
   std::uint64_t found = 0;
-  std::set<std::uint64_t> first;  // which of those that were reported first are there, by number
+  std::set<std::uint64_t> first;  // numbers of the stored samples among those reported first
   const auto connection = open_store(StoreAddress(address), IfMissing::kFail);
   SampleTable(*connection)
       .history(Pattern(), {}, UtcTime{INT64_MAX}, [&](const StoredSample& sample) {
@@ -284,7 +279,7 @@ int main(int argc, char** argv) {
     const auto address = [&](const char* file) {
       return url.empty() ? folder.path() + '/' + file : url;
     };
-    if (wanted("killed")) killed(address("killed.db"), seconds / 6);  // first: it forks
+    if (wanted("killed")) killed(address("killed.db"), seconds / 6);  // first, because it forks
     if (wanted("throughput")) throughput(address("store.db"), seconds);
     if (wanted("history")) read_thirty_days(fieldcast::StoreAddress(address("history.db")));
     if (wanted("saturated") && url.empty()) saturated(seconds / 4);

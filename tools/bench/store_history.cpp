@@ -30,14 +30,14 @@ double seconds_of(const auto& work) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
 }
 
-// The best of some: the machine does other things too.
+// The best of several runs, because other processes share the machine.
 double best_of(int runs, const auto& work) {
   double best = std::numeric_limits<double>::infinity();
   for (int run = 0; run < runs; ++run) best = std::min(best, seconds_of(work));
   return best;
 }
 
-// Day by day, so that a server's time limit for a statement suffices.
+// Day by day, to stay within a server's statement timeout.
 void insert_samples(SqlConnection& connection, std::int64_t channel) {
   StepProgress progress("making samples", kDays);
   for (std::int64_t day = 0; day < kDays; ++day, progress.step()) {
@@ -94,7 +94,7 @@ void fill_thirty_days(const StoreAddress& address) {
   double longest = 0;
   bool more = true;
   const double tiered = seconds_of([&] {
-    // Those of the samples; the few of coarser tiers follow.
+    // Steps over the samples; the few steps of coarser tiers follow.
     StepProgress progress("making tiers", kDays * kDay / TierWriter::kSamplesAtOnce);
     for (; more; progress.step())
       longest = std::max(longest, seconds_of([&] { more = tiers.step(*connection, kEnd); }));
@@ -123,7 +123,7 @@ void read_thirty_days(const StoreAddress& address) {
   const double all = best_of(3, [&] { seen = read(address, channels, every); });
   print_figure("  points of 100 channels", static_cast<double>(seen.points), "", "");
   print_figure("  100 channels, from minutes", all, "s", "below 5");
-  // A width that no tier adds up to: a second less.
+  // No tier fits this width, which is a second less.
   const double raw = best_of(2, [&] { seen = read(address, one, every - 1s); });
   print_figure("  one channel, from its samples", 1e3 * raw, "ms", "");
   const double day = best_of(3, [&] { seen = read(address, channels, 24h); });

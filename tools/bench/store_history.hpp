@@ -1,4 +1,4 @@
-// Thirty days of one-second samples, and how fast they are read as 1 000 points.
+// Fills a store with 30 days of one-second samples and measures reading them as 1 000 points.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace fieldcast::bench {
 void fill_thirty_days(const StoreAddress& address);
 
 // Fills the store at `address` and prints the figures. One channel has every sample, the others
-// have the minutes and hours of theirs: 0.4 GB in SQLite. One thread. Throws StoreError.
+// only minutes and hours: 0.4 GB in SQLite. One thread. Throws StoreError.
 void read_thirty_days(const StoreAddress& address);
 
 }  // namespace fieldcast::bench

@@ -1,7 +1,7 @@
-// Late, doubled and foreign answers over every protocol, in virtual time: how many good values were
-// wrong. Nothing asserts on it; tests/bus/late_test.cpp is its short run.
+// Late, doubled and foreign responses with every protocol in virtual time: counts wrong good
+// values. Asserts nothing; tests/bus/late_test.cpp is the short version.
 //
-//     storm_bench [EXCHANGES] [PROTOCOL]     of each protocol, a million by default
+//     storm_bench [EXCHANGES] [PROTOCOL]     of each protocol, default a million
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
@@ -16,7 +16,7 @@ using namespace std::chrono_literals;
 int main(int count, char** arguments) {
   const std::uint64_t exchanges = count > 1 ? std::strtoull(arguments[1], nullptr, 10) : 1'000'000;
   const std::string only = count > 2 ? arguments[2] : "";
-  constexpr std::uint64_t kRun = 20'000;  // then another lateness, and another seed
+  constexpr std::uint64_t kRun = 20'000;  // then changes the delay and the seed
   constexpr Duration kLate[] = {80ms, 150ms, 205ms, 250ms, 320ms, 450ms, 560ms};
   std::printf("timeout 200 ms; 5 %% of the answers late by 80 to 560 ms, 2 %% doubled\n");
   std::printf("%-24s %10s %9s %9s %12s %9s %6s\n", "protocol", "exchanges", "late", "doubled",

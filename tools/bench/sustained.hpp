@@ -1,4 +1,4 @@
-// The greatest load that holds, by halving: what the benches of the scheduler look for.
+// Finds the greatest sustainable load by bisection, for the scheduler benches.
 #pragma once
 
 #include <cstddef>
@@ -7,17 +7,18 @@
 
 namespace fieldcast::bench {
 
-constexpr double kLeastShare = 0.05;  // always holds
-constexpr double kShareStep = 0.004;  // the share is found to within this
+constexpr double kLeastShare = 0.05;  // always sustainable
+constexpr double kShareStep = 0.004;  // resolution of the result
 
-// How often greatest_share() tries, so often it steps the progress.
+// Number of trials of greatest_share(), each of which steps the progress.
 [[nodiscard]] constexpr std::size_t trials_below(double most) {
   std::size_t trials = 0;
   for (double width = most - kLeastShare; width > kShareStep; width /= 2) ++trials;
   return trials;
 }
 
-// The greatest share below `most` of which `holds(share)` is true, where all smaller ones hold too.
+// Returns the greatest share below `most` with `holds(share)`; assumes that all smaller shares also
+// hold.
 template <typename Holds>
 [[nodiscard]] double greatest_share(double most, StepProgress& progress, const Holds& holds) {
   double good = kLeastShare;

@@ -1,6 +1,6 @@
-// 300 scattered holding registers in 3 units on one 115200-baud line, devices answering after 2 ms:
-// how many channel refreshes a second the bridge gets from the wire, against a bare blocking loop
-// over the optimal partition on the same emulated wire, and against theory.
+// 300 scattered holding registers in 3 units on a line of 115200 baud, devices with a response time
+// of 2 ms. Compares the channel refreshes a second of the bridge with a bare blocking loop over the
+// optimal partition on the same emulated wire, and with the theoretical maximum.
 //
 // usage: wire_bench [--seconds N]
 #include <fcntl.h>
@@ -42,12 +42,12 @@ std::string buses() {
 struct BareRead {
   Bytes request;
   std::size_t answer = 0;    // bytes
-  std::size_t channels = 0;  // that it refreshes
+  std::size_t channels = 0;  // channels refreshed by the read
 };
 
 struct BarePlan {
   std::vector<BareRead> reads;
-  Duration theory{};  // wire time of one round of all of them
+  Duration theory{};  // wire time of one round of all reads
 };
 
 BarePlan optimal_plan(const BusSpec& bus) {
@@ -77,7 +77,7 @@ BarePlan optimal_plan(const BusSpec& bus) {
   return plan;
 }
 
-// The whole answer, or an exception: this loop knows no faults.
+// Reads the whole response; throws on any fault.
 void read_exactly(int line, std::size_t bytes) {
   std::uint8_t buffer[512];
   for (std::size_t got = 0; got < bytes;) {
@@ -89,7 +89,7 @@ void read_exactly(int line, std::size_t bytes) {
   }
 }
 
-// Channel refreshes a second of the simplest master that knows the optimal partition.
+// Channel refreshes a second of the simplest master with the optimal partition.
 double bare_loop(const BarePlan& plan, const std::string& path, Duration silence, double seconds) {
   const int line = open(path.c_str(), O_RDWR | O_NOCTTY);
   if (line < 0) throw std::runtime_error("cannot open " + path);
@@ -154,7 +154,7 @@ void run(double seconds) {
   plant.start_simulator();
   if (!wait_for_path(plant.link("bus"), 10)) throw std::runtime_error("the simulator made no link");
   const double theory = kUnits * kRegisters / to_seconds(plan.theory);
-  // Twice each, in turns: whatever else this machine does falls on both.
+  // Twice each, alternating, so that other load on the machine affects both alike.
   double bare = 0;
   double bridged = 0;
   double evenness = 0;

@@ -1,4 +1,4 @@
-// fieldcast-port: links a virtual serial port to a PLC behind a bridge, for as long as it runs.
+// fieldcast-port: connects a virtual serial port to a PLC behind a bridge while it runs.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -75,7 +75,7 @@ int fail(ExitCode code, const std::string& text) {
   return code;
 }
 
-// The password, or why there is none.
+// Reads the password, or fails with the reason.
 tl::expected<Secret, std::string> password_of(const std::string& path) {
   auto password = read_secret_line(path, Readers::kOwner);
   if (password && password->size() > program::kMaxLoginText)
@@ -94,7 +94,7 @@ ExitCode exit_code_of(const PortEnd& end) {
   return kTrouble;
 }
 
-// The error is what is wrong with the command line.
+// The error describes the fault of the command line.
 using Usage = tl::expected<void, std::string>;
 
 Usage read_line(const Arguments& given, port::PortOptions& options) {

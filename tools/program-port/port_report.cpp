@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// The port serves its program also while nobody reads its standard output.
+// A separate writer, so that the port works while nobody reads standard output.
 LineWriter& output() {
   static auto& lines = *new LineWriter(STDOUT_FILENO, [](std::uint64_t lost) {
     return fmt::format("({} lines are missing here)\n", lost);
@@ -49,8 +49,8 @@ PortReport::PortReport(bool json, std::string device, std::string link)
       link_(std::move(link)),
       progress_(std::cerr) {}
 
-// What the bridge says is text from outside. The line is written on another thread: where the
-// progress stands, it wipes that first.
+// Escapes the bridge's text, which is untrusted. The line is written on another thread and first
+// clears the progress line.
 void PortReport::print(const std::string& line) {
   output().put((redrawn_ ? "\r\x1b[K" : "") + printable(line) + '\n');
 }

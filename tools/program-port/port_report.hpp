@@ -1,5 +1,5 @@
-// What fieldcast-port says of itself: lines for people, or JSON lines with the same contents. At a
-// terminal the bytes that pass are one line that is redrawn. Thread of main; nothing fails.
+// Output of fieldcast-port as text or as JSON lines with the same contents. On a terminal the byte
+// counters are one line that is redrawn. Main thread; nothing fails.
 #pragma once
 
 #include <string>
@@ -12,20 +12,20 @@ namespace fieldcast::port {
 class PortReport {
  public:
   PortReport(bool json, std::string device, std::string link);
-  ~PortReport();  // the last lines are written, if somebody reads them
+  ~PortReport();  // writes the last lines if they are read
   PortReport(const PortReport&) = delete;
   PortReport& operator=(const PortReport&) = delete;
 
   void state(const std::string& state, const std::string& text);
   void dropped(const std::string& text);
   void line(std::uint32_t baud, unsigned stop_bits);
-  // Totals so far and the rates since the last call; nothing when nothing moved. `last`: always,
-  // with the rates of the whole time.
+  // Prints totals and the rates since the last call; prints nothing without new bytes. `last`:
+  // always prints, with the rates of the whole time.
   void traffic(std::uint64_t sent, std::uint64_t received, Instant now, bool last);
-  // The same on the terminal's line, where there is one; to be called often. `waiting`: bytes for
-  // the device that have not left this machine.
+  // Redraws the same on the terminal's line, if any; call it often. `waiting`: bytes for the device
+  // not sent yet.
   void show_traffic(std::uint64_t sent, std::uint64_t received, std::uint64_t waiting, Instant now);
-  // Behind the end, while the last bytes leave: `share` of them has.
+  // Shows the progress of the last bytes after the end; `share` of them is sent.
   void show_last_bytes(double share);
   void paired(Instant now) { since_ = at_ = shown_at_ = now; }
 
@@ -33,7 +33,7 @@ class PortReport {
   void print(const std::string& line);
 
   bool json_;
-  bool redrawn_;  // a terminal has the lines and the progress
+  bool redrawn_;  // terminal with a progress line
   std::string device_, link_;
   ProgressLine progress_;
   Instant since_{}, at_{};

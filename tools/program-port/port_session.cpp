@@ -20,14 +20,14 @@ using program::PortClient;
 using program::PortEnd;
 
 constexpr std::chrono::seconds kConnectLimit{10};
-// At the virtual port's settings, beside every time that bytes come.
+// Interval of checks of the virtual port's settings, in addition to checks when bytes arrive.
 constexpr std::chrono::milliseconds kCheckPeriod{100};
-constexpr unsigned kChecksOfReport = 10;  // a line of traffic each second
-// For the last bytes, at the end, since one left: a bridge before a slow line takes them in steps.
+constexpr unsigned kChecksOfReport = 10;  // a traffic line each second
+// Timeout between bytes at the end: a bridge with a slow line accepts the last bytes in steps.
 constexpr std::chrono::seconds kFlushBridge{10};
 constexpr std::chrono::seconds kFlushProgram{1};
 
-// A rate that no program sets: whatever one sets, even a new terminal's 38400, is then seen as set.
+// A rate that no program uses, so that every change is detected, even to the default 38400.
 constexpr std::uint32_t kNobodysRate = 38401;
 
 std::optional<program::LineSettings> untouched(int fd) {
@@ -139,7 +139,8 @@ void PortSession::execute(const PortClient::Paired&) {
   report_.paired(steady_now());
   report_.state("paired", "paired; the programming software may open the port");
   open_terminal();
-  // Later than this: actions of the same event carry bytes for the terminal that it has by now.
+  // Posted, because actions of the same event contain bytes for the terminal, which must be open by
+  // then.
   asio::post(io_, [this] {
     if (!over_) tick();
   });
@@ -162,8 +163,8 @@ void PortSession::open_terminal() {
                     }});
 }
 
-// Before bytes that a program sends under new settings, and now and then: a program may listen
-// first.
+// Called before bytes that a program sends under new settings, and periodically, because a program
+// may listen first.
 void PortSession::check_line() {
   const auto now = rate_of(pty_.fd());
   if (!now || now == settings_) return;
@@ -194,8 +195,8 @@ void PortSession::execute(const PortClient::Finish& what) {
   wind_up();
 }
 
-// What is still to be sent either way has its time while bytes leave; then nothing keeps the
-// io_context busy. A second signal ends it at once.
+// Sends the remaining bytes while there is progress; then the io_context runs out of work. A second
+// signal ends it immediately.
 void PortSession::wind_up() {
   if (std::exchange(over_, true)) return;
   report_.state("ended", end_.text);

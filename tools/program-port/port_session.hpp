@@ -1,5 +1,5 @@
-// From the first connection attempt to the end: a stream to the bridge, the virtual port, and the
-// pure PortClient between them. Lives on the io_context of main.
+// Connects to the bridge and relays between its stream and the virtual port with the pure
+// PortClient, until the end. Runs on the io_context of main.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -21,16 +21,16 @@ struct PortOptions {
   std::uint16_t server_port = 0;
   bool tls = false;
   std::string authorities;  // PEM file; empty: the system's
-  TlsSpec own;              // the engineer's certificate and key, if there is one
+  TlsSpec own;              // the engineer's certificate and key, if any
   program::PortClientRules rules;
 };
 
 class PortSession {
  public:
-  // Takes the virtual port; the report outlives the session.
+  // Owns the virtual port; `report` must outlive the session.
   PortSession(boost::asio::io_context& io, PortOptions options, sim::PtyPort pty,
               PortReport& report);
-  // Everything happens in io.run(), which then returns.
+  // Everything runs in io.run(), which then returns.
   void start();
   [[nodiscard]] const program::PortEnd& end() const { return end_; }
 
@@ -65,7 +65,7 @@ class PortSession {
   std::shared_ptr<program::RelayEnd> bridge_, terminal_;
   std::optional<program::LineSettings> settings_;  // as last seen
   unsigned ticks_ = 0;
-  std::size_t last_bytes_ = 0;  // that waited for the bridge at the end; 0: none did
+  std::size_t last_bytes_ = 0;  // bytes waiting for the bridge at the end; 0: none
   program::PortEnd end_;
   bool over_ = false;
 };

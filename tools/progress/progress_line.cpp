@@ -13,12 +13,13 @@ namespace {
 
 constexpr std::chrono::milliseconds kShowAgain{250};
 constexpr std::chrono::milliseconds kFirstShown{500};
-constexpr std::chrono::milliseconds kWriting{50};  // a line takes no longer, where somebody reads
+// maximum time to write a line if the terminal is read
+constexpr std::chrono::milliseconds kWriting{50};
 constexpr std::string_view kWipe = "\r\x1b[K";
-// Behind the text: room for the "^C" of the terminal, or the line would go on in a second one.
+// Free columns after the text for the "^C" of the terminal, which would wrap the line.
 constexpr std::size_t kMargin = 3;  // columns
 
-// What is on the terminal; who ends the process keeps the lock.
+// State of the terminal; kept locked at the end of the process.
 std::timed_mutex terminal;
 bool line_is_shown = false;
 

@@ -1,5 +1,5 @@
-// One text line that tells how far a program is: on standard error, and only where that is a
-// terminal. It is wiped when the object goes. Main thread, one at a time; nothing fails.
+// A progress line on standard error, shown only on a terminal and cleared by the destructor. Main
+// thread, one instance at a time; nothing fails.
 #pragma once
 
 #include <chrono>
@@ -21,11 +21,10 @@ class ProgressLine {
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  // Asks for the text and shows it, four times a second at most, and not in the first half second:
-  // what is done by then needs no progress.
+  // Shows the text at most four times a second, and not in the first half second.
   void show(const Text& text);
   void clear();
-  [[nodiscard]] bool seen() const { return seen_; }  // by somebody
+  [[nodiscard]] bool seen() const { return seen_; }  // standard error is a terminal
 
  private:
   std::ostream& err_;
@@ -34,8 +33,7 @@ class ProgressLine {
   std::chrono::steady_clock::time_point next_;
 };
 
-// For a process that ends from another thread, at a signal: wipes the line that is shown, if there
-// is one; no other one comes.
+// Clears the line when a signal ends the process from another thread; no further line is shown.
 void wipe_progress_at_end() noexcept;
 
 }  // namespace fieldcast

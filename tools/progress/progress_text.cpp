@@ -10,7 +10,7 @@ namespace fieldcast {
 namespace {
 
 constexpr double kFirstGuess = 0.1;         // seconds
-constexpr double kLongest = 100 * 86400.0;  // a guess beyond it is none
+constexpr double kLongest = 100 * 86400.0;  // longer estimates are not shown
 constexpr std::size_t kLeastOfWhat = 4;     // columns
 
 }  // namespace

@@ -1,4 +1,4 @@
-// How far something is, and how much longer it takes, in words. Pure functions; any thread.
+// Formats progress and remaining time. Pure functions; thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -10,21 +10,21 @@
 
 namespace fieldcast {
 
-// "simulating line" and "42 %, 65s left": on a narrow terminal the first one gives way.
+// "simulating line" and "42 %, 65s left"; a narrow terminal truncates the first.
 struct ProgressText {
   std::string what;
   std::string how_far;
 };
 
-// `share` is what is done of 1; until a tenth of a second has passed nothing is said of the rest.
+// `share`: finished share, 0 to 1. No estimate in the first tenth of a second.
 [[nodiscard]] ProgressText progress_text(std::string_view what, double share, Duration elapsed);
 
-// "120000 lines, 40000 each second", where nobody knows how many there will be.
+// "120000 lines, 40000 each second", if the total is unknown.
 [[nodiscard]] ProgressText progress_count_text(std::string_view what, std::uint64_t count,
                                                std::string_view unit, Duration elapsed);
 
-// On one line of at most so many columns: "what: how far". Where that is too long, `what` is
-// shortened, and left out where less than four columns are left for it; then `how_far` is cut.
+// Returns "what: how far" in at most `columns`. Shortens `what` first, omits it below four columns,
+// and then truncates `how_far`.
 [[nodiscard]] std::string progress_line_text(const ProgressText& text, std::size_t columns);
 
 }  // namespace fieldcast

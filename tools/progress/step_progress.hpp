@@ -1,5 +1,5 @@
-// How far work of a known number of steps is: one text line on standard error, where that is a
-// terminal. Main thread, one at a time; nothing fails.
+// Progress line of work with a known number of steps. Main thread, one instance at a time; nothing
+// fails.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +11,11 @@ namespace fieldcast {
 
 class StepProgress {
  public:
-  // The steps should take about the same time: what is left follows from how many are done.
+  // The steps should have similar durations, because the estimate uses their count.
   StepProgress(std::string what, std::size_t steps);
 
-  void step();                     // one more is done
-  void clear() { line_.clear(); }  // before something is printed
+  void step();                     // one step is finished
+  void clear() { line_.clear(); }  // call before printing
 
  private:
   std::string what_;
