@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Configures and builds with one set of flags, so that the demo, the tests and CI share their objects. Shows how far it is.
+# Configures and builds with one set of flags, so that the demo, the tests and CI share their objects. Shows the progress.
 #
 #   tools/build.sh [--folder DIR] [-DNAME=VALUE ..] [TARGET ..]
 #
-# --folder: `build` where nothing is said. Without targets all is built. Packages must be there (tools/install.sh).
+# --folder: default `build`. Without targets, builds everything. Packages must be installed (tools/install.sh).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -18,7 +18,7 @@ while [ $# -gt 0 ]; do
 done
 [ "${#targets[@]}" -gt 0 ] || targets=(all)
 
-if [ ! -f "$folder/CMakeCache.txt" ]; then  # a folder that exists keeps its generator
+if [ ! -f "$folder/CMakeCache.txt" ]; then  # an existing directory keeps its generator
   options+=(-G Ninja)
   echo "configuring $folder" >&2
 fi
@@ -31,7 +31,7 @@ cores=$(nproc)
 if [ -f "$folder/build.ninja" ]; then
   steps=$(ninja -C "$folder" -n "${targets[@]}" | sed -n 's/^\[[0-9]*\/\([0-9]*\)\].*/\1/p' | tail -1)
   if [ "${steps:-0}" -gt 10 ]; then
-    seconds_of_step=2  # of processor, on average
+    seconds_of_step=2  # average processor time
     echo "building $folder: $steps steps on $cores cores, $((1 + steps * seconds_of_step / cores / 60)) minutes or so;" \
          "less where ccache knows them" >&2
   fi

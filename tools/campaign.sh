@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# The fault campaign: builds what it needs, runs its parts in shares of the time, shows how far it is, and prints a report.
+# Runs the fault campaign: builds its programs, runs each part for a share of the time, shows the progress and prints a report.
 #
 #   tools/campaign.sh --minutes N [--seed S] [--part NAME].. [--counts FILE] [--report FILE] [--files DIR] [--grown DIR]
 #
-# Parts: see PARTS in tests/campaign/campaign.py; all of them where none is named. --counts: what was executed is added to the counts
-# in FILE, over all runs. --files: where transcripts and inputs that fail are written (a new folder in /tmp). --grown: where the inputs
-# that fuzzing found are kept, with which the next run begins. Ctrl-C ends it at once with the report so far. The exit code is 1 when
-# something did not hold. tools/test.sh runs each part for some seconds.
+# --part: see PARTS in tests/campaign/campaign.py; default: all. --counts: adds the executed cases to the counts in FILE.
+# --files: directory for transcripts and failing inputs (default: a new one in /tmp). --grown: directory of the inputs that fuzzing
+# found; the next run starts with them. Ctrl-C ends the campaign and prints the report so far. Exit code 1: a check failed.
+# tools/test.sh runs each part for some seconds.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

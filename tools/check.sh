@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# What a reviewer should not have to see: format and spelling of every source, clang-tidy of those that changed.
+# Checks format and spelling of all sources, and runs clang-tidy on changed ones.
 #
 #   tools/check.sh [COMMIT]
 #
-# Changed: against COMMIT; where none is given against the merge base with origin/main or main, or, on that branch itself, against
-# the commit before. At most 12 files, the most changed ones, so that it takes a minute; it says how many it left out.
-# `run-clang-tidy-14 -p build-tidy` checks all.
+# COMMIT: base of the comparison. Default: the merge base with origin/main or main; on that branch itself, the previous commit.
+# Checks at most the 12 most changed files, which needs a minute, and prints how many it skipped.
+# `run-clang-tidy-14 -p build-tidy` checks all files.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -15,7 +15,7 @@ for program in clang-format clang-tidy codespell; do
   command -v "$program" >/dev/null || fail "$program is missing: tools/install.sh ci"
 done
 
-# A checkout that another user made is read all the same.
+# Allows a checkout owned by another user.
 git() { command git -c safe.directory="$PWD" "$@"; }
 mapfile -t sources < <(find bridge config core idl tests tools '(' -name '*.cpp' -o -name '*.hpp' -o -name '*.c' -o -name '*.h' ')')
 clang-format --dry-run -Werror "${sources[@]}" || fail "not formatted; run: clang-format -i on the files above"
@@ -31,7 +31,7 @@ for branch in origin/main main HEAD~1; do
 done
 [ -n "$base" ] || { echo "clang-tidy: one commit, nothing to compare with"; exit 0; }
 
-# The example is compiled against what is installed, by a test.
+# Without the example, which a test compiles against the installed headers.
 mapfile -t changed < <(git diff --numstat --diff-filter=AMR "$base" -- '*.cpp' ':!tools/packaging/example' | sort -rn | cut -f3 | grep -v '[{}]')
 present=()
 for file in "${changed[@]}"; do [ ! -f "$file" ] || present+=("$file"); done
@@ -39,7 +39,7 @@ for file in "${changed[@]}"; do [ ! -f "$file" ] || present+=("$file"); done
 checked=("${present[@]:0:$most}")
 echo "clang-tidy: ${#checked[@]} of ${#present[@]} files that changed since ${base:0:9}"
 
-# A folder of its own: precompiled headers are GCC's, and sources that are compiled together have no commands of their own.
+# A separate build: clang cannot use GCC's precompiled headers, and sources of a unity build have no compile commands.
 cmake -S . -B build-tidy -G Ninja -DFIELDCAST_PCH=OFF -DCMAKE_EXPORT_COMPILE_COMMANDS=ON >/dev/null
 ninja -C build-tidy idl/generated/idl/topics.h >/dev/null
 printf '%s\n' "${checked[@]}" | xargs -P "$(nproc)" -n 1 clang-tidy -p build-tidy --quiet 2>/dev/null ||

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# A whole plant on one machine: simulated devices on simulated serial lines, the bridge, and the station, whose page is at the address
-# that is printed. Ctrl-C ends it.
+# Runs a whole plant on one machine: simulated devices on simulated serial lines, the bridge, and the station. Prints the address of
+# the station's page. Ctrl-C ends it.
 #
 #   tools/demo.sh [--no-page] [--seconds N] [--config FILE] [--domain N] [--bin DIR]
 #
-# Installs and builds what is missing. --no-page: a live table in the terminal, and no station. --seconds N: ends by itself, with exit
-# code 0 only when values flowed. --config: another plant than config/examples/demo.yaml; its ports and DDS domain are replaced. --bin:
-# programs that are built already. Whatever ends it, no process, link or file stays.
+# Installs and builds missing parts. --no-page: shows a live table in the terminal, without a station. --seconds N: ends after this
+# time, with exit code 0 if values were received. --config: plant instead of config/examples/demo.yaml; its ports and DDS domain are
+# replaced. --bin: directory of existing programs. The demo always removes its processes, links and files.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -14,7 +14,7 @@ fail() { echo "tools/demo.sh: $*" >&2; exit 1; }
 usage() { sed -n '2,9s/^# \{0,1\}//p' "$0"; }
 
 page=yes seconds="" config=config/examples/demo.yaml bin=""
-domain=$((60 + $$ % 40))  # not that of a bridge at work; below 101, so that its ports are none that the kernel lends out
+domain=$((60 + $$ % 40))  # not a usual domain; below 101, so that its ports are not in the kernel's ephemeral range
 while [ $# -gt 0 ]; do
   case "$1" in
     --no-page) page=""; shift ;;
@@ -29,7 +29,7 @@ done
 
 run="" sim="" bridge="" station=""
 
-# REQUIRES: a child of this script. Asks it to end, and insists after three seconds.
+# REQUIRES: a child of this script. Sends SIGTERM, and SIGKILL after three seconds.
 end_process() {
   [ -n "$1" ] || return 0
   kill -TERM "$1" 2>/dev/null || true
@@ -40,9 +40,9 @@ end_process() {
 
 clean_up() {
   local code=$?
-  trap '' INT TERM HUP  # once is enough
+  trap '' INT TERM HUP  # run only once
   end_process "$station"
-  end_process "$bridge"  # before the plant, so that it ends in order
+  end_process "$bridge"  # before the plant, so that it stops without errors
   end_process "$sim"
   [ -z "$run" ] || rm -rf "$run"
   exit "$code"
@@ -53,7 +53,7 @@ trap 'exit 143' TERM HUP
 
 if [ -z "$bin" ]; then
   tools/install.sh build
-  # What a folder was configured for stays: tests that are there go on being built by tools/test.sh.
+  # Keeps the options of an existing build, so that tools/test.sh still builds its tests.
   parts=()
   [ -f build/CMakeCache.txt ] || parts=(-DFIELDCAST_TESTS=OFF -DFIELDCAST_BENCHES=OFF)
   tools/build.sh "${parts[@]}" fieldcast fieldcast-bridge fieldcast-sim ${page:+fieldcast-station} >&2 || fail "the build failed, see above"
@@ -62,8 +62,7 @@ fi
 
 run=$(mktemp -d)
 
-# The plant with its lines in the run folder, its TCP devices on this machine and a domain of its own. Lists and templates that lie
-# beside the file come along.
+# Copies the configuration with its lists and templates to the run directory. Replaces serial paths, TCP hosts and the DDS domain.
 folder=$(dirname "$config")
 find "$folder" -maxdepth 1 -name '*.csv' -exec cp {} "$run" \;
 [ ! -d "$folder/devices" ] || cp -r "$folder/devices" "$run"
@@ -75,7 +74,7 @@ awk -v run="$run" -v domain="$domain" '
     path = substr($0, RSTART, RLENGTH); sub(/^serial:[ \t]*/, "", path); gsub(/["\047]/, "", path); sub(/.*\//, "", path)
     $0 = substr($0, 1, RSTART - 1) "serial: " run "/" path substr($0, RSTART + RLENGTH)
   }
-  match($0, /tcp:[ \t]*"?[^:" \t]+:/) {  # the simulated devices listen on this machine, whatever host the file names
+  match($0, /tcp:[ \t]*"?[^:" \t]+:/) {  # the simulated devices listen on this machine
     quote = substr($0, RSTART, RLENGTH) ~ /"/ ? "\"" : ""
     $0 = substr($0, 1, RSTART - 1) "tcp: " quote "127.0.0.1:" substr($0, RSTART + RLENGTH)
   }
@@ -85,7 +84,7 @@ awk -v run="$run" -v domain="$domain" '
 alive() { kill -0 "$1" 2>/dev/null; }
 explain() { echo "--- $1:" >&2; tail -20 "$run/$1.log" >&2; }
 
-# In sessions of their own: Ctrl-C in the terminal is for the table, the rest ends in order after it.
+# In separate sessions: Ctrl-C reaches only the table; this script then stops the rest in order.
 setsid "$bin/fieldcast-sim" "$run/plant.yaml" >"$run/sim.log" 2>&1 &
 sim=$!
 mapfile -t lines < <(grep -o "serial: $run/[^ ,}]*" "$run/plant.yaml" | cut -d' ' -f2)
@@ -96,7 +95,7 @@ done
 setsid "$bin/fieldcast-bridge" "$run/plant.yaml" >"$run/bridge.log" 2>&1 &
 bridge=$!
 
-# The page may write: who has a shell on this machine may do so anyway.
+# The page may write, because every user of this machine may do so by the command line.
 if [ -n "$page" ]; then
   cat >"$run/station.yaml" <<END
 station: demo
@@ -119,14 +118,14 @@ fi
 
 watch=("$bin/fieldcast" watch --config "$run/plant.yaml")
 code=0
-trap : INT  # ends the table; then its sum, and everything in order
+trap : INT  # Ctrl-C ends the table; this script continues
 if [ -n "$page" ] && [ -z "$seconds" ]; then
   echo "Ctrl-C ends the demo; 'tools/demo.sh --no-page' shows a table here instead."
   trap 'exit 130' INT
   wait -n "$sim" "$bridge" "$station" || true
 elif [ -z "$page" ] && { [ -t 1 ] || [ -z "$seconds" ]; }; then
   "${watch[@]}" ${seconds:+--for "${seconds}s"} 2>"$run/watch.log" || code=$?
-else  # no terminal: thousands of lines help nobody, the last state does
+else  # without a terminal, shows only the last state
   "${watch[@]}" --for "${seconds}s" >"$run/samples.log" 2>"$run/watch.log" || code=$?
   alive "$bridge" && [ "$code" -eq 0 ] && { "${watch[@]}" --once 2>/dev/null || true; }
 fi

@@ -1,18 +1,17 @@
 #!/usr/bin/env bash
-# Installs Debian 12's packages that are missing, and shows how far it is. Quiet, offline and quick when nothing is missing.
+# Installs missing Debian 12 packages and shows the progress. Prints nothing and works offline if nothing is missing.
 #
 #   tools/install.sh [build | package | test | campaign | ci]
 #
-# build: what the programs and the demo need. package: that, and what tools/package.sh needs. test (where nothing is said): that,
-# and what the tests need. campaign: that, and what tools/campaign.sh needs. ci: what the tests need, and the checkers of .ci/run.
-# Works as root or with sudo. Of packages with a server that nobody wants to run here, ci unpacks only the programs that check
-# something, to build/unpacked/PACKAGE.
+# build: for the programs and the demo. package: also for tools/package.sh. test (default): also for the tests. campaign: also for
+# tools/campaign.sh. ci: for the tests and the checkers of .ci/run. Works as root or with sudo. ci does not install packages that
+# would start a server; it unpacks the programs it needs from them to build/unpacked/PACKAGE.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 build=(
   g++ cmake ninja-build ccache mold pkg-config
-  # DDS and its code generator, which needs a Java that its package does not name
+  # DDS and its code generator, whose package does not depend on the Java that it needs
   libfastrtps-dev libfastcdr-dev fastddsgen openjdk-17-jre-headless
   libboost-dev libfmt-dev libspdlog-dev libyaml-cpp-dev libcli11-dev libexpected-dev libsqlite3-dev libssl-dev libpq-dev libsodium-dev libtinyxml2-dev zlib1g-dev
   nlohmann-json3-dev libtomlplusplus-dev libzip-dev
@@ -22,13 +21,13 @@ packaging=(dpkg-dev file)
 test=(
   "${packaging[@]}"
   libgtest-dev libgmock-dev binutils clang-format python3 openssl curl sqlite3
-  # a root of its own, with systemd, for the packages
+  # a separate root with systemd, to test the packages
   systemd util-linux iproute2
-  # devices, masters and a DDS that others wrote, to test against
+  # third-party devices, masters and DDS, for interoperability tests
   libmodbus-dev python3-pymodbus python3-serial python3-serial-asyncio mbpoll socat cyclonedds-dev cyclonedds-tools
-  # what Wireshark makes of captures
+  # reads captures as Wireshark does
   tshark
-  # the tests start servers of their own
+  # the tests start their own servers
   postgresql
   # discovery servers, firewalls and tunnels
   fastdds-tools nftables openvpn
@@ -59,7 +58,7 @@ for package in "${packages[@]}"; do
   status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
   [ "$status" = installed ] || missing+=("$package")
 done
-# PACKAGE PROGRAM PATH: what of a package is unpacked where the program is not installed.
+# PACKAGE PROGRAM PATH: unpacks PATH of the package if the program is not installed.
 unpacked=()
 if [ "${1:-test}" = ci ]; then
   while read -r package program path; do
@@ -69,7 +68,7 @@ prometheus promtool ./usr/bin/promtool
 udev udevadm .
 TABLE
 fi
-# A machine may bring a node of its own, which Debian's npm conflicts with: asked for is the command, not the package.
+# Checks the command instead of the package, because Debian's npm conflicts with a node from another source.
 command -v npm >/dev/null || missing+=(nodejs npm)
 [ $((${#missing[@]} + ${#unpacked[@]})) -gt 0 ] || exit 0
 
@@ -84,8 +83,8 @@ trap 'rm -f "$log"' EXIT
 terminal=no
 [ ! -t 2 ] || terminal=yes
 
-# apt's status lines (dlstatus:.. while it loads, pmstatus:.. while it installs) as per cent: in one line of a terminal, else one
-# line for each tenth. Everything else goes to the log.
+# Shows apt's status lines (dlstatus:.. for downloads, pmstatus:.. for the installation) as per cent: in one line of a terminal,
+# else one line for each tenth. Other lines go to the log.
 show_progress() {
   awk -F: -v log_file="$log" -v terminal="$terminal" '
     $1 != "dlstatus" && $1 != "pmstatus" { print >log_file; next }
@@ -97,8 +96,8 @@ show_progress() {
     END { if (terminal == "yes" && told != "") printf "\r\033[K" >"/dev/stderr" }'
 }
 
-# The status lines have a descriptor of their own: apt closes it for what it starts, and packages that say something while they are
-# set up would fail. sudo closes what is above 2, so it is opened behind it.
+# Status lines use descriptor 3, because apt closes the status descriptor in its children: with descriptor 1, package scripts that
+# print would fail. sudo closes descriptors above 2, so the inner shell opens it.
 apt_get() {
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive sh -c 'exec apt-get "$@" 3>&1' \
     apt-get -y -qq -o Dpkg::Use-Pty=0 -o APT::Status-Fd=3 "$@" 2>&1 |
@@ -118,7 +117,7 @@ done
 [ "${#missing[@]}" -gt 0 ] || exit 0
 
 echo "tools/install.sh: installing ${missing[*]}" >&2
-# Two lines of apt say how much it is; it changes nothing here.
+# Prints apt's two lines about the download and disk size; changes nothing.
 "${as_root[@]}" env LC_ALL=C apt-get --assume-no --no-install-recommends install "${missing[@]}" 2>/dev/null |
   sed -n -E 's/^(Need to get|After this operation)/  \1/p' >&2 || true
 echo "  one to three minutes, as fast as the network and the disk are" >&2

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Builds what is installed and makes the Debian packages fieldcast, fieldcast-dev and fieldcast-sim of it, in build/packages.
+# Builds the Debian packages fieldcast, fieldcast-dev and fieldcast-sim in build/packages.
 #
 #   tools/package.sh
 #
-# Installs packages that are missing (tools/install.sh package). Prints the files made.
+# Installs missing packages (tools/install.sh package). Prints the new files.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

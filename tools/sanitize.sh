@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# What reads bytes from outside, with address and undefined-behaviour sanitizers: the protocols and the compression, by their fuzz
-# targets from the corpus with new mutations. It builds these alone; `tools/test.sh --asan` is for everything.
+# Runs the fuzz targets of the protocols and the compression with address and undefined-behaviour sanitizers, from the corpus with
+# new mutations. Builds only these; `tools/test.sh --asan` covers everything.
 #
-#   tools/sanitize.sh [SECONDS]      of fuzzing, for all targets together; 60
+#   tools/sanitize.sh [SECONDS]      of fuzzing for all targets together; default 60
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Draws the screen of `fieldcast watch` as an SVG: the picture of README.md, from the plant of tools/demo.sh.
+"""Draws the screen of `fieldcast watch` with the plant of tools/demo.sh as an SVG, for README.md.
 
 usage: tools/screen.py BIN_DIR docs/images/watch.svg [SECONDS]
 
-Runs the demo in a terminal of its own, takes the last whole screen, ends the demo as Ctrl-C does.
+Runs the demo in a pseudo-terminal, records the last complete screen and ends the demo with Ctrl-C.
 """
 
 import os
@@ -22,7 +22,7 @@ COLOURS = {"red": "#ff7b72", "green": "#7ee787", "brown": "#f2cc60"}
 
 
 def record(command, seconds):
-    """The lines of the screen so many seconds after the first values: [(style, text)] of each."""
+    """Returns the lines of the screen this many seconds after the first values: a list of (style, text) for each."""
     with Terminal(command, COLUMNS, ROWS) as terminal:
         terminal.wait_for("[1-9][0-9]* of [1-9][0-9]* GOOD", 60)
         end = time.monotonic() + seconds
@@ -35,7 +35,7 @@ def record(command, seconds):
 
 
 def spans(row):
-    """[(style, text)] of a row of cells."""
+    """Returns a row of cells as a list of (style, text)."""
     found = []
     for column in range(COLUMNS):
         cell = row[column]

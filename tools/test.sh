@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds everything, runs every test.
+# Installs missing packages, builds everything and runs every test.
 #
 #   tools/test.sh [--asan | --tsan] [ctest arguments, for instance -R Planner]
 #
-# --asan, --tsan: with sanitizers, in a build folder of their own. The last lines are ctest's summary; the exit code is its.
+# --asan, --tsan: with sanitizers, in a separate build directory. The last lines and the exit code are those of ctest.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Imports every file of a folder by itself, as device templates, and counts what became of files and of values.
+"""Imports each file of a directory as a device template, and counts the results of files and values.
 
 usage: import_templates.py FOLDER [BIN_DIR]
 
-For wb-mqtt-serial: its folder templates/, or the one that its build makes of the Jinja files. Nothing is kept.
+For wb-mqtt-serial: its directory templates/, or the one that its build makes from the Jinja files. Keeps no output.
 """
 
 import collections
@@ -16,16 +16,16 @@ import tempfile
 
 from progress import Progress
 
-SHOWN = 12  # reasons, of each kind
+SHOWN = 12  # reasons of each kind
 
 
 def kind_of(words):
-    """The words without what differs from value to value."""
+    """Removes numbers and quoted names from the words, to group equal reasons."""
     return re.sub(r"'[^']*'", "'..'", re.sub(r"\b(0x[\dA-Fa-f]+|\d+)\b", "N", words))[:90]
 
 
 def import_file(program, path, folder):
-    """(exit code, [row of each value])"""
+    """Returns (exit code, [row of each value])."""
     done = subprocess.run([program, "import", path, "--template", "--json", "--force", "--out", folder + "/"], capture_output=True,
                           text=True, timeout=120)
     return done.returncode, [json.loads(line) for line in done.stdout.splitlines()], done.stderr

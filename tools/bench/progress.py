@@ -1,6 +1,6 @@
-"""How far a bench in Python is: one line on standard error, where that is a terminal. tools/progress has the same for C++.
+"""Progress line of a Python bench on standard error, shown only on a terminal. tools/progress is the C++ version.
 
-    with Progress("measuring", 30) as progress:       seconds that it takes
+    with Progress("measuring", 30) as progress:       duration in seconds
         while working():
             progress.show()
 
@@ -17,7 +17,7 @@ STEP_SECONDS = 0.25
 
 class Progress:
     def __init__(self, what, seconds, parts=None):
-        """`parts`: of these show() is told how many are done; otherwise the clock says how far it is."""
+        """`parts`: total for the argument of show(); without it, the progress follows the clock."""
         self.what, self.seconds, self.parts = what, seconds, parts
         self.began = self.next = time.monotonic()
         self.seen = sys.stderr.isatty()

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""What DDS Security costs: processor seconds of a bridge and of a station for 1 000 samples, without it and with each protection.
+"""Measures the cost of DDS Security: processor seconds of bridge and station for 1 000 samples, without and with each protection.
 
-usage: tools/bench/security_cost.py BIN_DIR [SECONDS]      (10 s for each; it prints a line for each)
+usage: tools/bench/security_cost.py BIN_DIR [SECONDS]      (default 10 s each; prints a line for each)
 """
 
 import os
@@ -58,7 +58,7 @@ def measure(bin_dir, protection, seconds, folder):
                 for line in station.stdout:
                     progress.show()
                     counted += bool(re.search(rb'"quality": ?"GOOD"', line))
-                    if first is None and counted > 2 * CHANNELS:  # everybody has joined
+                    if first is None and counted > 2 * CHANNELS:  # bridge and station have joined
                         first, counted, begun = [processor_seconds(pid) for pid in pids], 0, time.monotonic()
                     if begun is not None and time.monotonic() - begun > seconds:
                         break

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""What a station that joins costs: real simulator and bridge on one machine, a real station on another, a wire between them.
+"""Measures the cost of a joining station: simulator and bridge on one machine, the station on a second one, a wire between them.
 
 usage: tools/bench/sites_bench.py BIN_DIR [--buses 1,8,32,64] [--server] [--max-rate 2MB/s] [--tcp] [--seconds 30]
 
-Each bus has 1 000 channels, each refreshed every 10 s. A line for each number of buses: seconds until the station has a value of every
-channel, bytes on the wire meanwhile and the most of them within one second, memory of both programs, bytes each second after that.
---server: by a discovery server instead of multicast; --tcp: by one TCP connection. Needs root (networks of its own).
+Each bus has 1 000 channels with a refresh of 10 s. Prints a line for each number of buses: seconds until the station has a value of
+every channel, bytes on the wire in this time and their maximum within a second, memory of both programs, bytes a second afterwards.
+--server: uses a discovery server instead of multicast; --tcp: uses one TCP connection. Needs root to create networks.
 """
 
 import argparse
@@ -24,12 +24,12 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import networks  # noqa: E402
 from progress import Progress, wait  # noqa: E402
 
-CHANNELS = 1000  # of a bus
+CHANNELS = 1000  # of each bus
 PORT = 5100
 
 
 def memory(pid):
-    """MB that the process has in memory."""
+    """Returns the resident memory of the process in MB."""
     with open(f"/proc/{pid}/status", encoding="utf-8") as file:
         return int(re.search(r"VmRSS:\s+(\d+)", file.read()).group(1)) / 1024
 
@@ -41,7 +41,7 @@ def processor_seconds(pid):
 
 
 class Rates:
-    """The bytes that leave this end of a wire, looked at each 50 ms."""
+    """Samples the bytes sent at this end of a wire every 50 ms."""
 
     def __init__(self, wire):
         self.wire, self.seen, self.stopped = wire, [], False
@@ -58,7 +58,7 @@ class Rates:
         self.thread.join()
 
     def most(self, seconds):
-        """Bytes a second, of the busiest span of this length."""
+        """Returns bytes a second in the busiest span of this length."""
         most, first = 0, 0
         for now, total in self.seen:
             while now - self.seen[first][0] > seconds:
@@ -68,7 +68,7 @@ class Rates:
 
 
 class Station:
-    """`fieldcast watch --json` on the other machine; knows which channels it has a value of."""
+    """Runs `fieldcast watch --json` on the second machine and records the channels with a value."""
 
     def __init__(self, machine, bin_dir, file):
         self.channels = set()

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""What the screen of `fieldcast watch` costs, and how soon it answers a key: a bridge without wires publishes every channel once a second.
+"""Measures the cost of the screen of `fieldcast watch` and its response time to keys.
 
 usage: tools/bench/watch_screen_bench.py BIN_DIR [--channels 10000] [--seconds 10] [--columns 80] [--rows 24]
 
-The channels are on 10 buses. Bridge and watch are processes of their own, on the loopback and in a DDS domain of their own; watch has a
-pseudo-terminal. Keys go to the end of the list and back; the time is from the key to the last byte of the frame that shows it.
+A bridge without wires publishes the channels of 10 buses once a second. Bridge and watch are separate processes on the loopback in a
+separate DDS domain; watch has a pseudo-terminal. Keys move to the end of the list and back; the response time is from the key to the
+last byte of the frame that shows its effect.
 """
 
 import argparse
@@ -26,7 +27,7 @@ HOME, END = "\x1bOH", "\x1bOF"
 
 
 def run_seconds(pid):
-    """Of all threads, to the nanosecond."""
+    """Returns the run time of all threads in seconds, measured in nanoseconds."""
     total = 0
     for path in glob.glob(f"/proc/{pid}/task/*/schedstat"):
         with open(path, encoding="utf-8") as file:
@@ -35,7 +36,7 @@ def run_seconds(pid):
 
 
 def share(terminal, seconds):
-    """Of one core, over so many seconds."""
+    """Returns the share of one core over this many seconds."""
     before, began = run_seconds(terminal.pid), time.monotonic()
     with Progress("measuring", seconds) as progress:
         while time.monotonic() - began < seconds:
@@ -45,7 +46,7 @@ def share(terminal, seconds):
 
 
 def answer_ms(terminal, key, shows):
-    """From a key to the frame that shows what it did."""
+    """Returns the time from a key to the frame that shows its effect."""
     began = time.monotonic()
     terminal.press(key)
     while True:

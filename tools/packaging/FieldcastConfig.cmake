@@ -1,4 +1,4 @@
-# find_package(Fieldcast) gives Fieldcast::station; include <fieldcast/station.hpp>.
+# find_package(Fieldcast) defines Fieldcast::station; include <fieldcast/station.hpp>.
 include(CMakeFindDependencyMacro)
 find_dependency(fmt)
 find_dependency(fastcdr)

@@ -1,11 +1,11 @@
-# Completion of fieldcast, fieldcast-bridge, fieldcast-port, fieldcast-sim and fieldcast-station in bash. Subcommands and options are
-# those that the program's own --help names, protocols those that it lists.
+# Bash completion of fieldcast, fieldcast-bridge, fieldcast-port, fieldcast-sim and fieldcast-station. Reads subcommands and options from
+# the program's --help.
 _fieldcast() {
   local word=${COMP_WORDS[COMP_CWORD]} program=$1 subcommand="" choices
   if [ "${program##*/}" = fieldcast ] && [ "$COMP_CWORD" -gt 1 ]; then
     subcommand=${COMP_WORDS[1]}
   fi
-  # The protocols are those that the program lists when it gets an unknown one.
+  # The program lists its protocols when it gets an unknown one.
   if [ "${COMP_WORDS[COMP_CWORD - 1]}" = --protocol ] || { [ "$subcommand" = inspect ] && [ "$COMP_CWORD" -eq 2 ] && [[ $word != -* ]]; }; then
     choices=$("$program" inspect '?' 00 2>&1 | awk '/^  [a-z]/ { print $1 }')
   elif [[ $word == -* ]]; then

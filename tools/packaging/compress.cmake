@@ -1,4 +1,5 @@
-# Compresses the finished packages again, as small as xz can: CPack offers no level. Its dictionary of 64 MiB sees what the programs share.
+# Compresses the finished packages again at the highest xz level, which CPack cannot set. The programs share code within its
+# dictionary of 64 MiB.
 foreach(package IN LISTS CPACK_PACKAGE_FILES)
   set(content ${package}.content)
   execute_process(COMMAND dpkg-deb --raw-extract ${package} ${content} COMMAND_ERROR_IS_FATAL ANY)

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Writes a program's manual page, compressed, from what it and its subcommands say at --help.
+# Writes a program's compressed manual page from the --help output of the program and its subcommands.
 #
 #   tools/packaging/manual.sh PROGRAM VERSION PAGE.1.gz
 set -euo pipefail
 program=$1 version=$2 page=$3
 name=$(basename "$program")
 
-# Text as it stands: no backslash, dot or hyphen of it means anything to troff.
+# Escapes backslashes, dots and hyphens for troff.
 plain() { sed -E -e 's/\\/\\e/g' -e 's/-/\\-/g' -e "s/^([.'])/\\\\\&\1/"; }
 section() { printf '.SH "%s"\n.nf\n' "$1"; plain; printf '.fi\n'; }
 

@@ -11,10 +11,10 @@ set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_COMPRESSION_TYPE gzip)  # quick; compress.cmake makes them small
+set(CPACK_DEBIAN_COMPRESSION_TYPE gzip)  # fast; compress.cmake compresses again
 set(CPACK_POST_BUILD_SCRIPTS ${CMAKE_CURRENT_LIST_DIR}/compress.cmake)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
-# Modes of folders as Debian wants them, whoever builds.
+# Directory modes required by Debian, independent of the user's umask.
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
   OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 
@@ -42,7 +42,7 @@ set(CPACK_DEBIAN_FIELDCAST-SIM_PACKAGE_RECOMMENDS fieldcast)
 set(CPACK_COMPONENT_FIELDCAST-SIM_DESCRIPTION
   "simulated plant for a Fieldcast configuration\nEvery device of the configuration answers on a pseudo-terminal or a TCP\nport, at the speed of the wire, with faults where they are asked for.")
 
-# Debian wants both in every package.
+# Debian requires both files in every package.
 find_program(GZIP gzip REQUIRED)
 set(changelog ${CMAKE_CURRENT_BINARY_DIR}/changelog.gz)
 execute_process(COMMAND ${GZIP} -9nc ${CMAKE_CURRENT_LIST_DIR}/debian/changelog OUTPUT_FILE ${changelog} COMMAND_ERROR_IS_FATAL ANY)

@@ -1,10 +1,9 @@
 #!/usr/bin/env bash
-# Turns each relative link of the installed documents that leads to a file which is not installed, for example into the sources, into
-# its text.
+# Replaces each relative link in the installed documents whose target is not installed, for example a source file, by its text.
 #
 #   tools/packaging/plain_links.sh FOLDER
 #
-# FOLDER has the installed documents, beside each other as in the source tree.
+# FOLDER has the installed documents in the structure of the source tree.
 set -euo pipefail
 cd "$1"
 there=$(find -L . -mindepth 1 | sed 's|^\./||')

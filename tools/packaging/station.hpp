@@ -1,5 +1,5 @@
-// The one header that a station includes: <fieldcast/station.hpp>. Threads and faults stand in the
-// header below.
+// The only header that a station includes: <fieldcast/station.hpp>. See the headers below for
+// threads and faults.
 #pragma once
 
 #include "bridge/station/sites.hpp"

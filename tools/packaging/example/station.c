@@ -1,5 +1,5 @@
-/* A station on Cyclone DDS: prints the catalogue and every value that is promised each second or
- * better, writes 42 to line/meter/setpoint, and prints the result. Enter ends it.
+/* A station on Cyclone DDS: prints the catalogue and every value with a refresh of at most one
+ * second, writes 42 to line/meter/setpoint, and prints the result. Enter ends it.
  * usage: station [DOMAIN] */
 #include <inttypes.h>
 #include <poll.h>
@@ -16,7 +16,7 @@ static const char* const kQualities[] = {
     "BAD_RANGE", "BAD_CONFIGURATION", "NOT_YET_READ"};
 static const char* const kStates[] = {"done", "verified", "rejected", "failed", "expired"};
 
-/* A failure ends the program. */
+/* Exits on a failure. */
 static dds_entity_t need(dds_entity_t entity) {
   if (entity >= 0) return entity;
   fprintf(stderr, "%s\n", dds_strretcode(entity));
@@ -44,7 +44,7 @@ static void print_samples(dds_entity_t reader) {
   for (dds_sample_info_t info; dds_take(reader, taken, &info, 1, 1) == 1;
        dds_return_loan(reader, taken, 1)) {
     const fieldcast_Sample* s = taken[0];
-    if (!info.valid_data) continue; /* the channel is gone */
+    if (!info.valid_data) continue; /* the channel was removed */
     printf("%s/%s/%s ", s->bus, s->device, s->channel);
     switch (s->value._d) {
       case fieldcast_VALUE_BOOLEAN:
@@ -60,7 +60,7 @@ static void print_samples(dds_entity_t reader) {
   }
 }
 
-/* No sample of a channel came for the deadline of its reader. On a thread of Cyclone's. */
+/* A channel had no sample within the reader's deadline. Called on a Cyclone thread. */
 static void on_missed(dds_entity_t reader, const dds_requested_deadline_missed_status_t status,
                       void* context) {
   (void)context;
@@ -69,7 +69,7 @@ static void on_missed(dds_entity_t reader, const dds_requested_deadline_missed_s
     printf("late: %s/%s/%s\n", keys.bus, keys.device, keys.channel);
 }
 
-/* Writes once both ends know each other: a result is not kept for a reader that comes later. */
+/* Writes after discovery of both sides, because a late reader does not receive old results. */
 static bool write_setpoint(dds_entity_t writer, dds_entity_t results, fieldcast_Command* command) {
   dds_publication_matched_status_t bridges = {0};
   dds_subscription_matched_status_t answers = {0};
@@ -91,7 +91,7 @@ static bool write_setpoint(dds_entity_t writer, dds_entity_t results, fieldcast_
   return true;
 }
 
-/* Results of every requester come by: ours has our keys. */
+/* The topic has the results of all requesters; ours has our keys. */
 static void print_result(dds_entity_t reader, const fieldcast_Command* command) {
   void* taken[1] = {NULL};
   for (dds_sample_info_t info; dds_take(reader, taken, &info, 1, 1) == 1;
@@ -106,18 +106,18 @@ static void print_result(dds_entity_t reader, const fieldcast_Command* command) 
 int main(int argc, char** argv) {
   const dds_entity_t domain =
       need(dds_create_participant(argc > 1 ? (dds_domainid_t)atoi(argv[1]) : 0, NULL, NULL));
-  dds_qos_t* state = dds_create_qos(); /* last values for who comes late */
+  dds_qos_t* state = dds_create_qos(); /* a late joiner gets the last values */
   dds_qset_reliability(state, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
   dds_qset_durability(state, DDS_DURABILITY_TRANSIENT_LOCAL);
   const dds_entity_t channels = need(dds_create_reader(
       domain, topic(domain, &fieldcast_Channel_desc, "fieldcast/Channel"), state, NULL));
-  dds_qset_deadline(state, DDS_SECS(1)); /* just the channels that promise it */
+  dds_qset_deadline(state, DDS_SECS(1)); /* matches only channels that offer it */
   dds_listener_t* listener = dds_create_listener(NULL);
   dds_lset_requested_deadline_missed(listener, on_missed);
   const dds_entity_t samples = need(dds_create_reader(
       domain, topic(domain, &fieldcast_Sample_desc, "fieldcast/Sample"), state, listener));
 
-  dds_qos_t* once = dds_create_qos(); /* commands are kept for nobody */
+  dds_qos_t* once = dds_create_qos(); /* commands are not kept for late joiners */
   dds_qset_reliability(once, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
   dds_qset_history(once, DDS_HISTORY_KEEP_ALL, 0);
   const dds_entity_t results = need(dds_create_reader(

@@ -21,5 +21,5 @@ int main(int argc, char** argv) {
   station.subscribe_samples(on_sample, {}, {.deadline = 1s, .on_deadline_missed = on_missed});
   const bool verify = true;  // read it back
   fmt::print("write: {}\n", to_text(station.write("line/meter/setpoint", 42, verify)));
-  std::getchar();  // Enter ends it
+  std::getchar();  // waits for Enter
 }
