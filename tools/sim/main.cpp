@@ -66,7 +66,6 @@ int fail(ExitCode code, const std::string& text) {
   return code;
 }
 
-// End of the run; kNever without --seconds.
 tl::expected<Instant, std::string> end_of(const Arguments& given, Instant start) {
   if (given.time.empty()) return kNever;
   const auto time = read_duration(given.time, {Duration{}, std::chrono::hours{24 * 365}, true});

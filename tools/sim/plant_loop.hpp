@@ -1,9 +1,6 @@
-// Runs all buses of the plant on one thread: waits for bytes, timers and signals, and calls the bus
-// concerned.
-//
-// Uses epoll and one timerfd instead of Asio for exact timing: one absolute timer on the monotonic
-// clock without the slack of a poll timeout, optional spinning before it, and no layer between
-// kernel and write.
+// Runs all buses of the plant on one thread. Uses epoll and one timerfd instead of Asio for exact
+// timing: one absolute timer on the monotonic clock, optional spinning before it, and no layer
+// between kernel and write.
 #pragma once
 
 #include <memory>
@@ -15,7 +12,6 @@
 
 namespace fieldcast::sim {
 
-// The monotonic clock.
 [[nodiscard]] Instant now();
 
 struct LoopOptions {
@@ -26,16 +22,14 @@ struct LoopOptions {
 
 class PlantLoop : private Watcher {
  public:
-  // Blocks SIGINT, SIGTERM and SIGUSR1 in this thread and handles them. REQUIRES: the buses outlive
-  // the loop.
+  // Blocks and handles SIGINT, SIGTERM and SIGUSR1 in this thread. REQUIRES: the buses outlive it.
   PlantLoop(const std::vector<std::unique_ptr<SimBus>>& buses, LoopOptions options);
   ~PlantLoop() override;
 
   // Opens every port; on failure closes the opened ones.
   [[nodiscard]] tl::expected<void, std::string> open();
   [[nodiscard]] std::vector<std::string> locations() const;
-  // Runs until the end time, SIGINT or SIGTERM; then closes ports and removes links. Returns false
-  // if the report cannot be written.
+  // Runs until the end time, SIGINT or SIGTERM. False: the report cannot be written.
   [[nodiscard]] bool run();
 
  private:

@@ -33,7 +33,7 @@ std::string target_of(const std::string& path) {
   return length > 0 ? std::string(target, static_cast<std::size_t>(length)) : std::string{};
 }
 
-// Binds a name in the abstract socket namespace while the program serves the path.
+// Bound while the program serves the path.
 FileDescriptor take_lock(const std::string& path) {
   FileDescriptor lock(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   sockaddr_un address{};

@@ -1,9 +1,8 @@
 // A pseudo-terminal in place of a serial adapter, with a symbolic link at the path to its slave
-// side.
+// side. Owns and removes both.
 //
-// Owns the terminal and the link and removes both. Never replaces a foreign file: the spelling of a
-// link's target shows that this program created it. A bound socket name shows that its process is
-// alive; it disappears with the process, so the link of a killed process is replaced.
+// Never replaces a foreign file: the spelling of the link's target marks our links. A bound socket
+// name, which disappears with its process, shows that the link is in use.
 #pragma once
 
 #include <string>
@@ -15,7 +14,7 @@ namespace fieldcast::sim {
 
 class PtyPort {
  public:
-  // Opens the raw terminal with its link at `path`; the error is human-readable.
+  // The error is human-readable.
   [[nodiscard]] static tl::expected<PtyPort, std::string> open(const std::string& path);
   PtyPort(PtyPort&&) = default;
   PtyPort& operator=(PtyPort&&) = delete;
@@ -24,8 +23,7 @@ class PtyPort {
   [[nodiscard]] int fd() const { return master_.get(); }                   // non-blocking
   [[nodiscard]] const std::string& terminal() const { return terminal_; }  // "/dev/pts/5"
 
-  // Clears exclusive use (TIOCNXCL). A real adapter does so when its last user closes it; this
-  // terminal stays open in the simulator.
+  // Clears TIOCEXCL as a real adapter does on its last close; this terminal stays open.
   void forget_exclusive_use();
 
  private:

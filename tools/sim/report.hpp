@@ -1,4 +1,3 @@
-// Writes the counters of the plant as JSON, for users and tests.
 #pragma once
 
 #include <memory>

@@ -37,7 +37,7 @@ struct RecordSpec {
   std::vector<std::string> patterns{"*"};
 };
 
-// Reads a list of strings; `fault(text)` returns what is wrong with one, or an empty text.
+// `fault(text)` returns what is wrong, or an empty text.
 template <typename Fault>
 void read_texts(MapReader& map, std::string_view key, std::string_view form,
                 std::vector<std::string>& target, Fault fault) {

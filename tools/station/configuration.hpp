@@ -1,4 +1,4 @@
-// Loads the configuration of fieldcast-station from a YAML file. Stateless functions.
+// Loads the configuration of fieldcast-station. Stateless functions.
 #pragma once
 
 #include <optional>
@@ -30,7 +30,7 @@ struct StationSpec {
   std::vector<DdsSite> sites{DdsSite{}};  // one without a name, or several named ones
   LogSpec log;
   WebSpec web;
-  // `samples` has the patterns of the recorded channels; if it is empty, nothing is recorded.
+  // `samples`: patterns of the recorded channels; empty: records nothing.
   std::optional<StoreSpec> store;
 };
 
@@ -43,16 +43,15 @@ using LoadedStation = tl::expected<StationSpec, std::vector<config::Fault>>;
                                               const config::FileReader& reader,
                                               const std::optional<ListenSpec>& listen = {});
 
-// A reason why the listen address is not safe, and the fix. Outside the loopback interface a
-// station needs TLS and a login, and must not set a role for clients without a login.
+// A fault of the listen address, with the fix. Outside the loopback interface a station needs TLS
+// and logins, and no role for clients without a login.
 struct Exposure {
   std::string_view key;  // key of `web` with the fault
   std::string what, mend;
 };
 [[nodiscard]] std::vector<Exposure> exposures_of(const StationSpec& spec);
 
-// Parses "127.0.0.1:8090", "[::1]:8090" or "127.0.0.1:0" (a free port). Empty if the text is not an
-// IP address and port.
+// "127.0.0.1:8090", "[::1]:8090", "127.0.0.1:0" (a free port).
 [[nodiscard]] std::optional<ListenSpec> listen_from(const std::string& text);
 
 // All keys for the documentation; name: "web.listen".

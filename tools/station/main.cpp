@@ -106,7 +106,6 @@ void on_hangup(WebStation& station) {
   fieldcast::log_info("web", "certificate and key are taken from their files anew");
 }
 
-// Logs the busy component if the stop hangs, for example in a library.
 class WhileItLives {
  public:
   WhileItLives(fieldcast::Signals& signals, WebStation& station) : signals_(signals) {
@@ -124,7 +123,6 @@ class WhileItLives {
   fieldcast::Signals& signals_;
 };
 
-// Watches the DDS identity of the program at each site from its start on.
 class SiteIdentities {
  public:
   explicit SiteIdentities(const StationSpec& spec)
@@ -140,7 +138,6 @@ class SiteIdentities {
   std::vector<fieldcast::IdentityWatch> each_;
 };
 
-// Returns false if the station cannot join.
 bool log_joining(const StationSpec& spec) {
   bool good = true;
   for (const fieldcast::DdsSite& site : spec.sites) {

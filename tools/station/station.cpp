@@ -46,8 +46,7 @@ SessionBook::Secret random_secret() {
   return secret;
 }
 
-// Creates the store if it is missing, so that its users can be read. An unavailable store may
-// become available later.
+// Creates a missing store, so that its users can be read; one that is unavailable may come later.
 void make_store(const StoreAddress& address) {
   try {
     (void)fieldcast::open_store(address, IfMissing::kCreate);
@@ -90,8 +89,8 @@ struct WebStation::State {
   std::atomic<std::chrono::nanoseconds::rep> turned{0};
   std::atomic<const char*> busy = "starting";
   bool started = false;
-  std::vector<std::string> missing_servers;  // as last reported
-  Instant servers_from{};                    // servers are checked from then on
+  std::vector<std::string> missing_servers;
+  Instant servers_from{};  // servers are checked from then on
 
   // In the order of start; each member uses the ones above.
   std::unique_ptr<Store> store;

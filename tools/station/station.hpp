@@ -1,5 +1,5 @@
-// Owns all parts of the station, and starts and stops them in order. Create, start and stop it on
-// the main thread; its parts run on one io thread.
+// Owns all parts of the station. Create, start and stop it on the main thread; its parts run on one
+// io thread.
 //
 //     store (records, audit) -> io thread -> DDS, live model -> site, routes -> server -> listener
 #pragma once
@@ -29,7 +29,7 @@ class WebStation {
   // "http://127.0.0.1:8090/". REQUIRES: started.
   [[nodiscard]] std::string address() const;
 
-  // Reads certificate and key again from their files; the error is one line.
+  // The error is one line.
   [[nodiscard]] tl::expected<void, std::string> renew_certificate();
 
   // Last heartbeat of the io thread for the watchdog; at least once a second.

@@ -1,5 +1,5 @@
-// Reads the users of the store every few seconds. Ends logins of users that were removed or got
-// another role or password, and updates the role of clients without a login. Runs on the io thread.
+// Reads the users of the store periodically. Ends logins of removed or changed users, and updates
+// the role of clients without a login. Runs on the io thread.
 #pragma once
 
 #include <boost/asio/steady_timer.hpp>
@@ -13,8 +13,7 @@
 
 namespace fieldcast::web {
 
-// Role of clients without a login; empty: they must log in. `users`: number of users; empty if
-// unknown.
+// Empty: clients must log in. `users`: number of users; empty if unknown.
 [[nodiscard]] std::optional<Role> local_role_of(const StationSpec& spec,
                                                 std::optional<std::size_t> users);
 

@@ -11,8 +11,7 @@ BitNoise::BitNoise(double rate, unsigned bits_per_character, std::uint64_t seed)
 
 void BitNoise::draw() {
   if (rate_ <= 0) return;
-  // The number of good bits before the next bad one has a geometric distribution. The limit of 1e15
-  // bits is far more than a week of traffic.
+  // The number of good bits is geometrically distributed; 1e15 bits exceed any run.
   const double gap = rate_ >= 1
                          ? 0
                          : std::floor(std::log1p(-std::generate_canonical<double, 53>(random_)) /
@@ -25,8 +24,7 @@ std::uint8_t BitNoise::pass(std::uint8_t character) {
   unsigned used = 0;
   while (bits_left_ < bits_ - used) {
     used += static_cast<unsigned>(bits_left_) + 1;
-    // Bits 1..8 of a character are data. A flipped start, parity or stop bit makes most UARTs
-    // deliver a wrong character.
+    // Bits 1..8 are data. A flipped start, parity or stop bit usually gives a wrong character.
     character =
         static_cast<std::uint8_t>(character ^ (used >= 2 && used <= 9 ? 1u << (used - 2) : 0x55u));
     draw();

@@ -66,7 +66,6 @@ struct BoundedRule {
 };
 constexpr BoundedRule kProbability{0, 1};
 
-// Calls read(item) for each item of a list, or for a single map.
 template <typename Read>
 void each(const Node& node, std::string_view key, FaultList& faults, const Read& read) {
   if (node.kind == Kind::kMap) return read(node);
@@ -189,7 +188,6 @@ std::vector<const Node*> about(const Node& names, std::string_view name) {
   return found;
 }
 
-// Reports names that the plant does not have.
 template <typename Specs>
 void check_names(const Node& names, std::string_view what, const Specs& specs, FaultList& faults) {
   if (names.kind != Kind::kMap) {

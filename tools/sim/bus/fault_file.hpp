@@ -1,6 +1,5 @@
-// Parses the faults file of the simulator; the format is described in tools/sim/README.md. Returns
-// all faults of the text with file, line and column. Checks names of buses, devices and areas
-// against the plant.
+// Parses the faults file (tools/sim/README.md) and checks its names against the plant. Returns all
+// faults with file, line and column.
 #pragma once
 
 #include <string>

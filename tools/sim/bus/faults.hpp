@@ -1,5 +1,4 @@
-// Simulated faults as plain values, read from the faults file (fault_file.hpp) or set by a test,
-// and their effect on one response.
+// Simulated faults, set by the faults file (fault_file.hpp) or a test. Plain values.
 #pragma once
 
 #include <cstdint>
@@ -54,7 +53,7 @@ struct BusFaults {
   bool echo = false;
   double babble = 0;           // bursts of random characters a second
   unsigned babble_length = 8;  // characters of the longest burst
-  // exchanges a second of a second master with a unit outside the configuration
+  // exchanges a second of a second master
   double foreign = 0;
   std::vector<Window> unplugged;  // the port is missing
   unsigned fifo = 8;
@@ -65,7 +64,6 @@ struct Faults {
   std::map<std::string, BusFaults> buses;  // by name; other buses have no faults
 };
 
-// A response after the faults were applied.
 struct FaultyAnswer {
   Bytes characters;  // empty: lost
   Duration delay{};

@@ -16,7 +16,6 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t kMaxConnections = 64;  // of one bus; further ones are closed immediately
 
-// Reads available bytes. Returns false if the peer has closed.
 bool receive(int fd, BusLine& line, Instant now) {
   std::array<std::uint8_t, 4096> buffer;
   const ssize_t count = ::read(fd, buffer.data(), buffer.size());
@@ -24,7 +23,7 @@ bool receive(int fd, BusLine& line, Instant now) {
   return count > 0 || (count < 0 && (errno == EAGAIN || errno == EINTR));
 }
 
-// Common part of serial port and listener: unplugs and plugs the port according to the faults.
+// Unplugs and plugs the port according to the faults.
 class PluggedBus : public ServedBus {
  public:
   explicit PluggedBus(SimBus& bus) : bus_(bus) {}
@@ -51,7 +50,7 @@ class PluggedBus : public ServedBus {
  protected:
   [[nodiscard]] virtual tl::expected<void, std::string> plug() = 0;
   virtual void unplug() = 0;
-  // Does the due work of a plugged bus and returns the next due time.
+  // Does the due work; returns the next due time.
   virtual Instant advance(Instant now) = 0;
   [[nodiscard]] SimBus& bus() { return bus_; }
   [[nodiscard]] bool plugged() const { return plugged_; }

@@ -1,8 +1,5 @@
-// Serves a simulated bus at the port that the bridge opens: a pseudo-terminal at its serial path,
-// or a listener at its TCP port.
-//
-// Owns descriptors and BusLines; does not own the SimBus. Driven by the single thread of the plant
-// loop.
+// Serves a simulated bus at the pseudo-terminal or TCP port that the bridge opens. Owns descriptors
+// and BusLines, not the SimBus. Driven by the thread of the plant loop.
 #pragma once
 
 #include <map>
@@ -17,7 +14,6 @@
 
 namespace fieldcast::sim {
 
-// Registers the descriptors of a bus; implemented by the loop.
 class Watcher {
  public:
   virtual ~Watcher() = default;
@@ -28,12 +24,12 @@ class Watcher {
 class ServedBus {
  public:
   virtual ~ServedBus() = default;
-  // Opens the port; the error is human-readable.
+  // The error is human-readable.
   [[nodiscard]] virtual tl::expected<void, std::string> open(Instant now) = 0;
   // Address for a master: "/tmp/line-1 -> /dev/pts/5", "127.0.0.1:1502".
   [[nodiscard]] virtual std::string location() const = 0;
   virtual void on_readable(int fd, Instant now) = 0;
-  // Does the due work and returns the next due time; kNever: only when a descriptor is readable.
+  // Returns the next due time; kNever: only when a descriptor is readable.
   virtual Instant on_time(Instant now) = 0;
 };
 

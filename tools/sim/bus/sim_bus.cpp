@@ -58,7 +58,6 @@ tl::expected<std::unique_ptr<SimBus>, std::string> SimBus::make(const BusSpec& s
   return bus;
 }
 
-// Creates a copy of the first device at an unused address.
 tl::expected<void, std::string> SimBus::make_foreign(const DeviceKind& kind) {
   foreign_.spec = spec_.devices.front();
   foreign_.spec.name = "foreign";
@@ -124,8 +123,7 @@ void BusLine::plan_foreign(Instant from) {
   next_foreign_ = from + from_seconds(std::min(wait(random_), 3600.0));
 }
 
-// Sends one whole exchange, round by round. A link without a shared line carries only the
-// responses.
+// Sends all rounds of an exchange. A link without a shared line carries only the responses.
 void BusLine::send_to_foreign(Instant now) {
   constexpr std::uint32_t kMostItems = 16;
   constexpr int kMostRounds = 8;
@@ -172,8 +170,7 @@ void BusLine::babble(Instant now) {
   plan_babble(now);
 }
 
-// Silence is measured only while the line is idle, because a character in flight is not received
-// yet.
+// Only while the line is idle: a character in flight is not received yet.
 Instant BusLine::silence_due() const {
   Instant due = kNever;
   if (!wire_.at_rest()) return due;

@@ -1,8 +1,6 @@
-// One bus of the plant: its devices, their faults, and the lines to its masters.
-//
-// A SimBus owns the devices. A BusLine is the serial port or one TCP connection: it owns a Wire and
-// a receiver of each device, and must not outlive its bus. Pure: bytes and instants in, bytes and
-// instants out. Single-threaded.
+// A bus of the plant. A SimBus owns the devices. A BusLine is the serial port or one TCP
+// connection: it owns a Wire and a receiver of each device, and must not outlive its bus. Pure:
+// bytes and instants in, bytes and instants out. Single-threaded.
 #pragma once
 
 #include <functional>
@@ -38,7 +36,7 @@ class SimBus {
     std::uint64_t spoiled = 0;  // responses suppressed or changed by faults
   };
 
-  // Fails if a protocol has no simulated devices or a device refuses its specification.
+  // Fails for a protocol without simulated devices or an invalid device specification.
   [[nodiscard]] static tl::expected<std::unique_ptr<SimBus>, std::string> make(
       const BusSpec& spec, const BusFaults& faults, std::uint64_t seed, Instant start);
 
@@ -75,7 +73,6 @@ class SimBus {
 class BusLine {
  public:
   BusLine(SimBus& bus, const WireOptions& options, std::uint64_t seed);
-  // Adds received bytes of the master.
   void receive(ByteView bytes, Instant now);
   // Time of the next advance(); kNever: only after the master sends.
   [[nodiscard]] Instant next_due() const;
@@ -97,9 +94,9 @@ class BusLine {
 
   SimBus& bus_;
   Wire wire_;
-  std::vector<std::unique_ptr<Receiver>> receivers_;  // one for each member
-  std::mt19937_64 random_;                            // for babble
-  std::vector<Instant> spoke_until_;                  // by member
+  std::vector<std::unique_ptr<Receiver>> receivers_;
+  std::mt19937_64 random_;
+  std::vector<Instant> spoke_until_;
   Instant next_babble_ = kNever, next_foreign_ = kNever;
   bool hung_up_ = false;
 };

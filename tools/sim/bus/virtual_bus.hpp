@@ -1,8 +1,5 @@
-// Runs a bus engine and its simulated plant in virtual time: hours in seconds, exactly reproducible
-// by the seed.
-//
-// Owns the engine, the plant and their clock. Pure: no thread, no I/O. The caller observes every
-// action of the engine.
+// Runs a bus engine and its simulated plant in virtual time, exactly reproducible by the seed. Owns
+// the engine, the plant and their clock. Pure: no thread, no I/O.
 #pragma once
 
 #include <functional>
@@ -21,7 +18,6 @@ class VirtualBus {
   // Called for each action; for sends before it is executed, for others after.
   using Watcher = std::function<void(const Action&)>;
 
-  // Called for all bytes that the engine receives.
   std::function<void(ByteView)> on_received;
 
   // The plant starts at Instant{}; throws std::runtime_error if it cannot be simulated.

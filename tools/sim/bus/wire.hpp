@@ -1,11 +1,10 @@
 // Simulates the wire in virtual time: when each character has passed, who received it, and
 // collisions.
 //
-// A pseudo-terminal has no baud rate and delivers a request in one piece. Here its characters pass
-// one after the other, from the arrival of the first. A device's response is delivered in pieces
-// like those of a UART FIFO, the last one exactly at its last stop bit. On a half-duplex line
-// overlapping characters garble each other. Instants are absolute, so that delays do not add up.
-// Pure: no clock, no I/O.
+// A pseudo-terminal delivers a request in one piece; here its characters pass one after the other
+// from the first arrival. A response is delivered in pieces like those of a UART FIFO, the last one
+// exactly at its last stop bit. On a half-duplex line overlapping characters garble each other.
+// Instants are absolute, so delays do not add up. Pure: no clock, no I/O.
 #pragma once
 
 #include <cstdint>
@@ -51,7 +50,6 @@ class BitNoise {
   std::uint64_t bits_left_ = 0;  // good bits until the next flipped one
 };
 
-// Characters that passed the line, in order of time.
 struct Passed {
   Sender sender = kMaster;
   Bytes characters;
@@ -66,17 +64,13 @@ class Wire {
 
   explicit Wire(const WireOptions& options);
 
-  // Adds characters of the master that arrived at `now`.
   void from_master(ByteView characters, Instant now);
-  // Adds a transmission of another sender.
   void from_device(Sender sender, ByteView characters, Instant start);
 
-  // Time of the next advance(): the end of a piece of the master, or of the next piece for the
-  // master. kNever: the line is idle.
+  // Time of the next advance(); kNever: the line is idle.
   [[nodiscard]] Instant next_due() const;
   [[nodiscard]] bool at_rest() const { return queued_.empty() && transmissions_.empty(); }
-  // Returns the next characters that passed until `now`; empty if none. The caller may add a
-  // response before the next call.
+  // Returns the next passed characters; the caller may add a response before the next call.
   [[nodiscard]] std::optional<Passed> advance(Instant now);
 
   // End of this sender's last pending transmission; kLongAgo: none.
@@ -84,8 +78,7 @@ class Wire {
   [[nodiscard]] bool sending(Sender sender, Instant at) const;
   [[nodiscard]] std::uint64_t lost() const { return lost_; }
   [[nodiscard]] std::uint64_t collisions() const { return collisions_; }
-  // Shortest time between the end of any transmission and the master's next character; empty: none
-  // yet.
+  // Shortest time from the end of any transmission to the master's next character.
   [[nodiscard]] std::optional<Duration> shortest_rest() const { return shortest_rest_; }
 
  private:

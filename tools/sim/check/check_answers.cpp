@@ -1,5 +1,4 @@
-// Disturbs the responses of the simulated device in every way: the result must be the same value,
-// or none.
+// Disturbs responses of the simulated device: the result must be the same value, or none.
 #include <fmt/format.h>
 
 #include <numeric>
@@ -33,7 +32,6 @@ class AnswerCheck {
   }
 
  private:
-  // An exchange with its result without disturbance.
   struct Example {
     const NamedRequest& named;
     std::uint16_t sequence;

@@ -1,5 +1,4 @@
-// Runs the whole engine with two devices, one of which often responds late: no channel may show a
-// value of another channel.
+// Runs the engine with two devices, one often late: no channel may show another's value.
 #include <fmt/format.h>
 
 #include <stdexcept>
@@ -18,7 +17,6 @@ using namespace std::chrono_literals;
 constexpr Duration kRun = 20s;
 constexpr std::size_t kMostChannels = 12;
 
-// Connects a bus engine, a plant and their samples in virtual time.
 class LateBus {
  public:
   LateBus(const Subject& subject, CheckRow& row)
@@ -71,7 +69,6 @@ class LateBus {
     return bus;
   }
 
-  // Returns a bool, number or text of the slot's width.
   static Encoding encoding_of(const Slot& slot) {
     Encoding encoding{ValueType::kBool};
     if (slot.text_bytes != 0) {
@@ -89,7 +86,7 @@ class LateBus {
     return encoding;
   }
 
-  // Adds one item of each area, or one value of a record, each with its own number or text.
+  // Adds one channel for each area or record value, each with its own number or text.
   void add_channels(std::size_t device) {
     DeviceSpec& spec = spec_.devices[device];
     for (std::size_t i = 0;

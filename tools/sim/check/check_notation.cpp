@@ -27,7 +27,6 @@ bool shows(SimDevice& device, std::string_view area, const Range& range, const E
   return false;
 }
 
-// Extends the range to the alignment of the area.
 Range aligned(const Range& range, const Area& area) {
   const std::uint32_t first = range.first / area.alignment * area.alignment;
   const std::uint32_t end = (range.end() + area.alignment - 1) / area.alignment * area.alignment;

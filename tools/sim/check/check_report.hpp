@@ -1,4 +1,3 @@
-// Rows of a check with their counters and failures.
 #pragma once
 
 #include <cstdint>

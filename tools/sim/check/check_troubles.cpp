@@ -17,7 +17,6 @@ std::string frames(const std::vector<Bytes>& all) {
   return text;
 }
 
-// All areas refuse every request.
 void refusals(const Subject& subject, const Requests& requests, CheckRows& rows) {
   CheckRow row{.check = "device errors", .where = "refusals"};
   const bool silent =
@@ -61,8 +60,7 @@ void silence(const Subject& subject, const Requests& requests, CheckRows& rows) 
   rows.push_back(std::move(row));
 }
 
-// Responses of a neighbour to the same request and, with sequence numbers, the response to the
-// previous request.
+// Responses of a neighbour; with sequence numbers also of the previous request.
 void strangers(const Subject& subject, const Requests& requests, CheckRows& rows) {
   CheckRow row{.check = "wrong station", .where = "answers"};
   CheckRow old{.check = "late answer", .where = "of the request before"};

@@ -146,7 +146,6 @@ class ValueCheck {
                               frames(outcome));
   }
 
-  // Checks the device's memory and a read-back.
   void write(const Slot& slot, const Bytes& image, const std::string& what) {
     const std::size_t each = image_bytes(slot.item_bits, 1);
     WriteRequest whole{.range = slot.range, .items = image};
@@ -182,7 +181,6 @@ class ValueCheck {
                                frames(back));
   }
 
-  // Writes one bit of an item; the others must not change.
   void bit(AreaIndex area) {
     const Area& row = requests_.protocol().areas()[area];
     if (!row.bit_write || row.item_bits == 1) return;
@@ -212,7 +210,6 @@ class ValueCheck {
     }
   }
 
-  // Writes one byte of an item; the others must not change.
   void byte(AreaIndex area) {
     const Area& row = requests_.protocol().areas()[area];
     if (!row.byte_write) return;
@@ -236,7 +233,6 @@ class ValueCheck {
     }
   }
 
-  // Reads scattered ranges of all areas in one request.
   void lists() {
     const unsigned most = requests_.protocol().traits().max_ranges;
     if (most < 2) return;

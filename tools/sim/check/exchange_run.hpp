@@ -1,5 +1,4 @@
-// Runs one exchange in virtual time with the engine's own driver and timers, against the simulated
-// device or against given bytes.
+// Runs an exchange in virtual time with the engine's driver, against a device or given bytes.
 #pragma once
 
 #include <memory>
@@ -17,9 +16,9 @@ struct RunOutcome {
   bool done = false;
   Cause cause = Cause::kNone;
   std::uint16_t code = 0;
-  Reply reply;                 // if done
-  std::vector<Bytes> sent;     // all requests
-  std::vector<Bytes> answers;  // bytes received after each request
+  Reply reply;  // if done
+  std::vector<Bytes> sent;
+  std::vector<Bytes> answers;
   // True for a value or a device error: a disturbed response must not become one of these.
   [[nodiscard]] bool says_something() const {
     return done || cause == Cause::kDeviceError || cause == Cause::kDeviceBusy;
@@ -28,7 +27,6 @@ struct RunOutcome {
   [[nodiscard]] std::string text() const;
 };
 
-// A subject's device on its own line.
 class LiveDevice {
  public:
   explicit LiveDevice(const Subject& subject, const BusFaults& faults = {});

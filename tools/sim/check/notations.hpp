@@ -1,5 +1,4 @@
-// Lists all notations of an address. The simulated device must accept what the bridge accepts, and
-// use the same item.
+// All notations of an address. The simulated device must accept what the bridge accepts.
 #pragma once
 
 #include <string>
@@ -12,8 +11,7 @@ namespace fieldcast::sim {
 // Returns at least one address of each form; for a declaration, of its areas and records.
 [[nodiscard]] std::vector<std::string> notations_of(const Subject& subject);
 
-// Default type of an address: bool for a bit, else an unsigned number of its width, or a text if
-// declared.
+// Default type: bool for a bit, an unsigned number of its width, or a declared text.
 [[nodiscard]] Encoding natural_encoding(const ParsedAddress& address, const Area& area,
                                         const declared::Declaration* declaration);
 

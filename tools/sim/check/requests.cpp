@@ -14,7 +14,6 @@ Requests::Requests(const Subject& subject) : subject_(subject), protocol_(subjec
 
 namespace {
 
-// Copies the properties of the field that contains the place.
 void describe(const declared::Frame& frame, Slot& slot) {
   for (std::size_t i = 0; i < frame.fields.size(); ++i) {
     const declared::Field& field = frame.fields[i];
@@ -28,7 +27,7 @@ void describe(const declared::Frame& frame, Slot& slot) {
   }
 }
 
-// Letters without the end character; an odd text leaves its last byte empty.
+// An odd text leaves its last byte empty.
 Bytes text_contents(const Slot& slot, std::mt19937& random) {
   Bytes image(image_bytes(slot.item_bits, slot.range.count));
   for (std::size_t i = 0; i < std::min<std::size_t>(slot.text_bytes, image.size()); ++i) {

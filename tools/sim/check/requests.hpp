@@ -1,5 +1,4 @@
-// Typical requests of a protocol: small and large reads and writes of every area; for records,
-// their places.
+// Typical requests of a protocol for every area and record.
 #pragma once
 
 #include <optional>
@@ -15,8 +14,8 @@ namespace fieldcast::sim {
 struct Slot {
   Range range;
   unsigned item_bits = 16;
-  // For a place of a record: bits of all items, right-aligned (0: all), with a sign if is_signed;
-  // the largest number of its digits; or the bytes of a text and its end character.
+  // For record places: bits of all items (0: all) and sign; largest number of its digits; or the
+  // bytes of a text and its end character.
   unsigned value_bits = 0;
   bool is_signed = false;
   std::uint64_t largest = UINT64_MAX;
@@ -37,19 +36,16 @@ class Requests {
   [[nodiscard]] std::string_view area_name(AreaIndex area) const {
     return protocol_->areas()[area].name;
   }
-  // Returns ranges of `count` items at the start, middle and end of an area, as far as they are
-  // readable.
+  // Returns readable ranges of `count` items at the start, middle and end of an area.
   [[nodiscard]] std::vector<Slot> slots(AreaIndex area, std::uint32_t count) const;
   [[nodiscard]] std::optional<Range> largest_read(AreaIndex area) const;
   [[nodiscard]] std::optional<Range> largest_write(AreaIndex area) const;
   [[nodiscard]] bool allows(const Request& request) const {
     return protocol_->size(request).has_value();
   }
-  // Requests of every kind and area; the checks disturb their responses.
   [[nodiscard]] std::vector<NamedRequest> examples() const;
   [[nodiscard]] std::vector<Slot> places(AreaIndex area) const;  // of a record
 
-  // Random contents of a slot as an image of its items.
   [[nodiscard]] static Bytes contents(const Slot& slot, std::mt19937& random);
   // Writes the image to the device without the wire; false: no such items.
   static bool poke(SimDevice& device, std::string_view area, const Slot& slot, ByteView image);

@@ -8,8 +8,7 @@
 
 namespace fieldcast::sim {
 
-// Runs all checks of one subject. Deterministic; lasts some seconds at most. `on_share` receives
-// the finished share, 0..1.
+// Deterministic; lasts some seconds at most. `on_share` receives the finished share, 0..1.
 [[nodiscard]] CheckRows sim_check(const Subject& subject,
                                   const std::function<void(double share)>& on_share = {});
 

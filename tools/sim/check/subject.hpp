@@ -1,5 +1,4 @@
-// Subject of `sim-check`: a protocol with one choice of its options, for the master and for the
-// simulated device.
+// A protocol with one choice of its options, for the master and the simulated device.
 #pragma once
 
 #include <memory>

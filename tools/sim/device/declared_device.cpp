@@ -176,7 +176,6 @@ void DeclaredDevice::store(const Operation& operation, const DeclaredText& text)
   ++statistics_.write_requests;
 }
 
-// Sets the data of the response: the requested items, or the current record.
 void DeclaredDevice::fill(const Operation& operation, Instant now, DeclaredText& text) const {
   text.items.clear();
   if (!declaration_->areas[operation.area].record) {

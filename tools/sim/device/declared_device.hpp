@@ -1,8 +1,6 @@
-// A simulated device of a declared protocol.
-//
-// After bytes that match no request, or a request to another address, it waits for a silence,
-// because the response of the other device can have any form. It refuses a request only if the
-// declaration has an error frame; otherwise it stays silent.
+// A simulated device of a declared protocol. After bytes that match no request of its own it waits
+// for a silence, because a response of another device can have any form. Without an error frame in
+// the declaration it stays silent instead of refusing.
 #pragma once
 
 #include <memory>
@@ -51,7 +49,6 @@ class DeclaredDevice : public SimDevice {
   DeviceStatistics statistics_;
 };
 
-// Area names that a fault may use.
 [[nodiscard]] std::vector<std::string_view> declared_area_names(
     const declared::Declaration& declaration);
 

@@ -18,8 +18,7 @@ std::uint64_t mask(unsigned bits) {
   return bits >= 64 ? UINT64_MAX : (std::uint64_t{1} << bits) - 1;
 }
 
-// Returns the characters of a word, most significant first: bytes, or pairs of digits if
-// little-endian.
+// Most significant character first: bytes, or pairs of digits if little-endian.
 Bytes highest_first(ByteView characters, const Word& word) {
   Bytes turned(characters.begin(), characters.end());
   if (!word.little_endian) return turned;
@@ -78,7 +77,6 @@ Bytes summed(const Frame& frame, const Field& sum, ByteView bytes, const Starts&
   return covered;
 }
 
-// Characters of the items of a frame.
 std::size_t items_size(const Field& field, unsigned item_bits, std::uint64_t count) {
   return (item_bits == 1 && field.packed ? (count + 7) / 8 : count) * field.word.characters;
 }
@@ -94,7 +92,6 @@ class ParseRun {
     received_.text.count = operation.min_count;
   }
 
-  // Call once.
   DeclaredMatch run() {
     for (at_ = 0; at_ < fields_.size(); ++at_) {
       starts_[at_] = offset_;
@@ -213,8 +210,7 @@ class ParseRun {
     }
   }
 
-  // Assigns the remaining length, in characters, to the field of the span without a length of its
-  // own.
+  // Assigns the remaining length to the field of the span without a length of its own.
   void length(const Field& field, std::uint64_t number) {
     auto left = static_cast<std::int64_t>(number) - field.plus;
     const Field* open = nullptr;
@@ -291,8 +287,7 @@ DeclaredMatch on_request(const declared::Declaration& declaration,
 
 namespace {
 
-// Returns the bytes of each field, without lengths and checksums. The parts of a word are in the
-// field that opens it.
+// Bytes of each field, without lengths and checksums. Parts of a word are in its first field.
 std::vector<Bytes> parts_of(const Frame& frame, unsigned item_bits, const DeclaredText& text) {
   const auto& fields = frame.fields;
   std::vector<Bytes> parts(fields.size());

@@ -1,5 +1,5 @@
-// Parses and encodes the frames of a declaration for its device. Independent of the bridge's
-// interpreter; both use the loaded declaration and the checksums.
+// Parses and encodes declared frames for the device. Shares the loaded declaration and the
+// checksums with the bridge, but not its interpreter.
 #pragma once
 
 #include <map>
@@ -27,7 +27,6 @@ struct DeclaredMatch {
   DeclaredText text;
 };
 
-// Parses the operation's request at the start of these bytes.
 [[nodiscard]] DeclaredMatch on_request(const declared::Declaration& declaration,
                                        const declared::Operation& operation, ByteView bytes);
 

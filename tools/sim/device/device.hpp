@@ -1,9 +1,8 @@
 // Interface of a simulated PLC family.
 //
-// A SimDevice owns the memory of one PLC and outlives its receivers. A Receiver listens on one line
-// for the device: one on a serial bus, one for each TCP connection. Receivers get every character
-// of the line, also requests to other devices and their responses, as a real slave does. Pure:
-// characters and instants in, responses out. Runs on the simulator's single thread.
+// A SimDevice owns the memory of one PLC and outlives its receivers: one on a serial bus, one for
+// each TCP connection. Receivers get every character of the line, also of other devices, as a real
+// slave does. Pure: characters and instants in, responses out. Single-threaded.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +23,6 @@
 
 namespace fieldcast::sim {
 
-// Counters for the report and for tests.
 struct DeviceStatistics {
   // Requests executed or refused, by function: "03".
   std::map<std::string, std::uint64_t> requests;
@@ -37,7 +35,6 @@ struct DeviceStatistics {
   std::uint64_t answers = 0;         // created; faults may still drop them
 };
 
-// Result of a character or a silence.
 struct Reaction {
   Bytes answer;  // empty: no response
   // Delay before the response that the request demands, in addition to the device's own.
@@ -48,7 +45,7 @@ struct Reaction {
 class Receiver {
  public:
   virtual ~Receiver() = default;
-  // Receives one character; its last stop bit ended at `end`. Instants never decrease.
+  // `end`: end of the last stop bit. Instants never decrease.
   virtual void on_character(std::uint8_t character, Instant end, Reaction& reaction) = 0;
   // Time at which an unbroken silence has a meaning; kNever: none.
   [[nodiscard]] virtual Instant silence_due() const { return kNever; }
@@ -62,8 +59,7 @@ class SimDevice {
   // REQUIRES: the device outlives the receiver.
   [[nodiscard]] virtual std::unique_ptr<Receiver> open_receiver() = 0;
   [[nodiscard]] virtual const DeviceStatistics& statistics() const = 0;
-  // Access an item of the memory directly, right-aligned; empty or false for an unknown area or
-  // item. A poked item keeps its value, as after a write.
+  // Access an item directly, right-aligned; fail for an unknown item. A poked item keeps its value.
   [[nodiscard]] virtual std::optional<std::uint64_t> peek([[maybe_unused]] std::string_view area,
                                                           [[maybe_unused]] std::uint32_t item,
                                                           [[maybe_unused]] Instant now) {
@@ -75,7 +71,6 @@ class SimDevice {
   }
 };
 
-// Addresses that the device refuses with an error code of its protocol.
 struct RefusedRange {
   std::string area;                // name in the protocol's DeviceKind
   std::uint32_t from = 0, to = 0;  // both included
@@ -93,17 +88,16 @@ struct DeviceSetup {
   Instant start{};               // of the plant and its waveforms
 };
 
-// A protocol that can be simulated.
 struct DeviceKind {
   std::string_view protocol;                // as in the configuration: "modbus-rtu"
   std::span<const std::string_view> areas;  // names for RefusedRange
   bool half_duplex = true;                  // overlapping transmissions garble each other
-  // Creates the device, or fails with the fault of its specification.
+  // Fails with the fault of the specification.
   tl::expected<std::unique_ptr<SimDevice>, std::string> (*make)(const DeviceSetup& setup) = nullptr;
 };
 [[nodiscard]] std::span<const DeviceKind> device_kinds();
 [[nodiscard]] const DeviceKind* find_device_kind(std::string_view protocol);
-// Returns the kind of the device's built-in or declared protocol; nullptr if none.
+// nullptr: no simulated device for the protocol.
 [[nodiscard]] const DeviceKind* kind_of(const DeviceSpec& device);
 [[nodiscard]] std::vector<std::string_view> area_names(const DeviceSpec& device);
 

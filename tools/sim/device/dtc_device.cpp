@@ -24,8 +24,7 @@ bool crc_holds(ByteView message) {
   return message[message.size() - 2] == (crc & 0xFFu) && message[message.size() - 1] == crc >> 8;
 }
 
-// A packet without a valid flag is noise: the receiver waits for silence, as after an invalid
-// message.
+// After a packet without a valid flag the receiver waits for silence.
 class DtcReceiver : public Receiver {
  public:
   DtcReceiver(DtcDevice& device, const LineFormat& line, bool stream)
@@ -67,7 +66,7 @@ class DtcReceiver : public Receiver {
   Instant last_ = kLongAgo;
 };
 
-// Returns false if the option is set, but is not a number up to `highest`.
+// False: the option is not a number up to `highest`.
 bool read_option(const DeviceLink& link, const char* name, std::size_t highest,
                  std::size_t& value) {
   const auto found = link.options.find(name);

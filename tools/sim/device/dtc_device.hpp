@@ -40,8 +40,7 @@ class DtcDevice : public SimDevice {
   }
   [[nodiscard]] ItemMemory& memory() { return memory_; }
 
-  // Processes the body of a complete packet. Sets `answer`, or leaves it empty to stay silent.
-  // Returns false for an invalid packet.
+  // `body`: of a complete packet. Empty `answer`: stay silent. Returns false if invalid.
   bool take(bool compressed, ByteView body, Instant now, Bytes& answer);
 
  private:
@@ -51,7 +50,6 @@ class DtcDevice : public SimDevice {
     ByteView data;  // of a write
   };
   [[nodiscard]] Bytes execute(ByteView message, Instant now);
-  // Parses the groups, or fails with the refusal code.
   [[nodiscard]] tl::expected<std::vector<Group>, std::uint8_t> groups_of(ByteView bytes,
                                                                          bool write) const;
   [[nodiscard]] std::uint8_t refusal_of(const Group& group) const;  // 0: none
@@ -67,8 +65,7 @@ class DtcDevice : public SimDevice {
   DeviceStatistics statistics_;
 };
 
-// Fails with a human-readable text for an address outside 0..255, an invalid option, or a channel
-// address that is not a variable.
+// Fails for an address outside 0..255, an invalid option, or an invalid channel address.
 [[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_dtc_device(
     const DeviceSetup& setup);
 

@@ -10,7 +10,6 @@ namespace {
 
 constexpr unsigned kFull = 4096;
 
-// Width of the k-th code: bits of the highest possible code.
 int bits_of_code(unsigned k) { return std::bit_width(std::min(15 + k, kFull - 1)); }
 
 }  // namespace
@@ -62,8 +61,7 @@ std::optional<Bytes> dtc_expand(ByteView codes, std::size_t length) {
       if (bit / 8 >= codes.size()) return std::nullopt;
       code = code << 1 | (codes[bit / 8] >> (7 - bit % 8) & 1u);
     }
-    // The entry that the encoder added after its previous code: that string and the first nibble of
-    // the current one.
+    // The encoder's last entry: the previous string and the first nibble of this one.
     if (k > 0 && entries.size() < kFull) {
       if (code > entries.size()) return std::nullopt;
       const Entry head = entries[previous];

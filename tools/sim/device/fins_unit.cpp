@@ -12,7 +12,6 @@ constexpr std::size_t kAddressSize = 4, kMostAnswer = 538, kMostItems = 128;
 constexpr std::uint16_t kUndefined = 0x0401, kCommandTooLong = 0x1001, kCommandTooShort = 0x1002,
                         kCountDiffers = 0x1003, kNoArea = 0x1101, kStartOutside = 0x1103,
                         kEndOutside = 0x1104, kAnswerTooLong = 0x110B, kParameter = 0x110C;
-// A CPU with 13 EM banks, as simulated here.
 constexpr std::string_view kCpuModel = "CS1H-CPU67H", kCpuVersion = "04.00";
 constexpr std::size_t kCpuText = 20, kCpuSystem = 40, kCpuAreas = 12, kBusUnits = 65;
 

@@ -16,7 +16,6 @@ class FinsUnit {
   FinsUnit(ItemMemory& memory, DeviceStatistics& statistics)
       : memory_(memory), statistics_(statistics) {}
 
-  // Returns an empty response if the message is too short.
   [[nodiscard]] Bytes execute(ByteView message, Instant now);
 
  private:

@@ -36,7 +36,7 @@ class FreeportDevice : public SimDevice {
   }
   [[nodiscard]] ItemMemory& memory() { return memory_; }
 
-  // Processes a frame from `q` to `Q`. Returns the response; empty to stay silent.
+  // `frame`: from `q` to `Q`. Empty: stay silent.
   [[nodiscard]] Bytes take(ByteView frame, Instant now);
 
  private:
@@ -53,8 +53,7 @@ class FreeportDevice : public SimDevice {
   DeviceStatistics statistics_;
 };
 
-// Fails with a human-readable text for a station outside 0..255 or a channel address outside the
-// window.
+// Fails for a station outside 0..255 or a channel address outside the window.
 [[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_freeport_device(
     const DeviceSetup& setup);
 

@@ -42,7 +42,7 @@ constexpr Segment kClassic[] = {{kS, 0x0000, 1000},    {kX, 0x0080, 256},  {kY, 
 constexpr Segment kExtended[] = {{kC, 0x0A00, 200},     {kT, 0x1000, 320},  {kD, 0x4000, 8000},
                                  {kD8000, 0x8000, 512}, {kM, 0x8800, 7680}, {kY, 0x8BC0, 256},
                                  {kM8000, 0x8C00, 512}, {kX, 0x8CA0, 256},  {kS, 0x8CE0, 4096}};
-// The same for forced bits, each of which has its own address.
+// Each forced bit has its own address.
 constexpr Segment kClassicForce[] = {{kS, 0x0000, 1000},   {kX, 0x0400, 256},  {kY, 0x0500, 256},
                                      {kTs, 0x0600, 256},   {kM, 0x0800, 1536}, {kCs, 0x0E00, 256},
                                      {kM8000, 0x0F00, 256}};

@@ -39,7 +39,7 @@ class FxDevice : public SimDevice {
   [[nodiscard]] Bytes take(ByteView text, ByteView sum, Instant now);
 
  private:
-  // One byte of an address map: a byte of a word or dword, or eight bits.
+  // One byte of an address map: of a word or dword, or eight bits.
   struct Cell {
     std::size_t area = 0;
     std::uint32_t item = 0;
@@ -59,7 +59,6 @@ class FxDevice : public SimDevice {
   DeviceStatistics statistics_;
 };
 
-// Fails with a human-readable text for an invalid channel address.
 [[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_fx_device(
     const DeviceSetup& setup);
 

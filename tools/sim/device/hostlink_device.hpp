@@ -31,8 +31,7 @@ class HostLinkDevice : public SimDevice {
   }
   [[nodiscard]] ItemMemory& memory() { return memory_; }
 
-  // Processes a line without its CR. It starts with `@`, unless it is a delimiter or a later frame
-  // of a write.
+  // `line`: without CR; starts with `@`, except a delimiter or a later frame of a write.
   void take(ByteView line, Instant now, Reaction& reaction);
 
  private:
@@ -52,7 +51,7 @@ class HostLinkDevice : public SimDevice {
   [[nodiscard]] Bytes begin_write(const Command& command);
   [[nodiscard]] Bytes finish_write();
   [[nodiscard]] Bytes fins(const Command& command, Instant now, Duration& pause);
-  // Parses the digits of the first item, or fails with the end code.
+  // Fails with the end code.
   [[nodiscard]] tl::expected<Address, std::string> address_of(char letter, std::string_view digits,
                                                               std::uint32_t count) const;
   [[nodiscard]] std::uint8_t refusal(const Address& address, std::uint32_t count) const;
@@ -71,7 +70,7 @@ class HostLinkDevice : public SimDevice {
   std::string write_data_;     // received so far
 };
 
-// Fails with a human-readable text for a unit outside 0..31 or an invalid channel address.
+// Fails for a unit outside 0..31 or an invalid channel address.
 [[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_hostlink_device(
     const DeviceSetup& setup);
 

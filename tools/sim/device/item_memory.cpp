@@ -27,8 +27,7 @@ Encoding in_bits(Encoding encoding) {
   return encoding;
 }
 
-// Returns the bytes of the value, padded to whole items: a text at the end, a number at the front
-// with its sign.
+// Pads to whole items: a text at the end, a number at the front with its sign.
 Bytes image_of(const Encoding& encoding, const std::vector<std::uint16_t>& registers,
                unsigned width) {
   Bytes image;

@@ -1,5 +1,4 @@
-// Memory of a simulated device as numbered items of several areas: written values, live values of
-// channels, and refused ranges. Owned by one device.
+// Memory of a simulated device as numbered items of several areas. Owned by one device.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +21,6 @@ struct ItemArea {
   std::uint32_t items = 65536;
 };
 
-// First item of a channel.
 struct ItemAddress {
   std::size_t area = 0;
   std::uint32_t first = 0;
@@ -37,8 +35,7 @@ class ItemMemory {
   // value contain it from its highest byte on, bit items from its lowest bit. An item wider than
   // the value contains only this value. Returns false if it exceeds the area.
   bool add_channel(const ItemAddress& at, const Encoding& encoding, const Waveform& waveform);
-  // Adds all channels of the setup; `parse` parses their addresses. Fails with a human-readable
-  // text.
+  // `parse` parses the addresses. The error is human-readable.
   [[nodiscard]] tl::expected<void, std::string> add_channels(
       const DeviceSetup& setup,
       const std::function<std::optional<ItemAddress>(std::string_view at)>& parse);
@@ -53,14 +50,12 @@ class ItemMemory {
   void write(std::size_t area, std::uint32_t item, std::uint64_t bits,
              DeviceStatistics& statistics);
 
-  // Returns the code of the refused range that contains one of the items, `missing` if they do not
-  // exist, or 0.
+  // Returns the code of a refused range, `missing` for missing items, or 0.
   [[nodiscard]] std::uint8_t refusal(std::size_t area, std::uint32_t first, std::uint32_t count,
                                      std::uint8_t missing) const;
   [[nodiscard]] bool configured(std::size_t area, std::uint32_t item) const {
     return parts_[area].contains(item);
   }
-  // Implement SimDevice.
   [[nodiscard]] std::optional<std::uint64_t> peek(std::string_view area, std::uint32_t item,
                                                   Instant now) const;
   bool poke(std::string_view area, std::uint32_t item, std::uint64_t bits);

@@ -8,8 +8,7 @@
 
 namespace fieldcast::sim {
 
-// Each fails with a human-readable text for a unit outside 1..247 (0..255 on TCP) or an invalid
-// channel address.
+// Each fails for a unit outside 1..247 (TCP: 0..255) or an invalid channel address.
 [[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_modbus_rtu_device(
     const DeviceSetup& setup);
 [[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_modbus_ascii_device(

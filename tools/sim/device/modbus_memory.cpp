@@ -38,8 +38,7 @@ std::optional<ModbusAddress> parse_modbus_address(std::string_view at) {
     address.first = static_cast<std::uint16_t>(*first);
     return address;
   }
-  // Classic reference numbers: the first digit is the area, the rest counts from 1. Six digits are
-  // needed for all 65536 items.
+  // Classic reference numbers: area digit, then a number from 1; six digits for all 65536 items.
   if (at.size() != 5 && at.size() != 6) return std::nullopt;
   const auto rest = number(at.substr(1), ModbusMemory::kItems);
   if (!rest || *rest == 0) return std::nullopt;

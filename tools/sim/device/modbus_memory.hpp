@@ -1,5 +1,4 @@
-// Memory of a simulated Modbus device: four areas of 65536 items with written and live values.
-// Owned by one ModbusUnit.
+// Memory of a simulated Modbus device: four areas of 65536 items. Owned by one ModbusUnit.
 #pragma once
 
 #include <array>
@@ -25,8 +24,7 @@ inline constexpr std::array<std::string_view, 4> kModbusAreaNames{"coil", "input
   return area == ModbusArea::kCoil || area == ModbusArea::kInput;
 }
 
-// An address in Modbus notation: "holding:107", "holding:107.3", "40108". Independent of the
-// bridge's parser.
+// "holding:107", "holding:107.3", "40108"; independent of the bridge's parser.
 struct ModbusAddress {
   ModbusArea area = ModbusArea::kHolding;
   std::uint16_t first = 0;
@@ -40,19 +38,17 @@ class ModbusMemory {
 
   explicit ModbusMemory(Instant start) : start_(start) {}
 
-  // Adds a channel: its items follow the waveform until one of them is written. Returns false if it
-  // exceeds the area.
+  // Items follow the waveform until one of them is written. False: exceeds the area.
   bool add_channel(const ModbusAddress& at, const Encoding& encoding, const Waveform& waveform);
 
   // Bits are 0 or 1. REQUIRES: first + count <= kItems.
   [[nodiscard]] std::vector<std::uint16_t> read(ModbusArea area, std::uint32_t first,
                                                 std::uint32_t count, Instant now);
-  // Write of a master; the items keep their values.
+  // Write of a master.
   void write(ModbusArea area, std::uint32_t first, const std::vector<std::uint16_t>& values);
-  // Write of the plant before the start: not counted; the items also keep their values.
+  // Write of the plant before the start: not counted.
   void preset(ModbusArea area, std::uint32_t first, const std::vector<std::uint16_t>& values);
 
-  // True if a channel contains this item.
   [[nodiscard]] bool configured(ModbusArea area, std::uint32_t item) const;
 
  private:
@@ -66,7 +62,7 @@ class ModbusMemory {
     std::vector<std::uint16_t> values = std::vector<std::uint16_t>(kItems);
     std::vector<bool> held = std::vector<bool>(kItems);  // written or preset
     std::vector<Live> live;                              // sorted by `first`
-    std::uint32_t longest = 0;                           // item count of the longest channel
+    std::uint32_t longest = 0;
   };
   void refresh(Cells& cells, ModbusArea area, std::uint32_t first, std::uint32_t count,
                Instant now);

@@ -107,8 +107,7 @@ void RtuReceiver::on_character(std::uint8_t character, Instant end, Reaction& re
   if (lost_) return;
   frame_.push_back(character);
   const Fit as_request = fit(request_length(frame_), frame_);
-  // Responses on the line come from other units: no other unit responds for this one, and a
-  // broadcast has no response.
+  // Only other units send responses, and none to a broadcast.
   const bool others = frame_[0] != 0 && frame_[0] != unit_.address();
   const Fit as_answer = others ? fit(answer_length(frame_), frame_) : Fit::kNot;
   const bool awaited =

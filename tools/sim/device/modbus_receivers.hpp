@@ -15,8 +15,8 @@
 
 namespace fieldcast::sim {
 
-// A silence of 3.5 characters ends a frame of unknown length or an invalid frame. On a `stream` it
-// is 100 ms, because the network may delay part of a frame.
+// A silence of 3.5 characters ends an invalid frame or one of unknown length; on a `stream` 100 ms,
+// because the network may delay part of a frame.
 class RtuReceiver : public Receiver {
  public:
   RtuReceiver(ModbusUnit& unit, const LineFormat& line, bool stream);
@@ -25,7 +25,7 @@ class RtuReceiver : public Receiver {
   void on_silence(Instant now, Reaction& reaction) override;
 
  private:
-  void answer(Instant now, Reaction& reaction);  // responds to the frame in frame_
+  void answer(Instant now, Reaction& reaction);
   ModbusUnit& unit_;
   Duration character_, gap_;
   Bytes frame_;

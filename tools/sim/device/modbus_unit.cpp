@@ -8,7 +8,6 @@
 namespace fieldcast::sim {
 namespace {
 
-// Appends registers, big-endian.
 void append_registers(Bytes& out, const std::vector<std::uint16_t>& values) {
   for (const std::uint16_t value : values) append_u16(out, value);
 }
@@ -129,8 +128,7 @@ Bytes ModbusUnit::write_register(ByteView pdu) {
   return {pdu.begin(), pdu.end()};
 }
 
-// 0F first(2) quantity(2) bytes(1) bits.. -> function, first, quantity; ignores bits beyond the
-// quantity
+// 0F first(2) quantity(2) bytes(1) bits.. -> function, first, quantity
 Bytes ModbusUnit::write_coils(ByteView pdu) {
   if (pdu.size() < 6) return exception(pdu[0], ModbusException::kValue);
   const std::uint32_t first = read_u16(pdu, 1), quantity = read_u16(pdu, 3), bytes = pdu[5];
@@ -167,8 +165,7 @@ Bytes ModbusUnit::mask_write(ByteView pdu, Instant now) {
   return {pdu.begin(), pdu.end()};
 }
 
-// 17 read first(2) quantity(2), write first(2) quantity(2) bytes(1) registers.. -> function, byte
-// count, registers read after the write
+// 17 read first(2) quantity(2), write first(2) quantity(2) bytes(1) registers.. -> as 03
 Bytes ModbusUnit::write_read(ByteView pdu, Instant now) {
   if (pdu.size() < 10) return exception(pdu[0], ModbusException::kValue);
   const std::uint32_t read_first = read_u16(pdu, 1), read_quantity = read_u16(pdu, 3);

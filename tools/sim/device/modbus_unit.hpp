@@ -28,8 +28,7 @@ class ModbusUnit {
   // Objects of function 43/14: vendor, product code, revision; each at most 64 characters.
   void identify_as(std::vector<std::string> objects) { identification_ = std::move(objects); }
 
-  // Executes a request PDU of any length and content. Returns the response or exception PDU; empty
-  // only for an empty request.
+  // Accepts any bytes. Returns the response or an exception; empty only for an empty request.
   [[nodiscard]] Bytes execute(ByteView pdu, Instant now);
 
  private:
@@ -50,7 +49,6 @@ class ModbusUnit {
   [[nodiscard]] Bytes exception(std::uint8_t function, ModbusException code) {
     return exception(function, static_cast<std::uint8_t>(code));
   }
-  // Returns the exception code for these items, or 0.
   [[nodiscard]] std::uint8_t refusal(ModbusArea area, std::uint32_t first,
                                      std::uint32_t count) const;
   void store(ModbusArea area, std::uint32_t first, const std::vector<std::uint16_t>& values);

@@ -11,8 +11,8 @@ constexpr std::uint8_t kLong = 0x68, kShort = 0x10, kToken = 0xDC, kAcknowledge 
 constexpr std::uint8_t kRequest = 0x40, kNoData = 0x09, kData = 0x08;
 constexpr std::size_t kLeastCounted = 3, kMostCounted = 249, kShortSize = 6, kTokenSize = 3;
 
-// Data can contain any start byte, so telegrams are recognized by their length. Invalid bytes are
-// dropped up to the next possible start byte, and all bytes after a silence.
+// Telegrams are recognized by their length, because data can contain any start byte. Drops invalid
+// bytes up to the next possible start, and all bytes after a silence.
 class PpiReceiver : public Receiver {
  public:
   PpiReceiver(PpiDevice& device, const LineFormat& line, bool stream)
@@ -33,7 +33,7 @@ class PpiReceiver : public Receiver {
   void on_silence(Instant, Reaction&) override { received_.clear(); }
 
  private:
-  // Returns the number of consumed bytes; 0: incomplete.
+  // 0: incomplete.
   std::size_t whole(Instant end, Reaction& reaction) {
     switch (received_[0]) {
       case kLong: return whole_long(end, reaction);

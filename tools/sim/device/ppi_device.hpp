@@ -31,7 +31,7 @@ class PpiDevice : public SimDevice {
   }
   [[nodiscard]] PpiUnit& unit() { return unit_; }
 
-  // Processes a valid telegram from its destination to its last unit byte. Empty: stay silent.
+  // `telegram`: from destination to last unit byte. Empty: stay silent.
   [[nodiscard]] Bytes take_long(ByteView telegram, Instant now);
   [[nodiscard]] Bytes take_short(std::uint8_t to, std::uint8_t from, std::uint8_t control);
 
@@ -46,8 +46,7 @@ class PpiDevice : public SimDevice {
   std::optional<std::uint8_t> last_poll_{};
 };
 
-// Fails with a human-readable text for a station outside 0..126 or a channel address that is not a
-// variable.
+// Fails for a station outside 0..126 or an invalid channel address.
 [[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_ppi_device(
     const DeviceSetup& setup);
 

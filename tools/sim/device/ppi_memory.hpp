@@ -1,5 +1,4 @@
-// Areas of an S7-200 and the notation of its variables, for channels and for telegram items.
-// Independent of the bridge's tables.
+// Areas of an S7-200 and their notation. Independent of the bridge's tables.
 #pragma once
 
 #include <array>

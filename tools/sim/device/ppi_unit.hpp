@@ -21,7 +21,6 @@ class PpiUnit {
   [[nodiscard]] Bytes execute(ByteView job, Instant now);
 
  private:
-  // An item of a job: `count` bits, bytes or numbered variables.
   struct Item {
     std::size_t area = 0;
     std::uint32_t first = 0, count = 0;  // in variables of the area

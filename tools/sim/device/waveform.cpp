@@ -14,7 +14,6 @@ struct Bounds {
   double low, high;
 };
 
-// Range of the raw number of a type.
 Bounds type_bounds(ValueType type) {
   switch (type) {
     case ValueType::kBool: return {0, 1};
@@ -56,7 +55,6 @@ std::uint16_t swapped(std::uint16_t word) {
   return static_cast<std::uint16_t>(word << 8 | word >> 8);
 }
 
-// Decimals of a number as text.
 int decimals_of(const Encoding& encoding) {
   if (encoding.text_number.decimals >= 0) return encoding.text_number.decimals;
   const bool real = encoding.type == ValueType::kFloat32 || encoding.type == ValueType::kFloat64;
@@ -98,7 +96,6 @@ std::vector<std::uint16_t> text_items(const Waveform& waveform, const Encoding& 
   return items;
 }
 
-// The largest number that fits in the text.
 double most_in_text(const Encoding& encoding) {
   if (encoding.text_number.kind == TextNumber::Kind::kHex)
     return std::pow(16.0, std::min<int>(encoding.string_bytes, 6)) - 1;
@@ -171,7 +168,6 @@ Waveform waveform_for(const ChannelSpec& channel, std::uint64_t seed) {
       wave.shape = kShapes[wave.seed % 4];
     }
   }
-  // The waveform stays within the channel's limits.
   const auto low = channel.write_min    ? channel.write_min
                    : channel.limits.low ? channel.limits.low
                                         : channel.limits.low_low;

@@ -1,6 +1,5 @@
-// Generates the simulated value of each channel as a function of time and seed, encoded in 16-bit
-// registers. The encoder is independent of the bridge's codec, so that an error cannot cancel out.
-// Pure functions.
+// Generates the simulated value of each channel as a function of time and seed. The encoder is
+// independent of the bridge's codec, so that an error cannot cancel out. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -20,21 +19,17 @@ struct Waveform {
   double low = 0, high = 1000;  // raw number, before scale and offset
   Duration period = std::chrono::seconds{10};
   std::uint64_t seed = 1;
-  // Returns the raw number at this time, within low .. high.
   [[nodiscard]] double at(Duration since_start) const;
 };
 
-// Chooses a shape for the channel's type and limits; deterministic for a seed.
 [[nodiscard]] Waveform waveform_for(const ChannelSpec& channel, std::uint64_t seed);
 
-// Number of registers of a value.
 [[nodiscard]] std::uint32_t waveform_registers(const Encoding& encoding);
 
 // Number of bits: 1 for bool, 8 for one-byte types, 8 * n for string(n).
 [[nodiscard]] std::uint32_t waveform_bits(const Encoding& encoding);
 
-// Returns the registers of the value at this time: for bool one item of 0 or 1, for a byte its bits
-// in the low half.
+// For bool one item of 0 or 1, for a byte its bits in the low half.
 [[nodiscard]] std::vector<std::uint16_t> waveform_items(const Waveform& waveform,
                                                         const Encoding& encoding,
                                                         Duration since_start);

@@ -1,4 +1,4 @@
-// Parses and checks the JSON bodies of alarm requests. Pure.
+// Parses the JSON bodies of alarm requests. Pure.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -9,8 +9,7 @@
 
 namespace fieldcast::web {
 
-// Body: {"alarms": [{"bus", "device", "channel", "limit"}..], "note"}; kShelve also requires
-// "minutes". Returns one action for each alarm.
+// Body: {"alarms": [{"bus", "device", "channel", "limit"}..], "note"}, for kShelve "minutes".
 [[nodiscard]] Checked<std::vector<AlarmAction>> alarm_actions(AlarmActionKind kind,
                                                               const nlohmann::json& body);
 // Body: {"bus", "device", "minutes", "note"}. 0 minutes end the maintenance.

@@ -1,5 +1,5 @@
-// GET /api/alarms: without parameters the current alarms from the live model. With `from` or `to`
-// the alarm history from the store, newest first. Runs on the io thread.
+// GET /api/alarms: current alarms from the live model; with `from` or `to` the history from the
+// store, newest first. Runs on the io thread.
 #pragma once
 
 #include "tools/station/api/database.hpp"

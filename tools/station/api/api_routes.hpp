@@ -1,4 +1,3 @@
-// Adds all routes under /api, and /metrics.
 #pragma once
 
 #include "tools/station/api/metrics.hpp"
@@ -8,8 +7,7 @@
 
 namespace fieldcast::web {
 
-// Objects that the routes use; all of them must outlive the table. Pointers are null if the station
-// has no store or records nothing.
+// Must outlive the table. Pointers are null without a store or recorder.
 struct ApiNeeds {
   const LiveModel& model;
   CommandSink& commands;

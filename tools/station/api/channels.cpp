@@ -12,7 +12,7 @@
 namespace fieldcast::web {
 namespace {
 
-// Caches the whole catalogue as compressed JSON; encodes it again when the catalogue changes.
+// Caches the whole catalogue as compressed JSON.
 class KeptCatalogue {
  public:
   [[nodiscard]] std::shared_ptr<const std::string> whole(const LiveModel& model) {
@@ -52,7 +52,6 @@ void catalogue(const LiveModel& model, KeptCatalogue& kept, const HttpRequest& r
   reply(std::move(response));
 }
 
-// Lists at most `limit` channels that match the pattern and follow the path `after`.
 void channels(const LiveModel& model, const HttpRequest& request, const Reply& reply) {
   const Parameters parameters(request, {"pattern", "after", "limit"});
   if (auto fault = parameters.fault()) return reply(*std::move(fault));

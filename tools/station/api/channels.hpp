@@ -1,6 +1,5 @@
-// Current state of the domain from the live model. GET /api/catalogue is for the page;
-// /api/channels, /api/buses, /api/devices, /api/sessions and /api/bridges are for scripts. Runs on
-// the io thread.
+// State of the domain from the live model: GET /api/catalogue for the page; /api/channels, buses,
+// devices, sessions and bridges for scripts. Runs on the io thread.
 #pragma once
 
 #include "tools/station/live/live_model.hpp"

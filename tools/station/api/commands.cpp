@@ -55,8 +55,7 @@ void act_on_alarms(AlarmActionKind kind, CommandSink& commands, const HttpReques
   std::vector<std::uint64_t> ids;
   for (AlarmAction& action : *actions) {
     const auto id = commands.submit(caller, std::move(action), {});
-    // The actions before it are already in flight. A client that repeats the request acknowledges
-    // them twice, which has no effect.
+    // The previous actions are in flight; repeating the request acknowledges twice without effect.
     if (!id) return reply(refused(503, id.error()));
     ids.push_back(*id);
   }

@@ -1,6 +1,6 @@
-// POST /api/commands writes a value; POST /api/alarms/acknowledge, shelve, unshelve and maintenance
-// act on alarms. Each response contains the request's id immediately; the result follows on /live
-// and by GET /api/commands/result. Runs on the io thread.
+// POST /api/commands, /api/alarms/acknowledge, shelve, unshelve and maintenance. The response has
+// the request's id; the result follows on /live and by GET /api/commands/result. Runs on the io
+// thread.
 #pragma once
 
 #include "tools/station/live/command_sink.hpp"

@@ -1,9 +1,6 @@
-// Runs queries of the store on a thread of its own, one after the other, over one read-only
-// connection. Queries are posted from the io thread and their results return there.
-//
-// At most kMaxWaiting queries wait; a further one fails with kBusy. A query may last kLongest. The
-// first query opens the store, and so does the next query after a failure; the store may be missing
-// until then. The log has the reason of a failure, the response has no detail.
+// Runs queries of the store on a thread of its own over one read-only connection. Queries are
+// posted from the io thread and their results return there. The first query opens the store, and so
+// does the next one after a failure. Failures are logged; responses have no detail.
 #pragma once
 
 #include <atomic>
@@ -19,7 +16,7 @@
 namespace fieldcast::web {
 
 enum class DatabaseFault : std::uint8_t {
-  kBusy,     // too many queries wait
+  kBusy,
   kTooSlow,  // the query lasts longer than kLongest
   kAway,     // the store cannot be opened or is damaged
 };
@@ -38,8 +35,7 @@ class Database {
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;
 
-  // `question` runs on the database thread and may throw StoreError. `done` is called once, on the
-  // io thread.
+  // `question` runs on the database thread and may throw StoreError; `done` on the io thread, once.
   template <class Answer>
   using Done = std::function<void(tl::expected<Answer, DatabaseFault>)>;
   template <class Answer>
@@ -48,13 +44,11 @@ class Database {
     if (waiting_.load() >= kMaxWaiting) return refuse(std::move(task));
     put(std::move(task));
   }
-  // Adds a follow-up query of a request that has started; never fails with kBusy. REQUIRES: at most
-  // one in flight for each connection of the server.
+  // Follow-up query; never fails with kBusy. REQUIRES: at most one for each server connection.
   template <class Answer>
   void ask_further(std::function<Answer(SqlConnection&)> question, Done<Answer> done) {
     put(task_of(std::move(question), std::move(done)));
   }
-  // A query that returns an HTTP response.
   using Question = std::function<HttpResponse(SqlConnection&)>;
   void answer(Question question, Reply reply);
 

@@ -6,11 +6,9 @@
 
 namespace fieldcast::web {
 
-// Exports that run at the same time; a further one is refused.
 inline constexpr int kMaxExports = 4;
 
-// `now` is called on the io thread. `database` is null if the station has no store; it must outlive
-// the queries of all exports.
+// `now` runs on the io thread. `database`: null without a store; outlives the exports.
 void add_export_routes(RouteTable& table, Database* database, std::function<UtcTime()> now);
 
 }  // namespace fieldcast::web

@@ -1,8 +1,6 @@
-// Writes the stored samples of channels, or their buckets, as one long text, piece by piece. Each
-// piece is a separate query, so a slow client blocks nobody and no transaction stays open.
-//
-// The lines are those of `fieldcast history --csv` and `--json`. next() runs on the database
-// thread, one call at a time, and throws StoreError.
+// Writes stored samples or buckets in the lines of `fieldcast history --csv` and `--json`. Each
+// piece is a separate query, so a slow client blocks nobody. next() runs on the database thread,
+// one call at a time, and throws StoreError.
 #pragma once
 
 #include <optional>
@@ -30,9 +28,9 @@ class Exporter {
 
   explicit Exporter(ExportQuestion question);
 
-  // Returns the next piece; empty when the text has ended.
+  // Empty at the end of the text.
   [[nodiscard]] std::optional<std::string> next(SqlConnection& connection);
-  // Returns the last piece of an export that failed: a line with the error.
+  // A last line with the error, for an export that failed.
   [[nodiscard]] std::string broken_off();
 
  private:
@@ -41,7 +39,7 @@ class Exporter {
   static constexpr std::int64_t kBucketsAtOnce = 1000;
 
   void begin(SqlConnection& connection);
-  // Adds lines of the current channel. Returns true if the channel has no more.
+  // True: the channel has no more.
   [[nodiscard]] bool add_samples(SqlConnection& connection);
   [[nodiscard]] bool add_buckets(SqlConnection& connection);
   [[nodiscard]] std::string take(bool last);

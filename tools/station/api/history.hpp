@@ -17,8 +17,8 @@ struct HistoryQuestion {
   std::uint32_t points = 1000;  // maximum for each channel
 };
 
-// Runs on the database thread; throws StoreError. Returns the series in the order of the channels.
-// Up to `points` samples are returned unchanged; more are aggregated to buckets.
+// Runs on the database thread; throws StoreError. Up to `points` samples are returned unchanged;
+// more are aggregated to buckets.
 [[nodiscard]] std::vector<HistorySeries> read_history(SqlConnection& connection,
                                                       const HistoryQuestion& question);
 

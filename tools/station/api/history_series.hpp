@@ -1,5 +1,4 @@
-// History of one channel in the JSON of the API: columns of equal length, one row for each bucket
-// with samples. An empty bucket has no row, so a gap remains a gap. Pure.
+// History of one channel as columns, one row for each bucket with samples; a gap has no rows. Pure.
 #pragma once
 
 #include <string>
@@ -16,7 +15,7 @@ struct HistorySeries {
   std::string tier;    // "raw", "minute" or "hour": the coarsest tier that was read
   Duration bucket{};   // 0: each row is a sample
   std::vector<Bucket> rows;
-  // Samples of a text channel, used instead of `rows`; at most as many as the requested points.
+  // Samples of a text channel, instead of `rows`.
   struct Text {
     UtcTime at;
     Quality quality = Quality::kNotYetRead;

@@ -1,5 +1,4 @@
-// Reads and checks the parameters of a request. A fault is returned as the response: it names the
-// parameter, its value and what is allowed. Pure.
+// Reads and checks the parameters of a request; a fault becomes the response. Pure.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +25,7 @@ class Parameters {
   Parameters(const HttpRequest& request, std::initializer_list<std::string_view> known)
       : request_(request), known_(known) {}
 
-  // Returns the response that refuses an unknown name, or a repeated one other than `may_repeat`.
+  // Refuses an unknown name, or a repeated one other than `may_repeat`.
   [[nodiscard]] std::optional<HttpResponse> fault(std::string_view may_repeat = {}) const;
 
   // Each function returns the given default if the parameter is missing.
@@ -44,7 +43,7 @@ class Parameters {
   };
   // Reads `from` and `to`; the default is the last `length` before `now`. Refuses from >= to.
   [[nodiscard]] Checked<Span> span(UtcTime now, Duration length) const;
-  // Returns all values of that name: at least one, at most `most`. Refuses duplicates.
+  // Returns 1 to `most` values of that name; refuses duplicates.
   [[nodiscard]] Checked<std::vector<ChannelPath>> channels(std::string_view name,
                                                            std::size_t most) const;
 

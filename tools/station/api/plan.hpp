@@ -1,5 +1,5 @@
-// GET /api/plan?bus=B: the active read plan of a bus, as announced by its bridge. Without `bus`,
-// the plans of all buses. Runs on the io thread.
+// GET /api/plan?bus=B: the active read plan of a bus; without `bus`, of all buses. On the io
+// thread.
 #pragma once
 
 #include "tools/station/live/live_model.hpp"

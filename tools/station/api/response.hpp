@@ -1,4 +1,3 @@
-// Responses that several resources return. Pure.
 #pragma once
 
 #include <string>
@@ -10,7 +9,6 @@ namespace fieldcast::web {
 // bytes; longer bodies are compressed if the client accepts gzip
 inline constexpr std::size_t kWorthCompressing = 2048;
 [[nodiscard]] HttpResponse json_response(std::string json, bool compress = false);
-// Refuses a resource that needs a store if the station has none.
 [[nodiscard]] HttpResponse no_store();
 
 }  // namespace fieldcast::web

@@ -1,6 +1,5 @@
-// Logs in by token: looks the token up in the store. Runs on the io thread and never blocks. Audits
-// each attempt with the token's name, never with the token. A peer that sends wrong tokens must
-// wait.
+// Logs in by token from the store. Runs on the io thread and never blocks. Audits the token's name,
+// never the token. A peer that sends wrong tokens must wait.
 #pragma once
 
 #include "bridge/store/audit.hpp"
@@ -19,8 +18,7 @@ class Tokens {
   Tokens(const Tokens&) = delete;
   Tokens& operator=(const Tokens&) = delete;
 
-  // `done` is called once, on the io thread, immediately or later; this object may be destroyed by
-  // then. A token grants the role of a viewer.
+  // Calls `done` once on the io thread, immediately or later, even if this object was destroyed.
   void check(std::string token, const std::string& peer, std::function<void(LoginVerdict)> done);
 
   // Returns the names of all valid tokens; empty if the store cannot be read now.

@@ -24,7 +24,7 @@ tl::unexpected<Refusal> refuse(std::string error, std::string hint) {
   return tl::unexpected(Refusal{std::move(error), std::move(hint)});
 }
 
-// Checked before parsing; ignores brackets in strings.
+// Ignores brackets in strings.
 bool is_shallow(std::string_view text) {
   std::size_t depth = 0;
   bool quoted = false;
@@ -51,7 +51,6 @@ std::optional<std::uint64_t> number_in(const Json& json, const char* name) {
   return number <= kMaxExact ? std::optional(number) : std::nullopt;
 }
 
-// Returns whether the object has only these members.
 bool has_only(const Json& json, std::initializer_list<std::string_view> names) {
   return std::all_of(json.items().begin(), json.items().end(), [&](const auto& item) {
     return std::find(names.begin(), names.end(), item.key()) != names.end();

@@ -61,8 +61,8 @@ inline constexpr Duration kLongestRefresh = std::chrono::hours{1};
 using ParsedMessage = tl::expected<ClientMessage, MessageFault>;
 [[nodiscard]] ParsedMessage parse_client_message(std::string_view text);
 
-// Converts the value to the channel's type. A string may contain a number, so that integers beyond
-// 2^53 can be written. The bridge checks the limits of the channel.
+// Converts to the channel's type. A string may contain a number, for integers beyond 2^53. The
+// bridge checks the limits.
 [[nodiscard]] tl::expected<Value, Refusal> value_for(std::string_view channel_type, Value value);
 
 }  // namespace fieldcast::web

@@ -1,5 +1,4 @@
-// Pending commands of users and their latest outcomes. Each command has one outcome: its result, or
-// the reason why there is none. Later results are ignored. Pure; used on the io thread.
+// Pending commands of users and latest outcomes, one for each command. Pure; on the io thread.
 #pragma once
 
 #include <cstdint>
@@ -35,20 +34,19 @@ class CommandBook {
     Done done;
   };
 
-  // Returns why the user may not send a further command now; empty if allowed.
+  // Empty if the user may send a further command.
   [[nodiscard]] std::optional<Refusal> why_not(const std::string& user) const;
   // The command expires at `deadline`.
   void add(Asked asked, Done done, Instant deadline);
-  // The command was sent: its result must now arrive before `deadline`.
+  // Its result must now arrive before `deadline`.
   void on_sent(std::uint64_t request_id, Instant deadline);
   [[nodiscard]] std::optional<Ended> on_fault(std::uint64_t request_id, StationFault fault);
   [[nodiscard]] std::optional<Ended> on_result(const StationResult& result);
-  // Removes one expired command; call it until it returns empty.
+  // Call it until it returns empty.
   [[nodiscard]] std::optional<Ended> take_expired(Instant now);
 
   [[nodiscard]] std::size_t under_way() const { return under_way_.size(); }
-  // Returns the outcome of a command of this user, "pending" while it has none. Empty if the
-  // command is unknown or its outcome was dropped.
+  // "pending" while it has no outcome; empty if unknown or dropped.
   [[nodiscard]] std::optional<CommandOutcome> find(std::string_view user,
                                                    std::uint64_t request_id) const;
 

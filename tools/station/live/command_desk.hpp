@@ -1,7 +1,6 @@
 // Sends commands, alarm actions and interests. A worker thread waits for bridges, so the io thread
-// never blocks. Each command ends with one outcome and one entry in the audit log, if there is one.
-//
-// Runs on the io thread, except on_result(). Results after close() are dropped.
+// never blocks. Each command ends with one outcome and one audit entry. Runs on the io thread,
+// except on_result(). Results after close() are dropped.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -19,7 +18,6 @@
 
 namespace fieldcast::web {
 
-// DDS functions that the controller uses.
 class CommandPort {
  public:
   virtual ~CommandPort() = default;
@@ -39,8 +37,8 @@ class CommandDesk : public CommandSink {
   static constexpr Duration kFinding = std::chrono::seconds{3};
   static constexpr Duration kResult = std::chrono::seconds{3};
 
-  // `audit` may be null. `others` receives the outcome of commands without a `done`. All of them
-  // must outlive this object; `port` is used from the first command on.
+  // `audit` may be null. `others` receives outcomes of commands without a `done`. All must outlive
+  // this object.
   CommandDesk(boost::asio::io_context& io, CommandPort& port, Audit* audit, Done others);
   ~CommandDesk() override;
   CommandDesk(const CommandDesk&) = delete;

@@ -1,5 +1,4 @@
-// Interface that accepts commands of users and returns their outcomes; implemented by CommandDesk.
-// All calls and callbacks on the io thread.
+// Interface for commands of users; implemented by CommandDesk. All calls are on the io thread.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +18,8 @@ struct CommandOutcome {
   std::uint64_t request_id = 0;
   std::string user;
   std::string target;  // "bus/device/channel"
-  // State of the result: "done", "verified", "rejected", "failed", "expired". "not-sent": no bridge
-  // accepted it. "no-answer": it was sent, but its result did not arrive.
+  // "done", "verified", "rejected", "failed", "expired"; "not-sent": no bridge accepted it;
+  // "no-answer": its result did not arrive.
   std::string state;
   std::string cause;  // "NONE", "READ_ONLY", ...
   std::string reason;
@@ -37,20 +36,17 @@ class CommandSink {
   using Submitted = tl::expected<std::uint64_t, Refusal>;
 
   virtual ~CommandSink() = default;
-  // Returns the request_id; `done` is called once, later. If `done` is null, every /live client of
-  // this user receives the outcome. Sets requester and request_id. REQUIRES: the caller's role
-  // allows the command.
+  // Returns the request_id; `done` is called once, later. Null: every /live client of the user
+  // receives the outcome. Sets requester and request_id. REQUIRES: the role allows it.
   [[nodiscard]] virtual Submitted submit(const Caller& caller, StationCommand command,
                                          Done done) = 0;
   // Also sets the person of the action.
   [[nodiscard]] virtual Submitted submit(const Caller& caller, AlarmAction action, Done done) = 0;
-  // Returns the outcome of a command or action of this user, "pending" while it has none. Empty if
-  // it is unknown or its outcome was dropped.
+  // "pending" while it has no outcome; empty if unknown or dropped.
   [[nodiscard]] virtual std::optional<CommandOutcome> find(std::string_view user,
                                                            std::uint64_t request_id) const = 0;
 };
 
-// Commands that write one value to a channel, or read it from the device.
 [[nodiscard]] StationCommand write_command(const ChannelPath& path, Value value, bool verify);
 [[nodiscard]] StationCommand acquire_command(const ChannelPath& path);
 

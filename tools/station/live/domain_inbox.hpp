@@ -1,7 +1,5 @@
 // Passes messages from DDS threads to the io thread. Keeps only the newest of each channel and
-// object, so that memory is bounded even if the io thread is slow.
-//
-// on_..() is thread-safe and holds only a short lock; deliver() runs on the io thread. Wake is
+// object, so memory is bounded. on_..() is thread-safe; deliver() runs on the io thread. Wake is
 // called once for the first waiting message, and again after deliver().
 #pragma once
 
@@ -22,7 +20,7 @@ namespace fieldcast::web {
 
 class DomainInbox {
  public:
-  // Waiting objects; further ones are dropped and counted.
+  // Further objects are dropped and counted.
   static constexpr std::size_t kMaxObjects = 100'000;
   // Called on the DDS thread without a lock; must only post.
   using Wake = std::function<void()>;
@@ -46,7 +44,6 @@ class DomainInbox {
   void on_read_plan(const StationReadPlan& plan);
   void on_read_plan_gone(const std::string& bus);
 
-  // Moves all waiting messages to the model.
   void deliver(LiveModel& model, Instant now);
 
   struct Counters {

@@ -1,5 +1,4 @@
-// Caches encoded frames of /live for all clients that need the same one: the same channels, from
-// the same version, at about the same time. Pure; used on the io thread.
+// Caches frames of /live for clients with the same channels and version. Pure; on the io thread.
 #pragma once
 
 #include <cstdint>
@@ -25,12 +24,10 @@ class FrameBook {
  public:
   // Channels of one frame: 278 kB. The rest is sent in the next frame.
   static constexpr std::size_t kMaxChannels = 16'384;
-  // Lifetime of a cached frame.
   static constexpr Duration kLife = std::chrono::milliseconds{4};
 
   explicit FrameBook(const LiveModel& model) : model_(model) {}
 
-  // Returns the changes since that version of the model.
   [[nodiscard]] LiveFrame frame(std::uint64_t version, const LiveSubscription& subscription,
                                 Instant now);
 
@@ -46,8 +43,7 @@ class FrameBook {
 
  private:
   const LiveModel& model_;
-  // By version and subscription. Cleared when the oldest frame expires, so it holds at most the
-  // frames requested within kLife.
+  // Cleared when the oldest frame expires.
   std::map<std::pair<std::uint64_t, std::string>, LiveFrame> kept_;
   Instant oldest_{};
   Counters counters_;

@@ -16,7 +16,7 @@ static_assert(std::endian::native == std::endian::little, "frames are copied as 
 
 constexpr std::int64_t kMillisecond = 1'000'000;  // nanoseconds
 
-// Whole milliseconds, which is the resolution of browser clocks.
+// The resolution of browser clocks.
 std::int64_t acquired_ms(const LiveChannel& channel) {
   return channel.last.acquired_at.nanoseconds / kMillisecond;
 }

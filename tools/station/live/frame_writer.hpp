@@ -25,7 +25,6 @@ inline constexpr std::size_t kFrameRow = 17;         // bytes of one channel
 
 using Channels = std::vector<const LiveChannel*>;
 
-// Returns whether the value is also sent in the text message.
 [[nodiscard]] bool needs_text(const Value& value);
 
 // `channels` may be empty: then nothing has changed.

@@ -1,6 +1,5 @@
-// Merges the interests of all clients to the station's interests on DDS. Each pattern has the
-// shortest refresh that a client requested and is withdrawn with its last client. Pure; used on the
-// io thread.
+// Merges the clients' interests: each pattern has the shortest requested refresh on DDS and is
+// withdrawn with its last client. Pure; on the io thread.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +20,7 @@ class InterestBook {
   using Declare = std::function<void(const std::string& pattern, Duration refresh)>;
   explicit InterestBook(Declare declare) : declare_(std::move(declare)) {}
 
-  // Returns false if there are too many patterns.
+  // False: too many patterns.
   [[nodiscard]] bool add(const std::string& pattern, Duration refresh);
   // REQUIRES: add() succeeded with this refresh.
   void remove(const std::string& pattern, Duration refresh);

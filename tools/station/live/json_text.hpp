@@ -14,8 +14,8 @@ namespace fieldcast::web {
 // 2^53: up to here a double (IEEE 754) and so a browser represents every integer exactly.
 inline constexpr std::uint64_t kMaxExact = std::uint64_t{1} << 53;
 
-// Appends a quoted string. Invalid UTF-8 becomes U+FFFD; a character that is not is_printable()
-// (core/base/printable.hpp) is escaped, for example \u202e.
+// Appends a quoted string. Invalid UTF-8 becomes U+FFFD; other characters than is_printable()
+// (core/base/printable.hpp) are escaped, for example \u202e.
 void append_text(std::string& out, std::string_view text);
 // Appends the fewest digits that read back as the same number; null for NaN and infinities.
 void append_number(std::string& out, double number);
@@ -25,8 +25,7 @@ void append_value(std::string& out, const Value& value);
 [[nodiscard]] double unix_ms(UtcTime time);
 [[nodiscard]] double milliseconds(Duration duration);
 
-// Builds one object: adds commas and escapes names and texts. Some names, such as the causes of a
-// BusStatus, are received from the network.
+// Escapes names too, because some, such as causes, are received from the network.
 class JsonObject {
  public:
   JsonObject& add(std::string_view name, std::string_view text) {

@@ -1,10 +1,8 @@
-// Protocol of /live with one client: its subscriptions, newest values, commands and results. Pure;
-// runs on the io thread.
+// Protocol of /live with one client. Pure; runs on the io thread.
 //
-// A batch has some texts and one binary frame behind them. The next batch is made from the newest
-// values when the kernel has accepted that frame, and not before kPeriod. So a slow client gets
-// fewer frames, and nothing is queued. A frame without channels follows texts alone, because its
-// acceptance shows that the texts were sent.
+// A batch is some texts and a binary frame. The next batch is made from the newest values when the
+// kernel has accepted that frame, and not before kPeriod: a slow client gets fewer frames, without
+// a queue. Texts alone are followed by an empty frame, whose acceptance shows that they were sent.
 #pragma once
 
 #include <cstdint>
@@ -38,9 +36,7 @@ class LiveClient : public LiveProtocol {
   static constexpr Duration kPeriod = std::chrono::milliseconds{20};
   // After a pause, collects samples that arrive together, for example of one exchange.
   static constexpr Duration kGathering = std::chrono::milliseconds{3};
-  // Shortest time between two catalogue notices.
   static constexpr Duration kCataloguePeriod = std::chrono::milliseconds{250};
-  // Texts of one batch.
   static constexpr std::size_t kMaxTexts = 256;
   // Limit of client messages: burst, and messages a second.
   static constexpr int kMaxMessages = 20;
@@ -58,7 +54,6 @@ class LiveClient : public LiveProtocol {
   void on_wake(Instant now) override;
   void on_closed() override;
 
-  // The model has changed.
   void on_news(Instant now);
   // Reports the outcome of a command that this user sent by other means.
   void on_outcome(const CommandOutcome& outcome);

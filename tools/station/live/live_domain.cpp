@@ -11,7 +11,6 @@ namespace fieldcast::web {
 namespace {
 
 constexpr std::chrono::seconds kLook{1};  // period of the check for overdue values
-// Number of forgotten channels after which malloc_trim() runs.
 constexpr std::uint64_t kTrimmedAfter = 10'000;
 
 class StationPort : public CommandPort {
@@ -56,7 +55,6 @@ struct LiveDomain::State {
   void deliver();
   void watch();  // checks for overdue values
   void give_memory_back();
-  // Returns a handler for DDS threads that calls the inbox and the tap.
   template <class Message, class Tap>
   auto both(void (DomainInbox::*note)(const Message&), const Tap& also) {
     return [this, note, &also](const Message& message) {
@@ -109,7 +107,7 @@ void LiveDomain::State::watch() {
   });
 }
 
-// Freed rows are scattered over the heap; by itself the C library returns only its top.
+// By itself the C library returns only the top of the heap.
 void LiveDomain::State::give_memory_back() {
   const std::uint64_t forgotten = model.counters().forgotten;
   if (forgotten - trimmed_at < kTrimmedAfter) return;

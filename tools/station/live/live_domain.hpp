@@ -1,8 +1,6 @@
-// The DDS side of the station with all that the page needs: the live model, the clients of /live,
-// commands and interests. Owns its DDS participants.
-//
-// Create and destroy it while the io thread does not run, or on the io thread; call the rest on the
-// io thread. `io`, `audit` and the tap must outlive this object.
+// The DDS side of the station: live model, clients of /live, commands and interests. Owns its DDS
+// participants. Create, use and destroy it on the io thread, or while that does not run. `io`,
+// `audit` and the tap must outlive it.
 #pragma once
 
 #include <functional>
@@ -19,8 +17,8 @@
 
 namespace fieldcast::web {
 
-// Receives each sample, not only the newest, for example to record it. Called on DDS threads; must
-// not block. Null functions are skipped.
+// Receives each sample, for example to record it. Called on DDS threads; must not block. Null
+// functions are skipped.
 struct DomainTap {
   std::function<void(const StationChannel&)> channel;
   Station::OnGone gone;  // a channel was removed
@@ -55,7 +53,6 @@ class LiveDomain {
     std::size_t channels = 0, connected = 0, interests = 0;
   };
   [[nodiscard]] Counters counters() const;
-  // Returns the discovery servers that do not respond.
   [[nodiscard]] std::vector<std::string> missing_servers() const;
 
  private:

@@ -11,7 +11,6 @@ void add(LiveClient::Counters& to, const LiveClient::Counters& more) {
 
 }  // namespace
 
-// Leaves the hub when its socket destroys it.
 class LiveHub::Member : public LiveClient {
  public:
   Member(LiveHub& hub, const Caller& caller, LivePeer& peer)

@@ -1,5 +1,5 @@
-// Creates the clients of /live and notifies them of changes. Pure; runs on the io thread. It must
-// outlive its clients, which their sockets own.
+// Creates and notifies the clients of /live, which their sockets own. Must outlive them. Pure; on
+// the io thread.
 #pragma once
 
 #include <memory>
@@ -22,7 +22,6 @@ class LiveHub {
   void on_outcome(const CommandOutcome& outcome);
 
   [[nodiscard]] std::size_t count() const { return clients_.size(); }
-  // Totals of all clients since start.
   [[nodiscard]] LiveClient::Counters counters() const;
 
  private:

@@ -1,6 +1,5 @@
-// Encodes reports of the domain as JSON for /live and /api. Names are those of the IDL in
-// snake_case. Times are Unix milliseconds (`.._ms`, null if unset), durations milliseconds. Pure
-// functions.
+// Encodes reports as JSON for /live and /api, with IDL names in snake_case, times in Unix
+// milliseconds (`.._ms`, null if unset) and durations in milliseconds. Pure functions.
 #pragma once
 
 #include <initializer_list>
@@ -29,7 +28,6 @@ namespace fieldcast::web {
 [[nodiscard]] std::string names_json(
     std::initializer_list<std::pair<std::string_view, std::string_view>> names);
 
-// Prefixes {..} with the kind: {"kind":"bus", ..}.
 [[nodiscard]] std::string kind_message(std::string_view kind, const std::string& object);
 
 // Changes of the catalogue since that version: {"version", "full", "channels": [[id, path, type,

@@ -1,14 +1,13 @@
-// Current state of the domain: the newest value of each channel, and every bus, device, alarm,
-// session, bridge and read plan. Pure; used on the io thread. Pointers and references are valid
-// until the next non-const call.
+// Current state of the domain. Pure; used on the io thread. Pointers and references are valid until
+// the next non-const call.
 //
 // A channel that no bridge announces keeps its id for kRemembered and is then forgotten. Ids are
-// never reused. A full model (kMaxChannels) forgets such channels earlier, oldest first; if there
-// are none, a new channel is refused and counted.
+// never reused. A full model (kMaxChannels) forgets such channels earlier, or refuses and counts
+// new ones.
 //
-// Changed channels are in a list, each once, newest last: a client that has version N gets the
-// entries after N. The owner chooses the first catalogue version, for example the start time, so
-// that versions of a previous process are recognized.
+// Changed channels are in a list, newest last: a client with version N gets the entries after N.
+// The first catalogue version should be the start time, so that versions of a previous process are
+// recognized.
 #pragma once
 
 #include <cstdint>
@@ -58,11 +57,9 @@ class LiveModel {
   // Ignores a sample of a channel outside the catalogue. `now`: its arrival.
   void on_sample(const PathView& path, LiveValue value, Instant now);
   void on_sample(const StationSample& sample, Instant now = {});
-  // The bridge has left or no longer has the channel: a good value becomes uncertain.
   void on_gone(const PathView& path);
-  // Makes good values uncertain if the next sample is overdue. Forgets at most kMostForgotten
-  // channels that nobody has announced for kRemembered, to bound the time. Call it once a second.
-  // Returns the number of values that became uncertain.
+  // Makes overdue good values uncertain and forgets at most kMostForgotten old channels. Call it
+  // once a second. Returns the number of values that became uncertain.
   std::size_t expire(Instant now);
   static constexpr Duration kRemembered = std::chrono::seconds{60};
   static constexpr std::size_t kMostForgotten = 20'000;
@@ -88,7 +85,6 @@ class LiveModel {
   // Sorted by path, without channels that are gone. O(n log n).
   [[nodiscard]] std::vector<const LiveChannel*> channels() const;
   [[nodiscard]] std::size_t count() const { return rows_.size() - gone_; }
-  // Includes channels that are gone but not forgotten.
   [[nodiscard]] std::size_t remembered() const { return rows_.size(); }
 
   // Increases with each value.
@@ -126,7 +122,6 @@ class LiveModel {
   };
   void touch_value(Row& row);
   void touch_catalogue(Row& row);
-  // Returns false if the model is full.
   [[nodiscard]] bool make_room();
   void forget(Row& row);
 

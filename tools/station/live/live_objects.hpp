@@ -1,9 +1,8 @@
-// Last reports of buses, devices, alarms, programming sessions, bridges and read plans, with their
-// messages for clients. Pure; used on the io thread.
+// Last reports of buses, devices, alarms, sessions, bridges and read plans, with their messages for
+// clients. Pure; used on the io thread.
 //
-// Changed objects are in a list, each once, newest last. A message is encoded when the first client
-// needs it and is shared by all. A removed object stays in the list until kMaxGone others were
-// removed after it.
+// Changed objects are in a list, newest last. A message is encoded once for all clients. A removed
+// object stays in the list until kMaxGone others were removed after it.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +17,6 @@
 
 namespace fieldcast::web {
 
-// An alarm with the actions of operators.
 struct LiveAlarm {
   std::string bus, device, channel;
   LimitKind limit = LimitKind::kHigh;
@@ -43,7 +41,7 @@ struct LiveAlarm {
 
 class LiveObjects {
  public:
-  // Limit of each kind; further objects are refused and counted.
+  // Further objects are refused and counted.
   static constexpr std::size_t kMaxObjects = 20'000;
   static constexpr std::size_t kMaxGone = 1024;
   // An unchanged device is reported again after this time, measured by its reports.
@@ -54,8 +52,8 @@ class LiveObjects {
 
   void put(const StationBusStatus& bus);
   void put(const StationDeviceStatus& device);
-  // Removes the alarm if it is clear and neither shelved nor suppressed. A report without details
-  // does not change a detailed one.
+  // Removes a clear alarm unless shelved or suppressed. A report without details does not change a
+  // detailed one.
   void put(const LiveAlarm& alarm);
   void put(const ProgramSessionReport& session);
   void put(const StationBridge& bridge);
@@ -67,10 +65,9 @@ class LiveObjects {
   void remove_bridge(const std::string& bridge);
   void remove_read_plan(const std::string& bus);
 
-  // Active plan of the bus. Null if unknown.
+  // Null if unknown.
   [[nodiscard]] const StationReadPlan* read_plan(const std::string& bus) const;
 
-  // All present objects of a kind, sorted by name.
   template <class Kind>
   [[nodiscard]] std::vector<const Kind*> all() const {
     std::vector<const Kind*> found;

@@ -1,5 +1,5 @@
-// Interfaces between a WebSocket at /live and its protocol. The socket (web/live_socket) owns a
-// LiveProtocol and implements LivePeer. All calls in both directions are on the io thread.
+// Interfaces between a WebSocket at /live, which owns the LiveProtocol and implements LivePeer, and
+// its protocol. All calls are on the io thread.
 #pragma once
 
 #include <functional>
@@ -12,12 +12,11 @@
 
 namespace fieldcast::web {
 
-// The client as seen by the protocol. After close() every call has no effect.
+// After close() every call has no effect.
 class LivePeer {
  public:
   virtual ~LivePeer() = default;
-  // Messages are sent in order. The socket closes a client that leaves more than kMaxUnsent bytes
-  // of texts unread.
+  // Sent in order. A client with more than kMaxUnsent bytes of unread texts is closed.
   virtual void send_text(std::string message) = 0;
   // REQUIRES: no other frame is in flight (see on_taken).
   virtual void send_binary(std::shared_ptr<const std::string> frame) = 0;
@@ -35,8 +34,7 @@ class LiveProtocol {
   virtual void on_text(std::string_view message, Instant now) = 0;  // at most 4 KiB, UTF-8
   virtual void on_taken(Instant now) = 0;  // the kernel has accepted the last binary frame
   virtual void on_wake(Instant now) = 0;
-  // The client has disconnected or was closed. No further calls follow; the object is destroyed
-  // later.
+  // The client disconnected or was closed; the last call before the destructor.
   virtual void on_closed() = 0;
 };
 

@@ -1,4 +1,4 @@
-// Key for the lookup of a channel path without allocating a string. Pure values.
+// Key for looking up a channel path without allocation. Pure values.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// The set of patterns that a client has subscribed to. A pure value.
+// The patterns of a client. A pure value.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,6 @@ class LiveSubscription {
 
   // Returns true if further channels may match now. REQUIRES: has_room().
   bool add(const Pattern& pattern);
-  // Returns false if the pattern is unknown.
   bool remove(const Pattern& pattern);
   [[nodiscard]] bool has(const Pattern& pattern) const {
     return patterns_.contains(pattern.text());

@@ -1,6 +1,5 @@
-// Derives the alarm events for the store from two successive statuses, because DDS publishes only
-// the status. Events use the times in the status, so a second recorder writes equal records. Pure;
-// cannot fail.
+// Derives alarm events for the store from successive statuses, because DDS publishes only these.
+// Events use the times in the status, so a second recorder writes equal records. Pure; cannot fail.
 #pragma once
 
 #include <map>

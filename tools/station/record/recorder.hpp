@@ -1,10 +1,7 @@
-// Records the samples, device states and alarms of a domain in one store. It puts all DDS messages
-// in the store's queue, which never waits for the database.
-//
-// A channel keeps its history when its bridge restarts or another bridge takes over. The last
-// value, which DDS sends again to a late joiner, is recorded once.
-//
-// Thread-safe. The store must outlive it. Nothing can fail: the store counts what it cannot queue.
+// Records samples, device states and alarms of a domain in one store, by its queue, which never
+// waits for the database. The history continues when a bridge restarts or another takes over; the
+// last value, which DDS sends again, is recorded once. Thread-safe; cannot fail. The store must
+// outlive it.
 #pragma once
 
 #include <map>

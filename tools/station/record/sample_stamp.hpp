@@ -1,7 +1,6 @@
-// Chooses the publication time of a sample recorded from DDS, which has only the acquisition time.
-// A good sample uses its acquisition time, so that a second recorder, or a restarted one, writes
-// the same row. Any other sample is published after its last good value; it uses its arrival time
-// by the clock of its bridge. Pure; cannot fail.
+// Chooses the publication time of a sample, which DDS does not transmit. A good sample uses its
+// acquisition time, so that a second or restarted recorder writes the same row. Other samples are
+// published later; they use the arrival time by the bridge's clock. Pure; cannot fail.
 #pragma once
 
 #include <optional>
@@ -10,8 +9,8 @@
 
 namespace fieldcast::web {
 
-// Difference between the arrival of samples of a bus and their acquisition time: transport delay
-// plus clock difference. It can be negative.
+// Difference between arrival and acquisition of samples of a bus: delay plus clock difference. It
+// can be negative.
 class ClockOffset {
  public:
   static constexpr Duration kWindow = std::chrono::minutes{1};
@@ -34,8 +33,7 @@ class SampleStamp {
   // Within this time, samples keep the order of their arrival.
   static constexpr Duration kOrder = std::chrono::seconds{2};
 
-  // Returns the publication time; empty for a duplicate of the previous sample. `first`: first
-  // sample since the channel exists.
+  // Empty for a duplicate. `first`: first sample since the channel exists.
   [[nodiscard]] std::optional<UtcTime> next(const StationSample& sample, UtcTime received,
                                             Duration offset, bool first);
 

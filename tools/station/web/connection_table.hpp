@@ -1,9 +1,8 @@
-// Decides which connections a server accepts and which one it closes beyond a limit. There are
-// limits in total and for each address, and a reserve for logins. Pure; owns no connection.
+// Limits the connections of a server in total and for each address, with a reserve for logins.
+// Pure; owns no connection.
 //
 // A connection waits for its client (next request, rest of a request, handshake) or works (the
-// station makes a response or sends it). Only a waiting connection can be closed for a new one. The
-// server can validate a login only when the request is complete.
+// station makes or sends a response). Only a waiting connection can be closed for a new one.
 #pragma once
 
 #include <cstddef>
@@ -20,13 +19,13 @@ namespace fieldcast::web {
 struct ConnectionLimits {
   std::size_t total = 256;
   std::size_t of_one = 128;  // of one address; connections with a login are counted separately
-  // of one address without a login; lower than of_one, so a new connection always fits
+  // of one address without a login; lower than of_one: a new one always fits
   std::size_t working_of_one = 96;
   std::size_t reserved = 64;  // part of `total` in which only connections with a login work
 };
 
-// Returns the address without its port. An IPv6 address becomes its /64, because a host can use all
-// addresses of it; an IPv4-mapped one becomes IPv4. Other text is returned unchanged.
+// Removes the port. IPv6 becomes its /64, because a host can use all of it; IPv4-mapped becomes
+// IPv4. Other text is returned unchanged.
 [[nodiscard]] std::string address_group(std::string_view address);
 
 class ConnectionTable {
@@ -44,16 +43,16 @@ class ConnectionTable {
 
   explicit ConnectionTable(const ConnectionLimits& limits) : limits_(limits) {}
 
-  // Adds a connection. Beyond a limit, removes the connection that has waited longest: of the same
-  // address for its limit, and one without a login first for the total. Admits nothing if no
-  // connection waits, or if only the reserve is left for work.
+  // Beyond a limit, evicts the connection that has waited longest: of the same address for its
+  // limit, one without a login first for the total. Admits nothing if none waits, or if only the
+  // reserve is left for work.
   [[nodiscard]] Admission open(Id id, Peer peer, Phase phase, Instant now);
   // Returns the same decision without a change.
   [[nodiscard]] Admission admission(const Peer& peer, Phase phase) const;
-  // Reports a complete request with or without a valid login. If it is not admitted, the table is
-  // unchanged and the caller refuses the request. REQUIRES: `id` is in the table.
+  // A complete request has arrived. If it is not admitted, the table is unchanged and the caller
+  // refuses it. REQUIRES: `id` is in the table.
   [[nodiscard]] Admission work(Id id, bool logged_in);
-  // Reports the end of the response; no effect if `id` was removed.
+  // The response has ended; no effect if `id` was removed.
   void wait(Id id, Instant now);
   void close(Id id);  // no effect if `id` was removed
 

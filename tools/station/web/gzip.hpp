@@ -7,12 +7,10 @@
 
 namespace fieldcast::web {
 
-// Compresses the whole text at the fastest level.
 [[nodiscard]] std::string packed(std::string_view text);
 // REQUIRES: the bytes are output of packed().
 [[nodiscard]] std::string unpacked(std::string_view gzip);
 
-// Compresses a streamed body piece by piece.
 class GzipPieces {
  public:
   GzipPieces();

@@ -1,6 +1,5 @@
-// Checks the header of a request byte by byte before the parser reads it. Refuses what a proxy in
-// front of the station could parse differently (RFC 9112, 2.2, 5.1, 5.2, 6.1, 6.3): with a
-// different length, the body could smuggle a second request. Pure.
+// Checks a request header before the parser, and refuses what a proxy could parse differently (RFC
+// 9112, 2.2, 5.1, 5.2, 6.1, 6.3), because the body could then smuggle a second request. Pure.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +15,7 @@ struct HeadFault {
 
 class HeadCheck {
  public:
-  // `all`: every byte of the request received so far. Returns the first fault, which is final;
-  // empty if there is none yet.
+  // `all`: all received bytes of the request. Returns the first fault, which is final.
   [[nodiscard]] std::optional<HeadFault> put(std::string_view all);
   // Size of the header with its empty line; 0 while it is incomplete.
   [[nodiscard]] std::size_t size() const { return size_; }

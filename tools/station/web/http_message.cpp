@@ -20,8 +20,7 @@ std::optional<unsigned> hex_digit(char c) {
   return std::nullopt;
 }
 
-// Decodes percent escapes (RFC 3986, 2.1); in a query "+" is a space. Empty for an invalid escape
-// or a zero byte.
+// Percent escapes (RFC 3986, 2.1); in a query "+" is a space. Empty if invalid or a zero byte.
 std::optional<std::string> decoded(std::string_view text, bool in_query) {
   std::string out;
   out.reserve(text.size());

@@ -1,4 +1,4 @@
-// HTTP requests and responses as values for the route handlers, without sockets and Beast.
+// HTTP requests and responses for the route handlers, without sockets and Beast.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +36,6 @@ struct HttpRequest {
   std::string if_none_match;  // raw header
   std::string login;          // secret of the login cookie; empty: no cookie
 
-  // First value, and all values, of the parameters with this name.
   [[nodiscard]] std::optional<std::string> parameter(std::string_view name) const;
   [[nodiscard]] std::vector<std::string> parameters(std::string_view name) const;
 };
@@ -50,9 +49,9 @@ struct HttpResponse {
   std::string body;
   // Used instead of `body` if set: bytes shared by many responses.
   std::shared_ptr<const std::string> shared_body;
-  // Used instead of both if set. The session calls it on the io thread for each next piece, after
-  // the client has received the last one. It passes one piece to its argument on the io thread,
-  // immediately or later. The session destroys it when the client disconnects.
+  // Used instead of both if set. Called on the io thread for each next piece, after the client has
+  // received the last one; it passes one piece to its argument, immediately or later on the io
+  // thread. Destroyed when the client disconnects.
   std::function<void(std::function<void(Piece)>)> next;
   TextPairs headers;  // further headers: content-encoding, etag, retry-after, ...
 };
@@ -66,8 +65,8 @@ using Reply = std::function<void(HttpResponse)>;
 // Runs on the io thread and must not block it.
 using Handler = std::function<void(const HttpRequest&, const Caller&, Reply)>;
 
-// Decodes the path and the query of a request target ("/a%20b?c=1&c=2"). Empty if the target does
-// not start with "/", has an invalid escape, a zero byte or more than 64 parameters.
+// Decodes a request target ("/a%20b?c=1&c=2"). Empty if it does not start with "/", has an invalid
+// escape, a zero byte or more than 64 parameters.
 struct Target {
   std::string path;
   TextPairs query;

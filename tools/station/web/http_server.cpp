@@ -119,7 +119,6 @@ void HttpServer::accept(std::unique_ptr<ByteStream> stream, std::string peer) {
   session->start();
 }
 
-// Closes the evicted connection; returns whether the new one is admitted.
 bool HttpServer::admit(const ConnectionTable::Admission& admission) {
   if (!admission.admitted || admission.evicted) ++turned_away_;
   if (admission.evicted) {

@@ -1,7 +1,5 @@
-// Manages all connections of the station: TLS handshakes, HTTP sessions and WebSockets. Runs on the
-// io thread, as the site does.
-//
-// ConnectionTable decides which connection is closed beyond a limit of ServerLimits.
+// Manages TLS handshakes, HTTP sessions and WebSockets; ConnectionTable applies the limits. Runs on
+// the io thread, as the site does.
 #pragma once
 
 #include <map>

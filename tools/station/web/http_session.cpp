@@ -184,8 +184,7 @@ void HttpSession::parse() {
     }
     if (used == 0) break;
   }
-  // The parser appends trailer fields of a chunked body to the header, also Host, Origin and
-  // Cookie.
+  // The parser appends trailer fields of a chunked body to the header, for example Host or Cookie.
   if (parser.is_done() && count_of(parser.get()) != parser_->fields)
     return refuse(400, "fields behind the body", "send them in the header");
   if (parser.is_done()) return on_request();
@@ -304,7 +303,6 @@ void HttpSession::on_written(std::size_t count) {
   write();
 }
 
-// Requests the next piece after the client has received everything.
 void HttpSession::next_piece() {
   const auto next = pieces_;  // keeps the function alive while it runs
   (*next)([weak = weak_from_this(), answer = answer_](Piece piece) {
@@ -337,8 +335,7 @@ void HttpSession::finish_response() {
   parser_.reset();
   received_.clear();
   stream_->end_sending();
-  // If the socket is closed with unread bytes, TCP resets the connection and the client can lose
-  // the response. Read and discard them first.
+  // Discard unread bytes first: otherwise TCP resets the connection and can drop the response.
   enter(State::kLinger, server_.limits.linger);
   read();
 }

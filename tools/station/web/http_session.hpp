@@ -1,6 +1,5 @@
-// One client connection with HTTP/1.1. Handles one request at a time; pipelined requests wait. Owns
-// the stream. Closes itself on a fault, a timeout or a size limit. Runs on the io thread; pending
-// operations share ownership.
+// One HTTP/1.1 connection; pipelined requests wait. Owns the stream. Closes itself on a fault,
+// timeout or size limit. Runs on the io thread; pending operations share ownership.
 #pragma once
 
 #include <boost/asio/steady_timer.hpp>
@@ -24,7 +23,6 @@ struct HttpLimits {
   Duration linger = std::chrono::seconds{1};     // for a client to receive the last response
 };
 
-// A connection that becomes a WebSocket.
 struct LiveRequest {
   std::unique_ptr<ByteStream> stream;
   std::string head;  // request header, which the WebSocket library parses again
@@ -33,12 +31,12 @@ struct LiveRequest {
 
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
  public:
-  // Services of the server for its sessions; must outlive them.
+  // Must outlive the sessions.
   struct Server {
     boost::asio::io_context& io;
     Site& site;
     HttpLimits limits;
-    // Returns the response that refuses a WebSocket; empty if it is allowed.
+    // Empty: the WebSocket is allowed.
     std::function<std::optional<HttpResponse>(const Site::Upgrade&)> refuse_live;
     std::function<void(LiveRequest)> take_live;
     // Returns whether the request may be processed; `logged_in`: it has a valid login.
@@ -60,11 +58,11 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
  private:
   enum class State : std::uint8_t {
-    kIdle,      // waits for the first byte of a request
-    kRequest,   // reads a request
-    kHandler,   // waits for the handler's response
-    kResponse,  // sends the response
-    kLinger,    // discards input, so that the client receives the last response
+    kIdle,  // waits for the first byte of a request
+    kRequest,
+    kHandler,  // waits for the handler's response
+    kResponse,
+    kLinger,  // discards input, so that the client receives the last response
     kClosed,
   };
   struct Parser;

@@ -12,8 +12,7 @@ namespace fieldcast::web {
 
 inline constexpr int kMaxJsonDepth = 8;
 
-// Returns the object. Empty if the text is not JSON, not an object, nested too deep, not UTF-8 or
-// has a duplicate key.
+// Empty if the text is not a JSON object, too deep, not UTF-8 or has a duplicate key.
 [[nodiscard]] std::optional<nlohmann::json> parse_object(std::string_view text);
 
 // Like parse_object(), but fails with the response 400.

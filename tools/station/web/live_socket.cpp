@@ -133,8 +133,8 @@ class Socket final : public LiveSocket,
     asio::post(io_, [self = shared_from_this()] { self->drop(); });
   }
 
-  // Reads part of a message into our own buffer. Beast 1.74 fails an assertion in async_read()
-  // (read_size_hint) if this side closes while it receives a fragmented message.
+  // Beast 1.74 fails an assertion in async_read() (read_size_hint) if this side closes while it
+  // receives a fragmented message; so read parts into our own buffer.
   void read() {
     stream_.async_read_some(asio::buffer(&message_[size_], message_.size() - size_),
                             [self = shared_from_this()](error_code fault, std::size_t count) {

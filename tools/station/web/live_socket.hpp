@@ -1,5 +1,5 @@
-// One WebSocket at /live; passes messages to and from its protocol. Owns the stream, the protocol
-// and the send queue. Runs on the io thread; pending operations share ownership.
+// One WebSocket at /live. Owns the stream, the protocol and the send queue. Runs on the io thread;
+// pending operations share ownership.
 #pragma once
 
 #include <memory>

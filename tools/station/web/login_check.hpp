@@ -1,4 +1,4 @@
-// Functions that the site calls to verify a login. Results arrive on the io thread.
+// Functions of the site to verify a login.
 #pragma once
 
 #include <functional>
@@ -19,8 +19,7 @@ struct LoginGrant {
 };
 using LoginVerdict = tl::expected<LoginGrant, LoginRefused>;
 
-// Each function calls `done` once, on the io thread, immediately or later. Empty if the station has
-// no users or no tokens.
+// Call `done` once, on the io thread, immediately or later. Empty without users or tokens.
 struct LoginCheck {
   std::function<void(LoginAttempt, std::function<void(LoginVerdict)> done)> by_password;
   std::function<void(std::string token, std::string peer, std::function<void(LoginVerdict)> done)>

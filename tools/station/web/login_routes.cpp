@@ -39,7 +39,6 @@ HttpResponse response_of(const LoginRefused& refused) {
   return response;
 }
 
-// Returns the field if it is a string of 1 to `limit` bytes.
 std::optional<std::string> text_field(const nlohmann::json& body, const char* name,
                                       std::size_t limit) {
   const auto found = body.find(name);

@@ -16,7 +16,6 @@ std::string lower(std::string_view text) {
   return out;
 }
 
-// Position of ":PORT" in a host; npos if it has none.
 std::size_t port_of(std::string_view host) {
   const std::size_t bracket = host.rfind(']');
   return host.find(':', bracket == host.npos ? 0 : bracket);

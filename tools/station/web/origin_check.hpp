@@ -1,5 +1,4 @@
-// Checks the headers Host and Origin of a request. The Host check prevents DNS rebinding; the
-// Origin check prevents forged requests and WebSockets of other sites. Pure.
+// Checks Host against DNS rebinding, and Origin against forged requests and WebSockets. Pure.
 #pragma once
 
 #include <string>
@@ -12,9 +11,9 @@ namespace fieldcast::web {
 
 class HostList {
  public:
-  // Accepted hosts are: the listen address, unless it is a wildcard; localhost, 127.0.0.1 and [::1]
-  // with its port; and `names`. A name without a port is accepted with the listen port or none, a
-  // name with a port only as written. Browsers omit port 80, with TLS 443.
+  // Accepts the listen address, unless it is a wildcard, localhost, 127.0.0.1 and [::1] with its
+  // port, and `names`: without a port with the listen port or none, with a port only as written.
+  // Browsers omit port 80, with TLS 443.
   HostList(const ListenSpec& listen, const std::vector<std::string>& names, bool tls);
 
   // Returns whether the Host header ("127.0.0.1:8090") is accepted.
@@ -24,12 +23,10 @@ class HostList {
   std::vector<std::string> hosts_;  // in lower case
 };
 
-// Returns whether the Origin header has this scheme and the Host of the same request. Refuses
-// "null".
+// Requires this scheme and the Host of the same request. Refuses "null".
 [[nodiscard]] bool same_origin(std::string_view origin, std::string_view host, bool tls);
 
-// Returns whether `hosts` may contain the text: a name, an IPv4 address or "[v6]", optionally with
-// a port.
+// A name, an IPv4 address or "[v6]", optionally with a port.
 [[nodiscard]] bool is_host_name(std::string_view text);
 
 }  // namespace fieldcast::web

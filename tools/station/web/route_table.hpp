@@ -1,5 +1,4 @@
-// Routes of the station, filled at start and constant afterwards. A path that is not in the table
-// is refused. Each route states its access; there is no default.
+// Routes of the station, constant after start. Each states its access; there is no default.
 #pragma once
 
 #include <map>
@@ -25,7 +24,7 @@ struct Route {
   Handler handler;
 };
 
-// Returns whether this role may use the route; the role is empty without a login.
+// `role`: empty without a login.
 [[nodiscard]] bool may_use(Access access, const std::optional<Role>& role);
 
 // 405 with the header `allow`.
@@ -36,12 +35,12 @@ class RouteTable {
   // REQUIRES: the method and path are new, the path starts with "/", the handler is set.
   void add(Route route);
 
-  // Returns the route, or fails with 404, 405 (with `allow`), 401 (no login) or 403 (role too low).
-  // Access is checked before the method, so a 405 does not reveal a restricted path.
+  // Fails with 404, 405 (with `allow`), 401 (no login) or 403 (role too low). Checks the access
+  // first, so that a 405 does not reveal a restricted path.
   [[nodiscard]] tl::expected<const Route*, HttpResponse> find(
       Method method, const std::string& path, const std::optional<Role>& role) const;
 
-  // Returns the header `allow` of the path: "GET, HEAD, OPTIONS". Fails as find() does.
+  // The header `allow`: "GET, HEAD, OPTIONS". Fails as find() does.
   [[nodiscard]] tl::expected<std::string, HttpResponse> allowed(
       const std::string& path, const std::optional<Role>& role) const;
 

@@ -5,8 +5,7 @@
 namespace fieldcast::web {
 namespace {
 
-// Allows only the station's own scripts, styles and pictures; only lit-html may create markup from
-// text.
+// Only the station's own files; only lit-html may create markup from text.
 constexpr std::string_view kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
     "connect-src 'self'; font-src 'self'; manifest-src 'self'; base-uri 'none'; "

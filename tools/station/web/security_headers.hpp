@@ -10,8 +10,7 @@ namespace fieldcast::web {
 
 class SecurityHeaders {
  public:
-  // `embed`: the sites that may show /embed in a frame ("https://wiki.plant"). No other page may be
-  // framed.
+  // `embed`: the sites that may show /embed in a frame ("https://wiki.plant").
   SecurityHeaders(bool tls, const std::vector<std::string>& embed);
 
   // Keeps headers that the response already has.

@@ -1,7 +1,7 @@
-// Stores the logged-in sessions. A cookie has a secret of 256 random bits; only its hash is stored.
-// A login ends by logout, after 30 min without use, or after 12 h (by token: when the token
-// expires). It also ends when its user is removed or gets another role, and beyond kMaxLogins. No
-// clock and no randomness; runs on the io thread.
+// Stores the logged-in sessions, with only the hash of each cookie's secret of 256 random bits. A
+// login ends by logout, after 30 min without use, after 12 h (by token: when that expires), when
+// its user is removed or changed, or beyond kMaxLogins. No clock and no randomness; on the io
+// thread.
 #pragma once
 
 #include <array>
@@ -39,12 +39,11 @@ class SessionBook {
   // Calls `ended(id)` for each login that ends. The callback must not call this object.
   explicit SessionBook(std::function<void(std::uint64_t id)> ended) : ended_(std::move(ended)) {}
 
-  // Adds the login and returns the text for its cookie. `random` must be new system randomness,
-  // used once. Sets `login.id` and `last_used`, and limits `ends` to kWhole unless by token.
+  // Returns the text for the cookie. `random`: new system randomness, used once. Sets `login.id`
+  // and `last_used`, and limits `ends` to kWhole unless by token.
   [[nodiscard]] std::string begin(Login login, const Secret& random, Instant now);
 
-  // Returns the login of the cookie and counts as use. Null if the cookie is unknown or expired.
-  // The pointer is valid until the next call of this object.
+  // Counts as use. Null if unknown or expired. Valid until the next call of this object.
   [[nodiscard]] const Login* find(std::string_view cookie, Instant now);
   // Counts as use without a request: the page has an open connection.
   void touch(std::uint64_t id, Instant now);
@@ -52,8 +51,8 @@ class SessionBook {
   void end(std::string_view cookie);
   void end_expired(Instant now);
 
-  // A user in the store. users_are() ends each login that matches no user. After a new password
-  // (the user was created after the login) the user must log in again.
+  // A user in the store. users_are() ends logins that match no user, also after a new password
+  // (created_at is then later than the login).
   struct KnownUser {
     std::string name;
     Role role;

@@ -17,7 +17,6 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-// Removes the part before the separator from the text and returns it.
 std::string_view next_part(std::string_view& text, char separator) {
   const std::string_view part = text.substr(0, text.find(separator));
   text.remove_prefix(std::min(text.size(), part.size() + 1));

@@ -1,5 +1,4 @@
-// Handles requests without a socket: checks Host, Origin, content type and login, calls the route,
-// adds response headers. Also logs users in and out. Runs on the io thread; owns routes and logins.
+// Handles requests without a socket. Runs on the io thread; owns routes and logins.
 //
 //     request -> Host -> Origin (all but GET) -> content type -> login -> route -> handler
 #pragma once
@@ -46,22 +45,20 @@ struct SiteClock {
 
 class Site {
  public:
-  // Without users and tokens, the functions of `logins` are empty. Objects that they use must
-  // outlive the site.
+  // Objects that `logins` uses must outlive the site.
   Site(SiteSpec spec, SiteClock clock, LoginCheck logins);
   Site(const Site&) = delete;
   Site& operator=(const Site&) = delete;
 
   [[nodiscard]] RouteTable& routes() { return routes_; }
 
-  // Sets the role of clients without a login; empty: they may do nothing. When the role changes,
-  // calls `ended(0)` to close their sockets.
+  // Role of clients without a login; empty: none. A change calls `ended(0)` to close their sockets.
   void set_local_role(std::optional<Role> role);
   // Calls `ended(id)` for each login that ends; id 0: clients without a login. Set it before the
   // first request. The callback must not call this object.
   void on_ended(std::function<void(std::uint64_t id)> ended) { ended_ = std::move(ended); }
   [[nodiscard]] SessionBook& book() { return book_; }
-  // Returns whether the request has the cookie of a valid login; counts as use of it.
+  // Counts as use of the login.
   [[nodiscard]] bool has_login(const RawRequest& request) { return known(request).login != 0; }
 
   // `reply` is called once, immediately or later.
@@ -104,9 +101,7 @@ class Site {
   RouteTable routes_;
 };
 
-// Parses the header Accept-Encoding.
 [[nodiscard]] bool accepts_gzip(std::string_view accept_encoding);
-// Returns a value of the header Cookie; empty if the name is missing.
 [[nodiscard]] std::string_view cookie_named(std::string_view cookies, std::string_view name);
 
 }  // namespace fieldcast::web

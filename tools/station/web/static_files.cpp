@@ -5,7 +5,6 @@
 namespace fieldcast::web {
 namespace {
 
-// Buffers shared by many responses, made at the first request.
 struct KeptFile {
   EmbeddedFile file;
   std::shared_ptr<const std::string> packed, plain;

@@ -8,8 +8,7 @@
 
 namespace fieldcast::web {
 
-// Adds a public route for each file; /embed is also the index. The files are stored compressed and
-// are decompressed for a client that does not accept gzip.
+// Adds a public route for each file; /embed is also the index. Files are stored compressed.
 void add_page_routes(RouteTable& routes, std::span<const EmbeddedFile> files);
 
 }  // namespace fieldcast::web
