@@ -31,7 +31,6 @@ Entity* need(Entity* entity, const char* what) {
   return entity;
 }
 
-// A participant with one topic.
 class Side {
  public:
   Side(unsigned domain, BareData data) : data_(data) {

@@ -1,8 +1,6 @@
-// A minimal Fast DDS writer and reader with the same data, as a reference for a bridge and its
-// stations. Uses the library's QoS except for reliability and limits, and UDP over the loopback.
-//
-// Each owns its participant. write() has one caller; the reader's handler runs on a DDS thread, one
-// sample at a time.
+// A bare Fast DDS writer and reader with the same data as a bridge and its stations, as a
+// reference. Uses the library's QoS except for reliability and limits, and UDP over the loopback.
+// write() has one caller; the reader's handler runs on a DDS thread.
 #pragma once
 
 #include <chrono>
@@ -25,8 +23,7 @@ class BareWriter {
   BareWriter(const BareWriter&) = delete;
   BareWriter& operator=(const BareWriter&) = delete;
 
-  // Writes samples of the next `rows` channels; each contains `number` and the start time of the
-  // call.
+  // Writes the next `rows` channels; each sample has `number` and the start time of the call.
   void write(std::size_t rows, std::uint64_t number);
 
  private:

@@ -7,7 +7,6 @@ namespace {
 
 const char* word(BareData data) { return data == BareData::kBlocks ? "blocks" : "samples"; }
 
-// Returns the last number printed by the process.
 std::uint64_t last_number(const std::string& path) {
   std::ifstream file(path);
   std::uint64_t number = 0;

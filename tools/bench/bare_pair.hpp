@@ -19,7 +19,6 @@ class BarePair {
  public:
   BarePair(const ScratchFolder& folder, unsigned domain, BareData data, const BareLoad& load);
 
-  // Totals since start.
   struct Spent {
     std::uint64_t written = 0, received = 0;  // samples
     double writer = 0, reader = 0;            // processor seconds

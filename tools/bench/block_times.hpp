@@ -1,5 +1,4 @@
-// Measures the delay of the first and last sample of each block; samples contain their block's
-// number. add() is called on one thread, the rest on another.
+// Measures the delay of the first and last sample of each block. add() runs on one thread.
 #pragma once
 
 #include <chrono>
@@ -29,7 +28,6 @@ class BlockTimes {
     const std::lock_guard guard(lock_);
     counting_ = true;
   }
-  // Adds a received sample of block `number`, which was sent at `sent`.
   void add(std::uint64_t number, Clock::time_point sent, Clock::time_point now) {
     const std::lock_guard guard(lock_);
     if (!counting_) return;
@@ -40,7 +38,6 @@ class BlockTimes {
     last_.push_back(milliseconds(now - sent));
     open_.erase(number);
   }
-  // Figures of the complete blocks since start().
   [[nodiscard]] Figures stop() {
     const std::lock_guard guard(lock_);
     counting_ = false;

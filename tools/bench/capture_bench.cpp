@@ -31,14 +31,12 @@ std::string captured_buses() {
   return text;
 }
 
-// Wire share of each bus.
 using Shares = std::map<std::string, double>;
 void add_shares(Plant& plant, Shares& sums) {
   let_run(10.5);  // the measured load covers the last ten seconds
   for (const auto& [name, bus] : plant.buses()) sums[name] += bus.report.measured_load;
 }
 
-// One process for each bus, as users start them.
 std::vector<std::unique_ptr<Process>> capture_all(const Plant& plant, int turn) {
   std::vector<std::unique_ptr<Process>> captures;
   std::vector<std::string> files;
@@ -69,7 +67,7 @@ void run_captures(int turns) {
   plant.wait_until_seen(kBuses * kUnits * kRegisters, 30);
   let_run(2);
   Shares without, with;
-  // In both orders, so that other load on the machine affects both alike.
+  // In both orders, so that other load affects both alike.
   for (int turn = 0; turn < turns; ++turn) {
     if (turn % 2 == 0) add_shares(plant, without);
     {

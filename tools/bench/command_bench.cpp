@@ -31,7 +31,6 @@ std::string buses() {
          scattered_devices(kDevices, kRegisters, "      ", 5);
 }
 
-// Results by request.
 struct Results {
   std::mutex lock;
   std::condition_variable arrived;

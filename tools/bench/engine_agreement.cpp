@@ -59,7 +59,7 @@ std::uint64_t scheduler_missed(const test::Map& map, Duration answer, double sha
 struct Agreement {
   unsigned runs = 0, feasible = 0, disagree = 0, careful = 0;
 
-  // Returns whether a run of the engine kept the refreshes of its plan.
+  // Returns whether the engine kept the refreshes of its plan.
   bool add(const BridgeSpec& spec, Duration answer) {
     const cli::BusPlan plan = cli::make_plan(spec.buses[0], answer);
     const std::uint64_t late = cli::simulate(plan, {}, {20min, 1}).bus.deadline_misses;

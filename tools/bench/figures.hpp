@@ -1,4 +1,3 @@
-// Statistics for benches.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +14,6 @@ inline double quantile(std::vector<double> values, double q) {
                          static_cast<std::size_t>(q * static_cast<double>(values.size())))];
 }
 
-// Prints one line: name, value, unit and goal.
 inline void print_figure(const char* what, double value, const char* unit, const char* goal) {
   std::printf("%-58s %12.4g %-10s %s\n", what, value, unit, goal);
   std::fflush(stdout);

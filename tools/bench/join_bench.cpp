@@ -55,7 +55,6 @@ constexpr Way kWays[] = {{"blocks", "bench_station", false},
                          {"cyclone-blocks", "cyclone-join", false},
                          {"cyclone-samples", "cyclone-join", true}};
 
-// Progress over the stations of one plant.
 class Course {
  public:
   explicit Course(std::size_t stations) : stations_(static_cast<double>(stations)) {}
@@ -75,7 +74,6 @@ class Course {
   ProgressLine line_{std::cerr};
 };
 
-// Waits for one station and updates `course`.
 void join(const Options& options, const ScratchFolder& folder, unsigned domain, int buses,
           const Way& way, const std::string& name, const Process& bridge, Course& course) {
   const auto all = static_cast<std::uint64_t>(buses) * static_cast<std::uint64_t>(options.channels);

@@ -62,7 +62,6 @@ class CountingDevice {
   CountingDevice(const CountingDevice&) = delete;
   CountingDevice& operator=(const CountingDevice&) = delete;
 
-  // Time at which this response was written.
   [[nodiscard]] Clock::time_point handed_over(std::uint16_t number) const {
     return handed_over_[number].load();
   }
@@ -117,7 +116,6 @@ std::string configuration(const std::string& link, unsigned domain, int channels
 
 using Figures = BlockTimes::Figures;
 
-// Through the bridge.
 Figures bridge_times(int channels, double seconds, bool one_by_one) {
   const ScratchFolder folder;
   const std::string link = folder.path() + "/bus";

@@ -74,8 +74,7 @@ Duration round_of(const Bus& bus, DeviceIndex device, Duration longest) {
   return test::best_requests(wanted, cost).cost;
 }
 
-// Load of a plan that reads each refresh class together with the faster ones, in the best requests:
-// the sum of (best(up to R) - best(shorter than R)) / R.
+// Reads each refresh class with the faster ones: sum of (best(up to R) - best(shorter than R)) / R.
 double best_load(const Bus& bus) {
   std::set<Duration> classes;
   for (const Point& point : bus.input.points) classes.insert(point.refresh);

@@ -1,5 +1,5 @@
-// Clients of fieldcast-station's WebSocket: subscribe to everything and record arrival times. All
-// run on one separate thread.
+// WebSocket clients of fieldcast-station: subscribe to everything and record arrival times, on one
+// separate thread.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,6 @@
 
 namespace fieldcast::bench {
 
-// Totals of one client since the last mark.
 struct LiveReceived {
   std::uint64_t frames = 0, values = 0, bytes = 0, texts = 0;
   std::vector<double> ages_ms;    // ages of the newest value of each frame on arrival
@@ -23,16 +22,13 @@ class LiveClients {
   LiveClients(const LiveClients&) = delete;
   LiveClients& operator=(const LiveClients&) = delete;
 
-  // Connects a client, waits for the connection, and returns its index. Throws std::runtime_error.
+  // Returns the index of the connected client. Throws std::runtime_error.
   std::size_t connect();
   void disconnect(std::size_t client);
-  // Returns the seconds from the start of connect() until this many values arrived; 0 after
-  // `patience` seconds.
+  // Seconds from connect() until this many values arrived; 0 after `patience` seconds.
   [[nodiscard]] double first_data(std::size_t client, std::uint64_t values, double patience);
-  // Stops reading until resume().
   void stop_reading(std::size_t client);
   void resume(std::size_t client);
-  // Age of the newest received value in seconds.
   [[nodiscard]] double age(std::size_t client) const;
 
   void mark();  // starts a new measurement
@@ -52,7 +48,6 @@ struct Fetched {
 };
 [[nodiscard]] Fetched fetch(std::uint16_t port, const std::string& path);
 
-// A free port of the loopback.
 [[nodiscard]] std::uint16_t free_port();
 
 }  // namespace fieldcast::bench

@@ -1,4 +1,3 @@
-// Address for listening and connecting in benches.
 #pragma once
 
 #include <arpa/inet.h>

@@ -1,5 +1,5 @@
-// Simulates packet loss for benches and tests: in a program that links this file, recvfrom() and
-// recvmsg() drop a share of the received UDP datagrams. Thread-safe.
+// Simulates packet loss: in a program that links this file, recvfrom() and recvmsg() drop a share
+// of the received UDP datagrams. Thread-safe.
 #include "tools/bench/lossy_receive.hpp"
 
 #include <dlfcn.h>
@@ -28,7 +28,7 @@ bool is_datagram(int socket) {
   return getsockopt(socket, SOL_SOCKET, SO_TYPE, &type, &size) == 0 && type == SOCK_DGRAM;
 }
 
-// Decides about a received datagram; size -1: nothing received.
+// size -1: nothing received.
 bool is_lost(int socket, ssize_t size) {
   const bool is_one = until_lost.load(std::memory_order_relaxed) >= 0;
   if (size < 0 || !(is_one || lost()) || !is_datagram(socket)) return false;
@@ -47,8 +47,7 @@ std::uint64_t lost_datagrams() { return datagrams_lost; }
 
 }  // namespace fieldcast::bench
 
-// Replace the functions of the C library, also for the program's libraries: Asio uses recvfrom(),
-// older versions recvmsg().
+// Replace the C library's functions also for libraries: Asio uses recvfrom() or recvmsg().
 extern "C" {
 
 ssize_t recvmsg(int socket, msghdr* message, int flags) {

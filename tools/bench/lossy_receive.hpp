@@ -1,4 +1,4 @@
-// Simulates packet loss for benches and tests (lossy_receive.cpp). Thread-safe.
+// Simulates packet loss (lossy_receive.cpp). Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,6 @@ void lose(double share);
 // Drops one datagram after this many others. Negative: none.
 void lose_one(std::int64_t after);
 
-// Number of dropped datagrams since start.
 [[nodiscard]] std::uint64_t lost_datagrams();
 
 }  // namespace fieldcast::bench

@@ -26,7 +26,6 @@ enum class Kind { kIdle, kSlow, kRandom };
 constexpr const char* kNames[] = {"idle (few values, mostly zero)", "slowly changing registers",
                                   "random"};
 
-// Typical messages of a plant with `length` bytes.
 std::vector<Bytes> messages(Kind kind, std::size_t length) {
   std::mt19937 random(1);
   std::vector<Bytes> all;
@@ -45,14 +44,12 @@ std::vector<Bytes> messages(Kind kind, std::size_t length) {
   return all;
 }
 
-// Duration of a measurement, and the progress.
 struct Course {
   double seconds;
   StepProgress& progress;
 };
 
-// Megabytes a second of `bytes`, processed by `work`. The best of the rounds, because other
-// processes share the machine.
+// The best of the rounds in megabytes a second, because other processes share the machine.
 double rate(std::size_t bytes, const Course& course, const std::function<void()>& work) {
   double best = 0;
   const auto end = Clock::now() + std::chrono::duration<double>(course.seconds);

@@ -1,5 +1,4 @@
-// A simulated plant, the bridge that reads it, and a station in this process. Plant and bridge are
-// separate processes.
+// A simulated plant and the bridge that reads it, as processes, and a station in this one.
 #pragma once
 
 #include <map>
@@ -14,7 +13,6 @@
 
 namespace fieldcast::bench {
 
-// Totals of one channel at the station between two marks.
 struct Seen {
   std::uint64_t samples = 0;
   std::uint64_t bad = 0;
@@ -25,8 +23,7 @@ struct Seen {
 
 class Plant {
  public:
-  // `buses` is the YAML list below `buses:`, with {dir} for the directory of the serial links.
-  // `more` has further lines of the configuration.
+  // `buses`: YAML list below `buses:`, with {dir} for serial links. `more`: further lines.
   Plant(const std::string& buses, const std::string& faults = {}, const std::string& more = {});
 
   void start_simulator(const std::vector<std::string>& more = {});
@@ -49,8 +46,7 @@ class Plant {
   [[nodiscard]] std::map<std::string, Seen> seen() const;  // by bus/device/channel
   [[nodiscard]] std::map<std::string, StationBusStatus> buses() const;
   [[nodiscard]] std::map<std::string, StationDeviceStatus> devices() const;  // by bus/device
-  // Waits until `channels` channels have a good sample; throws with the missing ones after
-  // `seconds`.
+  // Throws with the missing channels after `seconds`.
   void wait_until_seen(std::size_t channels, double seconds);
 
  private:
@@ -68,18 +64,16 @@ class Plant {
   std::unique_ptr<Station> station_;  // last member: its callbacks use the members above
 };
 
-// Waits for the measurement in real time; the only wait in benches. Shows the remaining time on a
-// terminal.
+// Waits in real time, the only wait in benches. Shows the remaining time on a terminal.
 void let_run(double seconds);
 
 // --seconds N of the command line, or the default.
 [[nodiscard]] double seconds_from(int argc, char** argv, double by_default);
 
-// YAML for the list `devices:`: devices with scattered holding registers (about every third one),
-// by seed.
+// YAML for `devices:` with scattered holding registers (about every third one), by seed.
 [[nodiscard]] std::string scattered_devices(int devices, int registers, const std::string& indent,
                                             unsigned seed);
-// The same with contiguous registers in runs of `run`, each of which one request reads.
+// With contiguous registers in runs of `run`, each of which one request reads.
 [[nodiscard]] std::string packed_devices(int devices, int registers, const std::string& indent,
                                          int run);
 

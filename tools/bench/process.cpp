@@ -92,8 +92,8 @@ ScratchFolder::ScratchFolder() {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
   held_ = ends[1];
-  // A separate session, because Ctrl-C is sent to the process group. It removes twice, because
-  // programs of the bench may still write while they end.
+  // A separate session, because Ctrl-C reaches the process group. It removes twice, because other
+  // programs may still write while they end.
   const char* const script = "cat; rm -rf -- \"$0\" 2>/dev/null || { sleep 2; rm -rf -- \"$0\"; }";
   const char* const argv[] = {"sh", "-c", script, path_.c_str(), nullptr};
   posix_spawn_file_actions_t files;

@@ -8,13 +8,11 @@
 
 namespace fieldcast::bench {
 
-// Returns whether the program exists in this executable's directory.
 [[nodiscard]] bool has_program(const std::string& program);
 
 class Process {
  public:
-  // Starts `program` from this executable's directory; its output goes to log_path. Throws
-  // std::runtime_error.
+  // Starts `program` from this executable's directory. Throws std::runtime_error.
   Process(const std::string& program, const std::vector<std::string>& arguments,
           const std::string& log_path);
   ~Process();  // calls stop()
@@ -30,7 +28,7 @@ class Process {
   pid_t id_ = -1;
 };
 
-// Resident memory of a process; 0 if it has ended.
+// 0 if the process has ended.
 [[nodiscard]] double resident_mb(pid_t process);
 
 // A temporary directory that is removed when this process ends, also by a signal.
@@ -41,7 +39,6 @@ class ScratchFolder {
   ScratchFolder(const ScratchFolder&) = delete;
   ScratchFolder& operator=(const ScratchFolder&) = delete;
   [[nodiscard]] const std::string& path() const { return path_; }
-  // Writes a file and returns its path.
   std::string write(const std::string& name, const std::string& text) const;
 
  private:
@@ -50,13 +47,11 @@ class ScratchFolder {
   pid_t remover_ = -1;  // removes the directory when held_ is closed
 };
 
-// Waits until the path exists; false on timeout.
 [[nodiscard]] bool wait_for_path(const std::string& path, double seconds);
 
-// Waits until the file contains the text; false on timeout.
 [[nodiscard]] bool wait_for_text(const std::string& path, const std::string& text, double seconds);
 
-// Returns a DDS domain that is probably unused: 100..199 by the process id.
+// A probably unused DDS domain: 100..199 by the process id.
 [[nodiscard]] unsigned own_domain();
 
 }  // namespace fieldcast::bench

@@ -1,5 +1,4 @@
-// Measures program transmission: `exchange` compared with a direct line, `relay` of random bytes,
-// `many` concurrent pairings.
+// Measures program transmission: `exchange`, `relay` of random bytes, `many` pairings.
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>

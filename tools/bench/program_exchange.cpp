@@ -24,8 +24,7 @@ namespace fieldcast::bench {
 namespace {
 
 constexpr double kCharacter = 11.0 / 115200;  // 7E2: start, seven bits, parity, two stops
-// Like a program upload: 0306 for a block of 512 bytes, its response in hexadecimal digits (FINS
-// program read).
+// Like a program upload: 0306 for 512 bytes, response in hexadecimal digits (FINS).
 constexpr std::size_t kRequest = 38, kAnswer = 1067;
 constexpr std::size_t kPiece = 64;  // characters of one piece of a module or UART
 
@@ -56,7 +55,6 @@ void serve_as_plc(int fd) {
   }
 }
 
-// Seconds for one exchange, averaged over the exchanges for `bytes`.
 double run_software(int fd, double bytes) {
   Bytes request(kRequest, '0');
   request.back() = '\r';
@@ -96,7 +94,7 @@ double direct(double bytes) {
   return took;
 }
 
-// Forwards one connection to `target` and delays each byte by half the delay, in both directions.
+// Delays each byte by half the delay, in both directions.
 class DelayingProxy {
  public:
   DelayingProxy(std::uint16_t target, double delay)

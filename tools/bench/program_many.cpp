@@ -1,5 +1,4 @@
-// Many dialled-in modules on one bridge: half of them are programmed concurrently while the bridge
-// polls the others.
+// Many dialled-in modules on one bridge; half of them are programmed while it polls the others.
 #include <poll.h>
 #include <sys/socket.h>
 
@@ -32,8 +31,7 @@ std::string buses_of(int devices) {
   return text;
 }
 
-// All modules: respond to Modbus reads of unit 1, and echo frames that start with `@` like a PLC
-// that is programmed.
+// Respond to Modbus reads of unit 1, and echo frames that start with `@` like a PLC.
 class Modules {
  public:
   Modules(std::uint16_t port, int count) {
@@ -79,8 +77,7 @@ class Modules {
   std::thread thread_;
 };
 
-// Sends program bytes and receives their echo repeatedly; returns the number of correct round
-// trips.
+// Sends program bytes repeatedly; returns the number of correct echoes.
 std::uint64_t program(int fd, const std::atomic<bool>& over) {
   Bytes frame;
   append_u32(frame, 512);

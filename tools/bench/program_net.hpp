@@ -1,5 +1,4 @@
-// Common parts of the benches for program transmission: loopback sockets, a bridge in its own
-// process, length-prefixed frames.
+// Loopback sockets, a bridge in its own process and length-prefixed frames for program_bench.
 #pragma once
 
 #include <chrono>
@@ -18,17 +17,15 @@ using Clock = std::chrono::steady_clock;
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// A free port.
 [[nodiscard]] std::uint16_t free_port();
 
-// Connects to 127.0.0.1; throws std::runtime_error. With a patience it retries until a server
-// listens.
+// Throws std::runtime_error. Within the patience, retries until a server listens.
 [[nodiscard]] FileDescriptor connect_to(std::uint16_t port, double patience = 0);
 
 void send_all(int fd, ByteView bytes);  // throws std::runtime_error if the peer has closed
 [[nodiscard]] Bytes receive_some(int fd,
                                  std::size_t most);  // blocks; empty at the end of the stream
-// Includes the end; reads byte by byte, for short texts.
+// Includes the end; reads byte by byte.
 [[nodiscard]] std::string receive_until(int fd, std::string_view end);
 
 // Requests a device with length-prefixed framing until it is available; throws for other refusals.

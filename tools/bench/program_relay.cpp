@@ -1,5 +1,5 @@
 // Sends random bytes in both directions through the bridge, optionally through fieldcast-port;
-// compares every byte and checks the memory of the processes.
+// compares every byte and checks the memory.
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -53,7 +53,6 @@ void produce(int fd, std::uint64_t seed, std::uint64_t total, bool framed) {
   }
 }
 
-// Removes the length prefixes.
 class Unframed {
  public:
   void take(ByteView bytes, Bytes& out) {
@@ -78,7 +77,7 @@ class Unframed {
   std::uint32_t left_ = 0;
 };
 
-// Returns the number of correct bytes, up to `total` or the first wrong one; updates `so_far`.
+// Returns the number of correct bytes before the first wrong one.
 std::uint64_t compare(int fd, std::uint64_t seed, std::uint64_t total, bool framed,
                       std::atomic<std::uint64_t>& so_far) {
   Stream stream(seed);

@@ -74,7 +74,6 @@ std::string buses(int count, const Options& options) {
   return text;
 }
 
-// Totals of the bridge over all buses.
 struct Done {
   double samples = 0, exchanges = 0;
 };
@@ -87,7 +86,6 @@ Done done(const std::map<std::string, StationBusStatus>& buses) {
   return sum;
 }
 
-// Figures of one run, to be compared with a bare writer and reader.
 struct Figures {
   double samples = 0, exchanges = 0;  // a second
   double bridge = 0, station = 0;     // processor seconds for 1 000 samples; of the first station
@@ -232,7 +230,6 @@ void compare_with_bare(const Options& options, std::size_t channels, const Compa
   }
 }
 
-// Sums of the shares of both kinds of rounds.
 struct Shares {
   double without = 0, with = 0;
 };

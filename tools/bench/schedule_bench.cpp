@@ -203,8 +203,8 @@ void print_intensive() {
               to_seconds(longest) / to_seconds(shortest));
 }
 
-// A bus of two to six units with up to four protocols, points of several areas, refreshes from 100
-// ms to 10 s, and a planned load from a quarter of the wire to all of it.
+// Two to six units, up to four protocols, refreshes from 100 ms to 10 s, and a planned load from a
+// quarter of the wire to all of it.
 struct MixedBus {
   std::vector<std::unique_ptr<Protocol>> protocols;
   ScheduleInput input;

@@ -14,7 +14,6 @@
 namespace fieldcast::bench {
 namespace {
 
-// Returns the whole response; empty on failure.
 std::string scrape(std::uint16_t port) {
   static constexpr std::string_view kRequest =
       "GET /metrics HTTP/1.1\r\nHost: bridge\r\nConnection: close\r\n"

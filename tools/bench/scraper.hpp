@@ -7,7 +7,6 @@
 
 namespace fieldcast::bench {
 
-// Returns a free port of the loopback; throws if there is none.
 [[nodiscard]] std::uint16_t free_tcp_port();
 
 class Scraper {

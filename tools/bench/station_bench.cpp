@@ -43,15 +43,13 @@ Options options_from(int argc, char** argv) {
   return options;
 }
 
-// Prints a figure and its ratio to the goal; the goal is reached below 1.
 void print_goal(const char* what, double value, const char* unit, double goal) {
   std::printf("%-58s %12.4g %-10s goal < %g: ratio %.2f%s\n", what, value, unit, goal, value / goal,
               value < goal ? "" : "  NOT REACHED");
   std::fflush(stdout);
 }
 
-// Run time of all threads in nanoseconds; cpu_seconds() counts in kernel ticks and misses short
-// bursts.
+// cpu_seconds() counts in kernel ticks and misses short bursts.
 double run_seconds(pid_t process) {
   double seconds = 0;
   const std::string threads = "/proc/" + std::to_string(process) + "/task";
@@ -95,7 +93,6 @@ class StationBench {
   }
   [[nodiscard]] std::uint64_t all() const { return static_cast<std::uint64_t>(options_.channels); }
 
-  // Waits until the station listens and has the catalogue and a value of each channel.
   void wait_until_complete() {
     if (!wait_for_text(log(), "served at", 20))
       throw std::runtime_error("the station did not start; see " + log());
@@ -109,7 +106,6 @@ class StationBench {
                  "s", "");
   }
 
-  // Measures processor share, memory, age and bytes with `count` clients.
   void with_clients(std::size_t count) {
     std::printf("%zu clients, %d channels, each once a second\n", count, options_.channels);
     LiveClients clients(port_);
@@ -158,7 +154,6 @@ class StationBench {
                clients.first_data(client, all(), 10), "s", 1);
   }
 
-  // One of 20 clients stops reading for some time.
   void stopped_client() {
     std::printf("one of 20 clients reads nothing for %.0f s\n", options_.stopped);
     LiveClients clients(port_);

@@ -68,7 +68,6 @@ void ask_history(const std::string& file) {
   }
 }
 
-// 10 000 channels, each once a second, in 100 bursts.
 void record(const std::string& file, double seconds) {
   constexpr int kChannels = 10'000;
   constexpr int kBursts = 100;

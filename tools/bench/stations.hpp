@@ -10,7 +10,6 @@
 
 namespace fieldcast::bench {
 
-// Totals of a station since start.
 struct Received {
   std::uint64_t samples = 0, missing = 0;  // by sequence
   std::uint64_t channels = 0;              // with a value
@@ -20,8 +19,8 @@ struct Received {
 
 class StationProcess {
  public:
-  // `one_by_one`: uses fieldcast/Sample instead of blocks. `loss`: share of dropped datagrams.
-  // `program`: prints the same lines as bench_station.
+  // `one_by_one`: fieldcast/Sample instead of blocks. `loss`: share of dropped datagrams.
+  // `program`: prints like bench_station.
   StationProcess(const ScratchFolder& folder, unsigned domain, const std::string& name,
                  bool one_by_one, double loss = 0, const std::string& program = "bench_station");
   [[nodiscard]] Received received() const;  // at most 20 ms old while it runs

@@ -122,7 +122,6 @@ Stored store_for(const std::string& address, double seconds, Duration ahead) {
   return result;
 }
 
-// Samples counted by the rows of finished minutes.
 double counted_by_tiers(const std::string& address) {
   double counted = 0;
   open_store(StoreAddress(address), IfMissing::kFail)

@@ -10,15 +10,13 @@ namespace fieldcast::bench {
 constexpr double kLeastShare = 0.05;  // always sustainable
 constexpr double kShareStep = 0.004;  // resolution of the result
 
-// Number of trials of greatest_share(), each of which steps the progress.
 [[nodiscard]] constexpr std::size_t trials_below(double most) {
   std::size_t trials = 0;
   for (double width = most - kLeastShare; width > kShareStep; width /= 2) ++trials;
   return trials;
 }
 
-// Returns the greatest share below `most` with `holds(share)`; assumes that all smaller shares also
-// hold.
+// Assumes that `holds` is true for all smaller shares. Steps `progress` in each trial.
 template <typename Holds>
 [[nodiscard]] double greatest_share(double most, StepProgress& progress, const Holds& holds) {
   double good = kLeastShare;

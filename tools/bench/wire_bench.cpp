@@ -38,7 +38,6 @@ std::string buses() {
          scattered_devices(kUnits, kRegisters, "      ", 42);
 }
 
-// One read of the bare loop.
 struct BareRead {
   Bytes request;
   std::size_t answer = 0;    // bytes
@@ -77,7 +76,7 @@ BarePlan optimal_plan(const BusSpec& bus) {
   return plan;
 }
 
-// Reads the whole response; throws on any fault.
+// Throws on any fault.
 void read_exactly(int line, std::size_t bytes) {
   std::uint8_t buffer[512];
   for (std::size_t got = 0; got < bytes;) {
@@ -89,7 +88,7 @@ void read_exactly(int line, std::size_t bytes) {
   }
 }
 
-// Channel refreshes a second of the simplest master with the optimal partition.
+// The simplest master with the optimal partition.
 double bare_loop(const BarePlan& plan, const std::string& path, Duration silence, double seconds) {
   const int line = open(path.c_str(), O_RDWR | O_NOCTTY);
   if (line < 0) throw std::runtime_error("cannot open " + path);
@@ -154,7 +153,7 @@ void run(double seconds) {
   plant.start_simulator();
   if (!wait_for_path(plant.link("bus"), 10)) throw std::runtime_error("the simulator made no link");
   const double theory = kUnits * kRegisters / to_seconds(plan.theory);
-  // Twice each, alternating, so that other load on the machine affects both alike.
+  // Alternating, so that other load affects both alike.
   double bare = 0;
   double bridged = 0;
   double evenness = 0;

@@ -1,4 +1,3 @@
-// Parses the command line of `fieldcast` to a command with its options.
 #pragma once
 
 #include <memory>
@@ -9,7 +8,7 @@
 
 namespace fieldcast::cli {
 
-// No command to run: help, version, or a fault.
+// Help, the version, or a fault.
 struct NoCommand {
   ExitCode code = ExitCode::kOk;
   std::string text;

@@ -1,5 +1,5 @@
-// Resolves where a command looks for bridges: the DDS domain of a bridge's configuration file, the
-// sites of a station's, or the domain of --domain and --interface.
+// Where a command looks for bridges: the DDS domain of a configuration file, the sites of a
+// station's, or --domain and --interface.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ namespace fieldcast::cli {
 inline constexpr Duration kBridgeWait = std::chrono::seconds{5};
 // If nothing new arrives for this time, everything is known.
 inline constexpr Duration kQuietTime = std::chrono::milliseconds{700};
-// Longer wait before a bus is reported as unknown, because a second bridge may be discovered later.
+// Longer, because a second bridge may be discovered later.
 inline constexpr Duration kOtherBridges = std::chrono::seconds{2};
 
 struct ConnectionOptions {
@@ -29,10 +29,8 @@ struct ConnectionOptions {
   std::string security;                 // directory of a member; overrides the file; empty: none
 };
 
-// Adds --config, --domain, --interface and --security.
 void add_connection(CommandLine& line, ConnectionOptions& options);
 
-// The domains that a command joins.
 struct Connection {
   Connection(DdsSpec spec) : sites{DdsSite{{}, std::move(spec)}} {}
   Connection(std::vector<DdsSite> given) : sites(std::move(given)) {}
@@ -40,20 +38,19 @@ struct Connection {
   std::vector<DdsSite> sites;  // at least one
 };
 
-// The error is human-readable, with one line for each fault of the file or the member's directory.
+// One human-readable line for each fault of the file or the member's directory.
 [[nodiscard]] tl::expected<Connection, std::string> resolve(const ConnectionOptions& options);
 
-// Returns for example "; plant press may command press-* only" if this explains a missing result.
+// "; plant press may command press-* only", if this explains a missing result.
 [[nodiscard]] std::string held_remark(const Connection& connection, std::string_view bus);
 
-// Explains that a command was not sent because no bridge of the bus was found within kBridgeWait.
+// For a command: no bridge of the bus was found within kBridgeWait.
 [[nodiscard]] std::string not_served_text(const Connection& connection, std::string_view bus);
 
 // "DDS domain 0 on 127.0.0.1", "the sites north, south"
 [[nodiscard]] std::string domain_text(const Connection& connection);
 
-// Explains that no bridge was found and what to check. `missing`: discovery servers that do not
-// respond.
+// `missing`: discovery servers that do not respond.
 [[nodiscard]] std::string no_bridge_text(const Connection& connection,
                                          const std::vector<std::string>& missing);
 

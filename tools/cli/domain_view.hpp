@@ -1,5 +1,5 @@
-// Connects a command to the DDS domain: a station whose callbacks put all events in one inbox,
-// which the main thread reads. Main thread. Ctrl-C closes the inbox and ends every wait.
+// A station for one command: all callbacks put events in one inbox, which the main thread reads.
+// Ctrl-C closes the inbox and ends every wait.
 #pragma once
 
 #include <string>
@@ -38,13 +38,12 @@ using DomainEvent =
 // Bus of the event; empty if it has none.
 [[nodiscard]] std::string_view bus_of(const DomainEvent& event);
 
-// Adds or removes a bus or device in the model. Returns true if the event names it for the first
-// time.
+// True: the event names a bus or device for the first time.
 bool update(StatusModel& model, const DomainEvent& event);
 
 class DomainView {
  public:
-  // Waiting events; beyond this the oldest is dropped and counted.
+  // Beyond this the oldest event is dropped and counted.
   static constexpr std::size_t kMaxWaiting = 65536;
 
   // Joins the domain. Throws DdsError.

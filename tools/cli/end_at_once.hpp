@@ -1,7 +1,6 @@
 // Ends the process immediately after Ctrl-C with exit code 130, for commands that do not check for
-// signals. Clears the progress line and leaves no incomplete file.
-//
-// Create it before any thread is started. The process ends on a separate thread.
+// signals. Clears the progress line and leaves no incomplete file. Create it before any thread is
+// started.
 #pragma once
 
 #include <condition_variable>
@@ -14,8 +13,7 @@ namespace fieldcast::cli {
 
 class EndAtOnce {
  public:
-  // `grace`: time for a command that checks interrupt() and ends by itself; at most a fraction of a
-  // second.
+  // `grace`: time for a command that checks interrupt(); at most a fraction of a second.
   explicit EndAtOnce(Duration grace = Duration::zero());
   ~EndAtOnce();
   EndAtOnce(const EndAtOnce&) = delete;

@@ -1,5 +1,5 @@
-// A std::ostream buffer that writes a compressed file (RFC 1952). The file has no name until it is
-// complete, so no incomplete file remains if the process ends. Owns the file. Main thread.
+// Writes a compressed file (RFC 1952), which has no name until it is complete: nothing remains if
+// the process ends. Owns the file. Main thread.
 #pragma once
 
 #include <memory>
@@ -11,8 +11,7 @@ namespace fieldcast::cli {
 
 class GzipFile final : public std::streambuf {
  public:
-  // Creates a new file; never replaces one. If it cannot be opened, writes have no effect and
-  // close() returns the reason.
+  // Never replaces a file. If it cannot be opened, close() returns the reason.
   explicit GzipFile(std::string path);
   ~GzipFile() override;
   GzipFile(const GzipFile&) = delete;
@@ -21,8 +20,8 @@ class GzipFile final : public std::streambuf {
   // Call once at the end. Returns a human-readable fault; empty on success.
   [[nodiscard]] std::optional<std::string> close();
 
-  // Removes temporary files when a signal ends the process; any thread. Only file systems without
-  // unnamed files (O_TMPFILE) have them.
+  // Removes temporary files when a signal ends the process; any thread. They exist only on file
+  // systems without O_TMPFILE.
   static void remove_unfinished() noexcept;
 
  protected:

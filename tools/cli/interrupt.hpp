@@ -1,8 +1,5 @@
-// Handles Ctrl-C and SIGTERM as an event, so that every command prints its last line and ends
-// normally.
-//
-// Create it in main before any thread is started: it blocks the signals, and only its own thread
-// receives them.
+// Handles Ctrl-C and SIGTERM as an event, so that every command ends normally. Create it in main
+// before any thread is started: only its own thread receives the signals.
 #pragma once
 
 #include <atomic>
@@ -25,8 +22,8 @@ class Interrupt {
 
   [[nodiscard]] bool raised() const { return raised_; }  // thread-safe
 
-  // Calls `wake` once on this object's thread when a signal arrives, or immediately if one has
-  // arrived. Replaces the previous function; empty: none.
+  // Called once on this object's thread at a signal, or immediately if one has arrived. Replaces
+  // the previous function; empty: none.
   void on_raise(std::function<void()> wake);
 
  private:

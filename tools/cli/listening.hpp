@@ -1,5 +1,5 @@
-// Decides when all bridges have reported: nothing new for kQuietTime and each site of the
-// connection has reported, or kBridgeWait has passed. Pure.
+// Decides when all bridges have reported: nothing new for kQuietTime and a report of each site, or
+// after kBridgeWait. Pure.
 #pragma once
 
 #include <string>
@@ -19,17 +19,13 @@ class Listening {
   void news(std::string_view bus, Instant now);
 
   [[nodiscard]] bool anybody() const { return anybody_; }
-  // Returns whether a bridge of the bus's site has reported; for a bus without a known site, any
-  // bridge.
+  // For a bus without a known site: whether any bridge has reported.
   [[nodiscard]] bool heard_site_of(std::string_view bus) const;
-  // Time at which the wait ends without further news. At most kBridgeWait after the start, unless
-  // news continue.
+  // End of the wait without further news.
   [[nodiscard]] Instant over_at() const;
   [[nodiscard]] Instant last_news() const { return last_news_; }
-  // Sites without a report, if there are several.
   [[nodiscard]] std::vector<std::string> silent_sites() const;
-  // "no bridge found in site south": names sites without a report, if there are several. Empty:
-  // none.
+  // "no bridge found in site south"; empty with one site, or if all have reported.
   [[nodiscard]] std::string silent_text() const;
 
  private:

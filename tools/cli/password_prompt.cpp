@@ -10,7 +10,6 @@
 namespace fieldcast::cli {
 namespace {
 
-// Disables the terminal's echo during its lifetime.
 class Silence {
  public:
   Silence() {

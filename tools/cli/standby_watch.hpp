@@ -1,5 +1,5 @@
-// Receives the messages of standby groups for one command. Joins all domains of the connection with
-// its own participants. Thread-safe.
+// Receives standby messages in all domains of the connection, with its own participants.
+// Thread-safe.
 #pragma once
 
 #include <condition_variable>
@@ -20,10 +20,10 @@ class StandbyWatch {
   explicit StandbyWatch(const Connection& connection);
 
   [[nodiscard]] StandbyModel model();
-  // Waits until the condition is true. Returns false after `end`, or when `give_up` returns true.
+  // False: after `end`, or when `give_up` returns true.
   [[nodiscard]] bool until(const std::function<bool(const StandbyModel&)>& condition, Instant end,
                            const std::function<bool()>& give_up);
-  // Sends the request in each site. Returns false if no bridge received it within the limit.
+  // False: no bridge received it within the limit.
   [[nodiscard]] bool request(const StandbyRequest& wanted, Duration limit);
 
  private:

@@ -1,4 +1,3 @@
-// Selects the store of a command: from a configuration file, or by name.
 #pragma once
 
 #include <memory>
@@ -16,7 +15,6 @@ struct StoreSource {
   std::string store;   // a file or a connection string; overrides the configuration
 };
 
-// Adds --config and --store.
 void add_store(CommandLine& line, StoreSource& source);
 
 // The error is human-readable.

@@ -1,7 +1,5 @@
-// The terminal as a screen of cells, with ncurses. Sends only changed cells. Restores the terminal
-// also after a signal or a crash.
-//
-// Main thread; one instance at a time. Call use_terminal_locale() before other threads start.
+// The terminal as a screen of cells, with ncurses. Restored also after a signal or a crash. Main
+// thread; one instance at a time. Call use_terminal_locale() before other threads start.
 #pragma once
 
 #include <memory>
@@ -12,26 +10,23 @@
 
 namespace fieldcast::cli {
 
-// Uses the user's character set, or UTF-8 if that is not Unicode. Returns true if the user's own is
-// Unicode: then non-ASCII characters may be drawn.
+// Uses the user's character set, or UTF-8 if that is not Unicode. True: non-ASCII may be drawn.
 bool use_terminal_locale();
 
-// Why a screen is not possible: input or output is not a terminal, or it cannot move its cursor.
-// Empty: possible.
+// Empty: a screen is possible. It needs a terminal for input and output with cursor movement.
 [[nodiscard]] std::string no_screen_reason();
 
 class Terminal {
  public:
-  // Switches to the terminal's alternate screen, which keeps the scroll-back. Standard error is
-  // buffered meanwhile, up to 64 KiB, and printed at the end. Throws std::runtime_error if the
-  // terminal is unusable. REQUIRES: no_screen_reason() is empty.
+  // Standard error is buffered, up to 64 KiB, and printed at the end. Throws std::runtime_error if
+  // the terminal is unusable. REQUIRES: no_screen_reason() is empty.
   Terminal();
   ~Terminal();
   Terminal(const Terminal&) = delete;
   Terminal& operator=(const Terminal&) = delete;
 
-  // Returns the next key, or empty at `until`. Ctrl-Z restores the terminal, stops the process, and
-  // returns kRedraw afterwards.
+  // Empty at `until`. Ctrl-Z restores the terminal, stops the process, and returns kRedraw
+  // afterwards.
   [[nodiscard]] std::optional<Key> key(Instant until);
   void draw(const Frame& frame);
   [[nodiscard]] Screen size() const;
@@ -41,8 +36,7 @@ class Terminal {
   std::unique_ptr<State> state_;
 };
 
-// Restores the terminal when the process must end immediately. Any thread, also in a signal
-// handler. No effect without a Terminal.
+// Restores the terminal when the process must end. Any thread, also in a signal handler.
 void give_terminal_back_now() noexcept;
 
 }  // namespace fieldcast::cli

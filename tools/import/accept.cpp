@@ -17,7 +17,7 @@ namespace {
 
 constexpr unsigned kMaxRounds = 30;  // of writing and validating; each reports up to 1000 faults
 constexpr unsigned kMaxStretch = 1024;
-// devices of one bus in the configuration that validates templates
+// devices of one bus in the validating configuration
 constexpr std::size_t kTemplatesOfABus = 200;
 constexpr Duration kDefaultRefresh = std::chrono::seconds{1};
 
@@ -26,7 +26,6 @@ struct Checked {
   std::optional<BridgeSpec> spec;
 };
 
-// Loads the files as the bridge would.
 Checked check(const std::vector<WrittenFile>& files, const std::string& main_file,
               const std::string& main_text, bool refuse_hopeless) {
   config::FileReader reader;
@@ -93,8 +92,7 @@ class Acceptance {
     return files;
   }
 
-  // Wraps templates in a configuration for validation. REQUIRES: one bus, as arrange() makes for
-  // templates.
+  // Wraps templates in a configuration. REQUIRES: one bus, as arrange() makes for templates.
   [[nodiscard]] std::string main_text(const std::vector<WrittenFile>& files) const {
     if (!options_.as_template) return files.front().text;
     std::string text = "bridge: check\nbuses:\n";
@@ -111,7 +109,7 @@ class Acceptance {
     return text;
   }
 
-  // Faults by channel, device or bus. The first one is kept.
+  // The first fault of a channel, device or bus is kept.
   struct Blamed {
     std::map<std::tuple<std::size_t, std::size_t, std::size_t>, std::string> points;
     std::map<std::pair<std::size_t, std::size_t>, std::string> devices;
@@ -133,7 +131,7 @@ class Acceptance {
     }
   }
 
-  // Removes the points with faults. Returns false if no fault belongs to a point.
+  // False: no fault belongs to a point.
   bool take_out(const std::vector<WrittenFile>& files, const std::vector<config::Fault>& faults) {
     Blamed bad;
     for (const config::Fault& fault : faults) {
@@ -174,8 +172,7 @@ class Acceptance {
     }
   }
 
-  // Lengthens the refresh times of a bus that could never carry its channels; adds a note for a
-  // late bus.
+  // Lengthens the refresh times of an overloaded bus; adds a note for a late one.
   tl::expected<std::vector<WrittenFile>, std::string> stretched(std::vector<WrittenFile> files) {
     tell(0, 0.8);
     Checked result = checked(files, true);

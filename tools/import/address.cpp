@@ -77,7 +77,6 @@ std::optional<ModbusArea> area_of_digit(char digit) {
   }
 }
 
-// The table that a Modbus function reads or writes.
 std::optional<ModbusArea> area_of_function(std::uint64_t code) {
   switch (code) {
     case 1:
@@ -157,7 +156,6 @@ bool all_digits(std::string_view text) {
 
 using Parsed = tl::expected<Reference, std::string>;
 
-// Counts from `base`.
 Parsed counted(std::optional<ModbusArea> area, std::string_view digits, unsigned base) {
   const auto number = whole_from(digits);
   if (!number || *number > 65535 + base)
@@ -167,7 +165,6 @@ Parsed counted(std::optional<ModbusArea> area, std::string_view digits, unsigned
   return Reference{area, static_cast<std::uint32_t>(*number - base), {}};
 }
 
-// Counts from 0.
 Parsed offset(std::optional<ModbusArea> area, std::string_view digits) {
   const auto number = whole_from(digits);
   if (!number || *number > 65535)

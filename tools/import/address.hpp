@@ -1,4 +1,3 @@
-// Parses Modbus addresses as written in lists. Pure.
 #pragma once
 
 #include <cstdint>
@@ -28,8 +27,7 @@ enum class ModbusArea : std::uint8_t { kCoil, kInput, kInputRegister, kHolding }
 // The same for words only: in a column of types, "4" or "3 bananas" may mean anything.
 [[nodiscard]] bool is_area_word(std::string_view name);
 
-// Device address of a list; empty if the cell is empty. The loader checks its range. The error is
-// the reason.
+// Empty if the cell is empty. The loader checks the range. The error is the reason.
 using Slave = tl::expected<std::optional<std::uint16_t>, std::string>;
 [[nodiscard]] Slave slave_from(std::string_view text);
 

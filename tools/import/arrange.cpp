@@ -20,7 +20,7 @@ constexpr std::string_view kGuessedPort = "/dev/ttyUSB0";
 
 bool same_port(const Port& a, const Port& b) { return a.serial == b.serial && a.tcp == b.tcp; }
 
-// Merges devices of one port to one bus, because a port can be opened only once.
+// A port can be opened only once, so its devices belong to one bus.
 void merge_buses(std::vector<Bus>& buses) {
   std::vector<Bus> merged;
   for (Bus& bus : buses) {
@@ -53,8 +53,7 @@ void merge_devices(Bus& bus) {
   bus.devices = std::move(merged);
 }
 
-// Applies the user's port to buses without a port, and to a single bus. Returns true if a port was
-// guessed.
+// For buses without a port, and for a single bus. True: a port was guessed.
 bool set_ports(std::vector<Bus>& buses, const ImportOptions& options, Found& found) {
   const bool said = !options.port.serial.empty() || !options.port.tcp.empty();
   bool guessed = false;
@@ -87,8 +86,7 @@ bool set_ports(std::vector<Bus>& buses, const ImportOptions& options, Found& fou
   return guessed;
 }
 
-// Usual line of most Modbus devices; for other families the factory setting. Few devices use the
-// default of the Modbus standard, which the loader has.
+// Usual line of Modbus devices, which differs from the loader's standard; else the factory setting.
 Line line_of_family(std::string_view protocol) {
   const ProtocolEntry* entry = find_protocol(protocol);
   if (entry == nullptr || protocol == "modbus-rtu") return {9600, "8N1"};
@@ -96,8 +94,7 @@ Line line_of_family(std::string_view protocol) {
   return {entry->factory_line.baud, text.substr(text.find(' ') + 1)};
 }
 
-// Sets the baud rate and format of a serial port: the default of the list's program, or the usual
-// one.
+// The default of the list's program, or the usual one.
 void fill_line(Bus& bus, bool tell, Found& found) {
   Port& port = bus.port;
   if (port.serial.empty() || (port.line.baud && !port.line.format.empty())) return;
@@ -131,7 +128,7 @@ void set_addresses(Bus& bus, const ImportOptions& options, Found& found) {
   }
 }
 
-// Removes ports and addresses for templates, which need only unique names.
+// Templates need only unique names.
 void forget_buses(std::vector<Bus>& buses) {
   for (std::size_t i = 1; i < buses.size(); ++i)
     std::ranges::move(buses[i].devices, std::back_inserter(buses[0].devices));
@@ -211,7 +208,6 @@ void refuse_scaled_bits(Device& device, std::vector<Refusal>& refusals) {
   });
 }
 
-// Refuses every value of a bus or device with a fault.
 void refuse_faulty(Found& found) {
   for (Bus& bus : found.buses) {
     for (Device& device : bus.devices) {

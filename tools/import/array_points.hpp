@@ -1,4 +1,3 @@
-// Expands an array of a list to one point for each element. Pure.
 #pragma once
 
 #include <vector>
@@ -8,8 +7,8 @@
 
 namespace fieldcast::importing {
 
-// Appends `count` points like `first` at consecutive addresses: NAME-0, NAME-1, .. Stops one point
-// above kMaxPoints. REQUIRES: count > 0.
+// Appends points at consecutive addresses: NAME-0, NAME-1, .. Stops one point above kMaxPoints.
+// REQUIRES: count > 0. Pure.
 void append_array(std::vector<Point>& points, const Point& first, ModbusArea area,
                   std::uint32_t address, unsigned count);
 

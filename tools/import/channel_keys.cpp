@@ -12,7 +12,7 @@
 namespace fieldcast::importing {
 namespace {
 
-// A key of a channel; `map` is "limits" or "write" for nested keys.
+// `map`: "limits" or "write" for nested keys.
 struct KeyValue {
   std::string_view map, key, column;
   std::string value;

@@ -1,5 +1,5 @@
-// Writes the keys of a channel in YAML or as a row of a channel list. Keys common to all channels
-// of a device are written at the device. Pure.
+// Writes a channel in YAML or as a row of a list. Keys common to all channels are written at the
+// device. Pure.
 #pragma once
 
 #include <string>
@@ -24,7 +24,6 @@ struct SharedKeys {
 // "{ name: power, at: "holding:10", type: float32 }"
 [[nodiscard]] std::string yaml_channel(const Point& point, const SharedKeys& shared);
 
-// The columns that any channel of the device needs, and a row with them.
 [[nodiscard]] std::vector<std::string> csv_columns(const Device& device, const SharedKeys& shared);
 [[nodiscard]] std::string csv_row(const Point& point, const SharedKeys& shared,
                                   const std::vector<std::string>& columns);

@@ -1,4 +1,4 @@
-// Maps the header row of a list to fields by known column titles. Pure.
+// Maps the titles of a list to fields. Pure.
 #pragma once
 
 #include <array>
@@ -58,12 +58,10 @@ class Columns {
   [[nodiscard]] std::optional<std::size_t> index_of(Field field) const {
     return indexes_[static_cast<std::size_t>(field)];
   }
-  // Further columns with a title of the same field.
   [[nodiscard]] std::vector<std::size_t> others(Field field) const;
   // Assigns a different column to the field, or none. Assigned titles count as known.
   void set(Field field, std::optional<std::size_t> column);
   [[nodiscard]] std::size_t known() const { return known_; }
-  // Titles of unknown columns.
   [[nodiscard]] std::vector<std::string> ignored() const;
 
  private:

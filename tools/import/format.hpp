@@ -1,5 +1,4 @@
-// Registry of import formats; the table is in format.cpp. A reader is pure: texts in, points and
-// refusals out. It throws no exception for any input.
+// Registry of import formats. A reader is pure and throws no exception for any input.
 #pragma once
 
 #include <optional>
@@ -14,13 +13,12 @@
 
 namespace fieldcast::importing {
 
-// An input file as text.
 struct SourceText {
   std::string file;  // path as given
   std::string text;  // UTF-8, lines end with '\n'
 };
 
-// Options of the user for facts that are not in the list.
+// Facts that are not in the list.
 struct ReadOptions {
   std::optional<WordOrder> word_order;
   std::optional<unsigned> base;  // number of the first register: 0 or 1

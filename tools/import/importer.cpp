@@ -29,7 +29,6 @@ std::string format_names() {
   return names;
 }
 
-// Groups the files by format.
 tl::expected<std::vector<Group>, std::string> recognise_all(const std::vector<InputFile>& inputs,
                                                             const ImportOptions& options,
                                                             Outcome& outcome) {
@@ -87,7 +86,7 @@ std::size_t count_points(const Found& found) {
   return points;
 }
 
-// Returns a command that reads one value of the file with the settings of its device.
+// A command that reads one value of the file.
 std::string reading_of(const Found& found, const std::string& file) {
   for (const Bus& bus : found.buses) {
     for (const Device& device : bus.devices) {
@@ -109,7 +108,6 @@ std::string reading_of(const Found& found, const std::string& file) {
   return {};
 }
 
-// Adds notes that explain how to verify a guess with the device.
 void tell_guesses(Found& found) {
   for (const BaseGuess& guess : found.guesses) {
     const std::string reading = reading_of(found, guess.file);

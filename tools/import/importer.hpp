@@ -1,8 +1,5 @@
-// Converts files of other programs to a configuration: recognizes, reads, arranges, writes and
-// validates. Pure: bytes in, texts out; the caller reads and writes the files.
-//
-// Validates the output with the loader of `--check` in the same run. Rejected points are removed
-// and reported.
+// Converts files of other programs to a configuration. Pure: bytes in, texts out. Validates the
+// output with the loader of `--check`; rejected points are reported.
 #pragma once
 
 #include <functional>
@@ -40,7 +37,6 @@ struct InputFile {
 
 enum class Fate : std::uint8_t { kMoved, kChanged, kRefused };
 
-// Result of one value of a list.
 struct PointFate {
   Fate fate = Fate::kMoved;
   std::string name;     // in the list
@@ -66,7 +62,7 @@ struct Outcome {
   [[nodiscard]] std::size_t count(Fate fate) const;
 };
 
-// Called between steps with the finished share, 0 to 1.
+// `done`: 0 to 1.
 using Progress = std::function<void(double done)>;
 
 // The error is one line: no file can be read.

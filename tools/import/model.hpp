@@ -1,5 +1,4 @@
-// Imported buses, devices and points in a common form for all formats, before they are written as a
-// configuration. Plain values.
+// Imported data in a common form for all formats. Plain values.
 #pragma once
 
 #include <cstdint>

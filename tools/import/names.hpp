@@ -1,4 +1,3 @@
-// Converts names to valid names of a configuration. Pure.
 #pragma once
 
 #include <map>
@@ -7,8 +6,8 @@
 
 namespace fieldcast::importing {
 
-// Keeps letters, digits, '-', '_' and '.', removes accents, and replaces other characters by a
-// single '-'. At most 64 bytes; may be empty.
+// Keeps letters, digits, '-', '_' and '.', removes accents, and replaces the rest by single '-'. At
+// most 64 bytes; may be empty.
 [[nodiscard]] std::string plain_name(std::string_view name);
 
 // Truncates to `bytes` at a character boundary.

@@ -1,4 +1,3 @@
-// Parses numbers of lists. Pure.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +6,7 @@
 
 namespace fieldcast::importing {
 
-// "1.5", "1,5" (decimal comma), "1e-3", "-7", "0x1F", with surrounding blanks. Empty for other text
-// and non-finite numbers.
+// "1.5", "1,5" (decimal comma), "1e-3", "-7", "0x1F". Empty if not finite.
 [[nodiscard]] std::optional<double> number_from(std::string_view text);
 
 // A whole number without sign: "100", "0x64", "64h", "100.0". Empty for other text.

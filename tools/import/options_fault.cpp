@@ -21,8 +21,7 @@ constexpr std::array kOptionLines{OptionLine{1, "--bridge"},
                                   OptionLine{4, "--port, --baud, --format"},
                                   OptionLine{5, "--protocol"}, OptionLine{8, "--address"}};
 
-// Writes a bus with one device from the options. Missing options get values that a list may still
-// replace.
+// Missing options get values that a list may still replace.
 std::string configuration_of(const ImportOptions& options) {
   Port port = options.port;
   const bool said = !port.serial.empty() || !port.tcp.empty();

@@ -1,4 +1,4 @@
-// Validates the user's options separately, so that their faults are not reported for a list. Pure.
+// Validates options separately, so that their faults are not reported for a list. Pure.
 #pragma once
 
 #include <optional>

@@ -15,7 +15,6 @@ class OtherKeys {
  public:
   // `of` describes the map: "a request".
   void look(const Node& map, std::string_view of, std::initializer_list<std::string_view> known);
-  // Adds a note for each key with its first line.
   void tell(const std::string& file, Found& found) const;
 
  private:

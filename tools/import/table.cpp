@@ -10,7 +10,7 @@
 namespace fieldcast::importing {
 namespace {
 
-// Returns the most frequent separator outside quotes in the first lines.
+// The most frequent one outside quotes in the first lines.
 char separator_of(std::string_view text) {
   constexpr std::array kSeparators{';', '\t', ','};
   std::array<std::size_t, 3> counts{};

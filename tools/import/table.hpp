@@ -1,7 +1,5 @@
-// Parses spreadsheet text: cells separated by comma, semicolon or tab, with quotes. Accepts Excel's
-// `sep=;`, empty trailing cells and blank rows. Pure.
-//
-// Limits: kMaxRows rows, kMaxCells cells each; the rest is dropped and reported.
+// Parses spreadsheet text: comma, semicolon or tab, quotes, Excel's `sep=;`. Pure. Limits: kMaxRows
+// rows, kMaxCells cells each; the rest is dropped and reported.
 #pragma once
 
 #include <string>
@@ -17,7 +15,6 @@ inline constexpr std::size_t kMaxCells = 256;
 struct Row {
   unsigned line = 0;  // its first line, from 1
   std::vector<std::string> cells;
-  // Returns the cell; empty if the row is shorter.
   [[nodiscard]] std::string_view cell(std::size_t column) const {
     return column < cells.size() ? std::string_view(cells[column]) : std::string_view();
   }

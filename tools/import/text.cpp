@@ -28,7 +28,7 @@ void append_utf8(std::string& text, std::uint32_t code) {
   }
 }
 
-// Length of the UTF-8 sequence with this first byte; 0: invalid.
+// 0: not a first byte.
 std::size_t sequence_bytes(unsigned char first) {
   if (first < 0x80) return 1;
   if (first >= 0xC2 && first < 0xE0) return 2;
@@ -136,7 +136,6 @@ std::optional<std::string> few_controls(std::string_view text) {
 
 constexpr std::string_view kBinary = "binary, no text";
 
-// Recognizes common wrong file types by their first bytes.
 std::string what_it_is(std::string_view bytes) {
   const auto begins = [&](std::string_view with) { return bytes.starts_with(with); };
   if (begins("\x7F"

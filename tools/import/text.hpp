@@ -1,5 +1,4 @@
-// Decodes a file to UTF-8: UTF-8 with and without a byte order mark, UTF-16 in both orders, and
-// Windows-1252. Pure.
+// Decodes UTF-8, UTF-16 and Windows-1252, with and without a byte order mark. Pure.
 #pragma once
 
 #include <string>

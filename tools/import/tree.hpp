@@ -1,7 +1,5 @@
-// Parses JSON, TOML and YAML to one tree with line numbers (config/document.hpp), and accesses its
-// values. Pure.
-//
-// Limits: kMaxTreeNodes nodes, kMaxTreeDepth levels; a larger text is refused.
+// Parses JSON, TOML and YAML to one tree with line numbers (config/document.hpp). Pure. Refuses
+// more than kMaxTreeNodes nodes or kMaxTreeDepth levels.
 #pragma once
 
 #include <memory>
@@ -27,11 +25,10 @@ using Tree = tl::expected<std::unique_ptr<config::Document>, std::string>;
 
 // Null if the node is not a map or has no such key.
 [[nodiscard]] const Node* child(const Node& map, std::string_view key);
-// Text of a scalar; else empty.
 [[nodiscard]] std::string_view text_of(const Node* node);
 [[nodiscard]] std::string_view text_at(const Node& map, std::string_view key);
 [[nodiscard]] std::optional<double> number_at(const Node& map, std::string_view key);
-// Describes a value that is not a finite number; empty if valid or missing.
+// Describes a value that is not a finite number.
 [[nodiscard]] std::optional<std::string> fault_of_number(const Node& map, std::string_view key);
 [[nodiscard]] std::optional<std::uint64_t> whole_at(const Node& map, std::string_view key);
 // true, yes, on, 1; empty if the key is missing.

@@ -1,5 +1,4 @@
-// Builds the tree with toml++. On some invalid texts 3.3.0 fails an assertion ("[.a]"); this file
-// makes it an exception, and the text is refused.
+// toml++ 3.3.0 fails an assertion on some invalid texts ("[.a]"); here that is an exception.
 #include <fmt/format.h>
 
 #include <cstdint>
@@ -14,8 +13,8 @@ constexpr void require_toml(bool holds) {
 #define TOML_EXCEPTIONS 1
 #undef TOML_ASSERT
 #define TOML_ASSERT(...) ::fieldcast::importing::require_toml(static_cast<bool>(__VA_ARGS__))
-// 3.3.0 marks an unquoted letter from U+00A1 to U+0499 as unreachable, which is undefined
-// behaviour. Such a letter is not a space, so return false.
+// 3.3.0 treats an unquoted letter from U+00A1 to U+0499 as unreachable, which is undefined
+// behaviour. It is not a space, so return false.
 #include <toml++/impl/preprocessor.h>
 #pragma push_macro("TOML_UNREACHABLE")
 #undef TOML_UNREACHABLE

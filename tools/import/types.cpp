@@ -171,7 +171,6 @@ constexpr Name kNames[] = {{"bool", ValueType::kBool},
                            {"str", ValueType::kString},
                            {"utf8", ValueType::kString}};
 
-// Removes `word` from the end of the text, if present.
 bool cut(std::string& text, std::string_view word) {
   if (!text.ends_with(word) || text.size() == word.size()) return false;
   text.resize(text.size() - word.size());

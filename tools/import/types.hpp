@@ -27,13 +27,11 @@ struct Orders {
 // "ABCD", "CDAB", "BADC", "DCBA", "AB", "BA", and orders of eight letters.
 [[nodiscard]] std::optional<Orders> orders_by_letters(std::string_view letters);
 
-// Number of 16-bit registers of a value.
 [[nodiscard]] unsigned registers_of(ValueType type, std::uint16_t string_bytes);
 
 [[nodiscard]] inline bool is_number(ValueType type) {
   return type != ValueType::kBool && type != ValueType::kString;
 }
-// Integer type of this width, int8 to uint64.
 [[nodiscard]] std::optional<ValueType> integer_of(unsigned bits, bool with_sign);
 
 }  // namespace fieldcast::importing

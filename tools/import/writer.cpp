@@ -10,7 +10,6 @@
 namespace fieldcast::importing {
 namespace {
 
-// Counts lines while a file is written.
 class LineWriter {
  public:
   void line(std::string_view text) {
@@ -43,7 +42,6 @@ void write_channels(LineWriter& out, const Device& device, const SharedKeys& sha
   }
 }
 
-// Keys and values of the device itself.
 std::vector<std::string> device_lines(const Device& device, const SharedKeys& shared) {
   std::vector<std::string> lines;
   const auto add = [&](std::string_view key, const auto& value) {

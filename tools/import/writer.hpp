@@ -1,5 +1,4 @@
-// Writes a readable configuration: YAML with inline channels or channel lists, or a device
-// template. Pure.
+// Writes a readable configuration: YAML, channel lists, or a device template. Pure.
 #pragma once
 
 #include <optional>
@@ -17,7 +16,6 @@ struct WrittenChannel {
   std::size_t bus = 0, device = 0, point = 0;
 };
 
-// The lines of a whole device or bus.
 struct WrittenHead {
   unsigned first = 0, last = 0;  // from 1
   std::size_t bus = 0;
@@ -38,8 +36,8 @@ struct WriteOptions {
   bool lists = false;  // writes a channel list for each device
 };
 
-// Returns the configuration first, then its channel lists. REQUIRES: names are unique, every bus
-// has devices, every device has points and an address.
+// The configuration is first. REQUIRES: names are unique, every bus has devices, every device has
+// points and an address.
 [[nodiscard]] std::vector<WrittenFile> write_configuration(const std::vector<Bus>& buses,
                                                            const WriteOptions& options);
 

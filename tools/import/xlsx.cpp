@@ -1,5 +1,5 @@
-// A workbook is a zip archive of XML, read with libzip and tinyxml2. Supports only texts, numbers
-// and booleans of one sheet (ECMA-376, part 1, 18.3).
+// A workbook is a zip archive of XML. Supports texts, numbers and booleans of one sheet (ECMA-376,
+// part 1, 18.3).
 #include "tools/import/xlsx.hpp"
 
 #include <fmt/format.h>
@@ -51,7 +51,6 @@ class Archive {
     return text;
   }
 
-  // The sheet with the lowest number.
   [[nodiscard]] std::string first_sheet() const {
     std::string best;
     for (zip_int64_t i = 0; i < zip_get_num_entries(archive_, 0); ++i) {

@@ -1,7 +1,5 @@
-// Converts the first sheet of an Excel workbook (.xlsx) to a text table, so that readers handle
-// only text. Pure.
-//
-// Limits: kMaxUnpacked bytes of each part, and those of table.hpp.
+// Converts the first sheet of an .xlsx workbook to a text table. Pure. Limits: kMaxUnpacked bytes
+// of each part, and those of table.hpp.
 #pragma once
 
 #include <string>
@@ -14,7 +12,6 @@ namespace fieldcast::importing {
 
 inline constexpr std::size_t kMaxUnpacked = 32u << 20;
 
-// A zip archive with the parts of a workbook.
 [[nodiscard]] bool is_xlsx(std::string_view bytes);
 
 // Cells are separated by tabs. The error describes the fault.

@@ -75,7 +75,6 @@ int fail(ExitCode code, const std::string& text) {
   return code;
 }
 
-// Reads the password, or fails with the reason.
 tl::expected<Secret, std::string> password_of(const std::string& path) {
   auto password = read_secret_line(path, Readers::kOwner);
   if (password && password->size() > program::kMaxLoginText)
@@ -94,7 +93,6 @@ ExitCode exit_code_of(const PortEnd& end) {
   return kTrouble;
 }
 
-// The error describes the fault of the command line.
 using Usage = tl::expected<void, std::string>;
 
 Usage read_line(const Arguments& given, port::PortOptions& options) {

@@ -49,8 +49,7 @@ PortReport::PortReport(bool json, std::string device, std::string link)
       link_(std::move(link)),
       progress_(std::cerr) {}
 
-// Escapes the bridge's text, which is untrusted. The line is written on another thread and first
-// clears the progress line.
+// The text is untrusted. Another thread writes the line, which first clears the progress line.
 void PortReport::print(const std::string& line) {
   output().put((redrawn_ ? "\r\x1b[K" : "") + printable(line) + '\n');
 }

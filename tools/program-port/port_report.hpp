@@ -1,5 +1,5 @@
-// Output of fieldcast-port as text or as JSON lines with the same contents. On a terminal the byte
-// counters are one line that is redrawn. Main thread; nothing fails.
+// Output of fieldcast-port as text or JSON lines. On a terminal the byte counters are one redrawn
+// line. Main thread; nothing fails.
 #pragma once
 
 #include <string>
@@ -19,13 +19,12 @@ class PortReport {
   void state(const std::string& state, const std::string& text);
   void dropped(const std::string& text);
   void line(std::uint32_t baud, unsigned stop_bits);
-  // Prints totals and the rates since the last call; prints nothing without new bytes. `last`:
-  // always prints, with the rates of the whole time.
+  // Totals and rates since the last call; nothing without new bytes. `last`: always, with the rates
+  // of the whole time.
   void traffic(std::uint64_t sent, std::uint64_t received, Instant now, bool last);
-  // Redraws the same on the terminal's line, if any; call it often. `waiting`: bytes for the device
-  // not sent yet.
+  // Redraws the terminal's line, if any; call it often. `waiting`: bytes for the device not sent
+  // yet.
   void show_traffic(std::uint64_t sent, std::uint64_t received, std::uint64_t waiting, Instant now);
-  // Shows the progress of the last bytes after the end; `share` of them is sent.
   void show_last_bytes(double share);
   void paired(Instant now) { since_ = at_ = shown_at_ = now; }
 

@@ -139,8 +139,7 @@ void PortSession::execute(const PortClient::Paired&) {
   report_.paired(steady_now());
   report_.state("paired", "paired; the programming software may open the port");
   open_terminal();
-  // Posted, because actions of the same event contain bytes for the terminal, which must be open by
-  // then.
+  // Actions of the same event contain bytes for the terminal, which must be open by then.
   asio::post(io_, [this] {
     if (!over_) tick();
   });
@@ -163,8 +162,7 @@ void PortSession::open_terminal() {
                     }});
 }
 
-// Called before bytes that a program sends under new settings, and periodically, because a program
-// may listen first.
+// Called before bytes under new settings, and periodically, because a program may only listen.
 void PortSession::check_line() {
   const auto now = rate_of(pty_.fd());
   if (!now || now == settings_) return;
@@ -195,8 +193,8 @@ void PortSession::execute(const PortClient::Finish& what) {
   wind_up();
 }
 
-// Sends the remaining bytes while there is progress; then the io_context runs out of work. A second
-// signal ends it immediately.
+// Sends the rest while there is progress; then the io_context ends. A second signal ends it
+// immediately.
 void PortSession::wind_up() {
   if (std::exchange(over_, true)) return;
   report_.state("ended", end_.text);

@@ -1,5 +1,5 @@
-// Connects to the bridge and relays between its stream and the virtual port with the pure
-// PortClient, until the end. Runs on the io_context of main.
+// Relays between the bridge's stream and the virtual port with the pure PortClient. Runs on the
+// io_context of main.
 #pragma once
 
 #include <boost/asio/io_context.hpp>

@@ -1,5 +1,5 @@
-// A progress line on standard error, shown only on a terminal and cleared by the destructor. Main
-// thread, one instance at a time; nothing fails.
+// A progress line on standard error, only on a terminal, cleared by the destructor. Main thread,
+// one instance at a time; nothing fails.
 #pragma once
 
 #include <chrono>
@@ -33,7 +33,7 @@ class ProgressLine {
   std::chrono::steady_clock::time_point next_;
 };
 
-// Clears the line when a signal ends the process from another thread; no further line is shown.
+// Clears the line when a signal ends the process from another thread.
 void wipe_progress_at_end() noexcept;
 
 }  // namespace fieldcast

@@ -1,4 +1,4 @@
-// Formats progress and remaining time. Pure functions; thread-safe.
+// Formats progress and remaining time. Pure functions.
 #pragma once
 
 #include <cstddef>
@@ -23,8 +23,7 @@ struct ProgressText {
 [[nodiscard]] ProgressText progress_count_text(std::string_view what, std::uint64_t count,
                                                std::string_view unit, Duration elapsed);
 
-// Returns "what: how far" in at most `columns`. Shortens `what` first, omits it below four columns,
-// and then truncates `how_far`.
+// "what: how far" in at most `columns`. Shortens `what` first, then truncates `how_far`.
 [[nodiscard]] std::string progress_line_text(const ProgressText& text, std::size_t columns);
 
 }  // namespace fieldcast

@@ -1,5 +1,4 @@
-// Progress line of work with a known number of steps. Main thread, one instance at a time; nothing
-// fails.
+// Progress line with a known number of steps. Main thread, one instance at a time.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +13,7 @@ class StepProgress {
   // The steps should have similar durations, because the estimate uses their count.
   StepProgress(std::string what, std::size_t steps);
 
-  void step();                     // one step is finished
+  void step();
   void clear() { line_.clear(); }  // call before printing
 
  private:

@@ -38,7 +38,7 @@ tl::expected<FileDescriptor, int> connect_to(const CaptureSocketName& socket) {
   return made;
 }
 
-// Returns the text line of the response; the bytes behind it stay in the socket.
+// Returns the text line; the bytes behind it stay in the socket.
 tl::expected<std::string, int> ask(const FileDescriptor& socket, const std::string& request) {
   const std::string line = request + '\n';
   if (::send(socket.get(), line.data(), line.size(), MSG_NOSIGNAL) !=

@@ -1,4 +1,4 @@
-// Finds the bridges of this machine that allow this user to capture, and requests captures
+// Finds the bridges that allow this user to capture, and requests captures
 // (bridge/capture/capture_socket.hpp). Blocks, with a time limit. Main thread.
 #pragma once
 
@@ -20,7 +20,6 @@ struct Bridges {
   std::vector<FoundBridge> found;
   std::vector<std::string> refused;  // names of bridges that refuse this user
 };
-// Returns the bridges that respond within a second.
 [[nodiscard]] Bridges find_bridges();
 
 // Returns a connection that sends pcapng. The error is one line.

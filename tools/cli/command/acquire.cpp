@@ -31,8 +31,7 @@ Errand errand_of(const ChannelPath& path, Target target, std::string text, std::
   return errand;
 }
 
-// One command for each channel, because a result names no channels and each channel may fail
-// separately.
+// A result names no channels, and each channel may fail separately.
 std::vector<Errand> errands_of(const ChannelPath& wanted, const Catalogue& catalogue) {
   std::vector<Errand> errands;
   for (const auto& [path, channel] : catalogue.channels()) {

@@ -1,5 +1,4 @@
-// `fieldcast acquire`: reads a channel, all channels of a device, or with --at addresses, on
-// demand.
+// `fieldcast acquire`: reads channels, or with --at addresses, on demand.
 #pragma once
 
 #include <cstdint>

@@ -27,12 +27,11 @@ AlarmKey key_of(const StationAlarm& alarm) {
   return {alarm.bus, alarm.device, alarm.channel, alarm.limit};
 }
 
-// Reports of the bridges until nothing new arrives.
 struct Told {
   KnownAlarms alarms;
   Listening listening;
 
-  // Returns true if the event is new.
+  // True: the event is new.
   bool note(const DomainEvent& event) {
     if (const auto* bus = std::get_if<StationBusStatus>(&event))
       return !listening.heard_site_of(bus->bus);
@@ -65,7 +64,7 @@ Told listen(DomainView& domain, const Connection& connection) {
   return told;
 }
 
-// Returns the exit code if no bridge reported; else empty.
+// Empty if a bridge reported.
 std::optional<ExitCode> trouble(const DomainView& domain, const Told& told,
                                 const Connection& connection, std::ostream& err) {
   if (domain.interrupted()) return ExitCode::kInterrupted;
@@ -101,7 +100,6 @@ ExitCode alarms(const AlarmsOptions& options, const Connection& connection, Inte
 
 namespace {
 
-// Returns whether the action applies to this alarm.
 bool is_meant(const AlarmsOptions& options, const AlarmKey& key, const AlarmStatus& status) {
   if (!options.pattern.matches(key.bus, key.device, key.channel)) return false;
   if (options.limit && key.limit != *options.limit) return false;

@@ -1,5 +1,5 @@
-// `fieldcast alarms`: shows active limits and the actions of operators, from the bridges; with a
-// time span, from the store. `alarms ack`, `shelve`, `unshelve` and `maintenance` act on alarms.
+// `fieldcast alarms`: shows active alarms of the bridges, or alarms of a time span from the store.
+// `alarms ack`, `shelve`, `unshelve` and `maintenance` act on alarms.
 #pragma once
 
 #include <iosfwd>
@@ -28,15 +28,15 @@ struct AlarmsOptions {
   std::string note;
 };
 
-// Returns kOk if a bridge reported, with or without alarms, else kNoBridge. Throws DdsError.
+// kOk if a bridge reported, with or without alarms, else kNoBridge. Throws DdsError.
 [[nodiscard]] ExitCode alarms(const AlarmsOptions& options, const Connection& connection,
                               Interrupt& interrupt, std::ostream& out, std::ostream& err);
-// Acts in the name of `by`. Returns kNothing if no alarm matches, else the code of the worst
-// result. Throws DdsError. REQUIRES: options.action is set.
+// `by`: the acting user. kNothing if no alarm matches, else the worst result. Throws DdsError.
+// REQUIRES: options.action is set.
 [[nodiscard]] ExitCode act_on_alarms(const AlarmsOptions& options, const std::string& by,
                                      const Connection& connection, Interrupt& interrupt,
                                      std::ostream& out, std::ostream& err);
-// Returns kOk if alarms were found, else kNothing. Throws StoreError.
+// kOk if alarms were found, else kNothing. Throws StoreError.
 [[nodiscard]] ExitCode stored_alarms(const AlarmsOptions& options, std::ostream& out,
                                      std::ostream& err);
 

@@ -52,7 +52,6 @@ class CaptureOut {
     return {};
   }
   [[nodiscard]] std::uint64_t size() const { return size_; }
-  // Removes the file if nothing was captured.
   void discard() const {
     if (file_) ::unlink(file_->path().c_str());
   }
@@ -63,7 +62,7 @@ class CaptureOut {
   std::uint64_t size_ = 0;
 };
 
-// Chooses the bridge; prints to `err` if there is none.
+// Prints to `err` if there is no bridge.
 tl::expected<FoundBridge, ExitCode> choose(const CaptureOptions& options, std::ostream& err) {
   Bridges bridges = find_bridges();
   if (!options.bridge.empty())
@@ -118,7 +117,7 @@ class Capturing {
   }
 
  private:
-  // Returns false at the end of the stream.
+  // False: end of the stream.
   bool take() {
     buffer_.resize(65536);
     const auto got = ::recv(socket_.get(), buffer_.data(), buffer_.size(), MSG_DONTWAIT);
@@ -130,7 +129,7 @@ class Capturing {
     return !cutter_.broken();
   }
 
-  // Returns false if writing fails.
+  // False: writing failed.
   bool write(const BlockCutter::Block& block) {
     const bool packet = block.type == pcapng::kEnhancedPacket;
     full_ |=

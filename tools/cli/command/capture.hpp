@@ -1,5 +1,5 @@
-// `fieldcast capture BUS --out FILE.pcapng`: captures the frames of a bus of a bridge on this
-// machine, for Wireshark. Needs no DDS.
+// `fieldcast capture BUS --out FILE.pcapng`: captures a bus of a bridge on this machine. Needs no
+// DDS.
 #pragma once
 
 #include <iosfwd>
@@ -20,12 +20,11 @@ struct CaptureOptions {
   std::uint64_t size = 0;  // maximum file size in bytes; 0: no limit
 };
 
-// Parses "250kB", "10MB", "1GB", "5000" to bytes. Returns 0 for other text.
+// "250kB", "10MB", "1GB", "5000"; 0 for other text.
 [[nodiscard]] std::uint64_t bytes_from(const std::string& text);
 
-// Returns kOk also after Ctrl-C, which ends a capture without a limit. kNoBridge, kNothing: no such
-// bus. kTrouble: the file cannot be written or the bridge was lost; the blocks received until then
-// are complete.
+// kOk also after Ctrl-C. kNoBridge, kNothing: no such bus. kTrouble: the file cannot be written or
+// the bridge was lost; earlier blocks are complete.
 [[nodiscard]] ExitCode capture(const CaptureOptions& options, const Interrupt& interrupt,
                                std::ostream& err);
 

@@ -1,5 +1,4 @@
-// A subcommand of `fieldcast`. Each one has its own file in this directory and an entry in
-// registry.cpp. Main thread.
+// A subcommand of `fieldcast`, with its own file here and an entry in registry.cpp. Main thread.
 #pragma once
 
 #include <iosfwd>
@@ -18,7 +17,7 @@ struct Streams {
   std::ostream& out;
   std::ostream& err;
   bool colour = false;  // `out` is a terminal with colours
-  // For text printed once: the terminal wraps long lines, nothing is truncated.
+  // For text printed once: not truncated, the terminal wraps it.
   [[nodiscard]] Screen wide_screen() const { return {0, 0, colour}; }
 };
 
@@ -28,7 +27,7 @@ ExitCode usage_fault(std::ostream& err, std::string_view command, std::string_vi
 class Command {
  public:
   virtual ~Command() = default;
-  // Adds its options; called once, before the command line is parsed.
+  // Called once, before the command line is parsed.
   virtual void describe(CommandLine& line) = 0;
   // May throw DdsError or StoreError.
   [[nodiscard]] virtual ExitCode run(const Streams& streams) = 0;

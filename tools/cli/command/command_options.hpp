@@ -1,4 +1,3 @@
-// Options that `write` and `acquire` share.
 #pragma once
 
 #include <span>
@@ -29,8 +28,8 @@ struct AddressType {
   std::string text;  // as in --type
   Encoding encoding;
 };
-// Combines --at, --type and --byte. Without --type, the channels of the device may be needed to
-// determine its protocol. The error is one line.
+// Without --type, the channels of the device may be needed to determine its protocol. The error is
+// one line.
 [[nodiscard]] tl::expected<AddressType, std::string> address_type(
     const CommandOptions& options, std::span<const KnownChannel> channels = {});
 

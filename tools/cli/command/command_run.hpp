@@ -1,4 +1,4 @@
-// Sends commands and waits for their results; used by `write` and `acquire`.
+// Sends commands and waits for their results, for `write` and `acquire`.
 #pragma once
 
 #include <iosfwd>
@@ -14,7 +14,7 @@
 
 namespace fieldcast::cli {
 
-// A command with its outcome. If the outcome is already known, `command` is not sent.
+// If the outcome is already known, `command` is not sent.
 struct Errand {
   StationCommand command;
   Outcome outcome;
@@ -27,8 +27,7 @@ struct WriteDetails {
 };
 [[nodiscard]] Errand channel_write(const ChannelPath& path, Value value, WriteDetails details);
 
-// For a command to an address `at` on a bus that no bridge announced. If only the device is
-// unknown, the bridge refuses the command.
+// For an address `at` on a bus that no bridge announced. A bridge refuses an unknown device itself.
 [[nodiscard]] Errand unknown_bus(ChannelPath path, const std::string& at, bool write,
                                  const Catalogue& catalogue);
 
@@ -43,16 +42,15 @@ class CommandRun {
   CommandRun(DomainView& domain, const Connection& connection, Options options, std::ostream& out,
              std::ostream& err);
 
-  // Reads the catalogue until it has every path, or until nothing new arrives. For a path without a
-  // channel it waits for all channels, with kDevice only for the device. Returns false without a
-  // bridge or after Ctrl-C, and prints the reason to `err`.
+  // Reads the catalogue until it has every path, or nothing new arrives. A path without a channel
+  // needs all channels, with kDevice only the device. False without a bridge or after Ctrl-C; `err`
+  // has the reason.
   enum class Wanted : unsigned char { kChannels, kDevice };
   [[nodiscard]] bool learn(const std::vector<ChannelPath>& paths,
                            Wanted wanted = Wanted::kChannels);
   [[nodiscard]] const Catalogue& catalogue() const { return catalogue_; }
 
-  // Sends the commands in order, at most kAtATime in flight, and prints each outcome. Returns the
-  // code of the worst outcome.
+  // Sends in order, at most kAtATime in flight, and prints each outcome. Returns the worst code.
   [[nodiscard]] ExitCode execute(std::vector<Errand> errands);
 
   // Exit code after learn() returned false.
@@ -62,7 +60,6 @@ class CommandRun {
   static constexpr std::size_t kAtATime = 16;
   static constexpr Duration kResultGrace = std::chrono::seconds{2};
 
-  // Waits at most `wait` for the bridge of the bus.
   [[nodiscard]] bool send(Errand& errand, Duration lifespan, Duration wait);
   std::optional<std::string> note(const DomainEvent& event);
   void print(const Outcome& outcome);

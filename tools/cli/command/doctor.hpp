@@ -1,5 +1,4 @@
-// `fieldcast doctor [CONFIG]`: finds problems of this machine and proposes fixes. Needs no bridge
-// and joins no domain.
+// `fieldcast doctor [CONFIG]`: finds problems of this machine, without a bridge and DDS.
 #pragma once
 
 #include <iosfwd>
@@ -16,7 +15,7 @@ struct DoctorOptions {
   bool json = false;
 };
 
-// Returns kOk, kFound if part of the configuration cannot run, kUsage if the file has faults.
+// kOk, kFound if part of the configuration cannot run, kUsage if the file has faults.
 [[nodiscard]] ExitCode doctor(const DoctorOptions& options, std::ostream& out, std::ostream& err,
                               const Screen& screen);
 

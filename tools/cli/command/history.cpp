@@ -21,8 +21,7 @@ namespace fieldcast::cli {
 
 namespace {
 
-// Share of the requested time that was printed. Channels are printed one after the other, each in
-// order of time.
+// Share of the requested time that was printed, channel by channel.
 class PrintedShare {
  public:
   PrintedShare(UtcTime to, std::size_t channels)
@@ -56,11 +55,9 @@ class PrintedShare {
   std::int64_t first_ = 0, at_ = 0;
 };
 
-// Prints the lines that the options select, and counts them.
 class Printer {
  public:
-  // `progress` may be null: if the lines go to the terminal, or to a program that may use it.
-  // `interrupt` may be null.
+  // `progress` is null if the lines or their reader use the terminal. `interrupt` may be null.
   Printer(const HistoryOptions& options, SqlConnection& connection, std::ostream& out,
           ProgressLine* progress, const Interrupt* interrupt)
       : options_(options),
@@ -70,7 +67,7 @@ class Printer {
         interrupt_(interrupt),
         share_(options.span.to, SampleTable(connection).channels(options.pattern).size()) {}
 
-  // Prints each sample. Returns the number of matching channels in the store.
+  // Returns the number of matching channels in the store.
   std::size_t samples() {
     if (options_.csv) out_ << history_csv_head() << '\n';
     const auto print = [&](const StoredSample& sample) {
@@ -128,8 +125,7 @@ class Printer {
   std::size_t lines_ = 0;
 };
 
-// Returns a hint if a coarser tier has older data in the requested time than the printed one; names
-// the first such channel.
+// Hint if a coarser tier has older data of the requested time; names the first such channel.
 std::string what_is_coarser(const HistoryOptions& options, SqlConnection& connection,
                             Duration every) {
   TierHistory history(connection, every);

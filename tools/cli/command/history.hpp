@@ -1,5 +1,5 @@
-// `fieldcast history`: prints the stored samples of channels or their buckets as lines, CSV or JSON
-// lines. Reads the store; needs no bridge.
+// `fieldcast history`: prints stored samples or buckets as lines, CSV or JSON lines. Needs no
+// bridge.
 #pragma once
 
 #include <cstdint>
@@ -28,8 +28,8 @@ struct HistoryOptions {
   bool json = false;
 };
 
-// Returns kOk, kNothing with the reason, or kInterrupted after a whole line if `interrupt` was
-// raised; it may be null. Throws StoreError.
+// kOk, kNothing with the reason, or kInterrupted after a whole line. `interrupt` may be null.
+// Throws StoreError.
 [[nodiscard]] ExitCode history(const HistoryOptions& options, std::ostream& out, std::ostream& err,
                                const Interrupt* interrupt = nullptr);
 

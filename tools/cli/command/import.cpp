@@ -41,7 +41,7 @@ std::string set_port(const std::string& port, ImportOptions& options) {
   return {};
 }
 
-// Sets the file names, because the configuration is validated under the names of its files.
+// The configuration is validated under the names of its files.
 ImportOptions import_options(const ImportCommandOptions& options) {
   ImportOptions import = options.import;
   import.lists = !import.as_template && is_folder(options.out);
@@ -50,7 +50,7 @@ ImportOptions import_options(const ImportCommandOptions& options) {
   return import;
 }
 
-// Returns the path of each file; the error is one line.
+// The error is one line.
 tl::expected<std::vector<NewFile>, std::string> placed(const ImportCommandOptions& options,
                                                        const Outcome& outcome) {
   std::vector<NewFile> files;

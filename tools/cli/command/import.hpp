@@ -1,6 +1,5 @@
 // `fieldcast import`: converts channel lists of other programs to a configuration or to device
-// templates. Reports for each value whether it was imported, changed or rejected. Needs no bridge
-// and no device.
+// templates. Needs no bridge and no device.
 #pragma once
 
 #include <iosfwd>

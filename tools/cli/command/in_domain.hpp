@@ -1,5 +1,4 @@
-// Runs a command in a DDS domain: resolves the connection, and blocks the signals before DDS starts
-// its threads. Main thread.
+// Runs a command in a DDS domain, with signals blocked before DDS starts threads. Main thread.
 #pragma once
 
 #include <functional>
@@ -12,7 +11,7 @@ namespace fieldcast::cli {
 
 using DomainCommand = std::function<ExitCode(const Connection& connection, Interrupt& interrupt)>;
 
-// Returns kUsage if the configuration file has faults.
+// kUsage if the configuration file has faults.
 [[nodiscard]] ExitCode in_domain(const ConnectionOptions& options, const Streams& streams,
                                  const DomainCommand& command);
 

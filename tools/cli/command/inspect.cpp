@@ -20,11 +20,10 @@
 namespace fieldcast::cli {
 namespace {
 
-// Of a frame in hexadecimal; limits wrong input, a real frame is far shorter.
+// Limits wrong input; a real frame is far shorter.
 constexpr std::size_t kMaxHexCharacters = 65536;
 constexpr std::size_t kMaxTraceCharacters = 64 << 20;
 
-// Input from the command line, or else from `in`.
 std::string text_of(const InspectOptions& options, std::istream& in) {
   std::string text;
   for (const auto& part : options.hex) text += part + (parse_trace_text(part) ? '\n' : ' ');
@@ -57,7 +56,7 @@ ExitCode inspect_hex(const NamedProtocol& protocol, const std::string& hex,
   return count_faults(fields) == 0 ? ExitCode::kOk : ExitCode::kFound;
 }
 
-// Prints the faults to `err` and returns empty if the file is invalid.
+// Prints the faults to `err`.
 std::optional<BridgeSpec> load_configuration(const std::string& path, std::ostream& err) {
   auto loaded = config::load_file(path);
   if (loaded) return *std::move(loaded);

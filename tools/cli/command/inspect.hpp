@@ -1,6 +1,5 @@
-// `fieldcast inspect`: explains a frame in hexadecimal, lines of a bridge's trace, or a capture.
-// PROTOCOL is a built-in name, the path of a declaration, or the name of an installed one; captures
-// and configurations contain it. Needs no DDS.
+// `fieldcast inspect`: explains a frame in hexadecimal, lines of a trace, or a capture. PROTOCOL: a
+// built-in name, the path of a declaration, or the name of an installed one. Needs no DDS.
 #pragma once
 
 #include <iosfwd>
@@ -20,8 +19,7 @@ struct InspectOptions {
   bool fields = false;  // prints every field of each frame of a capture or trace
 };
 
-// Returns kOk, kFound if a frame is invalid or a capture is truncated, kUsage for an unknown
-// protocol or invalid input.
+// kOk, kFound if a frame is invalid or a capture is truncated, kUsage for invalid input.
 [[nodiscard]] ExitCode inspect(const InspectOptions& options, std::istream& in, std::ostream& out,
                                std::ostream& err, const Screen& screen);
 

@@ -17,7 +17,6 @@ struct ModuleArguments {
   bool tls = false;
 };
 
-// The error describes a fault of the command line or of a file named there.
 [[nodiscard]] tl::expected<program::ModuleOptions, std::string> options_of(
     const ModuleArguments& given);
 [[nodiscard]] tl::expected<SerialPortSpec, std::string> serial_line_of(

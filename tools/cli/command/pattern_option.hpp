@@ -1,4 +1,3 @@
-// Parses the channel pattern of a command line.
 #pragma once
 
 #include "bridge/base/command_line.hpp"

@@ -19,7 +19,7 @@ namespace fieldcast::cli {
 
 namespace {
 
-// Prints the speed to `err`, so that the result on `out` is identical for the same seed.
+// To `err`, so that `out` is identical for the same seed.
 void tell_speed(const BusSimulation& simulation, Duration took, std::ostream& err) {
   err << simulation.plan->bus->name << ": " << to_text(simulation.options.length)
       << " of virtual time in " << std::fixed << std::setprecision(2) << to_seconds(took) << " s, "

@@ -1,5 +1,5 @@
-// `fieldcast plan CONFIG`: calculates the bus load without a connection; with --simulate runs the
-// whole engine of each bus in virtual time. Needs no DDS.
+// `fieldcast plan CONFIG`: calculates the bus load; with --simulate runs the whole engine in
+// virtual time. Needs no DDS.
 #pragma once
 
 #include <iosfwd>
@@ -20,7 +20,7 @@ struct PlanOptions {
   std::string faults;  // file with the faults of the simulated plant; empty: none
 };
 
-// Returns kOk, kFound if a bus cannot keep its refresh times, kUsage if a file has faults.
+// kOk, kFound if a bus cannot keep its refresh times, kUsage if a file has faults.
 [[nodiscard]] ExitCode plan(const PlanOptions& options, std::ostream& out, std::ostream& err,
                             const Screen& screen);
 

@@ -22,8 +22,7 @@ struct Write {
   std::vector<Value> values;
 };
 
-// Parses "holding:100=7" or "holding:100=7,8,9"; a string is everything behind '='. The error is
-// one line.
+// "holding:100=7", "holding:100=7,8,9"; a string is everything behind '='. The error is one line.
 tl::expected<Write, std::string> write_of(const std::string& assignment, const std::string& type,
                                           const Protocol& protocol) {
   const auto equals = assignment.find('=');
@@ -88,8 +87,7 @@ fieldcast::Command command_of(const Write& write, bool verify) {
   return command;
 }
 
-// Prints the first write that the bus would refuse without a request to the device. Returns false
-// if there is none.
+// Prints the first write that the bus would refuse without a request.
 bool refuses_any(const PokeOptions& options, const std::vector<Write>& writes,
                  const DeviceSpec& device, const Protocol& protocol, std::ostream& out,
                  std::ostream& err) {

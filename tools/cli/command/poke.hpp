@@ -1,5 +1,4 @@
-// `fieldcast poke`: writes to addresses of a device on a line, without a bridge and a
-// configuration.
+// `fieldcast poke`: writes to addresses on a line, without a bridge and a configuration.
 #pragma once
 
 #include <iosfwd>

@@ -18,7 +18,6 @@
 namespace fieldcast::cli {
 namespace {
 
-// An address with the values of one request.
 struct Part {
   std::string at;
   std::uint32_t values = 1;

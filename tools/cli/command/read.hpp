@@ -1,4 +1,4 @@
-// `fieldcast read`: reads addresses of a device on a line, without a bridge and a configuration.
+// `fieldcast read`: reads addresses on a line, without a bridge and a configuration.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct ReadOptions {
   bool json = false;
 };
 
-// Continues after an address that the device refuses; returns the code of the last fault.
+// Continues after a refused address; returns the code of the last fault.
 [[nodiscard]] ExitCode read(const ReadOptions& options, const Interrupt& interrupt,
                             std::ostream& out, std::ostream& err, const Screen& screen);
 

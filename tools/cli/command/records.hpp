@@ -1,5 +1,4 @@
-// `fieldcast devices` and `fieldcast audit`: print device states and the audit log of the store.
-// Need no bridge.
+// `fieldcast devices` and `fieldcast audit`: print records of the store. Need no bridge.
 #pragma once
 
 #include <iosfwd>
@@ -19,7 +18,7 @@ struct AuditOptions {
   bool json = false;
 };
 
-// Return kOk if there are records, else kNothing. Throw StoreError.
+// kOk if there are records, else kNothing. Throw StoreError.
 [[nodiscard]] ExitCode devices(const DevicesOptions& options, std::ostream& out, std::ostream& err);
 [[nodiscard]] ExitCode audit(const AuditOptions& options, std::ostream& out, std::ostream& err);
 

@@ -27,7 +27,6 @@ std::string buses_text(const security::Member& member) {
   return text;
 }
 
-// Quotes a word for the shell if necessary.
 std::string shell_word(const std::string& text) {
   const auto plain = [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) != 0 ||

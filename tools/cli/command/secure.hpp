@@ -1,5 +1,4 @@
-// `fieldcast secure init|add|renew|revoke|show|check`: manages identities and permissions for DDS
-// Security. Works on files only; needs no bridge.
+// `fieldcast secure init|add|renew|revoke|show|check`: manages the files for DDS Security.
 #pragma once
 
 #include <iosfwd>
@@ -21,9 +20,8 @@ struct SecureOptions {
   bool json = false;
 };
 
-// Returns kRejected if a directory or name exists or is missing unexpectedly. Returns kFound if
-// kCheck finds a fault, or if a file of one of several members cannot be read or written; the other
-// members are processed.
+// kRejected if a directory or name exists or is missing unexpectedly; kFound if kCheck finds a
+// fault, or if files of one of several members fail.
 [[nodiscard]] ExitCode secure(const SecureOptions& options, UtcTime now, std::ostream& out,
                               std::ostream& err);
 

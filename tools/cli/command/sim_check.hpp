@@ -1,6 +1,5 @@
 // `fieldcast sim-check PROTOCOL`: tests a protocol's master against its simulated device in virtual
-// time. PROTOCOL is a built-in name, the path of a declaration, or the name of an installed one.
-// Needs no DDS.
+// time. PROTOCOL as for `inspect`. Needs no DDS.
 #pragma once
 
 #include <iosfwd>
@@ -18,12 +17,11 @@ struct SimCheckOptions {
   bool json = false;
 };
 
-// Returns kOk, kFound if a check failed, kUsage for an unknown protocol or an invalid declaration.
+// kOk, kFound if a check failed, kUsage for an unknown protocol or an invalid declaration.
 [[nodiscard]] ExitCode sim_check(const SimCheckOptions& options, std::ostream& out,
                                  std::ostream& err, const Screen& screen);
 
 [[nodiscard]] Json check_json(std::string_view protocol, const sim::CheckRow& row);
-// Formats the rows as a table, followed by each stored failure with its frame.
 [[nodiscard]] std::vector<std::string> check_lines(const sim::CheckRows& rows,
                                                    const Screen& screen);
 

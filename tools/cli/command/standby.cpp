@@ -20,9 +20,8 @@ constexpr Duration kRequestLimit = std::chrono::seconds{3};
 constexpr Duration kTakeLimit = std::chrono::seconds{5};
 using GiveUp = std::function<bool()>;
 
-// Selects the bridge `wanted`, or for a group its strongest ready waiting bridge; `bridge` is empty
-// if there is none. Empty if the name is unknown. A late request without a bridge name would also
-// be obeyed by the new master.
+// The bridge `wanted`, or for a group its strongest ready waiting bridge, empty if there is none. A
+// late request without a bridge name would also be obeyed by the new master.
 std::optional<StandbyRequest> request_for(const StandbyModel& model, const std::string& wanted) {
   for (const auto& [key, member] : model) {
     if (key.second == wanted) return StandbyRequest{key.first, wanted, "fieldcast standby"};

@@ -1,5 +1,4 @@
-// `fieldcast standby`: lists the bridges of standby groups with their roles. `standby take NAME`:
-// makes another bridge the master.
+// `fieldcast standby`: lists standby groups. `standby take NAME`: makes another bridge the master.
 #pragma once
 
 #include <iosfwd>
@@ -18,9 +17,8 @@ struct StandbyOptions {
   std::string wanted;  // for `take`: a bridge, or a group, whose best waiting bridge takes over
 };
 
-// Returns kOk if a member reported, else kNoBridge. For `take`: kOk if the bridge became master,
-// kNothing for an unknown name, kRejected if it is not ready, kNoAnswer if nothing changed. Throws
-// DdsError.
+// kOk if a member reported, else kNoBridge. For `take`: kOk, kNothing for an unknown name,
+// kRejected if it is not ready, kNoAnswer if nothing changed. Throws DdsError.
 [[nodiscard]] ExitCode standby(const StandbyOptions& options, const Connection& connection,
                                Interrupt& interrupt, std::ostream& out, std::ostream& err);
 

@@ -32,7 +32,6 @@ void print_table(const StatusModel& model, std::ostream& out) {
   for (const auto& line : status_lines(model, utc_now(), screen)) out << line << '\n';
 }
 
-// Prints the standby bridges, if any.
 void print_members(const StandbyModel& model, std::ostream& out) {
   if (model.empty()) return;
   out << '\n';
@@ -46,7 +45,7 @@ void print_event(const DomainEvent& event, std::ostream& out) {
     out << to_line(status_json(*device)) << '\n';
 }
 
-// Returns false if the output is text; if the terminal cannot show a screen, prints the reason.
+// Prints the reason if the terminal cannot show a screen.
 bool screen_wanted(const StatusOptions& options, std::ostream& err) {
   if (!options.screen || options.json || !output_is_terminal()) return false;
   const std::string reason = no_screen_reason();

@@ -1,5 +1,4 @@
-// `fieldcast status`: shows buses and devices with state, load, learned times and failures by
-// cause.
+// `fieldcast status`: state, load, learned times and failures of buses and devices.
 #pragma once
 
 #include <iosfwd>
@@ -16,12 +15,11 @@ struct StatusOptions {
   ConnectionOptions connection;
   bool json = false;
   bool screen = true;  // if the output is a terminal
-  // Follows the status for this time, as a screen or a line for each report. Empty: print once, or
-  // show the screen until the user quits.
+  // Empty: print once, or show the screen until the user quits.
   std::optional<Duration> time;
 };
 
-// Returns kOk if a bus reported, else kNoBridge. Throws DdsError.
+// kOk if a bus reported, else kNoBridge. Throws DdsError.
 [[nodiscard]] ExitCode status(const StatusOptions& options, const Connection& connection,
                               Interrupt& interrupt, std::ostream& out, std::ostream& err);
 

@@ -1,5 +1,5 @@
-// Runs the screen of `fieldcast status` with terminal, domain and clock. Main thread. Processes
-// keys immediately, and DDS events at least ten times a second.
+// Runs the screen of `fieldcast status`. Main thread. Processes keys immediately, and DDS events at
+// least ten times a second.
 #pragma once
 
 #include "tools/cli/connection.hpp"
@@ -9,9 +9,8 @@
 
 namespace fieldcast::cli {
 
-// Runs until `end`, until the user quits, or until the inbox is closed. REQUIRES:
-// no_screen_reason() is empty; the status is subscribed. Throws std::runtime_error if the terminal
-// is unusable.
+// Until `end`, until the user quits, or until the inbox is closed. REQUIRES: no_screen_reason() is
+// empty; the status is subscribed. Throws std::runtime_error.
 void status_live(const Connection& connection, DomainView& domain, StatusModel& model,
                  StandbyWatch& members, Instant end);
 

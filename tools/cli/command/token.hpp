@@ -1,5 +1,4 @@
-// `fieldcast token add|list|remove`: manages read-only tokens of programs and wall screens for a
-// station. Opens the store; needs no bridge.
+// `fieldcast token add|list|remove`: manages read-only tokens for a station. Needs no bridge.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +19,7 @@ struct TokenOptions {
   bool json = false;
 };
 
-// Returns kRejected if the token already exists, kNothing if it does not exist. Throws StoreError.
+// kRejected if the token exists already, kNothing if it is missing. Throws StoreError.
 [[nodiscard]] ExitCode token(const TokenOptions& options, std::ostream& out, std::ostream& err);
 
 }  // namespace fieldcast::cli

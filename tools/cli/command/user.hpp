@@ -16,13 +16,13 @@ struct UserOptions {
   Action action = Action::kList;
   std::string name;
   Role role = Role::kViewer;
-  // File with the password in its first line; empty: prompt, or the first line of `in`. Never an
-  // argument, because other users can read arguments.
+  // The password is its first line; empty: prompt, or the first line of `in`. Never an argument,
+  // which others could read.
   std::string password_file;
   bool json = false;
 };
 
-// Returns kRejected if the user already exists, kNothing if it does not exist. Throws StoreError.
+// kRejected if the user exists already, kNothing if missing. Throws StoreError.
 [[nodiscard]] ExitCode user(const UserOptions& options, std::istream& in, std::ostream& out,
                             std::ostream& err);
 

@@ -136,8 +136,7 @@ void Watch::read(const DomainEvent& event, Instant now) {
   }
 }
 
-// Bridges announce their channels again when an interest becomes effective; later announcements are
-// not expected.
+// Bridges announce their channels again when an interest becomes effective.
 void Watch::remark_interest(Instant now, Instant began) {
   if (!options_.refresh || remark_ || !model_.anything_announced() ||
       now - std::max(began, last_news_) < kInterestWait)
@@ -146,7 +145,7 @@ void Watch::remark_interest(Instant now, Instant began) {
   if (!remark_->empty()) err_ << "fieldcast watch: " << *remark_ << '\n' << std::flush;
 }
 
-// Prints a lag event in JSON lines. Otherwise the table's footer and the last line report the lag.
+// Otherwise the table's footer and the last line report the lag.
 void Watch::tell_lag(Instant now) {
   model_.on_counters(domain_.station().block_counters());
   const Station::BlockCounters& counters = model_.counters();
@@ -158,7 +157,7 @@ void Watch::tell_lag(Instant now) {
   out_ << to_line(lag_json(counters)) << '\n';
 }
 
-// Returns false if the output is lines; if the terminal cannot show a screen, prints the reason.
+// Prints the reason if the terminal cannot show a screen.
 bool Watch::screen_wanted() {
   if (options_.once || options_.json || options_.plain || !output_is_terminal()) return false;
   const std::string reason = no_screen_reason();

@@ -1,5 +1,4 @@
-// `fieldcast watch`: shows the newest samples as a screen (docs/screens.md), as lines, or as JSON
-// lines.
+// `fieldcast watch`: newest samples as a screen (docs/screens.md), lines, or JSON lines.
 #pragma once
 
 #include <iosfwd>
@@ -24,8 +23,8 @@ struct WatchOptions {
   std::optional<Duration> refresh;  // requested refresh while the command runs
 };
 
-// Returns kOk if samples arrived, or if Ctrl-C ended an endless watch; else kNothing or kNoBridge.
-// Throws DdsError.
+// kOk if samples arrived or Ctrl-C ended an endless watch; else kNothing, kNoBridge. Throws
+// DdsError.
 [[nodiscard]] ExitCode watch(const WatchOptions& options, const Connection& connection,
                              Interrupt& interrupt, std::ostream& out, std::ostream& err);
 

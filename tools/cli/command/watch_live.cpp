@@ -78,7 +78,6 @@ class WatchLive {
     }
   }
 
-  // Reports a missing bridge, an ineffective interest, or lag of this station.
   void tell(Instant now) {
     model_.on_counters(domain_.station().block_counters());
     if (!model_.anything_announced()) {

@@ -1,5 +1,5 @@
-// Runs the screen of `fieldcast watch` with terminal, domain and clock. Main thread. Processes keys
-// immediately; reads DDS events and draws at least ten times a second.
+// Runs the screen of `fieldcast watch`. Main thread. Processes keys immediately; reads DDS events
+// and draws at least ten times a second.
 #pragma once
 
 #include "tools/cli/command/watch.hpp"
@@ -8,9 +8,8 @@
 
 namespace fieldcast::cli {
 
-// Runs until `end`, until the user quits, or until the inbox is closed. REQUIRES:
-// no_screen_reason() is empty; channels and samples are subscribed. Throws std::runtime_error if
-// the terminal is unusable.
+// Until `end`, until the user quits, or until the inbox is closed. REQUIRES: no_screen_reason() is
+// empty; channels and samples are subscribed. Throws std::runtime_error.
 void watch_live(const WatchOptions& options, const Connection& connection, DomainView& domain,
                 WatchModel& model, Instant end);
 

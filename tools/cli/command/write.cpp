@@ -33,7 +33,7 @@ Errand errand_of(const Assignment& assignment, const Catalogue& catalogue, bool 
   return channel_write(assignment.path, *value, {channel->type, channel->unit, verify});
 }
 
-// All or none: if one assignment is refused, none is sent.
+// If one assignment is refused, none is sent.
 void hold_back_if_any_is_refused(std::vector<Errand>& errands) {
   const bool all = std::all_of(errands.begin(), errands.end(),
                                [](const auto& errand) { return errand.to_be_sent(); });
@@ -64,7 +64,7 @@ ExitCode write_channels(const WriteOptions& options, const Connection& connectio
   return run.execute(std::move(errands));
 }
 
-// Creates the write to an address; the error is one line.
+// The error is one line.
 tl::expected<Errand, std::string> address_errand(const WriteOptions& options,
                                                  const ChannelPath& device,
                                                  const AddressType& type) {

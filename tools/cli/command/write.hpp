@@ -16,8 +16,7 @@ struct WriteOptions : CommandOptions {
   bool verify = false;
 };
 
-// Returns the code of the worst result. Sends nothing if one of the assignments is refused locally.
-// Throws DdsError.
+// Returns the worst code. Sends nothing if an assignment is refused locally. Throws DdsError.
 [[nodiscard]] ExitCode write(const WriteOptions& options, const Connection& connection,
                              Interrupt& interrupt, std::ostream& out, std::ostream& err);
 

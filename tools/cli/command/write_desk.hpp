@@ -1,5 +1,4 @@
-// Sends one write of a screen and waits for its result without blocking the screen's loop. The user
-// needs the same rights as for `fieldcast write`. Main thread.
+// Sends one write of a screen and receives its result without blocking the screen. Main thread.
 #pragma once
 
 #include <optional>
@@ -17,10 +16,8 @@ class WriteDesk {
 
   // REQUIRES: busy() is false.
   void begin(const WriteIntent& intent, Instant now);
-  // Sends the write if still unsent. Returns the outcome if it ended: no bridge, no right, no
-  // result.
+  // Returns the outcome if the write ended: no bridge, no right, no result.
   [[nodiscard]] std::optional<Outcome> step(Instant now);
-  // Returns the outcome if the result belongs to this write.
   [[nodiscard]] std::optional<Outcome> on_result(const StationResult& result);
   [[nodiscard]] bool busy() const { return errand_.has_value(); }
 

@@ -10,12 +10,12 @@
 
 namespace fieldcast::cli {
 
-// Returns the address `items` after `at`: "holding:102" for "holding:100" and 2. Empty if the
-// notation counts differently (bits of a word, octal numbers) or the area ends before.
+// "holding:102" for "holding:100" and 2. Empty at the end of the area, or if the notation counts
+// differently (bits of a word, octal numbers).
 [[nodiscard]] std::optional<std::string> address_behind(const Protocol& protocol,
                                                         std::string_view at, std::uint32_t items);
 
-// Returns how many values of `value_items` items one request can read from `at`; at least 1.
+// At least 1.
 [[nodiscard]] std::uint32_t values_in_request(const Protocol& protocol, const ParsedAddress& at,
                                               std::uint32_t value_items);
 

@@ -17,7 +17,6 @@ constexpr std::chrono::milliseconds kInterruptCheck{50};
 constexpr std::chrono::milliseconds kTraceFlush{200};
 constexpr std::chrono::hours kResultLimit{24};  // the engine completes every command long before
 
-// Stores events of the bus for the waiting thread.
 class Results final : public BusSink {
  public:
   struct Heard {
@@ -26,8 +25,7 @@ class Results final : public BusSink {
     std::optional<CommandResult> result;
   };
 
-  // Waits until `enough`; returns the events. Empty after `limit` or an interrupt. Calls
-  // `meanwhile` regularly.
+  // Empty after `limit` or an interrupt. Calls `meanwhile` regularly.
   template <class Enough, class Meanwhile>
   std::optional<Heard> wait(const Interrupt& interrupt, Duration limit, const Enough& enough,
                             const Meanwhile& meanwhile) {

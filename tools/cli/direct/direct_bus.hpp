@@ -1,7 +1,5 @@
-// Runs the bridge's bus engine on a port in this process, without DDS and without a configuration.
-// Commands run one after the other and return their results to the caller.
-//
-// Use it on one thread; the bus has its own thread.
+// Runs the bridge's bus engine on a port in this process, without DDS and configuration. Use it on
+// one thread; the bus has its own.
 #pragma once
 
 #include <memory>
@@ -19,18 +17,16 @@ class LineCapture;
 
 class DirectBus {
  public:
-  // Time limit for opening the port.
   static constexpr Duration kOpenLimit = std::chrono::seconds{5};
 
-  // `trace`: prints the bytes to standard output, one line each. `capture` also receives them and
-  // must outlive the bus; it may be null. REQUIRES: `bus` is valid as from the loader.
+  // `trace`: prints the bytes, one line each. `capture` must outlive the bus; it may be null.
+  // REQUIRES: `bus` is valid as from the loader.
   DirectBus(const BusSpec& bus, bool trace, LineCapture* capture = nullptr);
   ~DirectBus();  // closes the port
   DirectBus(const DirectBus&) = delete;
   DirectBus& operator=(const DirectBus&) = delete;
 
-  // Waits until the port is open. The error is one human-readable line; it is empty if `interrupt`
-  // was raised.
+  // The error is one human-readable line; empty if `interrupt` was raised.
   [[nodiscard]] tl::expected<void, std::string> open(const Interrupt& interrupt);
   // Waits for the result; empty if `interrupt` was raised. REQUIRES: open() was successful.
   [[nodiscard]] std::optional<CommandResult> run(fieldcast::Command command,

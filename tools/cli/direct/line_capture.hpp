@@ -1,8 +1,6 @@
-// Writes the frames of a command to a file for Wireshark (--capture FILE), in the same format as
-// `fieldcast capture`.
-//
-// Owns the file, which is readable after each frame, however the command ends. Use it on one
-// thread; the tap accepts records from the bus thread.
+// Writes the frames of a command for Wireshark (--capture FILE) as `fieldcast capture` does. Owns
+// the file, which is readable after each frame. Use it on one thread; the tap accepts records from
+// the bus thread.
 #pragma once
 
 #include <functional>
@@ -20,8 +18,8 @@ namespace fieldcast::cli {
 
 class LineCapture final : private CaptureSink {
  public:
-  // Creates a new file; never replaces one. `bus`: its devices select the dissectors. `command`:
-  // "fieldcast read". The error is one line.
+  // Never replaces a file. `bus`: its devices select the dissectors. `command`: "fieldcast read".
+  // The error is one line.
   [[nodiscard]] static tl::expected<std::unique_ptr<LineCapture>, std::string> make(
       const std::string& path, const BusSpec& bus, const std::string& command);
   // Removes the file if it has no frame.
@@ -32,7 +30,7 @@ class LineCapture final : private CaptureSink {
   [[nodiscard]] const std::shared_ptr<CaptureTap>& tap() const { return tap_; }
   // Writes the records since the last call. Call it often, because the tap has a limit.
   void write();
-  // Writes the rest and the end. Returns one line if the file is incomplete; else empty.
+  // Returns one line if the file is incomplete.
   [[nodiscard]] std::optional<std::string> end();
 
  private:
@@ -53,9 +51,8 @@ class LineCapture final : private CaptureSink {
 inline constexpr char kCaptureHelp[] =
     "Write what passes on the line into this new file, for Wireshark (x.pcapng)";
 
-// Runs `work` of a command ("read") with a capture to `path`, or with null if that is empty. `work`
-// must destroy all users of the capture. Returns its exit code, or kTrouble if the file cannot be
-// written completely.
+// `work` gets null if `path` is empty; it must destroy all users of the capture. Returns its exit
+// code, or kTrouble if the file is incomplete.
 [[nodiscard]] ExitCode on_line(const std::string& path, const BusSpec& bus,
                                const std::string& command, std::ostream& err,
                                const std::function<ExitCode(LineCapture* capture)>& work);

@@ -16,7 +16,6 @@ constexpr std::uint32_t kHighestAddress = 65535;
 
 bool is_path(const std::string& port) { return full_port(port).find('/') != std::string::npos; }
 
-// The error describes the invalid setting.
 tl::expected<std::map<std::string, std::string>, std::string> settings_of(
     const LineOptions& options) {
   std::map<std::string, std::string> settings;

@@ -1,5 +1,5 @@
-// Port, line and protocol as command line options instead of a configuration: `fieldcast read
-// /dev/ttyUSB0 --baud 9600 --format 8N1 --address 3 holding:100`.
+// Port and protocol on the command line: `fieldcast read /dev/ttyUSB0 --baud 9600 --format 8N1
+// --address 3 holding:100`.
 #pragma once
 
 #include <cstdint>
@@ -26,22 +26,21 @@ struct LineOptions {
   std::uint32_t retries = 1;
 };
 
-// Returns the path of a serial port given by name: "ttyUSB0" becomes /dev/ttyUSB0; "./NAME" is a
-// file of the working directory. HOST:PORT, a path, or another name is returned unchanged.
+// "ttyUSB0" becomes /dev/ttyUSB0; "./NAME" is a file of the working directory. HOST:PORT, a path,
+// or another name is returned unchanged.
 [[nodiscard]] std::string full_port(const std::string& port);
 
 // REQUIRES: `options` lives until the parse.
 void add_line_options(CommandLine& line, LineOptions& options);
 
-// Returns the protocol of the options, or the default of the port.
 [[nodiscard]] std::string protocol_of(const LineOptions& options);
 
-// Returns the port only. `factory`: default line format. The error is one line.
+// `factory`: default line format. The error is one line.
 [[nodiscard]] tl::expected<PortSpec, std::string> port_of(const LineOptions& options,
                                                           const LineFormat& factory);
 
-// Returns a bus named after the port with one device "device" without channels; every address may
-// be read and written. The error is one line.
+// A bus with one device "device" without channels; every address may be read and written. The error
+// is one line.
 [[nodiscard]] tl::expected<BusSpec, std::string> bus_of(const LineOptions& options,
                                                         const NamedProtocol& protocol);
 

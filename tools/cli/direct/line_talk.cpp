@@ -9,7 +9,6 @@
 namespace fieldcast::cli {
 namespace {
 
-// Interval of checks for a signal.
 constexpr std::chrono::milliseconds kTalkCheck{50};
 constexpr std::chrono::seconds kOpenLimit{5};
 // A silence that ends a response; longer than gaps between the pieces of adapters.
@@ -51,7 +50,6 @@ struct LineTalk::State final : PortListener {
     if (tap && tap->wanted())
       tap->put({kind, read_clocks().to_utc(at), device, Bytes(bytes.begin(), bytes.end()), text});
   }
-  // Records the end of the exchange in the capture.
   void record_end(const LineTalk::Answer& answer) const {
     if (answer.cause != Cause::kNone)
       record(CaptureRecord::Kind::kRemark, {}, std::string(to_text(answer.cause)), steady_now());

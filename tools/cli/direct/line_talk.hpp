@@ -1,6 +1,5 @@
-// Runs single exchanges on a port in the caller's thread, for a scan, which needs no planning,
-// learning and probing. Uses the engine's ExchangeDriver for timeouts, echo and frames. Use it on
-// one thread.
+// Runs single exchanges on a port in the caller's thread, for a scan, with the engine's
+// ExchangeDriver. Use it on one thread.
 #pragma once
 
 #include <functional>
@@ -17,7 +16,6 @@
 
 namespace fieldcast::cli {
 
-// Describes an exchange in a capture.
 struct LineNote {
   std::size_t device = 0;  // index on the captured bus
   std::string text;        // what is requested
@@ -42,11 +40,10 @@ class LineTalk {
   LineTalk(const LineTalk&) = delete;
   LineTalk& operator=(const LineTalk&) = delete;
 
-  // Closes the previous port first. The error is one human-readable line; it is empty if the
-  // interrupt was raised.
+  // Closes the previous port first. The error is one human-readable line; empty if interrupted.
   [[nodiscard]] tl::expected<void, std::string> open(const PortSpec& port);
-  // Waits for silence on the line, sends, and waits for the response; its first byte must arrive
-  // within `timeout`. Fails like open() if the port is lost. REQUIRES: open() was successful.
+  // Waits for silence, sends, and waits for the response, whose first byte must arrive within
+  // `timeout`. Fails like open() if the port is lost. REQUIRES: open() was successful.
   [[nodiscard]] tl::expected<Answer, std::string> ask(std::unique_ptr<Exchange> exchange,
                                                       Duration timeout, const LineNote& note = {});
   // Calls `meanwhile` several times a second during waits, for the progress.

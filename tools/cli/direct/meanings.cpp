@@ -14,7 +14,6 @@ namespace {
 constexpr auto kSwapped = WordOrder::kLittleEndian;
 constexpr auto kBytesSwapped = ByteOrder::kLittleEndian;
 
-// Adds the type with each different word and byte order.
 void add_orders(const Encoding& encoding, std::vector<Meaning>& out) {
   const std::string type = to_text(encoding);
   const auto add = [&](const char* order, WordOrder words, ByteOrder bytes) {

@@ -1,5 +1,4 @@
-// Facts about a machine for `fieldcast doctor`, as plain values. gather.hpp reads them,
-// findings.hpp evaluates them.
+// Facts about a machine for `fieldcast doctor`. Plain values.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +10,6 @@
 
 namespace fieldcast::cli {
 
-// A USB serial adapter.
 struct AdapterFacts {
   std::string name;                  // "ttyUSB0"
   std::string driver;                // "ftdi_sio"; empty: unknown
@@ -19,7 +17,6 @@ struct AdapterFacts {
   std::string latency_file;          // file that sets it
 };
 
-// A serial port of the configuration.
 struct SerialPortFacts {
   std::string bus;
   std::string path;

@@ -128,7 +128,6 @@ void look_at_capture(const CaptureRemark& capture, Findings& found) {
                    fmt::format("bus {}: {}", capture.bus, capture.what), capture.remedy});
 }
 
-// Checks the topics that have an instance for each channel.
 void look_at_profile(const MachineFacts& facts, Findings& found) {
   for (const ProfileLimit& limit : facts.profile_limits) {
     if (limit.profile != "fieldcast/Sample" && limit.profile != "fieldcast/Channel") continue;

@@ -1,4 +1,3 @@
-// Evaluates the facts of a machine. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +28,7 @@ struct Finding {
 // In the order of the checks; unknown facts have no finding.
 [[nodiscard]] std::vector<Finding> findings_of(const MachineFacts& facts);
 
-// Returns the worst severity; kOk if there are no findings.
+// kOk if there are no findings.
 [[nodiscard]] Severity worst_of(const std::vector<Finding>& findings);
 
 }  // namespace fieldcast::cli

@@ -82,8 +82,7 @@ SerialPortFacts port_facts(const Machine& machine, const std::string& bus,
   return facts;
 }
 
-// Reads the kernel's flag, which every time service sets; with another root, the file of the time
-// service.
+// The kernel's flag; with another root, the file of the time service.
 std::optional<bool> is_synchronised(const Machine& machine) {
   if (machine.has("/run/systemd/timesync/synchronized")) return true;
   if (!machine.is_this_one()) return std::nullopt;
@@ -114,7 +113,6 @@ std::vector<InterfaceFacts> interface_facts(const std::vector<std::string>& addr
   return all;
 }
 
-// Of the file's directory, which may not exist yet.
 std::optional<DiskFacts> disk_facts(const StoreSpec& store) {
   if (StoreAddress(store.address).is_server()) return std::nullopt;
   const fs::path folder = fs::absolute(store.address).parent_path();

@@ -8,7 +8,6 @@ namespace {
 using importing::Fate;
 using importing::PointFate;
 
-// Replaces line breaks and tabs in names of a list.
 std::string one_line(std::string_view text) {
   std::string line = printable(text);
   for (char& c : line) {

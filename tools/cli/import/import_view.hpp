@@ -10,8 +10,7 @@
 
 namespace fieldcast::cli {
 
-// Number of unchanged values shown, unless all are requested. Changed and rejected values are
-// always shown.
+// Number of unchanged values shown, unless all are requested.
 inline constexpr std::size_t kMovedShown = 20;
 [[nodiscard]] std::vector<std::string> import_lines(const importing::Outcome& outcome, bool all,
                                                     const Screen& screen);

@@ -1,4 +1,3 @@
-// Reads the input files of `fieldcast import`. Main thread.
 #pragma once
 
 #include <string>
@@ -9,8 +8,8 @@
 
 namespace fieldcast::cli {
 
-// Accepts regular files of at most config::kMaxFileBytes, together config::kMaxTotalBytes. The
-// error has the file, the fault and the fix.
+// Regular files of at most config::kMaxFileBytes, together config::kMaxTotalBytes. The error has
+// the file, the fault and the fix.
 [[nodiscard]] tl::expected<std::vector<importing::InputFile>, std::string> read_inputs(
     const std::vector<std::string>& paths);
 

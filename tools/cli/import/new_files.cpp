@@ -18,8 +18,7 @@ namespace {
 
 std::string beside(const std::string& path) { return path + ".new"; }
 
-// Renames the temporary file; returns 0 or an errno. Replaces an existing file atomically, only
-// with `replace`.
+// Returns 0 or an errno. Replaces atomically, only with `replace`.
 int give_name(const std::string& path, bool replace) {
   const unsigned flags = replace ? 0 : RENAME_NOREPLACE;
   if (::renameat2(AT_FDCWD, beside(path).c_str(), AT_FDCWD, path.c_str(), flags) == 0) return 0;

@@ -12,8 +12,8 @@ struct NewFile {
   std::string text;
 };
 
-// Writes each text to PATH.new first, then renames all files. Never replaces an existing file
-// without `replace`. Returns one line on failure; then no new file remains.
+// Writes to PATH.new first, then renames. Never replaces a file without `replace`. Returns one line
+// on failure; then no new file remains.
 [[nodiscard]] std::optional<std::string> write_new_files(const std::vector<NewFile>& files,
                                                          bool replace);
 

@@ -1,4 +1,3 @@
-// Reads frames for `fieldcast inspect` from a capture or from lines of a trace. Main thread.
 #pragma once
 
 #include <iosfwd>
@@ -10,19 +9,18 @@
 
 namespace fieldcast::cli {
 
-// Returns whether the stream starts like pcapng or pcap; pcap is refused later with a message.
-// Consumes nothing.
+// True for pcapng, and for pcap, which is refused later. Consumes nothing. Main thread.
 [[nodiscard]] bool is_capture(std::istream& in);
 
 // "x.pcapng": such a word is never a protocol.
 [[nodiscard]] bool has_name_of_capture(std::string_view path);
 
-// Shows every frame. If reading fails, prints the reason to `err` after the frames before it.
-// Returns kFound if a frame is invalid or the capture is truncated, kUsage if it is not a capture.
+// Prints a read fault to `err` after the frames before it. kFound: invalid frame or truncated
+// capture. kUsage: not a capture.
 [[nodiscard]] ExitCode show_capture(std::istream& in, const std::string& name, FrameReport& report,
                                     std::ostream& err);
 
-// Returns false if no line belongs to a trace; nothing was shown then.
+// False: no line belongs to a trace.
 [[nodiscard]] bool show_trace(std::string_view text, FrameReport& report);
 
 }  // namespace fieldcast::cli

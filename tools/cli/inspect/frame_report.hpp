@@ -1,5 +1,4 @@
-// Explains frames of a capture or trace, one after the other. With a configuration, also decodes
-// the values of responses. Writes to the given streams; main thread.
+// Explains frames of a capture or trace; with a configuration, also the values. Main thread.
 #pragma once
 
 #include <iosfwd>
@@ -34,7 +33,6 @@ class FrameReport {
   FrameReport(Options options, std::ostream& out, const Screen& screen);
 
   void show(const SeenFrame& frame);
-  // Prints a remark of a trace about an exchange.
   void remark(const std::string& time, const std::string& bus, const std::string& text);
 
   [[nodiscard]] std::size_t frames() const { return frames_; }

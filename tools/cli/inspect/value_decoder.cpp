@@ -24,7 +24,7 @@ Bytes request_of(const Protocol& protocol, const std::vector<Range>& ranges,
   return out;
 }
 
-// Compares requests, ignoring bytes that depend on the sequence number.
+// Ignores bytes that depend on the sequence number.
 bool is_request_of(const Protocol& protocol, const std::vector<Range>& ranges, ByteView frame) {
   if (!protocol.size(ReadRequest{ranges})) return false;
   const Bytes one = request_of(protocol, ranges, 0);
@@ -36,8 +36,7 @@ bool is_request_of(const Protocol& protocol, const std::vector<Range>& ranges, B
   return true;
 }
 
-// Returns the exchange of a request. The search for its sequence number starts at `sequence`, which
-// is set to the result.
+// Searches the sequence number from `sequence` on, and sets it.
 std::unique_ptr<Exchange> exchange_of(const Protocol& protocol, const std::vector<Range>& ranges,
                                       ByteView frame, std::uint16_t& sequence) {
   if (!is_request_of(protocol, ranges, frame)) return nullptr;
@@ -169,7 +168,7 @@ bool ValueDecoder::begin(const Asked& asked, ByteView frame) {
   return exchange_ != nullptr;
 }
 
-// Returns whether the frame is the next request of an exchange with several rounds.
+// True: the next request of an exchange with several rounds.
 bool ValueDecoder::goes_on(ByteView frame) {
   if (!exchange_) return false;
   if (next_.empty() && exchange_->on_silence(next_).kind != Step::Kind::kSend) next_.clear();

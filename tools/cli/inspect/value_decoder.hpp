@@ -1,10 +1,9 @@
-// Decodes frames of one bus with its configuration: requested channels and received values. Pure;
+// Decodes frames of one bus with its configuration by replaying the exchange (core/protocol). Pure;
 // owns the current exchange.
 //
-// The protocol (core/protocol) replays the exchange. The requested items are in the comment of a
-// Fieldcast capture; without one, the decoder generates requests that the bridge could have sent
-// and compares them. Writes, and requests of several ranges without a comment, are not decoded.
-// Nothing can fail: an unknown frame has no values.
+// The requested items are in the comment of a Fieldcast capture; otherwise the decoder compares
+// requests that the bridge could have sent. Writes, and lists of ranges without a comment, are not
+// decoded. Nothing can fail: an unknown frame has no values.
 #pragma once
 
 #include <memory>
@@ -33,7 +32,7 @@ class ValueDecoder {
 
   explicit ValueDecoder(const BusSpec& bus);
 
-  // Call it with all frames of the bus in order.
+  // All frames of the bus in order.
   [[nodiscard]] std::vector<DecodedValue> take(Direction direction, ByteView frame,
                                                std::string_view comment);
   // The device of the last request; before it, the first device.

@@ -38,8 +38,7 @@ std::string type_of(const ParsedAddress& address, const Protocol& protocol) {
   return type ? to_text(*type) : std::string();
 }
 
-// Returns whether a device of this family can have the channel. The catalogue does not contain a
-// bit or byte given by a separate key.
+// The catalogue does not contain a bit or byte given by a separate key.
 bool can_have(const Protocol& protocol, const KnownChannel& channel) {
   const auto address = protocol.parse_address(channel.at);
   const auto type = parse_type(channel.type);

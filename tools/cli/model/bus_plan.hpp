@@ -22,8 +22,8 @@ struct BusPlan {
   Prediction prediction;
 };
 
-// REQUIRES: `bus` is valid as from the loader. Channels on the same items of a device share a
-// point, as in the engine. Write-only, on-demand and on-interest channels cause no load.
+// REQUIRES: `bus` is valid as from the loader. Channels on the same items share a point.
+// Write-only, on-demand and on-interest channels cause no load.
 [[nodiscard]] BusPlan make_plan(const BusSpec& bus, Duration answer_time);
 
 }  // namespace fieldcast::cli

@@ -7,7 +7,6 @@
 namespace fieldcast::cli {
 namespace {
 
-// Advances virtual time in small steps and reports each.
 class Steps {
  public:
   Steps(sim::VirtualBus& bus, Duration length, const OnSimulated& on_simulated)
@@ -29,7 +28,6 @@ class Steps {
   const OnSimulated& on_simulated_;
 };
 
-// Unplugs and plugs the port at the times of the faults.
 void run(sim::VirtualBus& bus, const sim::BusFaults& faults, Instant end, Steps steps) {
   for (const sim::Window& window : faults.unplugged) {
     if (window.from >= end - Instant{}) break;

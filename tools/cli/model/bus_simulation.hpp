@@ -18,8 +18,7 @@ struct SimulationOptions {
   std::uint64_t seed = 1;
 };
 
-// Called about a hundred times with the finished share of the virtual time. Has no effect on the
-// result.
+// Called about a hundred times with the finished share.
 using OnSimulated = std::function<void(double share)>;
 
 struct BusSimulation {
@@ -32,7 +31,7 @@ struct BusSimulation {
 };
 
 // Devices respond after the plan's answer time, unless the faults differ. Deterministic for a seed.
-// Throws std::runtime_error if the bus cannot be simulated.
+// Throws std::runtime_error.
 [[nodiscard]] BusSimulation simulate(const BusPlan& plan, const sim::BusFaults& faults,
                                      const SimulationOptions& options,
                                      const OnSimulated& on_simulated = {});

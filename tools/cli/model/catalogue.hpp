@@ -1,5 +1,4 @@
-// The announced channels and reported devices of the domain, as far as received. A device only for
-// commands to addresses has no channel. Pure: the caller adds received messages.
+// Announced channels and reported devices, as far as received; a device may have no channel. Pure.
 #pragma once
 
 #include <map>
@@ -17,7 +16,7 @@ namespace fieldcast::cli {
 class Catalogue {
  public:
   void add(const StationChannel& channel);
-  // Returns true if it is new.
+  // True: new.
   bool add_device(const std::string& bus, const std::string& device);
   // No bridge of this site was found: its buses are unknown even if their names are correct.
   void add_silent_site(std::string site) { silent_sites_.insert(std::move(site)); }
@@ -30,8 +29,8 @@ class Catalogue {
   [[nodiscard]] bool empty() const { return devices_.empty(); }  // no bridge has reported
   [[nodiscard]] std::size_t count(const Pattern& pattern) const;
 
-  // For a pattern without a match: returns a matching one with its parts at device or channel level
-  // ("*/*/voltage" for "voltage"). Empty: none.
+  // Returns a matching pattern at device or channel level ("*/*/voltage" for "voltage"). Empty:
+  // none.
   [[nodiscard]] std::string meant_further_down(const Pattern& pattern) const;
 
   // Explains which part of the path is unknown, and suggests the closest name.

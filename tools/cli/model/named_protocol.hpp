@@ -1,5 +1,4 @@
-// A protocol named by the user: built in, the path of a declaration, or the name of an installed
-// one.
+// A protocol named by the user: built in, a declaration's path, or an installed one's name.
 #pragma once
 
 #include <iosfwd>
@@ -26,7 +25,7 @@ struct NamedProtocol {
   }
 };
 
-// Prints a fault of the name or the declaration to `err`; `command` is for example "inspect".
+// Prints faults to `err`; `command` is for example "inspect".
 [[nodiscard]] std::optional<NamedProtocol> named_protocol(const std::string& name,
                                                           std::string_view command,
                                                           std::ostream& err);

@@ -20,8 +20,7 @@ double RateMeter::rate(Instant now) const {
   if (!began_) return 0;
   const double elapsed = to_seconds(now - *began_);
   if (last_ != 0 && elapsed < to_seconds(kWindow)) return last_;
-  // The first window, or an old one: samples are slower or have stopped. Two samples make one
-  // interval; a burst at the start is not a rate.
+  // The first window, or an old one after samples stopped. A burst at the start is not a rate.
   return counted_ < 2 || elapsed < 0.1 ? 0 : static_cast<double>(counted_ - 1) / elapsed;
 }
 

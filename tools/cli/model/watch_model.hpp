@@ -1,5 +1,4 @@
-// Data of `fieldcast watch`: the newest sample of each matching channel and its rate. Pure: the
-// caller passes the time.
+// Newest sample and rate of each matching channel, for `fieldcast watch`. Pure.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +14,7 @@
 
 namespace fieldcast::cli {
 
-// Samples a second, measured over two seconds.
+// Measured over two seconds.
 class RateMeter {
  public:
   void count(Instant now);
@@ -42,10 +41,9 @@ class WatchModel {
   explicit WatchModel(Pattern pattern) : pattern_(std::move(pattern)) {}
 
   void on_channel(const StationChannel& channel);
-  // Returns false, and stores nothing, if the pattern does not match.
+  // False: the pattern does not match.
   bool on_sample(const StationSample& sample, Instant now);
   void on_gone(const ChannelPath& path);
-  // Sets the station's counters.
   void on_counters(const Station::BlockCounters& counters) { counters_ = counters; }
 
   [[nodiscard]] const Pattern& pattern() const { return pattern_; }
@@ -59,17 +57,15 @@ class WatchModel {
   [[nodiscard]] std::size_t sampled() const;  // channels with at least one sample
   // A bridge exists, with or without channels.
   [[nodiscard]] bool anything_announced() const { return announced_; }
-  // Announced channels that should send samples but have sent no real one yet; with an own
-  // interest, all channels should.
+  // Announced channels without a first sample; with an own interest, of any mode.
   [[nodiscard]] std::size_t awaited(bool interested = false) const;
 
-  // Explains why an interest at this refresh has no effect for some or all channels; empty if it
-  // holds for all. Call it after the bridges had time to receive the interest.
+  // Explains why an interest at this refresh has no effect for some channels. Call it after the
+  // bridges had time to receive it.
   [[nodiscard]] std::optional<std::string> interest_remark(Duration refresh) const;
 
   [[nodiscard]] const Station::BlockCounters& counters() const { return counters_; }
-  // Explains that this station is slower than the bridges, and its losses; empty: it is fast
-  // enough.
+  // Explains that this station is too slow, and its losses; empty: it is not.
   [[nodiscard]] std::optional<std::string> lag_remark() const;
 
   // "1234 samples of 100 channels, 98 of them GOOD"

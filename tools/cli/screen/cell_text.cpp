@@ -42,8 +42,7 @@ char32_t take_character(std::string_view& text) {
   return code;
 }
 
-// The blocks of right-to-left letters (Unicode Standard Annex 9). Direction marks are not
-// is_printable().
+// Right-to-left letters (Unicode Standard Annex 9). Direction marks are not is_printable().
 bool is_right_to_left(char32_t c) {
   const auto in = [c](char32_t first, char32_t last) { return c >= first && c <= last; };
   return in(0x0590, 0x08FF) || in(0xFB1D, 0xFDFF) || in(0xFE70, 0xFEFF) || in(0x10800, 0x10FFF) ||

@@ -1,5 +1,4 @@
-// Makes untrusted text safe for a screen of cells and fits it to columns. Pure functions;
-// thread-safe; nothing fails.
+// Makes untrusted text safe for a screen and fits it to columns. Pure functions; nothing fails.
 #pragma once
 
 #include <cstddef>
@@ -11,23 +10,21 @@
 
 namespace fieldcast::cli {
 
-// Escapes as core/base/escaped.hpp. Also escapes direction marks, right-to-left letters, characters
-// without a width and unknown characters as \u{5D0}. Afterwards columns_of() is exact. A character
-// keeps at most two combining marks.
+// Escapes as core/base/escaped.hpp, and direction marks, right-to-left letters and characters
+// without a known width, as \u{5D0}. A character keeps at most two combining marks.
 [[nodiscard]] std::string shown(std::string_view text);
 
 // Columns in a terminal; a wide character has two. REQUIRES: the text comes from shown().
 [[nodiscard]] std::size_t columns_of(std::string_view shown);
 
-// Returns the beginning that fits; never splits a wide character.
+// Never splits a wide character.
 [[nodiscard]] std::string cut(std::string_view shown, std::size_t columns);
 
-// Pads with spaces, or truncates with `~` in the last column, to exactly this width.
+// Pads with spaces, or truncates with `~`.
 [[nodiscard]] std::string fitted(std::string_view shown, std::size_t columns,
                                  Align align = Align::kLeft);
 
-// Wraps at spaces if possible; every line but the first starts with `indent` spaces. Returns at
-// least one line.
+// Wraps at spaces if possible; indents every line but the first. At least one line.
 [[nodiscard]] std::vector<std::string> wrapped(std::string_view shown, std::size_t columns,
                                                std::size_t indent = 0);
 

@@ -52,8 +52,7 @@ std::vector<FieldColumn> fields_for(std::size_t columns) {
   return fields;
 }
 
-// Warns if the age exceeds twice the refresh, whatever the quality is, because the bridge itself
-// may have stopped.
+// Warns above twice the refresh, because the bridge itself may have stopped.
 Tone tone_of_age(const StationSample& sample, const StationChannel* about, UtcTime now) {
   if (about == nullptr || about->refresh == Duration{} || sample.acquired_at.nanoseconds == 0)
     return Tone::kFaint;

@@ -1,4 +1,4 @@
-// Columns of the channel list, depending on the width of the screen. Pure functions.
+// Columns of the channel list by the width of the screen. Pure functions.
 #pragma once
 
 #include <cstddef>
@@ -10,16 +10,15 @@
 
 namespace fieldcast::cli {
 
-// Heads at 80 columns: channel, value, unit, quality, age, refresh. Wider screens add the rate,
-// narrower ones omit the least important. At 20 columns: name, value and one letter.
+// Heads at 80 columns: channel, value, unit, quality, age, refresh; wider ones add the rate. At 20
+// columns: name, value and one letter.
 [[nodiscard]] FrameLine channel_heads(std::size_t columns);
 
-// REQUIRES: the row is a channel. `grouped`: shows only the channel name, indented below its
-// device.
+// REQUIRES: a channel row. `grouped`: only the channel name, indented.
 [[nodiscard]] FrameLine channel_line(const ListRow& row, const StationChannel* about, bool grouped,
                                      const Moment& moment, std::size_t columns);
 
-// Order for a click on the heads at this column; empty if the column is not sortable.
+// Empty: the column is not sortable.
 [[nodiscard]] std::optional<ChannelOrder> order_at(std::size_t column, std::size_t columns);
 
 }  // namespace fieldcast::cli

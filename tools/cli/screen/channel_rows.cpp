@@ -10,7 +10,6 @@ namespace {
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-// A channel with its sort keys.
 struct Sortable {
   const ChannelEntry* entry;
   Rank rank;

@@ -25,13 +25,11 @@ struct ChannelChoice {
 
 [[nodiscard]] Rank rank_of(const WatchModel::Row& row);
 
-// The words of a filter in lower case.
 [[nodiscard]] std::vector<std::string> filter_words(std::string_view filter);
-// Returns whether each word occurs in the text; ignores the case of ASCII letters.
+// Each word must occur; ignores the case of ASCII letters.
 [[nodiscard]] bool has_words(std::string_view text, const std::vector<std::string>& words);
 
-// The sorted rows without members of folded groups. `item` of a channel points to its entry in
-// model.rows(), whose address is stable.
+// Without members of folded groups. `item` of a channel points to its entry in model.rows().
 struct ChannelRows {
   ListRows rows;
   std::size_t channels = 0, good = 0, bad = 0;  // of the model

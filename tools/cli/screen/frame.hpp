@@ -27,7 +27,6 @@ struct Frame {
   std::optional<std::pair<std::size_t, std::size_t>> cursor;  // row and column; empty: hidden
 };
 
-// The same moment on both clocks.
 struct Moment {
   Instant now{};
   UtcTime utc{};

@@ -1,4 +1,3 @@
-// One line of typed text. Pure value.
 #pragma once
 
 #include <string>
@@ -11,7 +10,7 @@ class LineEdit {
  public:
   static constexpr std::size_t kMostBytes = 256;  // further text is ignored
 
-  // Returns true if the key edits the text.
+  // True: the key edits the text.
   bool on_key(const Key& key) {
     if (key.kind == Key::Kind::kText) {
       if (text_.size() + key.text.size() <= kMostBytes) text_ += key.text;

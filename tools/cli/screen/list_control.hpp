@@ -1,5 +1,4 @@
-// Common part of all list screens: keys to move, fold, filter and show help, and the layout. Pure
-// values.
+// Keys and layout that all list screens share. Pure values.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +15,8 @@
 
 namespace fieldcast::cli {
 
-// Rows of each part; 0: hidden. On a small screen the list has priority, then the bottom line, the
-// title, the heads, the pane and the state.
+// Rows of each part; 0: hidden. Priority on a small screen: list, bottom line, title, heads, pane,
+// state.
 struct Layout {
   std::size_t columns = 80;
   std::size_t title = 0, state = 0, head = 0;  // 0 or 1
@@ -28,7 +27,6 @@ struct Layout {
 // `pane`: requested rows below the list. `must`: a question that the user must see.
 [[nodiscard]] Layout layout_of(const Screen& screen, std::size_t pane, bool must = false);
 
-// A key in the bottom line; a click on it has the same effect.
 struct BarKey {
   std::string_view label;  // "F1"
   std::string_view words;  // "help"
@@ -55,12 +53,10 @@ class ListControl {
   };
 
   [[nodiscard]] Took on_key(const Key& key);
-  // Returns the clicked key of the bottom line; empty for another place.
   [[nodiscard]] std::optional<Key> bar_key(const Key& click) const;
-  // Returns the clicked column of the heads; empty for another place.
   [[nodiscard]] std::optional<std::size_t> head_click(const Key& key) const;
 
-  // Draws the parts and stores their positions for clicks and pages.
+  // Stores the positions of the parts for clicks and pages.
   [[nodiscard]] Frame compose(const Layout& layout, const ScreenParts& parts);
 
   RowList list;
@@ -89,10 +85,9 @@ class ListControl {
   std::vector<BarPlace> bar_;
 };
 
-// Fills the columns exactly; truncates the rest.
 [[nodiscard]] FrameLine full_line(std::vector<Span> spans, std::size_t columns,
                                   bool inverse = false);
-// Joins as many pieces as fit with two spaces; truncates the first one if necessary.
+// Joins as many pieces as fit; truncates the first one if necessary.
 [[nodiscard]] std::string fitting_pieces(std::span<const std::string> pieces, std::size_t columns);
 
 }  // namespace fieldcast::cli

@@ -30,8 +30,8 @@ using ListRows = std::vector<ListRow>;
 
 class RowList {
  public:
-  // Replaces the rows. The selected row stays selected; if it was removed, the row at its position
-  // is selected. Before the first movement, the first row stays selected.
+  // The selected row stays selected, or the one at its position. Before the first movement, the
+  // first row stays selected.
   void assign(ListRows rows);
   [[nodiscard]] const ListRows& rows() const { return rows_; }
 
@@ -39,7 +39,7 @@ class RowList {
   [[nodiscard]] std::size_t index() const { return index_; }
   void select(std::size_t index);  // selects the last row if there are fewer
   void move(std::ptrdiff_t by);    // stops at the ends
-  // Returns the first visible row for this number of lines; follows the selection.
+  // First visible row for this number of lines; follows the selection.
   std::size_t top(std::size_t lines);
   // Scrolls as a mouse wheel does; moves the selection only to keep it visible.
   void scroll(std::ptrdiff_t by, std::size_t lines);

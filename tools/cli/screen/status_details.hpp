@@ -1,4 +1,3 @@
-// Details of a bus or device on the screens. Pure functions.
 #pragma once
 
 #include <cstddef>
@@ -10,11 +9,9 @@
 
 namespace fieldcast::cli {
 
-// "closed", "offline", with its colour; empty if unknown or healthy. REQUIRES: a path without a
-// channel.
+// "closed", "offline"; empty if unknown or healthy. REQUIRES: a path without a channel.
 [[nodiscard]] Span group_state(const StatusModel& model, const ChannelPath& id);
 
-// Returns the name, then each fact on one or more lines.
 [[nodiscard]] std::vector<FrameLine> status_details(const StatusModel& model, const ChannelPath& id,
                                                     UtcTime now, std::size_t columns);
 

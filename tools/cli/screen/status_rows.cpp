@@ -12,7 +12,6 @@ namespace {
 
 constexpr std::string_view kGroup = "group ";
 
-// A bus or a standby group with its selected members.
 struct StatusGroup {
   ListRow head;
   ListRows members;

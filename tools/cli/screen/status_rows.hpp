@@ -1,5 +1,4 @@
-// Selects and sorts the rows of `fieldcast status`: buses with their devices, standby groups with
-// their members. Pure.
+// Rows of `fieldcast status`: buses with devices, standby groups with members. Pure.
 #pragma once
 
 #include <string>
@@ -13,12 +12,11 @@ namespace fieldcast::cli {
 [[nodiscard]] Rank rank_of(const StationDeviceStatus& device);
 [[nodiscard]] Rank rank_of(const StandbyMessage& member);
 
-// A standby group is listed like a bus, and its members like devices. The name "group line-7" has a
-// space, so no bus has it.
+// A standby group is listed like a bus. "group line-7" has a space, so no bus has this name.
 [[nodiscard]] ChannelPath group_row_id(const std::string& group, const std::string& bridge = {});
-// Returns the standby group of a row; empty for a bus or device.
+// Empty for a bus or device.
 [[nodiscard]] std::string standby_group_of(const ChannelPath& id);
-// Null if the row is not a member of a standby group, or the member was removed.
+// Null: not a member, or removed.
 [[nodiscard]] const StandbyMessage* member_of(const StatusModel& model, const ChannelPath& id);
 
 struct StatusChoice {

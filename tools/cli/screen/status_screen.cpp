@@ -120,7 +120,6 @@ StatusCells device_cells(const StationDeviceStatus& device) {
   return cells;
 }
 
-// Cells of a standby group or a member.
 StatusCells standby_cells(const StatusModel& model, const ChannelPath& id) {
   StatusCells cells;
   if (id.device.empty()) {

@@ -1,6 +1,5 @@
-// The screen of `fieldcast status`: keys in, frames out. Lists buses with devices and standby
-// groups with members, bad ones first, and below them the details of the selected row. Pure: no
-// terminal, clock or DDS. Main thread; the model must outlive it.
+// The screen of `fieldcast status`: keys in, frames out. Pure: no terminal, clock or DDS. Main
+// thread; the model must outlive it.
 #pragma once
 
 #include <optional>
@@ -16,7 +15,7 @@ class StatusScreen {
  public:
   explicit StatusScreen(const StatusModel& model) : model_(model) {}
 
-  // Returns false if the user quits.
+  // False: the user quits.
   [[nodiscard]] bool on_key(const Key& key, const Moment& moment);
   // Shown if there are no rows.
   void set_notice(std::string notice) { notice_ = std::move(notice); }

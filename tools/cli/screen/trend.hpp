@@ -1,4 +1,4 @@
-// Recent values of channels that the user has selected, drawn as one line of text. Pure values.
+// Recent values of selected channels, drawn as one line of text. Pure values.
 #pragma once
 
 #include <cstddef>
@@ -29,7 +29,6 @@ class TrendBook {
   static constexpr std::size_t kMostChannels = 64;
   static constexpr std::size_t kMostPoints = 512;  // of each channel: the newest
 
-  // Stores values of this channel from now on.
   void follow(const ChannelPath& path);
   void add(const ChannelPath& path, const Value& value, UtcTime at);
   [[nodiscard]] const TrendPoints* find(const ChannelPath& path) const;
@@ -39,8 +38,8 @@ class TrendBook {
   std::list<ChannelPath> order_;  // in the order of follow()
 };
 
-// Draws the newest points, one in each column, scaled between minimum and maximum. With `unicode`
-// in eighths of a line, else in ASCII. Empty: no points.
+// One point in each column, scaled between minimum and maximum. With `unicode` in eighths of a
+// line, else in ASCII.
 [[nodiscard]] std::string sparkline(const TrendPoints& points, std::size_t columns, bool unicode);
 
 }  // namespace fieldcast::cli

@@ -1,5 +1,4 @@
-// Lower part of the screen of `fieldcast watch`: details of the selected row, and the dialogs of a
-// write.
+// Lower part of the screen of `fieldcast watch`: details, and the dialogs of a write.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -74,7 +73,7 @@ std::string trend_line(const TrendPoints& points, std::size_t columns, bool unic
 
 }  // namespace
 
-// Truncates the beginning of long text, because the user types at the end.
+// Truncates the beginning, because the user types at the end.
 std::string WatchScreen::input_text() const {
   std::string text = shown(typed_.text());
   const std::string before = columns_ < 44 ? "new " : "new value   ";

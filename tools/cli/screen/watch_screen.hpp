@@ -1,8 +1,6 @@
 // The screen of `fieldcast watch`: keys in, frames and intents out. Pure: no terminal, clock or
-// DDS. Main thread; the models must outlive it.
-//
-// The user types a value; the screen shows the old and the new one and returns a write intent only
-// after confirmation. One write at a time.
+// DDS. Main thread; the models must outlive it. A write intent needs a confirmation of the old and
+// new value; one write at a time.
 #pragma once
 
 #include <optional>
@@ -29,13 +27,11 @@ using Intent = std::variant<std::monostate, QuitIntent, WriteIntent>;
 
 class WatchScreen {
  public:
-  // `unicode`: the terminal supports Unicode.
   WatchScreen(const WatchModel& model, const StatusModel& status, bool unicode)
       : model_(model), status_(status), unicode_(unicode) {}
 
   void on_sample(const StationSample& sample);
   [[nodiscard]] Intent on_key(const Key& key, const Moment& moment);
-  // Result of the write.
   void on_outcome(const Outcome& outcome);
   // The notice is shown if there are no rows, the remark as a warning. Empty: none.
   void set_notice(std::string notice) { notice_ = std::move(notice); }

@@ -1,5 +1,4 @@
-// Formats alarms and actions of operators as text and JSON. Field names are those of the IDL. Pure
-// functions.
+// Formats alarms as text and JSON with IDL field names. Pure functions.
 #pragma once
 
 #include <map>
@@ -24,7 +23,7 @@ struct KnownAlarm {
 };
 using KnownAlarms = std::map<AlarmKey, KnownAlarm>;
 
-// Lists the alarms of is_shown(), most urgent first: not acknowledged, then by priority and age.
+// Alarms with is_shown(), most urgent first: not acknowledged, then by priority and age.
 [[nodiscard]] std::vector<std::string> alarm_lines(const KnownAlarms& alarms, UtcTime now,
                                                    const Screen& screen);
 [[nodiscard]] Json alarm_json(const AlarmKey& key, const KnownAlarm& known);

@@ -1,5 +1,4 @@
-// Formats buckets of channels as text, CSV and JSON. Pure functions; local times depend on the time
-// zone.
+// Formats buckets as text, CSV and JSON. Pure, except for local times.
 #pragma once
 
 #include <string>

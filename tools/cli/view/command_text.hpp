@@ -13,8 +13,7 @@
 
 namespace fieldcast::cli {
 
-// "BUS/DEVICE/CHANNEL=VALUE"; the value is everything after the first '=', and may be empty for a
-// string.
+// "BUS/DEVICE/CHANNEL=VALUE"; the value is everything after the first '='.
 struct Assignment {
   ChannelPath path;
   std::string value;
@@ -31,12 +30,11 @@ struct Assignment {
 [[nodiscard]] tl::expected<Encoding, std::string> with_byte(Encoding encoding,
                                                             std::string_view byte);
 
-// Parses a value for a channel of this type. The bridge checks the channel's limits. An integer
-// channel may be scaled, so fractions are accepted. The error is one human-readable line.
+// The bridge checks the channel's limits and scale, so fractions are accepted. The error is one
+// human-readable line.
 [[nodiscard]] tl::expected<Value, std::string> value_from_text(const Encoding& encoding,
                                                                std::string_view text);
 
-// A command with its result, or the reason why it was not sent.
 struct Outcome {
   enum class State : unsigned char { kResult, kRefusedHere, kNoResult, kNotSent };
   State state = State::kResult;
@@ -47,14 +45,12 @@ struct Outcome {
   std::string type, unit;     // of the channel, if known
 };
 
-// A local refusal: an unknown channel or an invalid value.
 [[nodiscard]] Outcome refused_here(const ChannelPath& path, bool write, Cause cause,
                                    std::string reason);
 
 [[nodiscard]] ExitCode exit_code_of(const Outcome& outcome);
 
-// "press-shop/press-1/running = true: verified (read back true) in 12 ms", "...: rejected: ...
-// (READ_ONLY)".
+// "press-shop/press-1/running = true: verified (read back true) in 12 ms".
 [[nodiscard]] std::string outcome_line(const Outcome& outcome);
 
 // {"request_id", "bus", "device", "target", "state", "cause", "reason", "device_code", "values",

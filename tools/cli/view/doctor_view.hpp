@@ -1,4 +1,3 @@
-// Formats the findings of `fieldcast doctor` as text and JSON. Pure.
 #pragma once
 
 #include <string>
@@ -10,7 +9,6 @@
 
 namespace fieldcast::cli {
 
-// One line for each, with its remedy below.
 [[nodiscard]] std::vector<std::string> doctor_lines(const std::vector<Finding>& findings,
                                                     const Screen& screen);
 

@@ -15,8 +15,7 @@ namespace fieldcast::cli {
 
 [[nodiscard]] std::size_t count_faults(std::span<const FrameField> fields);
 
-// One line for each field: offset, bytes, indented name and value. Faults follow, marked with "!!"
-// at the left.
+// One line for each field: offset, bytes, indented name and value. Faults follow, marked with "!!".
 [[nodiscard]] std::vector<std::string> inspect_lines(std::string_view protocol, ByteView frame,
                                                      std::span<const FrameField> fields,
                                                      const Screen& screen);

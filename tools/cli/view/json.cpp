@@ -11,8 +11,8 @@
 namespace fieldcast::cli {
 namespace {
 
-// Escapes characters that are not is_printable(), for example \u202e. All of them are at most
-// U+FFFF. They occur only in strings, where the writer has already escaped ASCII.
+// All characters that are not is_printable() are at most U+FFFF, and occur only in strings, where
+// the writer has already escaped ASCII.
 std::string without_unprintable(std::string_view json) {
   std::string out;
   out.reserve(json.size());

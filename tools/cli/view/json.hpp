@@ -11,12 +11,12 @@ namespace fieldcast::cli {
 
 using Json = nlohmann::ordered_json;  // keeps the order of fields
 
-// Plain JSON value: exact 64-bit integers, doubles that round-trip, null for NaN and infinities,
-// invalid UTF-8 as \xE4.
+// Exact 64-bit integers, doubles that round-trip, null for NaN and infinities, invalid UTF-8 as
+// \xE4.
 [[nodiscard]] Json to_json(const Value& value);
 
 // One line without line end. Invalid UTF-8 becomes U+FFFD; characters that are not is_printable()
-// (core/base/printable.hpp) are escaped, for example \u202e.
+// are escaped, for example \u202e.
 [[nodiscard]] std::string to_line(const Json& json);
 
 }  // namespace fieldcast::cli

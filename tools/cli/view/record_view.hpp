@@ -1,5 +1,4 @@
-// Formats records of the store as text, CSV and JSON. Field names are those of the IDL. Pure
-// functions.
+// Formats records of the store as text, CSV and JSON with IDL field names. Pure functions.
 #pragma once
 
 #include <string>

@@ -14,14 +14,14 @@ namespace fieldcast::cli {
 // the device sent one. A channel that was never read has the value null and acquired_at 0.
 [[nodiscard]] Json sample_json(const StationSample& sample);
 
-// A value with all its digits (core/base/number_text.hpp); a float32 with those of a float. `type`
-// is that of the catalogue; empty: double.
+// All digits (core/base/number_text.hpp); a float32 with those of a float. `type` is that of the
+// catalogue; empty: double.
 [[nodiscard]] std::string value_text(const Value& value, std::string_view type);
 
 [[nodiscard]] Tone tone_of(Quality quality);
 
-// "BAD_DEVICE_ERROR (02 illegal data address)": with the device's code, and its text if the address
-// notation determines the protocol. `about` may be null.
+// "BAD_DEVICE_ERROR (02 illegal data address)"; the text only if the address determines the
+// protocol. `about` may be null.
 [[nodiscard]] std::string quality_text(const StationSample& sample,
                                        const StationChannel* about = nullptr);
 

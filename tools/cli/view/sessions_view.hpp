@@ -1,4 +1,3 @@
-// Formats programming sessions as a table and as JSON lines. Pure.
 #pragma once
 
 #include <map>

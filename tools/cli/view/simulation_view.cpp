@@ -28,7 +28,6 @@ struct Row {
   }
 };
 
-// Rows of channels that are read by themselves.
 std::vector<Row> rows_of(const BusSimulation& simulation) {
   std::vector<Row> rows;
   std::size_t index = 0;

@@ -1,4 +1,3 @@
-// Formats the result of a simulated bus as text and JSON. Pure functions.
 #pragma once
 
 #include <string>
@@ -10,7 +9,7 @@
 
 namespace fieldcast::cli {
 
-// The totals, misses by cause, and the channels sorted by misses, then by tightness.
+// Totals, misses by cause, and the channels sorted by misses, then by tightness.
 [[nodiscard]] std::vector<std::string> simulation_lines(const BusSimulation& simulation,
                                                         const Screen& screen);
 

@@ -1,5 +1,4 @@
-// Named facts of a standby group and its members for the screen of `fieldcast status`. Pure
-// functions.
+// Named facts of standby groups for the screen of `fieldcast status`. Pure functions.
 #pragma once
 
 #include <string>

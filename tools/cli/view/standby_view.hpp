@@ -1,4 +1,3 @@
-// Formats members of standby groups as a table and as JSON lines. Pure.
 #pragma once
 
 #include <map>

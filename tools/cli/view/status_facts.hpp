@@ -1,5 +1,5 @@
-// Named facts of a bus and of a device, with units, for the screens and the text of `fieldcast
-// status`. Pure functions.
+// Named facts of buses and devices for the screens and the text of `fieldcast status`. Pure
+// functions.
 #pragma once
 
 #include <map>

@@ -63,7 +63,6 @@ int order_of(DeviceState state) {
   return 3;
 }
 
-// Adds the devices of one bus as a table, bad ones first, and below it their remarks.
 void add_devices(std::vector<std::string>& lines, const StatusModel& model, const std::string& bus,
                  const StationBusStatus* status, const Screen& screen) {
   std::vector<const DeviceEntry*> devices;

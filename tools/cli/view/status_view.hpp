@@ -1,4 +1,3 @@
-// Formats the status of buses and devices as tables and JSON lines. Pure.
 #pragma once
 
 #include <map>
@@ -13,13 +12,12 @@
 
 namespace fieldcast::cli {
 
-// For each bus its facts, a table of its devices (bad ones first), and remarks below. Wraps at the
-// screen's width, or at 80 columns.
+// Facts of each bus, its devices as a table (bad ones first), and remarks. Wraps at the screen's
+// width, or at 80 columns.
 [[nodiscard]] std::vector<std::string> status_lines(const StatusModel& model, UtcTime now,
                                                     const Screen& screen);
 
-// The fields of BusStatus and DeviceStatus by their IDL names; "topic" names the type. Times in
-// nanoseconds.
+// IDL field names, and "topic" with the type. Times in nanoseconds.
 [[nodiscard]] Json status_json(const StationBusStatus& status);
 [[nodiscard]] Json status_json(const StationDeviceStatus& status);
 

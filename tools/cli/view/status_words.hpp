@@ -1,5 +1,4 @@
-// Explains qualities, states and counters in words, for the screens and the text of `fieldcast
-// status`. Pure functions.
+// Explains qualities, states and counters in words. Pure functions.
 #pragma once
 
 #include <string>
@@ -15,15 +14,14 @@ namespace fieldcast::cli {
 // What to check for this cause: "baud rate, parity and stop bits". Empty: nothing specific.
 [[nodiscard]] std::string_view advice(Cause cause);
 
-// The causes in words, most frequent first: "no answer 12 times, checksum error 3 times". `most`:
-// maximum number; 0: all. The rest is counted: ".. and 2 more causes".
+// Most frequent first: "no answer 12 times, checksum error 3 times .. and 2 more causes". `most`:
+// maximum number; 0: all.
 [[nodiscard]] std::string causes_words(const CauseCounts& causes, std::size_t most = 0);
 
 // "running", "closed: no such device file. Look at ...": state, reason and fix.
 [[nodiscard]] std::string bus_words(const StationBusStatus& bus);
 
-// "offline: its bus is closed (no such device file)", "offline: it does not answer ...". `bus` is
-// null if unknown.
+// "offline: its bus is closed (no such device file)". `bus` is null if unknown.
 [[nodiscard]] std::string device_words(const StationDeviceStatus& device,
                                        const StationBusStatus* bus);
 

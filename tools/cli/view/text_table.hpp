@@ -29,10 +29,8 @@ struct Screen {
 // Escapes control characters of untrusted text (core/base/printable.hpp).
 [[nodiscard]] std::string printable(std::string_view text);
 
-// The first `columns` columns of text.
 [[nodiscard]] std::string clip(std::string_view utf8, std::size_t columns);
 
-// Adds the colour of the tone if `colour` is true.
 [[nodiscard]] std::string painted(std::string_view text, Tone tone, bool colour);
 
 class TextTable {
@@ -47,8 +45,7 @@ class TextTable {
   void add_row(std::vector<Cell> cells);
   [[nodiscard]] std::size_t rows() const { return rows_.size(); }
 
-  // Returns the title line and one line for each row, truncated to the screen's width. Ignores the
-  // height.
+  // One line for the titles and each row, truncated to the width. Ignores the height.
   [[nodiscard]] std::vector<std::string> render(const Screen& screen) const;
 
  private:

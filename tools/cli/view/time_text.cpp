@@ -13,7 +13,6 @@
 namespace fieldcast::cli {
 namespace {
 
-// Removes `digits` digits from the front of the text.
 std::optional<int> take_number(std::string_view& text, std::size_t digits) {
   if (text.size() < digits || text.substr(0, digits).find_first_not_of("0123456789") != text.npos)
     return std::nullopt;
@@ -84,7 +83,6 @@ std::optional<UtcTime> time_from(std::string_view text) {
   return time.nanoseconds < 0 ? std::nullopt : std::optional(time);
 }
 
-// Local time with its offset from UTC.
 std::string local_text(UtcTime time) {
   const std::time_t second = time.nanoseconds / 1'000'000'000;
   std::tm local{};

@@ -9,9 +9,8 @@
 
 namespace fieldcast::cli {
 
-// Accepts "2026-11-21", "2026-11-21T10:30", "2026-11-21 10:30:05.25", each UTC with or without a Z,
-// or with an offset such as +01:00 after the time of day. Also "2h", "30min", "1d" (before now) and
-// "now". The error is one human-readable line.
+// "2026-11-21", "2026-11-21T10:30", "2026-11-21 10:30:05.25" in UTC or with an offset such as
+// +01:00; "2h", "30min", "1d" before now; "now". The error is one human-readable line.
 [[nodiscard]] tl::expected<UtcTime, std::string> parse_time(std::string_view text, UtcTime now);
 
 enum class Zone : unsigned char { kUtc, kLocal };

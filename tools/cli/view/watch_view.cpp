@@ -16,8 +16,7 @@ std::string rate_text(double rate) {
   return buffer.data();
 }
 
-// Warns if the age exceeds twice the refresh, whatever the quality is, because the bridge itself
-// may have stopped.
+// Warns above twice the refresh, because the bridge itself may have stopped.
 Tone age_tone(const StationSample& sample, const StationChannel* about, UtcTime now) {
   if (about == nullptr || about->refresh == Duration{} || sample.acquired_at.nanoseconds == 0)
     return Tone::kFaint;

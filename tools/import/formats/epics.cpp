@@ -1,5 +1,5 @@
-// EPICS with the modbus module: a startup script with drvModbusAsynConfigure, and its records.
-// Files named in a script are looked up by file name among the inputs.
+// EPICS with the modbus module: a startup script and its records. Files named in a script are
+// looked up by file name among the inputs.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,7 +13,6 @@
 namespace fieldcast::importing {
 namespace {
 
-// An asyn port: the line.
 struct OctetPort {
   Port port;
   char parity = 'N';

@@ -153,7 +153,6 @@ class EpicsLoader {
         {std::string(path), origin, "the file is not among those that were given; give it, too"});
   }
 
-  // Loads an input file or a template of the module.
   void load_template(std::string_view path, const Macros& macros, const Origin& origin) {
     if (const SourceText* source = given(path)) return load_database(*source, macros, &origin);
     const std::string_view base = base_of(path);

@@ -1,6 +1,5 @@
-// Reads startup scripts, databases and substitutions of an EPICS IOC to ports and records. Pure.
-//
-// Limits: kMaxRecords records; expanded macros of kMaxExpanded bytes and 10 levels.
+// Reads startup scripts, databases and substitutions of an EPICS IOC. Pure. Limits: kMaxRecords
+// records; expanded macros of kMaxExpanded bytes and 10 levels.
 #pragma once
 
 #include <map>
@@ -29,12 +28,10 @@ struct EpicsRecord {
   Origin origin;
 };
 
-// One call of a startup script.
 struct IocCall {
   std::string command;
   std::vector<std::string> arguments;
   Origin origin;
-  // Empty for a missing argument.
   [[nodiscard]] std::string_view argument(std::size_t index) const {
     return index < arguments.size() ? std::string_view(arguments[index]) : std::string_view();
   }
@@ -50,12 +47,11 @@ struct EpicsFiles {
 
 [[nodiscard]] EpicsFiles load_epics(std::span<const SourceText> sources);
 
-// The script configures asyn or Modbus ports.
 [[nodiscard]] bool is_startup_script(std::string_view text);
 [[nodiscard]] bool is_database(std::string_view text);
 [[nodiscard]] bool is_substitutions(std::string_view text);
 
-// Parses a C number: decimal, 0x.., or octal with a leading 0. Empty for other text.
+// Decimal, 0x.., or octal with a leading 0.
 [[nodiscard]] std::optional<std::int64_t> c_number(std::string_view text);
 
 }  // namespace fieldcast::importing

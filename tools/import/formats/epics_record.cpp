@@ -140,7 +140,6 @@ class RecordReader {
     return read_typed(interface, offset);
   }
 
-  // Some bits of a 16-bit register.
   MayFail read_mask() {
     const std::int64_t mask = c_number(link_.mask).value_or(0xFFFF) & 0xFFFF;
     if (std::has_single_bit(static_cast<std::uint64_t>(mask))) {
@@ -191,8 +190,8 @@ class RecordReader {
       point_.changes.emplace_back("the number of the register, not its state");
   }
 
-  // @asynMask(PORT OFFSET BITS) of asynInt32: read values have so many bits, a negative number
-  // means signed. Written values are not masked.
+  // @asynMask(PORT OFFSET BITS) of asynInt32: bits of read values, negative: signed. Written values
+  // are not masked.
   MayFail read_bits(std::string_view interface) {
     if (!link_.masked || !interface.starts_with("asynInt32")) return std::nullopt;
     const auto said = c_number(link_.mask);
@@ -252,8 +251,7 @@ class RecordReader {
     return std::nullopt;
   }
 
-  // VAL = raw * ASLO + AOFF, then LINR. The device support of asynFloat64 ignores LINR; that of
-  // asynInt64 returns the raw number.
+  // VAL = raw * ASLO + AOFF, then LINR; asynFloat64 ignores LINR, asynInt64 returns the raw number.
   MayFail read_scale(std::string_view interface) {
     if (interface.starts_with("asynInt64")) return std::nullopt;
     if (const auto slope = number_field(record_, "ASLO"); slope && *slope != 0)

@@ -29,8 +29,7 @@ struct AsynLink {
 // Empty if the record has no asyn link.
 [[nodiscard]] std::optional<AsynLink> link_of(const EpicsRecord& record);
 
-// Appends the point of the record, or one for each element. Returns the reason if it cannot be
-// imported.
+// Appends one point for each element. Returns the reason if it cannot be imported.
 [[nodiscard]] std::optional<std::string> read_epics_record(const EpicsRecord& record,
                                                            const AsynLink& link,
                                                            const ModbusPort& port,

@@ -1,6 +1,4 @@
-// Record templates of the EPICS modbus module. Substitutions name them, but users need not pass
-// them as inputs. Pure.
-//
+// Record templates of the EPICS modbus module, which users need not pass. Pure.
 // Source: epics-modules/modbus modbusApp/Db.
 #pragma once
 
@@ -11,7 +9,7 @@
 
 namespace fieldcast::importing {
 
-// Returns the record with unexpanded macros; empty for other files.
+// Its macros are unexpanded; empty for other files.
 [[nodiscard]] std::optional<EpicsRecord> module_template(std::string_view file);
 
 // Records about the driver itself: statistics, delays, the asyn record.

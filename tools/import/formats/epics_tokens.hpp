@@ -1,5 +1,4 @@
-// Tokenizer of EPICS databases and substitutions: names, quoted texts, brackets and commas. Skips
-// comments. Pure.
+// Tokens of EPICS databases and substitutions: names, quoted texts, brackets, commas. Pure.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
-// Tag lists of KEPServerEX and related products (File > Export CSV). The list does not contain the
-// device settings for word order and address base; the driver's defaults are assumed.
+// Tag lists of KEPServerEX and related products. Word order and address base are not in the list;
+// the driver's defaults are assumed.
 //
 // Source: Kepware, feature page CSV import and export (columns); Modbus driver help (addresses,
 // data types); Modbus device defaults from github.com/atc-net/atc-kepware: zero-based addressing,
@@ -34,8 +34,7 @@ constexpr std::string_view kWithoutMeaning[] = {"respectdatatype", "scaleddataty
 
 constexpr unsigned kMaxArray = 1000;
 
-// Address of a tag of the Modbus drivers: "400001", "40001.5", "H400A1", "400001[10]",
-// "400001[2][5]", "400010.20H" of a string.
+// "400001", "40001.5", "H400A1", "400001[10]", "400001[2][5]", "400010.20H" of a string.
 struct KepwareAddress {
   Reference reference;
   unsigned elements = 0;  // 0: not an array

@@ -28,7 +28,6 @@ struct AddressParts {
 bool is_area_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
 bool is_decimal(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
-// Empty if the address has a different form.
 std::optional<AddressParts> parts_of(std::string_view text) {
   AddressParts parts;
   std::size_t at = 0;
@@ -121,7 +120,6 @@ Made omron_point(const AddressParts& parts, Point point) {
   return point;
 }
 
-// Appends consecutive elements of the same type.
 tl::expected<void, std::string> append_elements(std::string_view protocol, AddressParts parts,
                                                 const Point& point, std::vector<Point>& points) {
   if (point.type == ValueType::kBool || point.type == ValueType::kString)

@@ -17,9 +17,8 @@
 
 namespace fieldcast::importing {
 
-// `type`: data type of the tag in lower case, without " array"; `point` has everything but `at` and
-// `type`. Appends one point for each element. The error is the reason for a refusal; the validation
-// checks unknown addresses.
+// `type`: tag type in lower case, without " array"; `point` lacks only `at` and `type`. Appends one
+// point for each element. The error is the reason; the validation checks unknown addresses.
 [[nodiscard]] tl::expected<void, std::string> append_family_point(std::string_view protocol,
                                                                   std::string_view address,
                                                                   const std::string& type,

@@ -1,5 +1,5 @@
-// Determines the unit of a length column: words, bytes or bits. The unit must agree with types of
-// known width, or else with the distances of consecutive addresses. Pure.
+// Determines the unit of a length column by types of known width, or else by the distances of
+// consecutive addresses. Pure.
 #pragma once
 
 #include <array>
@@ -15,11 +15,10 @@ namespace fieldcast::importing {
 
 class LengthVote {
  public:
-  // Adds a value with a type of known width.
   void add_type(const Length& length, unsigned bits);
   // Adds a value whose successor is `step` registers after it.
   void add_step(const Length& length, std::uint32_t step);
-  // Returns the unit of the majority; empty without votes or in a tie.
+  // Empty without votes or in a tie.
   [[nodiscard]] std::optional<LengthUnit> unit() const;
 
  private:

@@ -1,5 +1,5 @@
-// Source: BlackZork/mqmgateway README.md, Data conversion. Further details are from stdconv/*.hpp:
-// divide and multiply treat two registers as signed, and bits count from 1.
+// Source: BlackZork/mqmgateway README.md, Data conversion, and stdconv/*.hpp: divide and multiply
+// treat two registers as signed, and bits count from 1.
 #include "tools/import/formats/mqm_converter.hpp"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
-// Converts mqmgateway converters, such as `std.divide(10)` or `expr.evaluate("int32(R0, R1) /
-// 100")`, to type and scale of a channel. Pure.
+// Converts `std.divide(10)` or `expr.evaluate("int32(R0, R1) / 100")` of mqmgateway to type and
+// scale. Pure.
 #pragma once
 
 #include <string>
@@ -20,7 +20,7 @@ struct Converted {
   std::string change;  // difference from the list; empty: none
 };
 
-// REQUIRES: `count`, the number of registers, is 1 to 125. The error names what is not supported.
+// REQUIRES: `count` registers, 1 to 125. The error names what is not supported.
 [[nodiscard]] tl::expected<Converted, std::string> convert_mqm(std::string_view converter,
                                                                unsigned count);
 

@@ -57,7 +57,6 @@ class MqmReader {
  public:
   MqmReader(const SourceText& source, Found& found) : source_(source), found_(found) {}
 
-  // Returns what is missing, or empty.
   std::optional<std::string> read(const Node& root);
 
  private:
@@ -93,7 +92,7 @@ class MqmReader {
     networks_[bus.name] = &network;
   }
 
-  // Returns the device of a slave with the settings of the network and of `slaves`.
+  // With the settings of the network and of `slaves`.
   Device& device_of(Bus& bus, std::uint16_t slave) {
     for (Device& device : bus.devices) {
       if (device.address == slave) return device;

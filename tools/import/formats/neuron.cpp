@@ -207,7 +207,6 @@ class NeuronReader {
 
   const SourceText& source_;
   Found& found_;
-  // Adds a guess if neither the node nor the user gives the base.
   void tell_base(bool known) {
     if (!known && !base_)
       found_.guesses.push_back({source_.file, 1,

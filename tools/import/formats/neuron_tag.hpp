@@ -9,7 +9,6 @@
 
 namespace fieldcast::importing {
 
-// A tag of the JSON or a table.
 struct NeuronTag {
   std::string name, address, type, attribute, description;
   std::optional<double> decimal, bias, interval_ms;

@@ -1,5 +1,4 @@
-// Readers of all formats, for the table in tools/import/format.cpp. Each is defined in the file of
-// its name.
+// Readers of all formats, each defined in the file of its name.
 #pragma once
 
 #include "tools/import/format.hpp"

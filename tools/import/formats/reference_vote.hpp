@@ -1,5 +1,5 @@
-// Determines whether numbers such as 40001 are references, which count from 1 with the area in the
-// first digit, or plain numbers. All valid rows are compared; conflicts are reported. Pure.
+// Determines whether numbers such as 40001 are references, which count from 1, or plain numbers.
+// All valid rows are compared. Pure.
 #pragma once
 
 #include <optional>
@@ -22,8 +22,8 @@ class ReferenceVote {
   };
   void add(const Row& row) { rows_.push_back(row); }
 
-  // Returns true if every row may be a reference and agrees with its function. Accepts a few
-  // contradictions if more rows in two areas agree; the caller refuses those rows.
+  // True if every row may be a reference. Accepts a few contradictions if more rows in two areas
+  // agree; the caller refuses those.
   [[nodiscard]] bool counts_from_one() const;
 
   // Describes conflicting rows; empty if there are none.

@@ -9,13 +9,12 @@
 
 namespace fieldcast::importing {
 
-// Address base of a part of a device.
 struct WbBase {
   std::uint32_t shift = 0;   // registers
   std::uint32_t stride = 0;  // multiplied by the registers of each value
 };
 
-// Fills a point that has its name and origin. Returns the reason if it cannot be imported.
+// `point` has its name and origin. Returns the reason if it cannot be imported.
 [[nodiscard]] std::optional<std::string> read_wb_channel(const Node& channel, const WbBase& base,
                                                          Point& point);
 

@@ -9,8 +9,7 @@ namespace {
 
 constexpr unsigned kMaxConditionDepth = 50;
 
-// or := and {"
-// " and}; and := comparison {"&&" comparison}; comparison := value [op value]
+// or := and {"||" and}; and := comparison {"&&" comparison}; comparison := value [op value]
 class ConditionParser {
  public:
   ConditionParser(std::string_view text, const ParameterValue& value_of)

@@ -1,5 +1,4 @@
-// Evaluates conditions of wb-mqtt-serial templates, which enable channels by device parameters.
-// Pure.
+// Evaluates conditions of wb-mqtt-serial templates. Pure.
 //
 // Source: wirenboard/wb-mqtt-serial src/expression_evaluator.cpp: comparisons with an unset
 // parameter are false, `!=` is true.

@@ -32,7 +32,6 @@ std::optional<Duration> milliseconds_at(const Node& map, std::string_view key) {
   return std::chrono::microseconds{static_cast<std::int64_t>(*number * 1000)};
 }
 
-// Reads the channels of a device or of a part.
 class WbDeviceReader {
  public:
   WbDeviceReader(const WbFile& file, const Node& device, Found& found)
@@ -51,7 +50,6 @@ class WbDeviceReader {
     template_ = child(template_device, "channels");
   }
 
-  // Copies device settings of the template.
   void describe(Device& device) {
     if (const auto timeout = milliseconds_at(device_, "response_timeout_ms");
         timeout && *timeout >= std::chrono::milliseconds{50})
@@ -78,7 +76,7 @@ class WbDeviceReader {
           fmt::format("{}: {} {} of the device are not moved", file_.source->file, count, words));
   }
 
-  // Channels by name; of duplicates the last.
+  // Of duplicates the last.
   using ByName = std::map<std::string_view, const Node*>;
   static ByName by_name(const Node* channels) {
     ByName named;
@@ -253,7 +251,6 @@ class WbReader {
         {std::move(name), {file.source->file, line_of(at)}, std::move(reason)});
   }
 
-  // Refuses a template that is not Modbus and returns false.
   bool is_modbus(const WbFile& file, const Node& device) {
     const std::string_view protocol = text_at(device, "protocol");
     if (protocol.empty() || protocol == "modbus" || protocol == "modbus-tcp") return true;
