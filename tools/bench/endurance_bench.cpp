@@ -1,6 +1,6 @@
 // Reads the maps of tests/maps on pseudo-terminals with wire timing, at 19200 and 115200 baud and
 // at 0.5 and 0.6 of the load bound (tests/plan/maps.hpp). Counts missed refreshes. Runs all four
-// lines at once, unless --one-by-one, --baud or --load select otherwise.
+// lines concurrently, unless --one-by-one, --baud or --load select otherwise.
 //
 // usage: endurance_bench [--seconds N] [--map 11|12|13|14] [--one-by-one] [--baud N] [--load SHARE]
 #include <algorithm>

@@ -46,7 +46,7 @@ SessionBook::Secret random_secret() {
   return secret;
 }
 
-// Creates a missing store, so that its users can be read; one that is unavailable may come later.
+// Creates a missing store, so that its users can be read; an unavailable one may return later.
 void make_store(const StoreAddress& address) {
   try {
     (void)fieldcast::open_store(address, IfMissing::kCreate);

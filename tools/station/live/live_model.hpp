@@ -57,6 +57,7 @@ class LiveModel {
   // Ignores a sample of a channel outside the catalogue. `now`: its arrival.
   void on_sample(const PathView& path, LiveValue value, Instant now);
   void on_sample(const StationSample& sample, Instant now = {});
+  // A good value becomes uncertain.
   void on_gone(const PathView& path);
   // Makes overdue good values uncertain and forgets at most kMostForgotten old channels. Call it
   // once a second. Returns the number of values that became uncertain.

@@ -1,5 +1,5 @@
-// Checks a request header before the parser, and refuses what a proxy could parse differently (RFC
-// 9112, 2.2, 5.1, 5.2, 6.1, 6.3), because the body could then smuggle a second request. Pure.
+// Checks a request header before the parser. Refuses what a proxy could parse differently
+// (RFC 9112, 2.2, 5.1, 5.2, 6.1, 6.3): the body could then smuggle a second request. Pure.
 #pragma once
 
 #include <cstddef>
