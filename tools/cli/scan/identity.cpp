@@ -13,13 +13,13 @@ namespace {
 
 constexpr std::uint8_t kFunction = 0x2B, kMeiType = 0x0E, kBasic = 0x01, kException = 0x80;
 constexpr std::size_t kHeader = 7;   // function .. number of objects
-constexpr std::size_t kObjects = 3;  // of the basic category: vendor, product code, revision
+constexpr std::size_t kObjects = 3;  // basic category: vendor, product code, revision
 constexpr std::uint32_t kUsualAnswer = 60;
 constexpr std::size_t kTcpHeader = 7;
 
 enum class Form : std::uint8_t { kRtu, kAscii, kTcp };
 
-// The length of the PDU that begins here; nothing: it is not all there, or no such PDU.
+// Length of the PDU that starts here; empty if it is incomplete or a different PDU.
 std::optional<std::size_t> pdu_length(ByteView pdu) {
   if (pdu.size() >= 2 && pdu[0] == (kFunction | kException)) return 2;
   if (pdu.size() < kHeader || pdu[0] != kFunction || pdu[1] != kMeiType) return std::nullopt;
@@ -31,7 +31,7 @@ std::optional<std::size_t> pdu_length(ByteView pdu) {
   return pdu.size() < length ? std::nullopt : std::optional(length);
 }
 
-// Of the bytes behind a text frame's colon; stops at what is no pair of digits.
+// Decodes the text after a frame's colon, up to the first invalid pair of digits.
 Bytes bytes_of_text(ByteView text) {
   Bytes bytes;
   for (std::size_t i = 0; i + 1 < text.size(); i += 2) {
@@ -42,7 +42,7 @@ Bytes bytes_of_text(ByteView text) {
   return bytes;
 }
 
-// The PDU of a unit's answer among all bytes, whose check is right; empty: there is none yet.
+// Finds the PDU of a valid response of this unit; empty if there is none yet.
 Bytes find_pdu(Form form, ByteView all, std::uint8_t unit) {
   for (std::size_t at = 0; at < all.size(); ++at) {
     ByteView frame = all.subspan(at);

@@ -19,7 +19,7 @@ struct HostLinkModel {
   std::string_view name;
 };
 
-// Omron W342, 4-3-30; the CPM2 and SRM1 by Omron W353, 4-5-26.
+// Omron W342, 4-3-30; the CPM2 and SRM1: Omron W353, 4-5-26.
 constexpr std::array kModels{
     HostLinkModel{0x01, "C250"},
     HostLinkModel{0x02, "C500"},
@@ -40,15 +40,15 @@ constexpr std::array kModels{
     HostLinkModel{0x42, "CVM1-CPU21-E"},
 };
 
-constexpr std::uint8_t kFinsModel = 0x30;  // that answers FINS, too
+constexpr std::uint8_t kFinsModel = 0x30;  // a model that also supports FINS
 constexpr std::size_t kMostReceived = 2048;
 constexpr std::uint32_t kModelAnswer = 13;  // @uuMM ee cc FCS * CR
 constexpr std::uint32_t kFinsAnswer = 211;  // @uuFA ee, 100 bytes as digits, FCS * CR
-// Of the FINS answer: ICF DA2 SA2 SID, command, end code, and two texts (W342, 5-3-15).
+// FINS response: ICF DA2 SA2 SID, command, end code, and two texts (W342, 5-3-15).
 constexpr std::size_t kCommandAt = 4, kEndAt = 6, kTextAt = 8, kTextSize = 20;
 constexpr std::array<std::uint8_t, 7> kReadCpuData{0, 0, 0, 0x01, 0x05, 0x01, 0};
 
-// A text that is filled with spaces or zeros at its end.
+// Removes trailing spaces and zeros.
 std::string field_text(ByteView field) {
   std::string text(field.begin(), field.end());
   text.erase(std::find(text.begin(), text.end(), '\0'), text.end());
@@ -84,7 +84,7 @@ class HostLinkIdentity final : public Exchange {
   const Reply& reply() const override { return reply_; }
 
  private:
-  // A whole frame with a right FCS, of whoever speaks there.
+  // Processes a frame with a valid FCS of any unit.
   Step take(ByteView text, Bytes& out) {
     if (text.size() < omron::kHeadSize || read_digits(text.subspan(1, 2), 10) != unit_)
       return Step::need_answer();
@@ -119,7 +119,7 @@ class HostLinkIdentity final : public Exchange {
     if (bytes->front() != 0 || message.size() < kTextAt + kTextSize) return done();
     if (message[3] != kReadCpuData[3] || read_u16(message, kCommandAt) != 0x0501)
       return Step::need_answer();
-    // Bits 6 and 7 only say that the CPU has errors.
+    // Bits 6 and 7 only report CPU errors.
     if ((read_u16(message, kEndAt) & 0xFF3F) != 0) return done();
     add(field_text(message.subspan(kTextAt, kTextSize)));
     if (message.size() >= kTextAt + 2 * kTextSize)
@@ -134,13 +134,13 @@ class HostLinkIdentity final : public Exchange {
     reply_.assign(1, RangeReply{Cause::kNone, 0, Bytes(text_.begin(), text_.end())});
     return Step::done();
   }
-  // What the first answer said stays, whatever comes of the second question.
+  // Keeps the first response if the second request fails.
   Step give_up(Cause cause, std::uint16_t code = 0) {
     return text_.empty() ? Step::failed(cause, code) : done();
   }
 
   const std::uint16_t unit_;
-  std::string text_;  // so far
+  std::string text_;  // received so far
   Reply reply_;
 };
 

@@ -28,7 +28,7 @@ void replace_all(std::string& text, std::string_view from, std::string_view to) 
     text.replace(at, from.size(), to), at += to.size();
 }
 
-// Dashes, blanks and dots of typesetters as those of a keyboard, words of ranges as two dots.
+// Replaces typographic dashes, blanks and dots by ASCII, and range words by two dots.
 std::string plain_signs(std::string_view cell) {
   std::string text(cell);
   for (const std::string_view dash : {"\u2010", "\u2011", "\u2012", "\u2013", "\u2014", "\u2212"})
@@ -39,7 +39,7 @@ std::string plain_signs(std::string_view cell) {
   return std::string(trimmed(text));
 }
 
-// "1,234", "1.000", "40 101", "1'234": three digits behind one to three.
+// "1,234", "1.000", "40 101", "1'234": groups of three digits after one to three.
 bool has_thousands(std::string_view text) {
   const std::size_t first = std::ranges::find_if_not(text, is_digit) - text.begin();
   if (first == 0 || first > 3 || first == text.size()) return false;
@@ -51,7 +51,7 @@ bool has_thousands(std::string_view text) {
   return true;
 }
 
-// One number, perhaps with its bit.
+// One number, optionally with a bit.
 Parsed single(std::string_view text, Notation notation) {
   text = trimmed(text);
   ListAddress address;
@@ -64,7 +64,7 @@ Parsed single(std::string_view text, Notation notation) {
     address.plain = static_cast<std::uint32_t>(*number);
     return address;
   }
-  // A blank stands between letters and a number alone: "HR 100", not "4 0010".
+  // A blank is allowed only between letters and a number: "HR 100", not "4 0010".
   for (std::size_t at = text.find(' '); at != std::string_view::npos; at = text.find(' ', at + 1)) {
     if (is_digit(text[at - 1]))
       return tl::unexpected(fmt::format("'{}' is no address: a blank stands in it", text));
@@ -82,7 +82,7 @@ Parsed single(std::string_view text, Notation notation) {
   return address;
 }
 
-// How far the second address is from the first one.
+// Distance from the first address to the second.
 std::optional<std::int64_t> steps(const ListAddress& first, const ListAddress& second) {
   if (first.plain && second.plain) return std::int64_t{*second.plain} - *first.plain;
   if (!first.reference || !second.reference) return std::nullopt;
@@ -90,7 +90,7 @@ std::optional<std::int64_t> steps(const ListAddress& first, const ListAddress& s
   return std::int64_t{second.reference->first} - first.reference->first;
 }
 
-// "30001/2": the last digits alone.
+// "30001/2": the second part has only the last digits.
 std::string whole_number(std::string_view first, std::string_view second) {
   if (all_digits(first) && all_digits(second) && second.size() < first.size() && second[0] != '0')
     return fmt::format("{}{}", first.substr(0, first.size() - second.size()), second);
@@ -135,7 +135,7 @@ Parsed without_remark(std::string_view text, Notation notation) {
     const std::size_t last = std::min(text.find_first_not_of('.', dots), text.size());
     return several(text, {text.substr(0, dots), text.substr(last)}, true, notation);
   }
-  // A spreadsheet with decimal commas wrote "40001,0".
+  // "40001,0" of a spreadsheet with decimal commas.
   if (const std::size_t comma = text.find(','); comma != std::string_view::npos) {
     const std::string_view behind = text.substr(comma + 1);
     if (!behind.empty() && behind.find_first_not_of('0') == std::string_view::npos)
@@ -153,7 +153,7 @@ Parsed without_remark(std::string_view text, Notation notation) {
   return single(text, notation);
 }
 
-// "100 (0x64)", "40001 (0)": the second number is the same one, or the one that counts from 0.
+// "100 (0x64)", "40001 (0)": the second number must be equal, or counted from 0.
 Parsed with_remark(std::string_view cell, std::string_view text, std::string_view remark,
                    Notation notation) {
   auto address = without_remark(trimmed(text), notation);

@@ -29,7 +29,8 @@ ListColumns::ListColumns(const Table& table, std::size_t header)
     length_unit = length_unit_of_title(titles.cell(*length));
 }
 
-// A column of types in which every cell names a table tells the areas; the types are in another.
+// A type column in which every cell names a table contains the areas; then a second column has the
+// types.
 void ListColumns::find_areas(const Table& table, std::size_t header) {
   std::vector<std::size_t> candidates = columns.others(Field::kType);
   if (const auto first = columns.index_of(Field::kType))
@@ -46,7 +47,7 @@ void ListColumns::find_areas(const Table& table, std::size_t header) {
   release_function(table, header);
 }
 
-// "Function" may tell what a value is good for.
+// A column "Function" may describe the purpose of a value instead.
 void ListColumns::release_function(const Table& table, std::size_t header) {
   const auto column = columns.index_of(Field::kArea);
   if (!column) return;
@@ -70,7 +71,7 @@ bool ListColumns::names_areas(const Table& table, std::size_t header, std::size_
   return any;
 }
 
-// "0012" beside "000C": all are hexadecimal, if each has as many digits, with zeros in front.
+// "0012" and "000C": all are hexadecimal if they have equal lengths and one has a leading zero.
 void ListColumns::find_hex(const Table& table, std::size_t header) {
   const Row* letters = nullptr;
   bool zeros = false, same = true;
@@ -101,8 +102,8 @@ void ListColumns::find_hex(const Table& table, std::size_t header) {
                 cell, letters->line);
 }
 
-// Makers mean two things by a gain: 10, by which the raw value is divided, or 0.1, by which it is
-// multiplied. Nobody divides by less than one; a column with both cannot be told.
+// "Gain" has two meanings: 10 divides the raw value, 0.1 multiplies it. A divisor below one is not
+// used; a column with both is unclear.
 void ListColumns::decide_gain(const Table& table, std::size_t header) {
   const auto column = columns.index_of(Field::kDivisor);
   if (!column || column_word(table.rows[header].cell(*column)) != "gain") return;
@@ -116,8 +117,7 @@ void ListColumns::decide_gain(const Table& table, std::size_t header) {
   gain = more && less ? Gain::kUnclear : less ? Gain::kMultiplies : Gain::kDivides;
 }
 
-// "40001 | 0000", "5001 | 5000": a second column of addresses has them as the protocol has them, or
-// the first one does.
+// "40001 | 0000", "5001 | 5000": one of two address columns has the protocol's addresses.
 void ListColumns::compare_addresses(const Table& table, std::size_t header) {
   for (const std::size_t column : columns.others(Field::kAddress)) {
     const std::string_view title = table.rows[header].cell(column);
@@ -128,7 +128,7 @@ void ListColumns::compare_addresses(const Table& table, std::size_t header) {
       const auto second = list_address_from(table.rows[i].cell(column), {second_hex});
       if (!listed || !second) continue;
       any = any || listed->plain || second->plain;
-      // 300001 can be a reference only.
+      // 300001 can only be a reference.
       const auto is_behind = [](const ListAddress& counted, std::optional<std::uint32_t> number) {
         return number && (counted.plain == *number + 1 ||
                           (counted.reference && counted.reference->first == *number));
@@ -143,7 +143,7 @@ void ListColumns::compare_addresses(const Table& table, std::size_t header) {
   }
 }
 
-// How the numbers of the factors are written, by all of them.
+// Learns the number style from all factors.
 void ListColumns::learn_style(const Table& table, std::size_t header) {
   for (std::size_t i = header + 1; i < table.rows.size(); ++i) {
     for (const Field field : {Field::kScale, Field::kDivisor})

@@ -1,5 +1,4 @@
-// What whole columns of a register list say: which is of what, how numbers are written, whether
-// bare addresses are hexadecimal, and what a gain means. Pure.
+// Analyses whole columns of a register list. Pure.
 #pragma once
 
 #include <optional>
@@ -13,19 +12,19 @@
 namespace fieldcast::importing {
 
 struct ListColumns {
-  // `header`: the row that names the columns.
+  // `header`: row with the titles.
   ListColumns(const Table& table, std::size_t header);
 
   enum class Gain { kNone, kDivides, kMultiplies, kUnclear };
 
   Columns columns;
-  std::optional<unsigned> counts_from;    // the addresses, as their title or a second column says
-  std::string counts_note;                // which of both; empty: neither
-  bool hex = false;                       // addresses without a mark
-  std::string hex_note;                   // why, or why perhaps; empty: nothing to tell
+  std::optional<unsigned> counts_from;    // first address number, from the title or a second column
+  std::string counts_note;                // which of the two; empty: neither
+  bool hex = false;                       // addresses without a mark are hexadecimal
+  std::string hex_note;                   // reason, certain or possible; empty: none
   NumberStyle style;                      // of the factors
-  Gain gain = Gain::kNone;                // of the column of divisors
-  std::optional<LengthUnit> length_unit;  // as the title says
+  Gain gain = Gain::kNone;                // of the divisor column
+  std::optional<LengthUnit> length_unit;  // from the title
 
  private:
   void compare_addresses(const Table& table, std::size_t header);

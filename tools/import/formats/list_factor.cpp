@@ -26,7 +26,7 @@ constexpr std::array kRaised{Sign{"\u2070", "0"}, Sign{"\u00B9", "1"}, Sign{"\u0
 
 bool is_numeral(char c) { return c >= '0' && c <= '9'; }
 
-// Signs as a keyboard has them; raised digits behind a digit become "^-3".
+// Replaces typographic signs by ASCII; raised digits after a digit become "^-3".
 std::string factor_signs(std::string_view cell) {
   std::string text;
   bool raised = false;
@@ -49,7 +49,7 @@ std::string factor_signs(std::string_view cell) {
   return std::string(trimmed(text));
 }
 
-// "1,000" may be one or a thousand, "1.000" too where others have decimal commas.
+// "1,000" may be one or a thousand, and so may "1.000" with decimal commas.
 bool has_two_meanings(std::string_view text, NumberStyle style) {
   const std::size_t at = text.find_first_of(",.");
   const std::size_t first = text.find_first_not_of("+-");
@@ -81,12 +81,12 @@ tl::expected<double, std::string> power(std::string_view text, NumberStyle style
   if (!base || !exponent || *exponent != std::floor(*exponent) ||
       std::abs(*exponent) > kLargestExponent)
     return tl::unexpected(std::string());
-  // 0.001 exactly as it is written, not as a product of tenths.
+  // Exactly 0.001, not a product of tenths.
   if (*base == 10) return number_from(fmt::format("1e{}", static_cast<int>(*exponent))).value_or(0);
   return std::pow(*base, *exponent);
 }
 
-// Products and quotients, from the left.
+// Products and quotients, from left to right.
 tl::expected<double, std::string> terms(std::string_view text, NumberStyle style) {
   double value = 1;
   char sign = '*';
@@ -109,7 +109,7 @@ tl::expected<double, std::string> terms(std::string_view text, NumberStyle style
   }
 }
 
-// Where the letters of a unit begin behind a number: "0.1 kWh", "0,01 m³/h".
+// Start of the unit after a number: "0.1 kWh", "0,01 m³/h".
 std::size_t unit_begin(std::string_view text) {
   for (std::size_t i = 1; i < text.size(); ++i) {
     const char c = text[i];
@@ -157,7 +157,7 @@ tl::expected<std::optional<Factor>, std::string> factor_from(std::string_view ce
   const std::string word = lower(text);
   for (const std::string_view none : {"", "-", "--", "none", "n/a", "na", "no", "keine"})
     if (word == none) return std::nullopt;
-  // "1 = 0.1": what one step of the raw value is.
+  // "1 = 0.1": one step of the raw value.
   if (const std::size_t at = text.find('='); at != std::string_view::npos) {
     if (number_from(text.substr(0, at)) != 1.0)
       return tl::unexpected(fmt::format("'{}' is not understood", cell));
@@ -171,7 +171,7 @@ tl::expected<std::optional<Factor>, std::string> factor_from(std::string_view ce
     factor.unit = name;
     text = trimmed(text.substr(0, unit));
   }
-  // "1 x 10-2": the raised digits were lost.
+  // "1 x 10-2": the exponent was not raised.
   std::string mended(text);
   if (const std::size_t at = text.find("10-");
       at != std::string_view::npos && at > 1 &&

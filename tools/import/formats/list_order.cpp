@@ -11,7 +11,7 @@
 namespace fieldcast::importing {
 namespace {
 
-// Bytes in the order of the wire, counted from 1 or from 0, as letters.
+// Bytes in wire order, counted from 1 or 0, as letters.
 struct OrderDigits {
   std::string_view word, letters;
 };
@@ -66,7 +66,7 @@ tl::expected<ListOrder, std::string> list_order_from(std::string_view cell, bool
 
 std::optional<Access> access_from(std::string_view cell) {
   const std::string word = column_word(cell);
-  // "R/WC" is written by a command of the device, not by a write to the register.
+  // "R/WC" is written by a device command, not by a register write.
   for (const std::string_view read :
        {"", "r", "ro", "read", "readonly", "rwc", "lesen", "l", "nurlesen"})
     if (word == read) return Access::kReadOnly;

@@ -27,7 +27,7 @@ void note_overlaps(std::vector<Placed> values) {
     return std::tuple(value.device, value.area, value.bit.has_value(), value.first,
                       value.bit.value_or(0));
   });
-  // The one that reaches farthest of those before.
+  // The previous value with the highest end.
   const Placed* last = nullptr;
   for (const Placed& value : values) {
     if (last && (!same_table(*last, value) || last->bit.has_value() != value.bit.has_value()))

@@ -1,5 +1,4 @@
-// Values of a list that lie on parts of the same registers: one of the two is wrong, most often by
-// its type or its address. Pure.
+// Finds values that overlap partly: one of the two is wrong, usually in its type or address. Pure.
 #pragma once
 
 #include <optional>
@@ -10,9 +9,8 @@
 
 namespace fieldcast::importing {
 
-// A value of the list at its place.
 struct Placed {
-  std::optional<std::uint16_t> device;  // those of one are compared
+  std::optional<std::uint16_t> device;  // only values of the same device are compared
   ModbusArea area = ModbusArea::kHolding;
   std::uint32_t first = 0;
   std::optional<std::uint8_t> bit;
@@ -20,8 +18,8 @@ struct Placed {
   Point* point = nullptr;
 };
 
-// Each value that shares registers with another one of other limits, or a bit with another one,
-// gets a note. Bits in a register, and two views of the same registers, are fine.
+// Adds a note to each value that shares some registers, or the same bit, with a different value.
+// Bits in a register, and two values of exactly the same registers, are allowed.
 void note_overlaps(std::vector<Placed> values);
 
 }  // namespace fieldcast::importing

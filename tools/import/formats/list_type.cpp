@@ -12,7 +12,7 @@
 namespace fieldcast::importing {
 namespace {
 
-constexpr std::uint64_t kLongest = 10'000;  // what is more is no length
+constexpr std::uint64_t kLongest = 10'000;  // a greater number is not a length
 
 bool is_blank(std::string_view cell) {
   return cell.empty() || cell == "-" || cell == "--" || cell == "\u2013";
@@ -29,7 +29,7 @@ std::optional<LengthUnit> unit_from(std::string_view word) {
   return std::nullopt;
 }
 
-// Names that only say what a number is like; a digit in them says how wide it is.
+// Names without a width; a digit in the name determines it.
 bool leaves_width_open(std::string_view cell) {
   std::string word = column_word(cell);
   if (const std::size_t at = word.find("754"); at != std::string::npos) word.erase(at, 3);
@@ -57,7 +57,7 @@ tl::expected<std::optional<Length>, std::string> length_from(std::string_view ce
   cell = trimmed(cell);
   if (is_blank(cell)) return std::nullopt;
   const std::size_t end = std::min(cell.find_first_not_of("0123456789"), cell.size());
-  // "2.0": a spreadsheet made a number with decimals of it.
+  // "2.0": a spreadsheet added decimals.
   const auto number = whole_from(cell.substr(0, end));
   const std::string_view rest = trimmed(cell.substr(end));
   const bool decimals = !rest.empty() && (rest[0] == '.' || rest[0] == ',') && rest.size() > 1 &&

@@ -208,13 +208,13 @@ constexpr ColumnName kListColumns[] = {
     {"refreshms", Field::kRefresh},
 };
 
-// Letters of other languages as the words above have them.
+// Letters of other languages, spelled as in the words above.
 constexpr std::pair<std::string_view, std::string_view> kLetters[] = {
     {"ä", "ae"}, {"ö", "oe"}, {"ü", "ue"}, {"Ä", "ae"}, {"Ö", "oe"},
     {"Ü", "ue"}, {"ß", "ss"}, {"é", "e"},  {"è", "e"},  {"ó", "o"},
     {"ñ", "n"},  {"à", "a"},  {"á", "a"},  {"í", "i"},  {"ç", "c"}};
 
-// What may stand behind the word of a title.
+// Suffixes allowed after the word of a title.
 constexpr std::string_view kRemarks[] = {
     "dec",         "decimal", "dez",    "dezimal",   "hex",       "hexadecimal",
     "hexadezimal", "1based",  "0based", "onebased",  "zerobased", "base1",
@@ -242,7 +242,7 @@ std::string list_title_word(std::string_view title) {
 
 }  // namespace
 
-// The offset is that of the register where no other column has the address, as Siemens has it.
+// If no other column has the address, "offset" is the register, as in Siemens lists.
 Columns list_columns(const Row& header) {
   Columns columns(header, kListColumns, list_title_word);
   const auto offset = columns.index_of(Field::kOffset);

@@ -1,4 +1,4 @@
-// What the titles of register lists mean: a row for each word that a list may have for a column.
+// Column titles of register lists.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@ namespace fieldcast::importing {
 
 [[nodiscard]] Columns list_columns(const Row& header);
 
-// From where the numbers in a column of addresses count, by its title; nothing: it does not say.
+// First number of the addresses as given in the title; empty if it is not.
 [[nodiscard]] std::optional<unsigned> first_address_of_title(std::string_view title);
 
 }  // namespace fieldcast::importing
