@@ -1,7 +1,5 @@
 // Sends 1 000 writes while the line is read at full load. Checks that each has one result and
 // reaches the device once; compares the time to a result with the time of one block.
-//
-// usage: command_bench
 #include <chrono>
 #include <condition_variable>
 #include <cstdio>

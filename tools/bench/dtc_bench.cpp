@@ -7,8 +7,6 @@
 // characters before and after a response (tests/plan/maps.hpp). A second table uses the bridge's
 // default silence. Compressed figures are of real packets over many rounds of data, with the
 // protocol's threshold for the line; the device compresses by the same rule.
-//
-// usage: dtc_bench
 #include <algorithm>
 #include <cstdio>
 #include <map>

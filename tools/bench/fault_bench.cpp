@@ -1,4 +1,4 @@
-// Ten devices on one line. First one is dead, then the responses of one are half noise. Measures
+// Ten devices on one line. First one of them is dead, then half of its responses are noise. Measures
 // the missed refreshes of the nine others.
 //
 // usage: fault_bench [--seconds N]

@@ -4,10 +4,10 @@
 
 namespace fieldcast::cli {
 
-// output_screen() is zero without a terminal. NO_COLOR is honoured (no-color.org).
 [[nodiscard]] bool output_is_terminal();
 // Standard output is a pipe; its reader may use the terminal, as less does.
 [[nodiscard]] bool output_is_pipe();
+// No size and no colour without a terminal. Honours NO_COLOR (no-color.org).
 [[nodiscard]] Screen output_screen();
 
 }  // namespace fieldcast::cli

@@ -82,7 +82,7 @@ SerialPortFacts port_facts(const Machine& machine, const std::string& bus,
   return facts;
 }
 
-// The kernel's flag; with another root, the file of the time service.
+// The file of systemd's time service, or else the kernel's flag, which every service sets.
 std::optional<bool> is_synchronised(const Machine& machine) {
   if (machine.has("/run/systemd/timesync/synchronized")) return true;
   if (!machine.is_this_one()) return std::nullopt;

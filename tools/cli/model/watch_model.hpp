@@ -57,7 +57,7 @@ class WatchModel {
   [[nodiscard]] std::size_t sampled() const;  // channels with at least one sample
   // A bridge exists, with or without channels.
   [[nodiscard]] bool anything_announced() const { return announced_; }
-  // Announced channels without a first sample; with an own interest, of any mode.
+  // Announced channels with a refresh but no sample yet; `interested`: also those without one.
   [[nodiscard]] std::size_t awaited(bool interested = false) const;
 
   // Explains why an interest at this refresh has no effect for some channels. Call it after the

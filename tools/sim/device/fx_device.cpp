@@ -60,7 +60,7 @@ std::vector<ItemArea> fx_areas() {
   return areas;
 }
 
-// Within a frame only STX is special. An ENQ is data, because a flipped bit changes `E` to ENQ.
+// Within a frame only STX starts a new one. An ENQ is data: a flipped bit changes `E` to ENQ.
 class FxReceiver : public Receiver {
  public:
   explicit FxReceiver(FxDevice& device) : device_(device) {}
