@@ -1,5 +1,5 @@
-// Measures the datagram guard before the DDS library: nanoseconds for each datagram, by its form,
-// with datagrams of many writers interleaved.
+// Measures the datagram guard before the DDS library: nanoseconds of one thread for each datagram,
+// by its form, with datagrams of many writers interleaved.
 //
 // usage: guard_bench [seconds of each measurement, 0.3]
 #include <chrono>

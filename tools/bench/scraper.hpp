@@ -7,6 +7,7 @@
 
 namespace fieldcast::bench {
 
+// Throws if there is no free port.
 [[nodiscard]] std::uint16_t free_tcp_port();
 
 class Scraper {

@@ -9,7 +9,7 @@
 namespace fieldcast::cli {
 
 // Regular files of at most config::kMaxFileBytes, together config::kMaxTotalBytes. The error has
-// the file, the fault and the fix.
+// the file, the fault and the fix. Main thread.
 [[nodiscard]] tl::expected<std::vector<importing::InputFile>, std::string> read_inputs(
     const std::vector<std::string>& paths);
 
