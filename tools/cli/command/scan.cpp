@@ -59,7 +59,7 @@ tl::expected<std::vector<ScanLine>, std::string> lines_of(
   return lines;
 }
 
-// The line as a capture has it: a device stands for each protocol that is tried.
+// The line in a capture: one device for each tried protocol.
 BusSpec captured_bus(const PortSpec& port, const std::vector<ScanLine>& lines) {
   BusSpec bus;
   bus.name = "line";
@@ -72,7 +72,7 @@ BusSpec captured_bus(const PortSpec& port, const std::vector<ScanLine>& lines) {
   }
   return bus;
 }
-// Which of these devices stands for the protocol of a line.
+// Index of the device that represents a line's protocol.
 std::size_t protocol_index(const std::vector<ScanLine>& lines, std::size_t line) {
   std::size_t index = 0;
   for (std::size_t i = 1; i <= line; ++i)
@@ -97,7 +97,7 @@ class Scan {
         [this] { progress_.show([this](Duration elapsed) { return progress(elapsed); }); });
   }
 
-  // Until it is over or interrupted. The error: the port does not open.
+  // Runs to the end or an interrupt. Fails if the port does not open.
   tl::expected<void, std::string> run() {
     auto done = ask_all();
     progress_.clear();
@@ -131,7 +131,7 @@ class Scan {
     return {};
   }
 
-  // The port and the protocol as the line has them.
+  // Opens the port with the line's format and creates its protocol.
   tl::expected<void, std::string> turn_to(std::size_t line) {
     if (line_ == line) return {};
     const ScanLine& next = scanner_.lines()[line];

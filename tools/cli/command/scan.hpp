@@ -1,5 +1,5 @@
-// `fieldcast scan`: finds the baud rate, the format and the devices of a line by questions that
-// change nothing in any device, and writes a first configuration.
+// `fieldcast scan`: finds baud rate, format and devices of a line by requests that change nothing,
+// and writes a first configuration.
 #pragma once
 
 #include <iosfwd>
@@ -26,7 +26,7 @@ struct ScanOptions {
   bool json = false;
 };
 
-// What was found until an interrupt is shown too.
+// Also shows what was found before an interrupt.
 [[nodiscard]] ExitCode scan(const ScanOptions& options, const Interrupt& interrupt,
                             std::ostream& out, std::ostream& err, const Screen& screen);
 

@@ -40,7 +40,7 @@ bool same_format(const LineFormat& a, const LineFormat& b) {
   return a.data_bits == b.data_bits && a.parity == b.parity && a.stop_bits == b.stop_bits;
 }
 
-// How protocols spell the first item of an area; of a record, its first value.
+// First item of an area in the protocol's notation; for a record its first value.
 std::optional<std::string> first_of(const NamedProtocol& named, const Protocol& protocol,
                                     AreaIndex index) {
   if (named.built_in == nullptr) {
@@ -80,7 +80,7 @@ std::vector<LineFormat> usual_formats(const NamedProtocol& protocol,
     usual.insert(usual.end(), kByteFormats.begin(), kByteFormats.end());
   else
     usual.insert(usual.end(), kTextFormats.begin(), kTextFormats.end());
-  // What was said holds also where it is not usual.
+  // The user's settings apply even if they are unusual.
   for (LineFormat& line : usual) {
     if (baud) line.baud = *baud;
     if (format) line = {line.baud, format->data_bits, format->parity, format->stop_bits};

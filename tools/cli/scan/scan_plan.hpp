@@ -1,5 +1,5 @@
-// What a scan asks, and in which order: lines (protocol, baud rate, format), on each the addresses.
-// Pure values and functions.
+// Requests of a scan and their order: lines (protocol, baud rate, format), and the addresses on
+// each. Pure values and functions.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace fieldcast::cli {
 
-// A question that changes nothing in any device: one item of an area is read.
+// A request that changes nothing in any device: reads one item of an area.
 struct ScanQuestion {
   std::string at;  // "holding:0"
   Range range;
@@ -27,14 +27,14 @@ struct ScanLine {
   std::vector<std::uint16_t> addresses;
 };
 
-// The protocol for a device at `address`; null: it has no such address.
+// The protocol for a device at `address`; null if it has no such address.
 [[nodiscard]] std::unique_ptr<Protocol> scan_protocol(const NamedProtocol& named,
                                                       std::uint16_t address);
-// The same for any device, to look at its areas and codes.
+// The same for any device, to inspect its areas and codes.
 [[nodiscard]] std::unique_ptr<Protocol> scan_protocol(const NamedProtocol& named);
 
-// The settings in which lines of a protocol are found, the commonest first; those of its factory
-// before all. With `baud` or `format` (its bits, parity and stop) only those that have them.
+// Usual settings of a protocol, most common first, after those of its factory. Only settings that
+// match `baud` and `format` (bits, parity and stop).
 [[nodiscard]] std::vector<LineFormat> usual_formats(const NamedProtocol& protocol,
                                                     std::optional<std::uint32_t> baud,
                                                     const std::optional<LineFormat>& format);
@@ -43,14 +43,14 @@ struct ScanLine {
 [[nodiscard]] tl::expected<std::vector<std::uint16_t>, std::string> addresses_from(
     std::string_view text);
 
-// Lines of a protocol: one for each format. Addresses that the protocol does not have are left out;
-// a protocol with one device on its line is asked once.
+// One line for each format. Omits addresses that the protocol does not have; a protocol with one
+// device on its line is requested once.
 [[nodiscard]] std::vector<ScanLine> scan_lines(const NamedProtocol& protocol,
                                                const std::vector<LineFormat>& formats,
                                                const std::vector<std::uint16_t>& addresses);
 
-// One or two questions, each of another area: what a device has not, it may leave unanswered. A
-// declared record is read whole.
+// One or two requests of different areas, because a device may ignore areas that it does not have.
+// A declared record is read completely.
 [[nodiscard]] std::vector<ScanQuestion> questions_of(const NamedProtocol& named,
                                                      const Protocol& protocol);
 

@@ -1,4 +1,4 @@
-// What a scan found, as lines for people, as JSON, and as a first configuration. Pure functions.
+// Formats the result of a scan as text, as JSON, and as a first configuration. Pure functions.
 #pragma once
 
 #include <string>
@@ -13,11 +13,11 @@
 
 namespace fieldcast::cli {
 
-// "modbus-rtu 9600 8N1"; without the format for a port that has no line.
+// "modbus-rtu 9600 8N1"; without the format for a TCP port.
 [[nodiscard]] std::string line_text(const ScanLine& line, bool serial);
 
-// "scanning: 11 %, 65s left at most, 2 found; modbus-rtu 9600 8N1, address 12". Of all questions,
-// as if nobody answered any more.
+// "scanning: 11 %, 65s left at most, 2 found; modbus-rtu 9600 8N1, address 12". Assumes that no
+// further device responds.
 [[nodiscard]] ProgressText scan_progress(const Scanner& scanner, Duration elapsed, bool serial);
 
 [[nodiscard]] std::vector<std::string> found_lines(const Scanner& scanner, bool serial,

@@ -25,7 +25,8 @@ void Scanner::answered(const ScanAnswer& answer) {
   const bool noise = answer.bytes > 0 && !answer.echo_alone;
   babble_ = noise ? babble_ + 1 : 0;
   if (answer.shape != AnswerShape::kOther) {
-    // The second question may fit by chance: an answer with another parity can begin right.
+    // The second request may match by chance: a response with a different parity can start
+    // correctly.
     if (pass_ == 0) settled_ = line_;
     broken_.push_back({line_, lines_[line_].addresses[index_], answer.shape});
   }
@@ -80,7 +81,7 @@ void Scanner::next_line() {
     ++pass_;
   }
   if (over() || !settled_) return;
-  // Who answered in the first pass is not asked again.
+  // Skips devices that responded in the first pass.
   const auto& addresses = lines_[line_].addresses;
   const auto silent = [&](std::uint16_t address) {
     return std::none_of(found_.begin(), found_.end(), [&](const ScanFound& found) {

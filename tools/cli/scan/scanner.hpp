@@ -22,11 +22,11 @@ struct ScanAsk {
 };
 
 struct ScanAnswer {
-  bool device = false;            // a device answered: with a value, or by refusing
-  Cause cause = Cause::kNone;     // of a refusal; of no answer
-  std::uint16_t device_code = 0;  // of a refusal
+  bool device = false;            // a device responded with a value or an error
+  Cause cause = Cause::kNone;     // of an error or a missing response
+  std::uint16_t device_code = 0;  // of an error
   Duration took{};
-  std::size_t bytes = 0;    // that came at all
+  std::size_t bytes = 0;    // received
   bool echo_alone = false;  // they are those that were sent: the adapter's, nobody else speaks
   AnswerShape shape = AnswerShape::kOther;  // of a broken answer
 };
@@ -39,8 +39,8 @@ struct ScanFound {
   std::string identity;  // what the device says of itself; empty: nothing
 };
 
-// An address from which broken answers come that begin like valid ones: the settings of the line
-// are probably right.
+// An address with invalid responses that start like valid ones: the settings of the line are
+// probably correct.
 struct ScanBroken {
   std::size_t line = 0;
   std::uint16_t address = 1;
@@ -49,17 +49,17 @@ struct ScanBroken {
 
 class Scanner {
  public:
-  // So many questions in a row that brought bytes and no answer: somebody else speaks there. Once
-  // more in the second pass, and the line is left at once.
+  // Consecutive requests with bytes but no valid response: the line has other traffic. The second
+  // pass leaves the line immediately.
   static constexpr unsigned kBabble = 8;
 
   explicit Scanner(std::vector<ScanLine> lines);
 
-  // Nothing: the scan is over.
+  // Empty at the end of the scan.
   [[nodiscard]] std::optional<ScanAsk> next() const;
-  // To what next() said.
+  // Result of the request of next().
   void answered(const ScanAnswer& answer);
-  // The line of next() cannot be asked (its port does not take the settings): it is left out.
+  // Skips the line of next(), because its port does not accept the settings.
   void skip_line();
 
   [[nodiscard]] const std::vector<ScanLine>& lines() const { return lines_; }
@@ -68,13 +68,13 @@ class Scanner {
     found_[found].identity = std::move(identity);
   }
   [[nodiscard]] std::size_t asked() const { return asked_; }
-  // That are still to be asked, unless a device answers.
+  // Remaining requests if no device responds.
   [[nodiscard]] std::size_t left() const;
-  // The lines on which bytes came that were no answer.
+  // Lines with bytes that were not a valid response.
   [[nodiscard]] const std::vector<std::size_t>& noisy_lines() const { return noisy_; }
-  // Addresses whose answers are broken, without those that answered another question.
+  // Addresses with only invalid responses, without those with a valid one to the second request.
   [[nodiscard]] std::vector<ScanBroken> broken() const;
-  // What was sent came back, and nothing else.
+  // All received bytes were an echo.
   [[nodiscard]] bool echoed() const { return echoed_; }
 
  private:
@@ -89,7 +89,7 @@ class Scanner {
   std::vector<std::size_t> noisy_;
   std::vector<ScanBroken> broken_;
   std::vector<std::size_t> babbling_;   // left in the first pass
-  std::optional<std::size_t> settled_;  // the line on which a device answered
+  std::optional<std::size_t> settled_;  // line with a response
   std::size_t pass_ = 0, line_ = 0, index_ = 0, asked_ = 0;
   unsigned babble_ = 0;
   bool echoed_ = false;
