@@ -38,7 +38,7 @@ using DomainEvent =
 // Bus of the event; empty if it has none.
 [[nodiscard]] std::string_view bus_of(const DomainEvent& event);
 
-// True: the event names a bus or device for the first time.
+// Returns true if the event names a bus or device for the first time.
 bool update(StatusModel& model, const DomainEvent& event);
 
 class DomainView {

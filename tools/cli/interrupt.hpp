@@ -22,8 +22,8 @@ class Interrupt {
 
   [[nodiscard]] bool raised() const { return raised_; }  // thread-safe
 
-  // Called once on this object's thread at a signal, or immediately if one has arrived. Replaces
-  // the previous function; empty: none.
+  // Calls `wake` once on this object's thread at a signal, or immediately if one has arrived.
+  // Replaces the previous function; an empty one removes it.
   void on_raise(std::function<void()> wake);
 
  private:

@@ -20,10 +20,10 @@ class StandbyWatch {
   explicit StandbyWatch(const Connection& connection);
 
   [[nodiscard]] StandbyModel model();
-  // False: after `end`, or when `give_up` returns true.
+  // Returns false after `end`, or when `give_up` returns true.
   [[nodiscard]] bool until(const std::function<bool(const StandbyModel&)>& condition, Instant end,
                            const std::function<bool()>& give_up);
-  // False: no bridge received it within the limit.
+  // Returns false if no bridge received the request within the limit.
   [[nodiscard]] bool request(const StandbyRequest& wanted, Duration limit);
 
  private:

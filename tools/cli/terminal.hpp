@@ -10,10 +10,11 @@
 
 namespace fieldcast::cli {
 
-// Uses the user's character set, or UTF-8 if that is not Unicode. True: non-ASCII may be drawn.
+// Uses the user's character set, or UTF-8 if that is not Unicode. Returns whether non-ASCII may be
+// drawn.
 bool use_terminal_locale();
 
-// Empty: a screen is possible. It needs a terminal for input and output with cursor movement.
+// Empty if a screen is possible. It needs a terminal for input and output with cursor movement.
 [[nodiscard]] std::string no_screen_reason();
 
 class Terminal {

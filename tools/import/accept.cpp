@@ -131,7 +131,7 @@ class Acceptance {
     }
   }
 
-  // False: no fault belongs to a point.
+  // Returns false if no fault belongs to a point.
   bool take_out(const std::vector<WrittenFile>& files, const std::vector<config::Fault>& faults) {
     Blamed bad;
     for (const config::Fault& fault : faults) {

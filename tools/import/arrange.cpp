@@ -53,7 +53,7 @@ void merge_devices(Bus& bus) {
   bus.devices = std::move(merged);
 }
 
-// For buses without a port, and for a single bus. True: a port was guessed.
+// Sets the port of buses without one, and of a single bus. Returns true if it was guessed.
 bool set_ports(std::vector<Bus>& buses, const ImportOptions& options, Found& found) {
   const bool said = !options.port.serial.empty() || !options.port.tcp.empty();
   bool guessed = false;

@@ -8,7 +8,7 @@
 
 namespace fieldcast::importing {
 
-// "--baud: baud 115000 is no rate of serial ports; allowed: ..". Empty: valid.
+// "--baud: baud 115000 is no rate of serial ports; allowed: ..". Empty if the options are valid.
 [[nodiscard]] std::optional<std::string> fault_of_options(const ImportOptions& options);
 
 }  // namespace fieldcast::importing

@@ -28,7 +28,7 @@ void append_utf8(std::string& text, std::uint32_t code) {
   }
 }
 
-// 0: not a first byte.
+// Returns 0 for a byte that cannot be the first one.
 std::size_t sequence_bytes(unsigned char first) {
   if (first < 0x80) return 1;
   if (first >= 0xC2 && first < 0xE0) return 2;

@@ -29,7 +29,7 @@ class PlantLoop : private Watcher {
   // Opens every port; on failure closes the opened ones.
   [[nodiscard]] tl::expected<void, std::string> open();
   [[nodiscard]] std::vector<std::string> locations() const;
-  // Runs until the end time, SIGINT or SIGTERM. False: the report cannot be written.
+  // Runs until the end time, SIGINT or SIGTERM. Returns false if the report cannot be written.
   [[nodiscard]] bool run();
 
  private:

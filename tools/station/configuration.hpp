@@ -30,7 +30,7 @@ struct StationSpec {
   std::vector<DdsSite> sites{DdsSite{}};  // one without a name, or several named ones
   LogSpec log;
   WebSpec web;
-  // `samples`: patterns of the recorded channels; empty: records nothing.
+  // `samples` has the patterns of the recorded channels; an empty list records nothing.
   std::optional<StoreSpec> store;
 };
 

@@ -13,7 +13,7 @@
 
 namespace fieldcast::web {
 
-// Empty: clients must log in. `users`: number of users; empty if unknown.
+// Empty if clients must log in. `users`: number of users; empty if unknown.
 [[nodiscard]] std::optional<Role> local_role_of(const StationSpec& spec,
                                                 std::optional<std::size_t> users);
 

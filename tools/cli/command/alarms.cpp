@@ -31,7 +31,7 @@ struct Told {
   KnownAlarms alarms;
   Listening listening;
 
-  // True: the event is new.
+  // Returns true if the event is new.
   bool note(const DomainEvent& event) {
     if (const auto* bus = std::get_if<StationBusStatus>(&event))
       return !listening.heard_site_of(bus->bus);

@@ -20,7 +20,7 @@ struct AlarmsOptions {
   StoreSource source;
   std::optional<TimeSpan> span;  // of the store; empty: current alarms of the bridges
   bool json = false;             // also lists current alarms that are clear
-  // Empty: show the alarms.
+  // Empty to show the alarms.
   std::optional<AlarmActionKind> action;
   Pattern pattern;                 // of the channels or the device
   std::optional<LimitKind> limit;  // empty: all limits
@@ -28,7 +28,7 @@ struct AlarmsOptions {
   std::string note;
 };
 
-// kOk if a bridge reported, with or without alarms, else kNoBridge. Throws DdsError.
+// Returns kOk if a bridge reported, with or without alarms, else kNoBridge. Throws DdsError.
 [[nodiscard]] ExitCode alarms(const AlarmsOptions& options, const Connection& connection,
                               Interrupt& interrupt, std::ostream& out, std::ostream& err);
 // `by`: the acting user. kNothing if no alarm matches, else the worst result. Throws DdsError.
@@ -36,7 +36,7 @@ struct AlarmsOptions {
 [[nodiscard]] ExitCode act_on_alarms(const AlarmsOptions& options, const std::string& by,
                                      const Connection& connection, Interrupt& interrupt,
                                      std::ostream& out, std::ostream& err);
-// kOk if alarms were found, else kNothing. Throws StoreError.
+// Returns kOk if alarms were found, else kNothing. Throws StoreError.
 [[nodiscard]] ExitCode stored_alarms(const AlarmsOptions& options, std::ostream& out,
                                      std::ostream& err);
 

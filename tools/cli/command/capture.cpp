@@ -117,7 +117,7 @@ class Capturing {
   }
 
  private:
-  // False: end of the stream.
+  // Returns false at the end of the stream.
   bool take() {
     buffer_.resize(65536);
     const auto got = ::recv(socket_.get(), buffer_.data(), buffer_.size(), MSG_DONTWAIT);
@@ -129,7 +129,7 @@ class Capturing {
     return !cutter_.broken();
   }
 
-  // False: writing failed.
+  // Returns false if writing fails.
   bool write(const BlockCutter::Block& block) {
     const bool packet = block.type == pcapng::kEnhancedPacket;
     full_ |=

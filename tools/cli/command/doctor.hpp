@@ -15,7 +15,7 @@ struct DoctorOptions {
   bool json = false;
 };
 
-// kOk, kFound if part of the configuration cannot run, kUsage if the file has faults.
+// Returns kFound if part of the configuration cannot run, kUsage if the file has faults.
 [[nodiscard]] ExitCode doctor(const DoctorOptions& options, std::ostream& out, std::ostream& err,
                               const Screen& screen);
 

@@ -28,8 +28,8 @@ struct HistoryOptions {
   bool json = false;
 };
 
-// kOk, kNothing with the reason, or kInterrupted after a whole line. `interrupt` may be null.
-// Throws StoreError.
+// Returns kOk, kNothing with the reason, or kInterrupted after a whole line. `interrupt` may be
+// null. Throws StoreError.
 [[nodiscard]] ExitCode history(const HistoryOptions& options, std::ostream& out, std::ostream& err,
                                const Interrupt* interrupt = nullptr);
 

@@ -19,7 +19,7 @@ struct InspectOptions {
   bool fields = false;  // prints every field of each frame of a capture or trace
 };
 
-// kOk, kFound if a frame is invalid or a capture is truncated, kUsage for invalid input.
+// Returns kFound if a frame is invalid or a capture is truncated, kUsage for invalid input.
 [[nodiscard]] ExitCode inspect(const InspectOptions& options, std::istream& in, std::ostream& out,
                                std::ostream& err, const Screen& screen);
 

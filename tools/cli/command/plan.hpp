@@ -20,7 +20,7 @@ struct PlanOptions {
   std::string faults;  // file with the faults of the simulated plant; empty: none
 };
 
-// kOk, kFound if a bus cannot keep its refresh times, kUsage if a file has faults.
+// Returns kFound if a bus cannot keep its refresh times, kUsage if a file has faults.
 [[nodiscard]] ExitCode plan(const PlanOptions& options, std::ostream& out, std::ostream& err,
                             const Screen& screen);
 

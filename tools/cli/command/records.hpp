@@ -18,7 +18,7 @@ struct AuditOptions {
   bool json = false;
 };
 
-// kOk if there are records, else kNothing. Throw StoreError.
+// Return kOk if there are records, else kNothing. Throw StoreError.
 [[nodiscard]] ExitCode devices(const DevicesOptions& options, std::ostream& out, std::ostream& err);
 [[nodiscard]] ExitCode audit(const AuditOptions& options, std::ostream& out, std::ostream& err);
 

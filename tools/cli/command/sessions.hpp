@@ -18,7 +18,7 @@ struct SessionsOptions {
   std::optional<Duration> time;
 };
 
-// kOk if a bridge reported, with or without sessions, else kNoBridge. Throws DdsError.
+// Returns kOk if a bridge reported, with or without sessions, else kNoBridge. Throws DdsError.
 [[nodiscard]] ExitCode sessions(const SessionsOptions& options, const Connection& connection,
                                 Interrupt& interrupt, std::ostream& out, std::ostream& err);
 

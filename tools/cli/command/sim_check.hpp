@@ -17,7 +17,7 @@ struct SimCheckOptions {
   bool json = false;
 };
 
-// kOk, kFound if a check failed, kUsage for an unknown protocol or an invalid declaration.
+// Returns kFound if a check failed, kUsage for an unknown protocol or an invalid declaration.
 [[nodiscard]] ExitCode sim_check(const SimCheckOptions& options, std::ostream& out,
                                  std::ostream& err, const Screen& screen);
 

@@ -17,7 +17,7 @@ struct StandbyOptions {
   std::string wanted;  // for `take`: a bridge, or a group, whose best waiting bridge takes over
 };
 
-// kOk if a member reported, else kNoBridge. For `take`: kOk, kNothing for an unknown name,
+// Returns kNoBridge if no member reported. For `take`: returns kNothing for an unknown name,
 // kRejected if it is not ready, kNoAnswer if nothing changed. Throws DdsError.
 [[nodiscard]] ExitCode standby(const StandbyOptions& options, const Connection& connection,
                                Interrupt& interrupt, std::ostream& out, std::ostream& err);

@@ -15,11 +15,11 @@ struct StatusOptions {
   ConnectionOptions connection;
   bool json = false;
   bool screen = true;  // if the output is a terminal
-  // Empty: print once, or show the screen until the user quits.
+  // Empty to print once, or to show the screen until the user quits.
   std::optional<Duration> time;
 };
 
-// kOk if a bus reported, else kNoBridge. Throws DdsError.
+// Returns kOk if a bus reported, else kNoBridge. Throws DdsError.
 [[nodiscard]] ExitCode status(const StatusOptions& options, const Connection& connection,
                               Interrupt& interrupt, std::ostream& out, std::ostream& err);
 

@@ -16,8 +16,8 @@ struct UserOptions {
   Action action = Action::kList;
   std::string name;
   Role role = Role::kViewer;
-  // The password is its first line; empty: prompt, or the first line of `in`. Never an argument,
-  // which others could read.
+  // The password is the first line of this file. If empty: a prompt, or the first line of `in`.
+  // Never an argument, which other users could read.
   std::string password_file;
   bool json = false;
 };

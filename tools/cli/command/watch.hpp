@@ -23,8 +23,8 @@ struct WatchOptions {
   std::optional<Duration> refresh;  // requested refresh while the command runs
 };
 
-// kOk if samples arrived or Ctrl-C ended an endless watch; else kNothing, kNoBridge. Throws
-// DdsError.
+// Returns kOk if samples arrived or Ctrl-C ended an endless watch; else kNothing or kNoBridge.
+// Throws DdsError.
 [[nodiscard]] ExitCode watch(const WatchOptions& options, const Connection& connection,
                              Interrupt& interrupt, std::ostream& out, std::ostream& err);
 

@@ -28,7 +28,7 @@ struct Finding {
 // In the order of the checks; unknown facts have no finding.
 [[nodiscard]] std::vector<Finding> findings_of(const MachineFacts& facts);
 
-// kOk if there are no findings.
+// Returns kOk if there are no findings.
 [[nodiscard]] Severity worst_of(const std::vector<Finding>& findings);
 
 }  // namespace fieldcast::cli

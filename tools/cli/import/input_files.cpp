@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMebibyte = 1u << 20;
 
-// Empty: the file may be read.
+// Returns an empty text if the file may be read.
 std::string fault_of(const std::string& path, std::size_t bytes_so_far) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);

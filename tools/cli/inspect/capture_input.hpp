@@ -15,12 +15,12 @@ namespace fieldcast::cli {
 // "x.pcapng": such a word is never a protocol.
 [[nodiscard]] bool has_name_of_capture(std::string_view path);
 
-// Prints a read fault to `err` after the frames before it. kFound: invalid frame or truncated
-// capture. kUsage: not a capture.
+// Prints a read fault to `err` after the frames before it. Returns kFound for an invalid frame or a
+// truncated capture, kUsage if it is not a capture.
 [[nodiscard]] ExitCode show_capture(std::istream& in, const std::string& name, FrameReport& report,
                                     std::ostream& err);
 
-// False: no line belongs to a trace.
+// Returns false if no line belongs to a trace.
 [[nodiscard]] bool show_trace(std::string_view text, FrameReport& report);
 
 }  // namespace fieldcast::cli

@@ -168,7 +168,7 @@ bool ValueDecoder::begin(const Asked& asked, ByteView frame) {
   return exchange_ != nullptr;
 }
 
-// True: the next request of an exchange with several rounds.
+// Returns true for the next request of an exchange with several rounds.
 bool ValueDecoder::goes_on(ByteView frame) {
   if (!exchange_) return false;
   if (next_.empty() && exchange_->on_silence(next_).kind != Step::Kind::kSend) next_.clear();

@@ -17,7 +17,7 @@ struct BusPlan {
   std::vector<std::unique_ptr<Protocol>> protocols;  // one for each device; `input` points to them
   Duration answer_time{};                            // assumed for every device
   ScheduleInput input;
-  // For each channel in the order of the spec; empty: never read by itself.
+  // For each channel in the order of the spec; empty if it is never read by itself.
   std::vector<std::optional<PointIndex>> point_of;
   Prediction prediction;
 };

@@ -16,7 +16,7 @@ namespace fieldcast::cli {
 class Catalogue {
  public:
   void add(const StationChannel& channel);
-  // True: new.
+  // Returns true if the device is new.
   bool add_device(const std::string& bus, const std::string& device);
   // No bridge of this site was found: its buses are unknown even if their names are correct.
   void add_silent_site(std::string site) { silent_sites_.insert(std::move(site)); }
@@ -29,8 +29,8 @@ class Catalogue {
   [[nodiscard]] bool empty() const { return devices_.empty(); }  // no bridge has reported
   [[nodiscard]] std::size_t count(const Pattern& pattern) const;
 
-  // Returns a matching pattern at device or channel level ("*/*/voltage" for "voltage"). Empty:
-  // none.
+  // Returns a matching pattern at device or channel level ("*/*/voltage" for "voltage"), or an
+  // empty text.
   [[nodiscard]] std::string meant_further_down(const Pattern& pattern) const;
 
   // Explains which part of the path is unknown, and suggests the closest name.

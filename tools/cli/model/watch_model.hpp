@@ -41,7 +41,7 @@ class WatchModel {
   explicit WatchModel(Pattern pattern) : pattern_(std::move(pattern)) {}
 
   void on_channel(const StationChannel& channel);
-  // False: the pattern does not match.
+  // Returns false if the pattern does not match.
   bool on_sample(const StationSample& sample, Instant now);
   void on_gone(const ChannelPath& path);
   void on_counters(const Station::BlockCounters& counters) { counters_ = counters; }
@@ -65,7 +65,7 @@ class WatchModel {
   [[nodiscard]] std::optional<std::string> interest_remark(Duration refresh) const;
 
   [[nodiscard]] const Station::BlockCounters& counters() const { return counters_; }
-  // Explains that this station is too slow, and its losses; empty: it is not.
+  // Explains that this station is too slow, and its losses; empty if it is fast enough.
   [[nodiscard]] std::optional<std::string> lag_remark() const;
 
   // "1234 samples of 100 channels, 98 of them GOOD"

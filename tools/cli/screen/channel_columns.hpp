@@ -18,7 +18,7 @@ namespace fieldcast::cli {
 [[nodiscard]] FrameLine channel_line(const ListRow& row, const StationChannel* about, bool grouped,
                                      const Moment& moment, std::size_t columns);
 
-// Empty: the column is not sortable.
+// Empty if the column is not sortable.
 [[nodiscard]] std::optional<ChannelOrder> order_at(std::size_t column, std::size_t columns);
 
 }  // namespace fieldcast::cli

@@ -10,7 +10,7 @@ class LineEdit {
  public:
   static constexpr std::size_t kMostBytes = 256;  // further text is ignored
 
-  // True: the key edits the text.
+  // Returns true if the key edits the text.
   bool on_key(const Key& key) {
     if (key.kind == Key::Kind::kText) {
       if (text_.size() + key.text.size() <= kMostBytes) text_ += key.text;

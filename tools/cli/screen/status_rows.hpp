@@ -16,7 +16,7 @@ namespace fieldcast::cli {
 [[nodiscard]] ChannelPath group_row_id(const std::string& group, const std::string& bridge = {});
 // Empty for a bus or device.
 [[nodiscard]] std::string standby_group_of(const ChannelPath& id);
-// Null: not a member, or removed.
+// Null if the row is not a member or the member was removed.
 [[nodiscard]] const StandbyMessage* member_of(const StatusModel& model, const ChannelPath& id);
 
 struct StatusChoice {

@@ -15,7 +15,7 @@ class StatusScreen {
  public:
   explicit StatusScreen(const StatusModel& model) : model_(model) {}
 
-  // False: the user quits.
+  // Returns false if the user quits.
   [[nodiscard]] bool on_key(const Key& key, const Moment& moment);
   // Shown if there are no rows.
   void set_notice(std::string notice) { notice_ = std::move(notice); }

@@ -33,7 +33,7 @@ class WatchScreen {
   void on_sample(const StationSample& sample);
   [[nodiscard]] Intent on_key(const Key& key, const Moment& moment);
   void on_outcome(const Outcome& outcome);
-  // The notice is shown if there are no rows, the remark as a warning. Empty: none.
+  // The notice is shown if there are no rows, the remark as a warning. Both may be empty.
   void set_notice(std::string notice) { notice_ = std::move(notice); }
   void set_remark(std::string remark) { remark_ = std::move(remark); }
 

@@ -11,7 +11,7 @@ namespace fieldcast::cli {
 // "the device, or the way to it, is silent: look at its power, cable and address".
 [[nodiscard]] std::string_view quality_words(Quality quality);
 
-// What to check for this cause: "baud rate, parity and stop bits". Empty: nothing specific.
+// What to check for this cause: "baud rate, parity and stop bits"; may be empty.
 [[nodiscard]] std::string_view advice(Cause cause);
 
 // Most frequent first: "no answer 12 times, checksum error 3 times .. and 2 more causes". `most`:

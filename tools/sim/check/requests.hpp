@@ -47,7 +47,7 @@ class Requests {
   [[nodiscard]] std::vector<Slot> places(AreaIndex area) const;  // of a record
 
   [[nodiscard]] static Bytes contents(const Slot& slot, std::mt19937& random);
-  // Writes the image to the device without the wire; false: no such items.
+  // Writes the image to the device without the wire. Returns false if it has no such items.
   static bool poke(SimDevice& device, std::string_view area, const Slot& slot, ByteView image);
   [[nodiscard]] static std::optional<Bytes> peek(SimDevice& device, std::string_view area,
                                                  const Slot& slot, Instant now);

@@ -97,7 +97,7 @@ struct DeviceKind {
 };
 [[nodiscard]] std::span<const DeviceKind> device_kinds();
 [[nodiscard]] const DeviceKind* find_device_kind(std::string_view protocol);
-// nullptr: no simulated device for the protocol.
+// Returns nullptr if the protocol has no simulated device.
 [[nodiscard]] const DeviceKind* kind_of(const DeviceSpec& device);
 [[nodiscard]] std::vector<std::string_view> area_names(const DeviceSpec& device);
 

@@ -66,7 +66,7 @@ class DtcReceiver : public Receiver {
   Instant last_ = kLongAgo;
 };
 
-// False: the option is not a number up to `highest`.
+// Returns false if the option is not a number up to `highest`.
 bool read_option(const DeviceLink& link, const char* name, std::size_t highest,
                  std::size_t& value) {
   const auto found = link.options.find(name);

@@ -36,7 +36,7 @@ class FreeportDevice : public SimDevice {
   }
   [[nodiscard]] ItemMemory& memory() { return memory_; }
 
-  // `frame`: from `q` to `Q`. Empty: stay silent.
+  // `frame`: from `q` to `Q`. Returns an empty response to stay silent.
   [[nodiscard]] Bytes take(ByteView frame, Instant now);
 
  private:

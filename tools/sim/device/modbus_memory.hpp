@@ -38,7 +38,8 @@ class ModbusMemory {
 
   explicit ModbusMemory(Instant start) : start_(start) {}
 
-  // Items follow the waveform until one of them is written. False: exceeds the area.
+  // The items follow the waveform until one of them is written. Returns false if it exceeds the
+  // area.
   bool add_channel(const ModbusAddress& at, const Encoding& encoding, const Waveform& waveform);
 
   // Bits are 0 or 1. REQUIRES: first + count <= kItems.

@@ -15,7 +15,7 @@ inline constexpr std::array<std::string_view, 11> kOmronAreaNames{
     "CIO", "W", "LR", "HR", "AR", "DM", "EM", "T", "C", "TF", "CF"};
 inline constexpr std::uint32_t kEmBankWords = 32768;
 
-// 0: the protocol cannot access the area.
+// A zero means that the protocol cannot access the area.
 struct OmronArea {
   unsigned bits;           // of one item
   std::uint32_t items;     // of a bank, in FINS

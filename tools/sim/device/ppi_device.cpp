@@ -33,7 +33,7 @@ class PpiReceiver : public Receiver {
   void on_silence(Instant, Reaction&) override { received_.clear(); }
 
  private:
-  // 0: incomplete.
+  // Returns the number of consumed bytes, or 0 if the telegram is incomplete.
   std::size_t whole(Instant end, Reaction& reaction) {
     switch (received_[0]) {
       case kLong: return whole_long(end, reaction);

@@ -31,7 +31,7 @@ class PpiDevice : public SimDevice {
   }
   [[nodiscard]] PpiUnit& unit() { return unit_; }
 
-  // `telegram`: from destination to last unit byte. Empty: stay silent.
+  // `telegram`: from destination to last unit byte. Returns an empty response to stay silent.
   [[nodiscard]] Bytes take_long(ByteView telegram, Instant now);
   [[nodiscard]] Bytes take_short(std::uint8_t to, std::uint8_t from, std::uint8_t control);
 

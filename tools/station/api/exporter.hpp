@@ -39,7 +39,7 @@ class Exporter {
   static constexpr std::int64_t kBucketsAtOnce = 1000;
 
   void begin(SqlConnection& connection);
-  // True: the channel has no more.
+  // Returns true if the channel has no more lines.
   [[nodiscard]] bool add_samples(SqlConnection& connection);
   [[nodiscard]] bool add_buckets(SqlConnection& connection);
   [[nodiscard]] std::string take(bool last);

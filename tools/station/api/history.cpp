@@ -11,7 +11,7 @@ constexpr Duration kRaw = kOneDay;  // longer spans are always read as buckets
 
 bool is_text(const StoredChannel& channel) { return channel.type == to_text(ValueType::kString); }
 
-// False: the span exceeds kRaw or has more samples than points.
+// Returns false if the span exceeds kRaw or has more samples than points.
 bool read_samples(SqlConnection& connection, const HistoryQuestion& question,
                   HistorySeries& series) {
   if (question.to.nanoseconds - question.from.nanoseconds > kRaw.count()) return false;

@@ -36,8 +36,8 @@ class CommandSink {
   using Submitted = tl::expected<std::uint64_t, Refusal>;
 
   virtual ~CommandSink() = default;
-  // Returns the request_id; `done` is called once, later. Null: every /live client of the user
-  // receives the outcome. Sets requester and request_id. REQUIRES: the role allows it.
+  // Returns the request_id; `done` is called once, later. If `done` is null, every /live client of
+  // the user receives the outcome. Sets requester and request_id. REQUIRES: the role allows it.
   [[nodiscard]] virtual Submitted submit(const Caller& caller, StationCommand command,
                                          Done done) = 0;
   // Also sets the person of the action.

@@ -74,7 +74,7 @@ class DomainInbox {
     std::unordered_map<PathView, PathNews*, PathHash, PathEqual> by_path;
     std::map<std::string, ObjectNews> objects;
   };
-  // REQUIRES: mutex_ is held. Null: the inbox is full.
+  // Returns null if the inbox is full. REQUIRES: mutex_ is held.
   PathNews* news_of(const PathView& path);
   void put(std::string key, Object object, bool gone);
   // Calls wake_ if it was not called since the last delivery. REQUIRES: mutex_ is not held.

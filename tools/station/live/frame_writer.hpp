@@ -27,7 +27,7 @@ using Channels = std::vector<const LiveChannel*>;
 
 [[nodiscard]] bool needs_text(const Value& value);
 
-// `channels` may be empty: then nothing has changed.
+// `channels` may be empty; the frame then reports no change.
 [[nodiscard]] std::string binary_frame(const Channels& channels);
 // Returns an empty text if no channel needs it.
 [[nodiscard]] std::string values_message(const Channels& channels);

@@ -20,7 +20,7 @@ class InterestBook {
   using Declare = std::function<void(const std::string& pattern, Duration refresh)>;
   explicit InterestBook(Declare declare) : declare_(std::move(declare)) {}
 
-  // False: too many patterns.
+  // Returns false if there are too many patterns.
   [[nodiscard]] bool add(const std::string& pattern, Duration refresh);
   // REQUIRES: add() succeeded with this refresh.
   void remove(const std::string& pattern, Duration refresh);

@@ -48,7 +48,7 @@ class Recorder {
     bool is_new = true;  // no sample since start or since its return
     SampleStamp stamp;
   };
-  // REQUIRES: mutex_ is held. Null: the table is full.
+  // Returns null if the table is full. REQUIRES: mutex_ is held.
   [[nodiscard]] Channel* channel(std::string path);
 
   Store& store_;

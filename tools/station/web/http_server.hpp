@@ -46,7 +46,7 @@ class HttpServer {
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
 
-  // Sockets passed to accept() use TLS. Null: plain TCP.
+  // Sockets passed to accept() use TLS, or plain TCP if `tls` is null.
   void serve(std::unique_ptr<TlsServer> tls);
   void accept(boost::asio::ip::tcp::socket socket);
   // Accepts any byte stream as a connection; also for tests.

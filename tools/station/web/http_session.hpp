@@ -36,7 +36,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     boost::asio::io_context& io;
     Site& site;
     HttpLimits limits;
-    // Empty: the WebSocket is allowed.
+    // Returns an empty value if the WebSocket is allowed.
     std::function<std::optional<HttpResponse>(const Site::Upgrade&)> refuse_live;
     std::function<void(LiveRequest)> take_live;
     // Returns whether the request may be processed; `logged_in`: it has a valid login.

@@ -52,7 +52,8 @@ class Site {
 
   [[nodiscard]] RouteTable& routes() { return routes_; }
 
-  // Role of clients without a login; empty: none. A change calls `ended(0)` to close their sockets.
+  // Role of clients without a login; may be empty. A change calls `ended(0)` to close their
+  // sockets.
   void set_local_role(std::optional<Role> role);
   // Calls `ended(id)` for each login that ends; id 0: clients without a login. Set it before the
   // first request. The callback must not call this object.
