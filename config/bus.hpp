@@ -1,4 +1,3 @@
-// One bus: its port, protocol, defaults and devices.
 #pragma once
 
 #include "config/device.hpp"
@@ -7,10 +6,10 @@
 
 namespace fieldcast::config {
 
-// Faults are noted; with faults the result is whatever could be read.
+// Adds faults; with faults the result is incomplete.
 [[nodiscard]] BusSpec read_bus(const Node& node, LoadState& state);
 
-// The silence between an answer and the next request: "standard", "3.5c" or a duration.
+// The silence between a response and the next request: "standard", "3.5c" or a duration.
 struct SilenceReader {
   std::optional<SilenceRule> operator()(const Node& node, std::string_view key,
                                         FaultList& faults) const;

@@ -1,4 +1,4 @@
-// The `capture` of a bus: the files in which its wire is kept.
+// The `capture` section of a bus.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@ namespace fieldcast::config {
 
 void read_capture(MapReader& bus, std::optional<CaptureSpec>& spec);
 
-// The size of one file: a whole number with kB, MB or GB.
+// Size of one file: a whole number with kB, MB or GB.
 struct CaptureSizeRule {
   std::optional<std::int64_t> operator()(const Node& node, std::string_view key,
                                          FaultList& faults) const;

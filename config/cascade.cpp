@@ -6,7 +6,7 @@
 #include "config/scalars.hpp"
 
 namespace fieldcast::config {
-// allow: [raw-read, raw-write]
+// allow: [raw-read, raw-write].
 void read_allow(MapReader& map, DeviceDefaults& defaults) {
   const Node* node = map.find("allow");
   if (node == nullptr) return;
@@ -24,7 +24,7 @@ void read_allow(MapReader& map, DeviceDefaults& defaults) {
   }
 }
 
-// options: { name: value }
+// options: { name: value }.
 void read_options(MapReader& map, DeviceDefaults& defaults) {
   const Node* node = map.find("options");
   if (node == nullptr) return;

@@ -1,6 +1,5 @@
-// Defaults that flow down: those of the bus, then of the device's template, then of the device,
-// then of the channel. The last level that sets a key wins; each level starts with a copy of the
-// one above.
+// Inherited defaults: of the bus, the device's template, the device and the channel. The last level
+// that sets a key wins.
 #pragma once
 
 #include <cstdint>
@@ -14,25 +13,25 @@
 namespace fieldcast::config {
 
 struct ChannelDefaults {
-  ChannelSpec spec;                     // what the keys say so far
-  std::optional<WordOrder> word_order;  // nothing: the family's own
+  ChannelSpec spec;                     // values of the keys read so far
+  std::optional<WordOrder> word_order;  // empty: the family's own
   std::optional<ByteOrder> byte_order;
-  Charset charset = Charset::kUtf8;  // of channels that are texts
+  Charset charset = Charset::kUtf8;  // of text channels
 };
 
-// Options of the protocol, checked by it when the device is complete.
+// The protocol checks them when the device is complete.
 struct OptionTexts {
   std::map<std::string, std::string> texts;
   std::map<std::string, Position> positions;
 };
 
 struct DeviceDefaults {
-  DeviceSpec spec;  // what the keys say so far
+  DeviceSpec spec;  // values of the keys read so far
   OptionTexts options;
   ChannelDefaults channels;
 };
 
-// options: the last level that sets an option wins. allow: a list of rights replaces the one above.
+// options: the last level that sets an option wins. allow: a list replaces the previous one.
 void read_options(MapReader& map, DeviceDefaults& defaults);
 void read_allow(MapReader& map, DeviceDefaults& defaults);
 

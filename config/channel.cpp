@@ -16,11 +16,10 @@
 namespace fieldcast::config {
 namespace {
 
-// What a channel says and where, while its rules are checked.
 struct Draft : ChannelDefaults {
-  const Area* area = nullptr;  // nothing: unknown
+  const Area* area = nullptr;  // null if unknown
   std::optional<ParsedAddress> address;
-  bool typed = false;  // spec.encoding is what the file means
+  bool typed = false;  // spec.encoding is valid
 };
 
 void read_address(MapReader& map, const ChannelContext& context, Draft& draft) {
@@ -38,7 +37,7 @@ void read_address(MapReader& map, const ChannelContext& context, Draft& draft) {
   draft.area = &context.protocol->areas()[parsed->area];
 }
 
-// Which byte of an item; low and high are those of a word.
+// The byte of an item; low and high are those of a word.
 void read_byte(MapReader& map, Draft& draft) {
   std::uint8_t byte = 0;
   if (!map.read("byte", byte, ChoiceRule<std::uint8_t>{kByteWords})) return;
@@ -54,7 +53,6 @@ void read_byte(MapReader& map, Draft& draft) {
     map.faults().add(map.position_of("byte"), "a bit and a byte of one item", "one of bit, byte");
 }
 
-// The type, by the key or by the notation; and the bit of a word.
 void read_type(MapReader& map, Draft& draft) {
   auto& encoding = draft.spec.encoding;
   Encoding type;
@@ -86,8 +84,7 @@ bool is_number(const Encoding& encoding) {
   return encoding.type != ValueType::kBool && encoding.type != ValueType::kString;
 }
 
-// A number that stands as text: by the key, or by the declaration of its value. Whether the type
-// fits there is check_type's.
+// The key, or the declaration of the value, gives the format. check_type() checks the type.
 void read_text(MapReader& map, Draft& draft) {
   auto& encoding = draft.spec.encoding;
   TextForm form;
@@ -118,11 +115,10 @@ void read_text(MapReader& map, Draft& draft) {
         fmt::format("{} characters", there));
     draft.typed = false;
   } else if (map.has("text") && !said) {
-    draft.typed = false;  // said already
+    draft.typed = false;  // a fault was already added
   }
 }
 
-// The orders of the file, or else the family's own.
 void read_order(Draft& draft) {
   const Area family = draft.area != nullptr ? *draft.area : Area{};
   Encoding& encoding = draft.spec.encoding;
@@ -131,12 +127,12 @@ void read_order(Draft& draft) {
   encoding.byte_order = draft.byte_order.value_or(text ? family.text_order : ByteOrder::kBigEndian);
 }
 
-// Type against notation, bit and area.
 void check_type(MapReader& map, Draft& draft) {
   if (!draft.address || !draft.typed) return;
   const auto& encoding = draft.spec.encoding;
   const bool both = map.has("bit") && map.has("byte");
-  if (both || ((map.has("bit") || map.has("byte")) && !encoding.bit)) return;  // said already
+  // A fault was already added.
+  if (both || ((map.has("bit") || map.has("byte")) && !encoding.bit)) return;
   const std::string type(fieldcast::to_text(encoding.type));
   const bool one_byte = !encoding.is_text() && width_bits(encoding) == 8;
   if (map.has("byte") && !one_byte) {
@@ -153,10 +149,9 @@ void check_type(MapReader& map, Draft& draft) {
   const std::string_view own = map.has("type") ? "type" : "at";
   map.faults().add(map.position_of(misfit->about == FitFault::About::kPart ? part : own),
                    misfit->what, misfit->allowed, misfit->suggestion);
-  draft.typed = false;  // one fault for one mistake
+  draft.typed = false;  // prevents further faults for the same mistake
 }
 
-// The range against its area and the blocks that the device can take.
 void set_range(MapReader& map, const ChannelContext& context, Draft& draft) {
   if (!draft.address || !draft.typed) return;
   const auto& area = *draft.area;
@@ -205,7 +200,7 @@ void check_access(MapReader& map, Draft& draft) {
                        fmt::format("area {} cannot be written", draft.area->name), "read-only",
                        "read-only");
     }
-    access = Access::kReadOnly;  // a default from above holds where it can
+    access = Access::kReadOnly;  // an inherited default only applies if it is possible
   }
   if (access == Access::kReadOnly && map.has("write")) {
     map.faults().add(map.position_of("write"), "'write' at a channel that is read-only",
@@ -234,7 +229,6 @@ void check_access(MapReader& map, Draft& draft) {
   }
 }
 
-// What only numbers can have.
 void check_numbers(MapReader& map, Draft& draft) {
   auto& spec = draft.spec;
   const std::string type(fieldcast::to_text(spec.encoding.type));
@@ -259,7 +253,7 @@ void check_numbers(MapReader& map, Draft& draft) {
 
 void check_heartbeat(MapReader& map, const ChannelDefaults& inherited, ChannelSpec& spec) {
   if (!spec.deadband) {
-    spec.heartbeat.reset();  // a default from above holds where there is a deadband
+    spec.heartbeat.reset();  // an inherited default only applies with a deadband
     if (map.has("heartbeat"))
       map.faults().add(map.position_of("heartbeat"), "'heartbeat' without 'deadband'",
                        "both, or neither");

@@ -1,4 +1,3 @@
-// One channel: its keys, its type, and the rules that hold between them.
 #pragma once
 
 #include "config/cascade.hpp"
@@ -10,18 +9,17 @@
 namespace fieldcast::config {
 
 struct ChannelContext {
-  // Nothing: it is unknown, and what depends on it stays unchecked.
+  // Null if unknown; checks that depend on it are skipped.
   const Protocol* protocol = nullptr;
   ChannelDefaults defaults;
   std::uint16_t max_block = 0;
 };
 
-// Faults are noted; with faults the result is whatever could be read, so that a load finds all of
-// them.
+// Adds all faults; with faults the result is incomplete.
 [[nodiscard]] ChannelSpec read_channel(const Node& node, const ChannelContext& context,
                                        FaultList& faults);
 
-// "float32", "string(20)"; understands the type only, leaves the rest of the encoding.
+// "float32", "string(20)"; parses only the type, not the rest of the encoding.
 struct TypeRule {
   std::optional<Encoding> operator()(const Node& node, std::string_view key,
                                      FaultList& faults) const;

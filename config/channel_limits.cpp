@@ -10,7 +10,7 @@
 namespace fieldcast::config {
 namespace {
 
-// The least and the greatest value that the type and its scale can hold; nothing for floats.
+// Empty for floats.
 std::optional<std::pair<double, double>> span_of(const Encoding& encoding) {
   double least = 0, greatest = 0;
   switch (encoding.type) {
@@ -33,7 +33,7 @@ std::optional<std::pair<double, double>> span_of(const Encoding& encoding) {
       {least * encoding.scale + encoding.offset, greatest * encoding.scale + encoding.offset});
 }
 
-// A value that is back inside by the hysteresis must not be outside at the other end.
+// A value back inside one limit by the hysteresis must not exceed the opposite one.
 void check_hysteresis(MapReader& map, const Limits& limits) {
   if (limits.hysteresis < 0)
     map.faults().add(map.position_of("hysteresis"), "hysteresis is negative", "0 and above");
@@ -87,7 +87,6 @@ void read_write(MapReader& channel, ChannelSpec& spec) {
   }
 }
 
-// A channel that may be written, but with no value that it can hold.
 void check_write_span(MapReader& map, const ChannelSpec& spec) {
   const auto span = span_of(spec.encoding);
   if (!span || (spec.write_min.value_or(span->first) <= span->second &&
@@ -99,7 +98,7 @@ void check_write_span(MapReader& map, const ChannelSpec& spec) {
                   fieldcast::to_text(Value{span->second})));
 }
 
-// What is held back by the deadband cannot pass from one limit to the other.
+// A value held back by the deadband must not hide a change from one limit to the other.
 void check_deadband(MapReader& map, const ChannelSpec& spec) {
   if (!spec.deadband) return;
   if (*spec.deadband < 0)

@@ -1,5 +1,4 @@
-// What a channel says of its values: limits with their alarms, what may be written, the deadband;
-// and whether that contradicts itself.
+// Keys about a channel's values, and checks for contradictions between them.
 #pragma once
 
 #include "config/map_reader.hpp"
@@ -10,7 +9,7 @@ namespace fieldcast::config {
 void read_limits(MapReader& channel, ChannelSpec& spec);
 void read_write(MapReader& channel, ChannelSpec& spec);
 
-// REQUIRES: limits and type are read; for check_write_span a type of numbers.
+// REQUIRES: limits and type were read; for check_write_span() a numeric type.
 void check_deadband(MapReader& channel, const ChannelSpec& spec);
 void check_write_span(MapReader& channel, const ChannelSpec& spec);
 

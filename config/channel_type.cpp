@@ -1,4 +1,3 @@
-// The type of a channel as written (channel.hpp).
 #include <fmt/format.h>
 
 #include "config/channel.hpp"
@@ -7,7 +6,7 @@
 namespace fieldcast::config {
 namespace {
 
-// What other programs call them.
+// Names in other programs.
 constexpr std::pair<std::string_view, std::string_view> kOtherNames[] = {
     {"boolean", "bool"},     {"bit", "bool"},      {"byte", "uint8"},   {"usint", "uint8"},
     {"sint", "int8"},        {"char", "uint8"},    {"int", "int16"},    {"integer", "int16"},

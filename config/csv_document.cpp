@@ -1,8 +1,6 @@
-// A channel list as engineers keep it: comma-separated values (RFC 4180), with the tolerance that
-// spreadsheets need: byte order mark, CRLF, ';' or tab instead of ',' (whichever the header row
-// uses), blank lines, and lines that begin with '#'.
-//
-// Each row becomes the map that a channel would be in YAML, so that channel.cpp reads both.
+// A channel list as comma-separated values (RFC 4180). Tolerates files of spreadsheets: byte order
+// mark, CRLF, ';' or tab instead of ',' (as in the header row), blank lines, and lines that begin
+// with '#'. Each row becomes the map of a channel as in YAML, so that channel.cpp reads both.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -26,14 +24,12 @@ using Row = std::vector<Cell>;
 
 constexpr std::size_t kMaxCells = 64;  // of a row; the format has 24 columns
 
-// Walks the text once, row by row.
 class RowReader {
  public:
   RowReader(const Source& source, FaultList& faults)
       : source_(source), text_(source.text), faults_(faults) {}
 
-  // The next row that holds anything; nothing at the end, or after a fault that makes the rest
-  // meaningless.
+  // Skips blank rows; empty at the end, or after a fault that invalidates the rest.
   std::optional<Row> next() {
     while (at_ < text_.size()) {
       if (text_[at_] == '#') {
@@ -60,7 +56,7 @@ class RowReader {
     line_start_ = at_;
   }
 
-  // The first line that holds anything decides; a line of one column has the usual one.
+  // The first line that is not blank determines it; a line of one column uses ','.
   static char separator_of(std::string_view text) {
     const auto found = text.find_first_of(",;\t\n");
     if (found == std::string_view::npos) return ',';
@@ -133,13 +129,12 @@ class RowReader {
   const Source& source_;
   std::string_view text_;
   FaultList& faults_;
-  char separator_ = '\0';  // not known yet
+  char separator_ = '\0';  // unknown
   std::size_t at_ = 0, line_start_ = 0;
   std::uint32_t line_ = 0;
 };
 
-// The columns of the header row, nothing for one that is unknown; none at all without name and at,
-// which every row needs.
+// Null for an unknown column. Empty without the required columns name and at.
 std::vector<const Column*> read_header(const Row& row, FaultList& faults) {
   std::vector<std::string_view> names;
   for (const auto& column : columns()) names.push_back(column.name);
@@ -183,11 +178,11 @@ class ListBuilder {
 
   const Node& channel(const std::vector<const Column*>& header, const Row& row) {
     Node& channel = make(Kind::kMap, row.front().position);
-    std::map<std::string_view, Node*> inner;  // limits, write: made when a cell first needs them
+    std::map<std::string_view, Node*> inner;  // limits, write: created when a cell needs them
     for (std::size_t i = 0; i < row.size(); ++i) {
       const Column* column = header[i];
       const Cell& cell = row[i];
-      // An empty cell: as if the key were absent.
+      // An empty cell means an absent key.
       if (column == nullptr || cell.text.empty()) continue;
       Node* map = &channel;
       if (!column->map.empty()) {

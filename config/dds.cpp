@@ -40,7 +40,7 @@ void read_interfaces(MapReader& map, DdsSpec& spec) {
   }
 }
 
-constexpr int kServerPort = 11811;  // the usual one of a discovery server
+constexpr int kServerPort = 11811;  // default of a discovery server
 
 void check_host_port(MapReader& map, const Position& position, std::string_view key,
                      const std::string& text, int usual_port) {
@@ -50,7 +50,6 @@ void check_host_port(MapReader& map, const Position& position, std::string_view 
                    text.find(':') == text.npos ? fmt::format("{}:{}", text, usual_port) : "");
 }
 
-// A list of "HOST:PORT".
 void read_hosts(MapReader& map, std::string_view key, std::size_t most, int usual_port,
                 std::vector<std::string>& target) {
   const Node* node = map.find(key);
@@ -94,8 +93,7 @@ void read_servers(MapReader& map, DdsSpec& spec) {
 constexpr std::string_view kSecurityForm =
     "the folder of a member, as `fieldcast secure add` makes it, or none";
 
-// Whoever is in the network reads and commands, unless it is said otherwise: that is nobody's
-// default.
+// Must be explicit: without security, every host in the network can read and command.
 void read_security(MapReader& map, DdsSpec& spec) {
   std::string given;
   if (map.read("security", given, TextRule{kMaxPath})) {
@@ -199,7 +197,7 @@ std::vector<DdsSite> read_sites(MapReader& file, Library& library) {
     site_rows().read(map, site);
     if (!site.name.empty()) names.add("site", site.name, map.position_of("name"), file.faults());
     read_dds(map, site.dds, library);
-    // The library keeps one participant profile of a name until the process ends.
+    // The library keeps one participant profile per name until the process ends.
     if (site.dds.profile && sites.size() > 1 && sites.front().dds.profile != site.dds.profile) {
       file.faults().add(item->position, "sites with different profiles",
                         "the same profile for all sites, or a program for each");

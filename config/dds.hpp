@@ -1,5 +1,4 @@
-// The `dds` and `log` sections, which every program of a plant has alike, and the `sites` of a
-// program that watches several domains.
+// The `dds` and `log` sections, and the `sites` of a program that uses several domains.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +13,7 @@
 
 namespace fieldcast::config {
 
-// Bytes a second: "500kB/s", "2MB/s".
+// Bytes per second: "500kB/s", "2MB/s".
 struct RateRule {
   std::optional<std::uint64_t> operator()(const Node& node, std::string_view key,
                                           FaultList& faults) const;
@@ -22,11 +21,10 @@ struct RateRule {
   [[nodiscard]] std::string form() const;
 };
 
-// Faults are noted; what is absent keeps its default.
+// Add faults; absent keys keep their defaults.
 void read_dds(MapReader& file, DdsSpec& spec, Library& library);
 void read_log(MapReader& file, LogSpec& spec);
-// `sites`, or the one without a name that `dds` says. REQUIRES: the table of the file has both
-// keys.
+// Without `sites`, returns one site without a name. REQUIRES: the table has both keys.
 [[nodiscard]] std::vector<DdsSite> read_sites(MapReader& file, Library& library);
 
 }  // namespace fieldcast::config

@@ -149,7 +149,7 @@ class DeclarationReader {
   bool area_named(const Node& naming, AreaIndex& index) {
     std::vector<std::string_view> names;
     for (const auto& area : declaration_.areas) names.push_back(area.name);
-    if (names.empty()) return false;  // said already
+    if (names.empty()) return false;  // a fault was already added
     const auto* text = scalar_of(naming, "area", joined(names), faults_);
     if (text == nullptr) return false;
     const auto found = std::ranges::find(names, *text);
@@ -162,7 +162,7 @@ class DeclarationReader {
     return true;
   }
 
-  // count: 125, or { from: 2, to: 125 }
+  // count: 125, or { from: 2, to: 125 }.
   void read_count(MapReader& map, DraftOperation& draft) {
     auto& operation = draft.operation;
     const Node* node = map.find("count");
@@ -220,7 +220,6 @@ class DeclarationReader {
     }
   }
 
-  // An area that no operation can read or write is a slip.
   void check_areas() {
     if (operations_.empty()) return;
     for (std::size_t i = 0; i < declaration_.areas.size(); ++i) {
@@ -232,7 +231,7 @@ class DeclarationReader {
       const auto same = [&](const DeclaredArea& other) {
         return other.name == declaration_.areas[i].name;
       };
-      // Two of one name: said already.
+      // Two areas with one name: a fault was already added.
       if (std::ranges::count_if(declaration_.areas, same) > 1) continue;
       const std::string area = fmt::format("area '{}'", declaration_.areas[i].name);
       if (uses(false) == 0)

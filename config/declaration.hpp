@@ -1,5 +1,4 @@
-// The text of a declared protocol to its model (core/protocol/declared/declaration.hpp).
-// config/protocols/README.md teaches the format.
+// Parses a declared protocol; see config/protocols/README.md for the format.
 #pragma once
 
 #include <string>
@@ -9,7 +8,7 @@
 
 namespace fieldcast::config {
 
-// Nothing when there was a fault; all of them are noted.
+// Null after a fault; adds all faults.
 [[nodiscard]] declared::SharedDeclaration read_declaration(const Node& root,
                                                            const std::string& name,
                                                            FaultList& faults);

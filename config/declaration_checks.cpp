@@ -1,5 +1,4 @@
-// What a declaration contradicts itself in (declared_frame.hpp). Each rule notes its fault where
-// the user has to change something.
+// Checks a declaration for contradictions. Each rule adds its fault where the text must change.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -45,10 +44,9 @@ class OperationCheck {
     if (!there) faults_.add(position, what, allowed);
   }
 
-  // A field must be wide enough for every number that it may have to hold.
   void check_frame(const DraftFrame& frame) {
     for (const DraftField& draft : frame.fields) {
-      if (draft.fits) check_field(frame, draft);  // else its fault was noted already
+      if (draft.fits) check_field(frame, draft);  // otherwise a fault was already added
     }
     if (!frame.good) return;
     const auto whole = declared::size_of(frame.frame(), area_.item_bits, operation_.max_count);
@@ -133,7 +131,7 @@ class OperationCheck {
         frame.fields, [&](const DraftField& draft) { return draft.field.kind == kind; }));
   }
 
-  // What is read must be in the answer, what is written in the request.
+  // The response must contain the read items, the request the written ones.
   void check_payload() {
     const auto kind = area_.record ? FieldKind::kValue : FieldKind::kItems;
     const std::string wanted = area_.record ? "is: value" : "is: items";
@@ -155,7 +153,7 @@ class OperationCheck {
                   "the request of a read carries a value", "a constant, or is: unused");
   }
 
-  // The device must be told which items, and how many.
+  // The request must contain the items' address and, if it varies, their count.
   void check_addressing() {
     if (area_.record || !draft_.request.good) return;
     needs(area_.items == 1 || draft_.request.find(FieldKind::kFirst) != nullptr,
@@ -169,7 +167,7 @@ class OperationCheck {
           "a field that is: count, or no 'count' in the operation");
   }
 
-  // A text that may be shorter ends at a constant, or a length before it says where.
+  // A text of variable length must end at a constant, or a length field must precede it.
   void check_variable(const DraftFrame& frame) {
     for (std::size_t i = 0; i < frame.fields.size(); ++i) {
       const Field& field = frame.fields[i].field;
@@ -198,7 +196,7 @@ class OperationCheck {
   FaultList& faults_;
 };
 
-// The values of one frame, each with its place; those of an answer to a read define them.
+// The response of a read defines the places.
 class Placing {
  public:
   Placing(Declaration& declaration, FaultList& faults)
@@ -229,7 +227,6 @@ class Placing {
     }
   }
 
-  // Values of a write, in its request and in its answer.
   void resolve(DraftOperation& draft) {
     DeclaredArea& area = declaration_.areas[draft.operation.area];
     std::uint32_t low = UINT32_MAX, high = 0, sum = 0;
@@ -317,7 +314,7 @@ void check_refusal_field(const Declaration& declaration, const DraftField& draft
                "a wider field");
 }
 
-// The constants and commands of a frame: by them frames of one length are told apart.
+// Constants and commands distinguish frames of equal length.
 std::vector<std::string> marks_of(const DraftFrame& frame) {
   std::vector<std::string> all;
   for (const auto& draft : frame.fields) {

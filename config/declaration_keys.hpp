@@ -1,5 +1,4 @@
-// Every key of a declared protocol, by the map that it stands in; a test holds
-// config/protocol.schema.json against them.
+// All keys of a declared protocol; a test compares them with config/protocol.schema.json.
 #pragma once
 
 #include "config/keys.hpp"

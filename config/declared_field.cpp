@@ -1,4 +1,3 @@
-// One field of a declared frame (declared_frame.hpp).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -37,8 +36,7 @@ constexpr std::pair<std::string_view, bool> kCounts[] = {{"bytes", false}, {"cha
 constexpr std::pair<std::string_view, Complement> kComplements[] = {
     {"none", Complement::kNone}, {"ones", Complement::kOnes}, {"twos", Complement::kTwos}};
 
-// The CRCs by their common names; parameters as in the catalogue of parametrised CRC algorithms
-// (reveng.sourceforge.io).
+// Parameters from the catalogue of parametrised CRC algorithms (reveng.sourceforge.io).
 constexpr std::pair<std::string_view, Check> kChecks[] = {
     {"sum", {CheckKind::kSum, Complement::kNone, {}, false}},
     {"and", {CheckKind::kAnd, Complement::kNone, {}, false}},
@@ -55,7 +53,7 @@ constexpr std::pair<std::string_view, Check> kChecks[] = {
     {"crc16-dnp", {CheckKind::kCrc16, Complement::kNone, {0x3D65, 0x0000, 0xFFFF, true}, false}},
 };
 
-// Which keys have a meaning for which kind, beside name, is, constant and the widths.
+// Valid keys per kind, in addition to name, is, constant and the widths.
 struct Meaning {
   std::string_view key;
   std::initializer_list<FieldKind> kinds;
@@ -204,7 +202,7 @@ class FieldReader {
                   "an even number of digits");
   }
 
-  // text: 7, or a number that stands as text: decimal(7), "+000.00".
+  // text: 7, or a number written as text: decimal(7), "+000.00".
   void read_text() {
     const Node* node = map_.find("text");
     if (node == nullptr) return;

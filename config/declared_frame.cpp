@@ -1,4 +1,3 @@
-// A list of fields as a frame (declared_frame.hpp).
 #include "config/declared_frame.hpp"
 
 #include <fmt/format.h>
@@ -14,7 +13,7 @@ using declared::Field;
 using declared::FieldKind;
 using declared::Notation;
 
-// Fields narrower than a byte stand together in words of whole bytes.
+// Combines fields narrower than a byte into words of whole bytes.
 class Sharing {
  public:
   Sharing(DraftFrame& frame, bool high_first, FaultList& faults)
@@ -80,10 +79,10 @@ class Sharing {
   const bool high_first_;
   FaultList& faults_;
   std::size_t first_ = 0;
-  unsigned bits_ = 0;  // of the word that is being filled
+  unsigned bits_ = 0;  // of the current word
 };
 
-// The index of a field by its name; a fault when there is none, or several.
+// Adds a fault if there is none, or several.
 std::optional<std::uint8_t> field_named(const DraftFrame& frame, std::string_view name,
                                         const Position& position, FaultList& faults) {
   std::vector<std::string_view> names;
@@ -165,7 +164,7 @@ DraftFrame read_frame(const Node& node, std::string_view what, const FieldDefaul
   }
   const bool readable = frame.good;
   if (readable) Sharing(frame, defaults.high_first, faults).run();
-  // Among fields that could not be read a name is not missed.
+  // Names in fields with faults may be incomplete.
   for (std::size_t i = 0; i < frame.fields.size() && readable; ++i) resolve_span(frame, i, faults);
   return frame;
 }

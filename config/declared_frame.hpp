@@ -1,5 +1,4 @@
-// A frame of a declared protocol while it is read: its fields, each with its position in the text.
-// Inside config/ only.
+// A frame of a declared protocol during parsing. Only used in config/.
 #pragma once
 
 #include <string>
@@ -10,22 +9,20 @@
 
 namespace fieldcast::config {
 
-// Defaults of the fields of a frame.
 struct FieldDefaults {
   declared::Notation notation = declared::Notation::kBinary;
   bool little_endian = false;
-  // Of fields that share a byte the first takes the highest bits, not the lowest.
+  // The first field of a shared byte uses the highest bits instead of the lowest.
   bool high_first = false;
 };
 
-// One field as it stands in the text.
 struct DraftField {
   declared::Field field;
   Position position;
   Position width_position, of_position;
   std::string of;
   bool in_bits = false;  // its width is given in bits
-  bool shares = false;   // its bits fill no whole bytes: it shares one with others
+  bool shares = false;   // its bits are not whole bytes: it shares one with other fields
   bool fits = true;      // read without a fault
 };
 
@@ -45,21 +42,19 @@ struct DraftOperation {
   bool good = true;  // its area is known
 };
 
-// `item_bits`: of the area whose items the frame may hold.
+// `item_bits`: of the area of the frame's items.
 [[nodiscard]] DraftField read_field(const Node& node, const FieldDefaults& defaults,
                                     unsigned item_bits, FaultList& faults);
 
-// A list of fields; spans are resolved, shared bytes put together.
+// Resolves spans and combines shared bytes.
 [[nodiscard]] DraftFrame read_frame(const Node& node, std::string_view what,
                                     const FieldDefaults& defaults, unsigned item_bits,
                                     FaultList& faults);
 
-// Gives every value its offset in the record, by the reads' answers.
+// Sets the offset of every value in its record, from the responses of the reads.
 void place_values(declared::Declaration& declaration, std::vector<DraftOperation>& operations,
                   FaultList& faults);
 
-// What contradicts itself: fields too narrow for what they must hold, answers whose length nothing
-// tells, and the like.
 void check_operation(const declared::Declaration& declaration, const DraftOperation& operation,
                      FaultList& faults);
 void check_refusal(const declared::Declaration& declaration,

@@ -15,20 +15,19 @@
 namespace fieldcast::config {
 namespace {
 
-// A device while it is read: the parts that a template and the device both fill.
 struct Draft {
   DeviceDefaults defaults;            // its spec is the device
-  std::vector<const Node*> channels;  // first those of the template
+  std::vector<const Node*> channels;  // those of the template first
 };
 
 struct AddressRule {
   std::optional<std::int64_t> operator()(const Node& node, std::string_view key,
                                          FaultList& faults) const {
-    return WholeRule{0, 65535}(node, key, faults);  // the protocol narrows it
+    return WholeRule{0, 65535}(node, key, faults);  // the protocol has its own limits
   }
 };
 
-// channels: a list, or the name of a file with one.
+// A list, or the name of a file with one.
 void read_channel_nodes(MapReader& map, Draft& draft, LoadState& state) {
   const Node* node = map.find("channels");
   if (node == nullptr) return;
@@ -42,7 +41,7 @@ void read_channel_nodes(MapReader& map, Draft& draft, LoadState& state) {
   draft.channels.insert(draft.channels.end(), node->items.begin(), node->items.end());
 }
 
-// protocols: [modbus-rtu, ...]: those whose address notation the template is written in.
+// Protocols whose address notation the template uses.
 void check_template_protocols(MapReader& map, const Node& naming, const std::string& protocol,
                               LoadState& state) {
   const Node* node = map.find("protocols");
@@ -56,8 +55,7 @@ void check_template_protocols(MapReader& map, const Node& naming, const std::str
   }
   std::vector<std::string> names;
   for (const Node* item : node->items) {
-    // A declaration is looked for beside the configuration, not beside the template: the device's
-    // own is known already.
+    // A declaration is found relative to the configuration, not to the template.
     if (item->kind == Kind::kScalar && !protocol.empty() && item->text == protocol) return;
     if (auto choice = read_protocol(*item, "protocol", state); choice.known())
       names.push_back(std::move(choice.name));
@@ -84,7 +82,7 @@ void read_template(const Node& naming, const std::string& protocol, Draft& draft
   read_channel_nodes(map, draft, state);
 }
 
-// The protocol object for this device, or nothing and the faults of address and options.
+// Null after faults of address or options.
 std::unique_ptr<Protocol> protocol_of(MapReader& map, const ProtocolChoice& choice,
                                       const PortSpec& port, bool has_address, const Draft& draft) {
   const auto options =
@@ -102,7 +100,7 @@ std::unique_ptr<Protocol> protocol_of(MapReader& map, const ProtocolChoice& choi
   if (protocol) return std::move(*protocol);
   const auto& fault = protocol.error();
   const auto option = draft.defaults.options.positions.find(fault.option);
-  // The address is missing or no number: said already.
+  // The address is missing or not a number: a fault was already added.
   if (fault.option.empty() && !has_address) return nullptr;
   const bool of_option = option != draft.defaults.options.positions.end();
   map.faults().add(

@@ -1,4 +1,3 @@
-// One device of a bus: its protocol and address, its template, its channels.
 #pragma once
 
 #include <string>
@@ -11,15 +10,15 @@
 namespace fieldcast::config {
 
 struct DeviceContext {
-  ProtocolChoice protocol;      // of the bus; unknown when it names none, or a wrong one
-  bool protocol_named = false;  // rightly or wrongly
+  ProtocolChoice protocol;      // of the bus; unknown if it has none, or an invalid one
+  bool protocol_named = false;  // the bus has the key, valid or not
   Position protocol_position;
   DeviceDefaults defaults;
   const PortSpec& port;
   UniqueNames& addresses;  // of the bus, each with its protocol
 };
 
-// Faults are noted; with faults the result is whatever could be read.
+// Adds faults; with faults the result is incomplete.
 [[nodiscard]] DeviceSpec read_device(const Node& node, const DeviceContext& context,
                                      LoadState& state);
 

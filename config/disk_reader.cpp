@@ -1,4 +1,4 @@
-// Files of a real disk (loader.hpp). Regular files only: a device or a pipe could be read for ever.
+// Reads only regular files, as a device or a pipe may have no end.
 #include <array>
 #include <filesystem>
 #include <fstream>
@@ -21,7 +21,7 @@ tl::expected<std::string, FileError> read_disk(const std::string& path) {
     return tl::unexpected(FileError::kUnreadable);
   std::ifstream file(path, std::ios::binary);
   if (!file) return tl::unexpected(FileError::kUnreadable);
-  // The size may lie (it grows, or it is a file of /proc): what is read decides.
+  // The reported size may be wrong (a growing file, or one of /proc).
   std::string text;
   std::array<char, 64 * 1024> part;
   while (file.read(part.data(), part.size()) || file.gcount() > 0) {
@@ -42,8 +42,7 @@ std::vector<std::string> list_disk(const std::string& directory) {
   return names;
 }
 
-// The folder of device templates and declared protocols. A program in the build folder takes the
-// source tree's; an installed one, PREFIX/bin/fieldcast, takes PREFIX/share/fieldcast.
+// The source tree for a program in the build directory, otherwise PREFIX/share/fieldcast.
 std::string data_folder() {
   std::error_code failure;
   const fs::path program = fs::read_symlink("/proc/self/exe", failure);

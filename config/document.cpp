@@ -7,8 +7,7 @@
 namespace fieldcast::config {
 namespace {
 
-// Length of the UTF-8 sequence at the start of `text`; 0 when it is none (RFC 3629, 4: no overlong
-// forms, no surrogates).
+// 0 if invalid (RFC 3629, 4: no overlong forms, no surrogates).
 std::size_t sequence_length(std::string_view text) {
   const auto at = [&](std::size_t i) {
     return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u;

@@ -1,8 +1,5 @@
-// A text as a tree of nodes that know their position. YAML and CSV both become documents, so that
-// everything after reads one shape.
-//
-// A Document owns its text and its nodes; nodes and positions point into it and live as long. Not
-// copied, not moved.
+// A text as a tree of nodes with positions, for YAML and CSV. Nodes and positions point into their
+// Document and have the same lifetime. Neither copied nor moved.
 #pragma once
 
 #include <cstdint>
@@ -17,14 +14,13 @@ namespace fieldcast::config {
 class FaultList;
 
 struct Source {
-  std::string file;  // as it stands in faults
+  std::string file;  // as shown in faults
   std::string text;
-  std::size_t order = 0;  // 0: the main file; others in the order in which they were opened
+  std::size_t order = 0;  // 0: the main file; others in the order of opening
 
-  // A line, from 0, without its end; empty behind the last one. The text must not change
-  // afterwards.
+  // Without its end; empty after the last one. The text must not change after the first call.
   [[nodiscard]] std::string_view line(std::uint32_t number) const;
-  mutable std::vector<std::size_t> line_starts{};  // of line(): filled when it is first asked
+  mutable std::vector<std::size_t> line_starts{};  // filled by the first call of line()
 };
 
 struct Position {
@@ -35,7 +31,7 @@ struct Position {
 
 enum class Kind : std::uint8_t { kNull, kScalar, kList, kMap };
 
-// A list that is empty in most nodes: one pointer instead of three.
+// Empty in most nodes: one pointer instead of three.
 template <typename T>
 class LeanList {
  public:
@@ -55,7 +51,7 @@ class LeanList {
 
 struct Node {
   struct Entry {
-    const Node* key;  // always a scalar, never twice in a map
+    const Node* key;  // always a scalar, unique in its map
     const Node* value;
   };
   Kind kind = Kind::kNull;
@@ -69,31 +65,28 @@ struct Node {
 struct Document {
   Source source;
   std::deque<Node> nodes;
-  const Node* root = nullptr;  // nothing: the text is broken (a fault says where) or empty
+  const Node* root = nullptr;  // null if the text is invalid (with a fault) or empty
 
   Document() = default;
   Document(const Document&) = delete;
   Document& operator=(const Document&) = delete;
 };
 
-// The text as one YAML document. Every fault of syntax is noted: broken text, duplicate keys, tags,
-// too many or too deep nodes.
+// Adds all faults, for example duplicate keys, tags, too many or too deep nodes.
 [[nodiscard]] std::unique_ptr<Document> parse_yaml(Source source, FaultList& faults);
 
-// The text as a list of maps, one for each row, with the keys of a channel (csv.hpp says which
-// column becomes which key).
+// A list of maps, one per row, with the keys of a channel (see columns() in keys.hpp).
 [[nodiscard]] std::unique_ptr<Document> parse_csv(Source source, FaultList& faults);
 
-// Drops a byte order mark; false and a fault for bytes that are no text (not UTF-8, or control
-// characters).
+// Removes a byte order mark. Returns false with a fault for invalid UTF-8 or control characters.
 [[nodiscard]] bool check_text(Source& source, FaultList& faults);
 
 // "a list", for faults.
 [[nodiscard]] std::string_view to_text(Kind kind);
 
-// The folder of a file with its trailing '/', or nothing for a bare name.
+// With a trailing '/'; empty for a bare name.
 [[nodiscard]] std::string_view directory_of(std::string_view path);
-// Relative to the folder of the naming file.
+// Relative to the directory of the referring file.
 [[nodiscard]] std::string resolve(const Source& from, std::string_view path);
 
 }  // namespace fieldcast::config

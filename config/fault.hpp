@@ -1,4 +1,4 @@
-// One thing that is wrong with a configuration, and where. Values only; any thread.
+// One error of a configuration with its position. Values only; any thread.
 #pragma once
 
 #include <span>
@@ -8,8 +8,8 @@ namespace fieldcast::config {
 
 struct Fault {
   std::string file;
-  unsigned line = 0;       // from 1, as editors count
-  unsigned column = 0;     // from 1, in characters, not bytes
+  unsigned line = 0;       // from 1
+  unsigned column = 0;     // from 1, in characters
   std::string what;        // "unknown key 'adress' in a device"
   std::string allowed;     // "name, address, protocol, ..."; may be empty
   std::string suggestion;  // "address"; may be empty
@@ -19,7 +19,6 @@ struct Fault {
 // "plant.yaml:7:5: unknown key 'adress' in a device; allowed: name, address; did you mean address?"
 [[nodiscard]] std::string to_text(const Fault& fault);
 
-// One line for each.
 [[nodiscard]] std::string to_text(std::span<const Fault> faults);
 
 }  // namespace fieldcast::config

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kLongestShown = 400;  // of a text quoted in a fault
 
-// Characters before a byte of a line: editors count characters.
+// Characters before a byte of a line, as editors count characters.
 unsigned characters_before(const Position& position) {
   unsigned count = 0;
   for (const char c : position.source->line(position.line).substr(0, position.column))
@@ -19,7 +19,7 @@ unsigned characters_before(const Position& position) {
   return count;
 }
 
-// What a file says may hold line breaks and escape codes; a fault is one line for a terminal.
+// The text of a file may contain line breaks and escape codes.
 void make_presentable(std::string& text) {
   for (char& c : text) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
@@ -64,7 +64,7 @@ void FaultList::add(const Position& position, std::string what, std::string allo
 }
 
 std::vector<Fault> FaultList::take() {
-  // The last entry of a full list speaks of those after it and stays there.
+  // The last entry of a full list reports the omitted faults and stays last.
   const auto end = full() ? entries_.end() - 1 : entries_.end();
   std::stable_sort(entries_.begin(), end, [](const Entry& a, const Entry& b) {
     return std::tie(a.order, a.fault.line, a.fault.column) <

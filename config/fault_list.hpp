@@ -1,4 +1,4 @@
-// Collects the faults of one load: each once, in the order of the text, at most kMaxFaults.
+// Collects the faults of one load, without duplicates, at most kMaxFaults.
 #pragma once
 
 #include <set>
@@ -13,7 +13,7 @@ namespace fieldcast::config {
 
 class FaultList {
  public:
-  // A fault that is known already is dropped: a template is read once for each device that uses it.
+  // Ignores a duplicate: a template is read once for each device that uses it.
   void add(const Position& position, std::string what, std::string allowed = {},
            std::string suggestion = {});
 
@@ -21,7 +21,7 @@ class FaultList {
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
   [[nodiscard]] bool full() const;
 
-  // Sorted by file (the main one first), line and column; ends the list.
+  // Sorted by file (the main one first), line and column; clears the list.
   [[nodiscard]] std::vector<Fault> take();
 
  private:

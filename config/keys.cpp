@@ -19,7 +19,6 @@ void append_columns(const RowTable& table, std::string_view map, std::vector<Col
     all.push_back({row.column.empty() ? row.name : std::string_view(row.column), map, row.name});
 }
 
-// A channel list has a column for each key, and for each key of the maps of a channel.
 std::vector<Column> all_columns() {
   const std::array<const RowTable*, 2> maps{&limit_rows(), &write_rows()};
   std::vector<Column> all;
@@ -49,8 +48,7 @@ std::span<const Column> columns() {
 }
 
 std::string where_it_belongs(std::string_view key, const KeyTable& here) {
-  // Nearest first: what a bus lacks is usually in its defaults, what a device lacks in its channels
-  // or its bus.
+  // The search order: the most likely place of a misplaced key is first.
   const std::array<const RowTable*, 17> order{
       &bus_default_rows(), &port_rows(),   &channel_rows(), &device_rows(),   &bus_rows(),
       &limit_rows(),       &write_rows(),  &dds_rows(),     &store_rows(),    &bridge_rows(),

@@ -1,4 +1,4 @@
-// Every key of the format, by the map that it stands in. The rows themselves are in config/keys/.
+// All keys of the format, by map. See config/keys/ for the rows.
 #pragma once
 
 #include <span>
@@ -18,16 +18,15 @@ struct RowTable;
 // Every map of the format, in the order of the documents.
 [[nodiscard]] std::span<const RowTable* const> key_tables();
 
-// Columns of a channel list and the key that each fills, "write-min" for min of write.
+// A column of a channel list and its key: "write-min" for min of write.
 struct Column {
   std::string_view name;
-  std::string_view map;  // "limits", "write", or nothing for the channel itself
+  std::string_view map;  // "limits", "write", or empty for the channel itself
   std::string_view key;
 };
 [[nodiscard]] std::span<const Column> columns();
 
-// "unknown key 'timeout' in a bus (it belongs in 'defaults' of a bus)": the part in brackets, or
-// nothing.
+// "(it belongs in 'defaults' of a bus)"; empty if there is no hint.
 [[nodiscard]] std::string where_it_belongs(std::string_view key, const KeyTable& here);
 
 }  // namespace fieldcast::config

@@ -11,11 +11,10 @@
 namespace fieldcast::config {
 namespace {
 
-// What a file is named as.
 constexpr std::string_view kChannelList = "channel list", kTemplate = "template",
                            kProtocol = "protocol";
 
-// What is to be said of a text that is none of this kind, instead of parsing it; empty: it may be.
+// Empty if the text may be of this kind; otherwise it is not parsed.
 std::string_view stranger_of(std::string_view text, std::string_view what) {
   if (is_empty(text)) return {};
   if (what == kChannelList) return has_columns(text) ? "" : kNoChannelList;
@@ -23,7 +22,7 @@ std::string_view stranger_of(std::string_view text, std::string_view what) {
   return is_declaration(text) ? "" : kNoDeclaration;
 }
 
-// Template names are words, not paths: what a bridge reads is decided by its folders.
+// Template names are words, not paths: a bridge only reads from its directories.
 bool is_word(std::string_view name) {
   return !name.empty() && name.size() <= kMaxNameLength && name != "." && name != ".." &&
          name.find_first_not_of(
@@ -36,7 +35,6 @@ std::string with_slash(std::string directory) {
   return directory;
 }
 
-// Those beside the naming file come first.
 std::vector<std::string> folders(const Node& naming, std::string_view own,
                                  std::span<const std::string> others) {
   std::vector<std::string> directories{resolve(*naming.position.source, own)};
@@ -163,7 +161,7 @@ void Library::fault_missing(const Node& naming, const std::string& what, FileErr
   const auto names = names_in(directories, suffix);
   const std::vector<std::string_view> candidates(names.begin(), names.end());
   const auto folder = directory_of(naming.text);
-  // A file that is there and cannot be read would be its own suggestion.
+  // An existing file that cannot be read would be suggested itself.
   const auto meant = error == FileError::kMissing
                          ? closest(std::string_view(naming.text).substr(folder.size()), candidates)
                          : std::string();

@@ -1,5 +1,4 @@
-// How much a configuration may hold. Beyond a limit is a fault that names it, never a slow or a
-// dead process.
+// Limits of a configuration; to exceed one is a fault that names it.
 #pragma once
 
 #include <chrono>
@@ -10,28 +9,25 @@
 
 namespace fieldcast::config {
 
-// Text. Includes cannot nest: a bridge names templates and channel lists, a template names channel
-// lists, and those name nothing.
+// Includes do not nest: a bridge names templates and channel lists, a template names channel lists.
 inline constexpr std::size_t kMaxFileBytes = 16u << 20;
-// Of a configuration and the files it names.
+// Limit of a configuration with all its files.
 inline constexpr std::size_t kMaxTotalBytes = 64u << 20;
-// Of one document, counting what aliases repeat; 100 000 channels with limits and write, each on a
-// line of its own, have 2 300 000.
+// Including repetitions by aliases. 100 000 channels with limits and write have 2 300 000.
 inline constexpr std::size_t kMaxNodes = 2'400'000;
-// Of one YAML text. 100 000 channels with limits and write have 300 000 maps.
+// Limits of one YAML text. 100 000 channels with limits and write have 300 000 maps.
 inline constexpr std::size_t kMaxCollections = 400'000;  // maps and lists
 inline constexpr std::size_t kMaxKeys = 1'000;           // of one map
 inline constexpr std::size_t kMaxLines = 1'500'000;
 inline constexpr std::size_t kMaxProperties = 200'000;  // anchors, aliases and tags
-// The parser holds every token of a bracket that could still become a key until it closes: 16 MiB
-// of '[' took 3.7 GB, and one list of 1 500 000 texts 420 MB.
+// The parser keeps the tokens of a bracket that may become a key: 16 MiB of '[' used 3.7 GB.
 inline constexpr std::size_t kMaxBrackets = 400'000;  // opening ones
 inline constexpr std::size_t kMaxCommas = 1'500'000;
-inline constexpr std::size_t kMaxHeldBytes = 170'000'000;  // of tokens, as the parser keeps them
-inline constexpr std::size_t kMaxNesting = 16;    // of maps and lists; the format itself needs 8
-inline constexpr std::size_t kMaxFaults = 1'000;  // reported at once
+inline constexpr std::size_t kMaxHeldBytes = 170'000'000;  // of tokens, in the parser
+inline constexpr std::size_t kMaxNesting = 16;             // of maps and lists; the format needs 8
+inline constexpr std::size_t kMaxFaults = 1'000;           // reported together
 
-// The plant.
+// Plant:
 inline constexpr std::size_t kMaxBuses = 256;
 inline constexpr std::size_t kMaxDevices = 247;       // of a bus
 inline constexpr std::size_t kMaxChannels = 100'000;  // of a bridge
@@ -39,30 +35,30 @@ inline constexpr std::size_t kMaxInterfaces = 16;
 inline constexpr std::size_t kMaxServers = 8;  // discovery servers
 inline constexpr std::size_t kMaxSites = 16;   // of a station
 inline constexpr std::uint64_t kMinRate =
-    50'000;  // bytes a second: two messages of 32 000 in 1.3 s
+    50'000;  // bytes per second: two messages of 32 000 in 1.3 s
 inline constexpr std::uint64_t kMaxRate = 1'000'000'000;
 inline constexpr std::size_t kMaxOptions = 32;      // of a device
 inline constexpr std::size_t kMaxNotAvailable = 8;  // values of a channel's `not-available`
 
-// Texts, in bytes. Unit and description as in core/model/spec.hpp.
+// Texts, in bytes. See core/model/spec.hpp for unit and description.
 inline constexpr std::size_t kMaxUnit = 32;
 inline constexpr std::size_t kMaxDescription = 256;
 inline constexpr std::size_t kMaxPath = 1024;
 inline constexpr std::size_t kMaxPartition = 256;
 
-// The store.
+// Store:
 inline constexpr std::size_t kMaxPatterns = 256;
 inline constexpr std::uint64_t kMinStoreBytes = 10'000'000;
 inline constexpr std::uint64_t kMaxStoreBytes = 1'000'000'000'000'000;
 inline constexpr Duration kMinKeep = std::chrono::hours{1};
 inline constexpr Duration kMaxKeep = std::chrono::hours{24 * 36'500};
 
-// Captures.
+// Captures:
 inline constexpr std::uint64_t kMinCaptureBytes = 100'000;  // of one file
 inline constexpr std::uint64_t kMaxCaptureBytes = 1'000'000'000'000;
 inline constexpr std::uint32_t kMaxCaptureFiles = 10'000;
 
-// Times.
+// Times:
 inline constexpr Duration kMinRefresh = std::chrono::milliseconds{1};
 inline constexpr Duration kMaxRefresh = std::chrono::hours{24};
 inline constexpr Duration kMinTimeout = std::chrono::milliseconds{1};
@@ -76,7 +72,7 @@ inline constexpr int kMaxPriority = 100;
 inline constexpr double kMinElasticity = 0.1;
 inline constexpr double kMaxElasticity = 10;
 inline constexpr int kMaxStrength = 1000;          // in a standby group
-inline constexpr unsigned kMaxSecureDomain = 230;  // documents of DDS Security name no higher one
-inline constexpr unsigned kMaxDomain = 232;        // DDS: the ports of 233 would be above 65535
+inline constexpr unsigned kMaxSecureDomain = 230;  // limit of DDS Security documents
+inline constexpr unsigned kMaxDomain = 232;        // DDS: the ports of 233 would exceed 65535
 
 }  // namespace fieldcast::config

@@ -20,7 +20,7 @@
 namespace fieldcast::config {
 namespace {
 
-// REQUIRES: the programming server is read.
+// REQUIRES: the programming server was read.
 void read_metrics(MapReader& bridge, BridgeSpec& spec) {
   const Node* node = bridge.find("metrics");
   if (node == nullptr) return;
@@ -37,7 +37,6 @@ void read_metrics(MapReader& bridge, BridgeSpec& spec) {
       "a port of its own for each");
 }
 
-// A name, or a map with more.
 void read_identity(MapReader& bridge, BridgeSpec& spec) {
   const Node* node = bridge.require("bridge", "a name for the bridge");
   if (node == nullptr) return;

@@ -1,8 +1,6 @@
-// The way from a configuration file to the model: a BridgeSpec with every default filled in, or the
-// list of all faults at once.
-//
-// Functions without state; any thread. No exception leaves them, whatever the text holds. Sizes are
-// bounded: see config/limits.hpp.
+// Loads a configuration: returns a BridgeSpec with all defaults, or the list of all faults.
+// Stateless functions; any thread. They throw no exception, for any text. See config/limits.hpp for
+// size limits.
 #pragma once
 
 #include <functional>
@@ -16,33 +14,28 @@
 
 namespace fieldcast::config {
 
-// What can go wrong with a file that a configuration names.
 enum class FileError { kMissing, kUnreadable, kTooLarge };
 [[nodiscard]] std::string_view to_text(FileError error);
 
-// How the loader gets at channel lists and templates. Tests give it a map instead of a disk.
+// Access to channel lists and templates; tests use a map instead of files.
 struct FileReader {
-  // The whole content.
   std::function<tl::expected<std::string, FileError>(const std::string& path)> read;
-  // Names of the files in a directory, for suggestions only; may be left empty.
+  // File names in a directory, only for suggestions; may be empty.
   std::function<std::vector<std::string>(const std::string& directory)> list;
 };
 
-// Reads regular files of at most kMaxFileBytes.
 [[nodiscard]] FileReader disk_reader();
 
 struct LoadOptions {
-  // Where `template: press` looks for press.yaml after the folder devices/ beside the
-  // configuration.
+  // Searched for press.yaml with `template: press`, after devices/ beside the configuration.
   std::vector<std::string> template_directories;
-  // Where `protocol: instrument` looks for instrument.yaml after the folder protocols/ beside it.
+  // Searched for instrument.yaml with `protocol: instrument`, after protocols/ beside it.
   std::vector<std::string> protocol_directories;
-  // Whether a bus that could never carry its channels is a fault (core/schedule/overload.hpp).
+  // A bus that cannot carry its channels is a fault (core/schedule/overload.hpp).
   bool refuse_hopeless = true;
 };
 
-// The device templates and declared protocols that come with Fieldcast: those of the source tree or
-// of the installation.
+// Those of the source tree or the installation.
 [[nodiscard]] LoadOptions default_options();
 
 using Loaded = tl::expected<BridgeSpec, std::vector<Fault>>;
@@ -51,13 +44,11 @@ using Loaded = tl::expected<BridgeSpec, std::vector<Fault>>;
 [[nodiscard]] Loaded load_file(const std::string& path,
                                const LoadOptions& options = default_options());
 
-// As load_file, with the text at hand. `file_name` stands in the faults, and its folder is where
-// relative names begin.
+// `file_name` is shown in faults; relative names refer to its directory.
 [[nodiscard]] Loaded load_text(std::string_view text, const std::string& file_name,
                                const FileReader& reader, const LoadOptions& options = {});
 
-// The declaration of a protocol by itself, from a file or from the name of one that comes with
-// Fieldcast; its name is that of the file.
+// Loaded from a file, or by the name of a declaration supplied with Fieldcast.
 using LoadedDeclaration = tl::expected<declared::SharedDeclaration, std::vector<Fault>>;
 [[nodiscard]] LoadedDeclaration load_declaration(const std::string& path_or_name,
                                                  const LoadOptions& options = default_options());

@@ -17,7 +17,6 @@ namespace {
   std::abort();
 }
 
-// Whether the rest of the key's line is a comment.
 bool begins_comment(const Node& key) {
   const auto text = key.position.source->line(key.position.line);
   const auto behind = text.find(':', std::min<std::size_t>(text.size(), key.position.column));

@@ -1,7 +1,6 @@
-// Reads the keys of one map. Unknown keys are noted at the start; each known key is read by name.
-//
-// Borrows the node and the fault list; lives while the map is read. A key that the table has and
-// nobody reads is a bug, and aborts.
+// Reads the keys of one map. The constructor adds faults for unknown keys; known keys are read by
+// name. Borrows the node and the fault list. Aborts at the end if a key of the table was never
+// read, which is a bug.
 #pragma once
 
 #include <string>
@@ -23,14 +22,12 @@ class MapReader {
   MapReader(const MapReader&) = delete;
   MapReader& operator=(const MapReader&) = delete;
 
-  // The key's value; null when absent, or when it has no value (a fault). REQUIRES: the key is in
-  // the table.
+  // Null if absent, or without a value (a fault). REQUIRES: the key is in the table.
   const Node* find(std::string_view key);
-  // As find(), and absence is a fault; `allowed` says what should stand there.
+  // As find(), but absence is a fault; `allowed`: the expected value.
   const Node* require(std::string_view key, std::string_view allowed);
 
-  // Puts the value of the key into target by a rule of scalars.hpp; leaves target when the key is
-  // absent or faulty. True when a value was put.
+  // Sets `target` by a rule of scalars.hpp; returns false if the key is absent or invalid.
   template <typename Target, typename Rule>
   bool read(std::string_view key, Target& target, const Rule& rule) {
     const Node* value = find(key);
@@ -45,9 +42,9 @@ class MapReader {
 
   [[nodiscard]] bool is_map() const { return node_.kind == Kind::kMap; }
   [[nodiscard]] bool has(std::string_view key) const;
-  // Also true when an unknown key probably means this one: it is not missing as well.
+  // Also true for a probable misspelling, so that the key is not reported as missing too.
   [[nodiscard]] bool has_or_means(std::string_view key) const;
-  // Of its value, or of the map when absent.
+  // Position of the value, or of the map if the key is absent.
   [[nodiscard]] Position position_of(std::string_view key) const;
   [[nodiscard]] const Position& position() const { return node_.position; }
   [[nodiscard]] FaultList& faults() { return faults_; }
@@ -60,7 +57,7 @@ class MapReader {
     if constexpr (requires { target = std::move(*result); } && !std::is_arithmetic_v<Target>) {
       target = std::move(*result);
     } else {
-      target = static_cast<Target>(*result);  // the rule's bounds fit the target
+      target = static_cast<Target>(*result);  // the rule's limits fit the target
     }
     return true;
   }
@@ -70,7 +67,7 @@ class MapReader {
   const KeyTable& table_;
   FaultList& faults_;
   std::vector<bool> read_;          // by the index of the key in the table
-  std::vector<std::string> meant_;  // what unknown keys probably mean
+  std::vector<std::string> meant_;  // probable meanings of unknown keys
 };
 
 }  // namespace fieldcast::config

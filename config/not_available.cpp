@@ -18,7 +18,7 @@ std::string values_allowed(const Encoding& encoding) {
   return bits + (real ? ", a number, or nan" : ", or a raw number of the type");
 }
 
-// The values of one scalar: a cell of a channel list has several, with spaces between them.
+// A cell of a channel list may contain several, separated by spaces.
 void add_values(const Node& node, Encoding& encoding, FaultList& faults) {
   const std::string allowed = values_allowed(encoding);
   const std::string* text = scalar_of(node, kKey, allowed, faults);

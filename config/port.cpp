@@ -17,9 +17,7 @@
 namespace fieldcast::config {
 namespace {
 
-// What termios names (termios(3), B50 .. B4000000), from the slowest that a PLC speaks, and what
-// PLCs speak besides: 93750 and 187500 are rates of S7-200's PPI, the others come from dividers of
-// common crystals.
+// Rates of termios(3) from 300 on, of the S7-200's PPI (93750, 187500), and of common crystals.
 constexpr std::array<std::uint32_t, 29> kBauds{
     300,    600,    1200,   1800,    2400,    4800,    9600,    14400,   19200,  28800,
     38400,  57600,  76800,  93750,   115200,  125000,  187500,  230400,  250000, 460800,
@@ -31,8 +29,7 @@ std::string baud_list() {
   return text;
 }
 
-// What the protocol's devices speak as they come from the factory; of other protocols the default
-// of LineFormat.
+// The default of LineFormat for unknown protocols.
 LineFormat factory_line(std::string_view protocol) {
   const ProtocolEntry* entry = find_protocol(protocol);
   return entry == nullptr ? LineFormat{} : entry->factory_line;
@@ -50,7 +47,7 @@ struct BaudRule {
     return std::nullopt;
   }
 
-  // A slip of the hand (a digit too many, another digit), and the nearest of those in daily use.
+  // A similar number (an extra or wrong digit), and the nearest common rate.
   static std::string likely_bauds(std::uint32_t baud) {
     static constexpr std::array<std::uint32_t, 10> kUsual{1200,  2400,  4800,   9600,   19200,
                                                           38400, 57600, 115200, 230400, 460800};
@@ -84,7 +81,7 @@ struct FormatRule {
     if (text == nullptr) return std::nullopt;
     const auto format = format_from(*text);
     if (format) return format;
-    std::string upper;  // without what others put between the three: 8-n-1, 8/N/1
+    std::string upper;  // without separators, as in 8-n-1 or 8/N/1
     for (const char c : *text) {
       if (std::string_view(" -/,.").find(c) != std::string_view::npos) continue;
       upper += c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
@@ -106,10 +103,10 @@ constexpr std::pair<std::string_view, Fence> kFences[] = {{"none", Fence::kNone}
                                                           {"listen", Fence::kListen},
                                                           {"lock", Fence::kLock},
                                                           {"one-client", Fence::kOneClient}};
-// Shorter than the time for which an adapter keeps bytes back (16 ms) it would be of no use.
+// The lower limit must exceed the delay of an adapter (16 ms).
 DurationRule hold_time() { return {std::chrono::milliseconds{50}, std::chrono::seconds{5}}; }
 
-// `fits`: the fences that this type of port can have, and what to write for the others.
+// `fits`: valid fences of this port type.
 FenceSpec read_fence(MapReader& map, std::initializer_list<Fence> fits, std::string_view allowed) {
   FenceSpec fence;
   Fence kind{};
@@ -150,7 +147,7 @@ PortSpec read_serial(MapReader& map, const LineFormat& factory) {
   }
   return port;
 }
-// Of the serial line behind a network; nothing where there is none.
+// Empty if there is no serial line behind the network.
 std::optional<LineFormat> read_far_line(MapReader& map, const LineFormat& factory) {
   LineFormat format = factory;
   std::uint32_t baud = 0;
@@ -188,8 +185,7 @@ PortSpec read_dial_in(MapReader& map, const LineFormat& factory) {
   return port;
 }
 
-// One row for each type of port: the key that names it, what its value is, the other keys that it
-// takes, and what reads them.
+// One row per port type: its key, its value, the other allowed keys.
 struct PortType {
   std::string_view key, value;
   std::vector<std::string_view> takes;
@@ -213,7 +209,7 @@ std::vector<std::string_view> type_keys() {
   return keys;
 }
 
-// "serial nor tcp nor dial-in"
+// "serial nor tcp nor dial-in".
 std::string joined_with(std::string_view word) {
   std::string text;
   for (const auto key : type_keys()) {
@@ -223,7 +219,7 @@ std::string joined_with(std::string_view word) {
   return text;
 }
 
-// "serial: PATH, tcp: HOST:PORT"
+// "serial: PATH, tcp: HOST:PORT".
 std::string examples(std::string_view before, std::string_view after, std::string_view between,
                      std::string_view last) {
   std::string text;
@@ -235,7 +231,7 @@ std::string examples(std::string_view before, std::string_view after, std::strin
   return text;
 }
 
-// Reads what the type takes; keys of other types are faults.
+// Reads the keys of the type; keys of other types are faults.
 PortSpec read_type(const PortType& type, MapReader& map, const LineFormat& factory) {
   for (const std::string_view key : port_rows().keys) {
     if (std::ranges::find(type.takes, key) != type.takes.end()) continue;

@@ -1,4 +1,3 @@
-// `port`: how a bus is reached; and its spellings "8E1" and "host:port".
 #pragma once
 
 #include <optional>
@@ -13,20 +12,18 @@
 
 namespace fieldcast::config {
 
-//     { serial: PATH, baud, format, rs485, low-latency, exclusive, fence, hold }
+// { serial: PATH, baud, format, rs485, low-latency, exclusive, fence, hold }
 //     { tcp: HOST:PORT, baud, format, connect-timeout, fence, hold }
 //     { dial-in: NUMBER, baud, format }
 //
-// Without baud and format the line is what the protocol's devices have from the factory
+// Without baud and format, the line has the factory setting of the protocol's devices
 // (ProtocolEntry::factory_line).
 [[nodiscard]] PortSpec read_port(const Node& node, std::string_view protocol, FaultList& faults);
 
-// The keys of a port, for the schema and the documents.
 [[nodiscard]] const RowTable& port_rows();
-// "port: { serial: PATH }, { tcp: HOST:PORT } or ..": for faults.
+// "port: { serial: PATH }, { tcp: HOST:PORT } or ..", for faults.
 [[nodiscard]] std::string port_forms();
 
-// Faults at `position` where a protocol cannot run over the port.
 void check_port(const std::string& protocol, const PortSpec& port, const Position& position,
                 FaultList& faults);
 

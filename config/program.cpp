@@ -17,7 +17,7 @@ namespace {
 
 using program::RegistrationRule;
 
-// `users`: there is a store, which keeps them.
+// `users`: a store with users exists.
 void read_engineers(MapReader& program, ProgramSpec& spec, Library& library, bool users) {
   const Node* node = program.find("engineers");
   if (node == nullptr) return;

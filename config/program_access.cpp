@@ -14,14 +14,13 @@ void fault(MapReader& map, std::string_view key, std::string what, std::string a
   map.faults().add(map.position_of(key), std::move(what), std::move(allowed));
 }
 
-// `needed` is what the key has no meaning without.
+// `needed`: the key that `key` depends on.
 void check_needed(MapReader& map, std::string_view key, std::string_view needed,
                   std::string_view allowed) {
   if (map.has(key) && !map.has(needed))
     fault(map, key, fmt::format("'{}' without '{}'", key, needed), std::string(allowed));
 }
 
-// A number, or a list of numbers.
 std::vector<std::string> numbers_of(const Node& node, std::string_view name, FaultList& faults) {
   std::vector<std::string> numbers;
   const auto take = [&](const Node& item) {
@@ -105,7 +104,7 @@ void check_engineers(MapReader& map, EngineersSpec& engineers, bool users) {
   if (far && !map.has("certificate") && !map.has("key"))
     fault(map, "listen", "engineers off the loopback without TLS",
           "certificate and key, or an address 127.0.0.1");
-  // Whoever has a certificate of the authority is an engineer, where no users are kept.
+  // Without users, every holder of a certificate of the authority is an engineer.
   if (users || engineers.proof == LoginProof::kCertificate) return;
   static constexpr std::string_view kRemedy =
       "store: { path: FILE } and 'fieldcast user add NAME --role programmer'";

@@ -1,5 +1,3 @@
-// Of `program`: who may dial in, and who may program. What engineers and modules have in common
-// (TLS), and what only modules have (networks, secrets, certificates of modules).
 #pragma once
 
 #include "config/library.hpp"
@@ -11,11 +9,10 @@ namespace fieldcast::config {
 // `certificate`, `key`, `authority`, `revoked`: PEM files.
 [[nodiscard]] TlsSpec read_tls(MapReader& map, Library& library);
 
-// How engineers log in, and where they must. `users`: there is a store, which keeps them.
-// REQUIRES: TLS is read.
+// `users`: a store with users exists. REQUIRES: TLS was read.
 void check_engineers(MapReader& map, EngineersSpec& engineers, bool users);
 
-// `subjects`, `secrets`, `from`, `security`. REQUIRES: the rows of the map are read.
+// `subjects`, `secrets`, `from`, `security`. REQUIRES: the rows of the map were read.
 void read_module_access(MapReader& map, ModulesSpec& modules, Library& library);
 
 }  // namespace fieldcast::config

@@ -1,4 +1,3 @@
-// Which protocol a bus or a device speaks: one that is built in, or one that a file declares.
 #pragma once
 
 #include <map>
@@ -11,25 +10,24 @@
 
 namespace fieldcast::config {
 
-// What one load shares.
 struct LoadState {
   FaultList& faults;
   Library& library;
-  // By their document; nothing: faulty.
+  // By document; null if invalid.
   std::map<const Node*, declared::SharedDeclaration> declarations{};
-  std::size_t channels = 0;  // of the whole bridge, as far as it was read
+  std::size_t channels = 0;  // of the whole bridge so far
 };
 
 struct ProtocolChoice {
-  std::string name;                         // empty: unknown
-  const ProtocolEntry* built_in = nullptr;  // one of these two
+  std::string name;                         // empty if unknown
+  const ProtocolEntry* built_in = nullptr;  // either this or `declaration` is set
   declared::SharedDeclaration declaration;
   [[nodiscard]] bool known() const { return built_in != nullptr || declaration; }
 };
 
-// Built-in names come first; other words are files in protocols/ beside the configuration, then
-// those that come with Fieldcast. What is neither is a fault with the nearest name; a declaration
-// with faults notes them and leaves the choice unknown.
+// Searches the built-in protocols, then files in protocols/ beside the configuration, then those
+// supplied with Fieldcast. Adds a fault with the nearest name if it finds none. An invalid
+// declaration adds its faults and returns an unknown choice.
 [[nodiscard]] ProtocolChoice read_protocol(const Node& node, std::string_view key,
                                            LoadState& state);
 

@@ -34,7 +34,7 @@ bool says_something(std::string_view line) {
   return !content.empty() && !content.starts_with('#') && content != "---";
 }
 
-// "KEY:" with a blank behind it, or nothing; the key may be quoted.
+// "KEY:" followed by a blank or the end; the key may be quoted.
 bool begins_with_key(std::string_view text, std::string_view key) {
   const bool quoted = text.starts_with('"') || text.starts_with('\'');
   const char quote = quoted ? text.front() : '\0';
@@ -51,7 +51,7 @@ bool begins_with_key(std::string_view text, std::string_view key) {
          text[1] == '\n';
 }
 
-// In a map in braces every word may be one of its keys: how deep it stands is not looked at.
+// In a map in braces, matches the key at any depth.
 bool in_braces(std::string_view text, std::string_view key) {
   for (auto at = text.find_first_of("{,\n"); at != kNone; at = text.find_first_of("{,\n", at + 1)) {
     const auto begin = text.find_first_not_of(" \t", at + 1);

@@ -1,5 +1,5 @@
-// Whether a text is one of our files at all. One that is not, /etc/shadow or a private key, is
-// never parsed: what is wrong with it would quote it to somebody who may not read it.
+// Detects files that are not ours, such as a private key. They are never parsed, as faults would
+// quote them to a user without permission to read them.
 #pragma once
 
 #include <initializer_list>
@@ -7,17 +7,14 @@
 
 namespace fieldcast::config {
 
-// The outermost map has one of these keys, as far as that can be seen without parsing: at the
-// beginning of a line, or in a map in braces.
+// Finds a key at the start of a line, or in a map in braces.
 [[nodiscard]] bool has_top_key(std::string_view text, std::initializer_list<std::string_view> keys);
 
-// The first line of a channel list names columns of ours.
 [[nodiscard]] bool has_columns(std::string_view text);
 
-// No text stands in it, or comments alone.
+// Blank, or only comments.
 [[nodiscard]] bool is_empty(std::string_view text);
 
-// A file that may be meant for the bridge.
 [[nodiscard]] bool is_configuration(std::string_view text);
 [[nodiscard]] bool is_template(std::string_view text);
 [[nodiscard]] bool is_declaration(std::string_view text);

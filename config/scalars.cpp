@@ -134,7 +134,7 @@ std::optional<std::string> TextRule::operator()(const Node& node, std::string_vi
   const std::string* text = scalar_of(node, key, "a text", faults);
   if (text == nullptr) return std::nullopt;
   std::string_view line = *text;
-  while (line.ends_with('\n')) line.remove_suffix(1);  // block texts end so
+  while (line.ends_with('\n')) line.remove_suffix(1);  // as at the end of block texts
   if (line.empty() || line.size() > max_bytes) {
     faults.add(node.position, std::string(key) + (line.empty() ? " is empty" : " is too long"),
                fmt::format("1 to {} bytes", max_bytes));

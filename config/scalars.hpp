@@ -1,8 +1,6 @@
-// What a value of a key may be: each rule reads one node and gives the value, or notes a fault and
-// gives nothing.
-//
-// A rule is called as rule(node, key, faults); MapReader::read() takes any of them. schema() says
-// in JSON Schema what it takes, form() says it for people (empty: the key's text says it).
+// Rules for values of keys, called as rule(node, key, faults). Each returns the value, or adds a
+// fault and returns empty. schema() returns its JSON Schema, form() a human-readable form (empty:
+// the key's text describes it).
 #pragma once
 
 #include <limits>
@@ -20,21 +18,21 @@
 
 namespace fieldcast::config {
 
-// The node's text, when it is a scalar. `wanted` says what the key takes: "a duration".
+// The text of a scalar node; otherwise null with a fault. `wanted`: "a duration".
 [[nodiscard]] const std::string* scalar_of(const Node& node, std::string_view key,
                                            std::string_view wanted, FaultList& faults);
 
-// A finite number in full: "2", "-0.5", "1e3".
+// "2", "-0.5", "1e3"; finite.
 [[nodiscard]] std::optional<double> number_from(std::string_view text);
-// A whole number in full: "12", "-3", "0x1F".
+// "12", "-3", "0x1F".
 [[nodiscard]] std::optional<std::int64_t> whole_from(std::string_view text);
 
-// "192.168.1.7"
+// "192.168.1.7".
 [[nodiscard]] bool is_ipv4(std::string_view text);
 
-struct DurationRule {  // core/base/duration_text.hpp
+struct DurationRule {  // see core/base/duration_text.hpp
   Duration min, max;
-  std::string_view or_else = {};  // a word that the caller takes beside durations: ", or forever"
+  std::string_view or_else = {};  // a word that the caller also accepts: ", or forever"
   std::optional<Duration> operator()(const Node& node, std::string_view key,
                                      FaultList& faults) const;
   [[nodiscard]] std::string schema() const;
@@ -70,7 +68,7 @@ struct TextRule {  // one line without control characters
   [[nodiscard]] std::string form() const;
 };
 
-// 1..64 of letters, digits, '-', '_', '.': names become parts of paths and patterns.
+// 1..64 of letters, digits, '-', '_', '.', as names become parts of paths and patterns.
 struct NameRule {
   std::optional<std::string> operator()(const Node& node, std::string_view key,
                                         FaultList& faults) const;
@@ -82,7 +80,6 @@ struct NameRule {
 [[nodiscard]] std::string schema_of_words(std::span<const std::string_view> words);
 [[nodiscard]] std::string form_of_words(std::span<const std::string_view> words);
 
-// One word of a closed set.
 template <typename T>
 struct ChoiceRule {
   std::span<const std::pair<std::string_view, T>> choices;

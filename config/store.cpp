@@ -38,7 +38,7 @@ void read_patterns(MapReader& map, StoreSpec& spec) {
   }
 }
 
-// What is wrong is never shown: a password may stand in it.
+// Faults do not quote the URL, as it may contain a password.
 void read_url(MapReader& map, StoreSpec& spec) {
   if (!map.read("url", spec.address, TextRule{kMaxPath})) return;
   if (!spec.address.starts_with("postgresql://") && !spec.address.starts_with("postgres://")) {

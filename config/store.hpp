@@ -1,4 +1,3 @@
-// The `store` section: where samples, users and the audit are kept, and for how long.
 #pragma once
 
 #include <optional>
@@ -10,7 +9,7 @@ namespace fieldcast::config {
 
 void read_store(MapReader& bridge, std::optional<StoreSpec>& spec);
 
-// A size of the store: a whole number with MB, GB or TB.
+// Size of the store: a whole number with MB, GB or TB.
 struct StoreSizeRule {
   std::optional<std::int64_t> operator()(const Node& node, std::string_view key,
                                          FaultList& faults) const;
@@ -18,7 +17,7 @@ struct StoreSizeRule {
   [[nodiscard]] std::string form() const;
 };
 
-// How long samples are kept; 0: for ever.
+// Retention of samples; 0: unlimited.
 struct KeepRule {
   std::optional<Duration> operator()(const Node& node, std::string_view key,
                                      FaultList& faults) const;

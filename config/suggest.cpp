@@ -12,8 +12,7 @@ namespace fieldcast::config {
 
 namespace {
 
-// What other programs call our keys, and one misspelling that is nearer to another word. `text`
-// where the value is written differently, too.
+// Keys of other programs. `text`: the entry to write if the value differs too.
 struct KeyHabit {
   std::string_view habit, ours;
   std::string_view text = {};
@@ -75,8 +74,7 @@ constexpr KeyHabit kKeyHabits[] = {{"address", "at"},
                                    {"points", "channels"},
                                    {"slaves", "devices"}};
 
-// What other programs, and our own older versions, write as values of our keys, in lower case.
-// ABCD and its kin are the bytes of a 32-bit value as they arrive.
+// Values of other programs, and of older versions, in lower case. ABCD and similar: byte order.
 struct ValueHabit {
   std::string_view key, habit, ours;
 };
@@ -147,7 +145,7 @@ std::string closest(std::string_view word, std::span<const std::string_view> can
 }
 
 MeantKey meant_key(std::string_view word, std::span<const std::string_view> keys) {
-  // "name:a" in { name:a }: the space is missing, and all of it became a key.
+  // "name:a" in { name:a }: without the space, all of it is a key.
   if (const auto colon = word.find(':'); colon != std::string_view::npos) {
     const auto key = word.substr(0, colon);
     if (std::ranges::find(keys, key) != keys.end())

@@ -1,5 +1,4 @@
-// How a number stands as text: "decimal(7)", "decimal-comma(7)", "hex(4)", or a picture such as
-// "+000.00" whose length is the number of characters.
+// "decimal(7)", "decimal-comma(7)", "hex(4)", or a picture such as "+000.00".
 #pragma once
 
 #include "config/document.hpp"
@@ -15,10 +14,10 @@ inline constexpr std::string_view kTextNumberForms =
 
 struct TextForm {
   TextNumber number;             // none: the characters are a text
-  std::uint16_t characters = 0;  // 0: not said
+  std::uint16_t characters = 0;  // 0 if not given
 };
 
-// Also takes "decimal" and the like without their characters: where the address says how many.
+// Also accepts "decimal" and similar without a size, if the address determines it.
 struct TextFormRule {
   std::optional<TextForm> operator()(const Node& node, std::string_view key,
                                      FaultList& faults) const;

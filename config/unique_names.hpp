@@ -1,4 +1,4 @@
-// Names that must be unique: the second use of one is a fault.
+// Adds a fault for the second use of a name.
 #pragma once
 
 #include <map>
@@ -12,7 +12,7 @@ namespace fieldcast::config {
 
 class UniqueNames {
  public:
-  // `what`: "channel". An empty name (a fault already) is not counted.
+  // Ignores an empty name, which already has a fault.
   void add(std::string_view what, const std::string& name, const Position& position,
            FaultList& faults) {
     if (name.empty()) return;

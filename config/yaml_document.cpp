@@ -1,5 +1,5 @@
-// The only place that knows yaml-cpp. Its events, not its nodes, are used: they tell duplicate keys
-// apart, and aliases are counted before they can grow. Its exceptions end here.
+// The only user of yaml-cpp. Its events show duplicate keys, and aliases before they expand. Its
+// exceptions do not leave this file.
 #include <fmt/format.h>
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/exceptions.h>
@@ -21,7 +21,7 @@
 namespace fieldcast::config {
 namespace {
 
-struct Abandoned {};  // a fault that ends the parsing has been noted
+struct Abandoned {};  // thrown after a fault that ends the parsing
 
 void add(FaultList& faults, YamlTrouble trouble) {
   faults.add(trouble.position, std::move(trouble.what), std::move(trouble.allowed),
@@ -41,7 +41,7 @@ class Builder final : public YAML::EventHandler {
 
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     Node& node = make(Kind::kNull, mark);
-    // An absent value stands nowhere.
+    // An absent value has no position.
     if (!open_.empty() && open_.back().key != nullptr) node.position = open_.back().key->position;
     finish(node, anchor, 1);
   }
@@ -77,7 +77,7 @@ class Builder final : public YAML::EventHandler {
   }
   void OnMapEnd() override { close(); }
 
-  // The parser takes the end of the text for a closing quote. Only the last quote can be open.
+  // The parser accepts the end of the text as a closing quote. Only the last quote can be open.
   void check_last_quote() {
     if (!last_quote_) return;
     const auto quote = quote_at(document_.source, *last_quote_);
@@ -90,8 +90,8 @@ class Builder final : public YAML::EventHandler {
   struct Open {
     Node* node;
     YAML::anchor_t anchor;
-    std::size_t weight = 1;                     // nodes inside, aliases counted in full
-    const Node* key = nullptr;                  // of a map: read, its value is still to come
+    std::size_t weight = 1;                     // nodes inside, with aliases expanded
+    const Node* key = nullptr;                  // of a map: a key without its value so far
     std::unordered_set<std::string_view> keys;  // of a map
   };
   struct Anchored {
@@ -149,7 +149,6 @@ class Builder final : public YAML::EventHandler {
     attach(node, weight);
   }
 
-  // Puts a finished node into the map or list around it.
   void attach(const Node& node, std::size_t weight) {
     if (open_.empty()) {
       document_.root = &node;
@@ -203,7 +202,7 @@ std::unique_ptr<Document> parse_yaml(Source source, FaultList& faults) {
     builder.check_last_quote();
   } catch (const YAML::Exception& fault) {
     document->root = nullptr;
-    document->nodes.clear();  // the explanation needs room of its own
+    document->nodes.clear();  // the explanation needs memory
     Position stopped{&document->source, 0, 0};
     if (!fault.mark.is_null()) {
       stopped.line = static_cast<std::uint32_t>(fault.mark.line);

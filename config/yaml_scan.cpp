@@ -60,7 +60,6 @@ class Scanner {
       ++at_.column;
   }
 
-  // What is open is known as soon as the scan comes to where the parser stopped.
   void take_stack() {
     if (taken_ || is_before(at_, stopped_)) return;
     scan_.open = stack_;
@@ -89,7 +88,7 @@ class Scanner {
     while (next_ < text_.size() && peek() != '\n') advance();
   }
 
-  // A value, a key or a list item may begin here. False: the text was moved on already.
+  // Returns false if the text was already consumed.
   bool begin_value(char c) {
     if (at_quote()) {
       const bool earlier = is_before(at_, stopped_);
@@ -135,7 +134,7 @@ class Scanner {
     behind_bracket_ = stack_.empty();
   }
 
-  // The lines below a '|' or '>' that are indented deeper than its key.
+  // The lines after '|' or '>' that are indented deeper than its key.
   bool skip_block_text() {
     const std::uint32_t key = content_;
     for (skip_line(); next_ < text_.size(); skip_line()) {
@@ -154,7 +153,7 @@ class Scanner {
   std::size_t next_ = 0;
   bool fresh_ = true;            // a value may begin
   bool line_begins_ = true;      // only blanks and "- " so far
-  bool behind_bracket_ = false;  // the last one of the line closed all
+  bool behind_bracket_ = false;  // the last bracket of the line closed all
   std::uint32_t content_ = 0;    // column of the line's first key or value
   std::vector<Bracket> stack_;
   bool taken_ = false;

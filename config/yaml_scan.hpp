@@ -1,6 +1,6 @@
-// Quotes and brackets of a YAML text, followed by a scanner that never gives up. It serves texts
-// that the parser refused: what was left open is the cause, and often lines above the position
-// where the parser stopped. Pure; one pass over the text.
+// Finds quotes and brackets of a YAML text that the parser rejected; never fails. An open quote or
+// bracket is the cause, often lines above the position where the parser stopped. Pure; one pass
+// over the text.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,6 @@
 
 namespace fieldcast::config {
 
-// Before or after in the text.
 [[nodiscard]] bool is_before(const Position& a, const Position& b);
 
 struct Quote {
@@ -29,9 +28,9 @@ struct Bracket {
 struct YamlScan {
   std::vector<Bracket> open;          // where the parser stopped
   std::vector<Bracket> never_closed;  // at the end of the text
-  std::optional<Quote> quote;         // the last one that begins before the parser stopped
+  std::optional<Quote> quote;         // last one that begins before the parser stopped
   struct Mismatch {
-    std::optional<Bracket> open;  // what should have been closed; nothing: nothing was open
+    std::optional<Bracket> open;  // the bracket to close; empty if none was open
     Bracket closing;
   };
   std::optional<Mismatch> mismatch;  // the first one
@@ -39,7 +38,6 @@ struct YamlScan {
 
 [[nodiscard]] YamlScan scan_yaml(const Source& source, const Position& stopped);
 
-// The quoted text that begins at `begin`; nothing when no quote stands there.
 [[nodiscard]] std::optional<Quote> quote_at(const Source& source, const Position& begin);
 
 }  // namespace fieldcast::config

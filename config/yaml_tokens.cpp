@@ -10,16 +10,16 @@
 namespace fieldcast::config {
 namespace {
 
-// Bytes that yaml-cpp keeps for a token with the values around it; measured with glibc.
+// Memory of yaml-cpp for a token with its values; measured with glibc.
 constexpr std::size_t kBracketBytes = 230, kCommaBytes = 180, kColonBytes = 180,
                       kPropertyBytes = 100;
 
-// Of & * and ! anywhere in the text, in words and quotes too.
+// Limit of the signs &, * and ! anywhere in the text, also in words and quotes.
 constexpr std::size_t kMaxMarks = 5 * kMaxProperties;
 
 class TokenCounter {
  public:
-  // The limit that the text goes above with its next character, or nothing.
+  // The limit that the text exceeds with its next character, or null.
   const char* feed(char c) {
     if (c == '\n') return end_line();
     count_raw(c);
@@ -44,7 +44,7 @@ class TokenCounter {
   [[nodiscard]] bool apart() const {
     return blank(last_) || last_ == '[' || last_ == '{' || last_ == ',' || last_ == ':';
   }
-  // A quote in the middle of a plain text opens nothing.
+  // A quote within a plain text does not open a quoted one.
   [[nodiscard]] bool opens_quote() const {
     return apart() && std::string_view("\n[{,:-?").find(previous_) != std::string_view::npos;
   }
@@ -52,7 +52,7 @@ class TokenCounter {
   const char* end_line() {
     comment_ = false;
     last_ = previous_ = '\n';
-    if (hold_ == 0) held_ = 0;  // what could be a key ends with its line
+    if (hold_ == 0) held_ = 0;  // a possible key ends with its line
     return ++lines_ > kMaxLines ? "lines" : nullptr;
   }
 
@@ -68,7 +68,7 @@ class TokenCounter {
     return exceeded();
   }
 
-  // Wherever they stand: what is taken for a quote or a comment here may be none.
+  // Counts in all contexts, as the detection of quotes and comments is approximate.
   void count_raw(char c) {
     if (c == '[' || c == '{') ++brackets_;
     if (c == ',') ++commas_;
@@ -78,7 +78,7 @@ class TokenCounter {
   void count(char c) {
     if (c == '[' || c == '{') {
       ++depth_;
-      // A bracket behind "key:" cannot become a key.
+      // A bracket after "key:" cannot become a key.
       if (hold_ == 0 && previous_ != ':') hold_ = depth_;
       if (hold_ != 0) held_ += kBracketBytes;
     } else if (c == ']' || c == '}') {
@@ -101,7 +101,7 @@ class TokenCounter {
 
   std::size_t brackets_ = 0, commas_ = 0, properties_ = 0, marks_ = 0, lines_ = 0, held_ = 0;
   std::size_t depth_ = 0;
-  std::size_t hold_ = 0;  // the depth of the bracket whose tokens are held; 0: none
+  std::size_t hold_ = 0;  // depth of the bracket whose tokens are held; 0 if none
   char quote_ = 0, last_ = '\n', previous_ = '\n';
   bool comment_ = false, escaped_ = false;
 };

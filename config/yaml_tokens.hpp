@@ -1,4 +1,3 @@
-// What a YAML text would make the parser hold at once, counted before the parser sees the text.
 #pragma once
 
 #include "config/document.hpp"
@@ -6,8 +5,9 @@
 
 namespace fieldcast::config {
 
-// False and a fault at the position where the text goes above a limit (limits.hpp). The text is
-// read roughly: what looks like a bracket or a quote inside a plain text counts as one.
+// Estimates the memory that the parser would need for a YAML text. Returns false with a fault where
+// the text exceeds a limit (limits.hpp). Approximate: a bracket or quote within a plain text counts
+// as one.
 [[nodiscard]] bool check_tokens(const Source& source, FaultList& faults);
 
 }  // namespace fieldcast::config

@@ -26,13 +26,13 @@ std::string spaces_text(std::size_t count) {
   return fmt::format("{}{}", count, count == 1 ? " space" : " spaces");
 }
 
-// One line of the text, taken apart as far as indentation goes: "  - name: bus  # first".
+// One line of the text and its indentation: "  - name: bus  # first".
 struct Line {
   std::string_view text;      // without comment
   std::size_t indent = 0;     // spaces before the first character
-  std::size_t content = 0;    // column behind the "- " that it may begin with
+  std::size_t content = 0;    // column after a leading "- "
   bool item = false;          // begins with "- "
-  std::size_t colon = kNone;  // of the first "key: " or of "key:" at the end
+  std::size_t colon = kNone;  // of the first "key: ", or of "key:" at the end
   [[nodiscard]] bool blank() const { return indent == kNone; }
   [[nodiscard]] std::string_view key() const {
     return trimmed(text.substr(content, colon == kNone ? kNone : colon - content));
@@ -68,7 +68,6 @@ Line line_of(std::string_view text) {
   return line;
 }
 
-// What the matchers below share.
 struct Case {
   const Source& source;
   Position stopped;
@@ -77,7 +76,7 @@ struct Case {
   std::vector<Line> lines;  // up to where the parser stopped
 
   [[nodiscard]] const Line& line() const { return lines[stopped.line]; }
-  // The last line above that says something.
+  // The last line above that is not blank.
   [[nodiscard]] const Line* above() const {
     for (auto n = stopped.line; n > 0; --n) {
       if (!lines[n - 1].blank()) return &lines[n - 1];
@@ -91,7 +90,7 @@ struct Case {
     return {&source, number_of(line), static_cast<std::uint32_t>(column)};
   }
   [[nodiscard]] bool says(std::string_view words) const { return message.find(words) != kNone; }
-  // The block's structure broke: a line or a text where nothing can go on.
+  // The block structure is broken: a line or a text where no element may follow.
   [[nodiscard]] bool misplaced() const {
     return says("end of map not found") || says("end of sequence not found");
   }
@@ -124,7 +123,7 @@ Found tab(const Case& c) {
   return YamlTrouble{c.position(c.line(), first), "a tab in the indentation", "spaces", ""};
 }
 
-// From `at` to where a value ends: a comma or a bracket inside brackets, else the line.
+// To a comma or a bracket inside brackets, else to the end of the line.
 std::string_view value_from(const Case& c, std::size_t at) {
   const auto rest = c.line().text.substr(std::min(at, c.line().text.size()));
   return trimmed(c.scan.open.empty() ? rest : rest.substr(0, rest.find_first_of(",]}")));
@@ -194,8 +193,7 @@ Found text_behind_quote(const Case& c) {
                      ""};
 }
 
-// A key where the parser was still reading the value above: either that is no "key: value", or this
-// line is indented wrongly.
+// Either the value above is not "key: value", or the indentation of this line is wrong.
 Found key_inside_the_value_above(const Case& c) {
   if (!c.says("illegal map value") || c.line().colon != c.stopped.column) return {};
   const Line* above = c.above();
@@ -211,7 +209,7 @@ Found key_inside_the_value_above(const Case& c) {
     return YamlTrouble{c.position(*above, above->content),
                        fmt::format("'{}' has no ':'", above->key()), "key: value", ""};
   if (!above->has_value() || c.line().content <= above->content) return {};
-  // "name: a" and deeper "at: b": as likely the first one has lost its "- ".
+  // "name: a" and deeper "at: b": the first one may lack its "- ".
   std::string allowed = spaces_text(above->content) + " before it";
   if (!above->item && !c.line().item && c.line().content == above->content + 2)
     allowed = fmt::format("'- ' before '{}' in {}, or {}", above->key(),
@@ -242,7 +240,6 @@ Found colon_inside_a_value(const Case& c) {
                      in_quotes(value_from(c, first + 1))};
 }
 
-// A line's position among the keys and lists above it.
 struct Level {
   std::size_t column;
   bool list;
@@ -270,7 +267,7 @@ Found wrong_indentation(const Case& c) {
   if (!c.misplaced() || !c.at_line_start()) return {};
   const Line& line = c.line();
   const auto levels = levels_above(c);
-  const Level* below = nullptr;  // the nearest that are indented less and more
+  const Level* below = nullptr;  // the nearest levels with smaller and larger indentation
   const Level* deeper = nullptr;
   bool beside_list = false;
   bool lost_dash = false;  // the items of that list begin with this key
@@ -307,7 +304,7 @@ Found wrong_indentation(const Case& c) {
 
 Found wrong_escape(const Case& c) {
   if (!c.says("escape") && !c.says("scanning hex number") && !c.says("invalid unicode")) return {};
-  // The parser stops a little behind the backslash, at worst in the next line.
+  // The parser stops shortly after the backslash, possibly in the next line.
   for (auto n = c.stopped.line + 1; n > 0; --n) {
     const Line& line = c.lines[n - 1];
     const auto end = n - 1 == c.stopped.line ? std::size_t{c.stopped.column} : line.text.size();
@@ -333,7 +330,6 @@ Found wrong_escape(const Case& c) {
   return {};
 }
 
-// The parser's messages that need no view of the text.
 struct Words {
   std::string_view parsers, ours, allowed;
 };
@@ -373,7 +369,7 @@ std::vector<Line> lines_to(std::string_view text, std::uint32_t last) {
   return lines;
 }
 
-// The first matcher that recognizes the case explains it.
+// The first matching function explains the case.
 constexpr Found (*kMatchers[])(const Case&) = {open_quote,
                                                tab,
                                                sign_that_begins_no_value,

@@ -1,5 +1,5 @@
-// What a text that is no YAML lacks, in words, and where. The parser says where it gave up and what
-// it looked for there; the cause (a quote, a bracket, an indentation) is often lines above. Pure.
+// Explains a YAML syntax error; its cause is often lines above the position where the parser
+// stopped.
 #pragma once
 
 #include <string>
@@ -16,11 +16,11 @@ struct YamlTrouble {
   std::string suggestion;  // "\"%\""; may be empty
 };
 
-// `stopped` and `message` are the parser's.
+// `stopped` and `message`: from the parser.
 [[nodiscard]] YamlTrouble explain_yaml_error(const Source& source, const Position& stopped,
                                              std::string_view message);
 
-// A second document began at `position` without "---", since the first one ended early.
+// A second document began without "---", because the first one ended early.
 [[nodiscard]] YamlTrouble explain_second_document(const Source& source, const Position& position);
 
 }  // namespace fieldcast::config

@@ -17,7 +17,7 @@ constexpr std::pair<std::string_view, LogLevel> kLevels[] = {{"error", LogLevel:
                                                              {"info", LogLevel::kInfo},
                                                              {"debug", LogLevel::kDebug}};
 
-// A map of its own.
+// A reference to another map.
 std::string map_named(std::string_view name) {
   return R"({ "$ref": "#/$defs/)" + std::string(name) + R"(" })";
 }

@@ -1,5 +1,3 @@
-// The keys of the file itself, of the map that `bridge` may be, and of `dds`, `log`, `store`,
-// `metrics` and `program`.
 #pragma once
 
 #include "config/keys/key.hpp"

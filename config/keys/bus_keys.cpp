@@ -65,7 +65,7 @@ std::vector<Field<BusDefaults>> bus_default_fields() {
   std::vector<Field<BusDefaults>> rows;
   const auto devices = [](BusDefaults& both) -> DeviceDefaults& { return both.devices; };
   const auto& below = device_rows().fields();
-  // Options and rights stand behind the others, as they always did.
+  // Options and rights are last in the documents.
   std::vector<Field<DeviceDefaults>> first, last;
   for (const auto& each : below)
     (each.key.name == "options" || each.key.name == "allow" ? last : first).push_back(each);

@@ -1,4 +1,3 @@
-// The keys of a bus, of its port, of its `capture` and of its `defaults`.
 #pragma once
 
 #include "config/cascade.hpp"
@@ -6,7 +5,7 @@
 
 namespace fieldcast::config {
 
-// What `defaults` of a bus fills: rules of the bus, and what flows down to its devices.
+// `defaults` of a bus, for the bus itself and for its devices.
 struct BusDefaults {
   BusSpec& bus;
   DeviceDefaults& devices;

@@ -33,7 +33,6 @@ constexpr std::pair<std::string_view, Charset> kCharsets[] = {{"utf-8", Charset:
 
 using ChannelRow = Field<ChannelDefaults>;
 
-// A row whose value goes into the channel as it is.
 template <typename T, typename Rule>
 ChannelRow channel_row(Key key, T ChannelSpec::*member, Rule rule) {
   return field<ChannelDefaults>(
@@ -51,7 +50,7 @@ ChannelRow channel_row(Key key, T ChannelDefaults::*member, Rule rule) {
   return field<ChannelDefaults>(std::move(key), member, rule);
 }
 
-// A row that channel.cpp reads, since it depends on the address or the type.
+// Read by channel.cpp, as it depends on the address or the type.
 template <typename Rule>
 ChannelRow by_channel(Key key, const Rule& rule) {
   if (key.schema.empty()) key.schema = rule.schema();

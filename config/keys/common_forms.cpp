@@ -18,10 +18,10 @@ void append(std::string& list, std::string_view separator, const std::string& wo
   list += word;
 }
 
-// Of each protocol what `text_of` says where that is not `usual`: "usual; `name` other".
+// "usual; `name` other", with the protocols that differ.
 template <typename TextOf>
 std::string with_exceptions(const std::string& usual, const TextOf& text_of) {
-  std::vector<std::pair<std::string, std::string>> others;  // what they say, and who
+  std::vector<std::pair<std::string, std::string>> others;  // value, protocols
   for (const ProtocolEntry& entry : protocols()) {
     const std::string text = text_of(entry);
     if (text == usual) continue;

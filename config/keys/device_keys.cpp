@@ -17,7 +17,6 @@ DeviceRow device_row(Key key, T DeviceSpec::*member, Rule rule) {
       std::move(key), [member](DeviceDefaults& device) -> T& { return device.spec.*member; }, rule);
 }
 
-// What a device has from further up: keys of its channels, and its own.
 std::vector<DeviceRow> device_defaults() {
   std::vector<DeviceRow> rows;
   append_flowing(rows, channel_rows().fields(), &DeviceDefaults::channels);

@@ -1,4 +1,3 @@
-// The keys of a device and of a device template, and of the defaults above them.
 #pragma once
 
 #include "config/cascade.hpp"

@@ -14,7 +14,6 @@ namespace {
 constexpr std::string_view kBegin = "<!-- keys: made from config/keys/, see below -->\n";
 constexpr std::string_view kEnd = "<!-- end of keys -->\n";
 
-// A text with the marks of Markdown as a JSON string.
 std::string json_string(std::string_view text) {
   std::string out = "\"";
   for (const char c : text) {
@@ -30,7 +29,7 @@ std::string capital(std::string text) {
   return text;
 }
 
-// Without what points to another place of the README.
+// Without references to other parts of the README.
 std::string description_of(const Key& key) {
   std::string text = capital(key.text);
   for (const std::string_view pointer : {", see below", "See below"}) {
@@ -41,7 +40,7 @@ std::string description_of(const Key& key) {
   return text.empty() ? text : text + '.';
 }
 
-// "oil": { the rule, "description": "for people." }
+// "oil": { the rule, "description": "text." }.
 std::string property(const Key& key) {
   std::string rule = key.schema;
   if (const auto text = description_of(key); !text.empty()) {
@@ -84,7 +83,6 @@ std::string definition(const RowTable& table) {
   return out + "      }\n    },\n";
 }
 
-// What several keys share.
 std::string common_definitions() {
   std::vector<std::string_view> names;
   for (const ProtocolEntry& entry : protocols()) names.push_back(entry.name);

@@ -1,8 +1,6 @@
-// One key of the format as one row: its name, the rule for its value, its default, what it means.
-// Parsing, the lists in faults, the JSON Schema and the tables of config/README.md come from the
-// rows, so that none of them can know a key that another one does not.
-//
-// Constant once made; any thread.
+// One key of the format: name, rule for its value, default and description. The parser, fault
+// messages, the JSON Schema and the tables of config/README.md all use these rows, so they cannot
+// differ. Constant once made; any thread.
 #pragma once
 
 #include <functional>
@@ -16,28 +14,28 @@
 
 namespace fieldcast::config {
 
-inline constexpr std::string_view kNeeded = "needed";  // a default: there is none
+inline constexpr std::string_view kNeeded = "needed";  // default of a required key
 
 struct Key {
   std::string_view name;
-  std::string fallback{};   // the default, for people; kNeeded: absence is a fault
-  std::string text{};       // what the key is for; stands in the schema and in the README
-  bool flows_down = false;  // it may also stand further up, as a default
-  std::string example{};    // for the fault that the key is missing; empty: the text
+  std::string fallback{};   // human-readable default; kNeeded: required
+  std::string text{};       // description in the schema and the README
+  bool flows_down = false;  // also allowed at higher levels, as a default
+  std::string example{};    // for the fault of a missing key; empty: `text`
   std::string column{};     // of a channel list; empty: the key's name
-  std::string schema{};     // of its value, as JSON; empty: its rule says it
-  std::string form{};       // of its value, for people; empty: its rule says it
-  bool from_below = false;  // explained in the table that it flows down to
+  std::string schema{};     // of its value, as JSON; empty: from its rule
+  std::string form{};       // human-readable form of its value; empty: from its rule
+  bool from_below = false;  // described in the table of the lower level
 };
 
-// A row with what reads it into an Owner; nothing: code reads it by name.
+// A row with its reader; without one, other code reads the key by name.
 template <typename Owner>
 struct Field {
   Key key;
   std::function<void(MapReader& map, Owner& owner)> read{};
 };
 
-// `access(owner)` is what the value is put into: a pointer to a member, or a function.
+// `access(owner)`: destination of the value, a pointer to a member or a function.
 template <typename Owner, typename Access, typename Rule>
 [[nodiscard]] Field<Owner> field(Key key, Access access, Rule rule) {
   if (key.schema.empty()) key.schema = rule.schema();
@@ -54,7 +52,6 @@ template <typename Owner, typename Access, typename Rule>
   return {std::move(key), std::move(read)};
 }
 
-// The keys of one map of the format, without their readers.
 struct RowTable : KeyTable {
   RowTable(std::string_view map_name, std::string_view what_for_faults)
       : KeyTable{map_name, what_for_faults, {}} {}
@@ -62,8 +59,8 @@ struct RowTable : KeyTable {
   RowTable& operator=(const RowTable&) = delete;
 
   std::vector<Key> rows;
-  std::string text;                        // what the map is for
-  std::vector<std::string_view> one_of{};  // exactly one of these keys must be there
+  std::string text;                        // purpose of the map
+  std::vector<std::string_view> one_of{};  // exactly one of these keys is required
 
  protected:
   void list_names() {
@@ -88,7 +85,6 @@ class Rows : public RowTable {
     list_names();
   }
 
-  // Reads every key that has a reader.
   void read(MapReader& map, Owner& owner) const {
     for (const auto& each : fields_) {
       if (each.read) each.read(map, owner);
@@ -100,7 +96,7 @@ class Rows : public RowTable {
   std::vector<Field<Owner>> fields_;
 };
 
-// Those of `inner` that flow down, for a map further up, whose owner holds theirs at `access`.
+// Appends the inheritable rows of `inner`; the owner stores their values at `access`.
 template <typename Owner, typename Inner, typename Access>
 void append_flowing(std::vector<Field<Owner>>& fields, const std::vector<Field<Inner>>& inner,
                     Access access) {

@@ -1,6 +1,5 @@
-// config_documents FOLDER: writes fieldcast.schema.json and the tables of README.md in the folder
-// `config` of the source tree, from the rows of the keys. `cmake --build build --target
-// documents` runs it.
+// Writes fieldcast.schema.json and the tables of README.md into the given `config` directory. Run
+// by `cmake --build build --target documents`.
 #include <cstdio>
 #include <fstream>
 #include <sstream>

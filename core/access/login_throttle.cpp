@@ -5,7 +5,7 @@
 namespace fieldcast {
 namespace {
 
-// '\n' stands in no user's name and in no peer's address: keys cannot be confused.
+// Names of users and addresses of peers contain no line feed, so keys are unambiguous.
 std::string key_of(std::string_view user, std::string_view peer) {
   return std::string(peer) + '\n' + std::string(user);
 }

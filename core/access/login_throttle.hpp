@@ -1,9 +1,9 @@
-// Slows down the guessing of passwords: after a few wrong ones each further one makes the next
-// attempt wait, 1 s, 2 s, 4 s .. 5 min. No thread sleeps for it: an attempt that comes too early is
-// refused, and its password is not checked. Pure; one owner.
+// Limits password guessing: after a few wrong passwords each further one delays the next attempt, 1
+// s, 2 s, 4 s .. 5 min. An early attempt is rejected without a password check; no thread sleeps.
+// Pure; one owner.
 //
-// Failures are counted for a user from one peer, so that strangers who guess elsewhere do not lock
-// the user out. They are also counted for the peer, with a higher limit: it may try many users.
+// Failures count per user and peer, so that an attacker elsewhere cannot lock out the user. They
+// also count per peer, with a higher limit, as a peer may try many users.
 #pragma once
 
 #include <cstddef>
@@ -17,26 +17,25 @@ namespace fieldcast {
 
 class LoginThrottle {
  public:
-  static constexpr unsigned kFreeOfUser = 3;  // wrong passwords before the first wait
+  static constexpr unsigned kFreeOfUser = 3;  // wrong passwords before the first delay
   static constexpr unsigned kFreeOfPeer = 10;
   static constexpr Duration kFirst = std::chrono::seconds{1};
   static constexpr Duration kLongest = std::chrono::minutes{5};
   static constexpr Duration kForget = std::chrono::minutes{30};  // without a wrong password
-  // Beyond it, the key without a failure for longest is forgotten.
   static constexpr std::size_t kMaxKeys = 4096;
 
-  // How long the next attempt has to wait; zero: it may come.
+  // Zero if the next attempt is allowed now.
   [[nodiscard]] Duration wait(std::string_view user, std::string_view peer, Instant now) const;
   void failed(std::string_view user, std::string_view peer, Instant now);
-  // The user's count of this peer starts anew. The peer's own count goes on: otherwise one good
-  // account would let it guess all others.
+  // Resets only the user's count, as one valid account would allow the peer to guess all others
+  // otherwise.
   void succeeded(std::string_view user, std::string_view peer);
 
  private:
   struct Count {
     unsigned failures = 0;
     Instant last{};
-    Instant open{};  // when the next attempt may come
+    Instant open{};  // earliest next attempt
   };
   void note(const std::string& key, unsigned free, Instant now);
   [[nodiscard]] Duration wait_of(const std::string& key, Instant now) const;

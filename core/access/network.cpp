@@ -11,7 +11,6 @@ using Address = std::array<std::uint8_t, 16>;
 constexpr unsigned kBits = 128, kBitsBeforeIpv4 = 96;
 constexpr std::size_t kGroups = 8;
 
-// The whole of `text`, in digits alone.
 std::optional<unsigned> number_from(std::string_view text, int base, unsigned most) {
   unsigned number = 0;
   const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), number, base);
@@ -31,7 +30,7 @@ std::optional<std::array<std::uint8_t, 4>> ipv4_from(std::string_view text) {
   std::array<std::uint8_t, 4> bytes{};
   for (std::uint8_t& byte : bytes) {
     const std::string_view part = take_until(text, '.');
-    // "010" is 8 for some programs and 10 for others.
+    // Some programs read "010" as 8, others as 10.
     if (part.size() > 1 && part.front() == '0') return {};
     const auto number = number_from(part, 10, 255);
     if (!number) return {};
@@ -40,7 +39,7 @@ std::optional<std::array<std::uint8_t, 4>> ipv4_from(std::string_view text) {
   return bytes;
 }
 
-// Groups of one side of "::", appended to `address` from `at` on; false: this is none.
+// Returns false if a group is invalid.
 bool read_groups(std::string_view text, Address& address, std::size_t& count) {
   while (!text.empty()) {
     const bool last = text.find(':') == text.npos;

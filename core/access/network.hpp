@@ -1,4 +1,4 @@
-// An IP network, "10.0.0.0/8", "fd00::/8", or one address: who may connect. Pure; any thread.
+// An IP network, "10.0.0.0/8" or "fd00::/8", or one address, for access rules. Pure; any thread.
 #pragma once
 
 #include <array>
@@ -10,13 +10,10 @@ namespace fieldcast::access {
 
 class Network {
  public:
-  // Nothing: this is no address, the prefix is too long, or bits behind it are set
-  // ("10.0.0.7/8": nobody knows whether the host or the network was meant).
+  // Empty if the text is invalid or ambiguous: "10.0.0.7/8" may mean the host or the network.
   [[nodiscard]] static std::optional<Network> parse(std::string_view text);
 
-  // `address` as text; one with brackets, "[fd00::7]", and one with a zone too. An IPv4 address
-  // that came to an IPv6 socket (::ffff:10.0.0.7) is that IPv4 address. False for what is no
-  // address.
+  // Accepts brackets and a zone. ::ffff:10.0.0.7 counts as IPv4. Returns false if it is invalid.
   [[nodiscard]] bool contains(std::string_view address) const;
 
  private:

@@ -1,4 +1,4 @@
-// What a user may do. Each role may do all that the roles before it may do.
+// Permissions of a user. Each role includes those before it.
 #pragma once
 
 #include <array>
@@ -9,9 +9,9 @@
 namespace fieldcast {
 
 enum class Role : std::uint8_t {
-  kViewer,      // read what is stored
+  kViewer,      // read stored data
   kOperator,    // also write values
-  kProgrammer,  // also reach a device with its programming software
+  kProgrammer,  // also access a device with its programming software
 };
 inline constexpr std::array kRoles{Role::kViewer, Role::kOperator, Role::kProgrammer};
 

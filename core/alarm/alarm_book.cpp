@@ -11,7 +11,6 @@ tl::unexpected<AlarmRefusal> refused(Cause cause, std::string reason) {
   return tl::unexpected(AlarmRefusal{cause, std::move(reason)});
 }
 
-// The first key that a device can have.
 AlarmKey first_of(const AlarmDevice& device) {
   return {device.first, device.second, {}, LimitKind::kLowLow};
 }
@@ -63,7 +62,7 @@ std::vector<KeptAlarm> AlarmBook::configure(const std::vector<BusSpec>& buses) {
   return forget_others();
 }
 
-// A store may be shared: what other bridges' buses have there is not ours to end.
+// The store may be shared: alarms of other bridges' buses are not removed.
 std::vector<KeptAlarm> AlarmBook::forget_others() {
   std::vector<KeptAlarm> ended;
   for (auto life = lives_.begin(); life != lives_.end();) {
@@ -122,7 +121,7 @@ std::vector<KeptAlarm> AlarmBook::restore_at(const Buses& buses, const KeptAlarm
     life.restore(each.status, occurrences[each.alarm], now);
     news_.changed.insert(each.alarm);
     if (active.contains(each.alarm) || !life.status().active) continue;
-    life.clear(life.status().value, now);  // the bridge died between the two
+    life.clear(life.status().value, now);  // the bridge stopped between the two changes
     changed(each.alarm);
   }
   for (const KeptAlarm& each : kept.active) {
@@ -220,7 +219,7 @@ AlarmOutcome AlarmBook::act_on_alarm(const AlarmAction& action, UtcTime now) {
       break;
     }
     case AlarmActionKind::kMaintenance:
-    case AlarmActionKind::kEndMaintenance: break;  // of a device
+    case AlarmActionKind::kEndMaintenance: break;  // handled in act_on_device()
   }
   changed(alarm);
   return {};
@@ -256,7 +255,7 @@ void AlarmBook::each_limit_of(const AlarmDevice& device, Do what) const {
     what(limit->first);
 }
 
-// The limits that never were an alarm too: a station shows that they cannot be one now.
+// Includes limits that were never exceeded: a station shows that they cannot raise an alarm.
 void AlarmBook::suppress(const AlarmDevice& device, const AlarmPause& pause) {
   each_limit_of(device, [&](const AlarmKey& alarm) {
     life_of(alarm).suppress(pause);

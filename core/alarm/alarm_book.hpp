@@ -1,10 +1,8 @@
-// All alarms of a bridge, and the devices that are in maintenance: what the samples say, what
-// people do, what ends with time. Pure: `now` is passed in; one owner, who guards it if several
-// threads use it.
+// All alarms of a bridge, and the devices in maintenance: driven by samples, operator actions and
+// time. Pure: `now` is a parameter; the owner must guard it if several threads use it.
 //
-// An alarm is known here from its first occurrence on, or since somebody shelved it or put its
-// device into maintenance; at most as many as there are limits. What changed is collected as news,
-// for DDS and for the store.
+// An alarm is stored from its first occurrence, shelving or maintenance on; there are at most as
+// many as limits. Changes are collected as news, for DDS and for the store.
 #pragma once
 
 #include <map>
@@ -18,7 +16,6 @@
 
 namespace fieldcast {
 
-// A bus and one of its devices.
 using AlarmDevice = std::pair<std::string, std::string>;
 
 enum class AlarmEventKind : std::uint8_t {
@@ -27,43 +24,43 @@ enum class AlarmEventKind : std::uint8_t {
   kUnshelved,
   kShelvingEnded,  // by time
   kMaintenance,
-  kMaintenanceEnded,  // by a person, or by time
+  kMaintenanceEnded,  // by an operator, or by time
   kChattering,
   kChatteringEnded,
 };
 [[nodiscard]] std::string_view to_text(AlarmEventKind kind);  // "shelving ended"
 
-// What happened besides that a limit was passed or kept again.
+// An event other than the start or end of a limit violation.
 struct AlarmEvent {
   UtcTime at;
   AlarmKey alarm;  // without a channel: all alarms of the device
   AlarmEventKind kind = AlarmEventKind::kAcknowledged;
-  std::string by, note;  // empty: time did it
-  UtcTime until;         // of what has an end
+  std::string by, note;  // empty if it ended by time
+  UtcTime until;         // if the event has an end
   friend bool operator==(const AlarmEvent&, const AlarmEvent&) = default;
 };
 
-// What outlives a bridge.
 struct KeptAlarm {
   AlarmKey alarm;
-  // All but priority and suppression, which are not the alarm's own, and the occurrences.
+  // Priority, suppression and occurrences are not stored here.
   AlarmStatus status;
 };
 struct KeptMaintenance {
   AlarmDevice device;
-  AlarmPause pause;  // not set: it has ended
+  AlarmPause pause;  // not set if it has ended
 };
 struct KeptAlarms {
-  std::vector<KeptAlarm> active;  // the limits that are passed; of the status value and raised_at
+  // Exceeded limits; only value and raised_at of the status are used.
+  std::vector<KeptAlarm> active;
   std::vector<KeptAlarm> states;
   std::vector<KeptMaintenance> maintenance;
   std::vector<std::pair<AlarmKey, UtcTime>> occurrences;  // of the last minutes, in order of time
 };
 
-// How many alarms there are of each kind; one that is shelved or suppressed counts as that alone.
+// Shelved and suppressed alarms are only counted as such.
 struct AlarmCounts {
   std::size_t unacknowledged = 0, acknowledged = 0, returned = 0, shelved = 0, suppressed = 0;
-  std::size_t chattering = 0;  // of all of them
+  std::size_t chattering = 0;  // of all
   friend bool operator==(const AlarmCounts&, const AlarmCounts&) = default;
 };
 
@@ -72,32 +69,30 @@ class AlarmBook {
   static constexpr Duration kLongestShelving = std::chrono::hours{24};
   static constexpr Duration kLongestMaintenance = std::chrono::hours{7 * 24};
 
-  // The limits that are in force from now on. An alarm at another one of these buses, or of the
-  // buses before, is forgotten; those that were active come back.
+  // Sets the limits in force. Removes alarms of this bridge's buses without a limit; returns the
+  // active ones of them.
   std::vector<KeptAlarm> configure(const std::vector<BusSpec>& buses);
   [[nodiscard]] bool has_limit(const AlarmKey& alarm) const { return limits_.contains(alarm); }
 
-  // Everything that was known before is replaced. What ended at buses of ours while they had no
-  // such limit comes back.
+  // Replaces all alarms. Returns the active ones whose limit was removed meanwhile.
   std::vector<KeptAlarm> restore(const KeptAlarms& kept, UtcTime now);
-  // The same for one bus alone: another bridge has served it meanwhile.
+  // As above for one bus, which another bridge has served meanwhile.
   std::vector<KeptAlarm> restore(const std::string& bus, const KeptAlarms& kept, UtcTime now);
 
-  // True: it began, or ended. False: it did so before, or there is no such limit.
+  // Returns false if the state did not change, or there is no such limit.
   bool raise(const AlarmKey& alarm, double value, UtcTime since, UtcTime now);
   bool clear(const AlarmKey& alarm, double value, UtcTime since);
 
   [[nodiscard]] AlarmOutcome act(const AlarmAction& action, UtcTime now);
-  // What ends by itself at the alarms of this bus.
   void on_time(const std::string& bus, UtcTime now);
 
-  [[nodiscard]] const AlarmStatus* find(const AlarmKey& alarm) const;  // null: not known
+  [[nodiscard]] const AlarmStatus* find(const AlarmKey& alarm) const;  // null if unknown
   [[nodiscard]] std::vector<AlarmKey> known_of(const std::string& bus) const;
   [[nodiscard]] AlarmCounts counts() const;
 
   struct News {
-    std::set<AlarmKey> changed;  // or forgotten: find() says which
-    std::set<AlarmKey> to_keep;  // those of them whose KeptAlarm changed
+    std::set<AlarmKey> changed;  // changed or removed; see find()
+    std::set<AlarmKey> to_keep;  // the subset whose KeptAlarm changed
     std::vector<KeptMaintenance> maintenance;
     std::vector<AlarmEvent> events;
   };
@@ -127,7 +122,6 @@ class AlarmBook {
   News news_;
 };
 
-// Of a limit of the channel.
 [[nodiscard]] AlarmPriority priority_of(const Limits& limits, LimitKind kind);
 
 }  // namespace fieldcast

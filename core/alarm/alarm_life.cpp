@@ -31,7 +31,7 @@ constexpr IsaTransition kTransitions[] = {
     {kShelved, kRemoveFromService, kOutOfService, "remove from service"},
     {kOutOfService, kReturnToServiceInAlarm, kUnacknowledged, "return to service, in alarm"},
     {kOutOfService, kReturnToServiceNormal, kNormal, "return to service, normal"},
-    // Not in the standard's diagram, where an alarm is away for one reason only.
+    // The standard's diagram has no such transition: an alarm is inactive for one reason only.
     {kOutOfService, kReturnToServiceShelved, kShelved, "return to service, still shelved"},
 };
 
@@ -44,7 +44,6 @@ AlarmStage stage_of(IsaState state, bool active) {
     case kShelved:
     case kOutOfService: break;
   }
-  // As it will be when it comes back.
   return active ? AlarmStage::kUnacknowledged : AlarmStage::kClear;
 }
 

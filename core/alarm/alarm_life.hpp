@@ -1,14 +1,14 @@
-// One alarm through its life, by the state diagram of ANSI/ISA-18.2, whose letters stand below.
-// Pure: `now` is passed in. Who keeps many of them: alarm_book.hpp.
+// The states of one alarm, by the diagram of ANSI/ISA-18.2 with its letters. Pure: `now` is a
+// parameter.
 //
 //   normal (A) --occurs--> unacknowledged (B) --acknowledge--> acknowledged (C) --returns--> normal
 //   unacknowledged --returns--> returned (D) --acknowledge--> normal;  returned --occurs--> (B)
 //   any of them --shelve--> shelved (G);  any --remove from service--> out of service (I)
 //
-// What is shelved or out of service comes back unacknowledged if its limit is passed then, whoever
-// had acknowledged it before, and normal if not. While it is away, occurrences are noted but
-// change no state, and nobody can acknowledge it. Latching (E, F) and suppression by design (H) do
-// not exist here.
+// An alarm that returns from G or I is unacknowledged if its limit is exceeded, even if it was
+// acknowledged before, and normal otherwise. In G and I, occurrences are recorded without a change
+// of state, and the alarm cannot be acknowledged. Latching (E, F) and suppression by design (H) are
+// not supported.
 #pragma once
 
 #include <deque>
@@ -50,14 +50,13 @@ struct IsaTransition {
   IsaState to;
   std::string_view name;  // "re-alarm"
 };
-// All there are: whatever is not in the table changes nothing.
+// Complete: other inputs change no state.
 [[nodiscard]] std::span<const IsaTransition> isa_transitions();
 [[nodiscard]] std::optional<IsaState> next_state(IsaState from, IsaInput input);
 
-// Why something is not done.
 struct AlarmRefusal {
   Cause cause = Cause::kWrongState;
-  std::string reason;  // one line for people
+  std::string reason;  // one human-readable line
 };
 using AlarmOutcome = tl::expected<void, AlarmRefusal>;
 
@@ -65,7 +64,7 @@ class AlarmLife {
  public:
   static constexpr Duration kChatterWindow = std::chrono::minutes{10};
   static constexpr std::size_t kChatterFrom = 5, kChatterUntil = 2;  // occurrences in the window
-  static constexpr std::size_t kMaxCounted = 1000;                   // more are not counted
+  static constexpr std::size_t kMaxCounted = 1000;                   // limit of counted occurrences
 
   explicit AlarmLife(AlarmPriority priority) { status_.priority = priority; }
 
@@ -73,23 +72,23 @@ class AlarmLife {
   [[nodiscard]] IsaState state() const { return state_; }
   void set_priority(AlarmPriority priority) { status_.priority = priority; }
 
-  // The limit is passed, or kept again. No effect if it was so before.
+  // The limit is exceeded, or no longer. No effect if it was so before.
   void raise(double value, UtcTime since, UtcTime now);
   void clear(double value, UtcTime since);
 
-  // `raised_at`: the occurrence that is meant; 0: any.
+  // `raised_at`: the acknowledged occurrence; 0: any.
   [[nodiscard]] AlarmOutcome acknowledge(AlarmNote note, UtcTime raised_at);
-  // One that is shelved already gets the new end.
+  // A shelved alarm gets the new end.
   void shelve(AlarmPause pause);
   [[nodiscard]] AlarmOutcome unshelve();
-  // Maintenance of its device. Both may be called again.
+  // Maintenance of its device. Both may be repeated.
   void suppress(AlarmPause pause);
   void end_suppression();
 
-  // Forgets occurrences that are too old. True: the status changed.
+  // Drops old occurrences. Returns true if the status changed.
   bool count(UtcTime now);
 
-  // As it was kept; `occurrences` are the beginnings of the last minutes, in order.
+  // `occurrences`: start times of the last minutes, in order.
   void restore(const AlarmStatus& kept, std::span<const UtcTime> occurrences, UtcTime now);
 
  private:

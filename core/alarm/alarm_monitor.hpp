@@ -1,4 +1,4 @@
-// The limits of all channels of one bus: samples in, changes of alarms out. Pure; one owner.
+// Checks the limits of all channels of one bus. Pure; one owner.
 #pragma once
 
 #include <span>
@@ -14,20 +14,19 @@ struct AlarmChange {
   ChannelIndex channel = 0;
   LimitKind limit = LimitKind::kHigh;
   AlarmState state = AlarmState::kClear;
-  double value = 0;  // the value that raised or cleared it
-  Instant since{};   // when that value, or the first one beyond the limit, was acquired
+  double value = 0;  // value that raised or cleared it
+  Instant since{};   // acquisition time of that value, or of the first one beyond the limit
 };
 
 class AlarmMonitor {
  public:
   explicit AlarmMonitor(const BusSpec& bus);
 
-  // Appends what changed. Channels out of range are a bug.
+  // REQUIRES: valid channel indices.
   void on_samples(std::span<const Sample> samples, Instant now, std::vector<AlarmChange>& changes);
-  // An alarm that was active before this monitor began. Appends the change if it has ended, or if
-  // it goes on; nothing when the channel has no such limit.
+  // Continues an active alarm: appends the change, if the channel has such a limit.
   void restore(const AlarmChange& active, std::vector<AlarmChange>& changes);
-  // Delays end with time too: call this once a second.
+  // Call once a second, as delays end by time.
   void on_time(Instant now, std::vector<AlarmChange>& changes);
 
  private:
@@ -38,7 +37,7 @@ class AlarmMonitor {
   static AlarmChange change_of(const Channel& channel, const LimitWatch& limit);
 
   std::vector<Channel> channels_;  // those with limits
-  // By channel index: its index in channels_ + 1, or 0 for a channel without limits.
+  // By channel index: index in channels_ + 1, or 0 for a channel without limits.
   std::vector<std::uint32_t> watched_;
 };
 

@@ -1,12 +1,11 @@
-// One limit of one channel: raised when good values stay beyond it for the delay, clear when a good
+// One limit of one channel: raised if good values stay beyond it for the delay, cleared if a good
 // value is back inside by the hysteresis. Pure.
 //
 //   clear --beyond--> waiting --beyond for the delay--> active --inside by the hysteresis--> clear
 //            ^-----------inside--------'
 //
-// A value that is not good says nothing: it raises nothing and clears nothing, and an alarm that is
-// active stays so. While the newest value is not good, a delay goes on, but only the next good
-// value can end it.
+// A value that is not good neither raises nor clears. While the newest value is not good, a delay
+// continues, but only the next good value can end it.
 #pragma once
 
 #include <cstdint>
@@ -29,19 +28,17 @@ class LimitWatch {
   LimitWatch(LimitKind kind, double limit, double hysteresis, Duration delay)
       : kind_(kind), limit_(limit), hysteresis_(hysteresis), delay_(delay) {}
 
-  // Each returns true when the state changed: state(), value() and since() show the new one.
+  // Each returns true if the state changed; then state(), value() and since() are updated.
   [[nodiscard]] bool on_good(double value, Instant acquired, Instant now);  // NaN is not good
   void on_bad() { trusted_ = false; }
   [[nodiscard]] bool on_time(Instant now);
-  // The alarm was active before this watch began, since then and with that value: it goes on, with
-  // its own beginning, or ends at the newest good value if that is back inside.
+  // The alarm continues, or ends at the newest good value if that is back inside.
   void restore(double value, Instant since);
 
   [[nodiscard]] LimitKind kind() const { return kind_; }
   [[nodiscard]] AlarmState state() const { return state_; }
-  // The value that changed the state.
   [[nodiscard]] double value() const { return value_; }
-  // When the first value beyond the limit, or the first one back inside, was acquired.
+  // Acquisition time of the first value beyond the limit, or back inside.
   [[nodiscard]] Instant since() const { return since_; }
   [[nodiscard]] bool waiting() const { return beyond_since_ && state_ == AlarmState::kClear; }
 
@@ -60,7 +57,7 @@ class LimitWatch {
   double value_ = 0;
   Instant since_{};
   std::optional<double> newest_;  // the newest good value
-  Instant newest_at_{};           // when it was acquired
+  Instant newest_at_{};           // its acquisition time
 };
 
 }  // namespace fieldcast

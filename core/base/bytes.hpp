@@ -1,5 +1,3 @@
-// Bytes as they stand on the wire, and their hexadecimal spelling.
-// Values only; no ownership beyond std::vector, any thread.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +15,8 @@ using ByteView = std::span<const std::uint8_t>;
 // "01 03 00 0A": upper case, one separator between bytes ('\0' for none).
 [[nodiscard]] std::string to_hex(ByteView bytes, char separator = ' ');
 
-// Accepts both cases; spaces, tabs, colons, commas, hyphens and 0x prefixes between bytes. Nothing
-// for an odd digit count or any other character.
+// Also accepts lower case, separators (blank, tab, ':', ',', '-') and 0x prefixes between bytes.
+// Empty for an odd digit count or any other character.
 [[nodiscard]] std::optional<Bytes> from_hex(std::string_view text);
 
 // Big-endian fields. REQUIRES: bytes.size() >= at + width.

@@ -1,5 +1,4 @@
-// Why an exchange, a value or a command failed: one enumerator, one text and one counter for each
-// cause.
+// Reason of a failure, with one text and one counter per cause.
 #pragma once
 
 #include <array>
@@ -12,29 +11,30 @@ namespace fieldcast {
 
 enum class Cause : std::uint8_t {
   kNone,
-  // the wire
-  kNoAnswer,    // silence to the end of the timeout
-  kTruncated,   // an answer began and did not end
-  kChecksum,    // a whole frame with a wrong CRC, LRC, sum or XOR, theirs or (they say) ours
-  kMalformed,   // right checksum, but lengths or fields that contradict each other or the request
-  kForeign,     // only frames of another unit, function or transaction came
+  // Wire:
+  kNoAnswer,   // no byte until the timeout
+  kTruncated,  // an incomplete response
+  // A whole frame with a wrong CRC, LRC, sum or XOR; or the device reports that of the request.
+  kChecksum,
+  kMalformed,   // valid checksum, but lengths or fields contradict each other or the request
+  kForeign,     // only frames of another unit, function or transaction arrived
   kOverlong,    // more bytes than any frame of this protocol has
-  kPortClosed,  // the port vanished during the exchange
-  // why a port is closed
-  kPortMissing,      // there is no such device file
-  kPortDenied,       // the user may not open it
-  kPortInUse,        // another program has it
-  kPortUnreachable,  // no connection, or no module that dialled in
-  // the device
-  kDeviceError,  // the device refused, with a code of its own
-  kDeviceBusy,   // the device, or the way to it, cannot at the moment; with a code of its own
-  // values and commands
+  kPortClosed,  // the port was lost during the exchange
+  // Closed port:
+  kPortMissing,      // the device file does not exist
+  kPortDenied,       // the user has no permission to open it
+  kPortInUse,        // another program uses it
+  kPortUnreachable,  // no connection, or no dialled-in module
+  // Device:
+  kDeviceError,  // the device refused, with its own code
+  kDeviceBusy,   // the device, or the path to it, is temporarily unable; with its own code
+  // Values and commands:
   kRange,  // outside the type, the scale or the configured limits
   kWrongType,
   kReadOnly,
   kUnknownChannel,
   kUnknownDevice,
-  kBadAddress,     // no address of this protocol, or beyond its area
+  kBadAddress,     // not an address of this protocol, or beyond its area
   kRawNotAllowed,  // the device does not allow commands to addresses
   kExpired,
   kDuplicate,
@@ -42,30 +42,29 @@ enum class Cause : std::uint8_t {
   kRateLimited,
   kNotVerified,    // the value read back differs from the value written
   kLeased,         // the bus is leased to a programming session
-  kForeignMaster,  // another master speaks on the wire: this bridge sends nothing
-  kOffline,        // the device or its port is down
-  kUnsupported,    // the protocol or the device cannot do this
+  kForeignMaster,  // another master uses the wire: this bridge does not send
+  kOffline,        // the device or its port is not available
+  kUnsupported,    // the protocol or the device does not support this
   kShutdown,
-  kWrongState,    // of an alarm: what is asked for does not apply to it now
-  kLate,          // nothing failed: the wire was not free in time
+  kWrongState,    // of an alarm: the action does not apply to its present state
+  kLate,          // no failure: the wire was not free in time
   kNotAvailable,  // the device sent the raw value that means "no value"
-  kCount          // not a cause: how many there are
+  kCount          // not a cause: their number
 };
 
 // "no answer", "checksum error", ... for logs and results.
 [[nodiscard]] std::string_view to_text(Cause cause);
 // "NO_ANSWER", "CHECKSUM", ... for counters and JSON.
 [[nodiscard]] std::string_view to_name(Cause cause);
-[[nodiscard]] Cause cause_named(std::string_view name);  // kNone when no cause has this name
-[[nodiscard]] Quality quality_of(Cause cause);           // of a sample whose reading failed by it
+[[nodiscard]] Cause cause_named(std::string_view name);  // kNone if no cause has this name
+[[nodiscard]] Quality quality_of(Cause cause);           // of a sample that could not be read
 
-// One counter for each cause; never overflows in the life of a plant.
 class CauseCounters {
  public:
   void add(Cause cause, std::uint64_t times = 1) {
     counts_[static_cast<std::size_t>(cause)] += times;
   }
-  // One that was counted as `from` turns out to be `to`. REQUIRES: there is one.
+  // REQUIRES: one `from` was counted.
   void move(Cause from, Cause to) {
     --counts_[static_cast<std::size_t>(from)];
     add(to);

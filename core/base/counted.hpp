@@ -1,4 +1,4 @@
-// "1 device", "2 devices": a number with its word, for people. Pure.
+// "1 device", "2 devices": a number with its noun. Pure.
 #pragma once
 
 #include <cstddef>

@@ -22,7 +22,6 @@ constexpr std::array<Unit, 7> kUnits{{{"us", 1e3},
                                       {"h", 3600e9},
                                       {"d", 86'400e9}}};
 
-// How else people write the units, in lower case.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 24> kOtherUnits{
     {{"us", "us"},      {"µs", "us"},       {"usec", "us"},  {"microseconds", "us"},
      {"ms", "ms"},      {"msec", "ms"},     {"msecs", "ms"}, {"milliseconds", "ms"},
@@ -33,7 +32,6 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 24> kOtherUn
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-// Digits, at most one point between them.
 bool plain_decimal(std::string_view text) {
   if (text.empty() || !is_digit(text.front()) || !is_digit(text.back())) return false;
   bool point = false;
@@ -48,7 +46,7 @@ bool within(const std::string& text, const DurationBounds& bounds) {
   return value && *value >= bounds.min && *value <= bounds.max;
 }
 
-// A number alone: milliseconds when it is large, else seconds, else what the bounds leave.
+// Tries ms for large numbers, s for others, then the units that fit the bounds.
 std::string with_a_unit(const std::string& number, const DurationBounds& bounds) {
   const bool large = number.find('.') == std::string::npos && number.size() >= 2;
   const std::string_view first = large ? "ms" : "s";

@@ -1,6 +1,6 @@
-// Durations as people write them: "500us", "20ms", "1.5s", "30m" or "30min", "1h", "30d", "0s". The
-// one grammar of configurations, fault files and command lines; to_text(Duration) in time.hpp is
-// its printer. Pure functions.
+// Parses durations: "500us", "20ms", "1.5s", "30m" or "30min", "1h", "30d", "0s". Used for
+// configurations, fault files and command lines; to_text(Duration) in time.hpp is the reverse. Pure
+// functions.
 #pragma once
 
 #include <optional>
@@ -12,25 +12,22 @@
 
 namespace fieldcast {
 
-// What a fault says is allowed.
 inline constexpr std::string_view kDurationForm = "a number with us, ms, s, min, h or d";
 
-// A decimal number, directly followed by its unit; nothing for anything else. What is longer than
-// 200 years is 200 years, so that every limit refuses it.
+// A decimal number directly followed by its unit; empty for other texts. Values above 200 years
+// become 200 years, so that every limit rejects them.
 [[nodiscard]] std::optional<Duration> duration_from(std::string_view text);
 
-// Why a text is no duration within its bounds, in words.
 struct DurationFault {
   std::string what;        // follows the text: "has no unit", "is too long"
   std::string allowed;     // "a number with us, ms, s, min, h or d, 1ms to 24h"
-  std::string suggestion;  // what was probably meant; empty when nothing is near
+  std::string suggestion;  // empty if there is no similar duration
 };
 
-// "'5 sec' is no duration; allowed: ...; did you mean 5s?"
+// One line with the allowed form and the suggestion.
 [[nodiscard]] std::string fault_text(std::string_view text, const DurationFault& fault);
 
-// Both bounds are allowed. A number without a unit is a fault, or seconds where a command line has
-// always taken them so.
+// Inclusive. `bare_seconds`: a number without a unit is accepted as seconds.
 struct DurationBounds {
   Duration min, max;
   bool bare_seconds = false;

@@ -11,7 +11,7 @@ constexpr std::size_t kLongestWord = 64;
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-// Optimal string alignment over three rows. REQUIRES: both at most kLongestWord long.
+// Optimal string alignment over three rows. REQUIRES: at most kLongestWord characters each.
 unsigned edits(std::string_view a, std::string_view b) {
   std::array<std::array<std::uint8_t, kLongestWord + 1>, 3> rows{};
   for (std::size_t j = 0; j <= b.size(); ++j) rows[0][j] = static_cast<std::uint8_t>(j);

@@ -1,4 +1,3 @@
-// "Did you mean": the candidate that a misspelt word was probably meant to be. Pure.
 #pragma once
 
 #include <span>
@@ -8,9 +7,9 @@
 
 namespace fieldcast {
 
-// The candidate with the fewest single-character edits (insert, delete, replace, swap of
-// neighbours; case does not count), if that is at most a third of the word, and at least one edit
-// is allowed; else empty. Words past 64 characters have no near miss.
+// The candidate for a "did you mean" hint: the one with the fewest single-character edits (insert,
+// delete, replace, swap of neighbours; ignoring case). Empty if that exceeds a third of the word
+// (at least one edit is allowed), or the word has more than 64 characters. Pure.
 [[nodiscard]] std::string_view near_miss(std::string_view word,
                                          std::span<const std::string_view> candidates);
 [[nodiscard]] std::string near_miss(std::string_view word,

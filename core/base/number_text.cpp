@@ -10,7 +10,7 @@ namespace {
 
 template <typename Number>
 std::string shortest(Number number) {
-  if (std::isnan(number)) return "nan";  // whatever its sign bit says
+  if (std::isnan(number)) return "nan";  // regardless of its sign bit
   constexpr Number kLeast = static_cast<Number>(1e-4), kMost = static_cast<Number>(1e16);
   const Number magnitude = std::abs(number);
   const bool plain = magnitude == 0 || (magnitude >= kLeast && magnitude < kMost);

@@ -8,7 +8,7 @@ namespace {
 constexpr std::string_view kDigits = "0123456789ABCDEF";
 constexpr std::string_view kCut = "...";
 
-// REQUIRES: `character` is one character of UTF-8.
+// REQUIRES: `character` is one UTF-8 character.
 char32_t code_point(std::string_view character) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(character[i]); };
   char32_t code = byte(0);
@@ -32,8 +32,8 @@ std::string spelled(char32_t code) {
 
 }  // namespace
 
-// Controls of ASCII and of Latin-1 (some terminals obey U+009B as they do ESC [), ends of lines and
-// paragraphs, and the marks that turn the direction of text (Unicode 15, 23.2 and UAX #9).
+// Excludes controls (some terminals treat U+009B as ESC [), line and paragraph separators, and
+// bidirectional controls (Unicode 15, 23.2 and UAX #9).
 bool is_printable(std::string_view character) {
   const char32_t code = code_point(character);
   if (code < 0x20 || (code >= 0x7F && code < 0xA0)) return false;
@@ -44,7 +44,7 @@ bool is_printable(std::string_view character) {
 
 std::string printable(std::string_view text, std::size_t limit) {
   std::string out;
-  std::size_t whole = 0;  // bytes of `out` that leave room for kCut
+  std::size_t whole = 0;  // bytes of `out` that leave space for kCut
   while (!text.empty()) {
     const std::size_t length = utf8_length(text);
     const std::string_view character = text.substr(0, length);

@@ -1,4 +1,4 @@
-// How far a sample may be trusted. The names are the contract of the Sample topic.
+// Reliability of a sample. The names are the contract of the Sample topic.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +9,12 @@ namespace fieldcast {
 enum class Quality : std::uint8_t {
   kGood,
   kUncertain,       // older than its refresh promises, or from a bus that is leased for programming
-  kBadNoAnswer,     // the device is silent or its port is gone
-  kBadFrame,        // answers arrive broken
-  kBadDeviceError,  // the device refused; the sample carries its own code
-  // The raw value has no meaning in the channel's type, or lies outside it after scaling.
+  kBadNoAnswer,     // the device is silent or its port is lost
+  kBadFrame,        // responses are broken
+  kBadDeviceError,  // the device refused; the sample contains its code
+  // The raw value is invalid for the channel's type, or outside it after scaling.
   kBadRange,
-  // The channel cannot work as configured (for instance its address does not exist in the device).
+  // The channel cannot work as configured, for example because its address does not exist.
   kBadConfiguration,
   kNotYetRead,
 };

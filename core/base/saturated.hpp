@@ -1,12 +1,11 @@
-// Sum and difference of 64-bit numbers that do not wrap. Pure functions.
 #pragma once
 
 #include <cstdint>
 
 namespace fieldcast {
 
-// For times in nanoseconds that the network sent. Where 64 bits do not hold the result, it is the
-// least or the greatest number that they hold.
+// Sum and difference of 64-bit numbers, limited to their range; for times in nanoseconds from the
+// network. Pure functions.
 [[nodiscard]] constexpr std::int64_t saturated_sum(std::int64_t a, std::int64_t b) {
   std::int64_t sum = 0;
   if (__builtin_add_overflow(a, b, &sum)) return a < 0 ? INT64_MIN : INT64_MAX;

@@ -1,4 +1,3 @@
-// Spellings of times and values (time.hpp, value.hpp).
 #include "core/base/number_text.hpp"
 #include "core/base/time.hpp"
 #include "core/base/value.hpp"

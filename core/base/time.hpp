@@ -1,5 +1,4 @@
-// Monotonic instants and UTC stamps. Core never asks what time it is: `now` comes in as an
-// argument.
+// Monotonic instants and UTC stamps. Core reads no clock: `now` is always a parameter.
 #pragma once
 
 #include <chrono>
@@ -10,7 +9,7 @@ namespace fieldcast {
 
 using Duration = std::chrono::nanoseconds;
 
-// A monotonic clock without a now(): only the shell owns a real one, tests own a virtual one.
+// A monotonic clock without now(): the shell has a real one, tests a virtual one.
 struct EngineClock {
   using duration = Duration;
   using rep = duration::rep;
@@ -20,11 +19,11 @@ struct EngineClock {
 };
 using Instant = EngineClock::time_point;
 
-inline constexpr Instant kNever = Instant::max();  // later than everything
-// Before everything; never add a Duration to it.
+inline constexpr Instant kNever = Instant::max();  // later than all others
+// Before all others; never add a Duration to it.
 inline constexpr Instant kLongAgo = Instant::min();
 
-// Nanoseconds since 1970-01-01T00:00:00Z; 0 means "no such time".
+// Nanoseconds since 1970-01-01T00:00:00Z; 0 means "no time".
 struct UtcTime {
   std::int64_t nanoseconds = 0;
   friend auto operator<=>(const UtcTime&, const UtcTime&) = default;
@@ -37,7 +36,7 @@ struct UtcTime {
   return Duration{static_cast<std::int64_t>(s * 1e9)};
 }
 
-// "200ms", "1.5s", "500us", "2min": the spelling of durations in configurations and reports.
+// "200ms", "1.5s", "500us", "2min": the form of configurations and reports.
 [[nodiscard]] std::string to_text(Duration d);
 
 }  // namespace fieldcast

@@ -1,4 +1,4 @@
-// The value of a channel, as stations see it: the five members of the topic's union.
+// Value of a channel: the five members of the topic's union.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@ namespace fieldcast {
 
 using Value = std::variant<bool, std::int64_t, std::uint64_t, double, std::string>;
 
-// Nothing for a bool or a string.
+// Empty for a bool or a string.
 [[nodiscard]] std::optional<double> as_number(const Value& value);
 
 // "true", "-3", "2.5", the string itself; doubles round-trip.

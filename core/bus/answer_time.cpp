@@ -45,7 +45,8 @@ void AnswerTime::forget() { *this = AnswerTime(configured_, allowance_); }
 
 Duration AnswerTime::timeout() const {
   if (!known_) return configured_;
-  // Twice the mean beside four spreads: PLCs answer once a scan, and a scan may have just begun.
+  // Twice the mean plus four deviations: a PLC responds once a scan, and a scan may have just
+  // begun.
   const Duration learned = (mean_ * 2 + spread_ * 4 + allowance_) * (1 << doublings_);
   return std::min(std::max(learned, longest() + allowance_), configured_);
 }

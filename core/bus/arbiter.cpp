@@ -89,7 +89,6 @@ std::optional<Flight> Arbiter::choose_read(Instant now) {
   return std::nullopt;
 }
 
-// Lets go of the deferred devices whose time has come; says when to look again for the others.
 Instant Arbiter::admit_deferred(Instant now) {
   std::vector<DeviceIndex> admitted;
   const Instant next = devices_.admit_deferred(
@@ -98,8 +97,6 @@ Instant Arbiter::admit_deferred(Instant now) {
   return next;
 }
 
-// When the next request of a command may go out: after its device's rest, and when no answer that
-// is owed could be taken for its own.
 Instant Arbiter::sendable_from(const CommandJob& job) const {
   const Instant from = devices_.paused_until(job.device());
   if (late_.none_owed()) return from;

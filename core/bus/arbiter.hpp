@@ -1,12 +1,9 @@
-// Who has the wire next: a command, a probe of an offline device, or a read; else the wire rests.
-//
-// Owns the order between them, and until when the wire rests. Owned by the bus engine, on the bus's
-// thread; borrows the parts that it asks. Nothing can fail. Rules:
-//   - An exchange that is to be repeated goes first.
-//   - A command goes before reads; after it a read that is due goes before the next command.
-//     Neither starves the other.
-//   - A command that has begun keeps the wire while its device rests, unless that takes long.
-//   - Probes, and reads of sick devices, take time that the wire can spare.
+// Selects the next use of the wire: a command, a probe of an offline device, or a read. Owned by
+// the bus engine, on the bus's thread; borrows the other parts. Rules:
+//   - A repeated exchange is sent first.
+//   - A command precedes reads; after it, a due read precedes the next command, so neither starves.
+//   - A started command keeps the wire during its device's pause, unless the pause is long.
+//   - Probes, and reads of unhealthy devices, use spare time of the wire.
 #pragma once
 
 #include <optional>
@@ -17,30 +14,26 @@ namespace fieldcast {
 
 class Arbiter {
  public:
-  // The wire rests no longer than this for a command that has begun.
   static constexpr Duration kLongestWait = std::chrono::milliseconds{20};
-  // A scheduler that rests until now must not make the timer spin.
+  // Keeps the timer from spinning when the scheduler rests until the present.
   static constexpr Duration kShortestRest = std::chrono::microseconds{100};
 
-  explicit Arbiter(BusParts& parts);  // parts outlive the arbiter
+  explicit Arbiter(BusParts& parts);  // `parts` must outlive the arbiter
   Arbiter(const Arbiter&) = delete;
   Arbiter& operator=(const Arbiter&) = delete;
 
-  // Starts the next exchange and returns its first request; nothing while the wire must be silent,
-  // or rests. REQUIRES: no exchange is on the wire.
+  // Starts the next exchange; empty while the wire must rest. REQUIRES: no exchange is on the wire.
   [[nodiscard]] std::optional<Bytes> next(Instant now);
-  // Starts a short read that keeps the wire from being silent for long (WireFence), and returns its
-  // request; nothing: no device can be asked now, or, unless it is `due`, a read would be late
-  // for it. REQUIRES: next() had nothing, and the wire is free.
+  // Starts a short read that limits the silence of the wire (WireFence) and returns its request.
+  // Empty if no device can be polled now, or if the read would delay another one and is not `due`.
+  // REQUIRES: next() returned empty, and the wire is free.
   [[nodiscard]] std::optional<Bytes> sign(Instant now, bool due);
-  // When next() has something to do again, unless something happens before.
+  // When next() may return a request, unless an event occurs before.
   [[nodiscard]] Instant look_again() const { return std::max(wire_.free_at(), rest_until_); }
 
-  // Tells the scheduler how long the device is left alone.
   void suspend(DeviceIndex device, Instant now);
 
  private:
-  // The next flight; nothing: the wire rests until rest_until_.
   [[nodiscard]] std::optional<Flight> choose(Instant now);
   [[nodiscard]] std::optional<Flight> choose_command(Instant now);
   [[nodiscard]] std::optional<Flight> choose_probe(Instant now);

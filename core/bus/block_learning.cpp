@@ -14,7 +14,7 @@ bool touches(const Range& a, const Range& b) { return a.first < b.end() && b.fir
 
 void BlockLearning::refused(const Range& block, std::vector<Range> wanted) {
   for (const Search& search : open_) {
-    if (holds(search.block, block)) return;  // a half of what is being searched already
+    if (holds(search.block, block)) return;  // part of an open search
   }
   if (open_.size() == kMostOpen) open_.erase(open_.begin());
   open_.push_back({block, std::move(wanted), std::vector<bool>(block.count)});
@@ -30,7 +30,7 @@ bool BlockLearning::read(const Range& block, Instant now) {
   bool changed = false;
   std::erase_if(open_, [&](Search& search) {
     if (!touches(search.block, block)) return false;
-    if (holds(block, search.block)) return true;  // it is accepted after all
+    if (holds(block, search.block)) return true;  // the device accepts the block after all
     const std::uint32_t from = std::max(block.first, search.block.first),
                         to = std::min(block.end(), search.block.end());
     std::fill(search.seen.begin() + (from - search.block.first),
@@ -43,7 +43,7 @@ bool BlockLearning::read(const Range& block, Instant now) {
   return changed;
 }
 
-// Every point was read, in smaller blocks. True when the longest block is another from now on.
+// Ends a search whose points were all read. Returns true if the longest block changed.
 bool BlockLearning::conclude(const Search& search, Instant now) {
   bool whole = true;
   for (std::uint32_t i = 0; i < search.block.count; ++i) {
@@ -54,7 +54,7 @@ bool BlockLearning::conclude(const Search& search, Instant now) {
     note_gap(gap);
   }
   if (!whole) return false;
-  // A longer block may have been accepted elsewhere, when the device still took it.
+  // A longer block may have been accepted elsewhere before the device rejected this one.
   if (largest_ >= search.block.count) largest_ = search.block.count - 1;
   const std::uint32_t before = longest_;
   longest_ = largest_;

@@ -9,7 +9,6 @@ namespace {
 
 std::string text_of(Cause cause) { return std::string(to_text(cause)); }
 
-// By values or by a refusal.
 bool is_answered(ExchangeDriver::Outcome outcome, Cause cause) {
   const bool refused = cause == Cause::kDeviceError || cause == Cause::kDeviceBusy;
   return outcome == ExchangeDriver::Outcome::kDone ||
@@ -68,7 +67,7 @@ void BusEngine::handle(const Closed& event, Instant now, ActionSink& sink) {
   closed_because_ = event.cause;
   if (event.cause != Cause::kPortClosed) outcomes_.count(event.cause);
   give_up(Cause::kPortClosed, now, sink);
-  // What a connection brought late ends with it, unless there is a serial line behind it.
+  // Without a serial line behind it, a closed connection delivers no more late responses.
   if (parts_.setup.plain_tcp()) parts_.late.forget_all();
   for (ChannelIndex c = 0; c < parts_.channels.size(); ++c)
     parts_.channels.failing(c, Cause::kPortClosed, now);
@@ -85,14 +84,15 @@ void BusEngine::handle(const Received& event, Instant now, ActionSink& sink) {
   const auto outcome = parts_.wire.on_bytes(event.bytes, now, out);
   const Asked& asked = parts_.wire.flight().asked;
   parts_.fence.bytes_came(parts_.wire.driver().received().empty(), now);
-  if (parts_.fence.listening()) {  // the wire may be another master's by now, and this its answer
+  // The wire may belong to another master, and these bytes to its exchange.
+  if (parts_.fence.listening()) {
     give_up(Cause::kForeignMaster, now, sink);
     return take_stray(event.bytes, now, sink);
   }
   if (another_asked(outcome, now, sink)) return;
   if (outcome != ExchangeDriver::Outcome::kSend)
     outcomes_.take_late(parts_.late.in_exchange(asked, parts_.wire.driver(), now), now, sink);
-  // An answer that began before its request had ended is another one.
+  // A response that began before the end of its request belongs to another request.
   if (outcome == ExchangeDriver::Outcome::kDone && !parts_.late.owes_same(asked) &&
       is_too_early(asked.device)) {
     parts_.wire.wait_on();
@@ -101,8 +101,8 @@ void BusEngine::handle(const Received& event, Instant now, ActionSink& sink) {
   advance(outcome, std::move(out), now, sink);
 }
 
-// Bytes that nobody asked for. While the wire is not this bridge's they are no late answer either:
-// another master may have asked the same.
+// While the fence listens, unsolicited bytes are not late responses: another master may have sent
+// the same request.
 void BusEngine::take_stray(ByteView bytes, Instant now, ActionSink& sink) {
   parts_.wire.stray(now);
   parts_.fence.bytes_came(false, now);
@@ -161,7 +161,7 @@ void BusEngine::handle(const CountAbove& event, Instant, ActionSink& sink) {
 void BusEngine::handle(const NotSent&, Instant now, ActionSink& sink) {
   if (!parts_.wire.exchanging()) return;
   parts_.fence.not_sent(now);
-  // What was sent before it may have had an effect.
+  // Earlier requests of the exchange may have had an effect.
   if (!parts_.wire.first_request()) return give_up(Cause::kForeignMaster, now, sink);
   const Flight kept = parts_.wire.not_sent(now);
   parts_.devices.not_asked(kept.asked.device);
@@ -237,7 +237,6 @@ void BusEngine::advance(ExchangeDriver::Outcome outcome, Bytes out, Instant now,
   state_ = BusState::kOpening;
 }
 
-// Ends the exchange on the wire from outside; its device still owes the answer.
 std::optional<Flight> BusEngine::break_off() {
   if (parts_.wire.exchanging()) {
     const Asked& asked = parts_.wire.flight().asked;
@@ -325,7 +324,6 @@ BusReport BusEngine::bus_report(Instant now) {
 
 DeviceReport BusEngine::device_report(DeviceIndex device, Instant now) const {
   DeviceReport report = parts_.devices.report(device);
-  // Nobody knows how a device is that cannot be reached.
   if (state_ == BusState::kClosed) report.state = DeviceState::kUnknown;
   parts_.reads.describe(device, report);
   for (ChannelIndex c = parts_.channels.first_of(device); c < parts_.channels.end_of(device); ++c)

@@ -1,9 +1,9 @@
-// The bus engine: everything one bus does, as on_event(event, now) -> actions. No thread, no clock,
-// no I/O.
+// The bus engine: all behaviour of one bus, as on_event(event, now) -> actions. It has no thread,
+// no clock and no I/O.
 //
 // The shell (BusRunner) executes the actions on the bus's thread; tests execute them in virtual
-// time. The engine owns the parts of the bus and decides what goes on the wire next. Each part owns
-// its own state; README.md shows how they work together.
+// time. The engine owns the parts of the bus and selects the next request. Each part owns its own
+// state; README.md shows how they interact.
 #pragma once
 
 #include <optional>
@@ -24,54 +24,47 @@ namespace fieldcast {
 
 class BusEngine {
  public:
-  // REQUIRES: spec is as the loader makes it (every protocol known, every address inside its area);
-  // codec outlives the engine.
+  // REQUIRES: `spec` was validated by the loader. `codec` must outlive the engine.
   explicit BusEngine(const BusSpec& spec, TextCodec& codec = plain_text_codec());
   BusEngine(const BusEngine&) = delete;
   BusEngine& operator=(const BusEngine&) = delete;
 
-  // Goes on where another bridge was: its samples count on, and what was learned of devices need
-  // not be learned again. REQUIRES: no event yet.
+  // Continues after another bridge, with its sample sequences and learned values. REQUIRES: no
+  // event.
   void inherit(const BusInheritance& inherited, Instant now);
 
-  // Appends what is to be done. `now` never goes back.
+  // Appends the actions to perform. `now` never decreases.
   void on_event(const BusEvent& event, Instant now, Actions& actions);
 
-  // Reports cover the time since the one before; the shell asks once a second. Does not change what
-  // the engine does.
+  // Covers the time since the previous report; call once a second. Does not affect the behaviour.
   [[nodiscard]] BusReport bus_report(Instant now);
   [[nodiscard]] DeviceReport device_report(DeviceIndex device, Instant now) const;
   [[nodiscard]] ChannelReport channel_report(ChannelIndex channel, Instant now) const {
     return parts_.channels.report(channel, now);
   }
 
-  // Counts the plans that were in force, from 1; and the present one.
   [[nodiscard]] std::uint64_t plan_number() const { return parts_.reads.plan_number(); }
   [[nodiscard]] PlanReport plan_report() const { return parts_.reads.plan_report(); }
 
-  // Characters that the answer under way lacks, at least; 0 when that is not known. The shell may
-  // let them gather.
+  // Minimum number of missing characters of the response; 0 if unknown. The shell may wait for
+  // them.
   [[nodiscard]] std::uint32_t missing() const { return parts_.wire.driver().missing(); }
-  // An answer may be on its way.
   [[nodiscard]] bool exchanging() const { return parts_.wire.exchanging(); }
 
-  // Of the bridges at one wire (`fence: listen`): wire_fence.hpp. Before the first event.
+  // See wire_fence.hpp. Call before the first event.
   void set_fence_order(unsigned rank, std::uint64_t seed) { parts_.fence.set_order(rank, seed); }
 
-  // After StopRequested: until when answers to what was sent may come; kLongAgo: none will.
+  // After StopRequested: when pending responses may still arrive; kLongAgo if there are none.
   [[nodiscard]] Instant answers_until() const {
     return parts_.setup.plain_tcp() ? kLongAgo : parts_.late.owed_until();
   }
 
-  // What the request on the wire is for, and the device that it goes to; empty: none is.
   [[nodiscard]] std::string request_text() const;
   [[nodiscard]] std::optional<DeviceIndex> asked_device() const;
 
-  // While set, exchanges are described in Traced actions.
   void set_trace(bool on) { tracing_ = on; }
 
  private:
-  // Events.
   void handle(const Opened& event, Instant now, ActionSink& sink);
   void handle(const Closed& event, Instant now, ActionSink& sink);
   void handle(const Received& event, Instant now, ActionSink& sink);
@@ -84,43 +77,36 @@ class BusEngine {
   void handle(const CountAbove& event, Instant now, ActionSink& sink);
   void handle(const NotSent& event, Instant now, ActionSink& sink);
   void handle(const PlanMade& event, Instant now, ActionSink& sink);
-  // After every event: what ran out by now, what goes on the wire next, and when to look again.
   void settle(Instant now, ActionSink& sink);
   void set_timer(ActionSink& sink);
 
-  // The answer that came began before its request had ended.
+  // Returns true if the response began before the end of its request.
   [[nodiscard]] bool is_too_early(DeviceIndex device);
-  // An answer came, and before it the request of another master: the exchange is given up.
   bool another_asked(ExchangeDriver::Outcome outcome, Instant now, ActionSink& sink);
-  // The exchange on the wire goes on, or ends.
   void advance(ExchangeDriver::Outcome outcome, Bytes out, Instant now, ActionSink& sink);
   std::optional<Flight> break_off();
-  // Likewise; what waits for it is told the cause.
   void give_up(Cause cause, Instant now, ActionSink& sink);
-  // The wire is free: the next request, if it may and need be sent.
   void send_next(Instant now, ActionSink& sink);
-  // Bytes that nobody asked for.
   void take_stray(ByteView bytes, Instant now, ActionSink& sink);
-  // Another master speaks on the wire: nothing is sent until it is silent.
+  // Stops sending until the wire is silent, because another master uses it.
   void let_go(Instant now, ActionSink& sink);
 
   BusParts parts_;
-  Arbiter arbiter_;         // before an exchange
-  OutcomeRouter outcomes_;  // after it
+  Arbiter arbiter_;
+  OutcomeRouter outcomes_;
   OverloadWatch overload_;
 
   BusState state_ = BusState::kOpening;
-  Cause closed_because_ = Cause::kNone;  // while it is closed
-  bool begun_ = false;                   // the first event has come
-  Instant next_request_at_ = kNever;     // when to look for one, while the wire rests
-  Instant timer_ = kNever;               // as the shell was told last
+  Cause closed_because_ = Cause::kNone;
+  bool begun_ = false;
+  Instant next_request_at_ = kNever;  // while the wire rests
+  Instant timer_ = kNever;            // last value sent to the shell
   bool tracing_ = false;
-  std::uint64_t samples_ = 0;   // published
-  std::uint64_t reopened_ = 0;  // times that the port was lost
+  std::uint64_t samples_ = 0;
+  std::uint64_t reopened_ = 0;  // number of times the port was lost
 };
 
-// For tests and simulations in virtual time: executes every MakePlan among the actions at once, and
-// appends the actions that follow from it.
+// For virtual time: executes each MakePlan action immediately and appends the resulting actions.
 void make_plans(BusEngine& engine, Instant now, Actions& actions);
 
 }  // namespace fieldcast

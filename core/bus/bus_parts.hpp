@@ -1,7 +1,5 @@
-// The parts of a bus engine, each with a state of its own. What they do together is decided by the
-// engine, the arbiter (before an exchange) and the outcome router (after it), who borrow them.
-//
-// Owned by the bus engine, on the bus's thread.
+// The parts of a bus engine, each with its own state. The engine, the arbiter (before an exchange)
+// and the outcome router (after it) coordinate them. Owned by the bus engine, on the bus's thread.
 #pragma once
 
 #include "core/bus/bus_setup.hpp"
@@ -16,7 +14,6 @@
 namespace fieldcast {
 
 struct BusParts {
-  // codec outlives the parts.
   BusParts(const BusSpec& spec, TextCodec& codec)
       : setup(spec),
         channels(setup.spec(), codec),

@@ -1,7 +1,4 @@
-// What does not change while a bus engine runs: the bus as configured, what its line costs, and the
-// protocol of each device. Made once and owned by the engine; its parts keep a reference. Runs on
-// the bus's thread like the engine. Nothing here can fail: the loader has checked the
-// configuration.
+// Immutable data of a bus engine, which owns it; the parts keep references. On the bus's thread.
 #pragma once
 
 #include <memory>
@@ -19,16 +16,14 @@ namespace fieldcast {
 
 class BusSetup {
  public:
-  // REQUIRES: spec is as the loader makes it (every protocol known, every address inside its area).
   explicit BusSetup(const BusSpec& spec);
   BusSetup(const BusSetup&) = delete;
   BusSetup& operator=(const BusSetup&) = delete;
 
   [[nodiscard]] const BusSpec& spec() const { return spec_; }
   [[nodiscard]] const LineFormat& line() const { return line_; }
-  // The wire must be silent for this long after each answer.
+  // Required silence of the wire after each response.
   [[nodiscard]] Duration silence() const { return silence_; }
-  // Bytes come over a connection that carries no serial line: it can be closed to begin anew.
   [[nodiscard]] bool plain_tcp() const;
 
   [[nodiscard]] std::size_t devices() const { return spec_.devices.size(); }
@@ -37,20 +32,18 @@ class BusSetup {
   [[nodiscard]] const Area& area(DeviceIndex device, AreaIndex area) const {
     return protocol(device).areas()[area];
   }
-  // One for each device; shared with plans that are made elsewhere.
   [[nodiscard]] const std::vector<std::shared_ptr<const Protocol>>& protocols() const {
     return protocols_;
   }
   [[nodiscard]] std::optional<DeviceIndex> find(std::string_view name) const;
 
-  // Wire time of the request and its answer, and of the answer alone; without the device's own
-  // time.
+  // Both exclude the device's own response time.
   [[nodiscard]] Duration wire_time(DeviceIndex device, const Request& request) const;
   [[nodiscard]] Duration answer_wire_time(DeviceIndex device, const Request& request) const;
-  // No answer to this request can equal it: what comes back and equals it is an echo.
+  // Returns true if bytes that equal the request can only be an echo.
   [[nodiscard]] bool answer_differs(DeviceIndex device, const Request& request) const;
 
-  // "holding:105..107", for people.
+  // Human-readable, for example "holding:105..107".
   [[nodiscard]] std::string text(DeviceIndex device, const Range& range) const;
 
  private:
@@ -61,7 +54,6 @@ class BusSetup {
   std::unordered_map<std::string_view, DeviceIndex> names_;
 };
 
-// The area that a request is about.
 [[nodiscard]] AreaIndex area_of(const Request& request);
 
 }  // namespace fieldcast

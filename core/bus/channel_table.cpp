@@ -26,8 +26,7 @@ bool moved(const Value& a, const Value& b, double deadband) {
   return x && y ? std::abs(*x - *y) > deadband : a != b;
 }
 
-// The longest time between two samples that a channel with this refresh is promised. What holds a
-// deadband back is promised at its heartbeat.
+// Longest promised time between two samples: with a deadband, the heartbeat.
 Duration gap_of(const ChannelSpec& spec, std::optional<Duration> refresh) {
   if (!refresh) return Duration::zero();
   return spec.on_interest ? *refresh : promised_gap(spec).value_or(*refresh);
@@ -96,7 +95,7 @@ CauseCounters ChannelTable::misses(Instant now) const {
   return all;
 }
 
-// An entry that is queued already comes first and is put back then.
+// Does nothing if an earlier entry is queued; that entry is queued again when it expires.
 void ChannelTable::queue(ChannelIndex channel) {
   Entry& entry = entries_[channel];
   const Instant due = entry.freshness.due();
@@ -109,7 +108,7 @@ bool ChannelTable::held_back(const Entry& entry, const Value& value, Instant acq
   if (!entry.spec->deadband || entry.last.quality != Quality::kGood) return false;
   if (moved(value, entry.last.value, *entry.spec->deadband)) return false;
   const Duration heartbeat = entry.spec->heartbeat.value_or(entry.spec->refresh);
-  // The next acquisition may come a whole refresh later: is there still time for it?
+  // The next acquisition may be a whole refresh later, so the heartbeat must allow for it.
   return acquired + entry.spec->refresh <= entry.published + heartbeat;
 }
 
@@ -188,10 +187,10 @@ void ChannelTable::expire(Instant now, std::vector<Sample>& out) {
     if (!entry.freshness.expire(now, misses_)) continue;
     const Quality before = entry.last.quality;
     entry.last.quality = quality_of(entry.freshness.cause());
-    if (entry.last.quality != before) entry.last.device_code = 0;  // it explained that quality
+    if (entry.last.quality != before) entry.last.device_code = 0;
     if (entry.freshness.cause() == Cause::kDeviceBusy) entry.last.device_code = entry.failing_code;
     if (entry.last.quality == Quality::kGood) entry.last.quality = Quality::kUncertain;
-    // Uncertain is what is old; what was never read is not there yet, whatever delays it.
+    // A value that was never read stays kNotYetRead; kUncertain is for old values.
     if (entry.last.quality == Quality::kUncertain && entry.last.acquired == kLongAgo)
       entry.last.quality = Quality::kNotYetRead;
     publish(entry, out, now);
@@ -215,8 +214,8 @@ void ChannelTable::all_uncertain(Instant now, std::vector<Sample>& out) {
   }
 }
 
-// What is good is not told again, as another bridge may have read it later: its next reading is
-// published, whatever the deadband.
+// Good values are not repeated, as another bridge may have read later ones: the next reading is
+// published regardless of the deadband.
 void ChannelTable::again(std::vector<Sample>& out) {
   for (Entry& entry : entries_) {
     entry.published = kLongAgo;

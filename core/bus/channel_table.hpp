@@ -1,9 +1,6 @@
-// The channels of one bus at run time: their last samples, what is to be published, and when a
-// promise breaks (Freshness).
-//
-// Owns the last sample of each channel and the queue of promises. Owned by the bus engine, on the
-// bus's thread. Samples to be published are appended to the caller's list. Nothing can fail: items
-// that are no value of the channel's type become a sample of bad quality.
+// The channels of one bus at run time: last samples, publication, and broken promises (Freshness).
+// Owned by the bus engine, on the bus's thread. Samples to publish are appended to the caller's
+// list. Items that do not decode to the channel's type produce a sample of bad quality.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +22,6 @@ namespace fieldcast {
 
 class ChannelTable {
  public:
-  // bus and codec outlive the table.
   explicit ChannelTable(const BusSpec& bus, TextCodec& codec = plain_text_codec());
 
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
@@ -37,39 +33,33 @@ class ChannelTable {
   [[nodiscard]] ChannelIndex end_of(DeviceIndex device) const { return first_[device + 1u]; }
   [[nodiscard]] std::optional<ChannelIndex> find(DeviceIndex device, std::string_view name) const;
 
-  // The last sample, as another bridge has published it. One of another type is not taken, but its
-  // sequence.
+  // Restores a sample of another bridge; only its sequence if the type differs.
   void inherit(const Sample& sample);
-  // Samples count on from above this number.
   void count_above(std::uint64_t number) { above_ = std::max(above_, number); }
-  // Stations may show what another bridge has published: what is not good here is told once more.
+  // Publishes samples that are not good again, as stations may show samples of another bridge.
   void again(std::vector<Sample>& out);
 
-  // Whether it has ever had a value, from here or inherited.
+  // Read here or inherited.
   [[nodiscard]] bool was_read(ChannelIndex channel) const {
     return entries_[channel].last.acquired != kLongAgo;
   }
 
-  // The refresh in force; nothing while nobody is promised anything (on demand, no interest).
+  // Empty if there is no promise (on demand, without interest).
   [[nodiscard]] std::optional<Duration> refresh(ChannelIndex channel) const;
   void set_refresh(ChannelIndex channel, std::optional<Duration> refresh, Instant now);
 
-  // New items arrived at `acquired`: appends a sample unless the deadband holds it back.
+  // Appends a sample unless the deadband holds it back.
   void acquired(ChannelIndex channel, unsigned item_bits, ByteView items, Instant acquired,
                 std::vector<Sample>& out);
-  // The device refused the channel's address: published at once, but not again until it changes.
+  // Publishes immediately, and again only after a change.
   void refused(ChannelIndex channel, Cause cause, std::uint16_t device_code, Instant now,
                std::vector<Sample>& out);
-  // The cause that a missed refresh will show. A refresh that was missed before the cause was known
-  // is told once more, with it.
+  // Sets the cause of a missed refresh; reports a miss again that had no cause.
   void failing(ChannelIndex channel, Cause cause, Instant now, std::uint16_t device_code = 0);
 
-  // Starts the clock of every promise: a channel that is not read within its refresh from `now` is
-  // late.
   void start(Instant now);
-  // Publishes the last value of each channel whose refresh ran out by `now`, once, with a bad
-  // quality. This happens a moment after the refresh ran out: a DDS deadline of the same length
-  // begins when the sample is written, and is missed by then as well.
+  // Publishes each channel whose refresh expired by `now`, once, with a bad quality. This happens
+  // shortly after the expiry, so that a DDS deadline of the same length is missed by then as well.
   void expire(Instant now, std::vector<Sample>& out);
   [[nodiscard]] ChannelReport report(ChannelIndex channel, Instant now) const;
   [[nodiscard]] CauseCounters misses(Instant now) const;  // of all channels, by cause
@@ -77,13 +67,10 @@ class ChannelTable {
     return expiries_.empty() ? kNever : expiries_.top().at;
   }
 
-  // The last interest in the channel ended: a last good value once more, as UNCERTAIN, since it
-  // will not be renewed.
+  // Publishes a good last value again as UNCERTAIN, since it will not be refreshed.
   void interest_ended(ChannelIndex channel, std::vector<Sample>& out);
-  // Every channel's last value once more as UNCERTAIN (the bus was leased).
   void all_uncertain(Instant now, std::vector<Sample>& out);
-  // First samples of channels that are only read when somebody asks, so that stations see that they
-  // exist.
+  // First samples of on-demand channels, so that stations see that they exist.
   void not_yet_read(std::vector<Sample>& out);
 
  private:
@@ -93,12 +80,11 @@ class ChannelTable {
     Sample last;
     Freshness freshness;
     Instant published = kLongAgo;
-    Instant queued = kNever;  // of the one valid entry in expiries_
-    Instant read = kLongAgo;  // the last time, or the start of the promise
+    Instant queued = kNever;
+    Instant read = kLongAgo;  // last reading, or start of the promise
     std::uint64_t readings = 0;
-    Duration worst_gap{};  // between two readings
-    std::uint16_t failing_code =
-        0;  // with Cause::kDeviceBusy: of the device, since the last sample
+    Duration worst_gap{};
+    std::uint16_t failing_code = 0;  // device code of Cause::kDeviceBusy since the last sample
   };
   struct Expiry {
     Instant at;
@@ -114,10 +100,10 @@ class ChannelTable {
   CauseCounters misses_;
   TextCodec& codec_;
   std::vector<Entry> entries_;
-  std::vector<ChannelIndex> first_;  // of each device, and the end
+  std::vector<ChannelIndex> first_;
   std::vector<std::unordered_map<std::string_view, ChannelIndex>> names_;
-  // Lazy: an entry may be older than its channel's promise; it is put back then. An entry whose
-  // instant is not the channel's `queued` is ignored.
+  // Lazy: an older entry is queued again when it expires; one that differs from `queued` is
+  // ignored.
   std::priority_queue<Expiry, std::vector<Expiry>, std::greater<>> expiries_;
 };
 

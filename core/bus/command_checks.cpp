@@ -1,5 +1,3 @@
-// Everything that is checked before a command reaches the wire: target, access, type, range,
-// address.
 #include <algorithm>
 
 #include "core/base/escaped.hpp"
@@ -14,7 +12,6 @@ tl::unexpected<CommandFault> fault(Cause cause, std::string reason = {}) {
   return tl::make_unexpected(CommandFault{cause, std::move(reason)});
 }
 
-// Of a value of a declared record.
 tl::unexpected<CommandFault> never_written(const std::string& at) {
   return fault(Cause::kReadOnly,
                "'" + at + "' is read-only: the protocol has no operation that writes it alone");
@@ -28,8 +25,7 @@ std::string type_text(const Encoding& encoding) {
   return "a " + type + " as text of " + std::to_string(encoding.string_bytes) + " characters";
 }
 
-// What the address says is added to what the command says; where that says no order, the family's
-// own holds.
+// The family's order is the default.
 tl::expected<Encoding, CommandFault> encoding_of(const AddressTarget& target,
                                                  const ParsedAddress& address, const Area& area) {
   Encoding encoding = target.encoding;
@@ -61,8 +57,7 @@ tl::expected<void, CommandFault> check_limits(const ChannelSpec& channel, const 
   return {};
 }
 
-// Ranges that touch or overlap, joined as far as one read may reach. Gaps are never bridged: nobody
-// asked for what lies there.
+// Joins ranges that touch or overlap, up to the size of one read. Never bridges a gap.
 std::vector<Range> joined(std::vector<Range> ranges, const Protocol& protocol) {
   std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) {
     return std::pair(a.area, a.first) < std::pair(b.area, b.first);
@@ -173,7 +168,7 @@ tl::expected<void, CommandFault> CommandJob::find_address(const DeviceSpec& devi
   return add_values(target, *address, *encoding, static_cast<std::uint32_t>(count));
 }
 
-// Values lie one behind the other: of a bit of an item the next is the next bit.
+// For a bit of an item, the next value is the next bit.
 tl::expected<void, CommandFault> CommandJob::add_values(const AddressTarget& target,
                                                         const ParsedAddress& address,
                                                         const Encoding& encoding,
@@ -185,7 +180,7 @@ tl::expected<void, CommandFault> CommandJob::add_values(const AddressTarget& tar
   const std::uint32_t width = item_count(encoding, area.item_bits);
   const std::uint64_t last_bit = bits ? *encoding.bit + std::uint64_t{count} - 1 : 0;
   const std::uint64_t items = bits ? last_bit / area.item_bits + 1 : std::uint64_t{width} * count;
-  // A declared field is one value, and its bits end with it.
+  // A declared field is one value; its bits do not extend into the next field.
   const bool past_field = is_field(address) && (bits ? items > 1 : count > 1);
   if (address.first + items > area.items || past_field)
     return fault(Cause::kBadAddress, "'" + target.at + "' with " + std::to_string(count) +
@@ -203,7 +198,6 @@ tl::expected<void, CommandFault> CommandJob::add_values(const AddressTarget& tar
   return {};
 }
 
-// Why a value cannot be written.
 CommandFault CommandJob::unfit(const CommandSubject& subject, const Value& value,
                                Cause cause) const {
   const auto* text = std::get_if<std::string>(&value);

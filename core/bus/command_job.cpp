@@ -1,5 +1,3 @@
-// A command on its way: the next request, and what its answer or failure means. How it is checked:
-// command_checks.cpp.
 #include "core/bus/command_job.hpp"
 
 #include <algorithm>
@@ -29,8 +27,7 @@ std::optional<Request> CommandJob::next() const {
       WriteRequest write = write_request();
       if (command_.verify && !bit_ && subjects_.front().readable &&
           protocol_->traits().write_read) {
-        // Not every write can be read back in one round: Modbus has it for registers, not for
-        // coils.
+        // Read-back in the same exchange: Modbus supports it for registers but not for coils.
         Request both = WriteReadRequest{write, write.range};
         if (protocol_->size(both)) return both;
       }
@@ -53,7 +50,7 @@ std::optional<WriteRequest> CommandJob::batchable() const {
 bool CommandJob::reads_back_same(ByteView items) const {
   if (!bit_) {
     if (std::equal(items.begin(), items.end(), image_.begin(), image_.end())) return true;
-    // A device may spell the same number in another way: "+25.0" for " 25.00".
+    // A device may format the same number differently: "+25.0" for " 25.00".
     const CommandSubject& only = subjects_.front();
     if (!only.encoding.text_number || subjects_.size() > 1) return false;
     const unsigned bits = area(only.range).item_bits;
@@ -69,8 +66,7 @@ void CommandJob::read_first() {
   if (phase_ == Phase::kWrite && subjects_.front().readable) phase_ = Phase::kReadBefore;
 }
 
-// Devices that know only one form of a write refuse the other: nothing was written, and the refusal
-// has shown whether the line echoes.
+// If a device refuses one form of a write, no value was written and the echo is known.
 bool CommandJob::has_plainer_form() const {
   if (!distinct_ || phase_ != Phase::kWrite) return false;
   WriteRequest write = write_request();
@@ -96,7 +92,7 @@ void CommandJob::answered(const Reply& reply) {
   switch (phase_) {
     case Phase::kReadBefore: merge_into(reply.front().items); break;
     case Phase::kWrite:
-      if (reply.size() > 1)  // written and read back in one round
+      if (reply.size() > 1)
         verify(reply.back().items);
       else
         wrote();
@@ -115,7 +111,7 @@ void CommandJob::answered(const Reply& reply) {
   }
 }
 
-// Only the command's bit changes: the rest of the word is written as it was just read.
+// Changes only the command's bit: the rest of the word keeps the value just read.
 void CommandJob::merge_into(const Bytes& before) {
   phase_ = Phase::kWrite;
   if (!merge_needed_) return;  // the read only showed whether the line echoes
@@ -134,7 +130,7 @@ void CommandJob::verify(const Bytes& items) {
            std::string(to_text(Cause::kNotVerified)));
 }
 
-// A write went unanswered: the items that the device holds now tell whether it took effect.
+// The items show whether an unanswered write took effect.
 void CommandJob::resolve_doubt(const Bytes& items) {
   if (reads_back_same(items)) {
     read_back_ = items;
@@ -142,7 +138,7 @@ void CommandJob::resolve_doubt(const Bytes& items) {
     return finish(CommandState::kDone, Cause::kNone, 0,
                   "the answer was lost; reading back shows the value");
   }
-  if (rewrites_ < max_rewrites_) {  // `items` is what was, not what will be: it is not kept
+  if (rewrites_ < max_rewrites_) {  // `items` is the value before the rewrite, so it is not kept
     ++rewrites_;
     in_doubt_ = false;
     phase_ = Phase::kWrite;
@@ -162,7 +158,7 @@ void CommandJob::failed(Cause cause, std::uint16_t device_code, std::string_view
   }
   if (phase_ == Phase::kWrite && !refused && cause != Cause::kPortClosed &&
       subjects_.front().readable) {
-    // Never written twice blindly: the first may have taken effect.
+    // A write is not repeated without reading back: the first may have taken effect.
     in_doubt_ = true;
     phase_ = Phase::kReadBack;
     return;

@@ -1,6 +1,6 @@
-// One command on its way: which exchanges it still needs, and what it has come to. Checked before
-// it exists, so a job is always legal. Pure; owned by the CommandQueue, on the bus's thread. What
-// can fail: make() says why a command is refused; result() says what failed on the wire.
+// One command in progress: its next request and its result. It is checked before a job exists:
+// make() returns the reason of a rejection, result() that of a failure on the wire. Pure; owned by
+// CommandQueue, on the bus's thread.
 #pragma once
 
 #include <optional>
@@ -15,13 +15,11 @@
 
 namespace fieldcast {
 
-// Why a command never reaches the wire.
 struct CommandFault {
   Cause cause = Cause::kNone;
   std::string reason;
 };
 
-// Something that a command reads or writes: a channel, or a run of items by address.
 struct CommandSubject {
   Range range;
   Encoding encoding;
@@ -31,27 +29,26 @@ struct CommandSubject {
 
 class CommandJob {
  public:
-  // `first_channel` is the index of the device's first channel on the bus. `protocol` and `codec`
-  // outlive the job.
+  // `first_channel`: index of the device's first channel. `protocol` and `codec` must outlive the
+  // job.
   static tl::expected<CommandJob, CommandFault> make(const Command& command,
                                                      const DeviceSpec& device, DeviceIndex index,
                                                      ChannelIndex first_channel,
                                                      const Protocol& protocol,
                                                      TextCodec& codec = plain_text_codec());
 
-  // The next request; nothing when the command is finished and result() is final.
+  // Empty when the command is finished and result() is final.
   [[nodiscard]] std::optional<Request> next() const;
-  // The next request, if it is a plain write that may travel with its neighbours.
+  // Empty if the command cannot share a request with others.
   [[nodiscard]] std::optional<WriteRequest> batchable() const;
-  // A request of several commands was refused. Each goes alone from now on: that shows which of
-  // them the device refuses.
+  // Sends the commands of a refused request one by one, to find the refused ones.
   void go_alone() { alone_ = true; }
   void answered(const Reply& reply);
-  // `seen`: what came in place of an answer, for the reason.
+  // `seen`: the bytes received instead of a response, for the reason.
   void failed(Cause cause, std::uint16_t device_code, std::string_view seen = {});
-  // A line that may echo cannot confirm a write whose answer equals its request.
+  // Requests a write response that differs from its request, as an echo would equal it.
   void use_distinct_answers() { distinct_ = true; }
-  // Nothing else can be written: a read before it shows whether the line echoes.
+  // For devices without such a form: a read before the write shows whether the line echoes.
   void read_first();
 
   [[nodiscard]] DeviceIndex device() const { return device_; }
@@ -60,20 +57,17 @@ class CommandJob {
   void start(Instant now) {
     if (!started_) started_ = now;
   }
-  // The request of the last start() did not leave. Without one before it the command has not
-  // started.
+  // The request of the last start() was not sent.
   void not_sent() {
     if (!asked_) started_.reset();
   }
 
-  // Items that were read, with the channels they belong to: to be published as samples.
   struct Acquired {
     ChannelIndex channel;
     unsigned item_bits;
     ByteView items;
   };
   [[nodiscard]] std::vector<Acquired> acquired() const;
-  // The channel that a write went to, when it went to one.
   [[nodiscard]] std::optional<ChannelIndex> written_channel() const;
 
   [[nodiscard]] CommandResult result(Instant received, Instant completed) const;
@@ -107,9 +101,9 @@ class CommandJob {
   [[nodiscard]] ByteView items_of(const CommandSubject& subject) const;
   void finish(CommandState state, Cause cause = Cause::kNone, std::uint16_t device_code = 0,
               std::string reason = {});
-  void merge_into(const Bytes& before);  // the items that a read before the write found
+  void merge_into(const Bytes& before);  // `before`: items read before the write
   void wrote();
-  void verify(const Bytes& items);  // the items that were read back, with the answer or after it
+  void verify(const Bytes& items);  // `items`: read back with the response or after it
   void resolve_doubt(const Bytes& items);
   [[nodiscard]] bool has_plainer_form() const;
 
@@ -118,25 +112,25 @@ class CommandJob {
   const Protocol* protocol_ = nullptr;
   TextCodec* codec_ = nullptr;
   std::vector<CommandSubject> subjects_;
-  Bytes image_;                      // what is to be written
-  std::optional<std::uint8_t> bit_;  // only this bit of the one item, or the eight from it on
+  Bytes image_;
+  std::optional<std::uint8_t> bit_;  // only this bit of the item, or the eight bits that start here
   unsigned part_bits_ = 1;           // with bit_: 1 or 8
-  bool merge_needed_ = false;        // read, change the bit, write
+  bool merge_needed_ = false;
   bool distinct_ = false;
   bool alone_ = false;
-  bool in_doubt_ = false;  // a write went unanswered: reading back tells whether it took effect
+  bool in_doubt_ = false;  // a write got no response: reading back shows its effect
   unsigned rewrites_ = 0;
   unsigned max_rewrites_ = 0;
-  std::vector<Range> reads_;       // of an acquisition
-  std::vector<Bytes> read_items_;  // what came of them, as far as read
-  Bytes read_back_;                // empty until a write was read back
+  std::vector<Range> reads_;
+  std::vector<Bytes> read_items_;
+  Bytes read_back_;  // empty until read back
   Phase phase_ = Phase::kFinished;
   CommandState state_ = CommandState::kFailed;
   Cause cause_ = Cause::kNone;
   std::uint16_t device_code_ = 0;
   std::string reason_;
   std::optional<Instant> started_;
-  bool asked_ = false;  // a request of it came to its end
+  bool asked_ = false;  // a request was completed
 };
 
 }  // namespace fieldcast

@@ -1,6 +1,5 @@
-// Remembers which commands were seen, so that none runs twice: transports and operators repeat
-// commands. Pure; one owner, who guards it if several threads use it. Nothing can fail; when it is
-// full, the oldest key is forgotten.
+// Remembers recent commands, so that a repeated one does not run twice. The owner must guard it if
+// several threads use it. When full, drops the oldest key.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +17,7 @@ class CommandLedger {
 
   explicit CommandLedger(std::size_t remembered = kRemembered) : remembered_(remembered) {}
 
-  // True if this key was not among the last `remembered` keys: the command may run. False: it is a
-  // duplicate. A duplicate does not make its key younger.
+  // Returns false for a duplicate among the last `remembered` keys; it does not renew its key.
   [[nodiscard]] bool enter(std::string_view requester, std::uint64_t request_id);
 
   [[nodiscard]] std::size_t size() const { return order_.size(); }
@@ -34,7 +32,7 @@ class CommandLedger {
   };
 
   std::size_t remembered_;
-  // Oldest first; a deque never moves what it holds, so that the set may point into it.
+  // Oldest first. A deque keeps element addresses stable, so the set can point into it.
   std::deque<Key> order_;
   std::unordered_set<const Key*, Hash, Equal> known_;
 };

@@ -9,7 +9,6 @@ namespace {
 
 CommandFault fault(Cause cause) { return {cause, std::string(to_text(cause))}; }
 
-// Joins two writes whose ranges touch, if one request can carry both.
 bool join(WriteRequest& write, const WriteRequest& other, const Protocol& protocol) {
   const bool after = other.range.first == write.range.end();
   if (!after && other.range.end() != write.range.first) return false;
@@ -60,8 +59,7 @@ void CommandQueue::accept(const Command& command, const Condition& condition, In
   waiting_.push_back({std::move(*job), now, &owner});
 }
 
-// One requester alone may fill the queue. When it is full, the newest command of the requester that
-// has the most leaves it for a requester that has less.
+// A requester with fewer commands displaces the newest one of the requester with the most.
 std::optional<CommandFault> CommandQueue::make_room(const Command& command, Instant now,
                                                     ActionSink& sink) {
   const std::size_t bytes = bytes_of(command);
@@ -120,7 +118,6 @@ tl::expected<CommandJob, CommandFault> CommandQueue::check(const Command& comman
   return job;
 }
 
-// What may be otherwise a moment later.
 std::optional<CommandFault> CommandQueue::obstacle(const CommandJob& job,
                                                    const Condition& condition, Instant now) const {
   switch (condition.bus) {
@@ -128,7 +125,7 @@ std::optional<CommandFault> CommandQueue::obstacle(const CommandJob& job,
     case BusState::kLeased: return fault(Cause::kLeased);
     case BusState::kClosed:
       return CommandFault{Cause::kOffline, "port of bus '" + setup_.spec().name + "' is down"};
-    case BusState::kOpening:  // it waits: the attempt ends in Opened or Closed
+    case BusState::kOpening:
     case BusState::kRunning: break;
   }
   if (condition.device_offline)
@@ -168,7 +165,7 @@ std::optional<CommandQueue::Next> CommandQueue::next(Instant now, const Gate& ga
   return next;
 }
 
-// Of the requesters with a command that may be sent, the one that was served the longest ago.
+// The requester that was served least recently, among those with a sendable command.
 std::deque<CommandQueue::Waiting>::iterator CommandQueue::next_in_turn(Instant now,
                                                                        const Gate& gate) {
   auto next = waiting_.end();
@@ -179,9 +176,9 @@ std::deque<CommandQueue::Waiting>::iterator CommandQueue::next_in_turn(Instant n
   return next;
 }
 
-// Writes that wait behind the first one for the same device and continue its range, on either side,
-// travel with it: they are moved to the front. The order of a device's commands stays: the first of
-// them that does not fit ends the search.
+// Moves further writes to the front that extend the range of the first one for the same device, so
+// that one request carries them. The order per device stays: the search ends at the first command
+// that does not fit.
 std::size_t CommandQueue::gather(WriteRequest& write) {
   const DeviceIndex device = waiting_.front().job.device();
   std::size_t batch = 1;
@@ -221,8 +218,6 @@ void CommandQueue::not_sent(std::size_t batch) {
   begun_ = waiting_.front().job.started();
 }
 
-// What the last request brought to its end leaves the queue; the others have more exchanges to
-// come.
 void CommandQueue::finish(std::size_t batch, Instant acquired, Instant now, ActionSink& sink) {
   std::size_t at = 0;
   for (; batch > 0; --batch) {

@@ -1,10 +1,7 @@
-// The commands of one bus: checked when they arrive, one on the wire at a time, each ended by
+// The commands of one bus: checked on arrival, one on the wire at a time, each completed with
 // exactly one result. Requesters are served in turn; the commands of one requester keep their
-// order.
-//
-// Owns the waiting commands and the instant of each channel's last write. Owned by the bus engine,
-// on the bus's thread. What can fail: a command is refused with its cause. What a requester and
-// the whole queue may hold is limited; the requester that has the most is refused with kQueueFull.
+// order. The queue and the share of each requester are limited; a full queue rejects the requester
+// that has the most commands with kQueueFull. Owned by the bus engine, on the bus's thread.
 #pragma once
 
 #include <deque>
@@ -25,78 +22,68 @@ namespace fieldcast {
 class CommandQueue {
  public:
   static constexpr std::size_t kMaxWaiting = 1024;
-  static constexpr std::size_t kMaxBytes = std::size_t{8} << 20;  // of all that wait
+  static constexpr std::size_t kMaxBytes = std::size_t{8} << 20;
   static constexpr std::size_t kMaxBytesOfRequester = kMaxBytes / 2;
-  static constexpr std::size_t kMaxBatch = 64;  // commands in one request
+  static constexpr std::size_t kMaxBatch = 64;
 
-  // What keeps a command from the wire at this moment, whatever it asks.
   struct Condition {
     BusState bus = BusState::kRunning;
     bool device_offline = false;
   };
-  // One request, for the first `batch` commands of the queue.
   struct Next {
     DeviceIndex device = 0;
     Request request;
     std::size_t batch = 1;
   };
-  // From when on the next request of a job may be sent.
   using Gate = std::function<Instant(const CommandJob&)>;
 
-  // setup, channels and codec outlive the queue.
   CommandQueue(const BusSetup& setup, ChannelTable& channels, TextCodec& codec);
 
-  // Takes the command, or completes it with the reason against it. A reason that will never change
-  // (read-only, out of range) goes before one that may pass (port closed, device offline). While
-  // the port is being opened, a command waits: it is sent then, or refused when that failed.
+  // Accepts the command, or completes it with the reason for the rejection. A permanent reason
+  // (read-only, out of range) precedes a temporary one (port closed, device offline). While the
+  // port is opening the command waits; if opening fails it is rejected.
   void accept(const Command& command, const Condition& condition, Instant now, ActionSink& sink);
 
-  // The request of the first command whose device may be asked now. That command stays the first
-  // until it is finished. `echo_unknown`: whether the line echoes is not known yet.
+  // The first command whose device can be polled; it stays first until finished. `echo_unknown`: it
+  // is not known whether the line echoes.
   [[nodiscard]] std::optional<Next> next(Instant now, const Gate& gate, bool echo_unknown);
-  // The request of the last next() was answered, or failed. `acquired`: arrival of the answer.
+  // Result of the request of the last next(). `acquired`: arrival of the response.
   void answered(std::size_t batch, const Reply& reply, Instant acquired, Instant now,
                 ActionSink& sink);
   void failed(std::size_t batch, Cause cause, std::uint16_t code, Instant acquired, Instant now,
               ActionSink& sink, std::string_view seen = {});
-  // It did not leave: its commands wait as before, and may expire.
   void not_sent(std::size_t batch);
 
-  // Completes what may no longer begin. What has begun is never called back. `bus`: for the reason.
+  // Only commands that were not started can expire. `bus` is used in the reason.
   void expire(BusState bus, Instant now, ActionSink& sink);
   [[nodiscard]] Instant next_expiry() const;
-  // Completes every command with this reason.
   void refuse_all(Cause cause, const std::string& reason, Instant now, ActionSink& sink);
 
   [[nodiscard]] bool empty() const { return waiting_.empty(); }
   [[nodiscard]] const Command* first() const {
     return waiting_.empty() ? nullptr : &waiting_.front().job.command();
   }
-  // The first command has begun and is not finished.
   [[nodiscard]] bool begun() const { return begun_; }
-  // When a command may be sent: the one that has begun, or else the first that may.
   [[nodiscard]] Instant sendable_from(const Gate& gate) const;
-  // Commands that came to their end on the wire.
   [[nodiscard]] std::uint64_t done() const { return done_; }
 
  private:
-  // What one requester has in the queue.
   struct Owner {
     std::size_t commands = 0;
     std::size_t bytes = 0;
-    std::uint64_t turn = 0;  // when it was served, or its first command arrived
+    std::uint64_t turn = 0;  // order of service; set on the first command and on each service
   };
   struct Waiting {
     CommandJob job;
     Instant received{};
-    Owner* owner = nullptr;  // in owners_
+    Owner* owner = nullptr;
   };
   [[nodiscard]] std::optional<CommandFault> make_room(const Command& command, Instant now,
                                                       ActionSink& sink);
-  // The newest command, not begun, of the requester with the most, if that has more than `own`.
+  // A command that was not started; empty if no requester has more than `own`.
   [[nodiscard]] std::deque<Waiting>::iterator newest_of_most(bool by_bytes, const Owner& own);
   [[nodiscard]] std::deque<Waiting>::iterator next_in_turn(Instant now, const Gate& gate);
-  void left(const Waiting& waiting);  // before it is removed
+  void left(const Waiting& waiting);
   [[nodiscard]] tl::expected<CommandJob, CommandFault> check(const Command& command,
                                                              const Condition& condition,
                                                              Instant now) const;
@@ -109,11 +96,11 @@ class CommandQueue {
   const BusSetup& setup_;
   ChannelTable& channels_;
   TextCodec& codec_;
-  std::deque<Waiting> waiting_;                       // as they arrived; what has begun is first
-  std::map<std::string, Owner, std::less<>> owners_;  // by requester, as long as it has commands
+  std::deque<Waiting> waiting_;  // in order of arrival; a started command is first
+  std::map<std::string, Owner, std::less<>> owners_;
   std::size_t bytes_ = 0;
   std::uint64_t turn_ = 0;
-  std::vector<Instant> last_write_;  // of each channel
+  std::vector<Instant> last_write_;
   bool begun_ = false;
   std::uint64_t done_ = 0;
 };

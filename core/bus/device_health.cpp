@@ -23,8 +23,8 @@ bool DeviceHealth::failed(Cause cause, Instant now) {
     return false;
   }
   const DeviceState before = state_;
-  // Broken answers show that somebody is there: only silence takes a device offline, and a long
-  // time without any value.
+  // Only silence, or busy responses for a long time, take a device offline: a broken response shows
+  // that it is present.
   if (cause == Cause::kNoAnswer) ++failures_;
   bool busy_too_long = false;
   if (cause == Cause::kDeviceBusy) {

@@ -57,7 +57,7 @@ void DeviceMonitor::tried(const Try& ended, Instant now, ActionSink& sink) {
 void DeviceMonitor::judge_garbage(const Try& ended, bool answered, ActionSink& sink) {
   Garbage& garbage = devices_[ended.device].garbage;
   anybody_answered_ = anybody_answered_ || answered;
-  // Worth saying where it is all that ever came, and nobody has said that the line echoes.
+  // An echo alone is reported only if no device ever responded and `echo` is not configured.
   const bool echo = ended.echo_alone && !anybody_answered_ && !setup_.spec().echo;
   if (answered) {
     if (garbage.answered())
@@ -78,7 +78,6 @@ void DeviceMonitor::answered(DeviceIndex index, ActionSink& sink) {
 
 void DeviceMonitor::learn(DeviceIndex index, const Request& request, Duration answer_time) {
   devices_[index].answer_time.learn(answer_time);
-  // Writing takes a time of its own.
   if (std::holds_alternative<ReadRequest>(request))
     devices_[index].area_times[area_of(request)].learn(answer_time);
 }
@@ -196,8 +195,7 @@ std::optional<DeviceMonitor::Probe> DeviceMonitor::sign(Instant now, const Gate&
   return best;
 }
 
-// What can be spared of the configured timeout; nothing: too little. A while later the probe is
-// made all the same.
+// Empty if too short. After a while the probe is sent anyway.
 std::optional<Duration> DeviceMonitor::probe_timeout(DeviceIndex index, const Request& request,
                                                      Instant now, const Slack& slack) const {
   const Duration wire = setup_.wire_time(index, request) + setup_.silence();

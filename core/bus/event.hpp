@@ -1,5 +1,4 @@
-// The interface between a bus engine and its shell: what happens to a bus (events), and what the
-// engine wants done (actions). Plain values without a thread; their receiver owns them.
+// Interface of a bus engine and its shell: events and actions. Plain values.
 #pragma once
 
 #include <cstdint>
@@ -18,70 +17,64 @@
 
 namespace fieldcast {
 
-class PlanDraft;  // core/dispatch/plan_draft.hpp
+class PlanDraft;
 
-// Events. The shell tells them in the order in which they happened.
+// Events, in the order of their occurrence.
 
-// The port is ready. `quiet_until`: answers to what another engine sent into it may come until
-// then; nothing is sent before, and what comes is nobody's.
+// No request is sent before `quiet_until`, as responses to another engine may arrive until then.
 struct Opened {
   Instant quiet_until = kLongAgo;
 };
-// The port is gone, or could not be opened.
 struct Closed {
   std::string reason;
   Cause cause = Cause::kPortClosed;
 };
-// Bytes arrived; they are valid during the call.
+// Valid during the call.
 struct Received {
   ByteView bytes;
 };
-// The instant of the last SetTimer has come.
 struct TimerFired {};
 struct CommandArrived {
   Command command;
 };
-// The shortest refresh that stations want of a channel; nothing: all interest in it ended.
+// The shortest refresh requested by stations; empty if all interest ended.
 struct InterestChanged {
   ChannelIndex channel = 0;
   std::optional<Duration> refresh;
 };
-// The port belongs to a programming session from now on.
 struct LeaseBegan {
   std::string who;
 };
 struct LeaseEnded {};
-// Every pending command is answered with kShutdown; nothing is sent afterwards.
+// Completes every pending command with kShutdown; nothing is sent afterwards.
 struct StopRequested {};
-// Another bridge may have published samples of this bus, with numbers up to this one: samples count
-// on from above it, and what is not good is told once more.
+// Samples continue above this number, as another bridge may have published up to it. Samples that
+// are not good are published again.
 struct CountAbove {
   std::uint64_t number = 0;
 };
-// The last Send was not carried out: by its time another master may have had the wire. Nothing of
-// it left; told before anything else.
+// Another master may have taken the wire, so no byte was sent. Reported before other events.
 struct NotSent {};
-// The draft of the last MakePlan is made.
 struct PlanMade {
   std::shared_ptr<PlanDraft> draft;
 };
 using BusEvent = std::variant<Opened, Closed, Received, TimerFired, CommandArrived, InterestChanged,
                               LeaseBegan, LeaseEnded, StopRequested, CountAbove, NotSent, PlanMade>;
 
-// Actions, to be executed in order.
+// Actions, executed in order.
 
-// Send one whole request; the wire is ours until its answer or timeout.
+// Sends one whole request; the wire is reserved until its response or timeout.
 struct Send {
   Bytes bytes;
 };
-// Replaces the timer before it; kNever: no timer.
+// Replaces the previous timer; kNever disables it.
 struct SetTimer {
   Instant at;
 };
 struct Publish {
   std::vector<Sample> samples;
 };
-// From now on the channel is published at least this often; nothing: no promise.
+// Promises that the channel is published at least this often; empty for no promise.
 struct Promise {
   ChannelIndex channel = 0;
   std::optional<Duration> gap;
@@ -89,11 +82,10 @@ struct Promise {
 struct Complete {
   CommandResult result;
 };
-// Close the port and open it again, with the shell's back-off.
 struct Reopen {
   std::string reason;
 };
-// Something a log should say once; counted when it repeats.
+// A message for the log; repetitions are counted.
 struct Notice {
   enum class Kind : std::uint8_t {
     kDeviceLost,
@@ -109,17 +101,16 @@ struct Notice {
     kForeignMasterEnded
   };
   Kind kind;
-  std::string device;  // empty: the whole bus
+  std::string device;  // empty for the whole bus
   Cause cause = Cause::kNone;
-  std::string text;  // "holding:107 is refused (02 illegal data address); asked again in 60s"
+  std::string text;
 };
-// One exchange ended: for the wire trace.
 struct Traced {
   std::string device;
-  std::string text;  // "read holding 100..109: 10 items" or the failure
+  std::string text;  // "read holding 100..109: 10 items", or the failure
 };
-// Call the draft's make(), best on another thread than the bus's, then tell PlanMade. At most one
-// draft is under way. It needs nothing of the engine, which may end before it.
+// Requests a call of make(), preferably on another thread, followed by PlanMade. At most one draft
+// is pending; it may outlive the engine.
 struct MakePlan {
   std::shared_ptr<PlanDraft> draft;
 };

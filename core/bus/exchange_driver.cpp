@@ -38,11 +38,11 @@ bool ExchangeDriver::strip_echo() {
   const bool same = std::equal(
       received_.begin(), received_.begin() + static_cast<std::ptrdiff_t>(common), sent_.begin());
   if (!same) {
-    // No echo this time: an echo garbled by noise is left to the exchange, which resynchronises.
+    // Not an echo. The exchange resynchronises if noise broke the echo.
     echo_stripped_ = true;
     return true;
   }
-  // The request's own beginning: an echo, or the head of an answer that is alike.
+  // An echo, or a response that begins the same.
   if (received_.size() < sent_.size()) return false;
   if (echo_ == Echo::kUnknown && !echo_is_distinct_) return true;
   echo_ = Echo::kPresent;
@@ -85,7 +85,7 @@ ExchangeDriver::Outcome ExchangeDriver::follow(const Step& step, Instant now, By
           deadline_ =
               std::min(now + line_.characters(step.characters) + gap_allowance_, hard_deadline_);
           break;
-        // The pause begins behind our own request, whatever came during it.
+        // The pause starts after the end of the request, even if bytes arrived during it.
         case Wait::kPause: deadline_ = std::max(now, sent_until_) + step.pause; break;
       }
       return Outcome::kWaiting;
@@ -96,11 +96,10 @@ ExchangeDriver::Outcome ExchangeDriver::follow(const Step& step, Instant now, By
   cause_ = step.cause;
   device_code_ = step.device_code;
   deadline_ = kNever;
-  // What a whole distinct exchange did not show, or complete silence, is not there: an echo needs
-  // no device.
+  // An echo does not depend on a device, so a whole exchange or silence without one excludes it.
   if (echo_ == Echo::kUnknown && !echo_stripped_ && received_.size() < sent_.size() && !done)
     echo_ = received_.empty() ? Echo::kAbsent : echo_;
-  // Nor is it where an answer came alone. No refusal equals its request.
+  // A response without an echo shows the same. A refusal never equals its request.
   const bool refused = cause_ == Cause::kDeviceError || cause_ == Cause::kDeviceBusy;
   if (echo_ == Echo::kUnknown && ((done && echo_is_distinct_) || refused)) echo_ = Echo::kAbsent;
   return done ? Outcome::kDone : Outcome::kFailed;

@@ -1,9 +1,5 @@
-// Drives one Exchange: its timers, its receive buffer, and the echo of the line. Knows nothing of
-// devices, blocks or commands.
-//
-// Owns the exchange under way, its bytes, and what is known of the line's echo. Owned by the Wire
-// of a bus engine, on the bus's thread; reused for one exchange after the other. What can fail is
-// the exchange: see cause().
+// Drives one Exchange: its timers, its receive buffer, and the echo of the line. Owned by Wire, on
+// the bus's thread; reused for each exchange.
 #pragma once
 
 #include <algorithm>
@@ -17,75 +13,65 @@
 
 namespace fieldcast {
 
-// Whether the line gives back what is sent.
 enum class Echo : std::uint8_t { kUnknown, kAbsent, kPresent };
 
 class ExchangeDriver {
  public:
   enum class Outcome : std::uint8_t { kWaiting, kSend, kDone, kFailed };
 
-  // No answer is longer than this; what comes beyond fails the exchange with kOverlong.
+  // Limit of a response; more bytes fail the exchange with kOverlong.
   static constexpr std::size_t kMaxReceived = 8192;
 
   ExchangeDriver(const LineFormat& line, Duration gap_allowance, Echo echo)
       : line_(line), gap_allowance_(gap_allowance), echo_(echo) {}
 
-  // REQUIRES: !active(). Fills out with the first request. echo_is_distinct: no answer of this
-  // exchange can equal its request, so that an echo may be learned from it.
+  // REQUIRES: !active(). `echo_is_distinct`: no response can equal the request.
   void begin(std::unique_ptr<Exchange> exchange, Duration timeout, bool echo_is_distinct,
              Instant now, Bytes& out);
 
-  // With kSend, out is the next request. After kDone or kFailed the driver is over: see exchange(),
-  // cause().
+  // With kSend, `out` is the next request. After kDone or kFailed see exchange() and cause().
   Outcome on_bytes(ByteView bytes, Instant now, Bytes& out);
   Outcome on_timer(Instant now, Bytes& out);  // REQUIRES: now >= deadline()
   void abort() { exchange_.reset(); }
-  // The last request did not leave: the exchange is over.
   void not_sent() {
     bytes_sent_ -= sent_.size();
     abort();
   }
-  // What has come was not the answer: the wait goes on with an exchange that has received nothing.
-  // REQUIRES: the last outcome was kDone; `again` was made for the same request and has not begun.
+  // The received bytes were not the response: continues to wait with an exchange that has received
+  // no bytes. REQUIRES: the last outcome was kDone; `again` was made for the same request and has
+  // not begun.
   void wait_on(std::unique_ptr<Exchange> again);
 
   [[nodiscard]] bool active() const { return exchange_ != nullptr; }
   [[nodiscard]] Instant deadline() const { return deadline_; }
-  // Characters that the answer under way lacks, at least; 0 when that is not known.
   [[nodiscard]] std::uint32_t missing() const { return active() ? missing_ : 0; }
   [[nodiscard]] const Exchange& exchange() const { return *exchange_; }
   std::unique_ptr<Exchange> finish() { return std::move(exchange_); }
 
   [[nodiscard]] Cause cause() const { return cause_; }
   [[nodiscard]] std::uint16_t device_code() const { return device_code_; }
-  // Of the exchange, sent so far.
   [[nodiscard]] unsigned requests() const { return requests_; }
-  // The last request has left the wire by then.
+  // Latest time at which the last request left the wire.
   [[nodiscard]] Instant sent_until() const { return sent_until_; }
-  // Arrival of the last byte.
   [[nodiscard]] Instant answered() const { return last_byte_; }
-  // What was sent last, and what came since, with what may still be an echo. Valid until the next
-  // begin().
+  // `raw_received` may contain an echo. Valid until the next begin().
   [[nodiscard]] ByteView sent() const { return sent_; }
   [[nodiscard]] ByteView raw_received() const { return received_; }
-  // The device's own time before its answer: arrival of the last byte less the wire time of request
-  // and answer. Does not depend on how adapters cut the answer into pieces.
+  // Computed from the last byte and the wire time, so that split responses do not affect it.
   [[nodiscard]] Duration answer_time() const;
-  // The same for an answer that comes after noise or foreign frames.
+  // The same for a response after noise or foreign frames.
   [[nodiscard]] Duration answer_began() const;
-  // Since the last send, echo taken away; empty while an echo may still be on its way.
+  // Bytes without the echo; empty while an echo may still arrive.
   [[nodiscard]] ByteView received() const { return echo_stripped_ ? received_ : ByteView{}; }
-  // Characters of the whole answer; 0: not known.
+  // Characters of the whole response; 0 if unknown.
   [[nodiscard]] std::size_t expected() const { return expected_; }
-  // As many characters as the answer has, at least.
   [[nodiscard]] bool enough_came() const { return expected_ > 0 && received().size() >= expected_; }
-  // What came before an answer of the expected length. After kDone: nothing that was asked for.
+  // After kDone these bytes are unsolicited.
   [[nodiscard]] ByteView before_answer() const {
     const ByteView all = received();
     return all.first(all.size() - std::min<std::size_t>(all.size(), expected_));
   }
   [[nodiscard]] Echo echo() const { return echo_; }
-  // What came since the last send is exactly what was sent.
   [[nodiscard]] bool echo_alone() const {
     return echo_ == Echo::kPresent && echo_stripped_ && received_.empty();
   }
@@ -96,7 +82,7 @@ class ExchangeDriver {
  private:
   Outcome follow(const Step& step, Instant now, Bytes& out);
   void sending(const Step& step, Instant now, const Bytes& out);
-  [[nodiscard]] bool strip_echo();  // false: the echo is still on its way
+  [[nodiscard]] bool strip_echo();  // returns false if the echo is incomplete
 
   LineFormat line_;
   Duration gap_allowance_;
@@ -107,13 +93,13 @@ class ExchangeDriver {
   Duration timeout_{};
   unsigned requests_ = 0;
   Bytes sent_;
-  Bytes received_;  // since the last send, echo taken away
+  Bytes received_;  // since the last send, without the echo
   Instant sent_until_{};
-  Instant answer_deadline_{};  // for the first byte of the answer
-  Instant hard_deadline_{};    // for its last byte, even while others keep coming
+  Instant answer_deadline_{};  // for the first byte of the response
+  Instant hard_deadline_{};    // for its last byte, even while other bytes arrive
   Instant deadline_ = kNever;
   std::uint32_t missing_ = 0;
-  std::uint32_t expected_ = 0;  // characters of the whole answer
+  std::uint32_t expected_ = 0;
   Instant last_byte_{};
   Cause cause_ = Cause::kNone;
   std::uint16_t device_code_ = 0;

@@ -15,7 +15,7 @@ std::string listening(const BusSpec& bus) {
          "; it needs a line of two wires, on which each bridge hears the other";
 }
 
-// Frames over TCP that say where they end: each client has a connection of its own.
+// With a framed protocol over TCP each client has its own connection.
 bool only_network_protocols(const BusSpec& bus) {
   return std::ranges::all_of(bus.devices, [](const DeviceSpec& device) {
     const ProtocolEntry* entry = find_protocol(device.protocol);

@@ -1,5 +1,4 @@
-// Which fence a bus of a standby group has, in words, and whether that keeps two masters apart:
-// what `--check` and the log say. Pure, any thread.
+// Describes the fence of a bus in a standby group, for `--check` and the log. Pure, any thread.
 #pragma once
 
 #include <string>
@@ -9,8 +8,8 @@
 namespace fieldcast {
 
 struct FenceText {
-  std::string text;      // "listening: nothing is sent before the wire was silent for 420ms .."
-  bool missing = false;  // two bridges could send into each other; the text says what to do
+  std::string text;
+  bool missing = false;  // two bridges could send at the same time; the text contains the fix
 };
 [[nodiscard]] FenceText fence_text(const BusSpec& bus);
 

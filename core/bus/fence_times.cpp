@@ -8,11 +8,11 @@
 namespace fieldcast {
 namespace {
 
-// What the adapters of two bridges hold back together (latency timers of 16 ms), and some delay.
+// Delay of the adapters of two bridges (latency timers of 16 ms), with a margin.
 constexpr Duration kSlowestAdapters = std::chrono::milliseconds{35};
 
-// The longest silence behind a request to the device. Where answers show nothing, nobody is asked
-// until the late one can no longer come (LateAnswers).
+// Longest silence after a request. Without identity, the bus waits for late responses
+// (LateAnswers).
 Duration silence_behind(const DeviceSpec& device, const BusSpec& bus) {
   const auto protocol = make_protocol(device, line_of(bus.port));
   if (!protocol || device.channels.empty()) return {};

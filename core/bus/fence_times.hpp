@@ -1,9 +1,9 @@
-// The times of a fenced wire (`fence: listen`): several bridges may stand at one line, and each
-// knows from the configuration for how long the one that sends can be silent.
+// Times of a fenced wire (`fence: listen`). Several bridges may share one line; each derives from
+// the configuration how long the sending bridge can be silent.
 //
 //     last byte ──quiet──┬──hold──┬──hold──┬─slot─┬─slot─ ..
 //                        │        claim    listen; rank 0, 1, ..
-//                        the longest silence of a bridge that sends
+//                        longest silence of the sending bridge
 //
 // Pure, any thread.
 #pragma once
@@ -14,15 +14,13 @@
 namespace fieldcast {
 
 struct FenceTimes {
-  // Pause after which the bridge that sends makes itself heard, though nothing is to be read.
+  // Pause after which the sending bridge sends a read although none is due.
   Duration hold{};
-  // The longest silence that it makes: `hold`, or a device that does not answer and the rest after
-  // it.
+  // Longest silence of the sending bridge: `hold`, or a timeout and the rest after it.
   Duration quiet{};
-  // After a longer silence it has lost the wire: it listens before it sends.
+  // After a longer silence the bridge has lost the wire and listens before it sends.
   Duration claim{};
-  // After this silence another one may begin. At least `hold` more than `claim`: so late may a
-  // receiver deliver what the other one sent.
+  // Another bridge may start. Exceeds `claim` by at least `hold`, the delay of a receiver.
   Duration listen{};
   // Between bridges of different ranks that heard the same silence.
   Duration slot{};

@@ -4,7 +4,7 @@ namespace fieldcast {
 namespace {
 
 constexpr std::size_t kMostNames = 8;
-constexpr std::size_t kMostRanges = 32;  // S7-200 PPI reads 19 at most
+constexpr std::size_t kMostRanges = 32;  // S7-200 PPI reads at most 19
 
 std::string ranges_text(const BusSetup& setup, DeviceIndex device, const Request& request) {
   if (const auto* write = std::get_if<WriteRequest>(&request))

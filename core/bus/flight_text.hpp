@@ -1,4 +1,3 @@
-// What the request on the wire is for, in one line for people: for captures of the wire. Pure.
 #pragma once
 
 #include <string>
@@ -7,7 +6,7 @@
 
 namespace fieldcast {
 
-// "press-1: read holding:100..109 (oil-temperature, running, +3)". Empty: nothing is on the wire.
+// "press-1: read holding:100..109 (oil-temperature, running, +3)"; empty without a request.
 [[nodiscard]] std::string flight_text(const BusParts& parts);
 
 }  // namespace fieldcast

@@ -36,7 +36,7 @@ void Freshness::refused(Cause cause, Instant now, CauseCounters& misses) {
   cause_ = cause;
   settle(now, misses);
   told_ = now;
-  state_ = State::kTold;  // the missed refresh that follows is not told again
+  state_ = State::kTold;
 }
 
 void Freshness::leased(bool told, Instant now, CauseCounters& misses) {
@@ -48,7 +48,7 @@ void Freshness::leased(bool told, Instant now, CauseCounters& misses) {
 }
 
 bool Freshness::expire(Instant now, CauseCounters& misses) {
-  due_ = kNever;  // armed again by the next sample
+  due_ = kNever;
   switch (state_) {
     case State::kMissed:
     case State::kTold: return false;
@@ -75,7 +75,7 @@ void Freshness::add_passed(Instant now, CauseCounters& misses) const {
   if (late()) misses.add(blame(), passed(now));
 }
 
-// Whole gaps since the last miss that was told.
+// Whole gaps since the last reported miss.
 std::uint64_t Freshness::passed(Instant now) const {
   if (!late() || !refresh_ || now <= told_) return 0;
   return static_cast<std::uint64_t>((now - told_) / gap_);
@@ -88,7 +88,6 @@ void Freshness::count(std::uint64_t times, CauseCounters& misses) {
   misses.add(last_miss_, times);
 }
 
-// Everything that was missed until `now` is counted.
 void Freshness::settle(Instant now, CauseCounters& misses) {
   if (late()) {
     count(passed(now), misses);

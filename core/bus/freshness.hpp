@@ -1,10 +1,9 @@
-// Whether one channel keeps its promise: a sample at least once in each refresh. Says when a missed
-// refresh is to be told, and counts what was missed as DDS counts deadlines: every refresh that
-// passes without a new sample is one.
+// Tracks whether one channel keeps its promise of a sample in each refresh. Determines when to
+// report a miss, and counts misses as DDS counts deadlines: one for each refresh without a new
+// sample.
 //
-// A small value without I/O, one for each channel. Owned by the ChannelTable, on the bus's thread.
-// Nothing can fail. `misses` are the counters of the whole bus: what is counted here is added
-// there.
+// Small value without I/O, one per channel. Owned by ChannelTable, on the bus's thread. `misses`
+// are the counters of the whole bus; each function adds its misses there.
 #pragma once
 
 #include <algorithm>
@@ -19,58 +18,50 @@ class Freshness {
  public:
   // from              event                                  to
   // every state       a new sample, another refresh          kInTime
-  // kInTime           the refresh runs out, no cause known   kMissed
-  // kInTime           the refresh runs out with a cause      kTold
-  // every state       a refusal or a lease is told           kTold
+  // kInTime           the refresh expires without a cause    kMissed
+  // kInTime           the refresh expires with a cause       kTold
+  // every state       a refusal or a lease is reported       kTold
   // kMissed           a cause becomes known                  kMissedExplained
-  // kMissedExplained  it is told                             kTold
+  // kMissedExplained  it is reported                         kTold
   // kTold, UNCERTAIN  a cause becomes known                  kToldExplained
-  // kToldExplained    it is told                             kTold
+  // kToldExplained    it is reported                         kTold
   enum class State : std::uint8_t {
-    kInTime,           // no refresh was missed since the last sample
-    kMissed,           // told without a cause; the miss is counted as kLate
-    kMissedExplained,  // as kMissed, and the cause is known by now: it is to be told
-    kTold,             // the channel's last sample says what is wrong
-    kToldExplained,    // told as UNCERTAIN, and a cause is known by now: it is to be told
+    kInTime,           // no miss since the last sample
+    kMissed,           // reported without a cause; counted as kLate
+    kMissedExplained,  // as kMissed, with a known cause that must be reported
+    kTold,             // the channel's last sample shows the problem
+    kToldExplained,    // reported as UNCERTAIN; the cause is known and must be reported
   };
 
-  // A missed refresh is told so much later than it is missed: a sample that was published in time
-  // has reached its DataWriter by then.
+  // Delay of a report: a sample published in time has reached its DataWriter by then.
   static constexpr Duration kTellAfter = std::chrono::milliseconds{3};
 
-  Freshness() = default;  // no promise
+  Freshness() = default;
   Freshness(Duration refresh, Duration gap) : refresh_(refresh), gap_(gap) {}
 
-  // Another refresh is in force; nothing: no promise. `gap`: the longest time between two samples
-  // that is promised; longer than the refresh where a deadband holds samples back.
+  // `refresh`: empty for no promise. `gap`: longest promised time between two samples.
   void promise(std::optional<Duration> refresh, Duration gap, Instant now, CauseCounters& misses);
-  // The time of the promise begins anew, unless a miss was told already.
+  // Restarts the time of the promise, unless a miss was already reported.
   void start(Instant now);
-  // A new sample arrived.
   void acquired(Instant at, CauseCounters& misses);
-  // The cause that a miss will show.
   void explain(Cause cause) { cause_ = cause; }
-  // Reading failed. `uncertain`: the last sample told does not say what is wrong. True when the
-  // cause is to be told now: see due().
+  // `uncertain`: the last sample does not show the cause. Returns true if it must be reported.
   [[nodiscard]] bool failing(Cause cause, bool uncertain, Instant now);
-  // The refusal of the address was told.
   void refused(Cause cause, Instant now, CauseCounters& misses);
-  // The bus is leased. `told`: the channel's last sample was told as UNCERTAIN for it.
+  // `told`: a sample with UNCERTAIN was published for the lease.
   void leased(bool told, Instant now, CauseCounters& misses);
-  // REQUIRES: due() <= now. True when the channel's state is to be told.
+  // REQUIRES: due() <= now. Returns true if the state must be reported.
   [[nodiscard]] bool expire(Instant now, CauseCounters& misses);
 
   [[nodiscard]] State state() const { return state_; }
   [[nodiscard]] bool late() const { return state_ != State::kInTime; }
   [[nodiscard]] std::optional<Duration> refresh() const { return refresh_; }
   [[nodiscard]] Cause cause() const { return cause_; }
-  // When expire() has something to do; kNever: not before the next call of another function.
+  // When to call expire(); kNever: not before a call of another function.
   [[nodiscard]] Instant due() const { return due_; }
-  // Refreshes missed so far.
   [[nodiscard]] std::uint64_t missed(Instant now) const { return missed_ + passed(now); }
-  // Adds the misses that missed() counts and the counters do not hold yet.
+  // Adds the misses that missed() includes and the counters do not.
   void add_passed(Instant now, CauseCounters& misses) const;
-  // The cause of the last miss that was counted.
   [[nodiscard]] Cause last_miss() const { return last_miss_; }
 
  private:
@@ -85,9 +76,9 @@ class Freshness {
   Cause last_miss_ = Cause::kNone;
   std::optional<Duration> refresh_;
   Duration gap_{};
-  Instant promised_ = kNever;  // when the promise breaks
-  Instant due_ = kNever;       // when a broken promise is told
-  Instant told_ = kLongAgo;    // when late: misses are counted up to then
+  Instant promised_ = kNever;
+  Instant due_ = kNever;
+  Instant told_ = kLongAgo;  // if late: misses are counted up to this time
   std::uint64_t missed_ = 0;
 };
 

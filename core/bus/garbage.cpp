@@ -16,7 +16,7 @@ bool is_text(std::uint8_t byte) {
   return (byte >= 0x20 && byte < 0x7F) || byte == '\r' || byte == '\n' || (byte >= 2 && byte <= 6);
 }
 
-// Seven bits and a parity bit, read as eight bits: text whose highest bit makes the parity.
+// Seven data bits with a parity bit, read as eight bits: text whose highest bit is the parity.
 bool is_text_with_parity(ByteView bytes, int odd) {
   return std::all_of(bytes.begin(), bytes.end(),
                      [&](std::uint8_t byte) {
@@ -25,10 +25,10 @@ bool is_text_with_parity(ByteView bytes, int odd) {
          std::any_of(bytes.begin(), bytes.end(), [](std::uint8_t byte) { return byte > 0x7F; });
 }
 
-// A sender that is at least twice as slow as the receiver never holds a level for a single bit of
-// the receiver's, from the start bit (0) over the data, the lowest bit first, to the stop bit (1);
-// in random characters half of the levels last no longer. The last level before the stop bit may be
-// cut off by its end.
+// A sender at half the receiver's baud rate or slower never holds a level for a single bit of the
+// receiver. The check runs from the start bit (0) over the data, lowest bit first, to the stop bit
+// (1). In random characters half of the levels last a single bit. The stop bit may cut off the last
+// level.
 bool is_slow_sender(ByteView bytes) {
   int levels = 0, single = 0;
   for (const std::uint8_t byte : bytes) {
@@ -55,12 +55,12 @@ std::string format_with(const LineFormat& line, Parity parity, std::uint8_t data
 
 std::string looks_like(ByteView bytes, const LineFormat& line, bool over_network) {
   const std::string where = over_network ? " (at the serial server)" : "";
-  constexpr std::size_t kEnough = 6;  // fewer bytes may look like anything
+  constexpr std::size_t kEnough = 6;  // fewer bytes can match by chance
   const bool enough = bytes.size() >= kEnough;
   const std::size_t zeros = count_of(bytes, 0x00), ones = count_of(bytes, 0xFF);
-  // With a parity the driver hands over a character with a wrong parity or stop bit as 00
-  // (termios(3), INPCK): of another parity half of them, spread over the rest, of another baud rate
-  // nearly all.
+  // With parity enabled, the driver delivers a character with a wrong parity or stop bit as 00
+  // (termios(3), INPCK). A wrong parity produces about half zeros, a wrong baud rate nearly only
+  // zeros.
   const bool checked = line.parity != Parity::kNone;
   if (enough && checked && zeros * 4 >= bytes.size())
     return "00 stands for a character with a wrong parity or stop bit: the device sends another "

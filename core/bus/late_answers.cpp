@@ -5,9 +5,9 @@
 namespace fieldcast {
 namespace {
 
-// Whether a late answer to `earlier` could be taken for the answer to `later`. Answers of different
-// devices are told apart by their address. Where there is none, everything on the bus is alike,
-// whatever family it belongs to.
+// Returns true if a late response to `earlier` could be matched to `later`. The address
+// distinguishes responses of different devices. Without one, all responses on the bus are alike,
+// whatever their family.
 bool mistakable(const BusSetup& setup, const Asked& earlier, const Asked& later) {
   const Protocol& first = setup.protocol(earlier.device);
   const Protocol& second = setup.protocol(later.device);
@@ -21,7 +21,6 @@ bool mistakable(const BusSetup& setup, const Asked& earlier, const Asked& later)
   return first.mistakable(earlier.request, earlier.context, later.request, later.context);
 }
 
-// Of the request, or its refusal.
 bool is_answer(const Step& step) {
   return step.kind == Step::Kind::kDone ||
          (step.kind == Step::Kind::kFailed &&
@@ -51,7 +50,6 @@ Instant LateAnswers::sendable_from(DeviceIndex device, const Request& request,
   return owed_.askable_from({device, request, {sequence}, {}}, purpose == Purpose::kRead);
 }
 
-// How long after its request an answer can still come.
 Duration LateAnswers::bound(const Asked& asked, Duration longest) const {
   const Duration timeout = setup_.device(asked.device).timeout;
   return std::clamp(longest * 2, timeout * OwedAnswers::kLateFactor,
@@ -113,8 +111,9 @@ void LateAnswers::learn_head(const Asked& read, ByteView answer) {
   heads[shape_of(*request)] = head_of(answer);
 }
 
-// The answer itself came, but noise had broken it: it is as long as the answer, and begins as the
-// last one did. Then no other will come. In doubt one may: broken frames of others look alike.
+// Returns true if the response arrived but noise broke it: it has the expected length and the known
+// beginning, so no other response will follow. In case of doubt returns false, since broken foreign
+// frames look alike.
 bool LateAnswers::broken_answer_came(const Asked& asked, const ExchangeDriver& driver) const {
   const auto* request = std::get_if<ReadRequest>(&asked.request);
   const bool broken = driver.cause() == Cause::kChecksum || driver.cause() == Cause::kTruncated;
@@ -146,10 +145,10 @@ std::vector<LateAnswers::Late> LateAnswers::in_strays(ByteView bytes, Instant no
   return found;
 }
 
-// Each debt has an exchange of its own, which knows the answer when it sees it. What begins right
-// behind another answer is that one once more: no device sends again without a pause. It settles
-// nothing. Each character counts once: one answer never pays two debts. Returns how many characters
-// of `bytes` were late answers, up to their end.
+// Each debt has its own exchange, which recognises the response. Bytes directly after another
+// response are its repetition and settle no debt: no device sends again without a pause. Each
+// character settles at most one debt. Returns the number of characters of `bytes` up to the end of
+// the last late response.
 std::size_t LateAnswers::find(ByteView bytes, const Asked* under_way, Instant now,
                               std::vector<Late>& found) {
   const std::size_t whole = bytes.size();
@@ -172,12 +171,11 @@ std::size_t LateAnswers::find(ByteView bytes, const Asked* under_way, Instant no
       found.push_back(late_answer(owed_.take(i, now), step.kind == Step::Kind::kFailed, now));
     }
     owed_.forget_bytes();
-    i = 0;  // those before it may be gone as well
+    i = 0;  // earlier debts may have been removed too
   }
   return whole - bytes.size();
 }
 
-// The shortest beginning of `bytes` in which the answer to this request shows.
 std::size_t LateAnswers::end_of_answer(const Asked& asked, ByteView bytes) const {
   Bytes out;
   for (std::size_t end = 1; end < bytes.size(); ++end) {

@@ -1,9 +1,6 @@
-// Answers that come late: which requests may be sent meanwhile, which bytes are a late answer, and
-// what it is worth. README.md has the rules.
-//
-// Owns the debts of the bus (OwedAnswers), the number of each device's last request, how its last
-// answers began, and the bytes that came between exchanges. Owned by the bus engine, on the bus's
-// thread. Nothing can fail; every table is bounded, and the oldest entry gives way.
+// Tracks late responses: which requests may be sent meanwhile, which bytes are a late response, and
+// what it is used for. README.md has the rules. Owns the debts of the bus (OwedAnswers). Owned by
+// the bus engine, on the bus's thread. Every table is bounded and drops its oldest entry.
 #pragma once
 
 #include <array>
@@ -20,31 +17,27 @@ namespace fieldcast {
 class LateAnswers {
  public:
   static constexpr std::size_t kMaxHeads = 1024;  // of a device
-  // Pause between two answers of one device, at least; what begins sooner is the same one again.
-  static constexpr double kBetweenAnswers = 2;  // characters
+  // Minimum pause between two responses of one device, in characters; an earlier one is a
+  // repetition.
+  static constexpr double kBetweenAnswers = 2;
 
-  // An answer that came after its exchange had been given up.
   struct Late {
     Asked asked;
-    Block block;       // whose values it brings; no points: nobody waits for them
-    Reply reply;       // when there is a block
-    Duration taken{};  // by the device
+    Block block;       // the values it contains; no points if they are not needed
+    Reply reply;       // if there is a block
+    Duration taken{};  // response time of the device
   };
-  // What a request is for. The same read may be asked again while its answer is owed; a command
-  // must not take an answer from before it for its own.
+  // A command must not use a response that is older than itself.
   enum class Purpose : std::uint8_t { kRead, kCommand };
 
-  explicit LateAnswers(const BusSetup& setup);  // setup outlives this
+  explicit LateAnswers(const BusSetup& setup);  // `setup` must outlive this object
 
-  // The context of the next request to a device.
   [[nodiscard]] ExchangeContext next_context(DeviceIndex device) {
     return {++devices_[device].sequence};
   }
-  // From when on the request may be sent: no answer that is owed can then be taken for its own.
-  // kLongAgo: at once.
+  // Earliest time at which no pending response can be matched to it; kLongAgo: immediately.
   [[nodiscard]] Instant sendable_from(DeviceIndex device, const Request& request,
                                       Purpose purpose) const;
-  // The same for reads, as a function to pass on.
   using Gate = std::function<Instant(DeviceIndex, const Request&)>;
   [[nodiscard]] Gate read_gate() const {
     return [this](DeviceIndex device, const Request& request) {
@@ -52,34 +45,29 @@ class LateAnswers {
     };
   }
   [[nodiscard]] bool none_owed() const { return owed_.empty(); }
-  // The last answer that is owed can come until then; kLongAgo: none is.
+  // kLongAgo if no responses are pending.
   [[nodiscard]] Instant owed_until() const { return owed_.until(); }
   [[nodiscard]] bool owes_same(const Asked& asked) const { return owed_.owes_same(asked); }
 
-  // The exchange in `driver` was answered, `refused` by a refusal. `longest`: the longest time that
-  // the device was lately seen to take.
+  // `refused`: by a refusal. `longest`: longest recent response time.
   void answered(const Asked& asked, bool refused, Duration longest, const ExchangeDriver& driver,
                 Instant now);
-  // It was given up. `block`: what it would have brought.
+  // The exchange timed out. `block`: the values of its response.
   void unanswered(Asked asked, Block block, Duration longest, const ExchangeDriver& driver,
                   Instant now);
-  // It was broken off from outside.
   void broken_off(Asked asked, Duration longest);
 
-  // The late answers among the bytes of the exchange under way.
   [[nodiscard]] std::vector<Late> in_exchange(const Asked& under_way, const ExchangeDriver& driver,
                                               Instant now);
-  // Those among bytes that came while nobody was asked.
   [[nodiscard]] std::vector<Late> in_strays(ByteView bytes, Instant now);
 
-  // A request goes out: what comes from now on has nothing to do with what came before.
+  // Received bytes are not continued by later ones.
   void start_anew();
-  // Forgets what can no longer come.
   void expire(Instant now) { (void)owed_.expire(now); }
   void forget_all() { owed_.forget_all(); }
 
  private:
-  // How the last answer to each read began: marks and address.
+  // Beginning of the last response to each read: marks and address.
   using Head = std::array<std::uint8_t, 4>;
   using Shape = std::array<std::uint32_t, 4>;
   struct Device {
@@ -99,9 +87,9 @@ class LateAnswers {
   const BusSetup& setup_;
   OwedAnswers owed_;
   std::vector<Device> devices_;
-  Instant last_answer_{};    // the end of it
-  std::size_t claimed_ = 0;  // bytes of the exchange under way that were late answers
-  Bytes strays_;             // bytes since the last exchange ended that were no late answer
+  Instant last_answer_{};    // end of the last response
+  std::size_t claimed_ = 0;  // bytes of the exchange in flight that were late responses
+  Bytes strays_;             // bytes since the last exchange that were not late responses
 };
 
 }  // namespace fieldcast

@@ -28,12 +28,12 @@ std::optional<Reopen> OutcomeRouter::conclude(bool done, Instant now, ActionSink
   deliver(flight, ended, now, sink);
   const bool lost = (!ended.answered || busy) && device_failed(device, ended, now, sink);
   arbiter_.suspend(device, now);
-  // Every device behind this connection is silent: perhaps only the connection is dead.
+  // All devices of this connection are silent: the connection itself may be dead.
   if (lost && !busy && devices_.all_offline() && over_network(setup_.spec().port))
     return Reopen{"no device answers"};
-  // A stream whose framing is lost cannot be mended in place (Modbus Messaging on TCP/IP, 4.2.2
-  // leaves the reaction open: close). A serial line falls silent instead, also behind a serial
-  // server: there a bad frame costs its exchange alone.
+  // A TCP stream that lost its framing is closed (Modbus Messaging on TCP/IP, 4.2.2 leaves the
+  // reaction open). A serial line becomes silent instead, also behind a serial server, so a bad
+  // frame only costs its exchange.
   const bool numbered = setup_.protocol(device).traits().identity == AnswerIdentity::kSequence;
   if (ended.cause == Cause::kMalformed && numbered && setup_.plain_tcp())
     return Reopen{"the answer's header makes no sense"};
@@ -49,7 +49,6 @@ void OutcomeRouter::learn(const Flight& flight) {
     reads_.learn(device, area_of(request), answer_time);
 }
 
-// What the try says of its device and of the answers that it owes.
 void OutcomeRouter::note_try(const Wire::Ended& ended, Instant now, ActionSink& sink) {
   const Flight& flight = wire_.flight();
   const ExchangeDriver& driver = wire_.driver();
@@ -72,8 +71,7 @@ void OutcomeRouter::note_try(const Wire::Ended& ended, Instant now, ActionSink& 
                std::string(to_text(ended.cause)) + device_code_note(codes, ended.device_code));
 }
 
-// Writes are never repeated blindly (CommandJob reads back instead); probes are rare by themselves.
-// A sick device's reads wait until the wire has time for them.
+// Writes are never repeated blindly (CommandJob reads back), and probes repeat by themselves.
 bool OutcomeRouter::may_repeat(Cause cause) const {
   if (cause == Cause::kDeviceError || cause == Cause::kDeviceBusy || cause == Cause::kUnsupported)
     return false;
@@ -124,17 +122,16 @@ void OutcomeRouter::take_late(const std::vector<LateAnswers::Late>& answers, Ins
     const DeviceIndex device = answer.asked.device;
     devices_.learn_late(device, answer.taken);
     const bool awaited = !answer.block.points.empty();
-    // A probe waits for as long as the wire can spare: an answer that missed that shows all the
-    // same that the device is back.
+    // A response after the short timeout of a probe still shows that the device is back.
     const bool back = devices_.offline(device) && answer.taken <= setup_.device(device).timeout;
     if (awaited || back) {
       devices_.answered(device, sink);
-      arbiter_.suspend(device, now);  // it is read again, if it was offline until now
+      arbiter_.suspend(device, now);  // resumes reading if the device was offline
     }
     if (!awaited) continue;
     reads_.answered(answer.block, answer.reply, now, now, sink);
     const bool waits = wire_.waiting() && wire_.flight().kind == Flight::Kind::kRead;
-    if (waits && same_read(answer.asked, wire_.flight().asked)) wire_.drop();  // not needed again
+    if (waits && same_read(answer.asked, wire_.flight().asked)) wire_.drop();
   }
   late_.expire(now);
   reads_.release_held(now, late_.read_gate());

@@ -1,9 +1,6 @@
-// What the end of an exchange means: the outcome goes to the device that was asked, to the reads or
-// commands that wait for it, and to the answers that are still owed.
-//
-// Owns the counters of failed tries. Owned by the bus engine, on the bus's thread; borrows the
-// parts. What can fail is the exchange: it is repeated where that is safe, and its cause is
-// counted.
+// Distributes the outcome of an exchange to the device, the waiting reads or commands, and the
+// pending responses. A failed exchange is repeated if that is safe, and its cause is counted. Owned
+// by the bus engine, on the bus's thread; borrows the parts.
 #pragma once
 
 #include <optional>
@@ -19,10 +16,8 @@ class OutcomeRouter {
  public:
   OutcomeRouter(BusParts& parts, Arbiter& arbiter);
 
-  // The exchange on the wire is done, or failed. Returns why the port must be opened anew, if it
-  // must.
+  // Returns Reopen if the port must be opened again.
   [[nodiscard]] std::optional<Reopen> conclude(bool done, Instant now, ActionSink& sink);
-  // Answers came after their exchanges had been given up.
   void take_late(const std::vector<LateAnswers::Late>& answers, Instant now, ActionSink& sink);
 
   void count(Cause cause) { causes_.add(cause); }
@@ -33,7 +28,7 @@ class OutcomeRouter {
   [[nodiscard]] bool may_repeat(Cause cause) const;
   void learn(const Flight& flight);
   void deliver(const Flight& flight, const Wire::Ended& ended, Instant now, ActionSink& sink);
-  // True: the device went offline.
+  // Returns true if the device went offline.
   bool device_failed(DeviceIndex device, const Wire::Ended& ended, Instant now, ActionSink& sink);
 
   const BusSetup& setup_;

@@ -1,8 +1,6 @@
-// Whether a bus is overloaded, as told to people: a stretch of the refreshes is told once it has
-// lasted, and so is its end. In the first seconds answer times are learned, and plans change often.
-//
-// Owns what was told last and since when it is otherwise. Owned by the bus engine, on the bus's
-// thread. Nothing can fail.
+// Detects overload of a bus for notices: a stretch of the refreshes, or its end, is reported once
+// it has lasted for kLasts. In the first seconds response times are still learned and plans change
+// often. Owned by the bus engine, on the bus's thread.
 #pragma once
 
 #include <array>
@@ -18,13 +16,11 @@ namespace fieldcast {
 class OverloadWatch {
  public:
   static constexpr Duration kLasts = std::chrono::seconds{5};
-  static constexpr double kStretched = 1.001;  // a factor on refreshes; more is overload
+  static constexpr double kStretched = 1.001;  // factor on refreshes; more is overload
 
-  // `stretch` of the configured refreshes. An overload that they cause gives no notice: whoever
-  // loads the configuration is told already.
+  // `stretch`: of the configured refreshes. The loader already reports such an overload.
   explicit OverloadWatch(double stretch) : overloaded_(stretch > kStretched) {}
 
-  // The stretch at present. The notice that is due now, if any.
   [[nodiscard]] std::optional<Notice> update(double stretch, Instant now) {
     if ((stretch > kStretched) == overloaded_) {
       changed_ = kNever;
@@ -45,8 +41,8 @@ class OverloadWatch {
   }
 
  private:
-  bool overloaded_;           // as told
-  Instant changed_ = kNever;  // it is otherwise since then
+  bool overloaded_;           // as last reported
+  Instant changed_ = kNever;  // start of a different state
 };
 
 }  // namespace fieldcast

@@ -18,7 +18,6 @@ void OwedAnswers::owe(Debt debt) {
   debts_.push_back(std::move(debt));
 }
 
-// One debt of the device has ended: the next one is worked off from now on.
 void OwedAnswers::begin_next(DeviceIndex device, Instant now) {
   Instant from = now;
   for (Debt& debt : debts_) {
@@ -34,7 +33,7 @@ void OwedAnswers::answered(const Asked& asked, bool refused, Duration bound, Ins
     return mistakable_(debt.asked, asked);
   });
   if (oldest != debts_.end()) {
-    // It may have been the answer to that one: then this request's own is still to come.
+    // The response may belong to the removed debt; then the request's own one is still pending.
     const DeviceIndex device = oldest->asked.device;
     const Duration took = now - oldest->asked.sent_until;
     debts_.erase(oldest);

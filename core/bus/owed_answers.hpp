@@ -1,20 +1,19 @@
-// Answers that are owed: a device that was asked N times and gave fewer answers may still give the
-// others. Until they came, or can no longer come, nothing is asked whose answer one of them could
-// be mistaken for.
+// Pending responses: a device that received N requests and sent fewer responses may still send the
+// others. Until they arrive or expire, no request is sent whose response could be confused with one
+// of them.
 //
-// The protocol says which answers can be mistaken for each other (AnswerIdentity,
-// Protocol::mistakable). The same read may be asked again while none of its answers has come, since
-// any of them brings the same items; the answers that are then too many stay owed. A debt ends
-//   - when its answer comes: devices answer in the order in which they were asked, so an answer
-//     settles the oldest debt that it could belong to;
-//   - when the device answers a later request that cannot be mistaken: what was asked before it is
-//     never answered;
-//   - by time: kLateFactor times the configured timeout, or twice the longest time that the device
-//     was lately seen to take, whichever is longer (kMostFactor times the timeout at most). A
-//     device works off its requests one after the other, so the time of each debt begins when the
-//     one before it ended, but waits for two others at most.
+// The protocol defines which responses are alike (AnswerIdentity, Protocol::mistakable). The same
+// read may be repeated while none of its responses has arrived, since all contain the same items;
+// surplus responses stay pending. A debt ends
+//   - when its response arrives: devices respond in request order, so a response settles the oldest
+//     debt that it matches;
+//   - when the device responds to a later request that cannot be confused: it will never respond to
+//     earlier ones;
+//   - by time: after kLateFactor configured timeouts, or twice the longest recent response time if
+//     longer, at most kMostFactor timeouts. A device handles its requests one by one, so the time
+//     of a debt starts when the previous debt ends, but waits for at most two others.
 //
-// Owned by LateAnswers, on the bus's thread. Nothing can fail.
+// Owned by LateAnswers, on the bus's thread.
 #pragma once
 
 #include <algorithm>
@@ -27,53 +26,49 @@
 
 namespace fieldcast {
 
-// One request on the wire.
 struct Asked {
   DeviceIndex device = 0;
   Request request;
   ExchangeContext context;
-  Instant sent_until{};  // its last character had left by then
+  Instant sent_until{};  // latest time at which its last character left
 };
 
 class OwedAnswers {
  public:
-  // A late answer can still come until this many configured timeouts after its request.
+  // Configured timeouts after which a late response is no longer possible.
   static constexpr int kLateFactor = 3;
-  static constexpr int kMostFactor = 10;     // however long its last answers took
-  static constexpr std::size_t kMost = 256;  // debts of a bus; the oldest one is forgotten
+  static constexpr int kMostFactor = 10;     // upper limit, even for slower responses
+  static constexpr std::size_t kMost = 256;  // debts of a bus; the oldest is dropped
 
   struct Debt {
     Asked asked;
     Duration bound{};
-    Instant counts_until = kLongAgo;  // an answer until then is worth as much as one in time
-    Block block;                      // whose values it brings, while somebody waits for them
-    // What the answer before it took, if this one comes: nobody knew which of the two it was.
+    Instant counts_until = kLongAgo;  // until then the response counts as in time
+    Block block;                      // the values it contains, while they are needed
+    // Time of the previous response, as the two could not be distinguished.
     Duration before{};
-    std::unique_ptr<Exchange> exchange;  // recognises the answer; none: to be made anew
-    // No answer to this read has come yet: asking it again makes nothing worse.
+    std::unique_ptr<Exchange> exchange;  // recognises the response; created on demand
+    // This read has no response yet, so it may be repeated.
     bool unanswered = true;
-    Instant began{};  // when its time began
+    Instant began{};
     [[nodiscard]] Instant until() const { return began + bound; }
   };
-  // Whether a late answer to the first could be taken for the answer to the second.
   using Mistakable = std::function<bool(const Asked& earlier, const Asked& later)>;
   explicit OwedAnswers(Mistakable mistakable) : mistakable_(std::move(mistakable)) {}
 
   void owe(Debt debt);
-  // The request was answered. `refused`: by a refusal, which shows less of its origin.
+  // `refused`: the response was a refusal, which identifies its request less.
   void answered(const Asked& asked, bool refused, Duration bound, Instant now);
-  // Its answer has come after all.
+  // The late response of this debt arrived.
   Debt take(std::size_t index, Instant now);
-  // Forgets what can no longer come; true when there was any.
   bool expire(Instant now);
   void forget_all() { debts_.clear(); }
-  // What comes from now on has nothing to do with what came before.
   void forget_bytes() {
     for (Debt& debt : debts_) debt.exchange.reset();
   }
 
-  // From when on this may be asked, as things stand; kLongAgo: at once. `same_is_fine`: the same
-  // read again does no harm.
+  // Earliest time to send; kLongAgo: immediately. `same_is_fine`: pending responses to the same
+  // read do not matter.
   [[nodiscard]] Instant askable_from(const Asked& next, bool same_is_fine) const;
   [[nodiscard]] std::vector<Debt>& debts() { return debts_; }
   [[nodiscard]] bool empty() const { return debts_.empty(); }
@@ -92,10 +87,10 @@ class OwedAnswers {
   }
 
   Mistakable mistakable_;
-  std::vector<Debt> debts_;  // in the order asked
+  std::vector<Debt> debts_;  // in order of the requests
 };
 
-// The same read of the same device: its answers bring the same items.
+// The same read of the same device: its responses contain the same items.
 [[nodiscard]] bool same_read(const Asked& a, const Asked& b);
 
 }  // namespace fieldcast

@@ -26,7 +26,7 @@ void PauseLearning::tried(Duration rest, bool answered) {
 }
 
 void PauseLearning::lengthen() {
-  Share longer;  // rests longer than the step that is examined
+  Share longer;  // rests longer than the examined step
   for (std::size_t i = kPauses.size(); i > step_; --i) {
     longer.add(shares_[i]);
     const Share& share = shares_[i - 1];
@@ -45,7 +45,7 @@ void PauseLearning::shorten(std::size_t step, bool answered) {
     if (answered && ++answers_ >= next_trial_) begin_trial(1);
     return;
   }
-  // Longer rests than the one on trial show nothing of it.
+  // Longer rests than the tested one do not count.
   if (whole_pauses_ == 0 && step <= trial_->step + 1 && step < step_) {
     ++trial_->tries;
     if (!answered) ++trial_->failures;
@@ -64,7 +64,7 @@ void PauseLearning::begin_trial(std::size_t less) {
   answers_ = 0;
 }
 
-// A greater step that failed leaves the smaller ones to try.
+// If a greater step fails, smaller steps are tried.
 void PauseLearning::end_trial(bool held) {
   const Trial ended = *std::exchange(trial_, std::nullopt);
   if (held) {

@@ -1,17 +1,16 @@
-// Whether a device needs a rest after its answers: some are deaf while they tidy up. Requests are
-// sorted by how long after an answer of the same device they came. Where those of one length often
-// go unanswered and all longer ones are answered, the pause becomes as long as they are. Pure
-// value, owned by the DeviceMonitor, on the bus's thread. Nothing can fail.
+// Learns the pause that a device needs after its responses: some cannot receive for a while.
+// Requests are classified by the time since the last response of the device. If requests after a
+// short rest often fail and all after longer rests succeed, the pause becomes that long. Pure
+// value, owned by DeviceMonitor, on the bus's thread.
 //
-// Steps are a third to a half apart: a learned pause is hardly ever more than twice what is needed.
-// A retry comes after a longer rest than its request. So retries show how longer rests do, and a
-// pause is found even on a bus that never rests.
+// Steps are a third to a half apart: a learned pause rarely exceeds twice the need. A retry follows
+// a longer rest than its request, so the pause is found even on a fully loaded bus.
 //
-// Retries of a device that dies now and then look like that too. So a learned pause is put on trial
-// after some answers: some requests come after a shorter rest, and if they are answered, the pause
-// becomes that short and the next trial begins, with a greater step. A trial fails by its second
-// request without an answer. After a request that failed, the whole pause is kept for a while. A
-// pause that is needed is put on trial ever more rarely.
+// Retries of a device that fails now and then look the same. So a learned pause is tested after
+// some responses: some requests follow a shorter rest. If they succeed, the pause becomes that
+// short and a test with a greater step begins. The second unanswered request fails the test. After
+// an unanswered request the whole pause is kept for a while. Tests of a needed pause become ever
+// rarer.
 #pragma once
 
 #include <array>
@@ -32,25 +31,24 @@ class PauseLearning {
       std::chrono::milliseconds{150}, std::chrono::milliseconds{200},
       std::chrono::milliseconds{300}, std::chrono::milliseconds{500},
       std::chrono::milliseconds{700}, std::chrono::milliseconds{1000}};
-  // Answers before the pause is put on trial: at first, and at most. Each time twice as many.
+  // Responses before a test: at first, and at most. The number doubles each time.
   static constexpr unsigned kFirstTrial = 64, kRarestTrial = 8192;
 
-  // A request that began `rest` after the device's last answer was answered, or met silence.
+  // `rest`: since the device's last response.
   void tried(Duration rest, bool answered);
   void forget() { *this = {}; }
 
-  // What was learned.
   [[nodiscard]] Duration pause() const { return of_step(step_); }
-  // Before the next request: the pause, or the shorter one that is on trial.
+  // The learned pause, or the shorter one in test.
   [[nodiscard]] Duration next_pause() const {
     return of_step(trial_ && whole_pauses_ == 0 ? trial_->step : step_);
   }
 
  private:
-  static constexpr unsigned kFewest = 12;  // tries of each kind before anything is concluded
-  static constexpr unsigned kMemory = 32;  // tries that a share follows
+  static constexpr unsigned kFewest = 12;  // minimum tries of each kind for a conclusion
+  static constexpr unsigned kMemory = 32;  // tries that a share averages
   static constexpr double kOften = 0.5, kSeldom = 0.05;  // shares of failures
-  static constexpr unsigned kAfterFailure = 8;  // answers after the whole pause, in a trial
+  static constexpr unsigned kAfterFailure = 8;  // responses after the whole pause, in a test
   struct Share {
     unsigned tries = 0;
     double failures = 0;
@@ -58,8 +56,8 @@ class PauseLearning {
     void add(const Share& other);
   };
   struct Trial {
-    std::size_t step = 0;  // on trial
-    std::size_t less = 1;  // than the pause in force, in steps
+    std::size_t step = 0;
+    std::size_t less = 1;  // steps below the current pause
     unsigned tries = 0, failures = 0;
   };
   [[nodiscard]] static Duration of_step(std::size_t step) {
@@ -70,12 +68,12 @@ class PauseLearning {
   void begin_trial(std::size_t less);
   void end_trial(bool held);
 
-  // Of rests shorter than each pause; the last one: of longer rests.
+  // For rests shorter than each pause; the last one is for longer rests.
   std::array<Share, kPauses.size() + 1> shares_{};
   std::size_t step_ = 0;
   std::optional<Trial> trial_;
-  unsigned whole_pauses_ = 0;  // answers to come before the trial goes on
-  unsigned answers_ = 0;       // since the last trial
+  unsigned whole_pauses_ = 0;  // responses before the test continues
+  unsigned answers_ = 0;       // since the last test
   unsigned next_trial_ = kFirstTrial;
 };
 

@@ -9,8 +9,7 @@ namespace {
 
 constexpr std::size_t kNowhere = ~std::size_t{0};
 
-// Which of the block's first `answered` ranges holds `range`; points and ranges of a block are both
-// in order, so it is at `hint` or soon behind.
+// Points and ranges of a block are both in order, so the range is at or soon after `hint`.
 std::size_t find_range(const Block& block, std::size_t answered, const Range& range,
                        std::size_t hint) {
   for (std::size_t tried = 0; tried < answered; ++tried) {
@@ -64,8 +63,7 @@ std::variant<ReadPath::Read, Rest> ReadPath::next(Instant now, const Gate& gate)
 
 bool ReadPath::due(Instant now) { return std::holds_alternative<Block>(scheduler_->next(now)); }
 
-// A read that is longer than its block by some items can be told apart from what is owed, and its
-// answer ends all debts of the device: nothing need wait for their time.
+// Lengthens the read, so that its response differs from pending ones and settles all debts.
 bool ReadPath::lengthen(Read& read, Instant now, const Gate& gate) const {
   const DeviceIndex device = read.block.device;
   auto& request = std::get<ReadRequest>(read.request);
@@ -109,8 +107,7 @@ void ReadPath::answered(const Block& block, const Reply& reply, Instant acquired
   learn_blocks(block, reply, now);
   std::vector<Sample> samples;
   std::vector<PointIndex> good;
-  // What the device refused: each range for itself, so that the search for what is bad in it stays
-  // within it.
+  // Refused points by range, so that the search for a bad point stays within its range.
   std::vector<RefusedPart> bad;
   samples.reserve(block.points.size());
   good.reserve(block.points.size());
@@ -146,7 +143,7 @@ void ReadPath::answered(const Block& block, const Reply& reply, Instant acquired
   sink.publish(std::move(bad_samples));
 }
 
-// `items` are those of the range `answered`, which holds the point's.
+// `items`: the items of the range `answered`, which contains the point.
 void ReadPath::accept(PointIndex point, const Range& answered, ByteView items, Instant acquired,
                       std::vector<Sample>& samples, ActionSink& sink) {
   const Point& read = map_.points[point];
@@ -162,8 +159,6 @@ void ReadPath::accept(PointIndex point, const Range& answered, ByteView items, I
     channels_.acquired(channel, bits, own, acquired, samples);
 }
 
-// A range that was read or refused says something of how long a block the device accepts, and which
-// gaps.
 void ReadPath::learn_blocks(const Block& block, const Reply& reply, Instant now) {
   for (std::size_t i = 0; i < block.ranges.size() && i < reply.size(); ++i) {
     if (reply[i].cause != Cause::kNone) continue;
@@ -218,7 +213,7 @@ void ReadPath::failed(const Block& block, bool longer, Cause cause, std::uint16_
     }
     return scheduler_->failed(block, now, now);
   }
-  if (longer) {  // that says nothing of the block itself
+  if (longer) {  // the refusal may concern only the added items
     learned_[block.device].refused_longer = true;
     return scheduler_->failed(block, now, now);
   }
@@ -239,7 +234,7 @@ void ReadPath::busy(const Block& block, std::uint16_t code, Instant now) {
   scheduler_->failed(block, now, now + pause);
 }
 
-// The scheduler halves the block until the bad points stand alone; those are told at once.
+// The scheduler halves the block until bad points are isolated; those are reported immediately.
 void ReadPath::refused(const Block& block, Cause cause, std::uint16_t code, Instant now,
                        std::vector<Sample>& samples, ActionSink& sink) {
   if (doubts(block)) return scheduler_->failed(block, now, now);
@@ -299,7 +294,6 @@ void ReadPath::set_interest(ChannelIndex channel, std::optional<Duration> refres
   if (map_.point_of[channel]) update_point(*map_.point_of[channel], now);
 }
 
-// A point is as urgent as the most urgent of its channels at present.
 void ReadPath::update_point(PointIndex index, Instant now) {
   Point& point = map_.points[index];
   point.mode = Mode::kOnDemand;
@@ -309,7 +303,7 @@ void ReadPath::update_point(PointIndex index, Instant now) {
 }
 
 std::shared_ptr<PlanDraft> ReadPath::draft() {
-  // The draft asks the protocols for sizes.
+  // Keeps the protocols alive, from which the draft requests sizes.
   struct Kept {
     std::vector<std::shared_ptr<const Protocol>> protocols;
     std::unique_ptr<PlanDraft> draft;

@@ -6,9 +6,9 @@
 namespace fieldcast {
 namespace {
 
-constexpr std::size_t kLeastFrame = 4;  // fewer characters may be anything
+constexpr std::size_t kLeastFrame = 4;  // fewer characters can match by chance
 
-// A spurious character of an RS-485 driver that changes its direction.
+// Spurious character of an RS-485 driver that changes its direction.
 bool is_turnaround(std::uint8_t byte) { return byte == 0x00 || byte == 0xFF; }
 
 bool has_fault(const std::vector<FrameField>& fields) {

@@ -1,7 +1,5 @@
-// Finds the request of another master in bytes that this bridge did not ask for, by the protocols
-// of its bus; and tells whole frames from noise.
-//
-// Immutable after construction; pure, any thread. Nothing can fail.
+// Finds requests of another master in unsolicited bytes by the protocols of the bus. Immutable, any
+// thread.
 #pragma once
 
 #include <functional>
@@ -15,15 +13,14 @@ namespace fieldcast {
 class RequestFinder {
  public:
   struct Found {
-    std::size_t at = 0, size = 0;  // size 0: none
-    bool certain = true;           // false: a device's answer can look the same
+    std::size_t at = 0, size = 0;  // size 0: not found
+    bool certain = true;           // false if a device's response can look the same
   };
 
   explicit RequestFinder(const BusSpec& bus);
 
-  // The first one; one that is certain before one that is not.
   [[nodiscard]] Found find(ByteView bytes) const;
-  // The bytes are one whole frame of a protocol of this bus, a request or an answer.
+  // A request or a response.
   [[nodiscard]] bool is_frame(ByteView bytes) const;
 
  private:

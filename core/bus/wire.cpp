@@ -42,7 +42,7 @@ Bytes Wire::send(const Send& with, Instant now) {
   return out;
 }
 
-// Who looks later than at the deadline stood still: that is no time of the device's.
+// Time after the deadline shows that this process was suspended; it is not the device's.
 void Wire::look(Instant now) {
   const Instant since = std::max(driver_.deadline(), looked_);
   if (now > since) flight_->idle += now - since;
@@ -75,7 +75,6 @@ Wire::Ended Wire::conclude(bool done, Instant now) {
   ended.answered = done || ended.cause == Cause::kDeviceError || ended.cause == Cause::kDeviceBusy;
   ended.device_code = driver_.device_code();
   ended.exchange = driver_.finish();
-  // What ended it may have come before the request had left.
   free_at_ = std::max(now, driver_.sent_until()) + setup_.silence();
   spent_ = free_at_ - flight_->started;
   ended.spent = spent_ - flight_->idle;

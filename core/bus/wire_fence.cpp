@@ -5,8 +5,9 @@
 namespace fieldcast {
 namespace {
 
-constexpr std::size_t kShown = 16;                             // bytes, in the text
-constexpr Duration kBurstGap = std::chrono::milliseconds{20};  // an adapter's latency, and more
+constexpr std::size_t kShown = 16;  // bytes in the text
+// Latency of an adapter, with a margin.
+constexpr Duration kBurstGap = std::chrono::milliseconds{20};
 
 // splitmix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators, 2014).
 std::uint64_t next_random(std::uint64_t& state) {
@@ -44,14 +45,14 @@ void WireFence::listen_from(Instant silent_since, Instant now) {
   burst_.clear();
 }
 
-// The silence so far counts, but for the time that it takes to hear who began just now.
+// The silence counts, except for the time needed to hear a master that began just now.
 void WireFence::lapse(Instant now) {
   listen_from(std::max(busy_until_, last_byte_), now);
   not_before_ = now + times_.hold;
   told_ = false;
 }
 
-// Who heard the same last byte counts the same slots: two of different ranks never begin in one.
+// Bridges that heard the same byte count the same slots, so ranks never share a slot.
 Instant WireFence::slot_from(Instant now) const {
   const Instant first = silent_since_ + times_.listen + rank_ * times_.slot;
   const Instant from = std::max(now - times_.slot / 2, not_before_);
@@ -120,15 +121,14 @@ void WireFence::bytes_came(bool echo, Instant now) {
     heard(now);
 }
 
-// After a silence in which another one may have begun, what is heard may be that one.
+// After a longer silence the bytes may be from another master.
 void WireFence::heard(Instant now) {
   if (!keeps(now)) return listen_from(now, now);
   busy_until_ = heard_ = now;
   cut_off_ = false;
 }
 
-// What this bridge sent or received last, once more: an echo that comes late, or a device that
-// repeats itself.
+// Repetition of the last sent or received frame: a late echo, or a device that repeats itself.
 bool WireFence::own(ByteView frame) const {
   return std::ranges::equal(frame, sent_) || std::ranges::equal(frame, answer_);
 }
@@ -163,7 +163,7 @@ bool WireFence::stray(ByteView bytes, Instant now) {
     append(burst_, bytes);
     if (burst_.size() > kKept) burst_.clear();
   }
-  if (began) strays_.clear();  // no frame has such a pause
+  if (began) strays_.clear();  // a frame has no such pause
   append(strays_, bytes);
   if (strays_.size() > kKept)
     strays_.erase(strays_.begin(), strays_.end() - static_cast<std::ptrdiff_t>(kKept));
@@ -201,10 +201,9 @@ bool WireFence::ended(bool answered, ByteView received, Instant now) {
     answer_.assign(received.begin(), received.end());
     return false;
   }
-  // Within a long answer anything may look like a request: only what was no answer is searched.
   if (find_foreign(received, now)) return true;
   if (confirmed_) return false;
-  // Nobody answered yet: perhaps another one began when this one did.
+  // No response yet: another master may have started at the same time.
   const auto drawn = static_cast<unsigned>(next_random(random_) % kRanks);
   if (!received.empty()) rank_ = drawn;
   if (!received.empty() || cut_off_)

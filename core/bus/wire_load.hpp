@@ -1,8 +1,5 @@
-// How busy the wire of one bus is: the time that exchanges took, and the shares of it that reports
-// show.
-//
-// Owns the totals since the start and a mark for each report of the last ten seconds. Owned by the
-// bus engine, on the bus's thread. Nothing can fail.
+// Load of one bus: totals and a mark for each report of the last ten seconds. Owned by the bus
+// engine, on the bus's thread.
 #pragma once
 
 #include <algorithm>
@@ -14,22 +11,21 @@ namespace fieldcast {
 
 class WireLoad {
  public:
-  static constexpr Duration kWindow = std::chrono::seconds{10};  // of the share of reads
-  // Reports at changes of state come between the regular ones, and set no mark.
+  static constexpr Duration kWindow = std::chrono::seconds{10};  // for the share of reads
+  // Reports at state changes are closer together and set no mark.
   static constexpr Duration kMarkGap = std::chrono::milliseconds{900};
 
   // Shares of time, 0..1.
   struct Shares {
-    double busy = 0;     // since the last mark: exchanges and the silences after them
+    double busy = 0;     // since the last mark: exchanges with their silences
     double reading = 0;  // over the window: reads of the plan
   };
 
-  // An exchange ended that kept the wire for `spent`.
   void ended(Duration spent, bool read) {
     busy_ += spent;
     if (read) reading_ += spent;
   }
-  // For a report. The exchange on the wire counts as far as it has come: `running`, zero for none.
+  // `running`: time of the exchange in flight so far; zero if none.
   [[nodiscard]] Shares report(Duration running, bool read, Instant now) {
     const Mark mark{now, busy_ + running, reading_ + (read ? running : Duration::zero())};
     Shares shares;

@@ -1,5 +1,4 @@
-// What a bus says of its wire while it is captured, and the frames that come of it. Plain values,
-// any thread.
+// Records of a bus during a capture, and the resulting frames. Plain values, any thread.
 #pragma once
 
 #include <cstddef>
@@ -13,25 +12,24 @@ namespace fieldcast {
 
 struct CaptureRecord {
   enum class Kind : std::uint8_t {
-    kSent,      // bytes, and in text what they are for
-    kReceived,  // bytes: a piece as the port brought it
-    kRemark,    // text: how an exchange ended, or what became of the port
-    kEnded,     // the exchange is over: what comes next does not belong to it
+    kSent,      // bytes; the text is their purpose
+    kReceived,  // bytes: one piece as received from the port
+    kRemark,    // text: outcome of an exchange, or state of the port
+    kEnded,     // the exchange ended: later bytes do not belong to it
   };
   Kind kind = Kind::kReceived;
-  UtcTime at;              // kReceived: when the last byte arrived
-  std::size_t device = 0;  // kSent: of the bus's list
+  UtcTime at;              // kReceived: arrival of the last byte
+  std::size_t device = 0;  // kSent: index in the bus's list
   Bytes bytes;
   std::string text;
 };
 
 enum class Direction : std::uint8_t { kSent, kReceived };
 
-// One frame, or what was received instead of one.
 struct CapturedFrame {
   UtcTime at;
   Direction direction = Direction::kReceived;
-  std::size_t device = 0;  // that was asked last
+  std::size_t device = 0;  // last polled device
   Bytes bytes;             // never empty
   std::string comment;     // text lines; may be empty
 };

@@ -12,7 +12,6 @@ void add_line(std::string& comment, const std::string& line) {
   comment += line;
 }
 
-// Never in the middle of a character of UTF-8.
 void cut(std::string& text, std::size_t limit) {
   if (text.size() <= limit) return;
   while (limit > 0 && (static_cast<unsigned char>(text[limit]) & 0xC0) == 0x80) --limit;
@@ -22,7 +21,7 @@ void cut(std::string& text, std::size_t limit) {
 }  // namespace
 
 void FrameGatherer::take(CaptureRecord record, std::vector<CapturedFrame>& out) {
-  // What came of an exchange that was under way at the beginning is the end of an answer only.
+  // The capture began during an exchange: only the end of its response was recorded.
   if (record.kind != CaptureRecord::Kind::kReceived && !std::exchange(begun_, true) &&
       std::exchange(answer_, std::nullopt) && record.kind == CaptureRecord::Kind::kRemark)
     return;
@@ -53,7 +52,7 @@ void FrameGatherer::take_received(CaptureRecord record, std::vector<CapturedFram
   if (!answer_) answer_ = CapturedFrame{record.at, Direction::kReceived, device_, {}, {}};
   answer_->at = record.at;
   append(answer_->bytes, record.bytes);
-  // Alone it may as well be the answer of a device that repeats the request.
+  // Equal bytes alone may be the response of a device that repeats the request.
   if (!echo_.empty() && answer_->bytes.size() > echo_.size() &&
       std::equal(echo_.begin(), echo_.end(), answer_->bytes.begin())) {
     give({record.at, Direction::kSent, device_, echo_, "the line gave the request back (echo)"},
@@ -70,7 +69,6 @@ void FrameGatherer::take_received(CaptureRecord record, std::vector<CapturedFram
   }
 }
 
-// What waits now is what the remark is about; else it stands at the next frame.
 void FrameGatherer::remark(const std::string& text, std::vector<CapturedFrame>& out) {
   if (answer_) {
     add_line(answer_->comment, text);

@@ -1,8 +1,7 @@
-// Makes frames of what a bus says of its wire: joins the pieces of an answer, sets an echo of the
-// request apart, and puts what is known of an exchange into comments.
-//
-// A request is given out when its answer begins or its exchange ends, so that its comment can say
-// that nobody answered. Pure; owned by whoever writes a capture, on that thread. Nothing can fail.
+// Builds frames from the records of a bus: joins the pieces of a response, separates an echo of the
+// request, and adds comments. A request is written when its response begins or its exchange ends,
+// so that its comment can report a missing response. Pure; owned by the writer of a capture, on its
+// thread.
 #pragma once
 
 #include <optional>
@@ -14,17 +13,15 @@ namespace fieldcast {
 
 class FrameGatherer {
  public:
-  static constexpr std::size_t kMaxFrame = 16384;   // bytes; more become another frame
-  static constexpr std::size_t kMaxComment = 1000;  // bytes; what is beyond is cut
-  // Bytes that nobody asked for are one frame until the wire was silent for this long.
+  static constexpr std::size_t kMaxFrame = 16384;   // bytes; longer data become several frames
+  static constexpr std::size_t kMaxComment = 1000;  // bytes; longer comments are cut
+  // Unsolicited bytes form one frame until this silence.
   static constexpr Duration kQuiet = std::chrono::milliseconds{50};
 
   void take(CaptureRecord record, std::vector<CapturedFrame>& out);
-  // Records are missing here.
   void lost(std::uint64_t records, std::vector<CapturedFrame>& out);
-  // Gives out what waits, if nothing came for kQuiet.
+  // Writes waiting frames if no byte arrived for kQuiet.
   void look(UtcTime now, std::vector<CapturedFrame>& out);
-  // Gives out everything: the capture ends.
   void flush(std::vector<CapturedFrame>& out);
 
  private:
@@ -34,11 +31,11 @@ class FrameGatherer {
   void give_answer(std::vector<CapturedFrame>& out);
   void give(CapturedFrame frame, std::vector<CapturedFrame>& out);
 
-  std::optional<CapturedFrame> request_;  // that has no answer yet
-  std::optional<CapturedFrame> answer_;   // as far as it came
-  Bytes echo_;                            // the last request: it may come back before the answer
+  std::optional<CapturedFrame> request_;  // without a response so far
+  std::optional<CapturedFrame> answer_;   // received part
+  Bytes echo_;                            // last request, whose echo may precede the response
   std::size_t device_ = 0;
-  bool asked_ = false;  // an exchange is under way
+  bool asked_ = false;  // an exchange is in flight
   bool begun_ = false;  // an exchange has begun or ended
   std::string note_;    // for the next frame
 };

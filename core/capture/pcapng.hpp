@@ -1,5 +1,5 @@
-// The numbers of pcapng, from draft-ietf-opsawg-pcapng (the sections are named beside them), and of
-// LINKTYPE_WIRESHARK_UPPER_PDU from www.tcpdump.org/linktypes.html.
+// Constants of draft-ietf-opsawg-pcapng with its sections, and the link type of
+// www.tcpdump.org/linktypes.html.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ inline constexpr std::uint32_t kSimplePacket = 3;             // 4.4
 inline constexpr std::uint32_t kInterfaceStatistics = 5;      // 4.6
 inline constexpr std::uint32_t kEnhancedPacket = 6;           // 4.3
 inline constexpr std::uint32_t kByteOrderMagic = 0x1A2B3C4D;  // 4.1
-inline constexpr std::uint32_t kOldPcapMagic = 0xA1B2C3D4;    // of the format before
+inline constexpr std::uint32_t kOldPcapMagic = 0xA1B2C3D4;    // of the older pcap format
 inline constexpr std::uint32_t kOldPcapNanoMagic = 0xA1B23C4D;
 
 // Options (3.5).
@@ -28,7 +28,7 @@ inline constexpr std::uint16_t kIfStart = 2, kIfEnd = 3, kIfReceived = 4, kIfDro
 
 inline constexpr std::uint16_t kLinktypeUpperPdu = 252;
 
-// No block of ours is larger, and no reader of ours takes a larger one.
+// Limit of blocks, for writer and reader.
 inline constexpr std::size_t kMaxBlock = 1 << 20;  // bytes
 
 }  // namespace fieldcast::pcapng

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kHeader = 8;    // type and length of a block
 constexpr std::size_t kAround = 12;   // with the length at its end
-constexpr std::size_t kSection = 28;  // the smallest section header
+constexpr std::size_t kSection = 28;  // smallest section header
 constexpr std::uint32_t kSwapped = 0x4D3C2B1A;
 constexpr std::uint64_t kNanoseconds = 1'000'000'000;
 
@@ -22,7 +22,7 @@ bool is_old(std::uint32_t magic) {
          swapped == kOldPcapNanoMagic;
 }
 
-// 10^-n, or 2^-n with the highest bit. What does not fit into 64 bits counts as nanoseconds.
+// 10^-n, or 2^-n with the highest bit. Values beyond 64 bits count as nanoseconds.
 std::uint64_t units_of(std::uint8_t resolution) {
   const unsigned power = resolution & 0x7F;
   if (resolution & 0x80) return power < 63 ? std::uint64_t{1} << power : kNanoseconds;
@@ -75,7 +75,7 @@ void Reader::options(ByteView body, const Take& take) const {
   }
 }
 
-// The byte order of a section stands behind the length of its header.
+// The byte order of a section is written after the length of its header.
 tl::expected<void, Fault> Reader::read_section() {
   const std::size_t known = block_.size();
   block_.resize(kAround);
@@ -132,7 +132,7 @@ std::optional<Fault> Reader::add_interface(ByteView body) {
   return std::nullopt;
 }
 
-// Interface, time, kept and original length, the bytes, options.
+// Interface, time, captured and original length, bytes, options.
 tl::expected<ReadPacket, Fault> Reader::enhanced(ByteView body) const {
   if (body.size() < 20) return tl::unexpected(Fault::kBroken);
   const std::size_t interface = u32(body, 0), kept = u32(body, 12), original = u32(body, 16);

@@ -1,8 +1,6 @@
-// Reads the packets of a pcapng file, block by block, in either byte order, from whatever gives the
-// bytes. What it does not know it skips, as the format demands.
-//
-// Pure; owns at most one block (pcapng.hpp: kMaxBlock). What can fail: the bytes are no pcapng, a
-// block contradicts itself, the file ends in the middle of one. What came before stays good.
+// Reads the packets of a pcapng file, block by block, in either byte order. Skips unknown blocks
+// and options, as the format requires. Pure; owns at most one block (pcapng.hpp: kMaxBlock).
+// Packets read before a fault stay valid.
 #pragma once
 
 #include <functional>
@@ -28,17 +26,17 @@ struct ReadPacket {
   Interface interface;
   UtcTime at;
   std::optional<Direction> direction;
-  std::string comment;  // several are joined by line ends
+  std::string comment;  // several comments are joined by line ends
   Bytes data;
-  bool cut = false;  // the capture kept only its beginning
+  bool cut = false;  // the capture contains only its beginning
 };
 
 enum class Fault : std::uint8_t {
   kNoCapture,  // not a pcapng file
-  kOldFormat,  // a pcap file, of the format before
-  kBroken,     // a block whose lengths do not fit together
+  kOldFormat,  // a pcap file, the older format
+  kBroken,     // a block with inconsistent lengths
   kTooLong,    // a block beyond kMaxBlock
-  kCut,        // the file ends in the middle of a block
+  kCut,        // the file ends within a block
 };
 [[nodiscard]] std::string_view to_text(Fault fault);
 
@@ -46,21 +44,20 @@ class Reader {
  public:
   static constexpr std::size_t kMaxInterfaces = 1024;
 
-  // Puts up to `size` bytes at `to` and says how many; fewer only at the end.
+  // Returns the number of bytes read into `to`; less than `size` only at the end.
   using Source = std::function<std::size_t(std::uint8_t* to, std::size_t size)>;
   explicit Reader(Source source) : source_(std::move(source)) {}
 
-  // The next packet; nothing: the end of the file. After a fault there is no more.
+  // The next packet; empty at the end of the file. There are no more packets after a fault.
   [[nodiscard]] tl::expected<std::optional<ReadPacket>, Fault> next();
-  // Of the packets that were lost, as the file says; known at its end.
+  // Lost packets according to the file; known at its end.
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
-  // Where the block begins that was read last.
   [[nodiscard]] std::uint64_t offset() const { return offset_; }
 
  private:
   struct Block {
     std::uint32_t type = 0;
-    ByteView body;  // of block_
+    ByteView body;  // refers to block_
   };
   [[nodiscard]] tl::expected<std::optional<Block>, Fault> read_block();
   [[nodiscard]] tl::expected<void, Fault> read_section();

@@ -17,7 +17,7 @@ void append_le(Bytes& out, std::uint64_t value, unsigned bytes) {
 
 void pad(Bytes& out) { out.resize((out.size() + 3) / 4 * 4); }
 
-// One block: its type and length are written around what is appended meanwhile.
+// Writes its type and length around the data appended during its lifetime.
 class Block {
  public:
   Block(Bytes& out, std::uint32_t type) : out_(out), begin_(out.size()) {
@@ -78,7 +78,7 @@ void append_section(Bytes& out, std::string_view application, std::string_view c
   block.number(kByteOrderMagic, 4);
   block.number(1, 2);  // version 1.0
   block.number(0, 2);
-  block.number(~std::uint64_t{0}, 8);  // its length is not known before
+  block.number(~std::uint64_t{0}, 8);  // its length is unknown
   block.text(kComment, comment);
   block.text(kSectionApplication, application);
   block.end_options();
@@ -88,7 +88,7 @@ void append_interface(Bytes& out, std::string_view name, std::string_view descri
   Block block(out, kInterfaceDescription);
   block.number(kLinktypeUpperPdu, 2);
   block.number(0, 2);
-  block.number(0, 4);  // no packet is cut
+  block.number(0, 4);  // packets are not cut
   block.text(kIfName, name);
   block.text(kIfDescription, description);
   block.option(kIfTsresol, kMicroseconds, 1);
@@ -97,7 +97,7 @@ void append_interface(Bytes& out, std::string_view name, std::string_view descri
 
 void append_packet(Bytes& out, const Packet& packet) {
   Block block(out, kEnhancedPacket);
-  block.number(0, 4);  // the one interface
+  block.number(0, 4);  // the only interface
   block.time(packet.at);
   block.number(packet.data.size(), 4);
   block.number(packet.data.size(), 4);

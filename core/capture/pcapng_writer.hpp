@@ -1,7 +1,6 @@
 // Writes the blocks of a pcapng file (pcapng.hpp): one section, one interface, packets with
-// microseconds, direction and comment, and what was lost at the end. Little-endian.
-//
-// Pure: each function appends one whole block to `out`. Nothing can fail. Any thread.
+// microseconds, direction and comment, and the number of lost packets at the end. Little-endian.
+// Pure: each function appends one whole block to `out`. Any thread.
 #pragma once
 
 #include <string_view>
@@ -12,18 +11,17 @@
 
 namespace fieldcast::pcapng {
 
-// Begins a file. Both are one line for people.
+// Starts a file. Both texts are one human-readable line.
 void append_section(Bytes& out, std::string_view application, std::string_view comment);
-// Of packets of LINKTYPE_WIRESHARK_UPPER_PDU.
 void append_interface(Bytes& out, std::string_view name, std::string_view description);
 
 struct Packet {
   UtcTime at;
   Direction direction = Direction::kReceived;
   ByteView data;             // with its tags (upper_pdu.hpp)
-  std::string_view comment;  // empty: none
+  std::string_view comment;  // empty if there is none
 };
-// REQUIRES: an interface stands before it; data and comment have less than 60 000 bytes each.
+// REQUIRES: an interface precedes it; data and comment have less than 60 000 bytes each.
 void append_packet(Bytes& out, const Packet& packet);
 
 struct Statistics {

@@ -18,7 +18,6 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
 }
 
-// Cuts the last word off.
 std::string_view take_last_word(std::string_view& text) {
   text = trimmed(text);
   const auto blank = text.find_last_of(kBlank);
@@ -27,13 +26,12 @@ std::string_view take_last_word(std::string_view& text) {
   return word;
 }
 
-// "2026-11-22T14:24:21.126358Z"
+// "2026-11-22T14:24:21.126358Z".
 bool is_time(std::string_view word) {
   return word.size() >= 20 && word[4] == '-' && word[10] == 'T' && word.back() == 'Z' &&
          word.find_first_not_of("0123456789-T:.Z") == word.npos;
 }
 
-// A word of its own: blank or nothing on both sides.
 std::size_t find_word(std::string_view text, std::string_view word) {
   for (auto at = text.find(word); at != text.npos; at = text.find(word, at + 1)) {
     const bool begins = at == 0 || kBlank.find(text[at - 1]) != kBlank.npos;
@@ -64,7 +62,7 @@ std::optional<TraceText> parse_trace_text(std::string_view line) {
     parsed.time = word;
   }
   if (parsed.mark == Mark::kRemark) {
-    // Two hyphens stand in many texts.
+    // Two hyphens occur in many texts.
     if (parsed.time.empty()) return std::nullopt;
     return parsed;
   }

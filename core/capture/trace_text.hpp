@@ -1,9 +1,7 @@
-// Reads a text line of the wire trace as it was pasted: from a terminal, or from a journal that put
-// date, machine and process before it.
+// Parses a pasted line of the wire trace, from a terminal or from a journal with date, machine and
+// process before it. Pure, any thread.
 //
 //   2026-11-22T14:24:21.126358Z press-shop >> 01 03 00 64 00 02 85 D4
-//
-// Pure, any thread.
 #pragma once
 
 #include <optional>
@@ -15,14 +13,14 @@
 namespace fieldcast {
 
 struct TraceText {
-  std::string_view time;  // as written; empty: none stands there
-  std::string_view bus;   // the same
+  std::string_view time;  // as written; empty if missing
+  std::string_view bus;   // as written; empty if missing
   enum class Mark : std::uint8_t { kSent, kReceived, kRemark } mark = Mark::kRemark;
-  Bytes bytes;            // of the first two
+  Bytes bytes;            // of kSent and kReceived
   std::string_view text;  // of a remark
 };
 
-// Nothing: the text line has no mark, or what stands behind it is no hexadecimal.
+// Empty if the line has no mark, or the text after it is not hexadecimal.
 [[nodiscard]] std::optional<TraceText> parse_trace_text(std::string_view line);
 
 }  // namespace fieldcast

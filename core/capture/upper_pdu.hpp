@@ -1,9 +1,7 @@
-// What stands before a frame in a capture of LINKTYPE_WIRESHARK_UPPER_PDU: tags that say which
-// dissector takes it.
+// Tags before a frame in a capture of LINKTYPE_WIRESHARK_UPPER_PDU, which select its dissector.
+// Tags from Wireshark's epan/exported_pdu.h. Pure, any thread.
 //
 //   TAG(2) LENGTH(2) VALUE, padded to 4 bytes .. 00 00 00 00  frame       all big-endian
-//
-// The tags are those of Wireshark's epan/exported_pdu.h. Pure, any thread.
 #pragma once
 
 #include <cstdint>
@@ -16,20 +14,20 @@
 
 namespace fieldcast {
 
-// Modbus has no direction in its frames. Its dissectors go by the port, and 502 is the device.
+// Modbus frames have no direction. Its dissectors use the port, and 502 is the device.
 inline constexpr std::uint16_t kDevicePort = 502, kMasterPort = 49152;
 
-// `column`: what the list of packets shows as the protocol; empty: what the dissector says.
+// `column`: protocol column of the packet list; empty: chosen by the dissector.
 [[nodiscard]] Bytes make_upper_pdu(std::string_view dissector, std::string_view column,
                                    Direction direction, ByteView frame);
 
 struct UpperPdu {
-  std::string dissector;  // empty: none is named
+  std::string dissector;  // empty if missing
   std::string column;
   std::optional<std::uint32_t> source_port, destination_port;
-  ByteView frame;  // of the bytes that were given
+  ByteView frame;  // refers to the given bytes
 };
-// Nothing: the tags do not end.
+// Empty if the tags have no end.
 [[nodiscard]] std::optional<UpperPdu> parse_upper_pdu(ByteView bytes);
 
 }  // namespace fieldcast

@@ -1,5 +1,4 @@
-// The checksums of the families. Pure functions, header only: the simulator's devices share this
-// file and nothing else of the codecs.
+// Pure functions, header only: the simulator's devices use only this file of the codecs.
 #pragma once
 
 #include <array>
@@ -12,8 +11,7 @@ namespace fieldcast {
 
 namespace detail {
 
-// Two tables, so that two bytes cost two independent look-ups instead of a chain of two: [0] one
-// byte, [1] one byte and a zero after it.
+// Two tables allow two independent look-ups for two bytes: [0] one byte, [1] one byte and a zero.
 struct Crc16Tables {
   std::array<std::array<std::uint16_t, 256>, 2> of{};
   constexpr Crc16Tables() {
@@ -33,7 +31,7 @@ inline constexpr Crc16Tables kCrc16Tables{};
 }  // namespace detail
 
 // CRC-16/MODBUS: polynomial 8005h reflected, start FFFFh; sent low byte first. "123456789" gives
-// 4B37h. (Modbus over Serial Line V1.02, 6.2.2)
+// 4B37h (Modbus over Serial Line V1.02, 6.2.2).
 [[nodiscard]] constexpr std::uint16_t crc16_modbus(ByteView bytes) {
   const auto& tables = detail::kCrc16Tables.of;
   unsigned crc = 0xFFFF;
@@ -53,8 +51,8 @@ inline constexpr Crc16Tables kCrc16Tables{};
   return static_cast<std::uint8_t>(sum);
 }
 
-// Two's complement of the sum: all bytes and the LRC add up to 0 (Modbus over Serial Line
-// V1.02, 6.2.1).
+// Two's complement of the sum: all bytes and the LRC add up to 0 (Modbus over Serial Line V1.02,
+// 6.2.1).
 [[nodiscard]] constexpr std::uint8_t lrc8(ByteView bytes) {
   return static_cast<std::uint8_t>(0x100u - sum8(bytes));
 }

@@ -1,4 +1,3 @@
-// Items to values (value_codec.hpp).
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -21,9 +20,9 @@ tl::expected<std::uint64_t, Cause> from_bcd(std::uint64_t bits, unsigned width) 
   return number;
 }
 
-// raw * scale + offset, with the decimals that people expect: 0.1 and 0.3 have no exact double, so
-// 7 * 0.3 is 2.0999999999999996. Where scale and offset are decimals the sum is taken in whole
-// numbers, which are exact, and divided by a power of ten once: 21 / 10 is 2.1.
+// raw * scale + offset, with the expected decimals: 0.1 and 0.3 have no exact double, so 7 * 0.3 is
+// 2.0999999999999996. With decimal scale and offset the sum is computed in whole numbers, which are
+// exact, and divided once by a power of ten: 21 / 10 is 2.1.
 double apply_scale(const Encoding& encoding, double raw) {
   constexpr double kTwo53 = 9007199254740992.0;
   double ten = 1;
@@ -54,7 +53,7 @@ tl::expected<Value, Cause> finish(const Encoding& encoding, Number raw) {
 tl::expected<Value, Cause> decode_bool(const Encoding& encoding, unsigned item_bits,
                                        ByteView items) {
   const std::size_t bytes = item_bits <= 8 ? 1 : item_bits / 8;
-  if (items.size() < bytes) std::abort();  // REQUIRES
+  if (items.size() < bytes) std::abort();  // see REQUIRES of decode_value()
   if (!encoding.bit)
     return Value{std::any_of(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(bytes),
                              [](auto b) { return b != 0; })};
@@ -63,7 +62,6 @@ tl::expected<Value, Cause> decode_bool(const Encoding& encoding, unsigned item_b
   return Value{(byte >> (*encoding.bit % 8) & 1) != 0};
 }
 
-// The bits of the type that a text spells.
 tl::expected<std::uint64_t, Cause> bits_of_text(const Encoding& encoding, unsigned item_bits,
                                                 ByteView items) {
   const Bytes bytes = string_bytes_of(encoding, item_bits, items);
@@ -77,7 +75,8 @@ tl::expected<std::uint64_t, Cause> bits_of_text(const Encoding& encoding, unsign
   const auto number = read_decimal(encoding.text_number.kind, text);
   if (!number) return tl::unexpected(number.error());
   const auto bits = bits_of_value(Encoding{encoding.type}, *number);
-  if (!bits) return tl::unexpected(Cause::kRange);  // a fraction, for an integer, is no wrong type
+  // A fraction for an integer is out of range, not a wrong type.
+  if (!bits) return tl::unexpected(Cause::kRange);
   return *bits;
 }
 
@@ -104,7 +103,7 @@ bool is_not_available(const Encoding& encoding, std::uint64_t bits) {
       return std::isnan(std::bit_cast<float>(static_cast<std::uint32_t>(pattern)));
     return encoding.type == ValueType::kFloat64 && std::isnan(std::bit_cast<double>(pattern));
   };
-  // Bits that a negative number was encoded to may be wider than its type.
+  // The bits of a negative number may be wider than its type.
   const std::uint64_t mask = UINT64_MAX >> (64 - width_bits(Encoding{.type = encoding.type}));
   return std::any_of(encoding.not_available.begin(), encoding.not_available.end(),
                      [&](std::uint64_t pattern) {
@@ -139,7 +138,7 @@ tl::expected<Value, Cause> value_of_bits(const Encoding& encoding, std::uint64_t
       return finish(encoding, *number);
     }
     case ValueType::kBool:
-    case ValueType::kString: break;  // done above
+    case ValueType::kString: break;  // handled above
   }
   std::abort();
 }

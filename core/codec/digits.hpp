@@ -1,5 +1,4 @@
-// Numbers as fixed columns of ASCII digits, the way Host Link, FX and S7 freeport write them.
-// Header only.
+// Fixed-width numbers of ASCII digits, as in Host Link, FX and S7 freeport. Header only.
 #pragma once
 
 #include <cstdint>
@@ -9,14 +8,13 @@
 
 namespace fieldcast {
 
-// The value of 0-9 or A-F; -1 for any other character, lower case included: a flipped bit makes
-// lower case out of upper case.
+// Rejects lower case, which a flipped bit may produce.
 [[nodiscard]] constexpr int hex_digit(std::uint8_t c) {
   if (c >= '0' && c <= '9') return c - '0';
   return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
 }
 
-// The `digits` lowest digits of value in base 16 or 10, most significant first.
+// Writes the most significant digit first.
 inline void append_digits(Bytes& out, std::uint32_t value, unsigned digits,
                           std::uint32_t base = 16) {
   static constexpr char kDigits[] = "0123456789ABCDEF";
@@ -25,8 +23,7 @@ inline void append_digits(Bytes& out, std::uint32_t value, unsigned digits,
     out[out.size() - i] = static_cast<std::uint8_t>(kDigits[value % base]);
 }
 
-// All characters as one number; nothing when one is no digit of the base. REQUIRES: the number fits
-// 32 bits.
+// Empty if a character is not a digit. REQUIRES: the number fits 32 bits.
 [[nodiscard]] constexpr std::optional<std::uint32_t> read_digits(ByteView characters,
                                                                  std::uint32_t base = 16) {
   std::uint32_t value = 0;
@@ -38,11 +35,11 @@ inline void append_digits(Bytes& out, std::uint32_t value, unsigned digits,
   return value;
 }
 
-// Two digits for each byte.
+// Two digits per byte.
 inline void append_hex_bytes(Bytes& out, ByteView bytes) {
   for (const std::uint8_t byte : bytes) append_digits(out, byte, 2);
 }
-// Nothing for an odd count or a character that is no digit.
+// Empty for an odd count or an invalid digit.
 [[nodiscard]] inline std::optional<Bytes> read_hex_bytes(ByteView characters) {
   if (characters.size() % 2 != 0) return std::nullopt;
   Bytes bytes(characters.size() / 2);

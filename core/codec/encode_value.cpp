@@ -1,5 +1,4 @@
-// Values to items (value_codec.hpp). Every narrowing is checked: what does not fit is kRange, what
-// is of another kind kWrongType.
+// kRange if a value does not fit, kWrongType for another kind of value.
 #include <bit>
 #include <cmath>
 #include <cstdlib>
@@ -12,7 +11,6 @@
 namespace fieldcast {
 namespace {
 
-// The largest raw number of an unsigned or BCD type, and the two ends of a signed one.
 struct RawLimits {
   std::int64_t lowest = 0;
   std::uint64_t highest = 0;
@@ -63,7 +61,7 @@ Bits checked(ValueType type, double number) {
   return tl::unexpected(Cause::kRange);
 }
 
-// The number in a Value as a double; nothing for a bool or a text.
+// kWrongType for a bool or a text.
 tl::expected<double, Cause> number_of(const Value& value) {
   if (const auto* i = std::get_if<std::int64_t>(&value)) return static_cast<double>(*i);
   if (const auto* u = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*u);
@@ -86,8 +84,7 @@ Bits float_bits(const Encoding& encoding, const Value& value) {
     if (!std::isfinite(raw)) return tl::unexpected(Cause::kRange);
     return std::bit_cast<std::uint64_t>(raw);
   }
-  // A double that rounds up past the largest float becomes infinite: the comparison comes before
-  // the conversion, which would be undefined out of range.
+  // Compared before the conversion, which is undefined out of range.
   if (!(std::abs(raw) <= static_cast<double>(std::numeric_limits<float>::max())))
     return tl::unexpected(Cause::kRange);
   return std::bit_cast<std::uint32_t>(static_cast<float>(raw));
@@ -115,7 +112,7 @@ Bits integer_bits(const Encoding& encoding, const Value& value) {
   return raw;
 }
 
-// A bool takes true, false, and the numbers 0 and 1.
+// Accepts true, false, 0 and 1.
 tl::expected<bool, Cause> truth_of(const Value& value) {
   if (const auto* b = std::get_if<bool>(&value)) return *b;
   const auto number = number_of(value);
@@ -180,7 +177,7 @@ tl::expected<Bytes, Cause> encode_value(const Encoding& encoding, unsigned item_
 }
 
 void merge_bit(Bytes& item, unsigned bit, bool on) {
-  if (bit / 8 >= item.size()) std::abort();  // the caller knows the item's width
+  if (bit / 8 >= item.size()) std::abort();  // the caller must pass a bit within the item
   std::uint8_t& byte = item[item.size() - 1 - bit / 8];
   const auto mask = static_cast<std::uint8_t>(1u << bit % 8);
   byte = static_cast<std::uint8_t>(on ? byte | mask : byte & ~mask);

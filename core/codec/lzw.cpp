@@ -7,19 +7,17 @@ namespace {
 
 constexpr unsigned kSingles = 16;
 
-// The width of code k: as many bits as the highest code that may stand there needs.
 constexpr unsigned width_of(std::size_t k) {
   const std::size_t highest = 15 + k < kLzwEntries - 1 ? 15 + k : kLzwEntries - 1;
   return static_cast<unsigned>(std::bit_width(highest));
 }
 
-// Bits, most significant first, into a span that may turn out too short.
 class BitWriter {
  public:
   explicit BitWriter(std::span<std::uint8_t> out)
       : at_(out.data()), begin_(out.data()), end_(out.data() + out.size()) {}
 
-  // False: no room. At most 7 bits wait between two calls, so that nothing is lost from 32.
+  // Returns false without space. At most 7 bits remain between two calls, so 32 are enough.
   bool put(unsigned code, unsigned width) {
     waiting_ = waiting_ << width | code;
     count_ += width;
@@ -45,7 +43,7 @@ class BitReader {
  public:
   explicit BitReader(ByteView bytes) : bytes_(bytes) {}
 
-  // Nothing: fewer bits are left.
+  // Empty if fewer bits are left.
   std::optional<unsigned> get(unsigned width) {
     while (count_ < width) {
       if (at_ == bytes_.size()) return std::nullopt;
@@ -55,7 +53,7 @@ class BitReader {
     count_ -= width;
     return waiting_ >> count_ & ((1u << width) - 1);
   }
-  // All bytes are used up, and what is left of the last is zero.
+  // All bytes are used, and the rest of the last is zero.
   [[nodiscard]] bool at_filled_end() const {
     return at_ == bytes_.size() && (waiting_ & ((1u << count_) - 1)) == 0;
   }
@@ -75,10 +73,10 @@ std::optional<std::size_t> LzwEncoder::encode(ByteView original, std::span<std::
   BitWriter writer(out);
   if (original.empty()) return 0;
 
-  unsigned next = kSingles;  // the entry to be made
+  unsigned next = kSingles;  // the next entry
   unsigned width = width_of(0);
   unsigned node = original[0] >> 4;
-  // True: there is room for what this nibble costs.
+  // Returns false without space for the output.
   const auto take = [&](unsigned nibble) {
     std::uint16_t& child = children[node][nibble];
     if (child != 0) {
@@ -90,7 +88,7 @@ std::optional<std::size_t> LzwEncoder::encode(ByteView original, std::span<std::
     if (next == kLzwEntries) return room;
     child = static_cast<std::uint16_t>(next);
     children[next].fill(0);
-    // The next code may be the entry made here.
+    // The next code may be this entry.
     width = static_cast<unsigned>(std::bit_width(next));
     ++next;
     return room;
@@ -105,16 +103,15 @@ std::optional<std::size_t> LzwEncoder::encode(ByteView original, std::span<std::
 
 tl::expected<void, LzwFault> lzw_decode(ByteView codes, std::size_t length, Bytes& out) {
   if (length > kLzwMaxOriginal) return tl::unexpected(LzwFault::kTooLong);
-  // Left uninitialised: only what was written is read.
+  // Uninitialised: only written elements are read.
   std::array<std::uint8_t, 2 * kLzwMaxOriginal> nibbles;
-  std::array<std::uint16_t, kLzwEntries> start, size;  // where an entry's string stands in them
+  std::array<std::uint16_t, kLzwEntries> start, size;  // position of an entry's string in `nibbles`
   const std::size_t wanted = 2 * length;
   std::size_t filled = 0, last_start = 0, last_size = 0;
   BitReader reader(codes);
   for (std::size_t k = 0; filled < wanted; ++k) {
     const auto code = reader.get(width_of(k));
     if (!code) return tl::unexpected(LzwFault::kTruncated);
-    // The string before, and the nibble that comes now: right behind it.
     const std::size_t defined = 15 + k;
     if (k > 0 && defined < kLzwEntries) {
       start[defined] = static_cast<std::uint16_t>(last_start);
@@ -129,8 +126,8 @@ tl::expected<void, LzwFault> lzw_decode(ByteView codes, std::size_t length, Byte
     if (*code > defined) return tl::unexpected(LzwFault::kCode);
     last_size = size[*code];
     if (last_size > wanted - filled) return tl::unexpected(LzwFault::kOverrun);
-    // Forwards, one by one: the entry just being defined ends with its own first nibble, which this
-    // loop writes first.
+    // Forwards, one by one: a new entry ends with its own first nibble, which this loop writes
+    // first.
     for (std::size_t i = 0; i < last_size; ++i) nibbles[filled + i] = nibbles[start[*code] + i];
     filled += last_size;
   }

@@ -8,15 +8,14 @@ namespace {
 
 constexpr std::size_t kMaxBytes = 8;
 
-// Bit items carry a number with its least significant bit first, as coils do.
+// Bit items contain a number with its least significant bit first, as coils do.
 std::uint64_t from_bit_items(ByteView items, std::size_t count) {
   std::uint64_t bits = 0;
   for (std::size_t i = 0; i < count; ++i) bits |= static_cast<std::uint64_t>(items[i] != 0) << i;
   return bits;
 }
 
-// Brings the value's bytes from the channel's order to big-endian, and back: each half is its own
-// inverse, and they commute.
+// Works in both directions: each half is its own inverse, and they commute.
 void reorder(const Encoding& encoding, std::span<std::uint8_t> bytes) {
   if (bytes.size() < 2) return;
   if (encoding.word_order == WordOrder::kLittleEndian) {
@@ -45,14 +44,14 @@ std::uint8_t filler(const Encoding& encoding, std::uint64_t bits) {
 tl::expected<std::uint64_t, Cause> gather_bits(const Encoding& encoding, unsigned item_bits,
                                                ByteView items) {
   const std::uint32_t count = item_count(encoding, item_bits);
-  // REQUIRES of decode_value.
+  // See REQUIRES of decode_value().
   if (items.size() < (item_bits <= 8 ? count : count * (item_bits / 8))) std::abort();
   if (item_bits == 1) return from_bit_items(items, count);
 
   const std::size_t width = width_bits(encoding) / 8;
   const std::size_t image = count * (item_bits / 8);
   if (is_part(encoding, item_bits)) return items[image - 1 - *encoding.bit / 8];
-  const std::size_t spare = image - width;  // only where one item is wider than the value
+  const std::size_t spare = image - width;  // above 0 only if one item is wider than the value
   std::uint8_t bytes[kMaxBytes];
   std::copy_n(items.begin() + static_cast<std::ptrdiff_t>(spare), width, bytes);
   reorder(encoding, {bytes, width});
@@ -96,7 +95,7 @@ Bytes string_bytes_of(const Encoding& encoding, unsigned item_bits, ByteView ite
     text.assign(items.begin(), items.end());
   }
   swap_pairs(encoding, text);
-  if (text.size() < encoding.string_bytes) std::abort();  // REQUIRES of decode_value
+  if (text.size() < encoding.string_bytes) std::abort();  // see REQUIRES of decode_value()
   text.resize(encoding.string_bytes);
   return text;
 }

@@ -1,5 +1,4 @@
-// The step between items and numbers: a value's bits out of its items in the channel's word and
-// byte order, and back. Used by the two halves of value_codec alone.
+// Converts between items and the bits of a value. Only used by the two parts of value_codec.
 #pragma once
 
 #include <cstdint>
@@ -11,26 +10,22 @@
 
 namespace fieldcast {
 
-// The bits of a numeric value, right-aligned. kRange: an item wider than the value holds more than
-// the value's type can. With Encoding::bit the item holds more than the value, and only its byte
-// counts.
+// Right-aligned. kRange: an item wider than the value exceeds its type, except with Encoding::bit.
 [[nodiscard]] tl::expected<std::uint64_t, Cause> gather_bits(const Encoding& encoding,
                                                              unsigned item_bits, ByteView items);
 
-// The reverse; items wider than the value are filled with its sign (signed types) or zeros.
+// Wider items are filled with the sign (signed types) or zeros.
 [[nodiscard]] Bytes spread_bits(const Encoding& encoding, unsigned item_bits, std::uint64_t bits);
 
-// The raw number of a value, its scale undone, as the bits of its type; and back.
+// Converts between a value and its raw number, without the scale, as the bits of its type.
 [[nodiscard]] tl::expected<std::uint64_t, Cause> bits_of_value(const Encoding& encoding,
                                                                const Value& value);
 [[nodiscard]] tl::expected<Value, Cause> value_of_bits(const Encoding& encoding,
                                                        std::uint64_t bits);
 
-// Whether these bits mean "no value" by Encoding::not_available.
 [[nodiscard]] bool is_not_available(const Encoding& encoding, std::uint64_t bits);
 
-// The characters of a string in reading order: bytes of each word swapped where the channel says
-// so. Word order does not apply.
+// In reading order: swaps the bytes of each word if required. Word order does not apply.
 [[nodiscard]] Bytes string_bytes_of(const Encoding& encoding, unsigned item_bits, ByteView items);
 [[nodiscard]] Bytes items_of_string(const Encoding& encoding, unsigned item_bits, ByteView text);
 

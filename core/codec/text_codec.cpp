@@ -12,7 +12,7 @@ bool is_ascii(std::string_view text) {
                      [](char c) { return static_cast<unsigned char>(c) < 0x80; });
 }
 
-// A byte of Latin-1 is the number of its character; 80..9F are controls.
+// A byte of Latin-1 is the code point of its character; 80..9F are controls.
 std::string latin1_to_utf8(std::string_view bytes) {
   std::string text;
   for (const char c : bytes) {
@@ -47,7 +47,8 @@ class PlainTextCodec final : public TextCodec {
     if (charset == Charset::kUtf8) return escaped(bytes);
     if (charset == Charset::kLatin1) return latin1_to_utf8(bytes);
     std::string text;
-    for (const char& c : bytes) text += escaped({&c, 1});  // byte by byte: never taken for UTF-8
+    // Byte by byte, so that it is never treated as UTF-8.
+    for (const char& c : bytes) text += escaped({&c, 1});
     return text;
   }
   std::optional<std::string> from_utf8(Charset charset, std::string_view text) override {

@@ -1,7 +1,6 @@
-// Converts texts between the character set of a device and UTF-8.
-//
-// Core knows ASCII, UTF-8 and Latin-1; character sets that need tables come from a library, through
-// this interface. Each bus has an object of its own, used on the bus's thread.
+// Converts texts between the character set of a device and UTF-8. Core supports ASCII, UTF-8 and
+// Latin-1; a library adds other sets through this interface. Each bus has its own object, used on
+// its thread.
 #pragma once
 
 #include <cstdint>
@@ -17,14 +16,14 @@ enum class Charset : std::uint8_t { kUtf8, kLatin1, kGbk, kShiftJis };
 class TextCodec {
  public:
   virtual ~TextCodec() = default;
-  // Printable UTF-8: what is no character of the set, and control characters, stand as \xE4.
+  // Printable UTF-8; invalid bytes and control characters are written as \xE4.
   [[nodiscard]] virtual std::string to_utf8(Charset charset, std::string_view bytes) = 0;
-  // The bytes of a text; nothing when it is no UTF-8, or the set lacks one of its characters.
+  // Empty if the text is not UTF-8, or the set lacks a character.
   [[nodiscard]] virtual std::optional<std::string> from_utf8(Charset charset,
                                                              std::string_view text) = 0;
 };
 
-// Without a library: of GBK and Shift-JIS the ASCII characters alone. Any thread.
+// Supports only the ASCII characters of GBK and Shift-JIS. Any thread.
 [[nodiscard]] TextCodec& plain_text_codec();
 
 }  // namespace fieldcast

@@ -10,12 +10,12 @@ namespace fieldcast {
 namespace {
 
 constexpr std::uint64_t kLowestMagnitude = std::uint64_t{1} << 63;  // of the lowest int64
-constexpr std::size_t kMaxCharacters = 64;  // of a number; more are no number
+constexpr std::size_t kMaxCharacters = 64;  // of a number; longer texts are rejected
 
 using Read = tl::expected<Value, Cause>;
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
-// What devices fill their fields with.
+// Padding used by devices.
 bool blank(char c) { return c == ' ' || c == '\t' || c == '\0'; }
 
 std::string_view without_padding(std::string_view text) {
@@ -38,7 +38,6 @@ Read whole_number(std::string_view digits, bool negative) {
                                              : -static_cast<std::int64_t>(magnitude)};
 }
 
-// The digits of a number without its sign: in full, or rounded to `decimals`.
 std::string digits_of(const Value& number, bool single, int decimals) {
   std::array<char, 400> buffer{};  // the largest double has 309 digits before the point
   char* const first = buffer.data();
@@ -87,7 +86,7 @@ tl::expected<Value, Cause> read_decimal(TextNumber::Kind kind, std::string_view 
   std::string_view text = without_padding(characters);
   const bool negative = text.starts_with('-');
   if (negative || text.starts_with('+')) text = without_padding(text.substr(1));
-  std::array<char, kMaxCharacters> plain{};  // as from_chars wants it: with a point
+  std::array<char, kMaxCharacters> plain{};  // with a point, as from_chars requires
   if (text.empty() || text.size() > plain.size()) return tl::unexpected(Cause::kRange);
   std::size_t at = 0;
   bool digits = false, mark = false;
@@ -135,7 +134,7 @@ tl::expected<std::string, Cause> write_decimal(const TextNumber& form, std::size
     if (point == digits.npos || point > room) return tl::unexpected(Cause::kRange);
     const auto decimals = room > point + 1 ? static_cast<int>(room - point - 1) : 0;
     digits = digits_of(number, single, decimals);
-    if (digits.size() > room && decimals > 0)  // rounded up to one digit more: "99.96"
+    if (digits.size() > room && decimals > 0)  // rounding added a digit: "99.96"
       digits = digits_of(number, single, decimals - 1);
   }
   if (digits.size() > room) return tl::unexpected(Cause::kRange);

@@ -1,8 +1,6 @@
-// Channel values from raw items and back: types, word and byte order, bit of a word, scale and
-// offset. Nothing wraps around: what does not fit is a fault. Pure functions.
-//
-// Raw items are the protocol's items in its canonical image (protocol.hpp): bit items one byte each
-// (0 or 1), 8-bit items one byte, wider items big-endian.
+// Converts channel values from and to raw items: types, word and byte order, bit of a word, scale
+// and offset. Values that do not fit are faults. Pure functions. Raw items have the canonical image
+// of protocol.hpp: bit items one byte each (0 or 1), 8-bit items one byte, wider items big-endian.
 #pragma once
 
 #include <cstdint>
@@ -45,35 +43,33 @@ enum class ValueType : std::uint8_t {
 // Without the (n) of a string.
 [[nodiscard]] std::optional<ValueType> value_type_from(std::string_view text);
 
-// Of the 16-bit words of a wider value: high word first, or low word first.
+// Order of the 16-bit words of a wider value: high word first, or low word first.
 enum class WordOrder : std::uint8_t { kBigEndian, kLittleEndian };
-// Of the two bytes of each word.
+// Order of the two bytes of each word.
 enum class ByteOrder : std::uint8_t { kBigEndian, kLittleEndian };
 
-// Every type but string(n), in the order in which people are told of them.
+// All types but string(n), in the order of human-readable lists.
 [[nodiscard]] std::span<const ValueType> plain_types();
-// "bool, int8, .. bcd32, string(1) to string(250)": what is allowed, for faults.
+// "bool, int8, .. bcd32, string(1) to string(250)", for fault messages.
 [[nodiscard]] std::string allowed_types();
-// What one Modbus read carries: 125 registers.
+// The limit of one Modbus read: 125 registers.
 inline constexpr std::uint16_t kMaxStringBytes = 250;
 
-// How a channel's value lies in its items.
 struct Encoding {
   ValueType type = ValueType::kUint16;
   // For kString: n of string(n), 1..kMaxStringBytes; for a number as text: its characters.
   std::uint16_t string_bytes = 0;
   WordOrder word_order = WordOrder::kBigEndian;
   ByteOrder byte_order = ByteOrder::kBigEndian;
-  // Inside an item wider than the value: of a bool its bit, of an 8-bit type the lowest of its
-  // eight bits (a multiple of 8). 0 is the least significant.
+  // Lowest bit in a wider item (8-bit types: a multiple of 8); 0 is the least significant.
   std::optional<std::uint8_t> bit;
-  // value = raw * scale + offset; anything but 1 and 0 makes the value a double.
+  // value = raw * scale + offset; values other than 1 and 0 make the result a double.
   double scale = 1.0;
   double offset = 0.0;
-  TextNumber text_number = {};       // a number that stands as text; not for bool, BCD and kString
+  TextNumber text_number = {};       // for a number written as text; not for bool, BCD and kString
   Charset charset = Charset::kUtf8;  // of kString
-  // Raw values that mean "no value", before scale and offset, as the bits of the type. A NaN stands
-  // for every NaN. Not for bool and kString.
+  // Raw values that mean "no value", as bits of the type. A NaN matches every NaN. Not for bool and
+  // kString.
   std::vector<std::uint64_t> not_available{};
   [[nodiscard]] bool is_text() const { return type == ValueType::kString || text_number; }
   [[nodiscard]] bool scaled() const { return scale != 1.0 || offset != 0.0; }
@@ -82,45 +78,42 @@ struct Encoding {
 
 [[nodiscard]] std::string to_text(const Encoding& encoding);  // "float32", "string(16)"
 
-// Bits of the value on the wire: 16 for int16, 8 * n for string(n) and for a number as text of n
-// characters, 1 for bool.
+// 16 for int16, 8 * n for string(n) and for a number as text of n characters, 1 for bool.
 [[nodiscard]] unsigned width_bits(const Encoding& encoding);
 
-// Items of item_bits each that hold one value. A bool is one item; int32 in 16-bit items is two.
+// A bool is one item; an int32 in 16-bit items is two.
 [[nodiscard]] std::uint32_t item_count(const Encoding& encoding, unsigned item_bits);
 
-// The value. kNotAvailable: one of Encoding::not_available; kRange: a NaN or infinite float, a BCD
-// digit above 9, a scaled value that is not finite, a text that spells no number of the type.
+// Decodes a value; a string becomes printable UTF-8. Fails with kNotAvailable for
+// Encoding::not_available, with kRange for
+//   - a NaN, or a float or scaled value that is not finite,
+//   - a BCD digit above 9, or a text that is not a number of the type.
 // REQUIRES: items holds item_count() items of item_bits.
-// A string comes as printable UTF-8, by the codec.
 [[nodiscard]] tl::expected<Value, Cause> decode_value(const Encoding& encoding, unsigned item_bits,
                                                       ByteView items,
                                                       TextCodec& codec = plain_text_codec());
 
-// The items of a value. kWrongType: a text for a number, a fraction for an unscaled integer, a
-// string for a bool; kRange: does not fit the type after the scale is undone (rounded to nearest),
-// is one of Encoding::not_available, a string or the text of a number is too long, a text has
-// characters that the channel's character set lacks. With `bit` the item holds zeros beside that
-// bit, or that byte: see merge_bit().
+// Encodes a value. Fails with kWrongType for a text as a number, a fraction as an unscaled integer,
+// or a string as a bool. Fails with kRange
+//   - if the raw number (rounded to nearest) does not fit or is in Encoding::not_available,
+//   - if a text is too long, or the character set lacks a character.
+// With `bit`, other bits of the item are zero: see merge_bit().
 [[nodiscard]] tl::expected<Bytes, Cause> encode_value(const Encoding& encoding, unsigned item_bits,
                                                       const Value& value,
                                                       TextCodec& codec = plain_text_codec());
 
-// A bool or a byte inside an item that is wider: it is read with the whole item, and written
-// without touching the rest of it.
+// A bool or a byte that is read with its whole item, and written without changing the rest.
 [[nodiscard]] bool is_part(const Encoding& encoding, unsigned item_bits);
 
-// Puts bit `bit` of one item of item_bits to `on` in its canonical image.
 void merge_bit(Bytes& item, unsigned bit, bool on);
 
-// A text as people type it, in the form that the channel's type wants: "true", "on", "1", "-12",
-// "0x1F", "2.5".
+// Parses a value typed by a user: "true", "on", "1", "-12", "0x1F", "2.5".
 [[nodiscard]] tl::expected<Value, Cause> parse_value(const Encoding& encoding,
                                                      std::string_view text);
 
-// One value of Encoding::not_available as a user types it: "0x8000" is the bits of the type, "nan"
-// a NaN of a float type, "-1" a number of the type. Fails with kWrongType or kRange. REQUIRES: a
-// numeric type.
+// Parses a value of Encoding::not_available typed by a user: "0x8000" is the bits of the type,
+// "nan" a NaN of a float type, "-1" a number of the type. Fails with kWrongType or kRange.
+// REQUIRES: a numeric type.
 [[nodiscard]] tl::expected<std::uint64_t, Cause> parse_not_available(const Encoding& encoding,
                                                                      std::string_view text);
 

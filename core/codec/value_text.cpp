@@ -1,4 +1,3 @@
-// Names and sizes of value types, and values as people type them (value_codec.hpp).
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -64,7 +63,7 @@ Parsed parse_bool(std::string_view text) {
   return tl::unexpected(Cause::kWrongType);
 }
 
-// "-12", "0x1F", "2.5e3" as an integer where it is one, else as a double.
+// "-12", "0x1F", "2.5e3" as an integer if possible, else as a double.
 Parsed parse_number(std::string_view text) {
   const bool negative = text.starts_with('-');
   if (negative || text.starts_with('+')) text.remove_prefix(1);

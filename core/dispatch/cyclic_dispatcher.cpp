@@ -6,16 +6,14 @@ namespace fieldcast {
 
 namespace {
 
-// How much sooner than it is due a read may end. A read that comes even sooner would have to be
-// made again.
+// An even earlier read would have to be repeated.
 Duration early_by(const ReadPlan& plan, GroupIndex group, const PointState& head) {
-  constexpr double kWithoutPhase = 0.1;  // of the allowed gap, for those without a phase
+  constexpr double kWithoutPhase = 0.1;  // of the allowed gap, for reads without a phase
   if (head.eager || head.period == Duration::zero())
     return part_of(kWithoutPhase, head.allowed_gap);
   return plan.groups[group].slack;
 }
 
-// When a point acquired at `acquired` must be read again.
 Instant next_due(const Cycle& group, const PointState& point, Instant acquired) {
   if (point.mode == Mode::kIntensive || group.period == Duration::zero())
     return later(acquired, point.allowed_gap);
@@ -26,7 +24,6 @@ Instant next_due(const Cycle& group, const PointState& point, Instant acquired) 
 
 }  // namespace
 
-// The most urgent read, unless it would delay one that is due before it.
 Decision CyclicDispatcher::next(const ReadPlan& plan, DispatchState& state, Instant now) {
   constexpr std::size_t kExamined = 8;
   const GroupQueues& queues = state.queues;
@@ -44,8 +41,7 @@ Decision CyclicDispatcher::next(const ReadPlan& plan, DispatchState& state, Inst
   return Rest{std::min(until, state.next_wake())};
 }
 
-// Whether a read that is due at `due` and ends at `end` delays one that begins before that end and
-// is due sooner.
+// The other read begins before `end` and is due before `due`.
 bool CyclicDispatcher::delays_another(const DispatchState& state, Instant due, Instant end) {
   const DueQueue& held = state.queues.held;
   walk_.assign(1, 0);
@@ -76,7 +72,7 @@ void CyclicDispatcher::enqueue(const ReadPlan& plan, DispatchState& state, Group
   const GroupState& group = state.groups[index];
   const PointState& head = state.points_of(plan, index)[group.urgent];
   const Duration tail = state.wire.tails[plan.grouping.groups[index].device];
-  // A phase says when the answer ends; without one the wire shall be free again by then.
+  // With a phase, the response must end then; without one, the wire must be free again.
   const bool has_phase = !head.eager && head.period > Duration::zero();
   const Instant release =
       due - group.cost + (has_phase ? tail : Duration::zero()) - early_by(plan, index, head);

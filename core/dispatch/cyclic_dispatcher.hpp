@@ -1,5 +1,5 @@
-// Follows the timetable: of the reads that may begin, the one that is due first, never interrupted.
-// Wire time that no due read needs goes to reads that can use it. Holds only scratch memory.
+// Follows the timetable: selects the read that is due first; spare wire time is used for other
+// reads. Holds only scratch memory.
 #pragma once
 
 #include <vector>
@@ -14,7 +14,7 @@ class CyclicDispatcher {
   [[nodiscard]] Duration slack(const ReadPlan& plan, const DispatchState& state, Instant now) const;
   void enqueue(const ReadPlan& plan, DispatchState& state, GroupIndex group, Instant due,
                Instant now);
-  // A point that was read early keeps its instant; otherwise it is due at its next one.
+  // A point that was read early keeps its due time.
   void renew(const DispatchState& state, const GroupState& group, PointState& point,
              Instant acquired) const;
   void forget() {}

@@ -1,4 +1,3 @@
-// What a dispatcher decides: one read, or a rest. Plain values.
 #pragma once
 
 #include <variant>
@@ -8,16 +7,15 @@
 
 namespace fieldcast {
 
-// One read: the ranges for one request (one, for protocols without range lists) and the points
-// whose data it brings.
+// One read: the ranges of one request and the points that it reads.
 struct Block {
   DeviceIndex device = 0;
   std::vector<Range> ranges;
   std::vector<PointIndex> points;
-  Duration cost{};  // of the wire: request, answer, answer time, silence, pause
+  Duration cost{};  // wire time: request, response, response time, silence, pause
 };
 
-// Nothing is worth reading before then.
+// No read is useful before then.
 struct Rest {
   Instant until = kNever;
 };

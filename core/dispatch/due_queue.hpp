@@ -1,5 +1,5 @@
-// A priority queue of small integers by instant, smallest first, in which every entry can be moved
-// or taken out. Logarithmic; no allocation after construction.
+// A priority queue of small integers by time, whose entries can be moved and removed. Logarithmic;
+// does not allocate after construction.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +19,7 @@ class DueQueue {
   [[nodiscard]] std::uint32_t top() const { return heap_.front(); }
   [[nodiscard]] Instant top_key() const { return key_[heap_.front()]; }
   [[nodiscard]] bool holds(std::uint32_t id) const { return node_of_[id] != kOut; }
-  // The heap itself, for walks that look at a few entries in order: the children of node i are
-  // nodes 2i+1 and 2i+2.
+  // For partial walks: the children of node i are 2i+1 and 2i+2.
   [[nodiscard]] std::uint32_t at(std::size_t node) const { return heap_[node]; }
   [[nodiscard]] Instant key(std::uint32_t id) const { return key_[id]; }
 

@@ -17,7 +17,6 @@ Decision DynamicBlocksDispatcher::next(const ReadPlan& plan, DispatchState& stat
   return block;
 }
 
-// The most urgent groups, as long as the next one is due soon after those before it end.
 void DynamicBlocksDispatcher::fill(const ReadPlan& plan, DispatchState& state, Instant now) {
   const Duration reserve = part_of(LookAhead::kReserve, plan.fastest);
   DueQueue& due = state.queues.due;

@@ -1,5 +1,5 @@
-// A simple algorithm, to be compared with: it takes up to twenty of the most urgent groups, each as
-// one block, and reads them; then it chooses again. Holds the blocks that are still to be read.
+// A simple algorithm for comparison: reads up to twenty of the most urgent groups, then selects
+// again.
 #pragma once
 
 #include <algorithm>

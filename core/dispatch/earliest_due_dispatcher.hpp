@@ -1,5 +1,4 @@
-// Earliest due first, without a timetable; the wire rests as long as the look-ahead allows. For
-// planners that exist only to be compared with.
+// Earliest due first, without a timetable. For planners that only serve comparison.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,4 @@
-// For a bus on which nothing has a period: always the group with the least time left. The wire
-// never rests while there is something to read. Stateless.
+// For a bus without periods: always selects the group with the least time left. Stateless.
 #pragma once
 
 #include <algorithm>

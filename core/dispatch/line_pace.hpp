@@ -1,6 +1,6 @@
-// How much sooner than planned the reads of a device end. A line behind a converter, or a
-// pseudo-terminal, carries characters faster than its rate says. A read that begins in time for the
-// rate would end long before it is due, and be made again. Plain value.
+// How much earlier than planned the reads of a device end. A converter or pseudo-terminal is faster
+// than its nominal rate: a read planned for that rate would end too early and be repeated. Plain
+// value.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace fieldcast {
 
 class LinePace {
  public:
-  // A read that was planned to take `planned` until its answer ended took `took`.
+  // `took`, `planned`: time until the end of the response.
   void read(Duration took, Duration planned) {
     if (planned <= Duration::zero()) return;
     const double share = ns(took) / ns(planned);
@@ -21,8 +21,7 @@ class LinePace {
     slowest_ = 0;
     reads_ = 0;
   }
-  // Of the planned time, at most 1: the slowest of the last reads. Small differences do not
-  // count.
+  // At most 1: the slowest of the last reads. Ignores small differences.
   [[nodiscard]] double share() const {
     const double share = std::max(before_, slowest_);
     return share < kNotable ? share : 1.0;

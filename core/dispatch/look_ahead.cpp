@@ -22,15 +22,14 @@ LookAhead::Ahead LookAhead::pop() {
   return ahead;
 }
 
-// Walks the next reads in the order in which they are due, as if the wire began now and did not
-// rest: if one ends so much before it is due, the wire may rest so long at most. A group that is
-// read sooner than it is due is due sooner the next time.
+// If a read ends before it is due, the wire may rest for at most the difference. A group that is
+// read early is due earlier the next time.
 Duration LookAhead::rest(const ReadPlan& plan, const DispatchState& state, Instant now) {
   const DueQueue& due = state.queues.due;
   const Duration silence = state.wire.silence;
   const GroupIndex first = due.top();
   const Duration own = coming_[first][0].cost;
-  Duration others = Duration::max();  // rest that all but the first allow
+  Duration others = Duration::max();  // rest allowed by all but the first
   Instant end = now;                  // of the reads so far, without the first
   heap_.clear();
   push({due.top_key(), first, 0, 0});

@@ -1,5 +1,5 @@
-// How long the wire may rest when there is no timetable: the next reads of all groups, imagined as
-// late as possible, one after the other. Owned by the dispatchers that have no timetable.
+// Computes how long the wire may rest without a timetable, by simulating all reads as late as
+// possible.
 #pragma once
 
 #include <array>
@@ -12,15 +12,13 @@ namespace fieldcast {
 
 class LookAhead {
  public:
-  // A rest ends before it must, by this part of the fastest allowed gap.
+  // Part of the fastest allowed gap by which a rest ends early.
   static constexpr double kReserve = 0.25;
 
-  // Reads the group in imagination, each time at the last moment. Sets its next read, which is due
-  // at `due`, and puts it into the queue `due`.
+  // Sets the group's next read, due at `due`, and puts it into the queue `due`.
   void enqueue(const ReadPlan& plan, DispatchState& state, GroupIndex group, Instant due,
                Instant now);
-  // How long the wire may rest before something must begin; negative: something is late.
-  // REQUIRES: the queue `due` is not empty.
+  // Negative if a read is late. REQUIRES: the queue `due` is not empty.
   [[nodiscard]] Duration rest(const ReadPlan& plan, const DispatchState& state, Instant now);
 
   // Every read is due an allowed gap after the last one.
@@ -30,19 +28,17 @@ class LookAhead {
 
  private:
   static constexpr std::size_t kReads = 6;
-  // One of the next reads of a group, if each is made as late as possible.
   struct Coming {
     Instant due = kNever;
     Duration cost{};
-    // Its most urgent point is read by one of the reads before it. When that read is made sooner,
-    // this one is due sooner by as much.
+    // An earlier read contains its most urgent point: both become due earlier by the same time.
     bool again = false;
   };
-  struct Ahead {  // small: heaps of it are what a decision costs
+  struct Ahead {  // kept small, as heaps of it determine the time of a decision
     Instant due;
     GroupIndex group;
     std::uint32_t node : 28;  // in the queue; kNoNode: a repetition
-    std::uint32_t step : 4;   // in the group's next reads
+    std::uint32_t step : 4;   // index in the group's next reads
   };
   static constexpr std::uint32_t kNoNode = (1u << 28) - 1;
 

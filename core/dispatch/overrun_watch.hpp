@@ -1,5 +1,5 @@
-// How much more of the wire reads need than planned: retries and late answers show in points that
-// come late although the wire never rests. Plain value; fed by the plan runner.
+// Estimates how much more wire time reads need than planned, from points that are late although the
+// wire never rests. Plain value.
 #pragma once
 
 #include <cstdint>
@@ -10,21 +10,20 @@ namespace fieldcast {
 
 class OverrunWatch {
  public:
-  // The wire was free at `now`; it rests from then on, or it does not.
+  // `rests`: from `now` on.
   void wire_free(Instant now, bool rests);
-  // A point was acquired that had a deadline.
   void acquired(bool late, Instant now);
-  // A plan went into force. What is late before `settled` says nothing of it.
+  // A plan took effect. Late points before `settled` do not count.
   void plan_began(Instant settled) { settled_at_ = settled; }
 
-  // 1: the wire is as planned; at most kMost.
+  // 1: as planned; at most kMost.
   [[nodiscard]] double overrun() const { return overrun_; }
 
  private:
   static constexpr double kMost = 16;
   double overrun_ = 1;
   Instant settled_at_{};
-  // Of the present window of acquisitions.
+  // Counters of the present window of acquisitions.
   std::uint32_t late_ = 0, watched_ = 0;
   Instant window_began_{};
   Duration rested_{};

@@ -1,4 +1,3 @@
-// PlanRunner: what changes while the wire runs, and how another plan goes into force.
 #include <algorithm>
 #include <utility>
 
@@ -39,7 +38,7 @@ void PlanRunner::set_point(PointIndex of, Duration refresh, Mode mode, Instant n
 }
 
 bool PlanRunner::set_answer_time(DeviceIndex device, AreaIndex area, Duration answer_time) {
-  // A list of ranges is of several areas: the one that was learned last stands for all.
+  // A list contains ranges of several areas; the last learned time applies to all.
   if (auto& list = state_.wire.layout.lists[device]) list->set_answer_time(answer_time);
   return touch_area(device, area, state_.wire.change_cost(device, area, [&](ReadCost& cost) {
     cost.set_answer_time(answer_time);
@@ -53,7 +52,6 @@ bool PlanRunner::set_longest(DeviceIndex device, AreaIndex area, std::uint32_t i
   }));
 }
 
-// Reads of the area cost something else, if any are made there.
 bool PlanRunner::touch_area(DeviceIndex device, AreaIndex area, bool is_read) {
   if (!is_read) return false;
   for (const GroupIndex index : plan_.grouping.groups_of[device]) {
@@ -73,8 +71,7 @@ void PlanRunner::set_plan(ReadPlan plan) {
   if (plan_.table) dispatcher_ = make_dispatcher(state_.wire.planner, plan_);
 }
 
-// Groups with other refreshes or costs get phases in the timetable in force, until there is another
-// plan. What is due stays due.
+// Changed groups get phases in the present timetable; due times are kept.
 void PlanRunner::settle_changes(Instant now) {
   drop_repeated(changed_);
   set_plan(amended(std::move(plan_), state_.wire, state_.points, changed_, OtherGroups::kStay));
@@ -83,7 +80,6 @@ void PlanRunner::settle_changes(Instant now) {
   changed_.clear();
 }
 
-// Gives the group, and the points of it that have phases, the instants that the plan says.
 void PlanRunner::take_phases(GroupIndex index) {
   const PlannedGroup& planned = plan_.groups[index];
   Cycle& cycle = state_.groups[index].cycle;
@@ -125,8 +121,8 @@ void PlanRunner::adopt(ReadPlan plan, Instant began, Instant now) {
   refresh_all(now);
 }
 
-// Points take the last of their instants within their allowed gap, as if they had always had them.
-// Points that were never read take the first one.
+// Points are due at the last of their instants within the allowed gap; at the first one if never
+// read.
 void PlanRunner::find_instants(Instant now) {
   for (PointState& point : state_.points) {
     const bool searched =

@@ -15,8 +15,7 @@ PlanDraft::PlanDraft(PlanRunner runner, std::vector<std::uint32_t> grouped_for, 
   runner_.forget_changes();
 }
 
-// The plan in force stays, at the costs that were learned, unless it must go or another is proven
-// better.
+// Keeps the present plan unless it must be replaced or another is proven better.
 void PlanDraft::make() {
   PlanBasis basis = runner_.basis();
   const ReadPlan& present = runner_.plan();
@@ -42,7 +41,7 @@ void PlanDraft::make() {
   prove(plans, late);
 }
 
-// Plans that what is asked for, or what it costs, makes necessary; none if the difference is small.
+// Empty if the difference is small.
 std::vector<ReadPlan> PlanDraft::plans_asked_for(PlanBasis& basis) {
   const ReadPlan& present = runner_.plan();
   if (costs_changed_ && worth_grouping()) {
@@ -62,7 +61,7 @@ std::vector<ReadPlan> PlanDraft::plans_asked_for(PlanBasis& basis) {
   return plans;
 }
 
-// A new timetable costs the wire a round.
+// A new timetable costs one round of reads.
 bool PlanDraft::worth_planning(double demand, Duration fastest) const {
   constexpr double kMore = 1.02, kLess = 0.95;
   const ReadPlan& present = runner_.plan();
@@ -72,8 +71,7 @@ bool PlanDraft::worth_planning(double demand, Duration fastest) const {
   return fastest != present.fastest || more || less;
 }
 
-// Other groups move all phases, which costs the wire a round: only where a request has become much
-// dearer or cheaper.
+// Other groups move all phases, which costs one round of reads.
 bool PlanDraft::worth_grouping() {
   constexpr double kMuch = 0.3;
   if (runner_.wire().rules.grouping == GroupingRule::kSinglePoints) return false;
@@ -87,8 +85,8 @@ bool PlanDraft::worth_grouping() {
   return much;
 }
 
-// The first plan whose rehearsal keeps every refresh; if none does, the one that breaks fewest, if
-// that is fewer than the present plan breaks. Its table begins where the present one began, or now.
+// The first plan whose rehearsal keeps every refresh; otherwise the one that breaks the fewest, if
+// fewer than the present plan. Its table starts with the present one, or now.
 void PlanDraft::prove(const std::vector<ReadPlan>& plans, std::uint64_t late_at_present) {
   const Instant seen = runner_.last_seen(), free = seen + runner_.wire().silence;
   const std::array<Instant, 2> starts{runner_.table_began(), seen};

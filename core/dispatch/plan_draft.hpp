@@ -1,10 +1,10 @@
-// A plan in the making, while the wire runs: (a copy of what is known) -> a plan, or none if the
-// one in force shall stay. That takes milliseconds, for ten thousand points a tenth of a second, so
-// it is made on another thread than the bus's. A draft is used by one thread at a time.
+// Computes a new plan from a copy of the present state, or none if the present plan should stay.
+// This takes milliseconds (a tenth of a second for ten thousand points), so it runs on another
+// thread than the bus's. Only one thread at a time may use a draft.
 //
-// A plan goes into force only when a rehearsal of it, the change included, keeps every refresh, or
-// breaks fewer than the plan in force does. A stretched plan is not rehearsed: nobody is promised
-// what it breaks.
+// A plan is adopted only if its rehearsal, including the change, keeps every refresh, or breaks
+// fewer than the present plan. A stretched plan is not rehearsed, as its refreshes are not
+// promised.
 #pragma once
 
 #include <optional>
@@ -16,18 +16,18 @@ namespace fieldcast {
 
 class PlanDraft {
  public:
-  // `grouped_for`: what reads could bridge when the groups were made. `costs_changed`: since then.
+  // `grouped_for`: bridgeable items when the groups were made.
   PlanDraft(PlanRunner runner, std::vector<std::uint32_t> grouped_for, bool costs_changed);
 
-  // Makes the plan. Once.
+  // Makes the plan. Call once.
   void make();
 
   // After make():
   struct Result {
-    double load = 0;                         // of what is asked for
+    double load = 0;                         // of the present requests
     std::vector<std::uint32_t> grouped_for;  // for the next draft
-    std::optional<ReadPlan> plan;            // nothing: the plan in force stays
-    Instant began{};                         // of its table
+    std::optional<ReadPlan> plan;            // empty: the present plan stays
+    Instant began{};                         // start of its table
   };
   [[nodiscard]] const Result& result() const { return result_; }
   [[nodiscard]] Result take_result() { return std::move(result_); }

@@ -48,7 +48,7 @@ void PlanRunner::begin(Instant now) {
     const Instant until = std::max(now, later(acquired, point.allowed_gap));
     if (until >= point.due) continue;
     point.due = point.deadline = until;
-    point.eager = true;  // late it may be, but not for the plan
+    point.eager = true;  // it may be late, but the plan is not the reason
   }
   refresh_all(now);
 }
@@ -102,7 +102,7 @@ void PlanRunner::refresh_groups_of(const Block& block, Instant now) {
   }
 }
 
-// What failed is due again half an allowed gap later, sooner if the wire would rest.
+// The point is due after half an allowed gap, earlier if the wire would rest.
 void PlanRunner::postpone(PointState& point, Instant from) {
   point.due = point.deadline = later(from, point.allowed_gap / 2);
   point.eager = true;
@@ -121,7 +121,7 @@ void PlanRunner::renew(const Block& block, Instant now, const D& dispatcher) {
   for (const PointIndex each : block.points) {
     const OrderIndex index = index_of(each);
     PointState& point = state_.points[index];
-    // A moment late does not count: the next slot has slack.
+    // Small delays do not count: the next slot has slack.
     if (!point.eager) watch_.acquired(now - point.deadline > point.allowed_gap / 20, now);
     dispatcher.renew(state_, state_.groups[plan_.grouping.group_at[index]], point, now);
     point.retry_at = Instant{};
@@ -158,7 +158,7 @@ std::vector<PointIndex> PlanRunner::refused(const Block& block, Instant now, Dur
     PointState& point = state_.points[index];
     point.due = std::min(point.due, now);
     point.deadline = std::min(point.deadline, now);
-    point.eager = true;  // a point that is searched for is not late
+    point.eager = true;  // a point under search is not late
   }
   if (refused_.empty()) return bad;
   std::ranges::sort(refused_);

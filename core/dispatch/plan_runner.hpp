@@ -1,9 +1,9 @@
-// Runs the plan in force on one wire: it knows when each point was read and is due again, and asks
-// the dispatcher of the plan for the next read. What changes meanwhile takes effect at once on the
-// plan in force. Another plan replaces it as a whole.
+// Executes the plan in force on one wire: tracks when each point was read and is due again, and
+// requests the next read from the dispatcher. Changes apply immediately to the present plan;
+// another plan replaces it as a whole.
 //
 // Copyable; a rehearsal runs on a copy. Owned by the scheduler, on the thread of its bus. No clock:
-// every call gets `now`. Nothing here fails.
+// every call gets `now`.
 #pragma once
 
 #include <optional>
@@ -24,7 +24,7 @@ class PlanRunner {
  public:
   PlanRunner(WireModel wire, std::span<const PlannedPoint> points, ReadPlan plan);
 
-  // As in scheduler.hpp.
+  // See scheduler.hpp.
   void inherit(PointIndex point, Instant acquired);
   [[nodiscard]] Decision next(Instant now);
   void acquired(const Block& block, Instant acquired);
@@ -33,17 +33,17 @@ class PlanRunner {
   void suspend(DeviceIndex device, Instant until);
   [[nodiscard]] Duration slack(Instant now);
   void set_point(PointIndex point, Duration refresh, Mode mode, Instant now);
-  // False: nothing is read there.
+  // Returns false if no read uses the area.
   bool set_answer_time(DeviceIndex device, AreaIndex area, Duration answer_time);
   bool set_longest(DeviceIndex device, AreaIndex area, std::uint32_t items);
 
-  // Puts another plan in force. Its table begins at `began`; every point takes the last of its
-  // instants within its allowed gap, as if the table had always been there.
+  // Every point gets the last of its instants within its allowed gap, as if the table, which starts
+  // at `began`, had always been used.
   void adopt(ReadPlan plan, Instant began, Instant now);
-  // From now on it is remembered which points change: a plan that is being made does not know it.
+  // Records changed points, which the plan being made does not include.
   void remember_changes() { remembered_.emplace(); }
   void forget_changes() { remembered_.reset(); }
-  // From now on every line counts as fast as its rate says, until it is measured again.
+  // Resets every line to its nominal rate, until it is measured again.
   void forget_paces(Instant now);
 
   [[nodiscard]] PlanBasis basis() const;
@@ -86,12 +86,12 @@ class PlanRunner {
   OverrunWatch watch_;
   bool begun_ = false;
   Instant table_began_{};
-  Instant asked_{};                  // when the last block was given out
-  Instant seen_{};                   // the latest instant told
+  Instant asked_{};                  // time of the last block
+  Instant seen_{};                   // the latest time passed
   std::vector<GroupIndex> changed_;  // the plan is amended for them when the wire is free
   std::optional<std::vector<OrderIndex>> remembered_;
   std::vector<OrderIndex> refused_;                        // scratch of refused()
-  std::vector<std::pair<OrderIndex, Instant>> inherited_;  // until it begins
+  std::vector<std::pair<OrderIndex, Instant>> inherited_;  // until the first call of next()
 };
 
 }  // namespace fieldcast

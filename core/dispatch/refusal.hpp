@@ -1,10 +1,10 @@
-// The search for what a device refuses in a block: halves are tried until the bad points, or the
-// gaps that cannot be bridged, are known.
+// Finds the part of a block that a device refuses: tries halves until the bad points, or the gaps
+// that cannot be bridged, are known.
 //
-// A refused block is cut in the middle (PointState::cut_until), so that the ordinary scheduling
-// reads its halves. When every point of the block has been acquired or found bad, the cut goes,
-// unless both halves were good: then the gap between them was what the device refused, and the cut
-// stays as a barrier until it is forgotten. Owned by the plan runner.
+// A refused block is cut in the middle (PointState::cut_until), so that normal scheduling reads its
+// halves. The cut is removed when every point of the block was acquired or found bad. If both
+// halves were good, the device refused the gap between them, and the cut stays until it expires.
+// Owned by the plan runner.
 #pragma once
 
 #include <cstdint>
@@ -18,13 +18,12 @@ namespace fieldcast {
 
 class RefusalSearch {
  public:
-  // These points (two at least, rising) were refused together at `now`.
+  // `refused`: at least two points in ascending order.
   void cut(std::span<PointState> points, std::span<const OrderIndex> refused, Instant now,
            Duration forget);
-  // The one point `index` was refused: left alone until now + forget.
+  // Excludes one point until now + forget.
   void mark_bad(std::span<PointState> points, OrderIndex index, Instant now, Duration forget);
-  // Something became known of points begin .. end-1 (acquired, or found bad): searches that are
-  // complete end.
+  // Points begin .. end-1 were acquired or found bad.
   void settle(std::span<PointState> points, OrderIndex begin, OrderIndex end);
 
   [[nodiscard]] bool searching() const { return !open_.empty(); }
@@ -34,7 +33,7 @@ class RefusalSearch {
     OrderIndex begin, middle, end;
     bool half_refused = false;
   };
-  // With more open searches, the oldest ends as if both halves had been good.
+  // With more open searches, the oldest ends as if both halves were good.
   static constexpr std::size_t kMostOpen = 256;
   std::vector<Node> open_;
 };

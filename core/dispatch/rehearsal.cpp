@@ -8,8 +8,7 @@ namespace {
 
 constexpr std::uint64_t kMostReads = 20'000;
 
-// The last instant at which the point may be acquired, less what no rehearsal foresees: half of the
-// lead is kept, but at most so much.
+// Keeps a reserve for unforeseen delays: half of the lead, up to a limit.
 Instant latest_for(const PointState& point, Duration lead) {
   constexpr Duration kUnforeseen = std::chrono::milliseconds{1};
   const Duration own = std::min(lead, point.refresh / 10);
@@ -20,7 +19,7 @@ std::uint64_t late_in(const Block& block, const PlanRunner& runner, Instant acqu
   std::uint64_t late = 0;
   for (const PointIndex index : block.points) {
     const PointState& point = runner.point(index);
-    // A read that has failed is not the plan's fault.
+    // The plan does not cause a failed read.
     const bool failed = point.eager && point.retry_at != Instant{};
     if (point.mode == Mode::kScheduled && !failed &&
         acquired > latest_for(point, runner.wire().lead))

@@ -8,8 +8,7 @@ namespace fieldcast {
 
 namespace {
 
-// The first of the plans whose rehearsal keeps every refresh; if none does, the one that breaks
-// fewest.
+// The first plan whose rehearsal keeps every refresh; otherwise the one that breaks the fewest.
 ReadPlan proven(std::vector<ReadPlan> plans, const WireModel& wire,
                 std::span<const PlannedPoint> points) {
   constexpr Instant kStart{std::chrono::seconds{1}};

@@ -1,11 +1,9 @@
-// What to read next on one bus, and when. Pure: no clock, no I/O; every call gets `now`.
+// Selects the next read of one bus. Pure: no clock, no I/O; every call gets `now`.
 //
-// The scheduler knows points (distinct item ranges that some channel needs) with their refreshes. A
-// plan (core/plan) says which of them are read together, and when. Whenever the wire is free it
-// answers one request: read this block now, or rest until then. It also notices when what was
-// learned or asked for since may be worth another plan.
-//
-// Owned by the bus engine, on the thread of its bus. Nothing here fails.
+// The scheduler has points (distinct item ranges required by channels) with their refreshes, and a
+// plan (core/plan) that defines which are read together, and when. Whenever the wire is free it
+// returns a block to read, or a time to rest until. It also detects when changes may justify
+// another plan. Owned by the bus engine, on the thread of its bus.
 #pragma once
 
 #include <memory>
@@ -20,64 +18,59 @@ namespace fieldcast {
 
 class Scheduler {
  public:
-  // REQUIRES: points name devices of the input and areas of their protocols. A refresh shorter than
-  // the wire time of its own point counts as that time. A point that no request of its protocol can
-  // carry is never read. Time begins with the first call of next().
+  // REQUIRES: points name devices of the input and areas of their protocols. A refresh below the
+  // wire time of its own point is raised to it. A point that no request can read is never read.
+  // Time starts with the first call of next().
   Scheduler(const ScheduleInput& input, Planner planner, const CyclicWeights& weights = {});
 
-  // Somebody else has read the point before, at `acquired`: its first read is due a refresh later.
-  // REQUIRES: before the first call of next().
+  // Another bridge has read the point at `acquired`. REQUIRES: before the first call of next().
   void inherit(PointIndex point, Instant acquired) { runner_.inherit(point, acquired); }
-  // REQUIRES: the wire is free at `now`. Points whose device is paused until later are left out.
+  // REQUIRES: the wire is free at `now`. Omits points of paused devices.
   [[nodiscard]] Decision next(Instant now) { return runner_.next(now); }
-  // The points of the block were acquired at `acquired` (the answer's last byte).
+  // `acquired`: last byte of the response.
   void acquired(const Block& block, Instant acquired);
-  // The block failed for a reason that is not its addresses; its points stay due, tried again not
-  // before `retry_at`.
+  // The cause is not the addresses. The points are tried again at `retry_at` or later.
   void failed(const Block& block, Instant now, Instant retry_at) {
     runner_.failed(block, now, retry_at);
   }
-  // The device refused the block's addresses. More than one point: halves are read next, and a gap
-  // between two good halves is remembered as not to be bridged. A single point: it is left alone
-  // until now + forget. Returns the points that are now known to be bad (empty while the search
-  // goes on).
+  // The device refused the block's addresses. Several points: reads halves next, and does not
+  // bridge a gap between two good halves. A single point: excludes it until now + forget. Returns
+  // the points that are now known to be bad (empty while the search continues).
   std::vector<PointIndex> refused(const Block& block, Instant now, Duration forget) {
     return runner_.refused(block, now, forget);
   }
-  // No reads of this device before `until` (offline, pausing); kNever stops it.
+  // No reads of this device before `until` (offline, pausing); kNever stops them.
   void suspend(DeviceIndex device, Instant until) { runner_.suspend(device, until); }
-  // Learned of the device: what reads of an area take until the answer begins, and the longest of
-  // them that it accepts (items; 0: no other than the configured).
+  // Learned values: time until the response begins; longest accepted read (items; 0: as
+  // configured).
   void set_answer_time(DeviceIndex device, AreaIndex area, Duration answer_time);
   void set_longest(DeviceIndex device, AreaIndex area, std::uint32_t items);
-  // How long the wire may be blocked from `now` on by something else (a probe of a silent device)
-  // without making a point late that would otherwise be in time. Zero when there is none to spare.
+  // How long the wire may be blocked from `now` on without delaying a point, for example by a
+  // probe.
   [[nodiscard]] Duration slack(Instant now) { return runner_.slack(now); }
-  // Another refresh or mode for a point, effective at once (interest, overload).
   void set_point(PointIndex point, Duration refresh, Mode mode, Instant now);
 
-  // What was learned and asked for since the plan in force was made may be worth another one; to be
-  // made on another thread. Null: nothing has changed, or a draft is out.
+  // To be made on another thread. Null if there are no changes, or a draft is pending.
   [[nodiscard]] std::unique_ptr<PlanDraft> draft();
-  // Puts the plan of a draft in force. REQUIRES: the last draft of this scheduler, made.
+  // REQUIRES: the last draft of this scheduler, complete.
   void adopt(PlanDraft& draft, Instant now);
 
   [[nodiscard]] const ReadPlan& plan() const { return runner_.plan(); }
-  // Share of the wire that the plan needs in the long run, 0..; above 1 is overload.
+  // Share of the wire that the plan needs in the long run; above 1 is overload.
   [[nodiscard]] double planned_load() const { return load_ * plan().fit; }
-  // Factor by which overload stretches all refreshes at present; 1 without overload.
+  // Factor on all refreshes; 1 without overload.
   [[nodiscard]] double stretch() const { return plan().stretch; }
 
  private:
   PlanRunner runner_;
-  double load_;                             // of what is asked for
-  std::vector<std::uint32_t> grouped_for_;  // what reads could bridge when groups were made
+  double load_;                             // of the present requests
+  std::vector<std::uint32_t> grouped_for_;  // bridgeable items when the groups were made
   bool stale_ = false;                      // another plan may be needed
   bool costs_changed_ = false;              // other groups may be needed
-  bool drafting_ = false;                   // a draft is out
+  bool drafting_ = false;                   // a draft is pending
 };
 
-// Makes a new plan during the call, if one is due: for callers in virtual time.
+// For virtual time: makes a new plan during the call, if one is due.
 void replan(Scheduler& scheduler, Instant now);
 
 [[nodiscard]] std::unique_ptr<Scheduler> make_scheduler(const ScheduleInput& input,

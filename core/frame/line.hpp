@@ -1,5 +1,4 @@
-// The serial line as the cost model sees it: characters, their duration, and the silences between
-// frames.
+// The serial line in the cost model: duration of characters, and silences between frames.
 #pragma once
 
 #include <cstdint>
@@ -27,9 +26,8 @@ struct LineFormat {
   friend bool operator==(const LineFormat&, const LineFormat&) = default;
 };
 
-// The silence a master keeps between the end of an answer and its next request.
-// 3.5 characters of 11 bits up to 19200 baud, 1.750 ms above (Modbus over Serial Line V1.02,
-// 2.5.1.1).
+// Silence between a response and the next request: 3.5 characters of 11 bits up to 19200 baud,
+// 1.750 ms above (Modbus over Serial Line V1.02, 2.5.1.1).
 struct StandardSilence {
   friend bool operator==(StandardSilence, StandardSilence) = default;
 };

@@ -1,4 +1,4 @@
-// How people and programs name one channel: "BUS/DEVICE/CHANNEL". A pure value.
+// The name of one channel: "BUS/DEVICE/CHANNEL". Pure value.
 #pragma once
 
 #include <compare>
@@ -11,7 +11,7 @@ namespace fieldcast {
 struct ChannelPath {
   std::string bus, device, channel;
 
-  // "BUS/DEVICE/CHANNEL", all three; the fault is a line for people.
+  // All three parts are required; the error is one human-readable line.
   [[nodiscard]] static tl::expected<ChannelPath, std::string> parse(std::string_view text);
   [[nodiscard]] std::string text() const { return bus + '/' + device + '/' + channel; }
   friend auto operator<=>(const ChannelPath&, const ChannelPath&) = default;

@@ -1,4 +1,3 @@
-// A write or a read on demand, and what became of it.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +12,6 @@
 
 namespace fieldcast {
 
-// Values that one command to an address may read or write.
 inline constexpr std::uint32_t kMaxRawValues = 1000;
 
 enum class Operation : std::uint8_t { kWrite, kAcquire };
@@ -24,23 +22,22 @@ struct ChannelTarget {
 // Only for devices with allow: raw-read or raw-write.
 struct AddressTarget {
   std::string at;     // in the PLC's own notation
-  Encoding encoding;  // big-endian orders stand for the family's own
+  Encoding encoding;  // big-endian orders mean the family's own
 };
 using Target = std::variant<ChannelTarget, AddressTarget>;
 
 struct Command {
-  std::string requester;  // with request_id the key: one result for each pair
+  std::string requester;  // key with request_id: one result for each pair
   std::uint64_t request_id = 0;
   std::string device;
   Target target;
   Operation operation = Operation::kWrite;
   std::vector<Value> values;  // kWrite: one, or for an address one for each of `count`
-  // kAcquire of an address: how many values of the type, one behind the other; of a bit the bits
-  // from there on.
+  // kAcquire of an address: number of consecutive values; for a bit, of consecutive bits.
   std::uint32_t count = 1;
   bool verify = false;       // read back after the write
-  Instant expires = kNever;  // never runs after this
-  std::string subject;       // who the requester is by its certificate; empty without DDS Security
+  Instant expires = kNever;  // latest start
+  std::string subject;       // requester by its certificate; empty without DDS Security
 };
 
 enum class CommandState : std::uint8_t { kDone, kVerified, kRejected, kFailed, kExpired };
@@ -52,9 +49,9 @@ struct CommandResult {
   CommandState state = CommandState::kFailed;
   Cause cause = Cause::kNone;
   std::uint16_t device_code = 0;
-  std::string reason;         // one line for people; empty when done
+  std::string reason;         // one human-readable line; empty on success
   std::vector<Value> values;  // acquired or read back
-  // All the same instant when nothing reached the wire.
+  // All equal if no request was sent.
   Instant received{}, started{}, completed{};
 };
 

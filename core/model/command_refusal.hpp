@@ -1,4 +1,4 @@
-// The result of a command that does not run: the one place where such a result is made. Pure.
+// The only place that creates the result of a rejected command. Pure.
 #pragma once
 
 #include <string>
@@ -7,12 +7,10 @@
 
 namespace fieldcast {
 
-// `state` is kRejected, or kExpired for a command that is too late. The reason is one line for
-// people. Nothing reached the wire: it began and ended at `now`.
+// `state`: kRejected, or kExpired for a late command. `reason`: one human-readable line.
 [[nodiscard]] CommandResult refusal(const Command& command, CommandState state, Cause cause,
                                     std::string reason, Instant received, Instant now);
 
-// Rejected on the spot.
 [[nodiscard]] CommandResult rejection(const Command& command, Cause cause, std::string reason,
                                       Instant now);
 

@@ -25,7 +25,6 @@ std::optional<FitFault> check_bit(std::string_view at, const Area& area, const E
   return std::nullopt;
 }
 
-// An 8-bit type.
 std::optional<FitFault> check_byte(std::string_view at, const ParsedAddress& address,
                                    const Area& area, const Encoding& encoding) {
   const std::string type(to_text(encoding.type));
@@ -63,7 +62,7 @@ std::optional<FitFault> check_byte(std::string_view at, const ParsedAddress& add
                   {}};
 }
 
-// On a text only a text has a meaning: a string, or a number that is said to stand as one.
+// An address of a text requires a string, or a number written as text.
 std::optional<FitFault> check_text(std::string_view at, const ParsedAddress& address,
                                    const Encoding& encoding) {
   const std::string there = std::to_string(address.text_characters);

@@ -1,5 +1,4 @@
-// Whether a value of a type can lie at an address: one rule for the channels of a configuration and
-// for commands to addresses. Pure functions.
+// Checks whether an address supports a value type, for channels and for commands. Pure functions.
 #pragma once
 
 #include <optional>
@@ -19,22 +18,19 @@ struct FitFault {
   std::string suggestion;  // a type or an address, or empty
 };
 
-// Nothing: it fits. `at` is the address as written; Encoding::bit holds the bit of the address, if
-// it names one.
+// Empty if it fits. `at`: the address as written; Encoding::bit contains its bit, if any.
 [[nodiscard]] std::optional<FitFault> check_fit(std::string_view at, const ParsedAddress& address,
                                                 const Area& area, const Encoding& encoding);
 
-// It names one value of a declared record; those beside it have other widths.
 [[nodiscard]] constexpr bool is_field(const ParsedAddress& address) {
   return address.value_bits != 0 || address.text_characters != 0;
 }
 
-// "byte: low, byte: high" or "byte: 0 to 3": how the bytes of an item are named.
+// "byte: low, byte: high" or "byte: 0 to 3".
 [[nodiscard]] std::string byte_names(unsigned item_bits);
 
-// Nothing: a byte of an item of this area can be written without touching the rest of the item;
-// else why not; `at` stands in it as it is. Reading the item first and writing it whole would undo
-// what the device itself writes in between.
+// Empty if a byte of an item can be written alone; otherwise the reason with `at`. To write the
+// whole item could undo a write of the device.
 [[nodiscard]] std::optional<std::string> why_no_byte_write(std::string_view at, const Area& area);
 
 }  // namespace fieldcast

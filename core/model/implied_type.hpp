@@ -1,5 +1,4 @@
-// The type of a value of which only the address is known: one rule for the configuration and for
-// commands to addresses. Pure functions.
+// The type of a value from its address, for the configuration and for commands. Pure functions.
 #pragma once
 
 #include <optional>
@@ -9,15 +8,14 @@
 
 namespace fieldcast {
 
-// The type that the family gives to what stands at the address: bool of a bit, float32 of
-// `float32:12` in DTC, bcd16 of T5 in C-mode of Omron, string(8) of a declared text of eight
-// characters. Nothing where it leaves the type open.
+// The type fixed by the family: bool for a bit, float32 for `float32:12` in DTC, bcd16 for T5 in
+// C-mode of Omron, string(8) for a declared text of eight characters. Empty if the type is not
+// fixed.
 [[nodiscard]] std::optional<Encoding> fixed_type(const ParsedAddress& address, const Area& area);
 
-// That type, or else an unsigned number of the width that the notation names (VD100: uint32) or
-// that one item has (holding:100: uint16). A declared number has the sign that is declared, one
-// that is spelt as text is a float64, in hexadecimal a uint64. Nothing where no type has this
-// width.
+// The fixed type, or an unsigned number with the width of the notation (VD100: uint32) or of one
+// item (holding:100: uint16). A declared number has its declared sign; a number as text is a
+// float64, a hexadecimal one a uint64. Empty if no type has this width.
 [[nodiscard]] std::optional<Encoding> implied_type(const ParsedAddress& address, const Area& area);
 
 }  // namespace fieldcast

@@ -1,5 +1,4 @@
-// What a bus takes over from the bridge that served it before: the last samples and what was
-// learned of its devices. Plain values.
+// Data that a bus continues from another bridge. Plain values.
 #pragma once
 
 #include <cstdint>
@@ -15,11 +14,10 @@
 namespace fieldcast {
 
 struct BusInheritance {
-  // By channel; with sequence 0 for those that were never published. `acquired` is on the clock of
-  // the engine that takes over.
+  // By channel; sequence 0 if never published. `acquired` uses the clock of the new engine.
   std::vector<Sample> samples;
-  std::map<std::string, DeviceReport> devices;  // by name; what was learned
-  // Samples count on from above it, also those of channels that were never published.
+  std::map<std::string, DeviceReport> devices;  // by name; learned values
+  // Sample numbers continue above it, for all channels.
   std::uint64_t above = 0;
 };
 

@@ -1,4 +1,3 @@
-// The protocol object of a device, built in or declared. Pure; any thread.
 #pragma once
 
 #include <memory>
@@ -7,9 +6,9 @@
 
 namespace fieldcast {
 
-// `line`: of the device's bus; what a protocol weighs by wire time depends on it. Fails when the
-// address or an option is not the protocol's, or no such protocol is built in and none declared
-// (the loader has checked all of it).
+// Creates the protocol of a device, built-in or declared. `line`: of the device's bus, for wire
+// times. Fails if the protocol is unknown, or does not accept the address or an option; the loader
+// has checked this. Pure; any thread.
 [[nodiscard]] tl::expected<std::unique_ptr<Protocol>, OptionFault> make_protocol(
     const DeviceSpec& device, const LineFormat& line);
 

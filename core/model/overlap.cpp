@@ -32,7 +32,7 @@ std::string described(const DeviceSpec& device, const ChannelSpec& channel) {
 std::vector<Overlap> overlaps_of(const BusSpec& bus) {
   std::vector<Overlap> found;
   for (const DeviceSpec& device : bus.devices) {
-    const ChannelSpec* reaching = nullptr;  // of those before, the one that ends last
+    const ChannelSpec* reaching = nullptr;  // the previous channel that ends last
     const ChannelSpec* before = nullptr;
     for (const ChannelSpec* channel : whole_values(device)) {
       for (const ChannelSpec* other : {reaching, before}) {

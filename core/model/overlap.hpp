@@ -1,5 +1,4 @@
-// Channels of one device that read the same items as different things: usually a slip of one in an
-// address. Pure functions.
+// Finds channels with overlapping items of different types: usually an address off by one.
 #pragma once
 
 #include <string>
@@ -15,9 +14,8 @@ struct Overlap {
   const ChannelSpec* second = nullptr;
 };
 
-// For each channel at most one other, whose items lie before or on its own. Left out: bits and
-// bytes of items, which are meant as parts of a whole, and two names for one value (the same items
-// in the same type). The pointers lead into `bus`.
+// At most one overlap per channel. Ignores bits, bytes and two names for one value. The pointers
+// refer to `bus`.
 [[nodiscard]] std::vector<Overlap> overlaps_of(const BusSpec& bus);
 
 // "press-1/a (holding:100, uint32) and press-1/b (holding:101, uint32) overlap in another type".

@@ -3,7 +3,7 @@
 namespace fieldcast {
 
 bool glob_matches(std::string_view glob, std::string_view text) {
-  // After a mismatch only the last star can take one character more: earlier ones cannot help.
+  // After a mismatch only the last star can match one more character; earlier ones cannot help.
   std::size_t g = 0;
   std::size_t t = 0;
   std::size_t star = std::string_view::npos;

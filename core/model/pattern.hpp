@@ -1,4 +1,4 @@
-// PATTERN of interests and of the command line: bus/device/channel, each with `*` for any run of
+// PATTERN of interests and of the command line: bus/device/channel, each with `*` for any
 // characters. A shorter pattern matches everything below it: "press-shop" is "press-shop/*/*".
 // Plain value.
 #pragma once
@@ -10,15 +10,14 @@
 
 namespace fieldcast {
 
-// One segment: `*` stands for any run of characters, everything else for itself. Linear in text
-// times stars, never exponential.
+// Matches one segment. Linear in text times stars, never exponential.
 [[nodiscard]] bool glob_matches(std::string_view glob, std::string_view text);
 
 class Pattern {
  public:
   Pattern() = default;  // matches everything
 
-  // The fault is a line for people: too many segments, or an empty one.
+  // The error is one human-readable line: too many segments, or an empty one.
   [[nodiscard]] static tl::expected<Pattern, std::string> parse(std::string_view text);
 
   [[nodiscard]] bool matches(std::string_view bus, std::string_view device,

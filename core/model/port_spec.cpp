@@ -44,8 +44,7 @@ bool over_network(const PortSpec& port) {
 
 bool has_line(const PortSpec& port) { return known_line(port).has_value(); }
 
-// A plain TCP device has no characters; ten megabaud make its bytes nearly free, so that only
-// requests count.
+// A plain TCP device has no character time; only its requests have a significant cost.
 LineFormat line_of(const PortSpec& port) {
   return known_line(port).value_or(LineFormat{10'000'000, 8, Parity::kNone, 1});
 }

@@ -1,5 +1,5 @@
-// How a bus is reached, with every default filled in. Each type of port says of itself what others
-// ask of any port; a new one is a struct here and an alternative of PortSpec. Plain values.
+// The port of a bus, with all defaults. A new port type is a struct with the same functions and an
+// alternative of PortSpec. Plain values.
 #pragma once
 
 #include <cstdint>
@@ -13,20 +13,19 @@
 
 namespace fieldcast {
 
-// What keeps a second master off the wire where the election of a standby group cannot: when the
-// bridges do not hear of each other, and each believes that it is the master.
+// Protection against a second master if the bridges of a standby group cannot communicate.
 enum class Fence : std::uint8_t {
   kNone,
-  kListen,     // a bridge listens before it sends, and the one that sends is never silent for long
-  kLock,       // the lock of the port: for bridges on one host
-  kOneClient,  // a serial server that takes one connection
+  kListen,     // a bridge listens before it sends; the sending one is never silent for long
+  kLock,       // the lock of the port, for bridges on one host
+  kOneClient,  // a serial server that accepts one connection
 };
 [[nodiscard]] std::string_view to_text(Fence fence);  // "none", "listen", "lock", "one-client"
 
-// A port's fence. Which times follow from it: core/bus/fence_times.hpp.
+// See core/bus/fence_times.hpp for the resulting times.
 struct FenceSpec {
-  std::optional<Fence> kind;  // nothing: the configuration does not say
-  // kListen: the bridge that sends lets no longer time pass between two requests.
+  std::optional<Fence> kind;  // empty if not configured
+  // kListen: maximum time between two requests of the sending bridge.
   Duration hold = std::chrono::milliseconds{100};
   [[nodiscard]] bool is(Fence fence) const { return kind == fence; }
   friend bool operator==(const FenceSpec&, const FenceSpec&) = default;
@@ -36,8 +35,8 @@ struct SerialPortSpec {
   std::string path;
   LineFormat line;
   bool rs485 = false;       // kernel direction control (TIOCSRS485)
-  bool low_latency = true;  // ASYNC_LOW_LATENCY where the driver knows it
-  bool exclusive = true;    // flock and TIOCEXCL
+  bool low_latency = true;  // ASYNC_LOW_LATENCY if the driver supports it
+  bool exclusive = true;    // flock() and TIOCEXCL
   FenceSpec fence{};
 
   static constexpr bool kOverNetwork = false;
@@ -49,7 +48,7 @@ struct SerialPortSpec {
 struct TcpPortSpec {
   std::string host;
   std::uint16_t port = 502;
-  // Of the serial line behind a serial server; nothing: a plain TCP device.
+  // Of the serial line behind a serial server; empty for a plain TCP device.
   std::optional<LineFormat> line;
   Duration connect_timeout = std::chrono::seconds{3};
   FenceSpec fence{};
@@ -60,11 +59,10 @@ struct TcpPortSpec {
   friend bool operator==(const TcpPortSpec&, const TcpPortSpec&) = default;
 };
 
-// A module that dials in and tells this device number.
 struct DialInPortSpec {
   std::string number;
   std::optional<LineFormat> line;  // of the serial line behind the module
-  FenceSpec fence{};               // says nothing: a module has one connection
+  FenceSpec fence{};               // unused: a module has one connection
 
   static constexpr bool kOverNetwork = true;
   [[nodiscard]] std::string name() const { return "dial-in " + number; }
@@ -76,19 +74,16 @@ using PortSpec = std::variant<SerialPortSpec, TcpPortSpec, DialInPortSpec>;
 
 [[nodiscard]] std::string to_text(const LineFormat& line);  // "115200 8N1"
 
-// "/dev/ttyUSB0", "10.0.0.7:502", "dial-in 17"
+// "/dev/ttyUSB0", "10.0.0.7:502", "dial-in 17".
 [[nodiscard]] std::string name_of(const PortSpec& port);
-// The same with the line: "/dev/ttyUSB0 115200 8N1".
 [[nodiscard]] std::string to_text(const PortSpec& port);
 
-// Whether the bytes come over a network, and whether a serial line is known to carry them on the
-// way.
 [[nodiscard]] bool over_network(const PortSpec& port);
 [[nodiscard]] bool has_line(const PortSpec& port);
 
 [[nodiscard]] const FenceSpec& fence_of(const PortSpec& port);
 
-// The line whose characters cost time: the port's own, or, for plain TCP, a nominal fast one.
+// The line for wire times: the port's own or, for plain TCP, a nominal fast one.
 [[nodiscard]] LineFormat line_of(const PortSpec& port);
 
 }  // namespace fieldcast

@@ -1,4 +1,4 @@
-// What a bus and its devices report of themselves, once a second and at every change of state.
+// Sent once a second and at every state change.
 #pragma once
 
 #include <cstdint>
@@ -17,35 +17,34 @@ enum class DeviceState : std::uint8_t { kUnknown, kOnline, kDegraded, kOffline }
 
 struct BusReport {
   BusState state = BusState::kOpening;
-  Cause closed_because = Cause::kNone;  // while it is closed
+  Cause closed_because = Cause::kNone;  // while closed
   // Share of the last second in which the wire was busy or had to be silent, 0..1.
   double utilisation = 0;
-  double planned_load = 0;   // share that the plan needs
-  double measured_load = 0;  // share that reading took, over the last 10 s
+  double planned_load = 0;   // share required by the plan
+  double measured_load = 0;  // share used by reads, over the last 10 s
   std::uint64_t exchanges = 0, samples = 0, commands = 0, deadline_misses = 0, bytes_sent = 0,
                 bytes_received = 0, reopened = 0;
   double stretch = 1;  // factor on refreshes under overload
-  // Nothing is sent: the wire is listened to (`fence: listen`). And how often another master was
-  // heard while this bridge was the one that sends.
+  // `listening`: does not send (`fence: listen`). `foreign_masters`: other masters heard while
+  // sending.
   bool listening = false;
   std::uint64_t foreign_masters = 0;
   CauseCounters causes;  // of failed exchanges
-  CauseCounters misses;  // of missed refreshes, each by its cause: together the deadline misses
+  CauseCounters misses;  // of missed refreshes; their sum is deadline_misses
 };
 
 // One channel since the start; for simulations and tests.
 struct ChannelReport {
   std::uint64_t readings = 0, missed = 0;
   Duration worst_gap{};            // between two readings, or from the promise to the first one
-  Cause last_miss = Cause::kNone;  // of the last refresh that was missed
+  Cause last_miss = Cause::kNone;  // of the last missed refresh
 };
 
-// What was learned of one area of a device.
 struct AreaReport {
   std::string area;
   Duration answer_time{}, answer_spread{};
   std::uint32_t largest_block = 0;  // items read in one block so far
-  // The longest block that the device accepts, once it refused longer ones; 0: it refused none.
+  // Known once a longer block was refused; 0 if none was refused.
   std::uint32_t longest_block = 0;
   friend bool operator==(const AreaReport&, const AreaReport&) = default;
 };
@@ -53,18 +52,17 @@ struct AreaReport {
 struct DeviceReport {
   DeviceState state = DeviceState::kUnknown;
   std::uint64_t exchanges = 0, failures = 0, retries = 0, deadline_misses = 0;
-  Duration answer_time{};  // learned: end of request to first byte of the answer
+  Duration answer_time{};  // learned: end of request to first byte of the response
   Duration answer_spread{};
-  Duration timeout{};                // in force: never above the configured one
-  Duration pause{};                  // kept after its answers: configured, or learned
+  Duration timeout{};                // current one; at most the configured one
+  Duration pause{};                  // after its responses: configured, or learned
   std::vector<AreaReport> areas;     // those that were read
-  std::vector<std::string> refused;  // addresses that the device refuses at present, at most 64
-  // Ranges of addresses that no block may bridge, at most 64: "holding:105..107".
+  std::vector<std::string> refused;  // currently refused addresses, at most 64
+  // Address ranges that no block may bridge, at most 64: "holding:105..107".
   std::vector<std::string> refused_gaps;
   CauseCounters causes;
 };
 
-// An engineer's pairing with a device.
 enum class ProgramSessionState : std::uint8_t { kOpen, kClosed, kRefused };
 [[nodiscard]] std::string_view to_text(ProgramSessionState state);  // "open", "closed", "refused"
 

@@ -1,4 +1,3 @@
-// Spellings of the model's enumerations.
 #include <algorithm>
 #include <string>
 
@@ -110,7 +109,7 @@ std::string_view to_text(DeviceState state) {
 
 bool on_loopback(const ListenSpec& listen) {
   const std::string_view host = listen.host;
-  // 127.example.com is a name, of anybody.
+  // 127.example.com is a host name.
   const bool digits = host.find_first_not_of("0123456789.") == host.npos;
   return (host.starts_with("127.") && digits) || host == "::1" || host == "localhost";
 }

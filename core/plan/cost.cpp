@@ -32,8 +32,7 @@ ReadCost::ReadCost(const DeviceTiming& device, AreaIndex area, const LineFormat&
   if (window_) limit_ = span = items_;
   most_ = limit_;
 
-  // Also beyond the device's limit, for single points; and both ends may have to be widened to
-  // whole units.
+  // Includes single points beyond the device's limit, and alignment at both ends.
   const std::uint32_t longest = std::min<std::uint32_t>({span + 2 * alignment_, items_, 65536});
   variable_.assign(longest + 1, kRefused);
   Request request = ReadRequest{{Range{area, 0, 1}}};
@@ -69,11 +68,11 @@ void ReadCost::find_bridge() {
     return;
   }
   item_ns_ = longest > one ? ns(variable_[longest] - variable_[one]) / (longest - one) : 0.0;
-  // Two requests cost fixed + variable twice; one that bridges g items pays for them instead.
+  // Two requests cost fixed + variable twice; one that bridges g items reads those instead.
   const double request = ns(fixed_ + variable_[one]) - item_ns_ * one;
   bridge_ =
       item_ns_ > 0 ? static_cast<std::uint32_t>(std::min(request / item_ns_, 65535.0)) : items_;
-  bridge_ += item_bits_ < 8 ? 8 / item_bits_ - 1 : 0;  // items of one byte come together
+  bridge_ += item_bits_ < 8 ? 8 / item_bits_ - 1 : 0;  // items of one byte are read together
   if (max_gap_) bridge_ = std::min<std::uint32_t>(bridge_, *max_gap_);
 }
 

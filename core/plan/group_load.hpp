@@ -1,5 +1,4 @@
-// The share of the wire that one group needs: its next reads, imagined, each made when it is due.
-// Holds scratch memory.
+// Computes the share of the wire of one group by simulating its reads. Holds scratch memory.
 #pragma once
 
 #include <span>
@@ -15,12 +14,12 @@ class GroupLoad {
       : wire_(wire), selector_(wire.rules.shape, wire.weights) {}
 
   struct Terms {
-    Duration period{};       // at which the group is read at present; zero: none
+    Duration period{};       // present period of the group; zero if none
     Duration fastest{1};     // smallest allowed gap of the bus
     double margin = 0;       // of the bus
-    bool stretched = false;  // refreshes as stretched; otherwise as asked for
+    bool stretched = false;  // uses stretched refreshes instead of requested ones
   };
-  // As if the group were alone on the wire. `points` are those of the group.
+  // As if the group were alone on the wire. `points`: those of the group.
   [[nodiscard]] double of(const Group& group, std::span<const PlannedPoint> points,
                           const Terms& terms);
 

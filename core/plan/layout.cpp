@@ -19,7 +19,7 @@ void add_group(Grouping& grouping, const Group& group) {
   grouping.groups.push_back(group);
 }
 
-// The packs of one device. `stays` becomes false for their points.
+// Sets `stays` to false for points in packs.
 std::vector<std::vector<PointIndex>> packs_of(const ScheduleInput& input, const Layout& layout,
                                               DeviceIndex device, std::vector<bool>& stays) {
   const ListCost& cost = *layout.lists[device];
@@ -35,7 +35,6 @@ std::vector<std::vector<PointIndex>> packs_of(const ScheduleInput& input, const 
   return packs;
 }
 
-// Moves what is read by lists behind all area runs.
 void move_packs(const ScheduleInput& input, Layout& layout) {
   std::vector<bool> stays(input.points.size(), true);
   std::vector<std::pair<DeviceIndex, std::vector<PointIndex>>> packs;
@@ -69,7 +68,6 @@ void move_packs(const ScheduleInput& input, Layout& layout) {
     layout.area_run_at[index] = area_run_of[layout.point_at[index]];
 }
 
-// Points by device, area and address.
 std::vector<PointIndex> ordered(std::span<const Point> points) {
   std::vector<PointIndex> order(points.size());
   std::iota(order.begin(), order.end(), PointIndex{0});

@@ -18,7 +18,6 @@ ListCost::ListCost(const DeviceTiming& device, const LineFormat& line, Duration 
     areas_.push_back(measure(static_cast<AreaIndex>(area), device.max_gap));
 }
 
-// Wire time without the answer time.
 std::optional<Duration> ListCost::ask(const Request& request) const {
   const auto size = protocol_->size(request);
   if (!size) return std::nullopt;
@@ -26,8 +25,7 @@ std::optional<Duration> ListCost::ask(const Request& request) const {
          size->rounds * silence_ + size->pauses + pause_;
 }
 
-// Lists of two and three ranges: what one of a single range says may be another command, with a
-// shorter request (FINS).
+// A single range may use another command with a shorter request (FINS).
 ListCost::PerArea ListCost::measure(AreaIndex index, const std::optional<std::uint16_t>& max_gap) {
   PerArea result;
   const Area& area = protocol_->areas()[index];

@@ -1,9 +1,6 @@
-// What a read of several ranges costs of the wire, for protocols that carry lists of ranges in one
-// request (Traits::max_ranges).
-//
-// Exact for a whole list, asked from the protocol. To choose who comes along there are marginal
-// costs, which are exact but for padding: what one more range adds, and what one more item of a
-// range adds. Values; any thread.
+// Wire time of a read of several ranges, for protocols with lists of ranges (Traits::max_ranges).
+// Exact for a whole list. The marginal costs of a range and of an item, used to select points,
+// ignore padding. Values; any thread.
 #pragma once
 
 #include <cstdint>
@@ -23,23 +20,19 @@ class ListCost {
     return protocol.traits().max_ranges > 1;
   }
 
-  // Whether ranges of this area may stand in a list: windows and aligned areas are read alone.
+  // False for windows and aligned areas, which are read alone.
   [[nodiscard]] bool lists(AreaIndex area) const { return areas_[area].lists; }
 
-  // Nothing beyond the limits of the protocol or of the device. `only_point`: the device's limit
-  // does not count. REQUIRES: a ReadRequest.
+  // Empty beyond the limits. `only_point`: ignores the device's limit. REQUIRES: a ReadRequest.
   [[nodiscard]] std::optional<Duration> of(const Request& request, bool only_point = false) const;
 
-  // What a range of one item adds to a list, and what another item adds to a range.
+  // Marginal cost of a range of one item in a list, and of an item in a range.
   [[nodiscard]] Duration range_cost(AreaIndex area) const { return areas_[area].range_cost; }
   [[nodiscard]] double item_ns(AreaIndex area) const { return areas_[area].item_ns; }
-  // Unwanted items that cost less than another range.
   [[nodiscard]] std::uint32_t bridge(AreaIndex area) const { return areas_[area].bridge; }
-  // Whether items first .. end-1 are better read with `range`, which begins before them, than by a
-  // range of their own.
+  // Returns true if the items cost less as part of `range`, which begins before them.
   [[nodiscard]] bool joins(const Range& range, AreaIndex area, std::uint32_t first,
                            std::uint32_t end) const;
-  // What a request costs before it asks for anything.
   [[nodiscard]] Duration request_cost() const { return request_cost_ + rounds_ * answer_time_; }
 
   void set_answer_time(Duration answer_time) { answer_time_ = answer_time; }
@@ -58,8 +51,8 @@ class ListCost {
   LineFormat line_;
   Duration silence_, pause_;
   Duration answer_time_;
-  unsigned rounds_ = 1;      // requests and answers in one read
-  Duration request_cost_{};  // without the answer time
+  unsigned rounds_ = 1;      // requests and responses in one read
+  Duration request_cost_{};  // without the response time
   std::uint32_t max_items_;  // 0: the protocol's limit
   std::vector<PerArea> areas_;
 };

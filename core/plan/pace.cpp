@@ -9,10 +9,9 @@ namespace fieldcast {
 
 namespace {
 
-// From the fastest point's rate down to a thousandth of it; all that is slower counts as that.
+// Levels from the fastest rate to a thousandth of it; slower rates count as that.
 constexpr int kLevels = 32;
 
-// The reads of one slice, grown point by point.
 class PacedReads {
  public:
   PacedReads(const ReadCost& cost, double fastest) : cost_(cost), fastest_(fastest) {}
@@ -58,7 +57,7 @@ std::vector<Slice> partition_by_pace(std::span<const Wanted> points, std::span<c
   if (points.empty()) return {};
   const auto size = static_cast<std::uint32_t>(points.size());
   const double fastest = *std::max_element(rates.begin(), rates.end());
-  // Neighbours without a gap that are read equally often stay together anyhow.
+  // Adjacent points with the same rate always stay together.
   std::vector<std::uint32_t> runs;
   for (std::uint32_t i = 0; i < size; ++i) {
     if (i == 0 || rates[i] != rates[i - 1] || points[i].first > points[i - 1].end)

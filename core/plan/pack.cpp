@@ -12,25 +12,22 @@ namespace fieldcast {
 
 namespace {
 
-constexpr double kSpare = 1.2;  // more than the average, since slots are never quite level
+constexpr double kSpare = 1.2;  // more than the average, since slots are never quite equal
 
-// Points that one range reads.
 struct Piece {
   std::vector<PointIndex> points;
   Range range;
   Duration fastest = Duration::max();
 };
 
-// The cheapest cut of the first points of an area: by the number of points, its cost and its last
-// piece.
+// Cheapest split of the first points of an area.
 struct Cut {
-  double cost = std::numeric_limits<double>::max();  // nanoseconds of wire a second
-  std::uint32_t from = 0;                            // the first point of the last piece
-  bool alone = false;                                // that piece is a request of its own
+  double cost = std::numeric_limits<double>::max();  // nanoseconds of wire per second
+  std::uint32_t from = 0;                            // first point of the last piece
+  bool alone = false;                                // the last piece is a separate request
 };
 
-// The begin of a piece is paid at the rate of its fastest point; an item, and the gap before it, at
-// the rate of its own point.
+// An item, and the gap before it, are paid at the rate of its own point.
 std::vector<Cut> cheapest_cuts(std::span<const Point> points, const AreaPoints& own,
                                const ListCost& list) {
   const auto count = static_cast<std::uint32_t>(own.points.size());
@@ -42,7 +39,7 @@ std::vector<Cut> cheapest_cuts(std::span<const Point> points, const AreaPoints& 
   for (std::uint32_t begin = 0; begin < count; ++begin) {
     const Range& head = points[own.points[begin]].range;
     Range range{area, head.first, 0};
-    double rate = 0, items = 0;  // of the fastest point; items read, each at its own rate
+    double rate = 0, items = 0;  // rate of the fastest point; items read, each at its own rate
     bool listed = true;
     for (std::uint32_t last = begin; last < count; ++last) {
       const Point& point = points[own.points[last]];
@@ -69,8 +66,6 @@ std::vector<Cut> cheapest_cuts(std::span<const Point> points, const AreaPoints& 
   return best;
 }
 
-// Cuts the points of an area into pieces for lists and requests of their own, at the least cost a
-// second. Returns the pieces for lists.
 std::vector<Piece> pieces_of(std::span<const Point> points, const AreaPoints& own,
                              const ListCost& list) {
   const std::vector<Cut> best = cheapest_cuts(points, own, list);
@@ -90,13 +85,12 @@ std::vector<Piece> pieces_of(std::span<const Point> points, const AreaPoints& ow
   return pieces;
 }
 
-// The request of an average read of a pack. A point with n times the refresh of the fastest one is
-// part of every n-th.
+// A point with n times the refresh of the fastest one joins every n-th read.
 class AverageRead {
  public:
   AverageRead(std::span<const Point> points, const ListCost& cost) : points_(points), cost_(cost) {}
 
-  // False when the request would break a limit; then the piece has not been added.
+  // Returns false, without the piece, if the request would exceed a limit.
   bool add(const Piece& piece) {
     const Duration period = pack_.empty() ? piece.fastest : period_;
     auto& ranges = std::get<ReadRequest>(request_).ranges;

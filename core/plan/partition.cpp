@@ -9,14 +9,14 @@ std::vector<Slice> optimal_partition(std::span<const Wanted> wanted, const ReadC
   constexpr std::int64_t kUnreached = std::numeric_limits<std::int64_t>::max();
   const std::size_t n = wanted.size();
   std::vector<std::int64_t> best(n + 1, kUnreached);  // least cost of the first k
-  std::vector<std::uint32_t> from(n + 1, 0);          // where their last block begins
+  std::vector<std::uint32_t> from(n + 1, 0);          // start of their last block
   best[0] = 0;
   for (std::size_t begin = 0; begin < n; ++begin) {
     std::uint32_t end = wanted[begin].end;
     for (std::size_t last = begin; last < n; ++last) {
       if (last > begin) {
-        // Beyond a barrier, or a gap that costs as much as another request, no longer block is
-        // better.
+        // No longer block is better beyond a barrier, or beyond a gap that costs as much as another
+        // request.
         if (wanted[last].barrier || wanted[last].first > end + cost.bridge()) break;
         end = std::max(end, wanted[last].end);
       }

@@ -1,5 +1,4 @@
-// The optimal partition of wanted items into reads: every item in one block, the sum of the wire
-// times least. Pure functions.
+// The partition of wanted items into blocks with the least wire time. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -10,30 +9,27 @@
 
 namespace fieldcast {
 
-// One wanted range of items. A list of them is ordered by `first`; they may overlap.
+// One wanted range. Lists are ordered by `first`; ranges may overlap.
 struct Wanted {
   std::uint32_t first = 0;
   std::uint32_t end = 1;
-  bool barrier = false;  // no block may hold this one together with the one before it
+  bool barrier = false;  // no block may hold this range together with the previous one
 };
 
-// Entries begin .. end-1 of the list, read together.
 struct Slice {
   std::uint32_t begin = 0;
   std::uint32_t end = 0;
   friend bool operator==(const Slice&, const Slice&) = default;
 };
 
-// Blocks in the order of the list. A wanted range that no block may hold (longer than the limits)
-// is a block of its own. Dynamic programming over the list; time grows with its length times the
-// points in one block.
+// A range beyond the limits is a block of its own. Dynamic programming: the time grows with the
+// list times the points in one block.
 [[nodiscard]] std::vector<Slice> optimal_partition(std::span<const Wanted> wanted,
                                                    const ReadCost& cost);
 
-// Range that reads a slice. REQUIRES: slice is not empty.
+// REQUIRES: slice is not empty.
 [[nodiscard]] Range range_of(std::span<const Wanted> wanted, Slice slice, const ReadCost& cost);
 
-// Wire time of a partition.
 [[nodiscard]] Duration cost_of(std::span<const Wanted> wanted, std::span<const Slice> slices,
                                const ReadCost& cost);
 

@@ -1,5 +1,4 @@
-// What a plan looks like from outside: which channels are read together, and when. For people and
-// for stations; made from a ReadPlan (read_plan.hpp), whose words it uses. A plain value.
+// Summary of a ReadPlan (read_plan.hpp) for users and stations. Plain value.
 #pragma once
 
 #include <cstdint>
@@ -15,34 +14,31 @@
 namespace fieldcast {
 
 struct PlanReport {
-  // A range of items that is read for one or more channels.
   struct Point {
     std::string area;  // "holding"
     std::uint32_t first = 0, count = 0;
     std::vector<std::string> channels;  // names on the device
-    Duration period{}, phase{};         // zero: it is not in the timetable
-    std::optional<Duration> worst_gap;  // between two acquisitions, on the wire as planned
+    Duration period{}, phase{};         // zero if not in the timetable
+    std::optional<Duration> worst_gap;  // between two acquisitions, as planned
     double stretch = 1;                 // factor on its refresh under overload
     friend bool operator==(const Point&, const Point&) = default;
   };
-  // Points that share requests.
   struct Group {
     std::string device;
-    bool list = false;           // a request carries a list of ranges
-    Duration period{}, phase{};  // zero: it is not in the timetable
-    Duration slack{};            // by how much a read may end earlier than its phase says
+    bool list = false;           // a request contains a list of ranges
+    Duration period{}, phase{};  // zero if not in the timetable
+    Duration slack{};            // how much a read may end earlier than its phase
     double load = 0;             // share of the wire
-    std::vector<Point> points;   // in the order of areas and addresses
+    std::vector<Point> points;   // ordered by area and address
     friend bool operator==(const Group&, const Group&) = default;
   };
   double load = 0;                 // share of the wire that the plan needs
-  double stretch = 1;              // the greatest of all points
-  Duration slot{}, hyperperiod{};  // zero: a plan without a timetable
+  double stretch = 1;              // maximum of all points
+  Duration slot{}, hyperperiod{};  // zero without a timetable
   std::vector<Group> groups;
   friend bool operator==(const PlanReport&, const PlanReport&) = default;
 };
 
-// Names of what a plan knows by index.
 struct PlanNames {
   std::function<std::string_view(DeviceIndex)> device;
   std::function<std::string_view(DeviceIndex, AreaIndex)> area;

@@ -12,9 +12,9 @@ namespace fieldcast {
 
 namespace {
 
-// Up to this planned load reads keep farthest from their last instant.
+// Up to this planned load, reads use the largest reserve.
 constexpr double kLight = 0.6;
-// From this planned load on they come as close to it as they can.
+// From this planned load on, reads use the smallest reserve.
 constexpr double kCrowded = 0.95;
 
 double margin_of(const WireModel& wire, const ReadPlan& plan) {
@@ -26,7 +26,6 @@ std::span<const P> points_of(const Group& group, std::span<const P> points) {
   return points.subspan(group.begin, group.end - group.begin);
 }
 
-// Wire time of a read of the group besides that of its items.
 Duration base_cost_of(const ReadCost& cost, const PlannedPoint& point) {
   const Range range = cost.cover(point.first, point.end);
   return cost.of(range) - Duration{static_cast<Duration::rep>(cost.item_ns() * range.count)};
@@ -36,7 +35,7 @@ bool in_timetable(const PlannedPoint& point) {
   return point.wanted() && point.mode == Mode::kScheduled;
 }
 
-// What the timetable must know of a group. No members: nothing of it has a period.
+// Input of the timetable for a group. Without members if no point has a period.
 template <typename P>
 TimetableRequest request_of(const WireModel& wire, const ReadPlan& plan, const Group& group,
                             std::span<const P> points) {
@@ -70,7 +69,6 @@ TimetableRequest request_of(const WireModel& wire, const ReadPlan& plan, const G
   return request;
 }
 
-// Writes the period and phase of a group and of its points, as the timetable says.
 template <typename P>
 void set_phases(ReadPlan& plan, const WireModel& wire, GroupIndex index,
                 std::span<const P> points) {
@@ -80,7 +78,7 @@ void set_phases(ReadPlan& plan, const WireModel& wire, GroupIndex index,
   planned.period = request.members.empty() ? Duration::zero() : request.period * plan.slot();
   planned.slack = plan.table->slack() * request.period;
   if (!request.members.empty()) planned.load = plan.table->load(index);
-  // The table counts until the wire is free again; points are acquired before.
+  // The timetable counts until the wire is free again; points are acquired before.
   const Duration end = request.latest_end - wire.tails[group.device];
   planned.phase = request.phase * plan.slot() + end;
   auto member = request.members.begin();
@@ -104,7 +102,6 @@ ReadPlan with_all_phases(ReadPlan plan, const WireModel& wire, std::span<const P
   return plan;
 }
 
-// One plan in the making.
 class PlanMaker {
  public:
   PlanMaker(PlanBasis basis, Grouping grouping)
@@ -117,7 +114,6 @@ class PlanMaker {
   PlanMaker(const PlanBasis& basis, const ReadPlan& plan)
       : basis_(basis), wire_(basis_.wire), load_(wire_), plan_(plan) {}
 
-  // Works out loads, the stretch and the timetable from the refreshes asked for.
   [[nodiscard]] std::vector<ReadPlan> make() {
     stretch_to(1);
     find_load();
@@ -158,7 +154,7 @@ class PlanMaker {
     plan_.fastest = fastest_of(basis_.points, wire_.lead);
   }
 
-  // The load of the refreshes asked for; it says how light the wire is, and that changes margins.
+  // The margins depend on the load.
   void find_load() {
     plan_.lightness = 1;
     plan_.load = total_load(false);
@@ -169,7 +165,6 @@ class PlanMaker {
     if (plan_.lightness > 0) plan_.load = total_load(false);
   }
 
-  // The factor that makes the wire carry all.
   [[nodiscard]] double enough_stretch() {
     if (plan_.demand <= kFullLoad) return 1;
     double enough = plan_.demand / kFullLoad;
@@ -185,8 +180,8 @@ class PlanMaker {
     return enough;
   }
 
-  // Makes the timetable. Its periods are whole slots, which takes more than refreshes as they are
-  // asked for. If that is too much, all is stretched a little more.
+  // Whole slots need more wire time than the requested refreshes; if it is too much, all refreshes
+  // are stretched slightly more.
   [[nodiscard]] std::vector<Timetable> fit(double factor) {
     constexpr double kMost = 0.994;
     constexpr int kAttempts = 8;
@@ -207,7 +202,7 @@ class PlanMaker {
   }
 
   [[nodiscard]] std::vector<Timetable> make_timetable() {
-    constexpr std::size_t kMany = 2000;  // points that are placed one by one only once
+    constexpr std::size_t kMany = 2000;  // number of points above which each is placed only once
     const Duration base = cycle_period(plan_.fastest, plan_.fastest, margin_of(wire_, plan_));
     plan_.table.emplace(std::max(Duration{1}, base),
                         part_of(wire_.weights.margin - wire_.weights.unforeseen, plan_.fastest));

@@ -1,5 +1,4 @@
-// What a bus is asked to read: points, the line that carries them, and the devices that answer.
-// Plain values.
+// Input of planning: points, the line, and the devices. Plain values.
 #pragma once
 
 #include <cstdint>
@@ -15,20 +14,20 @@ namespace fieldcast {
 
 using PointIndex = std::uint32_t;  // in the order of ScheduleInput::points
 
-// One distinct range that is read for one or more channels. Its refresh is the shortest of theirs.
+// A range that is read for one or more channels, with their shortest refresh.
 struct Point {
   DeviceIndex device = 0;
   Range range;
   Duration refresh = std::chrono::seconds{1};
   Mode mode = Mode::kScheduled;  // kOnDemand: never scheduled
   int priority = 0;
-  double elasticity = 1;  // its share of a stretch beside the other points of its priority
+  double elasticity = 1;  // its share of a stretch within its priority
 };
 
 struct ScheduleInput {
   LineFormat line;
-  Duration silence{};  // after each answer
-  // How early a scheduled point is read before it is due. At most a tenth of its refresh counts.
+  Duration silence{};  // after each response
+  // How early a scheduled point is read before it is due; at most a tenth of its refresh.
   Duration lead = std::chrono::milliseconds{2};
   std::vector<DeviceTiming> devices;
   std::vector<Point> points;

@@ -1,4 +1,4 @@
-// Overload: more is asked of the wire than it carries, and refreshes are stretched. Pure functions.
+// Stretches refreshes if the requests exceed the capacity of the wire. Pure functions.
 #pragma once
 
 #include <span>
@@ -7,9 +7,9 @@
 
 namespace fieldcast {
 
-// How far points of one priority are stretched before those of the next higher one are.
+// Maximum stretch of one priority before the next higher one is stretched.
 inline constexpr double kMostPerPriority = 4;
-// How much further the lowest priority is stretched than the highest: nobody starves.
+// Ratio between the stretch of the lowest and the highest priority, so that no point starves.
 inline constexpr double kMostApart = 16;
 
 struct Stretched {
@@ -19,9 +19,9 @@ struct Stretched {
   std::size_t priorities = 0;
 };
 
-// Sets the stretch of every point. Those of the lowest priority are stretched first, each priority
-// up to kMostPerPriority before the next one, then all. Within a priority each point takes its
-// share by its elasticity (Buttazzo, Lipari, Abeni: Elastic Task Model, 1998).
+// Sets the stretch of every point, from the lowest priority to the highest, each up to
+// kMostPerPriority before the next, then all. Within a priority, elasticity determines the share of
+// each point (Buttazzo, Lipari, Abeni: Elastic Task Model, 1998).
 Stretched stretch_points(std::span<PlannedPoint> points, double factor);
 
 }  // namespace fieldcast

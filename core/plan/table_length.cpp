@@ -10,16 +10,13 @@ namespace fieldcast {
 
 namespace {
 
-// Lengths that many numbers divide, and parts of a base period that make other numbers whole: 2.5
-// base periods are 5 halves.
+// Lengths with many divisors, and parts of a base period: 2.5 base periods are 5 halves.
 constexpr std::array<std::uint32_t, 36> kLengths{1,  2,  3,  4,  5,  6,  7,  8,  9,  10,  11,  12,
                                                  13, 14, 15, 16, 18, 20, 22, 24, 26, 30,  33,  36,
                                                  40, 44, 48, 52, 60, 66, 72, 80, 84, 100, 120, 140};
 constexpr std::array<std::uint32_t, 6> kParts{1, 2, 3, 4, 5, 6};
-// A longer table and shorter slots must save so much.
 constexpr double kWorthALength = 0.9999, kWorthParts = 0.98;
 
-// The greatest divisor of `n` that is at most `limit`, for the lengths of tables.
 class Divisors {
  public:
   constexpr Divisors() {
@@ -39,8 +36,7 @@ class Divisors {
 };
 constexpr Divisors kDivisors;
 
-// The longest period of at most `usable` slots that divides a table of `slots` and is a multiple of
-// `step`. REQUIRES: step divides slots.
+// The period divides a table of `slots`. REQUIRES: step divides slots.
 Slots period_within(Slots usable, Slots step, Slots slots) {
   if (usable >= slots) return usable / slots * slots;
   return step * kDivisors.of(slots / step, std::max(usable / step, 1u));
@@ -57,7 +53,7 @@ Slots period_of(const TimetableRequest& request, const TableLength& length) {
   return own >= length.slots ? length.slots : period_within(own, 1, length.slots);
 }
 
-// Wire time for each base period, without the gaps between points.
+// Wire time per base period, without the gaps between points.
 double spent(std::span<const TimetableRequest> requests, const TableLength& length) {
   double sum = 0;
   for (const TimetableRequest& request : requests) {
@@ -74,7 +70,7 @@ double spent(std::span<const TimetableRequest> requests, const TableLength& leng
 }  // namespace
 
 TableLength table_length(std::span<const TimetableRequest> requests) {
-  constexpr std::size_t kMany = 2000;  // members for which a long table would take too long
+  constexpr std::size_t kMany = 2000;  // members above which a long table takes too much time
   std::size_t members = 0;
   for (const TimetableRequest& request : requests) members += request.members.size();
   TableLength chosen;

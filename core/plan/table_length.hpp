@@ -1,4 +1,4 @@
-// How many slots a timetable has, how long they are, and which periods fit into it. Pure functions.
+// Computes the length of a timetable and its slots, and the periods that fit. Pure functions.
 #pragma once
 
 #include <span>
@@ -7,11 +7,9 @@
 
 namespace fieldcast {
 
-// The length that wastes least of the wire: each member is read at the longest period that its
-// allowed gap holds and that divides the table. `parts`: 2.5 base periods are 5 slots of a half.
+// Each member is read at the longest period that fits its allowed gap and divides the table.
 [[nodiscard]] TableLength table_length(std::span<const TimetableRequest> requests);
 
-// Gives a request and its members the longest periods that fit.
 void set_periods(TimetableRequest& request, const TableLength& length);
 
 }  // namespace fieldcast

@@ -14,9 +14,9 @@ namespace fieldcast {
 
 namespace {
 
-// What weighs how much when a phase is chosen: wire time; how level slots are; how level those
-// requests are in them that are sent most often, which can move least. Found by measuring. No set
-// is the best on every bus, so each has a try.
+// Weights for the choice of a phase, relative to wire time: equal load of slots, and equal load of
+// the most frequent requests, which are the least flexible. Found by measurement. No set is best
+// for every bus, so each is tried.
 struct Levels {
   double slots, steady;
 };
@@ -25,12 +25,10 @@ constexpr std::array<Levels, 8> kLevels{
 
 std::size_t words_for(std::size_t members) { return (members + 63) / 64; }
 
-// How much the square of `before` grows by `more`.
 double growth(Duration before, double more) { return more * (2.0 * ns(before) + more); }
 
 }  // namespace
 
-// The length and the slots that waste least.
 void Timetable::choose_length() {
   length_ = table_length(requests_);
   slots_ = length_.slots;
@@ -43,12 +41,12 @@ void Timetable::choose_length() {
   }
 }
 
-// Wire time of a request in a slot: of the members that are due in it, and one more.
+// Wire time of the due members and of member `besides`.
 Duration Timetable::read_cost(std::size_t index, Slots slot, std::size_t besides) const {
   const TimetableRequest& request = requests_[index];
   const std::size_t words = words_for(request.members.size());
   const std::uint64_t* const due = due_[index].data() + slot * words;
-  const TimetableMember* range = nullptr;  // the first of it
+  const TimetableMember* range = nullptr;  // first member of the range
   std::uint32_t end = 0;
   double sum = 0;
   for (std::size_t word = 0; word < words; ++word) {
@@ -124,7 +122,7 @@ void Timetable::take_out(std::size_t index, std::size_t which) {
   }
 }
 
-// The least crowded phase, then the members from the fastest to the slowest.
+// Selects the least loaded phase, then places the members from the fastest to the slowest.
 void Timetable::enter(std::size_t index) {
   TimetableRequest& request = requests_[index];
   Duration least{};
@@ -156,9 +154,8 @@ void Timetable::leave(std::size_t index) {
   for (Slots slot = 0; slot < slots_; ++slot) set_cost(index, slot, Duration::zero());
 }
 
-// When each request ends at the latest, if those that come before it in its slots do not end
-// earlier than they must. Short periods come first; among equal ones those whose reads change
-// least.
+// Earlier requests of a slot are assumed to end as late as allowed. Short periods are first; among
+// equal ones, those whose reads change least.
 void Timetable::align() {
   std::vector<std::size_t> order(requests_.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -188,7 +185,7 @@ void Timetable::align() {
 }
 
 std::vector<Timetable> Timetable::fill(std::vector<TimetableRequest> requests, unsigned rounds) {
-  constexpr std::size_t kLarge = 8'000;  // reads in the table: too many to make it more than once
+  constexpr std::size_t kLarge = 8'000;  // reads in the table above which it is made only once
   requests_ = std::move(requests);
   choose_length();
   std::vector<Timetable> ways;

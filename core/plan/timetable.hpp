@@ -1,16 +1,16 @@
-// The timetable of a bus: in which time slots each request is sent, and which of its points each
+// The timetable of a bus: the slots in which each request is sent, and the points that each
 // transmission reads.
 //
-// Time is cut into slots of one length: the base period of the bus, or a small part of it. The
-// table has a number of slots and then repeats; its length is the hyperperiod. A request is sent in
-// every n-th slot. Its slower points are read in every m-th slot, by one of its transmissions.
+// Time is divided into slots: the base period of the bus, or a small part of it. The table repeats
+// after its hyperperiod. A request is sent in every n-th slot; its slower points are read in every
+// m-th slot.
 //
-// The phase of each point is chosen so that reads are short (neighbours share the gap between them)
-// and slots are equally full. First the points are placed one by one, then each again a few times
-// with all others in place. Within a slot requests have an order. Each shall end at the same
-// instant of every slot in which it is sent, or its fastest points would be late by the difference.
+// Phases are chosen for short reads (neighbours share the gap between them) and equal load of
+// slots. Points are placed one by one, then each is placed again a few times. Within a slot
+// requests have an order. Each must end at the same time in all its slots, as its fastest points
+// would be late by the difference otherwise.
 //
-// A value: no clock, any thread. It holds what changes of single requests need.
+// A value: no clock, any thread. Keeps the data needed to change single requests.
 #pragma once
 
 #include <cstdint>
@@ -24,22 +24,22 @@ using Slots = std::uint32_t;  // a number of slots, or the index of a slot in th
 
 struct TimetableMember {
   std::uint32_t first = 0, end = 1;  // its items
-  std::uint32_t area = 0;            // of a list: one range reads items of one area only
-  std::uint32_t bridge = 0;          // of a list: two points no further apart share one range
-  Duration range_cost{};             // of a list: wire time of another range of one item
-  double item_ns = 0;                // wire time of another item of a range
-  double fits = 1;                   // how many base periods its allowed gap holds
-  Slots period = 1;                  // from one reading to the next
-  Slots phase = 0;                   // slot of one reading, less than `period`
+  std::uint32_t area = 0;            // for lists: one range reads items of one area only
+  std::uint32_t bridge = 0;  // for lists: maximum distance of two points that share one range
+  Duration range_cost{};     // for lists: wire time of another range of one item
+  double item_ns = 0;        // wire time of another item of a range
+  double fits = 1;           // base periods in its allowed gap
+  Slots period = 1;          // from one reading to the next
+  Slots phase = 0;           // slot of one reading, less than `period`
   friend bool operator==(const TimetableMember&, const TimetableMember&) = default;
 };
 
 struct TimetableRequest {
-  bool list = false;      // a list of ranges; otherwise one range covers the members that are due
+  bool list = false;      // a list of ranges; otherwise one range covers the due members
   Duration base_cost{};   // wire time without any item
   Slots period = 1;       // from one transmission to the next
   Slots phase = 0;        // slot of one transmission, less than `period`
-  Duration latest_end{};  // its reads end at most so long after the begin of their slot
+  Duration latest_end{};  // latest end of its reads after the start of their slot
   std::vector<TimetableMember> members;
   friend bool operator==(const TimetableRequest&, const TimetableRequest&) = default;
 };
@@ -52,29 +52,26 @@ struct TableLength {
 
 class Timetable {
  public:
-  // `base_period`: what the fastest point of the bus allows. `slack`: how much earlier in its slot
-  // a read may end than the one a base period before.
+  // `slack`: how much earlier in its slot a read may end than the previous one.
   Timetable(Duration base_period, Duration slack)
       : base_period_(base_period), base_slack_(slack), slot_(base_period), slack_(slack) {}
 
-  // Finds periods and phases for all. Several ways are tried: this becomes the one whose slots end
-  // soonest; the others are returned, in the same order.
+  // This object becomes the variant whose slots end first; returns the others, in this order.
   std::vector<Timetable> fill(std::vector<TimetableRequest> requests, unsigned rounds);
-  // Gives one request other members or costs. The others keep their phases, and so does this one if
-  // only its costs are others. After the last of several changes: align().
+  // Other requests keep their phases, as does this one if only its costs change. Call align()
+  // after the last change.
   void change(std::size_t index, TimetableRequest request);
-  // Finds anew when each request ends in its slots.
   void align();
 
   [[nodiscard]] const TimetableRequest& request(std::size_t index) const {
     return requests_[index];
   }
   [[nodiscard]] Duration slot() const { return slot_; }
-  // How much earlier a read may end than planned, for each slot of its request's period.
+  // How much earlier a read may end than planned, per slot of its request's period.
   [[nodiscard]] Duration slack() const { return slack_; }
   [[nodiscard]] Duration hyperperiod() const { return slot_ * slots_; }
-  [[nodiscard]] double load() const;                   // share of the wire that it needs
-  [[nodiscard]] double load(std::size_t index) const;  // share that one request needs
+  [[nodiscard]] double load() const;                   // share of the wire
+  [[nodiscard]] double load(std::size_t index) const;  // share of one request
   [[nodiscard]] bool empty() const;                    // no request has members
 
   friend bool operator==(const Timetable&, const Timetable&) = default;
@@ -98,17 +95,17 @@ class Timetable {
 
   static constexpr std::size_t kNobody = ~std::size_t{0};
   Duration base_period_, base_slack_;
-  Duration slot_, slack_;  // a part of those
+  Duration slot_, slack_;  // derived from the base values
   TableLength length_;
   Slots slots_ = 1;     // of the whole table
   Slots shortest_ = 1;  // of all requests' periods
   double level_slots_ = 0, level_steady_ = 0;
   std::vector<TimetableRequest> requests_;
-  // By request: a bit for each of its members, slot after slot.
+  // By request: a bit per member, slot by slot.
   std::vector<std::vector<std::uint64_t>> due_;
   std::vector<Duration> cost_;    // of each request in each slot
   std::vector<Duration> total_;   // of each slot
-  std::vector<Duration> steady_;  // total of each slot, of the requests that are sent most often
+  std::vector<Duration> steady_;  // of the most frequent requests in each slot
 };
 
 }  // namespace fieldcast

@@ -1,6 +1,6 @@
-// What a planner and a dispatcher know of one bus and its devices: where its points lie, what reads
-// cost, and by which rules it is planned. Costs change as answers are learned; all else is fixed.
-// A value; each copy belongs to one thread.
+// Model of one bus for planner and dispatcher: layout of its points, costs of reads, and planning
+// rules. Costs change with learned response times; the rest is fixed. A value; each copy belongs to
+// one thread.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,6 @@
 
 namespace fieldcast {
 
-// One row for each planner.
 struct PlanRules {
   GroupingRule grouping;
   ShapeRule shape;
@@ -21,17 +20,16 @@ struct PlanRules {
 [[nodiscard]] PlanRules rules_of(Planner planner);
 
 struct WireModel {
-  // REQUIRES: points name devices of the input and areas of their protocols.
   WireModel(const ScheduleInput& input, Planner planner, const CyclicWeights& weights = {});
 
   Planner planner;
   PlanRules rules;
   CyclicWeights weights;
   Duration lead, silence;
-  std::vector<Duration> tails;  // by device: from the end of its answer until the wire is free
+  std::vector<Duration> tails;  // by device: from the end of its response until the wire is free
   Layout layout;
 
-  // Changes the cost of every read of an area; false: nothing is read there.
+  // Returns false if no read uses the area.
   template <typename Change>
   bool change_cost(DeviceIndex device, AreaIndex area, const Change& change) {
     bool read = false;
@@ -44,13 +42,10 @@ struct WireModel {
   }
 };
 
-// The points by OrderIndex. An absurd refresh would stretch everybody else's: none is shorter than
-// the wire time of its own read.
+// By OrderIndex. A refresh below the wire time of its own read is raised to it.
 [[nodiscard]] std::vector<PlannedPoint> planned_points(const ScheduleInput& input,
                                                        const Layout& layout);
 
-// How many items a read may bridge, by area run. Groups are worth making anew where it changes
-// much.
 [[nodiscard]] std::vector<std::uint32_t> bridges_of(const Layout& layout);
 
 }  // namespace fieldcast

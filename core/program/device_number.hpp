@@ -1,5 +1,4 @@
-// The number under which a device is known to engineers and to modules that dial in: 1 to 16
-// letters or digits.
+// Number of a device for engineers and dial-in modules: 1 to 16 letters or digits.
 #pragma once
 
 #include <string_view>
@@ -8,9 +7,9 @@ namespace fieldcast::program {
 
 inline constexpr std::size_t kMaxDeviceNumber = 16;
 
-// Whether no frame could take it for something else: not `ED`, not `HB`, not a reply (four digits
-// that begin with 000), not with the marker `FEFF` inside, and not beginning with `V2`, which asks
-// for the framing by length.
+// Returns true if no frame can confuse it with another code: not `ED`, `HB` or a reply (four digits
+// that begin with 000), without the marker `FEFF`, and not beginning with `V2`, which requests
+// framing by length.
 [[nodiscard]] bool is_device_number(std::string_view text);
 
 inline constexpr std::string_view kDeviceNumberForm =

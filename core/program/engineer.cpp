@@ -1,5 +1,4 @@
-// The states of a connection and their time-outs; what the client sends is read in
-// engineer_frames.cpp.
+// States and timeouts of a connection; see engineer_frames.cpp for the client's frames.
 #include "core/program/engineer.hpp"
 
 #include <algorithm>
@@ -37,8 +36,7 @@ Instant Engineer::next_wake() const {
   }
 }
 
-// When the client's heartbeats are missing. While the device's queue is full nothing is read from
-// the client: its heartbeats wait with its program bytes.
+// While the device's queue is full, the client is not read and its heartbeats wait.
 Instant Engineer::silence_limit() const {
   if (device_stuck_ != kNever) return kNever;
   return received_at_ + rules_.heartbeat * kMissed + rules_.heartbeat / 2;
@@ -129,7 +127,7 @@ void Engineer::handle(const ClientTakes& event, Instant now, Actions&) {
 }
 
 void Engineer::handle(const DeviceTakes& event, Instant now, Actions&) {
-  if (event.takes) received_at_ = now;  // from here on it is read again
+  if (event.takes) received_at_ = now;  // reading resumes
   device_stuck_ = event.takes ? kNever : std::min(device_stuck_, now + kStuckWait);
 }
 
@@ -181,7 +179,7 @@ void Engineer::handle(const TimerFired&, Instant now, Actions& actions) {
   if (now >= heartbeat_at_) send_heartbeat(now, actions);
 }
 
-// False: the pairing ended.
+// Returns false if the pairing ended.
 bool Engineer::give_up_client_half(Instant now, Actions& actions) {
   half_from_client_ = kNever;
   if (auto code = reader_.take_code()) {
@@ -218,8 +216,7 @@ void Engineer::refuse(Reply why, const std::string& reason, Instant now, Actions
   read_frames(now, actions);
 }
 
-// Tells the client when it still listens. With markers the connection stays: the client may ask for
-// a device again.
+// `tell`: notifies the client. With markers the connection stays open for another request.
 void Engineer::end_pairing(const std::string& reason, bool tell, Instant now, Actions& actions) {
   actions.push_back(FreeDevice{});
   actions.push_back(Remark{Remark::Kind::kEnded, reason});

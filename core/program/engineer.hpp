@@ -1,7 +1,7 @@
-// One engineer's connection as the bridge sees it: login, the request for a device, the pairing,
-// its end. Pure: events and `now` in, actions out. The shell keeps which device is whose
-// (TakeDevice is answered by DeviceGiven or DeviceRefused) and the queues of bytes (ClientTakes and
-// DeviceTakes tell when one is full).
+// The bridge side of an engineer's connection: login, request for a device, pairing, end. Pure:
+// events and `now` in, actions out. The shell assigns devices (it responds to TakeDevice with
+// DeviceGiven or DeviceRefused) and owns the byte queues (ClientTakes and DeviceTakes report when
+// one is full).
 #pragma once
 
 #include <string>
@@ -16,16 +16,14 @@ namespace fieldcast::program {
 
 struct EngineerRules {
   bool login_needed = false;
-  // The client has shown a certificate, and the shell finds out whether its user may program:
-  // LoginChecked comes without CheckLogin, and until then nothing else is done.
+  // The shell checks the user of a certificate: LoginChecked arrives without CheckLogin.
   bool by_certificate = false;
   Duration heartbeat = std::chrono::seconds{5};
-  Duration idle = std::chrono::minutes{10};  // without program bytes either way
-  // From the connection, or from the end of a pairing, to the next pairing.
+  Duration idle = std::chrono::minutes{10};  // without program bytes in either direction
+  // Limit from the connection, or from the end of a pairing, to the next pairing.
   Duration handshake = std::chrono::seconds{10};
 };
 
-// Events.
 struct FromClient {
   ByteView bytes;  // valid during the call
 };
@@ -34,7 +32,7 @@ struct ClientGone {
 };
 struct LoginChecked {
   bool allowed = false;
-  std::string reason;  // why not
+  std::string reason;  // reason for a rejection
 };
 struct DeviceGiven {};
 struct DeviceRefused {
@@ -48,22 +46,21 @@ struct DeviceLost {
   std::string reason;
 };
 struct ClientTakes {
-  bool takes = true;  // false: its queue is full
+  bool takes = true;  // false if its queue is full
 };
 struct DeviceTakes {
   bool takes = true;
 };
-struct ClientDrains {};  // bytes of its queue have left this machine
+struct ClientDrains {};  // bytes of its queue were sent
 struct DeviceDrains {};
 struct TimerFired {};
-struct Ended {  // by the bridge: it stops
+struct Ended {  // the bridge stops
   std::string reason;
 };
 using EngineerEvent = std::variant<FromClient, ClientGone, LoginChecked, DeviceGiven, DeviceRefused,
                                    FromDevice, DeviceLost, ClientTakes, DeviceTakes, ClientDrains,
                                    DeviceDrains, TimerFired, Ended>;
 
-// Actions, in order.
 struct ToClient {
   Bytes bytes;
 };
@@ -80,11 +77,10 @@ struct SetLine {
   LineSettings settings;
 };
 struct FreeDevice {};
-struct HangUp {};  // once what was sent has left
+struct HangUp {};  // after all queued bytes were sent
 struct SetTimer {
-  Instant at;  // replaces the one before
+  Instant at;  // replaces the previous one
 };
-// For the audit and the log.
 struct Remark {
   enum class Kind : std::uint8_t { kLogin, kLoginFailed, kRefused, kPaired, kEnded, kDropped };
   Kind kind;
@@ -96,16 +92,16 @@ using EngineerActions = std::vector<EngineerAction>;
 
 class Engineer {
  public:
-  static constexpr unsigned kMissed = 3;                          // heartbeats in a row
+  static constexpr unsigned kMissed = 3;                          // consecutive heartbeats
   static constexpr Duration kHalfWait = MarkerReader::kHalfWait;  // for the rest of an instruction
-  // A side is given up when its queue is full and no byte leaves it for so long. A slow line must
-  // not be given up: a peer that reads slowly opens its TCP window in steps of several kilobytes,
-  // and at 1200 baud these steps are more than half a minute apart.
+  // A side is given up if its queue is full and no byte is sent for this time. A slow line must not
+  // be given up: a slow reader opens its TCP window in steps of several kilobytes, which are more
+  // than half a minute apart at 1200 baud.
   static constexpr Duration kStuckWait = std::chrono::seconds{60};
-  // Bytes of noise before the first pairing, and after it. More of them end the connection.
+  // More noise closes the connection.
   static constexpr std::size_t kMaxNoise = 256, kMaxNoiseLater = 8192;
-  static constexpr unsigned kMaxRefused = 10;      // refused requests in a row
-  static constexpr std::size_t kMaxEarly = 65536;  // bytes that come before the answer to a request
+  static constexpr unsigned kMaxRefused = 10;      // consecutive refused requests
+  static constexpr std::size_t kMaxEarly = 65536;  // bytes before the response to a request
 
   Engineer(const EngineerRules& rules, Instant now);
 
@@ -113,7 +109,7 @@ class Engineer {
 
   [[nodiscard]] bool paired() const { return state_ == State::kPaired; }
   [[nodiscard]] bool over() const { return state_ == State::kOver; }
-  // Of the pairing; of the last one when there is none.
+  // Counted for the current or last pairing.
   [[nodiscard]] std::uint64_t bytes_to_device() const { return to_device_; }
   [[nodiscard]] std::uint64_t bytes_from_device() const { return from_device_; }
 
@@ -135,7 +131,7 @@ class Engineer {
   void handle(const TimerFired& event, Instant now, Actions& actions);
   void handle(const Ended& event, Instant now, Actions& actions);
 
-  // engineer_frames.cpp: what the client sends
+  // See engineer_frames.cpp:
   void read_frames(Instant now, Actions& actions);
   void take_frame(MarkerFrame frame, Instant now, Actions& actions);
   void read_chunks(ByteView bytes, Instant now, Actions& actions);
@@ -145,7 +141,6 @@ class Engineer {
   void broken(const BrokenFrame& frame, Actions& actions);
   void program_bytes(Bytes bytes, Instant now, Actions& actions);
 
-  // The rest of an instruction did not come in time.
   [[nodiscard]] bool give_up_client_half(Instant now, Actions& actions);
   void send_heartbeat(Instant now, Actions& actions);
   void reply(Reply reply, Actions& actions);
@@ -159,7 +154,7 @@ class Engineer {
   State state_ = State::kHandshake;
   bool logged_in_ = false;
   bool was_paired_ = false;
-  bool by_length_ = false;  // the request under way, or the pairing
+  bool by_length_ = false;  // for the pending request, or the pairing
   MarkerReader reader_{Sender::kClient};
   MarkerWriter writer_{Sender::kBridge};
   LengthReader lengths_;
@@ -167,14 +162,12 @@ class Engineer {
   std::size_t noise_ = 0;
   std::uint64_t to_device_ = 0, from_device_ = 0;
   Instant handshake_until_;
-  Instant received_at_{};  // when the client's last bytes came
-  Instant worked_at_{};    // when the last program bytes came, or left after they had waited
-  // When the rest of an instruction must have come.
+  Instant received_at_{};  // last bytes of the client
+  Instant worked_at_{};    // last program bytes received, or sent from a queue
   Instant half_from_client_ = kNever, half_from_device_ = kNever;
-  // When a side whose queue is full is given up.
   Instant client_stuck_ = kNever, device_stuck_ = kNever;
-  Instant heartbeat_at_ = kNever;  // our next heartbeat
-  Instant timer_ = kNever;         // as last told
+  Instant heartbeat_at_ = kNever;  // next heartbeat of the bridge
+  Instant timer_ = kNever;         // last value sent to the shell
 };
 
 }  // namespace fieldcast::program

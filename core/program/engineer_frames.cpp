@@ -1,4 +1,3 @@
-// What an engineer's client sends: login, requests, program bytes, heartbeats.
 #include <algorithm>
 #include <utility>
 
@@ -8,7 +7,6 @@
 namespace fieldcast::program {
 namespace {
 
-// Lower-case hexadecimal digits to text; nothing for anything else.
 std::optional<std::string> unhex(std::string_view digits) {
   if (digits.size() % 2 != 0 || digits.size() > 2 * kMaxLoginText) return std::nullopt;
   const auto value = [](char c) {
@@ -23,7 +21,7 @@ std::optional<std::string> unhex(std::string_view digits) {
   return text;
 }
 
-// A name goes into the log and the audit, line by line.
+// Names are part of a line in the log and the audit trail.
 bool can_stand_in_a_line(std::string_view text) {
   return !text.empty() && std::none_of(text.begin(), text.end(),
                                        [](unsigned char c) { return c < 0x20 || c == 0x7F; });
@@ -66,10 +64,9 @@ void Engineer::take_frame(MarkerFrame frame, Instant now, Actions& actions) {
 }
 
 void Engineer::handshake_code(const std::string& code, Instant now, Actions& actions) {
-  if (code == kHeartbeatCode || code == kStopCode) return;  // of a pairing that is over
-  if (code.ends_with('\r')) {  // likewise: the device was lost while it was on its way
-    return broken({FrameFault::kNoise, code.size()}, actions);
-  }
+  if (code == kHeartbeatCode || code == kStopCode) return;  // of a previous pairing
+  // Program bytes sent before the client received the loss of the device.
+  if (code.ends_with('\r')) { return broken({FrameFault::kNoise, code.size()}, actions); }
   if (code.starts_with(kLoginCode) && code.find(':') != code.npos) return login(code, actions);
   by_length_ = code.starts_with(kLengthCode);
   const std::string number = by_length_ ? code.substr(kLengthCode.size()) : code;
@@ -104,7 +101,7 @@ void Engineer::login(std::string_view code, Actions& actions) {
 
 void Engineer::transmission_code(const std::string& code, Instant now, Actions& actions) {
   if (code == kStopCode) end_pairing("stopped by the engineer", false, now, actions);
-  // Heartbeats have set received_at_ already.
+  // Heartbeats have already updated received_at_.
 }
 
 void Engineer::broken(const BrokenFrame& frame, Actions& actions) {
@@ -129,7 +126,7 @@ void Engineer::read_chunks(ByteView bytes, Instant now, Actions& actions) {
       append(program, chunk->bytes);
     } else if (const auto* settings = std::get_if<LineSettings>(&*frame)) {
       program_bytes(std::exchange(program, {}), now,
-                    actions);  // what came before is sent as the line was
+                    actions);  // earlier bytes are sent with the previous settings
       actions.push_back(SetLine{*settings});
     } else if (std::holds_alternative<Stop>(*frame)) {
       program_bytes(std::exchange(program, {}), now, actions);

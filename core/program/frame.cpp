@@ -6,11 +6,11 @@
 namespace fieldcast::program {
 namespace {
 
-// In transmission. Every other code belongs to the handshake.
+// In transmission. All other codes belong to the handshake.
 constexpr std::array<std::string_view, 2> kClientCodes{kHeartbeatCode, kStopCode},
     kBridgeCodes{kHeartbeatCode, "0003"};
 
-// What stands behind `@@code FEFF`: see marker_reader.hpp.
+// See marker_reader.hpp.
 Opening judged_by(std::string_view rest) {
   const auto end = rest.find('\r');
   const auto next = rest.find(kFrameStart);
@@ -29,7 +29,7 @@ FrameOpening opening_of(std::string_view text, Sender sender) {
     const auto mark = text.substr(head.size(), kFrameEnd.size());
     if (!code.starts_with(head) || !kFrameEnd.starts_with(mark)) continue;
     if (mark.size() < kFrameEnd.size()) return {Opening::kUndecided, {}};
-    // `H` is no hexadecimal digit: no continuation of an answer begins with a heartbeat.
+    // `H` is not a hexadecimal digit, so a response cannot continue with it.
     if (code == kHeartbeatCode) return {Opening::kControl, code};
     return {judged_by(text.substr(code.size() + kFrameEnd.size())), code};
   }

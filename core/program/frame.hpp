@@ -1,13 +1,13 @@
-// What travels between an engineer's client and the bridge.
+// Frames between an engineer's client and the bridge. "Ours" marks extensions of Fieldcast.
 //
 //     frame       @@ code FEFF              control: a code of the table below
 //     frame       @@ instruction CR FEFF    program bytes: one instruction with its end character
 //
-//     client      device number             I want this device (marker framing)
+//     client      device number             request for a device (marker framing)
 //                 V2 device number          the same; after 0000 both sides use length framing
 //                                           (length_framing.hpp)
-//                 AU user : password        who I am, both in lower-case hexadecimal digits, which
-//                                           never hold FEFF (ours)
+//                 AU user : password        login, both in lower-case hexadecimal digits, which
+//                                           never contain FEFF (ours)
 //                 ED                        stop, release the device
 //     bridge      0000 .. 0003, 0004        the replies; 0004 is ours: no login, or no programmer
 //     both        HB                        heartbeat
@@ -27,7 +27,7 @@ inline constexpr std::string_view kFrameStart = "@@", kFrameEnd = "FEFF";
 inline constexpr std::string_view kInstructionEnd = "\rFEFF";
 inline constexpr std::string_view kStopCode = "ED", kHeartbeatCode = "HB";
 inline constexpr std::string_view kLengthCode = "V2", kLoginCode = "AU";
-// With its end character; longer ones are dropped and reported.
+// Counts the end character; longer instructions are dropped and reported.
 inline constexpr std::size_t kMaxInstruction = 4096;
 // A login with 128 characters of user and of password.
 inline constexpr std::size_t kMaxHandshakeCode = 600;
@@ -35,47 +35,45 @@ inline constexpr std::size_t kMaxLoginText = 128;
 
 enum class Reply : std::uint8_t { kPaired, kNotOnline, kInUse, kLost, kNotAllowed };
 [[nodiscard]] std::string_view to_code(Reply reply);  // "0000"
-[[nodiscard]] std::string_view to_text(Reply reply);  // for people
+[[nodiscard]] std::string_view to_text(Reply reply);  // human-readable
 [[nodiscard]] std::optional<Reply> reply_from(std::string_view code);
 
-// Who writes a stream: each end has its own codes in transmission.
+// Each end has its own codes in transmission.
 enum class Sender : std::uint8_t { kClient, kBridge };
 
-// What the first bytes of a frame in transmission are.
 enum class Opening : std::uint8_t { kProgram, kControl, kUndecided };
 struct FrameOpening {
   Opening what = Opening::kProgram;
-  std::string_view code;  // kControl and kUndecided: which one it is, or may be
+  std::string_view code;  // kControl and kUndecided: the certain or possible code
 };
-// `text`: what has come of the frame, behind `@@`. kUndecided also while FEFF itself is missing.
+// `text`: the received part of the frame after `@@`. kUndecided also while FEFF itself is missing.
 [[nodiscard]] FrameOpening opening_of(std::string_view text, Sender sender);
 
-// What was wrong in a stream; the stream goes on behind it.
+// Reading continues after a fault, if the stream is not lost.
 enum class FrameFault : std::uint8_t {
   kNoise,    // bytes outside of any frame
-  kTooLong,  // an instruction of more than kMaxInstruction characters, dropped
-  kHalf,     // an instruction whose rest did not come, dropped
-  // An instruction was dropped that begins with a control frame and the start of another frame:
-  // marker framing cannot carry it.
+  kTooLong,  // a dropped instruction of more than kMaxInstruction characters
+  kHalf,     // a dropped incomplete instruction
+  // A dropped instruction that looks like a control frame followed by another frame.
   kAmbiguous,
-  kBadLength,  // a length that no sender of ours writes: the stream is lost
-  kBadLine,    // line settings that no sender of ours writes: likewise
+  kBadLength,  // an invalid length; the stream cannot continue
+  kBadLine,    // invalid line settings; the stream cannot continue
 };
 [[nodiscard]] std::string_view to_text(FrameFault fault);
 
-// Settings of the real line behind a pairing. A pseudo-terminal tells the baud rate and the stop
-// bits that a program sets, but neither data bits nor parity (Linux, pty_set_termios): the engineer
-// gives these to the client, or they stay as configured.
+// Settings of the real line of a pairing. A pseudo-terminal reports the baud rate and the stop bits
+// set by a program, but neither data bits nor parity (Linux, pty_set_termios). The engineer passes
+// these to the client, or they stay as configured.
 struct LineSettings {
-  std::uint32_t baud = 0;  // 0: as the bridge's configuration has it
+  std::uint32_t baud = 0;  // 0: as configured in the bridge
   std::uint8_t stop_bits = 1;
-  // 7 or 8; 0: data bits and parity are as the bridge's configuration has them.
+  // 7 or 8; 0: data bits and parity as configured in the bridge.
   std::uint8_t data_bits = 0;
   Parity parity = Parity::kNone;
   friend bool operator==(const LineSettings&, const LineSettings&) = default;
 };
 
-// "@@" code "FEFF"
+// "@@" code "FEFF".
 [[nodiscard]] Bytes control_frame(std::string_view code);
 
 [[nodiscard]] inline std::string_view as_text(ByteView bytes) {

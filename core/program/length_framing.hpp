@@ -1,13 +1,13 @@
-// The framing that our own client asks for: any bytes at all, nothing to search, nothing held back.
+// Framing used by our own client: carries any bytes, without search or delay.
 //
 //     length(4) bytes       1 .. kMaxChunk, big-endian
 //     00000000              heartbeat
-//     FFFFFFFF              stop; the bridge may say why in one marker frame behind it (@@0003FEFF)
+//     FFFFFFFF              stop; the bridge may add the reason as a marker frame (@@0003FEFF)
 //     FFFFFFFE baud(4) stop(1) data(1) parity(1)
 //                           settings of the real line, client to bridge (ours)
 //
-// baud 0 leaves the baud rate, data 0 leaves data bits and parity as the bridge's configuration has
-// them. parity: 0 none, 1 even, 2 odd.
+// baud 0 keeps the configured baud rate, data 0 the configured data bits and parity. parity: 0
+// none, 1 even, 2 odd.
 #pragma once
 
 #include <variant>
@@ -16,10 +16,11 @@
 
 namespace fieldcast::program {
 
-inline constexpr std::uint32_t kMaxChunk = 65536;  // more is a lost stream, not a long one
+// A larger length means that the stream is out of step.
+inline constexpr std::uint32_t kMaxChunk = 65536;
 
 struct ChunkBytes {
-  ByteView bytes;  // of the input: a part of a chunk as soon as it is there
+  ByteView bytes;  // refers to the input; may be a part of a chunk
 };
 struct Heartbeat {};
 struct Stop {};
@@ -27,18 +28,16 @@ using LengthFrame = std::variant<ChunkBytes, Heartbeat, Stop, LineSettings, Fram
 
 class LengthReader {
  public:
-  // Takes what it understands from the front of `in`; nothing when all is taken. After Stop and
-  // after a fault the stream is over.
+  // Consumes a frame from the front of `in`; empty at its end. After Stop or a fault the stream
+  // ends.
   [[nodiscard]] std::optional<LengthFrame> next(ByteView& in);
-  // In the middle of a head or a chunk.
   [[nodiscard]] bool partial() const { return left_ > 0 || !head_.empty(); }
 
  private:
-  Bytes head_;              // what has come of a head
+  Bytes head_;              // received part of a head
   std::uint32_t left_ = 0;  // of the chunk
 };
 
-// Appends one chunk after another until all bytes are in.
 void append_chunks(Bytes& out, ByteView bytes);
 void append_heartbeat(Bytes& out);
 void append_stop(Bytes& out);

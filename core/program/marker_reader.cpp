@@ -19,7 +19,7 @@ Duration MarkerReader::patience() const {
   const auto text = as_text(buffer_);
   if (!text.starts_with(kFrameStart)) return kHalfWait;
   const FrameOpening opening = opening_of(text.substr(kStart), sender_);
-  const bool whole = text.size() <= kStart + opening.code.size() + kEnd + 1;  // but for one `@`
+  const bool whole = text.size() <= kStart + opening.code.size() + kEnd + 1;  // except for one `@`
   return opening.what == Opening::kUndecided && !opening.code.empty() && whole ? kCodeWait
                                                                                : kHalfWait;
 }
@@ -37,7 +37,7 @@ void MarkerReader::drop(std::size_t count) {
   searched_ = 0;
 }
 
-// Up to the end of a frame that is too long; its tail is kept while the end may be cut.
+// Keeps the last bytes, which may be part of the end mark.
 std::optional<MarkerFrame> MarkerReader::skip() {
   const auto text = as_text(buffer_);
   const auto end = text.find(kInstructionEnd);
@@ -53,7 +53,7 @@ std::optional<MarkerFrame> MarkerReader::skip() {
   return BrokenFrame{FrameFault::kTooLong, std::exchange(skipped_, 0)};
 }
 
-// What stands before a frame; nothing when a frame begins, or when too little has come to say.
+// Empty if a frame begins, or if too few bytes have arrived.
 std::optional<MarkerFrame> MarkerReader::noise() {
   const auto text = as_text(buffer_);
   const auto start = text.find(kFrameStart);

@@ -1,17 +1,17 @@
-// Cuts a stream of marker frames, however it arrives in pieces. Pure; owned by one end of a
+// Splits a stream of marker frames, which may arrive in any pieces. Pure; owned by one end of a
 // connection.
 //
-// In transmission a frame of program bytes ends at CR FEFF and a control frame is one whose whole
-// code is in the table, so that an instruction may hold the markers: `@00WD0000FEFF..` is no end.
-// Sometimes later bytes show whether a frame has ended: until then it waits.
+// In transmission, program bytes end at CR FEFF, and a control frame is one of the known codes. So
+// an instruction may contain the markers: `@00WD0000FEFF..` does not end there. Sometimes later
+// bytes are needed to detect the end of a frame.
 //
-// An instruction may even begin like a control frame: the continuation of a Host Link answer begins
-// with any words, `0003FEFF12..`. The bytes behind FEFF show which of the two it is:
+// An instruction may even begin like a control frame: the continuation of a Host Link response
+// begins with any words, `0003FEFF12..`. The bytes after FEFF distinguish them:
 //
 //     @@0003FEFF @@ ..               control: the next frame begins
-//     @@0003FEFF .. CR FEFF          an instruction: it ends as instructions do
-//     @@0003FEFF .. CR other bytes   control, and noise behind it: CR is an instruction's last byte
-//     @@0003FEFF                     control when kCodeWait brings nothing more
+//     @@0003FEFF .. CR FEFF          an instruction with its end
+//     @@0003FEFF .. CR other bytes   control, and noise after it: CR is an instruction's last byte
+//     @@0003FEFF                     control, if no byte follows within kCodeWait
 #pragma once
 
 #include <optional>
@@ -22,17 +22,16 @@
 
 namespace fieldcast::program {
 
-// A whole frame's code: a device number, a reply, ED, HB.
 struct ControlCode {
   std::string code;
 };
-// One instruction, with its CR.
+// Includes the CR.
 struct Instruction {
   Bytes bytes;
 };
 struct BrokenFrame {
   FrameFault fault;
-  std::size_t bytes = 0;  // that were dropped
+  std::size_t bytes = 0;  // dropped bytes
 };
 using MarkerFrame = std::variant<ControlCode, Instruction, BrokenFrame>;
 
@@ -40,29 +39,25 @@ class MarkerReader {
  public:
   enum class Phase : std::uint8_t {
     kHandshake,     // every frame is a control frame
-    kTransmission,  // program bytes, and the codes that its sender has in transmission
+    kTransmission,  // program bytes, and the sender's codes for transmission
   };
-  // For the rest of an instruction, and for what may still follow a control frame: the sender
-  // writes an instruction in one piece.
+  // Timeouts: kHalfWait for the rest of an instruction, kCodeWait after a control frame.
   static constexpr Duration kHalfWait = std::chrono::seconds{2},
                             kCodeWait = std::chrono::milliseconds{200};
 
   explicit MarkerReader(Sender sender) : sender_(sender) {}
 
   void feed(ByteView bytes) { append(buffer_, bytes); }
-  // Call until it gives nothing. Then it holds little more than kMaxInstruction bytes at most.
+  // Call until it returns empty. Then it holds little more than kMaxInstruction bytes at most.
   [[nodiscard]] std::optional<MarkerFrame> next(Phase phase);
-  // Whether a frame has begun that did not end.
   [[nodiscard]] bool partial() const { return !buffer_.empty() || skipping_; }
   [[nodiscard]] std::size_t held() const { return buffer_.size(); }
-  // How long what has begun may wait, since the last bytes.
+  // How long an incomplete frame may wait after its last byte.
   [[nodiscard]] Duration patience() const;
-  // No more bytes come, or not in time: the control frame that nothing followed, if there is one.
-  // The stream goes on behind it.
+  // Call if no more bytes arrive in time. Returns a control frame that no bytes followed.
   [[nodiscard]] std::optional<ControlCode> take_code();
-  // Its rest did not come in time. Nothing when there is none.
   [[nodiscard]] std::optional<BrokenFrame> give_up();
-  // What came behind the last frame, when the stream goes on in another framing.
+  // Bytes after the last frame, if the stream changes to another framing.
   [[nodiscard]] Bytes take_rest();
 
  private:
@@ -74,8 +69,8 @@ class MarkerReader {
 
   Sender sender_;
   Bytes buffer_;
-  std::size_t searched_ = 0;  // of the buffer: no end before
-  bool skipping_ = false;     // a frame that is too long, up to its end
+  std::size_t searched_ = 0;  // the buffer has no end mark before it
+  bool skipping_ = false;     // within a frame that is too long
   std::size_t skipped_ = 0;
 };
 

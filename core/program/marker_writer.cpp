@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::uint8_t kCr = '\r';
 
-// "HBFEFF..\r": a reader takes the beginning for a control frame.
+// "HBFEFF..\r": a reader would treat the beginning as a control frame.
 bool looks_like_control(std::string_view instruction, Sender sender) {
   return opening_of(std::string(instruction) += kFrameEnd, sender).what == Opening::kControl;
 }

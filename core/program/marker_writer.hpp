@@ -1,6 +1,5 @@
-// Puts the bytes of a serial line into marker frames: one frame for each instruction, so that its
-// only CR is its last character and CR FEFF is nowhere but at its end. Pure; owned by one end of a
-// connection.
+// Packs the bytes of a serial line into marker frames, one per instruction: CR is always its last
+// character. Pure; owned by one end of a connection.
 #pragma once
 
 #include <optional>
@@ -14,11 +13,9 @@ class MarkerWriter {
  public:
   explicit MarkerWriter(Sender sender) : sender_(sender) {}
 
-  // Appends the frames that are whole to `out`; an instruction whose CR has not come waits. Gives
-  // what could not be carried.
+  // An instruction without its CR waits. Returns the dropped data.
   [[nodiscard]] std::vector<BrokenFrame> write(ByteView bytes, Bytes& out);
   [[nodiscard]] bool partial() const { return !instruction_.empty() || skipped_ > 0; }
-  // The rest did not come in time. Nothing when there is none.
   [[nodiscard]] std::optional<BrokenFrame> give_up();
 
  private:

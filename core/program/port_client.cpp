@@ -29,7 +29,7 @@ void PortClient::on_event(const Event& event, Instant now, Actions& actions) {
     void operator()(const FromProgram& e) const { me.send_program(e.bytes, now, actions); }
     void operator()(const ProgramTakes& e) const {
       me.program_takes_ = e.takes;
-      if (e.takes) me.received_at_ = now;  // from here on the bridge is read again
+      if (e.takes) me.received_at_ = now;  // reading from the bridge resumes
     }
     void operator()(const LineChanged& e) const {
       if (me.paired()) me.set_line(e.settings, actions);
@@ -51,7 +51,7 @@ Instant PortClient::next_wake() const {
   return std::min({heartbeat_at_, silence_limit(), half_from_program_, half_from_bridge_});
 }
 
-// When the bridge's heartbeats are missing; while the program takes nothing they wait unread.
+// While the program accepts no bytes, heartbeats are not read.
 Instant PortClient::silence_limit() const {
   if (!program_takes_) return kNever;
   return received_at_ + rules_.heartbeat * kMissed + rules_.heartbeat / 2;
@@ -123,7 +123,7 @@ void PortClient::code(const std::string& code, Instant now, Actions& actions) {
   state_ = State::kPaired;
   heartbeat_at_ = now + rules_.heartbeat;
   actions.push_back(Paired{});
-  if (rules_.format) set_line({}, actions);  // ahead of the program's first byte
+  if (rules_.format) set_line({}, actions);  // before the program's first byte
   if (rules_.by_length) read_chunks(reader_.take_rest(), actions);
 }
 
@@ -139,7 +139,7 @@ void PortClient::set_line(LineSettings settings, Actions& actions) const {
   actions.push_back(ToBridge{std::move(out)});
 }
 
-// The bridge tells nobody on the wire what was wrong with a login; its audit knows.
+// Only the bridge's audit trail contains the reason of a failed login.
 std::string PortClient::refusal(Reply reply) const {
   if (reply != Reply::kNotAllowed || rules_.user.empty()) return std::string(to_text(reply));
   return "the login of " + rules_.user +

@@ -1,5 +1,4 @@
-// The engineer's side of a pairing, as `fieldcast-port` plays it: asks for the device, carries
-// bytes both ways, keeps the heartbeat, ends. Pure: events and `now` in, actions out.
+// The client side of a pairing, used by `fieldcast-port`. Pure: events and `now` in, actions out.
 #pragma once
 
 #include <string>
@@ -15,19 +14,18 @@ namespace fieldcast::program {
 struct PortClientRules {
   std::string number;
   std::string user, password;  // without a user no login is sent
-  bool by_length = true;       // any bytes; else instructions in marker frames
-  // Data bits, parity and stop bits of the real line, with framing by length only. Its baud rate is
-  // not used: the program sets that.
+  bool by_length = true;       // carries any bytes; otherwise instructions in marker frames
+  // Settings of the real line, only with framing by length. The program sets its baud rate.
   std::optional<LineFormat> format;
   Duration heartbeat = std::chrono::seconds{5};
-  Duration reply = std::chrono::seconds{30};  // how long the bridge may take: a slowed login waits
+  // Timeout of the bridge's reply; a delayed login needs time.
+  Duration reply = std::chrono::seconds{30};
 };
 
-// How it ended.
 struct PortEnd {
   enum class Kind : std::uint8_t { kStopped, kRefused, kDeviceLost, kBridgeGone, kProtocol };
   Kind kind = Kind::kStopped;
-  std::optional<Reply> reply;  // kRefused
+  std::optional<Reply> reply;  // for kRefused
   std::string text;
 };
 
@@ -41,7 +39,7 @@ class PortClient {
     ByteView bytes;
   };
   struct ProgramTakes {
-    bool takes = true;  // false: its queue is full, and nothing is read from the bridge
+    bool takes = true;  // false if its queue is full; then the bridge is not read
   };
   struct LineChanged {
     LineSettings settings;
@@ -64,10 +62,10 @@ class PortClient {
     Instant at;
   };
   struct Paired {};
-  struct Dropped {  // what could not be carried, for people
+  struct Dropped {  // a human-readable description of dropped data
     std::string text;
   };
-  struct Finish {  // send what is left and go
+  struct Finish {  // send the remaining bytes and exit
     PortEnd end;
   };
   using Action = std::variant<ToBridge, ToProgram, SetTimer, Paired, Dropped, Finish>;
@@ -94,10 +92,10 @@ class PortClient {
   void read_chunks(ByteView bytes, Actions& actions);
   void code(const std::string& code, Instant now, Actions& actions);
   void set_line(LineSettings settings, Actions& actions) const;
-  [[nodiscard]] std::string refusal(Reply reply) const;  // for people
+  [[nodiscard]] std::string refusal(Reply reply) const;  // human-readable
   void send_program(ByteView bytes, Instant now, Actions& actions);
   void stop(Actions& actions);
-  // Sent at our own period, and in answer to the bridge's heartbeats, whose period may be shorter.
+  // Called also in response to the bridge's heartbeats, whose period may be shorter.
   void send_heartbeat(Actions& actions) const;
   void timer(Instant now, Actions& actions);
   void finish(PortEnd::Kind kind, std::string text, Actions& actions,

@@ -72,7 +72,7 @@ Registration::Outcome Registration::follow(const Step& step, Bytes out, Instant 
       silence_ = now + (step.wait == Wait::kPause ? step.pause : kAnswerTimeout);
       break;
     case Step::Kind::kFailed:
-      return ask(now);  // noise, or the PLC was busy: until the time is over
+      return ask(now);  // noise, or the PLC was busy: retries until the timeout
     case Step::Kind::kDone: {
       const RangeReply& words = exchange_->reply().front();
       return words.cause == Cause::kNone ? number_or_fault(as_text(words.items))
@@ -93,8 +93,7 @@ Registration::Outcome Registration::on_bytes(ByteView bytes, Instant now) {
     if (step.kind == Step::Kind::kFailed &&
         (step.cause == Cause::kDeviceError || step.cause == Cause::kDeviceBusy))
       return refused(step.cause, step.device_code);
-    // What else fails while bytes come is asked again only in silence, or noise would be answered
-    // with a storm of requests.
+    // Retries only after silence, as noise would trigger a storm of requests otherwise.
     if (step.kind != Step::Kind::kFailed) return follow(step, std::move(out), now);
     silence_ = now + kAnswerTimeout;
     return {{}, {}, {}, std::min(silence_, deadline_)};

@@ -1,9 +1,7 @@
-// Asks a module that dialled in for its device number. Pure: bytes and silence in, requests and the
-// number out.
-//
-// Either the module sends a registration text of its own when it connects, or the number stands as
-// text in DM words of the PLC behind it and is read with Host Link (`RD`), two characters in each
-// word, the first in the high byte.
+// Gets the device number of a dialled-in module. Pure: bytes and silence in, requests and the
+// number out. Either the module sends a registration text when it connects, or DM words of its PLC
+// contain the number as text. These are read with Host Link (`RD`), two characters per word, the
+// first in the high byte.
 #pragma once
 
 #include <functional>
@@ -20,26 +18,27 @@ namespace fieldcast::program {
 struct RegistrationRule {
   enum class Ask : std::uint8_t { kText, kWords };
   Ask ask = Ask::kText;
-  std::string prefix;                          // of the text, taken away: "ID="
-  std::uint16_t unit = 0;                      // kWords: Host Link unit 0..31
-  std::uint32_t first = 0;                     // kWords: DM word
-  std::uint16_t words = 8;                     // kWords: 1..8
-  Duration timeout = std::chrono::seconds{5};  // from connecting to the number, all tries together
-  std::string protocol = "omron-hostlink";     // kWords: reads the words
-  std::string area = "DM";                     // kWords: where they stand, in its notation
+  std::string prefix;       // removed from the text: "ID="
+  std::uint16_t unit = 0;   // for kWords: Host Link unit 0..31
+  std::uint32_t first = 0;  // for kWords: DM word
+  std::uint16_t words = 8;  // for kWords: 1..8
+  // Limit from the connection to the number, including all tries.
+  Duration timeout = std::chrono::seconds{5};
+  std::string protocol = "omron-hostlink";  // for kWords: protocol of the read
+  std::string area = "DM";                  // for kWords: area, in the notation of the protocol
   friend bool operator==(const RegistrationRule&, const RegistrationRule&) = default;
 };
 
-// What a module has to answer besides telling its number, by text only: "17 ANSWER".
+// The proof that a module must send with its number, by text only: "17 ANSWER".
 struct Challenge {
-  std::string text;  // sent at once, as a line "challenge TEXT"; empty: nothing is asked
+  std::string text;  // sent immediately, as a line "challenge TEXT"; empty: no proof is required
   std::function<bool(std::string_view number, std::string_view answer)> fits;
 };
 
 class Registration {
  public:
-  static constexpr std::size_t kMaxText = 128;  // prefix, number, answer and ends of line
-  // A text without an end of line ends in silence.
+  static constexpr std::size_t kMaxText = 128;  // prefix, number, response and ends of line
+  // A text without an end of line ends after this silence.
   static constexpr Duration kTextEnds = std::chrono::milliseconds{300};
   static constexpr Duration kAnswerTimeout = std::chrono::milliseconds{1000};
 
@@ -47,9 +46,9 @@ class Registration {
 
   struct Outcome {
     Bytes send;                         // to the module
-    std::optional<std::string> number;  // valid; the registration is over
-    std::optional<std::string> fault;   // one line for people; the registration is over
-    Instant wake = kNever;              // call on_timer() then
+    std::optional<std::string> number;  // valid; the registration has ended
+    std::optional<std::string> fault;   // one human-readable line; the registration has ended
+    Instant wake = kNever;              // when to call on_timer()
   };
   [[nodiscard]] Outcome start(Instant now);
   [[nodiscard]] Outcome on_bytes(ByteView bytes, Instant now);
@@ -65,10 +64,10 @@ class Registration {
 
   RegistrationRule rule_;
   Challenge challenge_;
-  std::unique_ptr<Protocol> protocol_;  // kWords
+  std::unique_ptr<Protocol> protocol_;  // for kWords
   std::unique_ptr<Exchange> exchange_;
   Bytes received_;
-  Instant deadline_ = kNever;  // of the whole
+  Instant deadline_ = kNever;  // for all tries
   Instant silence_ = kNever;
   std::uint16_t tries_ = 0;
 };

@@ -1,4 +1,3 @@
-// What the address notations of the families share. Header only.
 #pragma once
 
 #include <charconv>
@@ -11,13 +10,12 @@
 
 namespace fieldcast {
 
-// The text in quotes, for the line of a fault: at most 64 characters of it.
+// Cut to 64 characters, for a fault message.
 [[nodiscard]] inline std::string quoted(std::string_view text) {
   return "'" + std::string(text.substr(0, 64)) + "'";
 }
 
-// The whole text as a number; UINT32_MAX when it is too large for any area, nothing for what is no
-// number of that base.
+// UINT32_MAX if it is too large for any area; empty if it is not a number of that base.
 [[nodiscard]] inline std::optional<std::uint32_t> whole_number(std::string_view text,
                                                                int base = 10) {
   std::uint32_t value = 0;
@@ -32,7 +30,7 @@ namespace fieldcast {
   return upper;
 }
 
-// parse(at), without a suggestion that is no address itself.
+// Removes a suggestion that is not a valid address.
 template <typename Parse>
 [[nodiscard]] tl::expected<ParsedAddress, AddressFault> parse_with_suggestion(std::string_view at,
                                                                               const Parse& parse) {

@@ -1,5 +1,4 @@
-// What the codes mean with which devices refuse: exception codes, end codes, return codes. One row
-// for each, in the table of its family. The row also says what the code means for the next read.
+// Codes of refusals (exception codes, end codes, return codes), one row each.
 #pragma once
 
 #include <cstdint>
@@ -12,25 +11,25 @@
 namespace fieldcast {
 
 struct DeviceCode {
-  std::uint16_t code;  // four digits that end in 00 stand for their whole class: 2100 for 21xx
+  std::uint16_t code;  // four digits that end in 00 cover their whole class: 2100 for 21xx
   std::string_view text;
-  // kDeviceError: the address, the value or the function is refused, and is requested again only
-  // after a while. kDeviceBusy: a state of the moment, handled like a missed answer. kChecksum: the
-  // line garbled the request.
+  // kDeviceError: the device refuses the address, value or function; the request is repeated only
+  // after a while. kDeviceBusy: temporary, handled like a missing response. kChecksum: the request
+  // was damaged on the line.
   Cause cause = Cause::kDeviceError;
 };
 
-// The cause of the code's row; kDeviceError for a code that the table does not know.
+// kDeviceError for a code without a row.
 [[nodiscard]] Cause device_code_cause(std::span<const DeviceCode> codes, std::uint16_t code);
 
-// "illegal data address", or nothing for a code that the table does not know.
+// "illegal data address"; empty for an unknown code.
 [[nodiscard]] std::string_view device_code_text(std::span<const DeviceCode> codes,
                                                 std::uint16_t code);
 
-// "02 illegal data address", "code 5A": the code in hexadecimal, as the standards write them.
+// "02 illegal data address", "code 5A".
 [[nodiscard]] std::string device_code_words(std::span<const DeviceCode> codes, std::uint16_t code);
 
-// " (02 illegal data address)", to stand behind a fault; nothing for 0, which is no code.
+// " (02 illegal data address)", to follow a fault; empty for 0.
 [[nodiscard]] std::string device_code_note(std::span<const DeviceCode> codes, std::uint16_t code);
 
 }  // namespace fieldcast

@@ -1,6 +1,5 @@
-// Collects the lines of an explained frame. Positions are given in bytes of the inner data and
-// noted in characters of the wire, so that one explanation serves binary frames and hexadecimal
-// ones.
+// Converts positions in decoded bytes to characters on the wire, so that one explanation serves
+// binary and hexadecimal frames.
 #pragma once
 
 #include <cstdint>
@@ -15,18 +14,16 @@ namespace fieldcast {
 
 class FieldWriter {
  public:
-  // `base`: offset of inner byte 0 on the wire; `stride`: wire characters for each inner byte (1
-  // binary, 2 hexadecimal).
+  // `base`: offset of decoded byte 0; `stride`: characters per byte (1 binary, 2 hexadecimal).
   explicit FieldWriter(std::size_t base = 0, std::size_t stride = 1, unsigned depth = 0)
       : base_(base), stride_(stride), depth_(depth) {}
 
   void add(std::size_t at, std::size_t length, std::string name, const std::string& value,
            const std::string& fault = {}) {
-    // Both may hold characters of the frame.
+    // Both may contain characters of the frame.
     fields_.push_back({depth_, base_ + at * stride_, length * stride_, std::move(name),
                        escaped(value), escaped(fault)});
   }
-  // About the whole.
   void remark(std::string value, std::string fault = {}) {
     fields_.push_back({depth_, base_, 0, "frame", std::move(value), std::move(fault)});
   }

@@ -1,5 +1,4 @@
-// Reads the options of a device link: typed, with defaults, and with a fault that says what is
-// allowed. The first fault is kept.
+// Reads the options of a device link; keeps the first fault.
 #pragma once
 
 #include <cstdint>
@@ -15,16 +14,15 @@ namespace fieldcast {
 
 class OptionReader {
  public:
-  // Checks the device's address against the family's, and every option's name against `names`.
+  // Checks the device address, and the option names against `names`.
   OptionReader(const DeviceLink& link, const Traits& traits,
                std::span<const std::string_view> names);
 
   // "true" or "false".
   bool flag(std::string_view name, bool otherwise);
-  // The index of the option's text among the choices.
+  // Index of the option's text in `choices`.
   std::size_t choice(std::string_view name, std::initializer_list<std::string_view> choices,
                      std::size_t otherwise = 0);
-  // A decimal number.
   std::uint32_t number(std::string_view name, std::uint32_t lowest, std::uint32_t highest,
                        std::uint32_t otherwise);
 

@@ -2,7 +2,7 @@
 
 namespace fieldcast {
 
-// Eight bits, since no number on the wire has fewer: a narrow one comes round while it is owed.
+// A number of eight bits, the narrowest of all families, may repeat while a response is pending.
 bool Protocol::mistakable(const Request&, ExchangeContext earlier, const Request&,
                           ExchangeContext later) const {
   return traits().identity != AnswerIdentity::kSequence ||

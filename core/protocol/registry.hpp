@@ -1,8 +1,6 @@
-// The protocols that are built in, one row for each. The loader, the JSON Schema, the documents,
-// `fieldcast inspect`, the simulator's check and the fuzz targets read these rows: no other file
-// names a protocol in order to treat it in its own way.
-//
-// Constant data, any thread.
+// The built-in protocols, one row each. The loader, the JSON Schema, the documents, `fieldcast
+// inspect`, the simulator's check and the fuzz targets read these rows: no other file treats a
+// protocol by its name. Constant data, any thread.
 #pragma once
 
 #include <span>
@@ -19,46 +17,45 @@ struct ProtocolOption {
   std::string_view name, value;
 };
 
-// One choice of options that changes a protocol's frames or its addresses.
+// Options that change a protocol's frames or addresses.
 struct ProtocolVariant {
   std::span<const ProtocolOption> options{};
-  std::span<const std::string_view> addresses{};  // one example or more of each form of address
+  std::span<const std::string_view> addresses{};  // at least one example of each form of address
 };
 
-// What users write who mean this protocol: "rtu".
+// Another name that users write for this protocol: "rtu".
 struct ProtocolAlias {
   std::string_view alias;
-  std::string_view hint{};  // what to write instead, where the protocol's name alone is not enough
+  std::string_view hint{};  // text to write instead, if the protocol's name alone is not enough
 };
 
 struct ProtocolEntry {
   using Maker = tl::expected<std::unique_ptr<Protocol>, OptionFault> (*)(const DeviceLink& link);
 
-  std::string_view name;     // "modbus-rtu"
-  std::string_view summary;  // one line for people
+  std::string_view name;
+  std::string_view summary;  // one human-readable line
   Maker make = nullptr;
   Explainer explain = nullptr;
   RequestMatcher seen_request =
-      nullptr;  // nullptr: no line, on which another master could be heard
-  std::span<const std::string_view> options{};  // the names that `make` understands
-  std::string_view options_text{};              // what they do, for config/README.md
-  LineFormat factory_line{};                    // of its devices as they come from the factory
-  bool network_only = false;    // it frames its own stream: no serial line carries it
-  bool whole_bytes = false;     // it needs 8 data bits
-  std::string_view instead{};   // the protocol that fits where one of these two rules is broken
-  bool one_device = false;      // a device has its line for itself
+      nullptr;  // null if there is no line on which another master could be heard
+  std::span<const std::string_view> options{};  // names supported by `make`
+  std::string_view options_text{};              // their description, for config/README.md
+  LineFormat factory_line{};                    // factory setting of the devices
+  bool network_only = false;    // frames its own stream, so no serial line carries it
+  bool whole_bytes = false;     // needs 8 data bits
+  std::string_view instead{};   // protocol to use if one of these two rules is broken
+  bool one_device = false;      // a device has its own line
   bool carrier_checks = false;  // its frames have no check of their own
-  // Of Wireshark itself; empty: the one of share/wireshark/fieldcast.lua.
+  // Wireshark's own dissector; empty: that of share/wireshark/fieldcast.lua.
   std::string_view dissector{};
   std::span<const ProtocolAlias> aliases{};
-  std::span<const ProtocolVariant> variants{};  // the first one is without options, if it can be
+  std::span<const ProtocolVariant> variants{};  // the first one has no options, if possible
 };
 
-// In the order in which they are listed for people.
+// In the order of human-readable lists.
 [[nodiscard]] std::span<const ProtocolEntry> protocols();
 [[nodiscard]] const ProtocolEntry* find_protocol(std::string_view name);
 
-// The link of a device at `address` with the variant's options.
 [[nodiscard]] DeviceLink link_of(const ProtocolVariant& variant, std::uint16_t address);
 
 }  // namespace fieldcast

@@ -5,7 +5,7 @@
 namespace fieldcast {
 namespace {
 constexpr double kLightLoad = 0.5;
-// Of a light bus, at most a tenth of a refresh.
+// Lead of a lightly loaded bus, limited to a tenth of a refresh.
 constexpr Duration kEarlyLead = std::chrono::milliseconds{60};
 }  // namespace
 

@@ -16,7 +16,6 @@
 namespace fieldcast {
 namespace {
 
-// A bus and the protocols that its input points to.
 struct WiredBus {
   WiredBus(const BusSpec& bus, Duration answer_time) {
     std::vector<const Protocol*> pointers;
@@ -30,10 +29,9 @@ struct WiredBus {
   ScheduleInput input;
 };
 
-// Every point in a request of its own.
 struct Singly {
-  double load = 0;      // infinite where a protocol does not size such requests
-  double tightest = 0;  // the greatest share of its refresh that the request of one point takes
+  double load = 0;      // infinite if a protocol has no size for such requests
+  double tightest = 0;  // largest share of a refresh that the request of one point needs
 };
 
 Singly one_by_one(const ScheduleInput& input) {
@@ -62,8 +60,7 @@ double planned_load(const ScheduleInput& input, const Singly& singly, Planner pl
   return factor * planned_load_of(stretched(input, factor), planner).load;
 }
 
-// A plan takes no more than its points one by one, but for the slots of its timetable and for what
-// alignment adds.
+// A plan needs at most the time of separate requests, plus the cost of slots and alignment.
 constexpr double kPlanIsSure = 0.5;
 
 std::string rounded(double number) {

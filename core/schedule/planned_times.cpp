@@ -7,7 +7,7 @@ namespace {
 
 constexpr Duration kStep = std::chrono::microseconds{250};
 
-// A plan for a shorter answer time than the true one runs late; one for a longer only wastes.
+// A plan with a response time that is too short runs late; one that is too long wastes time.
 bool differs(Duration planned, Duration usual) {
   if (usual > planned) return usual - planned > std::max(kStep, planned / 16);
   return planned - usual >= std::max(2 * kStep, planned / 8);
@@ -24,7 +24,7 @@ Duration PlannedTimes::rounded(Duration answer_time) {
   const Duration time = std::max(answer_time, Duration::zero());
   Duration step = kStep;
   while (time >= kMostSteps * step) step *= 2;
-  return (time + step * 3 / 4) / step * step;  // rather a little too long than too short
+  return (time + step * 3 / 4) / step * step;  // rounds up rather than down
 }
 
 std::vector<PlannedTime> PlannedTimes::answered(DeviceIndex device, AreaIndex area,
@@ -46,7 +46,6 @@ void PlannedTimes::answered(DeviceIndex device, AreaIndex area, Duration measure
     scheduler.set_answer_time(each.device, each.area, each.answer_time);
 }
 
-// The slowest of what is known of the device, or else of its neighbours.
 void PlannedTimes::plan_for_unknown(DeviceIndex device, std::vector<PlannedTime>& changes) {
   const auto slowest = [](std::span<const Entry> areas) {
     Duration most{-1};

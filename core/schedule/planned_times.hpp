@@ -1,9 +1,7 @@
-// The answer times on which the plan of a bus stands: learned, and told to its scheduler only when
-// they make a difference.
-//
-// The bus engine and the prediction feed one each with the same answers, so that both plan alike.
-// Values are rounded: answers that scatter by microseconds shall not lead to different plans. What
-// has not answered yet is taken to be like what has. Plain value.
+// Response times used by the plan of a bus. Learned values are passed to the scheduler only if they
+// make a difference. The bus engine and the prediction use the same class, so that both plan alike.
+// Values are rounded, as small variations must not change plans. Unknown times are assumed to equal
+// known ones. Plain value.
 #pragma once
 
 #include <span>
@@ -14,7 +12,6 @@
 
 namespace fieldcast {
 
-// A plan shall take this for the answer time of reads of an area.
 struct PlannedTime {
   DeviceIndex device = 0;
   AreaIndex area = 0;
@@ -25,27 +22,25 @@ struct PlannedTime {
 class PlannedTimes {
  public:
   PlannedTimes() = default;
-  // `areas`: how many areas each device has. `assumed`: what the scheduler was made with.
+  // `areas`: number of areas per device. `assumed`: initial value of the scheduler.
   PlannedTimes(std::span<const std::size_t> areas, Duration assumed);
 
-  // A read of the area was answered `measured` after the end of its request. Returns what makes a
-  // difference to plans: mostly nothing.
+  // Returns the changes relevant to plans, usually none.
   [[nodiscard]] std::vector<PlannedTime> answered(DeviceIndex device, AreaIndex area,
                                                   Duration measured);
-  // The same, told to the scheduler.
   void answered(DeviceIndex device, AreaIndex area, Duration measured, Scheduler& scheduler);
-  // Another device may be there now.
+  // The device may have been replaced.
   void forget(DeviceIndex device);
 
-  // What a plan takes for an answer time: in steps of 0.25 ms, above 8 ms of 1/32 to 1/16.
+  // Rounds to steps of 0.25 ms, above 8 ms of 1/32 to 1/16.
   [[nodiscard]] static Duration rounded(Duration answer_time);
 
  private:
-  static constexpr int kUsualAnswers = 64;  // answers that the usual time is the mean of
+  static constexpr int kUsualAnswers = 64;  // responses averaged in the usual time
   struct Entry {
-    Duration usual{};    // a slower mean than that of timeouts: plans shall seldom change
-    Duration planned{};  // as the scheduler was last told
-    int answers = 0;     // in the usual one
+    Duration usual{};    // a slower mean than for timeouts, so that plans rarely change
+    Duration planned{};  // last value passed to the scheduler
+    int answers = 0;     // counted in `usual`
   };
   void plan_for(DeviceIndex device, AreaIndex area, Duration planned,
                 std::vector<PlannedTime>& changes);

@@ -1,5 +1,4 @@
-// Which points the channels of a bus need: channels on the same items of a device share one. The
-// bus engine reads by it, and `fieldcast plan` predicts by it.
+// Points of the channels of a bus: channels on the same items of a device share one.
 #pragma once
 
 #include <optional>
@@ -12,15 +11,14 @@
 namespace fieldcast {
 
 struct PointMap {
-  std::vector<Point> points;  // kOnDemand: of channels that are not read by themselves
-  std::vector<std::vector<ChannelIndex>> channels_of;  // of each point
-  // Of each channel of the bus; nothing for write-only ones.
+  std::vector<Point> points;  // kOnDemand if no channel is read periodically
+  std::vector<std::vector<ChannelIndex>> channels_of;  // by point
+  // By channel of the bus; empty for write-only ones.
   std::vector<std::optional<PointIndex>> point_of;
 };
 
 [[nodiscard]] PointMap map_points(const BusSpec& bus);
 
-// Makes the point at least as urgent as this channel wants it. Without a refresh nothing changes.
 void ask_for(Point& point, const ChannelSpec& channel, std::optional<Duration> refresh);
 
 }  // namespace fieldcast

@@ -38,7 +38,6 @@ std::vector<std::size_t> areas_of(const ScheduleInput& input) {
   return areas;
 }
 
-// One run of the scheduler over an ideal wire.
 class Run {
  public:
   Run(const ScheduleInput& input, const PredictionOptions& options)
@@ -52,7 +51,6 @@ class Run {
       result_.points[i].refresh = input.points[i].refresh;
   }
 
-  // `stop_at_miss`: only feasibility is wanted.
   Prediction run(bool stop_at_miss) {
     const Instant end = kStart + horizon_of(input_, options_);
     while (now_ < end && result_.reads < options_.max_reads &&
@@ -154,7 +152,7 @@ class Run {
   std::map<ShapeKey, Shape> shapes_;
 };
 
-// Whether a nearly full wire that missed nothing owes that to the length of the run.
+// Returns true if a nearly full wire missed no refresh only because the run was short.
 bool is_narrow(const ScheduleInput& input, const PredictionOptions& options,
                const Prediction& prediction) {
   constexpr double kNearlyFull = 0.8, kShorter = 0.95;

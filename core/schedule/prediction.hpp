@@ -1,9 +1,7 @@
-// What a bus will do before it does it: the scheduler itself, run in virtual time over an ideal
-// wire. It begins as the bus engine does, with an assumed answer time, learns the true one from the
-// answers, and changes its plan as that does.
-//
-// Deterministic, no clock; a few hundred milliseconds of work at most. For `fieldcast plan`, and
-// for the check of a configuration.
+// Predicts the behaviour of a bus: runs its scheduler in virtual time over an ideal wire. It starts
+// with an assumed response time and learns the true one, as the bus engine does. Deterministic, no
+// clock; takes at most a few hundred milliseconds. For `fieldcast plan` and for the check of a
+// configuration.
 #pragma once
 
 #include <cstdint>
@@ -18,46 +16,43 @@ namespace fieldcast {
 struct PredictionOptions {
   // Virtual time; 0: three times the longest refresh, at least 60 s and at most an hour.
   Duration horizon{};
-  std::uint64_t max_reads = 100'000;  // the run ends here at the latest
-  bool remedies = true;               // when infeasible, look for what would work
+  std::uint64_t max_reads = 100'000;  // limit of the run
+  bool remedies = true;               // if infeasible, search for remedies
   Planner planner = Planner::kCyclic;
-  // What the scheduler takes for the answer time of every device before it has learned that of the
-  // input; nothing: it knows it.
+  // Initial response time of every device in the scheduler; empty: that of the input.
   std::optional<Duration> assumed;
 };
 
-// What one point will get.
 struct PointForecast {
-  Duration refresh{};    // as asked for
+  Duration refresh{};    // as requested
   Duration worst_gap{};  // between two samples; the whole run if it was read less than twice
   std::uint64_t reads = 0;
   std::uint64_t missed = 0;  // gaps longer than the refresh
 };
 
-// One block as it will be seen on the wire. The reads of one group vary; each of its shapes is a
-// block of its own.
+// The reads of a group vary; each shape is a separate block.
 struct BlockForecast {
   DeviceIndex device = 0;
   std::vector<Range> ranges;
   std::size_t points = 0;
-  Duration cost{};  // of the wire
+  Duration cost{};  // wire time
   double per_second = 0;
 };
 
 struct Prediction {
-  bool feasible = false;  // nothing is read later than its refresh allows, now or in a longer run
-  // Not feasible, though this run missed nothing: with refreshes 5 % shorter it would have.
+  bool feasible = false;  // no read is later than its refresh allows, now or in a longer run
+  // The run missed no refresh, but it would with refreshes 5 % shorter.
   bool narrow = false;
-  // Share of the wire that the refreshes asked for need; above 1: how many wires.
+  // Share of the wire for the requested refreshes; above 1: number of wires.
   double planned_load = 0;
-  double load = 0;     // share of the wire that the run used
-  double stretch = 1;  // factor on all refreshes by which overload is met
-  Duration horizon{};  // virtual time that was run
+  double load = 0;     // share of the wire used in the run
+  double stretch = 1;  // factor on all refreshes under overload
+  Duration horizon{};  // duration of the run in virtual time
   std::uint64_t reads = 0, missed = 0;
   std::vector<PointForecast> points;  // in the order of the input
-  std::vector<BlockForecast> blocks;  // by device and address; at most 1 000, the most frequent
-  ReadPlan plan;                      // in force at the end of the run
-  Remedies remedies;                  // empty when feasible
+  std::vector<BlockForecast> blocks;  // the 1 000 most frequent, by device and address
+  ReadPlan plan;                      // at the end of the run
+  Remedies remedies;                  // empty if feasible
 };
 
 [[nodiscard]] Prediction predict(const ScheduleInput& input, const PredictionOptions& options = {});

@@ -10,7 +10,7 @@
 namespace fieldcast {
 namespace {
 
-// The least factor on all refreshes that works, to two per cent.
+// The smallest feasible factor, within two per cent.
 std::optional<double> stretch_that_works(const ScheduleInput& input, const Works& works,
                                          double load) {
   double works_at = std::max(1.05, load), fails_at = 1;
@@ -34,7 +34,6 @@ std::optional<std::uint32_t> baud_that_works(const ScheduleInput& input, const W
   return std::nullopt;
 }
 
-// What is left of a bus with only these devices.
 ScheduleInput part_of(const ScheduleInput& input, const std::vector<DeviceIndex>& devices) {
   ScheduleInput part = input;
   std::erase_if(part.points, [&](const Point& point) {
@@ -43,8 +42,7 @@ ScheduleInput part_of(const ScheduleInput& input, const std::vector<DeviceIndex>
   return part;
 }
 
-// Devices spread over the fewest lines: the heaviest first, each to the line that has the least so
-// far.
+// The heaviest first, each to the least loaded line.
 std::optional<std::size_t> buses_that_work(const ScheduleInput& input, const Works& works,
                                            Planner planner) {
   constexpr std::size_t kMostBuses = 8;
@@ -70,7 +68,7 @@ std::optional<std::size_t> buses_that_work(const ScheduleInput& input, const Wor
   return std::nullopt;
 }
 
-// Whether it works when a change, which says whether it is one, is made to every device.
+// Returns true if the change affects a device and makes the bus feasible.
 template <typename Change>
 bool works_with(const ScheduleInput& input, const Works& works, Change change) {
   ScheduleInput other = input;
@@ -89,7 +87,6 @@ Duration next_refresh(Duration refresh) {
   return decade * 10;
 }
 
-// Slows down the points of the shortest refresh, again and again, until it works.
 std::vector<SlowerPoints> slower_that_works(const ScheduleInput& input, const Works& works) {
   constexpr int kMostSteps = 20;
   ScheduleInput slower = input;
@@ -134,8 +131,8 @@ std::optional<ScheduleInput> at_rate(const ScheduleInput& input, std::uint32_t b
   if (baud <= input.line.baud) return std::nullopt;
   ScheduleInput faster = input;
   faster.line.baud = baud;
-  // Silences shrink with the characters, but not below 1.75 ms (Modbus over Serial Line
-  // V1.02, 2.5.1.1) unless they were shorter.
+  // Silences shrink with the characters, but not below 1.75 ms (Modbus over Serial Line V1.02,
+  // 2.5.1.1) unless they were shorter.
   const Duration shrunk{input.silence.count() * input.line.baud / baud};
   faster.silence =
       std::max(shrunk, std::min<Duration>(input.silence, std::chrono::microseconds{1750}));

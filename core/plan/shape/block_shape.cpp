@@ -6,7 +6,7 @@ namespace fieldcast {
 
 namespace {
 
-// Grows a slice one neighbour at a time, in one direction, and keeps the best end found so far.
+// Grows a slice by one neighbour at a time, in one direction, and keeps the best end so far.
 class Growth {
  public:
   Growth(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost,
@@ -18,8 +18,8 @@ class Growth {
         first_(points[urgent].first),
         end_(points[urgent].end) {}
 
-  // `worth(point)`: wire time that renewing the point now is worth. `rescue`: the largest worth
-  // that may still come. `budget`: of the whole block.
+  // `worth(point)`: wire time saved by reading it now. `rescue`: limit of what later points may
+  // add.
   template <typename Worth>
   void grow(bool up, const Worth& worth, double rescue, Duration budget) {
     double balance = 0;
@@ -78,8 +78,7 @@ Instant must_until(std::span<const PointState> points, std::uint32_t urgent, Ins
 Slice cyclic_slice(std::span<const PointState> points, std::uint32_t urgent, const ReadCost& cost,
                    Instant now, const Allowance& allowance, const CyclicWeights& weights) {
   const Instant until = must_until(points, urgent, now, allowance, weights);
-  // A point that is due must be part of the read, or it would need a request of its own. What lies
-  // between is read on the way.
+  // A due point would need a separate request otherwise.
   constexpr double kAnything = 1e18;
   const double request = cost.item_ns() * cost.bridge();
   const auto must = [&](const PointState& point) { return point.due <= until ? kAnything : 0.0; };

@@ -9,7 +9,7 @@ void ListShaper::confine(std::span<const PointState> points, std::uint32_t urgen
   taken_.assign(points.size(), 0);
   taken_[urgent] = 1;
   candidates_.clear();
-  if (points[urgent].bad) return;  // tried again: alone
+  if (points[urgent].bad) return;  // tried again, alone
   while (reach_.begin > 0 && points[reach_.begin].cut_until <= now) --reach_.begin;
   while (reach_.end < points.size() && points[reach_.end].cut_until <= now) ++reach_.end;
 }
@@ -32,7 +32,7 @@ void ListShaper::cover(std::span<const PointState> points, Selection& out) const
   }
 }
 
-// The request for all that are taken; false when it breaks a limit.
+// Returns false if the request exceeds a limit.
 bool ListShaper::build(std::span<const PointState> points, const ListCost& cost, Duration budget,
                        Selection& out) {
   auto& ranges = out.ranges();
@@ -56,7 +56,7 @@ bool ListShaper::build(std::span<const PointState> points, const ListCost& cost,
   }
   auto time = cost.of(out.request, wanted == 1);
   if (ranges.size() > 1 && one_area && no_bad) {
-    // One range over all may be another command, with a shorter request.
+    // One range over all may use another command, with a shorter request.
     std::uint32_t end = 0;
     for (const Range& range : ranges) end = std::max(end, range.end());
     Request& single = attempt_.request;
@@ -88,7 +88,7 @@ void ListShaper::take(std::span<const PointState> points, const ListCost& cost, 
     marked = attempt;
     (build(points, cost, budget, out) ? fits : fails) = built = attempt;
     if (!sorted && fails != candidates_.size() + 1) {
-      // Not all of them fit: take the most urgent ones.
+      // Not all of them fit: selects the most urgent ones.
       mark(0, marked, 0);
       marked = 0;
       std::sort(candidates_.begin(), candidates_.end(),

@@ -1,9 +1,7 @@
-// Which points of a group are read together where a request carries a list of ranges. First the
-// most urgent one. Then those that would need another request before the next one of this group.
-// Then, with wire time to spare, those that are only better read now than later.
-//
-// Distance does not matter here; the limits of the request and of its answer do. Holds nothing but
-// scratch memory.
+// Selects the points of a group that are read together with a list of ranges. The most urgent point
+// is first. Then follow those that would otherwise need a request before the group's next one. With
+// spare wire time, points that are better read now than later are added. The limits of request and
+// response matter, distance does not. Holds only scratch memory.
 #pragma once
 
 #include <cstdint>
@@ -19,12 +17,10 @@ namespace fieldcast {
 
 class ListShaper {
  public:
-  // `points` are one group, ordered by area and address. Cuts are respected; bad points are
-  // passed over.
+  // `points`: one group, ordered by area and address. Respects cuts; skips bad points.
   void cyclic(std::span<const PointState> points, std::uint32_t urgent, const ListCost& cost,
               Instant now, const Allowance& allowance, const CyclicWeights& weights,
               Selection& out);
-  // Every ready point of the group, as far as one request holds them: the most urgent ones.
   void whole(std::span<const PointState> points, std::uint32_t urgent, const ListCost& cost,
              Instant now, Selection& out);
 
@@ -33,11 +29,9 @@ class ListShaper {
     Instant due;
     std::uint32_t index;  // within the group
   };
-  // Begins a selection. It is confined to the part of the group that no cut separates from the
-  // urgent point, and holds only that point.
+  // Starts a selection with the urgent point, limited by cuts.
   void confine(std::span<const PointState> points, std::uint32_t urgent, Instant now);
-  // Takes candidates_, most urgent first, as far as the request holds them and its wire time stays
-  // within `budget`.
+  // Adds the most urgent points first, within the limits of the request and `budget`.
   void take(std::span<const PointState> points, const ListCost& cost, Duration budget,
             Selection& out);
   bool build(std::span<const PointState> points, const ListCost& cost, Duration budget,

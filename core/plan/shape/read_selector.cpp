@@ -7,8 +7,7 @@ namespace fieldcast {
 
 namespace {
 
-// On a wire that never rests, neighbours of one refresh are always read together: as the optimal
-// partition says.
+// Without rests, neighbours with equal refresh are always read together.
 bool all_intensive_alike(std::span<const PointState> points) {
   return std::ranges::all_of(points, [&](const PointState& point) {
     return point.mode == Mode::kIntensive && point.allowed_gap == points.front().allowed_gap;

@@ -1,5 +1,4 @@
-// Which points the next read of a group holds, and the request for them. Holds scratch memory and
-// the rule of its planner; a copy selects the same.
+// Selects the points of a group's next read and builds its request. Holds scratch memory.
 #pragma once
 
 #include <cstdint>
@@ -13,11 +12,10 @@
 
 namespace fieldcast {
 
-// Which neighbours are read with the most urgent point.
 enum class ShapeRule : std::uint8_t {
-  kCyclic,  // those that are due before the group is read again; lists of ranges where possible
-  kNear,    // those that have used up half of their allowed gap
-  kWhole,   // all of the group
+  kCyclic,  // those due before the group is read again; lists of ranges if possible
+  kNear,    // those that have used half of their allowed gap
+  kWhole,   // the whole group
   kSingle,  // none
 };
 
@@ -26,12 +24,10 @@ class ReadSelector {
   explicit ReadSelector(ShapeRule rule, const CyclicWeights& weights = {})
       : rule_(rule), weights_(weights) {}
 
-  // `points` are those of `group`; `urgent` is an index within it. The result is valid until the
-  // next call.
+  // `points`: those of `group`; `urgent`: index within it. The result is valid until the next call.
   const Selection& select(const Layout& layout, const Group& group,
                           std::span<const PointState> points, std::uint32_t urgent, Instant now,
                           const Allowance& allowance);
-  // Only the wire time of that read.
   [[nodiscard]] Duration cost_of(const Layout& layout, const Group& group,
                                  std::span<const PointState> points, std::uint32_t urgent,
                                  Instant now, const Allowance& allowance);

@@ -1,5 +1,4 @@
-// One read as it was selected: points of one group, and the request that brings them. Its vectors
-// are used again for every selection.
+// One selected read. Reused for every selection.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +10,10 @@
 namespace fieldcast {
 
 struct Selection {
-  // Indexes within the group, rising: all points that the ranges bring, ready or not.
+  // Ascending indexes within the group: all covered points, ready or not.
   std::vector<std::uint32_t> members;
   Request request = ReadRequest{};
-  Duration cost{};  // of the wire
+  Duration cost{};  // wire time
 
   [[nodiscard]] std::vector<Range>& ranges() { return std::get<ReadRequest>(request).ranges; }
   [[nodiscard]] const std::vector<Range>& ranges() const {

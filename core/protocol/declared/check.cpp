@@ -11,7 +11,7 @@ std::uint16_t reflect(std::uint16_t value) {
 
 }  // namespace
 
-// Bit by bit: frames are short beside the wire that carries them.
+// Bit by bit, as frames are short and the wire is slow.
 std::uint16_t crc16(const Crc16& rule, ByteView bytes) {
   const unsigned polynomial = rule.reflected ? reflect(rule.polynomial) : rule.polynomial;
   unsigned crc = rule.reflected ? reflect(rule.start) : rule.start;

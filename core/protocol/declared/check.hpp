@@ -1,4 +1,3 @@
-// The checksums that a declaration can name. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +6,7 @@
 
 namespace fieldcast::declared {
 
-// The parameters of a CRC of 16 bits, in the words of the Rocksoft model: reflected means that the
-// lowest bit goes first, in the input as in the result.
+// Rocksoft model of a 16-bit CRC; reflected: lowest bit first, in input and result.
 struct Crc16 {
   std::uint16_t polynomial = 0x8005, start = 0xFFFF, final_xor = 0x0000;
   bool reflected = true;
@@ -23,12 +21,12 @@ struct Check {
   CheckKind kind = CheckKind::kSum;
   Complement complement = Complement::kNone;
   Crc16 crc;
-  bool over_bytes = false;  // of hexadecimal fields: the bytes that the digits mean, not the digits
+  // For hexadecimal fields: covers the decoded bytes instead of the digits.
+  bool over_bytes = false;
   friend bool operator==(const Check&, const Check&) = default;
 };
 
-// The check of these bytes, as a number of `bits` (8..32): a sum is taken modulo 2^bits, the others
-// are as wide as they are.
+// A sum is taken modulo 2^bits (8..32); other kinds have a fixed width.
 [[nodiscard]] std::uint64_t check_of(const Check& check, unsigned bits, ByteView bytes);
 
 }  // namespace fieldcast::declared

@@ -5,15 +5,13 @@
 namespace fieldcast::declared {
 namespace {
 
-// A wait for the rest of something that may be noise. Each byte that comes renews it, so it need
-// not cover the whole rest.
+// This wait need not cover the whole rest of a frame, as each received byte restarts it.
 constexpr std::size_t kDoubtfulWait = 8;
 
-// A spurious character of an RS-485 driver that changes its direction.
+// Spurious character of an RS-485 driver that changes its direction.
 bool is_turnaround(std::uint8_t byte) { return byte == 0x00 || byte == 0xFF; }
 
-// Two of the longest frames that devices of the declaration send, and noise: the search goes
-// through all of it for each byte that comes.
+// Limited because each received byte searches all bytes again.
 std::size_t most_received(const Declaration& declaration) {
   std::size_t longest = 0;
   for (const Operation& operation : declaration.operations) {
@@ -25,8 +23,8 @@ std::size_t most_received(const Declaration& declaration) {
 
 bool strict(const MatchResult& result) { return !result.foreign && !result.mismatch; }
 
-// Goes through the bytes for the answer. Where a frame begins is certain at the start and behind
-// every frame whose check is right; anywhere else the search slides on byte by byte.
+// Frame boundaries are only certain at the start and after a frame with a valid check; elsewhere
+// the search advances byte by byte.
 class Search {
  public:
   Search(ByteView all, const Declaration& declaration, const Operation& operation,
@@ -46,17 +44,17 @@ class Search {
     while (at_ < all_.size() && !found) parse_here();
     if (found) return;
     if (noise_ >= expected_ || broken_)
-      // An answer's worth of broken bytes: the right one follows at once, or not at all.
+      // As many broken bytes as a response has: a valid one follows immediately, or not at all.
       begun = true;
   }
 
   std::optional<MatchResult> found;
-  bool refusal = false;   // `found` is one
-  bool doubtful = false;  // `found` stands behind what looks like the beginning of another frame
+  bool refusal = false;   // `found` is a refusal
+  bool doubtful = false;  // `found` follows what looks like the beginning of another frame
   bool begun = false;
   std::size_t missing = 0;
 
-  // Of everything seen, what tells most about the device that was asked.
+  // The most specific cause for the polled device.
   [[nodiscard]] Cause cause() const {
     if (mismatch_) return Cause::kMalformed;
     if (truncated_) return Cause::kTruncated;
@@ -76,8 +74,7 @@ class Search {
     ++at_;
   }
 
-  // Answers of other devices, and answers to other requests: skipped whole, or an answer could be
-  // read out of their middle.
+  // Skips other responses as a whole; otherwise ours could be read from their middle.
   bool try_others() {
     for (const Operation& other : declaration_.operations) {
       const DeclaredArea& area = declaration_.areas[other.area];
@@ -96,7 +93,7 @@ class Search {
     return false;
   }
 
-  // True when the frame is whole here: it is found, or skipped.
+  // Returns true if a whole frame was found or skipped.
   bool try_frame(const Frame& frame, const FrameContext& context, std::size_t record_items,
                  bool mine) {
     MatchResult result = match_frame(frame, all_.subspan(at_), context, record_items);
@@ -116,7 +113,7 @@ class Search {
       doubtful = held_;
       return true;
     }
-    if (!result.checked) {  // nothing shows that it is a frame at all
+    if (!result.checked) {  // without a checksum it may not be a frame
       mismatch_ = mismatch_ || (boundary_ && !result.foreign);
       return false;
     }
@@ -126,8 +123,8 @@ class Search {
     return true;
   }
 
-  // A frame that lacks characters. At a boundary it owns whatever follows, until it is whole or
-  // silence shows that it was noise.
+  // At a boundary an incomplete frame owns the following bytes, until silence shows that it was
+  // noise.
   void begin(const MatchResult& result, bool ours) {
     if (!ours && (!boundary_ || result.known == 0)) return;
     if (!begun)

@@ -1,4 +1,3 @@
-// One conversation in a declared protocol: one request, one answer or refusal.
 #pragma once
 
 #include <memory>
@@ -9,8 +8,7 @@ namespace fieldcast::declared {
 
 class DeclaredExchange final : public Exchange {
  public:
-  // `wanted` is cut out of what the answer brings: of items as they come, of a record by its
-  // places. A write brings nothing.
+  // `wanted`: part of the response that reply() returns; for a record, selected by its places.
   DeclaredExchange(std::shared_ptr<const Declaration> declaration, const Operation& operation,
                    FrameContext context, Range wanted);
 
@@ -24,10 +22,11 @@ class DeclaredExchange final : public Exchange {
   const Operation& operation_;
   const FrameContext context_;
   const Range wanted_;
-  const std::size_t most_;  // characters that are looked at; more is a babbling line
+  // Limit of searched characters; more means that the line never becomes silent.
+  const std::size_t most_;
   Reply reply_;
   Cause silence_ = Cause::kNoAnswer;
-  // What silence makes of the bytes: an answer behind what looked like another frame.
+  // Result after silence: a response behind what looked like another frame.
   std::optional<Step> fallback_;
 };
 

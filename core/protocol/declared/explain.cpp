@@ -1,4 +1,3 @@
-// Frames of a declared protocol for people: read as that of its frames which they fit best.
 #include <algorithm>
 
 #include "core/protocol/declared/frame.hpp"
@@ -12,7 +11,6 @@ struct Reading {
   std::size_t faults = 0;
 };
 
-// Reads every byte as this frame, whatever it holds.
 class Reader {
  public:
   Reader(const Declaration& declaration, const Frame& frame, ByteView bytes, std::uint64_t command,
@@ -78,7 +76,7 @@ class Reader {
     number(field, at, size, *word >> field.shift & (UINT64_MAX >> (64 - field.bits)));
   }
 
-  // What has no meaning as a number is spelt as it stands on the wire.
+  // A value without a numeric meaning is shown as on the wire.
   static std::string spelt(const Field& field, std::uint64_t number) {
     const bool mark = field.kind == FieldKind::kConstant || field.kind == FieldKind::kCommand ||
                       field.kind == FieldKind::kChecksum;
@@ -140,8 +138,8 @@ class Reader {
   const ByteView bytes_;
   const unsigned item_bits_;
   FrameContext context_;
-  std::size_t elastic_ = 0;  // characters of the field that may be longer or shorter
-  std::size_t offset_ = 0;   // behind the last field
+  std::size_t elastic_ = 0;  // characters of the field of variable length
+  std::size_t offset_ = 0;   // after the last field
   std::vector<std::size_t> starts_;
   FieldWriter writer_;
   std::size_t faults_ = 0;

@@ -1,4 +1,3 @@
-// Sizes, numbers and items of a frame: what writing and reading share (frame.hpp).
 #include "core/protocol/declared/frame.hpp"
 
 #include <algorithm>
@@ -134,7 +133,7 @@ void append_frame(Bytes& out, const Frame& frame, const FrameContext& context) {
   const auto& fields = frame.fields;
   const std::size_t begin = out.size();
   std::vector<std::size_t> starts;
-  std::uint64_t word = 0;  // of the fields that share one
+  std::uint64_t word = 0;  // of the fields that share it
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const Field& field = fields[i];
     starts.push_back(out.size() - begin);
@@ -157,7 +156,7 @@ void append_frame(Bytes& out, const Frame& frame, const FrameContext& context) {
     } else {
       word |= number_of(field, context).value_or(0) << field.shift;
     }
-    // The first field of a shared word holds its characters; the last one knows its number.
+    // The first field of a shared word reserves its characters; the last one completes its number.
     if (field.opens) out.resize(out.size() + field.word.characters);
     if (i + 1 == fields.size() || fields[i + 1].opens) {
       out.resize(out.size() - field.word.characters);

@@ -1,4 +1,4 @@
-// Writes a declared frame, and recognises one at the start of hostile bytes. Pure functions.
+// Writes a declared frame, and matches one at the start of untrusted bytes. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,6 @@
 
 namespace fieldcast::declared {
 
-// What the fields of a frame mean in one exchange: the context in which it is written or matched.
 struct FrameContext {
   std::uint16_t address = 0;
   std::uint64_t command = 0;
@@ -16,13 +15,13 @@ struct FrameContext {
   std::uint32_t count = 0;
   std::uint16_t sequence = 0;
   unsigned item_bits = 16;
-  // `items` are known: what is written, and what an answer that repeats them must show.
+  // `items` are known: they are sent, and an echoing response must contain them.
   bool written = false;
-  bool refusal = false;  // the frame is a refusal: its error field must tell one
+  bool refusal = false;  // the frame is a refusal: its error field must contain an error
   Bytes items;           // the image of first .. first+count-1
 };
 
-// Characters of the fields from .. to-1 with `count` items; a variable text counts in full.
+// Fields from .. to-1; a variable text counts with its maximum.
 [[nodiscard]] std::size_t size_of(const Frame& frame, std::size_t from, std::size_t to,
                                   unsigned item_bits, std::uint32_t count);
 [[nodiscard]] inline std::size_t size_of(const Frame& frame, unsigned item_bits,
@@ -32,44 +31,41 @@ struct FrameContext {
 
 void append_frame(Bytes& out, const Frame& frame, const FrameContext& context);
 
-// How a frame matches the start of some bytes.
 struct MatchResult {
   enum class Fit : std::uint8_t {
     kNone,   // not this frame
-    kPart,   // this frame so far; `missing` characters at most lack
+    kPart,   // matches so far; at most `missing` characters are missing
     kWhole,  // this frame, of `size` characters
   };
   Fit fit = Fit::kNone;
   std::size_t size = 0;
   std::size_t missing = 0;
-  std::size_t known = 0;  // fields that had come and had only one possible value
-  bool foreign = false;   // of another device, or to another request
-  bool mismatch = false;  // a length, count or echo that is not ours
+  std::size_t known = 0;  // received fields that have only one possible value
+  bool foreign = false;   // from another device, or for another request
+  bool mismatch = false;  // an unexpected length, count or echo
   bool bad_check = false;
-  bool checked = false;  // it has a checksum
+  bool checked = false;  // the frame has a checksum
   std::uint16_t error = 0;
   Bytes items;  // of kItems, or the record with all its values
 };
-// `record_items`: of the record that the values fill; 0 where there is none.
+// `record_items`: size of the record that the values fill; 0 if none.
 [[nodiscard]] MatchResult match_frame(const Frame& frame, ByteView bytes,
                                       const FrameContext& context, std::size_t record_items);
 
-// The number that a field must show; nothing for what an answer is free to say.
+// Empty if the response may contain any number.
 [[nodiscard]] std::optional<std::uint64_t> number_of(const Field& field,
                                                      const FrameContext& context);
 
-// The characters that a checksum is taken over.
 [[nodiscard]] Bytes covered(const Frame& frame, const Field& sum, ByteView bytes,
                             std::span<const std::size_t> starts);
 
-// Items as characters of an items field, and back; nothing when a character is none that an item
-// can have.
+// Empty if a character is invalid.
 void append_items(Bytes& out, const Field& field, unsigned item_bits, ByteView items);
 [[nodiscard]] std::optional<Bytes> read_items(ByteView characters, const Field& field,
                                               unsigned item_bits, std::uint32_t count);
 [[nodiscard]] std::size_t items_size(const Field& field, unsigned item_bits, std::uint32_t count);
 
-// A value's number in the image of its record, 16-bit items from `at`.
+// `at`: first 16-bit item.
 [[nodiscard]] std::uint64_t value_in(ByteView image, std::size_t at, std::size_t items);
 [[nodiscard]] constexpr std::uint16_t items_of(const Field& value) {
   return static_cast<std::uint16_t>(value.text_size != 0          ? (value.text_size + 1) / 2

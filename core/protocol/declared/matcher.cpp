@@ -1,4 +1,3 @@
-// Matches a declared frame against the start of some bytes (frame.hpp).
 #include <algorithm>
 #include <array>
 
@@ -32,7 +31,7 @@ class Matcher {
   }
 
  private:
-  // False: the result is known.
+  // Returns false if the result is known.
   bool step(const Field& field) {
     if (field.kind == FieldKind::kItems) return items(field);
     if (field.kind == FieldKind::kValue && field.text_size != 0) return text_value(field);
@@ -55,13 +54,12 @@ class Matcher {
   bool lacks(std::size_t characters) const { return bytes_.size() - offset_ < characters; }
   ByteView rest() const { return bytes_.subspan(offset_); }
 
-  // The word that this field begins.
   bool open(const Field& field) {
     if (lacks(field.word.characters)) return begins(field) ? part() : none();
     const auto word = read_word(rest().first(field.word.characters), field.word);
     if (!word) return none();
     word_ = *word;
-    // Decimal digits hold more than their fields.
+    // Decimal digits can exceed the bits of their fields.
     if (word_ >> 1 >> (bits_of_word(field) - 1) != 0) return none();
     return true;
   }
@@ -79,7 +77,6 @@ class Matcher {
     return std::equal(rest().begin(), rest().end(), right.begin());
   }
 
-  // The number has come. Moves on behind the last field of its word.
   bool number(const Field& field, std::uint64_t number) {
     const auto right = number_of(field, context_);
     const bool equal = right && *right == number;
@@ -107,8 +104,7 @@ class Matcher {
     return true;
   }
 
-  // What a length says of the fields behind it. One that is not what we expect is followed: its
-  // frame is skipped whole.
+  // An unexpected length is followed, so that its frame is skipped as a whole.
   bool length(const Field& field, std::uint64_t number) {
     std::int64_t left = static_cast<std::int64_t>(number & 0x7FFFFFFFu) - field.plus;
     std::int64_t expected = 0;
@@ -233,10 +229,10 @@ class Matcher {
   Bytes record_;
   MatchResult result_;
   std::array<std::size_t, kMaxFields + 1> starts_{};
-  std::size_t at_ = 0;               // the field
-  std::size_t offset_ = 0;           // its first character
-  std::uint64_t word_ = 0;           // that the field is part of
-  std::optional<std::size_t> told_;  // characters of the field that a length measures
+  std::size_t at_ = 0;               // index of the field
+  std::size_t offset_ = 0;           // of its first character
+  std::uint64_t word_ = 0;           // contains the field
+  std::optional<std::size_t> told_;  // characters of the field, from its length field
   std::size_t elastic_at_ = 0;
 };
 

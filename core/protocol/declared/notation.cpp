@@ -67,7 +67,7 @@ class Parser {
         AddressFault{std::move(what), allowed(declaration_), std::move(suggestion)});
   }
 
-  // A place whose name goes on, as "input.2" against "input", is left to the others.
+  // Leaves a longer place name, such as "input.2" against "input", to the other places.
   std::optional<Parsed> in_place(AreaIndex area, const Place& place, std::string_view rest) const {
     ParsedAddress address{.area = area, .first = place.first};
     address.text_characters = place.characters;
@@ -84,7 +84,7 @@ class Parser {
                        ", which has " + std::to_string(place.bits),
                    place.name + "." + std::to_string(place.bits - 1));
     }
-    address.first += place.items - 1 - *bit / 16;  // the lowest item is the last
+    address.first += place.items - 1 - *bit / 16;  // the last item holds the lowest bits
     address.bit = static_cast<std::uint8_t>(*bit % 16);
     address.width_bits = 1;
     return address;
@@ -127,7 +127,7 @@ class Parser {
     }
     const auto near = near_miss(word, names);
     if (near.empty()) return fault(what);
-    // With the number as it stands, or the first place of that name.
+    // Tries the same number, then the first place of that name.
     for (const auto& guess : {std::string(near) + std::string(at_.substr(digits)),
                               std::string(near), std::string(near) + "0"}) {
       if (Parser(declaration_, guess, false).run()) return fault(what, guess);

@@ -1,5 +1,4 @@
-// How people write the addresses of a declared protocol: `holding:100`, `holding:100.5`, or a place
-// of a record by its name. Pure.
+// `holding:100`, `holding:100.5`, or a place of a record by its name. Pure.
 #pragma once
 
 #include <string_view>

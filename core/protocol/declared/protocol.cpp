@@ -1,4 +1,3 @@
-// A declaration as a Protocol: which operation carries a request, and what it costs.
 #include <algorithm>
 #include <array>
 
@@ -14,7 +13,7 @@ bool has(const Frame& frame, FieldKind kind) {
   return std::ranges::any_of(frame.fields, [&](const Field& field) { return field.kind == kind; });
 }
 
-// By what the weakest answer shows whose it is.
+// The least specific response counts.
 AnswerIdentity identity_of(const Declaration& declaration) {
   const auto all = [&](FieldKind kind) {
     return std::ranges::all_of(declaration.operations,
@@ -88,7 +87,7 @@ class DeclaredProtocol final : public Protocol {
 
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext exchange) const override {
     const auto at = operation_for(request);
-    if (!at) std::abort();  // REQUIRES
+    if (!at) std::abort();  // see REQUIRES of begin()
     const Operation& operation = declaration_->operations[*at];
     const Range& range = range_of(request);
     FrameContext context{.address = address_,
@@ -102,8 +101,7 @@ class DeclaredProtocol final : public Protocol {
     return std::make_unique<DeclaredExchange>(declaration_, operation, std::move(context), range);
   }
 
-  // Answers to other commands are told apart where they show the command; those to the same one by
-  // their length, where a check or a length field binds it.
+  // Responses differ by their command, or by a length that a check or a length field protects.
   bool mistakable(const Request& earlier, ExchangeContext earlier_context, const Request& later,
                   ExchangeContext later_context) const override {
     if (!Protocol::mistakable(earlier, earlier_context, later, later_context)) return false;
@@ -122,7 +120,7 @@ class DeclaredProtocol final : public Protocol {
  private:
   struct Prepared {
     std::uint32_t request = 0, answer = 0;            // characters without items
-    std::size_t request_items = 0, answer_items = 0;  // the field, or the end
+    std::size_t request_items = 0, answer_items = 0;  // index of the items field, or the end
     unsigned item_bits = 16;
     bool record = false;
     bool echoes = false;
@@ -149,7 +147,7 @@ class DeclaredProtocol final : public Protocol {
     if (write != nullptr && write->items.size() != image_bytes(area.item_bits, range.count))
       return std::nullopt;
     if (write != nullptr && write->bit && area.item_bits != 1) return std::nullopt;
-    std::optional<std::size_t> echoing;  // what serves when nothing better does
+    std::optional<std::size_t> echoing;  // used if there is no better operation
     for (std::size_t i = 0; i < prepared_.size(); ++i) {
       const Operation& operation = declaration_->operations[i];
       if (operation.area != range.area || operation.write != (write != nullptr)) continue;
@@ -167,7 +165,7 @@ class DeclaredProtocol final : public Protocol {
     return echoing;
   }
 
-  // Nothing wraps around: a number that its field cannot hold is not sent.
+  // Returns false if a field cannot hold its number, so that no truncated value is sent.
   static bool values_fit(const Operation& operation, const WriteRequest& write) {
     for (const Field& field : operation.request.fields) {
       if (field.kind != FieldKind::kValue || field.text_size != 0) continue;
@@ -184,10 +182,10 @@ class DeclaredProtocol final : public Protocol {
 
   const std::shared_ptr<const Declaration> declaration_;
   const std::uint16_t address_;
-  std::vector<DeviceCode> codes_;  // their texts are the declaration's
+  std::vector<DeviceCode> codes_;  // their texts belong to the declaration
   Traits traits_;
   std::vector<Area> areas_;
-  std::vector<Prepared> prepared_;  // beside declaration_->operations
+  std::vector<Prepared> prepared_;  // parallel to declaration_->operations
 };
 
 }  // namespace

@@ -1,4 +1,3 @@
-// Requests of other masters in a declared protocol: any operation, to any device.
 #include "core/protocol/seen_request.hpp"
 
 #include <algorithm>
@@ -9,8 +8,9 @@
 namespace fieldcast::declared {
 namespace {
 
-constexpr std::uint32_t kMostItemsTried = 64;  // of a write whose frame says no length
-constexpr std::size_t kEnoughKnown = 2;        // fields with one possible value, without a check
+constexpr std::uint32_t kMostItemsTried = 64;  // of a write without a length field
+// Fields with one possible value, in a frame without a check.
+constexpr std::size_t kEnoughKnown = 2;
 
 struct Seen {
   std::size_t size = 0;

@@ -7,8 +7,6 @@
 namespace fieldcast::declared {
 namespace {
 
-// Base of one column of the word, and the columns that stay together when the order of bytes is
-// turned.
 std::uint64_t base_of(Notation notation) {
   switch (notation) {
     case Notation::kBinary: return 256;
@@ -18,7 +16,7 @@ std::uint64_t base_of(Notation notation) {
   return 256;
 }
 
-// Where the column of weight base^power stands.
+// The two hexadecimal digits of a byte stay together in either byte order.
 std::size_t column(const Word& word, std::size_t power) {
   if (!word.little_endian) return word.characters - 1u - power;
   return word.notation == Notation::kHex ? power ^ 1u : power;

@@ -1,5 +1,4 @@
-// A number as it stands on the wire: binary bytes, or a fixed column of ASCII digits. Pure
-// functions.
+// A number on the wire: binary bytes, or a fixed number of ASCII digits. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -11,26 +10,24 @@ namespace fieldcast::declared {
 
 enum class Notation : std::uint8_t {
   kBinary,
-  kHex,      // upper-case digits, two for each byte
-  kDecimal,  // digits
+  kHex,  // upper-case digits, two per byte
+  kDecimal,
 };
 
 struct Word {
   Notation notation = Notation::kBinary;
   std::uint8_t characters = 1;  // on the wire: 1..8 bytes, 1..16 hex digits, 1..18 decimal digits
-  bool little_endian = false;   // lowest byte first, also as pairs of hex digits
+  bool little_endian = false;   // lowest byte first, also for pairs of hex digits
   friend bool operator==(const Word&, const Word&) = default;
 };
 
-// The largest number that the word holds.
 [[nodiscard]] std::uint64_t largest(const Word& word);
 
 void append_word(Bytes& out, const Word& word, std::uint64_t number);
 
-// Nothing when a character is no digit. REQUIRES: characters.size() == word.characters.
+// Empty if a character is not a digit. REQUIRES: characters.size() == word.characters.
 [[nodiscard]] std::optional<std::uint64_t> read_word(ByteView characters, const Word& word);
 
-// Could these be the first characters of such a word?
 [[nodiscard]] bool could_begin(ByteView characters, const Word& word);
 
 }  // namespace fieldcast::declared

@@ -1,6 +1,5 @@
-// One round: a packet there, a packet back. The answer repeats nothing but address and command, so
-// its length, which the request fixes, is checked as if it were a field; a packet of any other
-// length is not the answer.
+// The response only repeats address and command, so its length, which follows from the request, is
+// checked too.
 #include "core/protocol/dtc/dtc.hpp"
 
 #include <algorithm>
@@ -18,7 +17,8 @@
 namespace fieldcast::dtc {
 namespace {
 
-constexpr std::size_t kNoiseAllowed = 512;  // bytes beside the answer; more is a babbling line
+// Bytes besides the response; more means that the line never becomes silent.
+constexpr std::size_t kNoiseAllowed = 512;
 constexpr std::uint32_t kDefaultMessage = 1024, kLeastMessage = 32;
 constexpr Traits kTraits{
     .name = "dtc",
@@ -26,13 +26,13 @@ constexpr Traits kTraits{
         "DTC: scattered variables of several types in one message, compressed by LZW where it pays",
     .lowest_address = 0,
     .highest_address = 255,
-    .max_ranges = 1,  // by max-message, for each device
+    .max_ranges = 1,  // replaced by a limit from max-message, for each device
     .identity = AnswerIdentity::kAddress,
     .codes = kRefusals};
 
 struct Link {
   std::uint8_t address = 1;
-  std::size_t longest = kDefaultMessage;  // message, before compression
+  std::size_t longest = kDefaultMessage;  // message before compression
   std::size_t threshold = kNever;
 };
 
@@ -57,7 +57,7 @@ class DtcExchange final : public Exchange {
     return step;
   }
 
-  // Noise may have looked like the head of a packet, and the answer stands behind it.
+  // Noise may have looked like the head of a packet before the response.
   Step on_silence(Bytes&) override {
     while (open_) {
       const Cause before = silence_;
@@ -72,8 +72,7 @@ class DtcExchange final : public Exchange {
   const Reply& reply() const override { return reply_; }
 
  private:
-  // Goes on where the last call stopped: no byte is judged twice as the beginning of a packet,
-  // whatever is received.
+  // Continues where the last call stopped, so that no byte is examined twice.
   Step scan(ByteView all) {
     open_ = false;
     while (judged_ < all.size()) {
@@ -81,7 +80,8 @@ class DtcExchange final : public Exchange {
       const ParseResult parsed = parse_packet(bytes);
       if (parsed.kind == ParseResult::Kind::kOpen) {
         open_ = true;
-        if (!waited_out_) silence_ = Cause::kTruncated;  // else that is the better reason
+        // Otherwise the previous reason is more specific.
+        if (!waited_out_) silence_ = Cause::kTruncated;
         return Step::need_rest(static_cast<std::uint32_t>(parsed.size - bytes.size()));
       }
       if (parsed.kind == ParseResult::Kind::kNoise) {
@@ -96,7 +96,7 @@ class DtcExchange final : public Exchange {
     return waited_out_ ? Step::need_rest(0) : Step::need_answer();
   }
 
-  // Nothing: not the answer, passed over.
+  // Empty if it is not the response and was skipped.
   std::optional<Step> judge(const ParseResult& parsed) {
     Bytes expanded;
     ByteView message = parsed.content;
@@ -108,7 +108,7 @@ class DtcExchange final : public Exchange {
     if (!crc_is_right(message)) return broken(Cause::kChecksum, 1);
     const std::uint8_t command = sent_[1];
     const bool ours = message[0] == link_.address && (message[1] & ~kRefused) == command;
-    // Of others, or our own echo.
+    // A foreign message, or an echo.
     if (!ours || std::ranges::equal(message, sent_)) return broken(Cause::kForeign, parsed.size);
     if ((message[1] & kRefused) != 0) {
       if (message.size() != kRefusalSize) return broken(Cause::kMalformed, parsed.size);
@@ -131,9 +131,9 @@ class DtcExchange final : public Exchange {
   const Request request_;
   const Bytes sent_;  // the message
   const std::size_t answer_size_;
-  std::size_t judged_ = 0;   // bytes that begin no answer
-  bool open_ = false;        // what stands at judged_ may be a packet that is not complete
-  bool waited_out_ = false;  // the last packet was broken: what was the answer, perhaps, is over
+  std::size_t judged_ = 0;   // bytes that do not begin a response
+  bool open_ = false;        // the bytes at judged_ may be an incomplete packet
+  bool waited_out_ = false;  // the last packet was broken; it may have been the response
   Bytes received_;           // while open_
   Reply reply_;
   Cause silence_ = Cause::kNoAnswer;
@@ -162,8 +162,7 @@ class DtcProtocol final : public Protocol {
     return parse_with_suggestion(at, dtc::parse_address);
   }
 
-  // Of plain packets: what compression saves is known only when the values are; a packet is never
-  // longer.
+  // Sizes without compression, as its gain depends on the values; a packet is never longer.
   std::optional<ExchangeSize> size(const Request& request) const override {
     const auto sizes = message_sizes(request, link_.longest);
     if (!sizes) return std::nullopt;
@@ -176,7 +175,7 @@ class DtcProtocol final : public Protocol {
     return std::make_unique<DtcExchange>(link_, std::move(request));
   }
 
-  // An answer shows its station, its command and how long it is.
+  // A response shows its station, its command and its length.
   bool mistakable(const Request& earlier, ExchangeContext, const Request& later,
                   ExchangeContext) const override {
     if (std::holds_alternative<ReadRequest>(earlier) != std::holds_alternative<ReadRequest>(later))
@@ -193,7 +192,7 @@ class DtcProtocol final : public Protocol {
 };
 
 constexpr std::array<std::string_view, 3> kOptions{"codec-ns-per-byte", "max-message", "threshold"};
-// Both ends together: a 32-bit controller of 100 MHz as the device.
+// Sum of both ends, with a 32-bit controller at 100 MHz as the device.
 constexpr std::uint32_t kCodecNs = 1000;
 
 tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link) {

@@ -1,5 +1,4 @@
-// DTC as a protocol (protocol.hpp): any number of scattered variables of several types in one
-// message, compressed where that pays.
+// DTC: scattered variables of several types in one message, compressed if that saves time.
 #pragma once
 
 #include "core/protocol/registry.hpp"
@@ -8,10 +7,9 @@ namespace fieldcast::dtc {
 
 [[nodiscard]] const ProtocolEntry& entry();
 
-// A packet, the message in it and, of a request, its groups.
 [[nodiscard]] std::vector<FrameField> explain(ByteView frame);
 
-// Nothing in a message says whether it is a request: its answer may look like groups by chance.
+// The result is not certain for reads: a response may look like groups by chance.
 [[nodiscard]] SeenRequest seen_request(ByteView bytes);
 
 }  // namespace fieldcast::dtc

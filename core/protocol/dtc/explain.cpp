@@ -1,4 +1,3 @@
-// DTC packets for people.
 #include <algorithm>
 #include <string>
 
@@ -53,7 +52,7 @@ void explain_message(FieldWriter& writer, ByteView message) {
              crc_is_right(message) ? "" : "should be " + to_hex(bytes));
 }
 
-// Returns the size of the packet, or of all when it is none.
+// Returns the size of the packet, or of all bytes if there is none.
 std::size_t explain_packet(FieldWriter& all, std::size_t at, ByteView bytes) {
   const ParseResult parsed = parse_packet(bytes);
   if (parsed.kind != ParseResult::Kind::kWhole) {
@@ -81,7 +80,7 @@ std::size_t explain_packet(FieldWriter& all, std::size_t at, ByteView bytes) {
           std::to_string(parsed.content.size()) + " bytes",
           expanded ? "" : std::string(to_text(expanded.error())));
   if (!expanded) return parsed.size;
-  FieldWriter inner(start, 0, 1);  // what was compressed has no place of its own on the wire
+  FieldWriter inner(start, 0, 1);  // compressed bytes have no own position on the wire
   explain_message(inner, message);
   all.append(inner.take());
   return parsed.size;

@@ -19,7 +19,7 @@ void append_group(Bytes& out, const Range& range) {
   append_u16(out, static_cast<std::uint16_t>(range.count));
 }
 
-// One byte for each bit, as protocol.hpp has them, to eight in a byte.
+// Packs bits of one byte each, as in protocol.hpp, into eight per byte.
 void append_bits(Bytes& out, ByteView bits) {
   for (std::size_t i = 0; i < bits.size(); ++i) {
     if (i % 8 == 0) out.push_back(0);

@@ -1,13 +1,13 @@
-// The messages of DTC.
+// Messages of DTC.
 //
 //     request   address(1) command(1) group.. CRC(2)
 //     group     first(2) type(1) count(2) [data, in a write]
-//     answer    address(1) command(1) data.. CRC(2)     data of all groups, in the request's order;
-//                                                       none in the answer to a write
+//     response  address(1) command(1) data.. CRC(2)     data of all groups in request order;
+//                                                       none in the response to a write
 //     refusal   address(1) command|80 code(1) CRC(2)
 //
-// Numbers are big-endian, bits are packed from the least significant. The CRC is Modbus's, its low
-// byte first.
+// Numbers are big-endian, bits are packed from the least significant. The CRC is that of Modbus,
+// low byte first.
 #pragma once
 
 #include <array>
@@ -24,18 +24,17 @@ struct MessageSizes {
   std::size_t request = 0;
   std::size_t answer = 0;
 };
-// Nothing when a limit is broken, or either message would be longer than `longest`. Allocates
-// nothing.
+// Empty if a limit is exceeded, or a message would be longer than `longest`. Does not allocate.
 [[nodiscard]] std::optional<MessageSizes> message_sizes(const Request& request,
                                                         std::size_t longest);
 
 // REQUIRES: message_sizes(request) holds a value.
 [[nodiscard]] Bytes message_of(std::uint8_t address, const Request& request);
 
-// Low byte first at its end, over all before it. REQUIRES: message.size() > kCrcBytes.
+// REQUIRES: message.size() > kCrcBytes.
 [[nodiscard]] bool crc_is_right(ByteView message);
 
-// REQUIRES: data are those of message_sizes().answer.
+// REQUIRES: `data` has the size given by message_sizes().answer.
 [[nodiscard]] Reply reply_of(const Request& request, ByteView data);
 
 inline constexpr std::array kRefusals{

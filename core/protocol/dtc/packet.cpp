@@ -6,8 +6,7 @@ namespace fieldcast::dtc {
 
 void append_packet(Bytes& out, ByteView message, std::size_t threshold) {
   const std::size_t start = out.size();
-  // A body that is one byte shorter than the message at most: more codes are not worth writing to
-  // their end.
+  // Encoding stops if the body is not at least one byte shorter than the message.
   const std::size_t shorter = message.size() - 1;
   if (message.size() >= threshold && shorter > kOriginalBytes) {
     out.resize(start + kPacketHead + shorter);

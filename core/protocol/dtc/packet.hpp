@@ -1,10 +1,10 @@
-// The envelope of DTC: every message, in both directions, travels in a packet.
+// The envelope of each DTC message, in both directions.
 //
 //     packet    flag(1) length(2) body(length)
 //     flag 0    body: the message
 //     flag 1    body: length of the message(2), then the codes of its LZW
 //
-// A packet has flag 1 only where that is shorter.
+// A packet has flag 1 only if that is shorter.
 #pragma once
 
 #include "core/base/bytes.hpp"
@@ -13,25 +13,24 @@ namespace fieldcast::dtc {
 
 inline constexpr std::uint8_t kPlain = 0, kCompressed = 1;
 inline constexpr std::size_t kPacketHead = 3;     // flag and length
-inline constexpr std::size_t kOriginalBytes = 2;  // the message's length before the codes
+inline constexpr std::size_t kOriginalBytes = 2;  // length of the message before the codes
 inline constexpr std::size_t kMinMessage = 4;     // address, command, CRC
 inline constexpr std::size_t kMaxMessage = 4096;
 
-// Appends the packet of a message: compressed if it has at least `threshold` bytes and the body
-// becomes shorter. Never longer than kPacketHead + message.size().
+// Compresses a message of at least `threshold` bytes if the body becomes shorter. Never longer than
+// kPacketHead + message.size().
 void append_packet(Bytes& out, ByteView message, std::size_t threshold);
 
-// What begins with the first byte.
 struct ParseResult {
   enum class Kind : std::uint8_t { kNoise, kOpen, kWhole };
   Kind kind = Kind::kNoise;
-  // kWhole: of the packet. kOpen: of the packet, as far as is known. kNoise: to move on by.
+  // kWhole: of the packet. kOpen: of the packet, as far as known. kNoise: bytes to skip.
   std::size_t size = 1;
-  bool compressed = false;   // kWhole, and so the rest
+  bool compressed = false;   // the following fields are only set for kWhole
   std::size_t original = 0;  // bytes of the message
   ByteView content;          // the message, or the codes of its LZW
 };
-// kNoise: an unknown flag, or a length that no packet has. REQUIRES: bytes is not empty.
+// kNoise: an unknown flag, or an impossible length. REQUIRES: `bytes` is not empty.
 [[nodiscard]] ParseResult parse_packet(ByteView bytes);
 
 }  // namespace fieldcast::dtc

@@ -1,4 +1,3 @@
-// Requests of other masters, plain or compressed.
 #include "core/protocol/seen_request.hpp"
 
 #include "core/codec/lzw.hpp"
@@ -23,7 +22,7 @@ SeenRequest seen_request(ByteView bytes) {
   const bool write = message[1] == kWrite;
   const ByteView rest = message.subspan(kMessageHead, message.size() - kMessageHead - kCrcBytes);
   if (!all_groups(rest, write)) return {};
-  return {parsed.size, write};  // the answer to a write has no data
+  return {parsed.size, write};  // the response to a write has no data
 }
 
 }  // namespace fieldcast::dtc

@@ -5,9 +5,9 @@
 namespace fieldcast::dtc {
 
 std::size_t auto_threshold(const LineFormat& line, Duration per_byte) {
-  // Of a byte, once strings repeat; dtc_bench prints what real data save.
+  // Fraction saved once strings repeat; dtc_bench prints the gain on real data.
   constexpr double kSaved = 0.5;
-  constexpr double kLearning = 16.0;  // bytes that save nothing
+  constexpr double kLearning = 16.0;  // bytes without a gain
   constexpr double kLengthBytes = 2.0;
   const double character = static_cast<double>(line.characters(1).count());
   const double gain = kSaved * character - static_cast<double>(per_byte.count());

@@ -1,5 +1,3 @@
-// From which length on a message is worth compressing: the cost model of the wire, with the time
-// that both ends compute. Pure.
 #pragma once
 
 #include <cstddef>
@@ -9,13 +7,13 @@
 
 namespace fieldcast::dtc {
 
-// Longer than any message: nothing is ever compressed.
+// Longer than any message: disables compression.
 inline constexpr std::size_t kNever = 65535;
 
-// A message of n bytes costs n * per_byte to compress and to expand again, while nothing is sent;
-// it saves half a character of the wire for each byte behind the first sixteen, in which the
-// dictionary learns, less the two length bytes. The threshold is the n at which that balance is no
-// longer negative; `per_byte` counts both ends. kNever where the line is too fast for it.
+// To compress and expand a message of n bytes costs n * per_byte, while the wire is idle. It saves
+// half a character for each byte after the first sixteen, which fill the dictionary, minus the two
+// length bytes. The threshold is the smallest n with no loss; kNever if the line is too fast.
+// `per_byte` covers both ends.
 [[nodiscard]] std::size_t auto_threshold(const LineFormat& line, Duration per_byte);
 
 }  // namespace fieldcast::dtc

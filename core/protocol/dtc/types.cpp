@@ -43,7 +43,7 @@ Parsed parse_address(std::string_view at) {
                  std::string(name) + ":65535");
   address.first = *first;
   if (dot == std::string_view::npos) {
-    // Numbers with a point are whole; a value may be made of several integers.
+    // Floating-point numbers are whole; a value may consist of several integers.
     if (address.area == kBit || address.area == kFloat32 || address.area == kFloat64)
       address.width_bits = bits;
     return address;

@@ -1,5 +1,4 @@
-// The five types of DTC: each is an area with 65536 variables of its own, in the order of their
-// numbers on the wire.
+// Each type is an area with its own 65536 variables, in the order of the numbers on the wire.
 #pragma once
 
 #include <array>
@@ -17,7 +16,7 @@ inline constexpr std::array<ValueType, kTypeCount> kValueTypes{
     ValueType::kFloat64};
 inline constexpr std::uint32_t kVariables = 65536;  // of each type
 
-// Bytes of a group's data: bits are packed, and filled to a byte. REQUIRES: type < kTypeCount.
+// Bits are packed and padded to a byte. REQUIRES: type < kTypeCount.
 [[nodiscard]] constexpr std::size_t data_bytes(AreaIndex type, std::uint32_t count) {
   return (std::size_t{count} * kTypeBits[type] + 7) / 8;
 }

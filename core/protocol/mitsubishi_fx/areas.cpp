@@ -9,9 +9,9 @@
 namespace fieldcast::mitsubishi_fx {
 namespace {
 
-// Bits lie eight to a byte from the base on; words are two bytes each, 32-bit counters four. Where
-// the sources of the extended map disagree (contacts and coils of timers and counters, 32-bit
-// counters) it is left empty.
+// Bits are stored eight per byte from the base; words have two bytes, 32-bit counters four. Entries
+// of the extended map on which the sources disagree are empty (contacts and coils of timers and
+// counters, 32-bit counters).
 constexpr std::array kRows{
     DeviceRow{.name = "D", .classic = {8000, 0x1000, {}}, .extended = {8000, 0x4000, {}}},
     DeviceRow{
@@ -69,7 +69,7 @@ std::vector<const DeviceRow*> rows_reached(Commands commands) {
   return rows;
 }
 
-// Two areas of one name are told apart by their first number.
+// The first number distinguishes two areas of the same name.
 std::string_view area_name(const DeviceRow& row) {
   if (row.first == 8000) return row.name == "D" ? "D8000" : "M8000";
   return row.first == 200 ? "C200" : row.name;
@@ -90,9 +90,9 @@ std::vector<Area> areas_reached(Commands commands) {
     area.writable = area.max_write != 0;
     area.bit_write = bits && area.writable;
     area.alignment = bits ? 8 : 1;
-    // D0 holds the low word of the pair D1, D0, and the first character of a text stands in the
-    // low byte of its word (FX programming manual, 32-bit data and string handling). A 32-bit
-    // counter is one item, which the device orders itself.
+    // D0 holds the low word of the pair D1, D0, and the low byte of a word holds the first
+    // character of a text (FX programming manual, 32-bit data and string handling). A 32-bit
+    // counter is one item, ordered by the device.
     if (row->item_bits == 16) {
       area.word_order = WordOrder::kLittleEndian;
       area.text_order = ByteOrder::kLittleEndian;

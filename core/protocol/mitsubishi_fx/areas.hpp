@@ -1,4 +1,3 @@
-// The devices of a Mitsubishi FX as its programming port addresses them, and their notation.
 #pragma once
 
 #include <cstdint>
@@ -9,24 +8,22 @@
 
 namespace fieldcast::mitsubishi_fx {
 
-// Classic commands 0, 1, 7, 8 (every FX), or the extended E00, E10, E7, E8 of FX3 and later, which
-// have an address map of their own.
+// Classic commands (every FX), or extended ones of FX3 and later, with their own address map.
 enum class Commands : std::uint8_t { kClassic, kExtended };
 
-// One class of devices in one address map.
 struct AddressMap {
-  std::uint32_t items = 0;             // 0: not reached
+  std::uint32_t items = 0;             // 0 if not reachable
   std::uint32_t base = 0;              // byte address of item 0
   std::optional<std::uint32_t> force;  // bit address of item 0 for forcing
 };
 
 struct DeviceRow {
-  std::string_view name;    // "D"
-  std::string_view other;   // a second spelling, or empty
+  std::string_view name;
+  std::string_view other;   // second spelling, or empty
   unsigned item_bits = 16;  // 1, 16 or 32
   std::uint32_t first = 0;  // number of item 0: 8000 for special registers, 200 for 32-bit counters
   bool octal = false;       // X and Y
-  std::optional<ValueType> type = std::nullopt;  // Area::type
+  std::optional<ValueType> type = std::nullopt;  // see Area::type
   AddressMap classic, extended;
   [[nodiscard]] const AddressMap& address_map(Commands commands) const {
     return commands == Commands::kClassic ? classic : extended;
@@ -36,7 +33,7 @@ struct DeviceRow {
 inline constexpr std::uint32_t kMaxBytes = 64;  // in one frame
 inline constexpr std::uint8_t kStx = 0x02, kEtx = 0x03, kEnq = 0x05, kAck = 0x06, kNak = 0x15;
 
-// The areas of one address map, in the order of Protocol::areas().
+// Areas of one address map, in the order of Protocol::areas().
 [[nodiscard]] const std::vector<const DeviceRow*>& rows_of(Commands commands);
 [[nodiscard]] const std::vector<Area>& areas_of(Commands commands);
 

@@ -1,4 +1,3 @@
-// Frames of the FX programming port for people.
 #include <algorithm>
 #include <array>
 #include <string>
@@ -17,9 +16,9 @@ struct CommandRow {
   std::string_view text;
   bool force = false;
   bool with_data = false;
-  bool alone = false;  // nothing follows: no address, no count
+  bool alone = false;  // without address and count
 };
-// Longer spellings first: E10 and E1 begin alike.
+// Longer spellings first, as E10 and E1 begin alike.
 constexpr std::array kCommands{CommandRow{"E00", "extended read"},
                                CommandRow{"E10", "extended write", false, true},
                                CommandRow{"E01", "program read"},
@@ -40,7 +39,7 @@ std::string text_of(ByteView characters) {
   return text;
 }
 
-// A request's digits are odd in number, an answer's even; only the extended force is even, too.
+// A request has an odd number of digits, a response an even one, except for the extended force.
 const CommandRow* command_of(ByteView body) {
   for (const CommandRow& row : kCommands) {
     if (body.size() < row.spelling.size() ||

@@ -5,11 +5,11 @@
 //     force on  02 `7` address(4) 03 sum(2)                    ->  06, or 15
 //     force off 02 `8` address(4) 03 sum(2)                    ->  06, or 15
 //
-// The address of force has its low pair of digits first. The count is in bytes. Words have their
-// low byte first. The sum is over all characters behind STX up to ETX. The extended commands are
-// E00, E10, E7 and E8. One PLC for each port: answers carry no address. A refusal is one character
-// and does not tell whether the line garbled the request or the PLC refuses it: the request is sent
-// once more, and is refused when that is refused too.
+// The address of force has its low pair of digits first. The count is in bytes; words have their
+// low byte first. The sum covers all characters after STX, including ETX. The extended commands are
+// E00, E10, E7 and E8. There is one PLC per port, so responses contain no address. A refusal is one
+// character and may be caused by noise in the request: the request is sent again, and a second
+// refusal counts.
 #include "core/protocol/mitsubishi_fx/mitsubishi_fx.hpp"
 
 #include <algorithm>
@@ -26,7 +26,7 @@ namespace fieldcast::mitsubishi_fx {
 namespace {
 
 constexpr std::size_t kEnvelope = 4;       // STX, ETX, sum
-constexpr std::size_t kMaxReceived = 600;  // four of the largest answers
+constexpr std::size_t kMaxReceived = 600;  // four of the largest responses
 
 constexpr Traits kTraits{
     .name = "mitsubishi-fx",
@@ -40,7 +40,7 @@ const DeviceRow& row_of(Commands commands, const Range& range) {
 }
 bool is_extended(Commands commands) { return commands == Commands::kExtended; }
 
-// Bytes that carry the range: bits come by whole bytes.
+// Bytes that contain the range; bits are read in whole bytes.
 std::uint32_t bytes_of(const DeviceRow& row, const Range& range) {
   if (row.item_bits != 1) return range.count * (row.item_bits / 8);
   return (range.end() + 7) / 8 - range.first / 8;
@@ -62,7 +62,7 @@ bool fits(Commands commands, const WriteRequest& write) {
   return write.items.size() == image_bytes(item_bits, write.range.count);
 }
 
-// Words and dwords travel with their low byte first: the image has it last.
+// The low byte is first on the wire, last in the image.
 Bytes turned(ByteView bytes, std::size_t each) {
   Bytes result(bytes.begin(), bytes.end());
   for (std::size_t at = 0; at + each <= result.size(); at += each) {
@@ -75,7 +75,7 @@ Bytes turned(ByteView bytes, std::size_t each) {
 void append_text(Bytes& out, std::string_view text) {
   out.insert(out.end(), text.begin(), text.end());
 }
-// The sum runs from behind STX, which is the first byte of out.
+// The sum starts after STX, the first byte of `out`.
 void append_end(Bytes& out) {
   out.push_back(kEtx);
   append_digits(out, sum8(ByteView(out).subspan(1)), 2);
@@ -108,7 +108,7 @@ class FxRead final : public Exchange {
   Step on_bytes(ByteView all, Bytes&) override {
     if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
     silence_ = is_noise_only(all) ? Cause::kNoAnswer : Cause::kMalformed;
-    // A refusal is one unprotected character: it counts when nothing comes with it.
+    // A refusal is one unprotected character: it only counts alone.
     const bool refused = all.size() == 1 && all[0] == kNak;
     if (refused) silence_ = Cause::kDeviceError;
     Step step = refused ? Step::need_rest(0) : Step::need_answer();
@@ -126,7 +126,7 @@ class FxRead final : public Exchange {
     if (silence_ != Cause::kDeviceError) return Step::failed(silence_);
     if (asked_again_) return Step::failed(silence_, kNak);
     asked_again_ = true;
-    silence_ = Cause::kNoAnswer;  // until something comes of this request
+    silence_ = Cause::kNoAnswer;  // until bytes of this request arrive
     return start(out);
   }
   const Reply& reply() const override { return reply_; }
@@ -204,8 +204,7 @@ class FxWrite final : public Exchange {
     return Step::send(1);
   }
 
-  // The acknowledgement is one unprotected character: it counts only when nothing but the noise of
-  // a turn-around stands before it.
+  // The acknowledgement is one unprotected character: only turnaround noise may precede it.
   Step on_bytes(ByteView all, Bytes&) override {
     if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
     const auto first = std::find_if(all.begin(), all.end(),
@@ -223,7 +222,7 @@ class FxWrite final : public Exchange {
     if (silence_ != Cause::kDeviceError) return Step::failed(silence_);
     if (asked_again_) return Step::failed(silence_, kNak);
     asked_again_ = true;
-    silence_ = Cause::kNoAnswer;  // until something comes of this request
+    silence_ = Cause::kNoAnswer;  // until bytes of this request arrive
     return start(out);
   }
   const Reply& reply() const override { return reply_; }
@@ -268,7 +267,7 @@ class FxProtocol final : public Protocol {
     return std::make_unique<FxWrite>(commands_, std::get<WriteRequest>(request));
   }
 
-  // What was read shows by its length alone; a write is acknowledged by one character.
+  // Responses to reads only differ by their length; a write is acknowledged by one character.
   bool mistakable(const Request& earlier, ExchangeContext, const Request& later,
                   ExchangeContext) const override {
     const auto* first = std::get_if<ReadRequest>(&earlier);

@@ -1,4 +1,3 @@
-// The programming port of Mitsubishi FX PLCs as a protocol (protocol.hpp).
 #pragma once
 
 #include "core/protocol/registry.hpp"

@@ -1,5 +1,4 @@
-// Requests of other masters. A request has an odd number of digits, an answer an even one; only the
-// extended force has an even one, too.
+// A request has an odd number of digits, a response an even one, except for the extended force.
 #include "core/protocol/seen_request.hpp"
 
 #include <algorithm>
@@ -16,8 +15,8 @@ namespace {
 
 struct Shape {
   std::string_view command;
-  std::size_t fixed;  // digits behind the command
-  bool data = false;  // twice as many digits follow as the last two of them say
+  std::size_t fixed;  // digits after the command
+  bool data = false;  // the last two of the fixed digits count the data bytes that follow
 };
 constexpr std::array kShapes{Shape{"E00", 6}, Shape{"E10", 6, true}, Shape{"E7", 4}, Shape{"E8", 4},
                              Shape{"0", 6},   Shape{"1", 6, true},   Shape{"7", 4},  Shape{"8", 4}};

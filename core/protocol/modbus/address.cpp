@@ -1,4 +1,3 @@
-// Address notations (areas.hpp).
 #include <algorithm>
 #include <optional>
 #include <string>
@@ -23,7 +22,7 @@ struct Word {
 constexpr std::array kWords{Word{"coil", Table::kCoil}, Word{"input", Table::kInput},
                             Word{"discrete-input", Table::kInput}, Word{"holding", Table::kHolding},
                             Word{"input-register", Table::kInputRegister}};
-// What people write from other tools' habit; understood for the suggestion only.
+// Spellings of other tools; only used for the suggestion.
 constexpr std::array kHabits{Word{"coils", Table::kCoil},
                              Word{"inputs", Table::kInput},
                              Word{"discrete", Table::kInput},
@@ -40,7 +39,7 @@ bool holds_bits(Table table) { return table == Table::kCoil || table == Table::k
 
 using Parsed = tl::expected<ParsedAddress, AddressFault>;
 
-// "46h", "46H", "0x46", "$46": hexadecimal as data sheets and other programs write it.
+// "46h", "46H", "0x46", "$46": hexadecimal notation of data sheets and other programs.
 std::optional<std::string> as_hexadecimal(std::string_view text) {
   const bool marked = text.starts_with("0x") || text.starts_with("0X");
   const bool behind = text.ends_with('h') || text.ends_with('H');
@@ -58,7 +57,6 @@ Parsed fault(std::string what, std::string suggestion = {}) {
       AddressFault{std::move(what), std::string(kAllowed), std::move(suggestion)});
 }
 
-// Decimal, or hexadecimal behind 0x.
 std::optional<std::uint32_t> number(std::string_view text) {
   const bool hex = text.starts_with("0x") || text.starts_with("0X");
   return hex ? whole_number(text.substr(2), 16) : whole_number(text);
@@ -82,7 +80,7 @@ std::string suggest_area(std::string_view area, std::string_view rest) {
                       : std::string(near) + ":" + std::string(rest.empty() ? "0" : rest);
 }
 
-// "holding:100.5"
+// "holding:100.5".
 Parsed parse_named(std::string_view area, std::string_view rest) {
   const auto word = std::find_if(kWords.begin(), kWords.end(),
                                  [&](const Word& candidate) { return candidate.name == area; });
@@ -108,8 +106,7 @@ Parsed parse_named(std::string_view area, std::string_view rest) {
   return address(word->table, *first, static_cast<std::uint8_t>(*bit));
 }
 
-// "40101": first digit the table, the rest counts from 1; five digits reach 9999, six digits 65536.
-// A bit may follow a dot.
+// "40101": the first digit is the table, the others count from 1. A bit may follow a dot.
 Parsed parse_reference(std::string_view at) {
   const std::size_t dot = at.find('.');
   const std::string_view digits = at.substr(0, dot);
@@ -146,7 +143,7 @@ tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) {
     return parse_reference(at);
   if (const auto hex = as_hexadecimal(at))
     return fault(quoted(at) + " names no area", "holding:" + *hex);
-  // "4x0071" is a reference with an x in it; "%MW70" and "%M3" are IEC 61131's words and bits.
+  // "4x0071" is a reference with an x; "%MW70" and "%M3" are words and bits of IEC 61131.
   if (at.size() > 2 && (at[1] == 'x' || at[1] == 'X') && at[0] > '0' && at[0] < '5') {
     const auto counted = whole_number(at.substr(2));
     std::string counted_text = std::to_string(counted.value_or(0));
@@ -159,7 +156,7 @@ tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) {
       return fault(quoted(at) + " is no address", std::string(name_of(word.table)) + ":" +
                                                       std::string(at.substr(word.name.size())));
   }
-  // "holding100": the colon forgotten.
+  // "holding100": the colon is missing.
   const std::size_t first_digit = at.find_first_of("0123456789");
   if (first_digit != std::string_view::npos && first_digit > 0) {
     const std::string near = suggest_area(at.substr(0, first_digit), at.substr(first_digit));

@@ -1,5 +1,3 @@
-// The four tables of a Modbus device, and how people write their addresses. Shared by the three
-// framings.
 #pragma once
 
 #include <array>
@@ -12,16 +10,14 @@ namespace fieldcast::modbus {
 
 enum class Table : AreaIndex { kCoil, kInput, kHolding, kInputRegister };
 
-// Quantity limits of the Application Protocol V1.1b3, 6.1-6.12: they keep every PDU within 253
-// bytes.
+// Application Protocol V1.1b3, 6.1-6.12; they limit every PDU to 253 bytes.
 inline constexpr std::uint16_t kMaxReadBits = 2000;
 inline constexpr std::uint16_t kMaxWriteBits = 1968;
 inline constexpr std::uint16_t kMaxReadRegisters = 125;
 inline constexpr std::uint16_t kMaxWriteRegisters = 123;
-inline constexpr std::uint16_t kMaxReadWriteRegisters = 121;  // the written part of function 23
+inline constexpr std::uint16_t kMaxReadWriteRegisters = 121;  // written registers of function 23
 
-// In the order of Table. mask_write: the device knows function 22, so one bit or one byte of a
-// holding register can be written alone.
+// In the order of Table. `mask_write`: supports function 22, for one bit or byte of a register.
 [[nodiscard]] constexpr std::array<Area, 4> areas(bool mask_write) {
   return {{
       {.name = "coil",

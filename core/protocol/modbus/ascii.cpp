@@ -1,5 +1,5 @@
-// ASCII: `:` begins a frame at any time, CR LF ends it; what stands between frames is ignored
-// (Modbus over Serial Line V1.02, 2.5.2).
+// `:` begins a frame at any time; characters between frames are ignored (Modbus over Serial Line
+// V1.02, 2.5.2).
 #include <algorithm>
 
 #include "core/codec/checksum.hpp"
@@ -8,7 +8,7 @@
 namespace fieldcast::modbus {
 namespace {
 
-constexpr std::size_t kMarks = 3;        // ':' CR LF
+constexpr std::size_t kMarks = 3;        // `:` CR LF
 constexpr std::size_t kMaxDigits = 510;  // unit, 253 bytes, LRC
 constexpr std::uint8_t kColon = ':';
 constexpr std::uint8_t kCr = '\r';
@@ -31,8 +31,7 @@ void wrap_ascii(const Header& header, ByteView pdu, Bytes& out) {
   out.push_back(kLf);
 }
 
-// The bytes that pairs of digits spell, into the scratch; an odd last digit is left out. Nothing
-// for any other character.
+// Without an odd last digit. Empty if a character is not a digit.
 std::optional<ByteView> spelt(ByteView digits, Scratch& scratch) {
   const std::size_t count = std::min(digits.size() / 2, scratch.size());
   for (std::size_t i = 0; i < count; ++i) {
@@ -64,13 +63,14 @@ class AsciiSearch {
   }
 
  private:
-  // What stands between a colon and the next, or the end of what has come.
+  // `text`: to the next colon, or to the end of the received bytes.
   void examine(ByteView text, bool open) {
     const auto cr = std::find(text.begin(), text.end(), kCr);
     const ByteView digits(text.begin(), cr);
     const auto bytes = spelt(digits, scratch_);
     if (!bytes || digits.size() > kMaxDigits) return spoil();
-    const auto behind = static_cast<std::size_t>(text.end() - cr);  // CR and what follows
+    // CR and the characters after it.
+    const auto behind = static_cast<std::size_t>(text.end() - cr);
     if (behind < 2) {
       if (open)
         begin(*bytes, text.size());
@@ -93,14 +93,14 @@ class AsciiSearch {
       return;
     }
     (verdict == Verdict::kMismatch ? mismatch_ : foreign_) = true;
-    // Whatever was broken before, the line speaks clearly now: the wait goes on.
+    // A valid frame ends the effect of earlier broken ones: the wait continues.
     result_.kind = ParseResult::Kind::kNothing;
     result_.missing = 0;
   }
 
   void begin(ByteView bytes, std::size_t came) {
     const bool exception = bytes.size() > 1 && (bytes[1] & kExceptionFlag) != 0;
-    // Characters behind the colon.
+    // Characters after the colon.
     const std::size_t length = ascii_size(exception ? 2 : request_.answer_size()) - 1;
     result_.kind = ParseResult::Kind::kBegun;
     result_.missing = static_cast<std::uint32_t>(came < length ? length - came : 1);

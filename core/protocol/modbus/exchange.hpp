@@ -1,4 +1,3 @@
-// One Modbus conversation: a request, and its answer.
 #pragma once
 
 #include "core/protocol/modbus/framing.hpp"
@@ -26,8 +25,8 @@ class ModbusExchange final : public Exchange {
   const RequestPdu request_;
   Scratch scratch_;
   Reply reply_;
-  Cause silence_ = Cause::kNoAnswer;  // what silence means after what came last
-  Bytes fallback_;  // the answer, if silence shows that what stood before it was noise
+  Cause silence_ = Cause::kNoAnswer;  // cause of a failure if no more bytes arrive
+  Bytes fallback_;  // the response, if silence shows that the bytes before it were noise
 };
 
 }  // namespace fieldcast::modbus

@@ -1,4 +1,3 @@
-// Frames for people: the three framings around explain_pdu().
 #include <algorithm>
 #include <array>
 #include <string>
@@ -10,7 +9,7 @@
 namespace fieldcast::modbus {
 namespace {
 
-constexpr std::size_t kMaxExplained = 4096;  // bytes; the rest is remarked
+constexpr std::size_t kMaxExplained = 4096;  // bytes; a remark mentions the rest
 
 std::string surplus_text(std::size_t count) {
   return std::to_string(count) + " bytes behind the frame";
@@ -25,8 +24,7 @@ bool has_right_crc(ByteView frame) {
          std::ranges::equal(crc_bytes(frame.first(frame.size() - 2)), frame.last(2));
 }
 
-// How long the first frame is: the whole, or as long as its fields say when a right CRC confirms
-// it.
+// All bytes, or the length given by the fields if a valid CRC confirms it.
 std::size_t first_frame(ByteView bytes) {
   if (has_right_crc(bytes) && bytes.size() <= kMaxRtuFrame) return bytes.size();
   if (bytes.size() < 2) return bytes.size();
@@ -37,7 +35,7 @@ std::size_t first_frame(ByteView bytes) {
   return bytes.size();
 }
 
-// The bytes that the digits spell, up to the first pair that spells none.
+// Stops at the first invalid pair.
 Bytes bytes_of_digits(ByteView digits) {
   Bytes bytes;
   for (std::size_t i = 0; i + 1 < digits.size(); i += 2) {
@@ -80,7 +78,7 @@ std::vector<FrameField> explain_rtu(ByteView frame) {
 
 namespace {
 
-// CR LF at `end`, and what follows it.
+// CR LF at `end`, and the characters after it.
 void explain_ascii_end(ByteView frame, std::size_t end, bool too_long, FieldWriter& writer) {
   const bool ended = end + 1 < frame.size() && frame[end + 1] == '\n';
   writer.add(end, std::min<std::size_t>(2, frame.size() - end), "end", ended ? "CR LF" : "",
@@ -105,7 +103,7 @@ std::vector<FrameField> explain_ascii(ByteView frame) {
     writer.remark(to_hex(frame), "no ':' begins a frame");
     return writer.take();
   }
-  const auto start = static_cast<std::size_t>(colon - frame.begin());  // behind the colon
+  const auto start = static_cast<std::size_t>(colon - frame.begin());  // after the colon
   if (start > 1) writer.add(0, start - 1, "ignored", to_hex(frame.first(start - 1)));
   const ByteView digits(colon, cr);
   const Bytes bytes = bytes_of_digits(digits);

@@ -30,7 +30,7 @@ std::string_view table_name(std::uint8_t function) {
   }
 }
 
-// Quantity limit of a function's request; 0 for those without one.
+// 0 if there is no limit.
 std::size_t quantity_limit(std::uint8_t function) {
   if (reads_bits(function)) return kMaxReadBits;
   if (reads_registers(function)) return kMaxReadRegisters;
@@ -67,7 +67,6 @@ class PduExplainer {
  private:
   bool has(std::size_t at, std::size_t count) const { return pdu_.size() >= at + count; }
 
-  // One 16-bit field, or the fault that it is not there.
   void word(std::size_t at, const std::string& name, const std::string& comment = {},
             const std::string& fault = {}) {
     if (!has(at, 2))
@@ -111,7 +110,7 @@ class PduExplainer {
     trailing(2);
   }
 
-  // A request is 5 bytes; an answer says its own length.
+  // A request has 5 bytes; a response contains its own length.
   void read() {
     const bool request_fits =
         pdu_.size() == 5 && quantity_fault(3, quantity_limit(pdu_[0])).empty();
@@ -128,7 +127,6 @@ class PduExplainer {
     counted_data(1, reads_bits(pdu_[0]));
   }
 
-  // A byte count and what it counts.
   void counted_data(std::size_t at, bool bits) {
     if (!has(at, 1)) return writer_.add(pdu_.size(), 0, "byte count", "", "missing");
     const std::size_t count = pdu_[at];
@@ -217,7 +215,7 @@ class PduExplainer {
     counted_data(9, false);
   }
 
-  // Functions that Fieldcast does not use: their length is checked where the standard fixes it.
+  // Unused by Fieldcast: only a length fixed by the standard is checked.
   void other() {
     const bool tells_length = answer_pdu_size(pdu_) != 0 || request_pdu_size(pdu_) != 0;
     const bool fits = pdu_.size() == answer_pdu_size(pdu_) ||

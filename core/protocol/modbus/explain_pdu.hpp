@@ -1,4 +1,3 @@
-// Explains the PDU inside any of the three framings.
 #pragma once
 
 #include "core/protocol/field_writer.hpp"
@@ -6,8 +5,7 @@
 
 namespace fieldcast::modbus {
 
-// Adds the lines of a PDU. Request or answer is told from its length and fields; where both
-// readings hold, the more plausible one is shown and the other remarked.
+// If both request and response are possible, the more plausible one is shown with a remark.
 void explain_pdu(ByteView pdu, FieldWriter& writer);
 
 [[nodiscard]] std::string unit_text(std::uint8_t unit, bool serial);  // "17", "0: broadcast"

@@ -1,5 +1,4 @@
-// Function and exception codes (Modbus Application Protocol V1.1b3, 6 and 7), and how long an
-// answer of each is.
+// Function and exception codes (Modbus Application Protocol V1.1b3, 6 and 7).
 #pragma once
 
 #include <array>
@@ -46,11 +45,11 @@ inline constexpr std::array kExceptions{
 // "illegal data address"; "unknown exception".
 [[nodiscard]] std::string_view exception_text(std::uint8_t code);
 
-// Bytes of the answer PDU that begins with `pdu` (function first). While its length field has not
-// come: what is needed to know it. 0: a function whose answers tell no length, or pdu is empty.
+// Size of the response PDU that begins with `pdu`, function first; or the bytes needed to read its
+// length. 0 if the function has no length field, or `pdu` is empty.
 [[nodiscard]] std::size_t answer_pdu_size(ByteView pdu);
 
-// Likewise for requests.
+// The same for requests.
 [[nodiscard]] std::size_t request_pdu_size(ByteView pdu);
 
 }  // namespace fieldcast::modbus

@@ -1,4 +1,3 @@
-// Protocol objects and registry entries of the Modbus family.
 #include "core/protocol/modbus/modbus.hpp"
 
 #include <array>
@@ -64,8 +63,8 @@ class ModbusProtocol final : public Protocol {
                                             options_);
   }
 
-  // RTU and ASCII: an answer shows its unit, its function and how long it is; that of a write also
-  // what was written, but its refusal does not.
+  // RTU and ASCII: a response shows its unit, function and length; that of a write also the values,
+  // except in a refusal.
   bool mistakable(const Request& earlier, ExchangeContext earlier_context, const Request& later,
                   ExchangeContext later_context) const override {
     if (traits_.identity == AnswerIdentity::kSequence)
@@ -145,8 +144,7 @@ constexpr ProtocolAlias kTcpAliases[] = {{"tcp"}};
 
 }  // namespace
 
-// Modbus over Serial Line V1.02, 2.5.1 and 2.5.2: 19200 8E1, ASCII with 7 data bits. RTU needs
-// whole bytes.
+// Modbus over Serial Line V1.02, 2.5.1, 2.5.2: 19200 8E1, ASCII 7 data bits; RTU needs 8.
 const ProtocolEntry& rtu_entry() {
   static constexpr ProtocolEntry entry{.name = kRtu.name,
                                        .summary = kRtu.summary,

@@ -1,4 +1,3 @@
-// The Modbus family as protocols (protocol.hpp): three registry entries over one PDU layer.
 #pragma once
 
 #include "core/protocol/modbus/framing.hpp"

@@ -25,7 +25,6 @@ bool fits(const Range& range, std::uint32_t limit) {
          range.end() <= kItems;
 }
 
-// Which function carries a write; nothing when none does.
 std::optional<Function> function_of(const WriteRequest& write, const Options& options) {
   const Table table = table_of(write.range);
   if (table != Table::kCoil && table != Table::kHolding) return std::nullopt;
@@ -42,7 +41,7 @@ std::optional<Function> function_of(const WriteRequest& write, const Options& op
   return single ? Function::kWriteRegister : Function::kWriteRegisters;
 }
 
-// Areas lie in the order of functions 1..4.
+// Areas are in the order of functions 1..4.
 Function function_of(const Range& read) { return static_cast<Function>(read.area + 1); }
 
 void append_range(Bytes& pdu, const Range& range) {
@@ -135,7 +134,7 @@ std::optional<PduSizes> pdu_sizes(const Request& request, const Options& options
 
 RequestPdu::RequestPdu(const Request& request, const Options& options) {
   const auto sizes = pdu_sizes(request, options);
-  if (!sizes) std::abort();  // REQUIRES
+  if (!sizes) std::abort();  // see REQUIRES of the constructor
   pdu_.reserve(sizes->request);
   answer_size_ = sizes->answer;
   if (const auto* read = std::get_if<ReadRequest>(&request)) {

@@ -1,6 +1,6 @@
-// One Modbus request as a PDU, and what its answer must be: the layer under all framings.
+// One Modbus request as a PDU, and the check of its response; used by all framings.
 //
-//     function  request                                              answer
+//     function  request                                              response
 //     01 02     first(2) quantity(2)                                 count(1) bits..
 //     03 04     first(2) quantity(2)                                 count(1) registers..
 //     05 06     address(2) value(2)                                  the request
@@ -11,7 +11,7 @@
 //               registers..                                          count(1) registers..
 //     fn | 80   -                                                    exception code(1)
 //
-// Bits come least significant first, registers big-endian.
+// Bits are sent least significant first, registers big-endian.
 // (Modbus Application Protocol V1.1b3, 6)
 #pragma once
 
@@ -23,12 +23,11 @@
 
 namespace fieldcast::modbus {
 
-// What a device's configuration chooses among the functions.
 struct Options {
-  // Functions 15 and 16 for single items too: some devices know no 5 and 6.
+  // Functions 15 and 16 also for single items, as some devices do not support 5 and 6.
   bool write_multiple = false;
   bool mask_write = false;  // function 22 for one bit or byte of a register
-  bool read_write = false;  // function 23 for a write that is read back at once
+  bool read_write = false;  // function 23 for a write with read-back
 };
 
 struct PduSizes {
@@ -36,22 +35,18 @@ struct PduSizes {
   std::size_t answer = 0;
 };
 
-// Nothing when the request breaks a limit or asks for what these functions cannot do. Allocates
-// nothing.
+// Empty if the request exceeds a limit or these functions do not support it. Does not allocate.
 [[nodiscard]] std::optional<PduSizes> pdu_sizes(const Request& request, const Options& options);
 
-// What an answer PDU is to a request.
 enum class Verdict : std::uint8_t {
   kAnswer,
-  kException,  // of our function
-  // Our function, but a byte count or an echo that is not ours: an answer to an earlier request, or
-  // a confused device.
+  kException,  // of the requested function
+  // A wrong byte count or echo: a response to an earlier request, or a faulty device.
   kMismatch,
   kForeign,  // another function
 };
 
-// A request in the bytes of its function, and the judge of the answers to it. A plain value; it is
-// read on the thread of its exchange.
+// Plain value, used on the thread of its exchange.
 class RequestPdu {
  public:
   // REQUIRES: pdu_sizes(request, options) holds a value.
@@ -61,15 +56,15 @@ class RequestPdu {
   [[nodiscard]] std::size_t answer_size() const { return answer_size_; }
   [[nodiscard]] std::uint8_t function() const { return pdu_[0]; }
 
-  // REQUIRES: answer is one whole PDU, checked by its framing.
+  // REQUIRES: `answer` is one whole PDU, checked by its framing.
   [[nodiscard]] Verdict judge(ByteView answer) const;
-  // The items of the answer. REQUIRES: judge(answer) == kAnswer.
+  // REQUIRES: judge(answer) == kAnswer.
   [[nodiscard]] Reply unpack(ByteView answer) const;
 
  private:
   Bytes pdu_;
   std::size_t answer_size_ = 0;
-  // Items that the answer brings; 0: the answer echoes the start of the request.
+  // Items in the response; 0 if it echoes the start of the request.
   std::uint16_t read_count_ = 0;
   bool bits_ = false;
   bool writes_and_reads_ = false;

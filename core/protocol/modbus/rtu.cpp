@@ -1,5 +1,5 @@
-// RTU: binary frames without marks. Where a frame begins is certain at the start of the answer and
-// behind every frame whose CRC is right; anywhere else the search slides on byte by byte.
+// Frame boundaries are only certain at the start of the response and after a frame with a valid
+// CRC; elsewhere the search advances byte by byte.
 #include <algorithm>
 
 #include "core/codec/checksum.hpp"
@@ -10,8 +10,7 @@ namespace {
 
 constexpr std::size_t kOverhead = 3;  // unit, CRC
 constexpr std::uint8_t kHighestUnit = 247;
-// A wait for the rest of something that may be noise. Each byte that comes renews it, so it need
-// not cover the whole rest.
+// This wait need not cover the whole rest of a frame, as each received byte restarts it.
 constexpr std::size_t kDoubtfulWait = 8;
 
 std::size_t rtu_size(std::size_t pdu_size) { return pdu_size + kOverhead; }
@@ -30,7 +29,7 @@ bool crc_is_right(ByteView frame) {
   return crc16_modbus(frame.first(end)) == (frame[end] | frame[end + 1] << 8);
 }
 
-// A spurious character of an RS-485 driver that changes its direction.
+// Spurious character of an RS-485 driver that changes its direction.
 bool is_turnaround(std::uint8_t byte) { return byte == 0x00 || byte == 0xFF; }
 
 class RtuSearch {
@@ -44,7 +43,7 @@ class RtuSearch {
   ParseResult run() {
     while (at_ < all_.size() && result_.pdu.empty() && result_.fallback.empty()) examine();
     if (!result_.pdu.empty()) return result_;
-    // An answer's worth of broken bytes: the right one follows at once, or not at all.
+    // As many broken bytes as a response has: a valid one follows immediately, or not at all.
     const bool spoilt = broken_ || noise_ >= expected_;
     if (begun_ || spoilt) result_.kind = ParseResult::Kind::kBegun;
     result_.cause = cause();
@@ -52,7 +51,6 @@ class RtuSearch {
   }
 
  private:
-  // Judges what begins at at_, and moves on: behind a frame, or by one byte.
   void examine() {
     const ByteView bytes = all_.subspan(at_);
     const bool mine = bytes[0] == unit_ &&
@@ -63,7 +61,7 @@ class RtuSearch {
     if (length == 0) return slide();
     if (bytes.size() >= length && crc_is_right(bytes.first(length)))
       return whole(bytes.first(length), mine);
-    // A byte count that lies in a frame that is right otherwise.
+    // A wrong byte count in an otherwise valid frame.
     if (mine && bytes.size() >= expected_ && crc_is_right(bytes.first(expected_)))
       return skip(expected_, mismatch_);
     if (bytes.size() < length) {
@@ -74,8 +72,7 @@ class RtuSearch {
     slide();
   }
 
-  // Size of the frame that begins here, as its own fields tell it; while they have not come, what
-  // our answer has. 0: no frame.
+  // Length from the frame's fields, or as expected while they are missing. 0: not a frame.
   std::size_t length_of(ByteView bytes, bool mine) const {
     const bool exception = bytes.size() > 1 && (bytes[1] & kExceptionFlag) != 0;
     if (mine && bytes.size() < 3 && !exception) return expected_;
@@ -106,9 +103,9 @@ class RtuSearch {
     at_boundary_ = true;
   }
 
-  // A frame that lacks bytes. At a boundary it owns whatever follows, until it is whole or silence
-  // shows that it was noise: or else an answer for us could be read out of the middle of another
-  // device's data.
+  // An incomplete frame. At a boundary it owns the following bytes, until it is complete or silence
+  // shows that it was noise. Otherwise a response could be read from the middle of another device's
+  // data.
   void begin(ByteView bytes, std::size_t length, bool mine) {
     const bool exception = bytes.size() > 1 && (bytes[1] & kExceptionFlag) != 0;
     const bool certain = mine && at_boundary_ && (length == expected_ || exception);
@@ -134,7 +131,7 @@ class RtuSearch {
     ++at_;
   }
 
-  // Of everything seen, what tells most about the device that was asked.
+  // The most specific cause for the polled device.
   Cause cause() const {
     if (mismatch_) return Cause::kMalformed;
     if (truncated_) return Cause::kTruncated;
@@ -147,15 +144,15 @@ class RtuSearch {
   const ByteView all_;
   const std::uint8_t unit_;
   const RequestPdu& request_;
-  const std::size_t expected_;  // size of our answer's frame
+  const std::size_t expected_;  // size of the expected frame
   ParseResult result_;
   std::size_t at_ = 0;
   std::size_t noise_ = 0;
   bool at_boundary_ = true;
-  bool begun_ = false;             // some frame lacks bytes
+  bool begun_ = false;             // some frame is incomplete
   bool open_at_boundary_ = false;  // that frame began at a boundary
-  bool truncated_ = false;         // it is ours
-  bool cut_ = false;               // ours, but somewhere within noise
+  bool truncated_ = false;         // it is from the polled device
+  bool cut_ = false;               // as truncated_, but within noise
   bool mismatch_ = false;
   bool foreign_ = false;
   bool broken_ = false;

@@ -1,4 +1,3 @@
-// Requests of other masters, in the two framings of a serial line.
 #include "core/protocol/seen_request.hpp"
 
 #include <algorithm>
@@ -45,8 +44,7 @@ bool fields_fit(ByteView pdu) {
   }
 }
 
-// The answers to single writes repeat them; an answer to a read may have as many bytes as a
-// request.
+// Responses to single writes repeat the request; those to reads may have its length.
 bool differs_from_answers(ByteView pdu) {
   const bool repeated = pdu[0] == 5 || pdu[0] == 6 || pdu[0] == 22;
   return !repeated && answer_pdu_size(pdu) != pdu.size();

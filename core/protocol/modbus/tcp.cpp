@@ -1,12 +1,11 @@
-// TCP: every frame tells its length and which request it answers (Modbus Messaging on TCP/IP
-// V1.0b, 3.1.3).
+// Modbus Messaging on TCP/IP V1.0b, 3.1.3.
 #include "core/protocol/modbus/framing.hpp"
 
 namespace fieldcast::modbus {
 namespace {
 
 constexpr std::size_t kHeader = 7;     // transaction, protocol, length, unit
-constexpr std::size_t kCounted = 6;    // what stands before the bytes that `length` counts
+constexpr std::size_t kCounted = 6;    // bytes before those that `length` counts
 constexpr std::size_t kMinLength = 2;  // unit and a function
 constexpr std::size_t kMaxLength = 254;
 
@@ -20,9 +19,9 @@ void wrap_tcp(const Header& header, ByteView pdu, Bytes& out) {
   append(out, pdu);
 }
 
-// A header that cannot be: the stream is out of step, and nothing later in it can be trusted. It
-// fails the exchange at once; what else has come is dropped before the next request, so the
-// connection need not be reopened unless it happens again.
+// Returns true for an invalid header: the stream has lost its framing. The exchange fails
+// immediately. Received bytes are dropped before the next request, so the connection need not be
+// reopened unless it happens again.
 bool is_hopeless(ByteView frame) {
   if (frame.size() >= 4 && read_u16(frame, 2) != 0) return true;
   if (frame.size() < kCounted) return frame.size() >= 3 && frame[2] != 0;
@@ -36,8 +35,8 @@ ParseResult find_in_tcp(ByteView all, const Header& header, const RequestPdu& re
     if (is_hopeless(all)) return {.kind = ParseResult::Kind::kHopeless, .cause = Cause::kMalformed};
     const std::size_t length = all.size() < kCounted ? kHeader : kCounted + read_u16(all, 4);
     if (all.size() < length) {
-      // Not kBegun: between segments a network pauses as long as it likes, so the whole timeout is
-      // waited for the rest.
+      // Not kBegun: a network may pause between segments, so the wait for the rest lasts the whole
+      // timeout.
       const bool ours = all.size() < 2 || read_u16(all) == header.transaction;
       if (ours || result.cause == Cause::kNoAnswer)
         result.cause = ours ? Cause::kTruncated : Cause::kForeign;

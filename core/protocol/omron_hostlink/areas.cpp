@@ -111,8 +111,8 @@ std::vector<Area> areas_reached(Mode mode) {
         fins ? (row->flags ? 0 : kFinsWriteWords) : (row->flags ? kCWriteFlags : kCWriteWords);
     area.writable = area.max_write != 0;
     area.bit_write = fins && row->bit_code != 0 && !row->flags;
-    // The lower word of a double word stands at the lower address (CS/CJ instructions manual,
-    // W340, 2-1); the first character of a text in the high byte.
+    // The lower address holds the lower word of a double word (CS/CJ instructions manual, W340,
+    // 2-1); the high byte holds the first character of a text.
     if (!row->flags) area.word_order = WordOrder::kLittleEndian;
     areas.push_back(area);
   }

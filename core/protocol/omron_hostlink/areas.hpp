@@ -1,5 +1,4 @@
-// The memory areas of Omron PLCs in the two languages that a Host Link port speaks, and their
-// notation.
+// Memory areas of Omron PLCs in the two command sets of a Host Link port, and their notation.
 #pragma once
 
 #include <cstdint>
@@ -10,32 +9,32 @@
 
 namespace fieldcast::omron {
 
-// C-mode: two-letter commands that every Host Link PLC knows. FINS in Host Link (header FA): CS,
-// CJ, CP and later.
+// C-mode: two-letter commands of every Host Link PLC. FINS in Host Link (header FA): CS, CJ, CP and
+// later.
 enum class Mode : std::uint8_t { kCMode, kFins };
 
-// One area. Zero in a column: that language cannot reach it.
+// One area. Zero in a column means that this command set cannot reach it.
 struct AreaRow {
-  std::string_view name;       // "DM"
-  std::string_view other;      // a second spelling: "D"
+  std::string_view name;
+  std::string_view other;      // second spelling: "D"
   char letter = 0;             // C-mode commands: R + letter reads, W + letter writes
-  std::uint32_t c_items = 0;   // reached by four decimal digits
+  std::uint32_t c_items = 0;   // reachable with four decimal digits
   std::uint8_t word_code = 0;  // FINS area codes of CS/CJ/CP (Omron W342, 5-2-2)
   std::uint8_t bit_code = 0;
   std::uint32_t fins_items = 0;
-  std::uint32_t c_offset = 0;     // C-mode counters stand behind the timers, from 2048
-  std::uint32_t fins_offset = 0;  // FINS counters stand behind the timers, from 8000h
-  bool flags = false;             // one bit each
-  std::optional<ValueType> c_type = std::nullopt;  // Area::type in C-mode
+  std::uint32_t c_offset = 0;                      // C-mode counters follow the timers, from 2048
+  std::uint32_t fins_offset = 0;                   // FINS counters follow the timers, from 8000h
+  bool flags = false;                              // one bit each
+  std::optional<ValueType> c_type = std::nullopt;  // see Area::type, in C-mode
 };
 
 inline constexpr std::uint32_t kBankWords = 32768;  // of EM; address = bank * kBankWords + word
 inline constexpr std::uint32_t kBanks = 13;         // 0 to C
 
-// EM's word and bit codes carry the bank.
+// Returns true for EM, whose word and bit codes contain the bank.
 [[nodiscard]] bool is_extended(const AreaRow& row);
 
-// The areas of one language, in the order of Protocol::areas().
+// Areas of one command set, in the order of Protocol::areas().
 [[nodiscard]] const std::vector<const AreaRow*>& rows_of(Mode mode);
 [[nodiscard]] const std::vector<Area>& areas_of(Mode mode);
 

@@ -27,16 +27,15 @@ bool fits(const Range& range, std::uint32_t limit) {
   if (range.first >= areas[range.area].items || range.count > areas[range.area].items - range.first)
     return false;
   if (!is_extended(row_of(range))) return true;
-  const std::uint32_t word = range.first % kBankWords;  // four digits reach just so far into a bank
+  const std::uint32_t word = range.first % kBankWords;  // limit of a bank with four digits
   return word + range.count <= 10000;
 }
 
-// How many frames carry so many data characters.
+// Number of frames for the data characters.
 std::uint32_t frames_for(std::uint32_t digits, std::uint32_t first, std::uint32_t later) {
   return digits <= first ? 1 : 1 + (digits - first + later - 1) / later;
 }
 
-// EM's bank and the first word.
 void append_first(Bytes& out, const Range& range) {
   const AreaRow& row = row_of(range);
   std::uint32_t first = range.first + row.c_offset;
@@ -48,8 +47,7 @@ void append_first(Bytes& out, const Range& range) {
 }
 std::uint32_t first_size(const Range& range) { return is_extended(row_of(range)) ? 6 : 4; }
 
-// What the two kinds of exchange share: the answer's first frame, and giving up in the middle of a
-// transfer.
+// First frame of the response, and aborting a transfer, for reads and writes.
 class CModeExchange : public Exchange {
  public:
   CModeExchange(std::uint16_t unit, std::string header) : unit_(unit), header_(std::move(header)) {}
@@ -67,11 +65,10 @@ class CModeExchange : public Exchange {
 
  protected:
   virtual Step take(ByteView all, Bytes& out) = 0;
-  // The text of our command's answer behind its end code 00.
+  // `text`: the response to the command after its end code 00.
   virtual Step accept(ByteView text, bool last, Bytes& out) = 0;
 
-  // Walks through marked frames until one is ours. `expected`: characters of the whole frame that
-  // is waited for.
+  // `expected`: characters of the whole expected frame.
   Step search(ByteView all, std::size_t expected, Bytes& out) {
     silence_ = std::any_of(all.begin(), all.end(), [](auto c) { return c != 0x00 && c != 0xFF; })
                    ? Cause::kMalformed
@@ -96,8 +93,8 @@ class CModeExchange : public Exchange {
     }
   }
 
-  // While a transfer is open, the PLC takes any command for a delimiter: it is closed by XZ, which
-  // has no answer.
+  // While a transfer is open, the PLC treats any command as a delimiter. XZ closes it and has no
+  // response.
   Step fail(Cause cause, Bytes& out) {
     silence_ = cause;
     if (!open_) return Step::failed(cause);
@@ -112,7 +109,7 @@ class CModeExchange : public Exchange {
   const std::string header_;
   Reply reply_;
   Cause silence_ = Cause::kNoAnswer;
-  bool open_ = false;  // frames are still to come, in one direction or the other
+  bool open_ = false;  // more frames are expected or to be sent
 
  private:
   Step judge(const ParseResult& parsed, Bytes& out) {
@@ -129,7 +126,7 @@ class CModeExchange : public Exchange {
     if (!code) return Step::need_answer();
     const ByteView data = text.subspan(kHeadSize + kEndCodeSize);
     if (*code == 0) return accept(data, parsed.last, out);
-    // The XOR does not see two equal characters vanish: a refusal must have the shape of one, too.
+    // The XOR does not detect the loss of two equal characters.
     if (!data.empty() || !parsed.last) return Step::need_answer();
     const auto refused = static_cast<std::uint16_t>(*code);
     return Step::failed(device_code_cause(kEndCodes, refused), refused);
@@ -156,7 +153,7 @@ class CModeRead final : public CModeExchange {
   }
 
  private:
-  // Characters of the next frame from its data on, if the PLC fills it as far as it may.
+  // Characters of the next frame from its data on, if the PLC fills it to its limit.
   std::uint32_t frame_size(std::uint32_t capacity) const {
     const auto left = static_cast<std::uint32_t>(digits_ - data_.size());
     return std::min(left, capacity) + static_cast<std::uint32_t>(end_size(left <= capacity));
@@ -176,13 +173,13 @@ class CModeRead final : public CModeExchange {
   }
 
   Step accept(ByteView text, bool last, Bytes& out) override {
-    // No word is cut between two frames.
+    // No word is split between two frames.
     const bool whole = flags_ || text.size() % kWordDigits == 0;
     const bool fits = whole && (last ? data_.size() + text.size() == digits_
                                      : !text.empty() && data_.size() + text.size() < digits_);
     if (!fits) {
       silence_ = Cause::kMalformed;
-      // Before anything else: an answer to an earlier request.
+      // Before the first frame, this is a response to an earlier request.
       return open_ ? fail(Cause::kMalformed, out) : Step::need_answer();
     }
     append(data_, text);

@@ -1,4 +1,3 @@
-// Host Link frames for people: C-mode and FINS, request and answer, first and later frames.
 #include <algorithm>
 #include <array>
 #include <string>
@@ -96,7 +95,7 @@ class HostLinkExplainer {
   void body() {
     const ByteView own = frame_.subspan(start_);
     const auto cr = std::find(own.begin(), own.end(), kCr);
-    auto end = static_cast<std::size_t>(cr - own.begin());  // of the FCS, later
+    auto end = static_cast<std::size_t>(cr - own.begin());  // later of the FCS
     const bool ended = cr != own.end();
     const bool last = end > 0 && own[end - 1] == kStar;
     if (last) --end;
@@ -167,9 +166,9 @@ class HostLinkExplainer {
         known ? "" : "no end code");
   }
 
-  // Eight decimal digits (ten for EM) are a request; an answer has an end code and then words, or
-  // flags. Eight digits that begin with an end code could be an answer of six digits, which no area
-  // but flags gives.
+  // A request has eight decimal digits (ten for EM); a response has an end code, then words or
+  // flags. Eight digits that begin with an end code could be a response with six digits, which only
+  // occurs with flags.
   void read(ByteView rest, char letter) {
     const std::size_t address_size = letter == 'E' ? 6 : 4;
     const bool flags = letter == 'G';
@@ -216,8 +215,7 @@ class HostLinkExplainer {
     add(at, digits.size(), flags ? "flags" : "words", words, fault);
   }
 
-  // An answer's ICF has bit 6 and stands behind a two-digit end code; a request's stands behind one
-  // digit.
+  // The ICF of a response has bit 6 and follows two digits; that of a request follows one digit.
   void fins(ByteView rest) {
     const bool request = rest.size() % 2 == 1;
     writer_.remark(request ? "request" : "answer");

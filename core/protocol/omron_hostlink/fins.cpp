@@ -13,11 +13,11 @@ namespace {
 
 constexpr std::size_t kMaxFinsReceived = 4096;  // three of the largest frames
 constexpr std::uint16_t kRead = 0x0101, kWrite = 0x0102, kReadMany = 0x0104;
-constexpr std::size_t kDirectHeader = 4, kRelayedHeader = 10;  // bytes up to and with SID
+constexpr std::size_t kDirectHeader = 4, kRelayedHeader = 10;  // bytes up to SID, inclusive
 constexpr std::size_t kCommandSize = 2, kEndSize = 2, kItemSize = 4, kCountSize = 2;
 constexpr std::uint8_t kAnswerFlag = 0x40, kRelayedFlag = 0x80;
 constexpr std::uint8_t kGatewayCount = 0x02;
-// Host Link's part of a request and of an answer: @uuFA and w or ee, FCS * CR.
+// Host Link part of a request and of a response: @uuFA and w or ee, FCS * CR.
 constexpr std::size_t kRequestFrame = kHeadSize + 1 + kFcsSize + 2;
 constexpr std::size_t kAnswerFrame = kHeadSize + kEndCodeSize + kFcsSize + 2;
 
@@ -33,7 +33,7 @@ bool fits(const Range& range, bool write) {
   const Area& area = areas[range.area];
   if (range.count == 0 || range.count > (write ? area.max_write : area.max_read)) return false;
   if (range.first >= area.items || range.count > area.items - range.first) return false;
-  // Each bank of EM has an area code of its own.
+  // Each bank of EM has its own area code.
   return !is_extended(fins_row(range)) ||
          range.first / kBankWords == (range.end() - 1) / kBankWords;
 }
@@ -95,7 +95,7 @@ class FinsExchange final : public Exchange {
  public:
   FinsExchange(const FinsRoute& route, std::uint8_t sid, const Request& request) : route_(route) {
     const auto sizes = sizes_of(request);
-    if (!sizes) std::abort();  // REQUIRES
+    if (!sizes) std::abort();  // see REQUIRES of begin_fins()
     answer_size_ = sizes->answer;
     append_header(sid);
     if (const auto* write = std::get_if<WriteRequest>(&request)) {
@@ -179,7 +179,6 @@ class FinsExchange final : public Exchange {
       append(message_, write.items);
   }
 
-  // One whole frame with a right FCS.
   Step judge(ByteView text, bool last) {
     silence_ = Cause::kForeign;
     if (text.size() < kHeadSize || read_digits(text.subspan(1, 2), 10) != route_.host_unit)
@@ -193,7 +192,7 @@ class FinsExchange final : public Exchange {
     const ByteView message = ByteView(*bytes).subspan(1);
     if (message.size() >= head && (message[0] & kAnswerFlag) != 0 &&
         message[head - 1] != message_[head - 1]) {
-      silence_ = Cause::kForeign;  // an answer to an earlier request
+      silence_ = Cause::kForeign;  // a response to an earlier request
       return Step::need_answer();
     }
     if (end_code != 0) {
@@ -216,13 +215,13 @@ class FinsExchange final : public Exchange {
       silence_ = Cause::kForeign;
       return Step::need_answer();
     }
-    // Bit 7 of the first byte: a relay failed on the way. Bits 7 and 6 of the second only say that
-    // the CPU has errors.
+    // Bit 7 of the first byte: a relay failed. Bits 7 and 6 of the second byte only report errors
+    // of the CPU.
     const std::uint16_t end = read_u16(message, head + kCommandSize) & 0xFF3F;
     const ByteView data = message.subspan(head + kCommandSize + kEndSize);
     if (end != 0) {
-      // A refusal has no data but, from a relay, the node that failed. The XOR does not see two
-      // equal characters vanish.
+      // Only a relay adds data (the failed node). The XOR does not detect the loss of two equal
+      // characters.
       const bool shaped = data.empty() || ((end & 0x8000) != 0 && data.size() == 2);
       const Cause cause = device_code_cause(kFinsCodes, end & 0x7FFF);
       return shaped ? Step::failed(cause, end) : Step::need_answer();
@@ -291,7 +290,7 @@ std::unique_ptr<Exchange> begin_fins(const FinsRoute& route, std::uint8_t sid,
 }
 
 std::string_view fins_end_text(std::uint16_t code) {
-  // What the frame around it may say is below 0100, and so are two codes of FINS.
+  // Codes below 0100 belong to the surrounding frame, except for two FINS codes.
   if (code == 0x0000) return "normal completion";
   if (code == 0x0001) return "service interrupted";
   const auto text = device_code_text(kFinsCodes, code);

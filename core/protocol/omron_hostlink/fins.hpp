@@ -3,15 +3,15 @@
 //
 //     request   @ uu FA w ICF DA2 SA2 SID command.. FCS * CR
 //     request   @ uu FA w ICF RSV GCT DNA DA1 DA2 SNA SA1 SA2 SID command.. FCS * CR
-//     answer    @ uu FA ee ICF .. SID command(2) end(2) data.. FCS * CR
+//     response  @ uu FA ee ICF .. SID command(2) end(2) data.. FCS * CR
 //
 //     0101  area address(2) bit count(2)               ->  data
 //     0102  area address(2) bit count(2) data
 //     0104  (area address(2) bit) for each item        ->  (area data) for each item
 //
-// The first form goes to the CPU on the line (ICF 00), the second one to another node (ICF 80). An
-// answer has ICF 40 or C0 and the fields of its request.
-// w: the PLC waits w * 10 ms before it answers. Two digits for each byte (Omron W227 and W342).
+// The first form addresses the CPU on the line (ICF 00), the second one another node (ICF 80). A
+// response has ICF 40 or C0 and the fields of its request.
+// w: the PLC waits w * 10 ms before it responds. Two digits per byte (Omron W227 and W342).
 #pragma once
 
 #include <algorithm>
@@ -26,12 +26,11 @@
 
 namespace fieldcast::omron {
 
-// Whom FINS messages go to.
 struct FinsRoute {
   std::uint16_t host_unit = 0;  // on the serial line
   std::uint8_t wait = 0;        // w
   bool relayed = false;
-  std::uint8_t network = 0;  // DNA, DA1: only when relayed
+  std::uint8_t network = 0;  // DNA, DA1; only if relayed
   std::uint8_t node = 0;
   std::uint8_t unit = 0;  // DA2
 };
@@ -41,7 +40,7 @@ struct FinsRoute {
 [[nodiscard]] std::unique_ptr<Exchange> begin_fins(const FinsRoute& route, std::uint8_t sid,
                                                    const Request& request);
 
-// End codes of FINS messages (W227, 5), behind those of the frames that carry them.
+// End codes of FINS messages (W227, 5), after those of the Host Link frames.
 inline constexpr auto kFinsCodes = [] {
   constexpr std::array kOwn{
       DeviceCode{0x0100, "error of the local node", Cause::kDeviceBusy},

@@ -8,7 +8,7 @@
 namespace fieldcast::omron {
 namespace {
 
-// `frame` runs up to and without its CR.
+// `frame` ends before its CR.
 ParseResult judged(ByteView frame, std::size_t end) {
   ParseResult parsed{.kind = ParseResult::Kind::kBroken, .end = end};
   const bool last = !frame.empty() && frame.back() == kStar;

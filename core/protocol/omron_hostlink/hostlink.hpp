@@ -1,10 +1,10 @@
-// The frame of Host Link: what C-mode and FINS have in common.
+// The Host Link frame, shared by C-mode and FINS.
 //
 //     first or only   @ uu HH text FCS * CR    uu: unit 00..31 in decimal; HH: header
 //     later           text FCS * CR
-//     delimiter       CR                       from the side that receives a frame without `*`
+//     delimiter       CR                       from the receiver of a frame without `*`
 //
-// A frame that others follow has no `*`. FCS: XOR of all characters of the frame before it, as two
+// A frame that others follow has no `*`. FCS: XOR of all preceding characters of the frame, as two
 // digits (Omron W227, 1-2).
 #pragma once
 
@@ -22,30 +22,28 @@ inline constexpr std::size_t kFcsSize = 2;
 inline constexpr std::size_t kHeadSize = 5;  // @ uu HH
 inline constexpr std::size_t kEndCodeSize = 2;
 
-// "@uuHH"
+// "@uuHH".
 void append_head(Bytes& out, std::uint16_t unit, std::string_view header);
-// FCS over out from `start` on, `*` where the frame is the last, CR.
+// Appends the FCS over `out` from `start`, `*` if the frame is the last, and CR.
 void append_end(Bytes& out, std::size_t start, bool last);
 
 [[nodiscard]] constexpr std::size_t end_size(bool last) { return kFcsSize + (last ? 2 : 1); }
 
-// What begins in the bytes given.
 struct ParseResult {
   enum class Kind : std::uint8_t { kNothing, kOpen, kBroken, kFrame };
   Kind kind = Kind::kNothing;
   bool last = false;    // kFrame: with `*`
-  ByteView text;        // kFrame: without FCS and end, with `@`; kOpen: what has come
-  std::size_t end = 0;  // kFrame, kBroken: offset behind the CR
+  ByteView text;        // kFrame: without FCS and end, with `@`; kOpen: the received part
+  std::size_t end = 0;  // kFrame, kBroken: offset after the CR
 };
 
-// The first frame that begins with `@`; another `@` restarts it, what stands before is noise.
+// First frame that begins with `@`; another `@` restarts it, earlier characters are noise.
 [[nodiscard]] ParseResult first_frame(ByteView bytes);
-// The later frame of an answer, which begins with the first byte.
 [[nodiscard]] ParseResult later_frame(ByteView bytes);
 
-// End codes of Host Link frames (W342, 4-3). Our frames leave with a right FCS: where the PLC found
-// it wrong, the line garbled them, and they may be sent again. A mode of the CPU that forbids the
-// command, and an error of the CPU, are states of the moment.
+// End codes of Host Link frames (W342, 4-3). Requests are sent with a valid FCS: if the PLC reports
+// a wrong one, the line damaged them, and they may be sent again. A CPU mode that forbids the
+// command, and a CPU error, are temporary.
 inline constexpr std::array kEndCodes{
     DeviceCode{0x00, "normal completion"},
     DeviceCode{0x01, "not executable in RUN mode", Cause::kDeviceBusy},

@@ -1,4 +1,3 @@
-// Omron Host Link as a protocol (protocol.hpp): C-mode commands, or FINS in Host Link frames.
 #pragma once
 
 #include "core/protocol/registry.hpp"

@@ -1,4 +1,3 @@
-// Requests of other masters: C-mode reads and writes of memory, and FINS messages.
 #include "core/protocol/seen_request.hpp"
 
 #include <string_view>
@@ -10,8 +9,7 @@
 namespace fieldcast::omron {
 namespace {
 
-// Behind the header: first and count of a read, first and data of a write. An answer has an end
-// code and then words, or flags.
+// After the header a response has an end code, then words or flags.
 SeenRequest seen_c_mode(ByteView rest, char command, char area, std::size_t size) {
   if (std::string_view("RLHJDECG").find(area) == std::string_view::npos) return {};
   const std::size_t address = area == 'E' ? 6 : 4;
@@ -22,7 +20,7 @@ SeenRequest seen_c_mode(ByteView rest, char command, char area, std::size_t size
 
 SeenRequest seen_fins(ByteView rest, std::size_t size) {
   constexpr std::uint8_t kAnswer = 0x40;  // in ICF
-  if (rest.size() % 2 == 0) return {};    // an answer: its end code has two digits, `w` has one
+  if (rest.size() % 2 == 0) return {};    // a response: its end code has two digits, `w` has one
   const auto message = read_hex_bytes(rest.subspan(1));
   if (!message || message->empty() || (message->front() & kAnswer) != 0) return {};
   return {size, true};

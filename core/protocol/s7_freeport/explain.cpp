@@ -1,4 +1,3 @@
-// S7 freeport frames for people.
 #include <algorithm>
 #include <array>
 

@@ -1,14 +1,15 @@
-// The whole family. Upper-case hexadecimal digits between the marks `q` and `Q`, which no data can
+// The whole family. Upper-case hexadecimal digits between the marks `q` and `Q`, which data cannot
 // contain:
 //
 //     request   q DT DA DA LE LE DU*8 FC FC Q     17 characters
-//     answer    q DU*8 FC FC Q                    12
+//     response  q DU*8 FC FC Q                    12
 //     refusal   q E CC CC FC FC Q                  7
 //
 // DT: `W` reads from the PLC (it writes to the line), `R` writes to it. DA station, LE bytes
-// (1..4), DU four bytes, FC the XOR of all characters behind `q`. A station has one window of four
-// bytes to read and one to write; a write sets the first LE bytes and is answered with all four. A
-// later byte is written with the earlier ones as the station last told them; they start as zeros.
+// (1..4), DU four bytes, FC the XOR of all characters after `q`. A station has one window of four
+// bytes to read and one to write; a write sets the first LE bytes, and its response contains all
+// four. To write a later byte, the earlier ones are sent as last reported by the station, initially
+// zero.
 #include "core/protocol/s7_freeport/s7_freeport.hpp"
 
 #include <algorithm>
@@ -23,8 +24,9 @@
 namespace fieldcast::s7_freeport {
 namespace {
 
-constexpr std::uint32_t kBytes = 4;        // of a window
-constexpr std::size_t kMaxReceived = 512;  // characters; more is a babbling line
+constexpr std::uint32_t kBytes = 4;  // of a window
+// Characters; more means that the line never becomes silent.
+constexpr std::size_t kMaxReceived = 512;
 constexpr std::array kAreas{Area{.name = "window",
                                  .item_bits = 8,
                                  .items = kBytes,
@@ -42,7 +44,7 @@ constexpr Traits kTraits{.name = "s7-freeport",
                          .codes = kRefusals};
 using Window = std::array<std::uint8_t, kBytes>;
 
-// REQUIRES: `frame` is whole, marks included.
+// REQUIRES: `frame` is whole, including marks.
 bool check_is_right(ByteView frame) {
   return read_digits(frame.subspan(frame.size() - 3, 2)) ==
          xor8(frame.subspan(1, frame.size() - 4));
@@ -50,8 +52,8 @@ bool check_is_right(ByteView frame) {
 
 class FreeportExchange final : public Exchange {
  public:
-  // `sent` are the bytes to write, or zeros; the answer must repeat the first `length` of a write,
-  // and end in zeros after a read.
+  // `sent`: bytes to write, or zeros. The response repeats `length` bytes of a write; the rest is
+  // zero after a read.
   FreeportExchange(char command, std::uint8_t station, std::uint32_t length, Window sent,
                    Range wanted, Window* written)
       : command_(command),
@@ -128,7 +130,7 @@ class FreeportExchange final : public Exchange {
     const auto refused = static_cast<std::uint16_t>(*code);
     return Step::failed(device_code_cause(kRefusals, refused), refused);
   }
-  Step broken(Cause cause) {  // waited out: the right frame may follow
+  Step broken(Cause cause) {  // a valid frame may follow
     silence_ = cause;
     return Step::need_rest(0);
   }
@@ -137,8 +139,8 @@ class FreeportExchange final : public Exchange {
   const std::uint8_t station_;
   const std::uint32_t length_;
   const Window sent_;
-  const Range wanted_;     // count 0: nothing
-  Window* const written_;  // a write keeps here what the station then holds
+  const Range wanted_;     // count 0 if no range is read
+  Window* const written_;  // destination for the window that the station reports after a write
   Reply reply_;
   Cause silence_ = Cause::kNoAnswer;
 };
@@ -179,7 +181,7 @@ class FreeportProtocol final : public Protocol {
       return std::make_unique<FreeportExchange>(read_, station_, range.end(), Window{}, range,
                                                 nullptr);
     }
-    // The answer to a write is the window read back.
+    // The response to a write is the window read back.
     const auto* both = std::get_if<WriteReadRequest>(&request);
     const WriteRequest& write = both != nullptr ? both->write : std::get<WriteRequest>(request);
     Window sent = written_;
@@ -210,7 +212,7 @@ class FreeportProtocol final : public Protocol {
 
   const std::uint8_t station_;
   const char read_, write_;
-  // As the station last told it; only our own exchanges touch it, one at a time.
+  // As last reported by the station; only this device's exchanges modify it, one at a time.
   mutable Window written_{};
 };
 

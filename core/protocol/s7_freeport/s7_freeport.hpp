@@ -1,5 +1,4 @@
-// S7-200 freeport: a user-defined protocol of ASCII frames on an S7-200's free port
-// (s7_freeport.cpp).
+// S7-200 freeport: a user-defined protocol of ASCII frames (see s7_freeport.cpp).
 #pragma once
 
 #include <array>
@@ -11,7 +10,7 @@ namespace fieldcast::s7_freeport {
 // Characters of each frame.
 inline constexpr std::size_t kRequest = 17, kAnswer = 12, kRefusal = 7;
 
-// Codes of its refusals. The first three say that the line garbled the request.
+// Codes of refusals. The first three report that the line damaged the request.
 inline constexpr std::array kRefusals{
     DeviceCode{1, "wrong check", Cause::kChecksum},
     DeviceCode{2, "wrong length", Cause::kChecksum},

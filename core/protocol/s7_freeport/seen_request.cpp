@@ -1,4 +1,4 @@
-// Requests of other masters: no answer has 17 characters.
+// No response has 17 characters.
 #include "core/protocol/seen_request.hpp"
 
 #include "core/codec/checksum.hpp"

@@ -21,7 +21,7 @@ Parsed fault(std::string what, std::string suggestion = {}) {
 }
 struct Named {
   AreaIndex area;
-  unsigned width = 0;  // bits that B, W or D says; 0: a bit follows, or a number
+  unsigned width = 0;  // bits for B, W or D; 0: a bit or a number follows
 };
 
 std::optional<Named> named(std::string_view letters) {
@@ -40,7 +40,7 @@ std::optional<Named> named(std::string_view letters) {
   return std::nullopt;
 }
 
-// What the Siemens software says in German, and lower case.
+// Accepts the German names of the Siemens software, and lower case.
 std::string suggestion(std::string_view letters, std::string_view rest) {
   std::string upper = upper_case(letters);
   if (upper.starts_with("E"))

@@ -1,4 +1,3 @@
-// The memory of an S7-200 and its notation.
 #pragma once
 
 #include <array>
@@ -8,21 +7,19 @@
 
 namespace fieldcast::s7_ppi {
 
-// How an area is named in an S7 telegram, beside what protocol.hpp says of it.
 struct AreaCode {
   std::uint8_t code = 0;
   std::uint8_t transport = 2;  // TS: 02 bytes, 04 words, or the area code itself
-  std::uint8_t item_size = 1;  // bytes of one item in an answer, at most
+  std::uint8_t item_size = 1;  // maximum bytes of one item in a response
   bool counted = false;        // addressed by number instead of by bit
 };
 
-// 240 bytes of PDU leave 222 bytes of data to a read of one item and 212 to a write (libnodave's
-// arithmetic).
+// Data in a PDU of 240 bytes (computed as in libnodave).
 inline constexpr std::uint16_t kMaxRead = 222, kMaxWrite = 212;
 
 enum : AreaIndex { kV, kM, kI, kQ, kS, kSM, kAI, kAQ, kT, kC, kHC, kAreaCount };
 
-// Sizes are those of the largest CPU (226); a smaller one refuses what it lacks.
+// Sizes of the largest CPU (226); a smaller one refuses the rest.
 inline constexpr std::array<Area, kAreaCount> kAreas{{
     {.name = "V",
      .item_bits = 8,
@@ -38,7 +35,7 @@ inline constexpr std::array<Area, kAreaCount> kAreas{{
      .max_read = 32,
      .max_write = 32,
      .bit_write = true},
-    // Written by forcing only.
+    // Only forcing writes it.
     {.name = "I", .item_bits = 8, .items = 16, .max_read = 16, .max_write = 0},
     {.name = "Q",
      .item_bits = 8,

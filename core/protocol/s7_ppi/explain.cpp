@@ -1,4 +1,3 @@
-// PPI telegrams for people.
 #include <algorithm>
 #include <array>
 #include <string>
@@ -45,12 +44,12 @@ class PpiExplainer {
   }
 
  private:
-  // Explains what begins at `at`; returns its size.
+  // Returns the size of the telegram.
   std::size_t telegram(std::size_t at) {
     const ByteView bytes = frame_.subspan(at);
     switch (bytes[0]) {
       case kMarkAcknowledge: writer_.add(at, 1, "acknowledge", "E5 received"); return 1;
-      case 0xF9:  // of some CPUs, to STOP and RUN
+      case 0xF9:  // sent by some CPUs after STOP and RUN
         writer_.add(at, 1, "acknowledge", "F9 done");
         return 1;
       case kMarkToken:

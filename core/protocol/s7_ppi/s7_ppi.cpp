@@ -1,12 +1,12 @@
-// The conversation of PPI, in two rounds:
+// A PPI exchange has two rounds:
 //
 //     master  68 .. request .. 16
-//     slave   E5                       received; the work is queued
-//     master  10 DA SA 5C FCS 16       poll, after a rest: some CPUs miss a poll that comes at once
-//     slave   68 .. answer .. 16       or E5 again: not ready
+//     slave   E5                       received; the job is queued
+//     master  10 DA SA 5C FCS 16       poll, after a pause: some CPUs miss an immediate poll
+//     slave   68 .. response .. 16     or E5 again: not ready
 //
-// After another E5 the master polls once more, with the other frame-count bit.
-// An answer that comes without E5, or glued to it, is taken as well.
+// After another E5 the master polls again, with the other frame-count bit. A response without E5,
+// or directly after it, is accepted too.
 #include "core/protocol/s7_ppi/s7_ppi.hpp"
 
 #include <algorithm>
@@ -70,8 +70,7 @@ class PpiExchange final : public Exchange {
       const Telegram telegram = parse_telegram(all.subspan(at));
       if (telegram.kind == Telegram::Kind::kOpen) {
         silence_ = Cause::kTruncated;
-        // A telegram that begins in noise hides the acknowledgement behind it; asking for the
-        // answer does no harm.
+        // A telegram that begins in noise hides the acknowledgement after it; a poll does no harm.
         acknowledged_ = polls_ == 0 && all.back() == kMarkAcknowledge;
         if (acknowledged_) return Step::pause_for(link_.poll_delay);
         return Step::need_rest(static_cast<std::uint32_t>(telegram.size - (all.size() - at)));
@@ -97,7 +96,7 @@ class PpiExchange final : public Exchange {
   const Reply& reply() const override { return reply_; }
 
  private:
-  // `before`: what to wait for if this says nothing new.
+  // `before`: the wait to continue if this telegram is not relevant.
   Step take(const Telegram& telegram, const Step& before) {
     switch (telegram.kind) {
       case Telegram::Kind::kAcknowledge:
@@ -145,7 +144,8 @@ class PpiExchange final : public Exchange {
   const std::size_t answer_size_;
   std::uint8_t poll_ = kOdd;
   unsigned polls_ = 0;
-  bool acknowledged_ = false;  // E5 since the last send: the rest before the next poll runs
+  // E5 arrived since the last send: the pause before the next poll runs.
+  bool acknowledged_ = false;
   Reply reply_;
   Cause silence_ = Cause::kNoAnswer;
 };

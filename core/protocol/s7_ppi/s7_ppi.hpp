@@ -1,4 +1,3 @@
-// Siemens S7-200 PPI as a protocol (protocol.hpp).
 #pragma once
 
 #include "core/protocol/registry.hpp"

@@ -1,4 +1,4 @@
-// Requests and polls of other masters. A frame control says by its bit 6 which side sends.
+// Includes polls. Bit 6 of the frame control shows which side sends.
 #include "core/protocol/seen_request.hpp"
 
 #include "core/protocol/s7_ppi/s7_ppi.hpp"

@@ -39,7 +39,7 @@ Telegram parse_short(ByteView bytes) {
           .control = bytes[3]};
 }
 
-// Its two bytes are addresses: anything else shows that it is noise.
+// Its two bytes are addresses: other values show noise.
 Telegram parse_token(ByteView bytes) {
   for (std::size_t i = 1; i < std::min<std::size_t>(bytes.size(), 3); ++i) {
     if (bytes[i] > kHighestAddress) return {};

@@ -5,8 +5,8 @@
 //     SC          E5
 //     SD4 token   DC DA SA                               of other masters: skipped
 //
-// FCS: sum of DA to the last byte before it. Nothing is escaped, so the length decides where a
-// telegram ends.
+// FCS: sum of DA to the last byte before it. There is no escaping, so the length determines the end
+// of a telegram.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ namespace fieldcast::s7_ppi {
 
 inline constexpr std::uint8_t kMarkAcknowledge = 0xE5;
 inline constexpr std::uint8_t kMarkLong = 0x68, kMarkShort = 0x10, kMarkToken = 0xDC, kEnd = 0x16;
-inline constexpr std::size_t kLongFrame = 6;  // what SD2 adds to its counted bytes
+inline constexpr std::size_t kLongFrame = 6;  // bytes of SD2 that are not counted
 inline constexpr std::size_t kLinkHead = 3;   // DA SA FC
 inline constexpr std::size_t kShortSize = 6;
 inline constexpr std::uint8_t kHighestAddress = 126;
@@ -27,13 +27,12 @@ void append_long(Bytes& out, std::uint8_t to, std::uint8_t from, std::uint8_t co
                  ByteView unit);
 void append_short(Bytes& out, std::uint8_t to, std::uint8_t from, std::uint8_t control);
 
-// What begins with the first byte, parsed.
 struct Telegram {
   enum class Kind : std::uint8_t { kNoise, kOpen, kBroken, kAcknowledge, kToken, kShort, kLong };
   Kind kind = Kind::kNoise;
-  std::size_t size = 1;  // to move on by; kOpen: of the whole telegram, as far as known
+  std::size_t size = 1;  // bytes to skip; kOpen: of the whole telegram, as far as known
   std::uint8_t to = 0, from = 0, control = 0;
-  ByteView unit;  // kLong
+  ByteView unit;  // for kLong
 };
 // REQUIRES: bytes is not empty.
 [[nodiscard]] Telegram parse_telegram(ByteView bytes);

@@ -61,7 +61,7 @@ void append_head(Bytes& out, std::uint16_t reference, std::size_t parameters, st
   append_u16(out, static_cast<std::uint16_t>(data));
 }
 
-// Bytes that a data head announces; nothing for a transport that memory never has.
+// Empty for a transport size that memory never uses.
 std::optional<std::size_t> announced(std::uint8_t transport, std::uint16_t length) {
   if (transport == kBytesInBits)
     return length % 8 == 0 ? std::optional<std::size_t>{length / 8} : std::nullopt;
@@ -69,8 +69,7 @@ std::optional<std::size_t> announced(std::uint8_t transport, std::uint16_t lengt
   return std::nullopt;
 }
 
-// The image of a range. Timers, counters and high-speed counters come with a status byte in front,
-// or without.
+// Timers, counters and high-speed counters may have a status byte before each value.
 std::optional<Bytes> image_of(ByteView data, const Range& range) {
   const std::size_t wanted = kAreas[range.area].item_bits / 8;
   if (data.size() % range.count != 0) return std::nullopt;
@@ -102,7 +101,7 @@ std::optional<Reply> read_reply(ByteView data, const ReadRequest& read) {
     if (taken > data.size()) return std::nullopt;
     data = data.subspan(taken);
   }
-  if (data.size() > 1) return std::nullopt;  // one byte to fill may follow even the last
+  if (data.size() > 1) return std::nullopt;  // a fill byte may follow even the last item
   return reply;
 }
 

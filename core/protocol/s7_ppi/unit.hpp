@@ -1,16 +1,16 @@
-// The S7 unit inside a data telegram: reads and writes of memory.
+// The S7 unit in a data telegram: reads and writes of memory.
 //
 //     request          32 01 00 00 ref(2) plen(2) dlen(2), then one of
 //       read           04 n item*n
 //       write          05 01 item, then 00 TS len(2) data
 //     item             12 0A 10 TS count(2) db(2) area address(3)
-//     answer           32 03 00 00 ref(2) plen(2) dlen(2) class code, then one of
+//     response         32 03 00 00 ref(2) plen(2) dlen(2) class code, then one of
 //       to a read      04 n, then n times: code TS len(2) data
 //       to a write     05 01, then a code
 //
-// address: byte * 8 + bit, or the number of a timer or counter.
-// Code FF is good. len counts bits with TS 04, items with 03, bytes with 09; every item of an
-// answer but the last is filled to an even number of bytes.
+// address: byte * 8 + bit, or the number of a timer or counter. Code FF means success. len counts
+// bits with TS 04, items with 03, bytes with 09; every item of a response but the last is filled to
+// an even number of bytes.
 #pragma once
 
 #include <array>
@@ -21,28 +21,27 @@
 
 namespace fieldcast::s7_ppi {
 
-inline constexpr std::size_t kMaxItems = 19;  // twenty by Siemens' rule, but 240 bytes hold no more
+inline constexpr std::size_t kMaxItems = 19;  // Siemens allows twenty, but 240 bytes hold only 19
 
 struct UnitSizes {
   std::size_t request = 0;
   std::size_t answer = 0;
 };
-// Nothing when a limit is broken. Allocates nothing.
+// Empty if a limit is exceeded. Does not allocate.
 [[nodiscard]] std::optional<UnitSizes> unit_sizes(const Request& request);
 
 // REQUIRES: unit_sizes(request) holds a value.
 [[nodiscard]] Bytes unit_of(const Request& request, std::uint16_t reference);
 
-// What an answer's unit says to a request.
 struct Judgement {
   enum class Kind : std::uint8_t { kAnswer, kRefused, kMalformed, kForeign };
   Kind kind = Kind::kMalformed;
   std::uint16_t code = 0;  // kRefused: class and code of the header, or the code of the only item
-  Reply reply;             // kAnswer
+  Reply reply;             // for kAnswer
 };
 [[nodiscard]] Judgement judge_unit(ByteView unit, const Request& request, std::uint16_t reference);
 
-// Return codes of items and of the link, and behind them class and code of a unit's header.
+// Return codes of items and of the link, then class and code of a unit's header.
 inline constexpr std::array kErrorCodes{
     DeviceCode{0x01, "hardware fault", Cause::kDeviceBusy},
     DeviceCode{0x02, "no resource", Cause::kDeviceBusy},  // of the link, as 09
