@@ -34,8 +34,8 @@ inline namespace v1 {
 // one is empty.
 class Subscription {
  public:
-  Subscription() = default;
-  Subscription(Subscription&&) noexcept = default;
+  Subscription() noexcept;
+  Subscription(Subscription&&) noexcept;
   Subscription& operator=(Subscription&& other) noexcept;
   ~Subscription();
   void end();  // now instead of at the destruction
