@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # Installs Debian 12's packages that are missing, and shows how far it is. Quiet, offline and quick when nothing is missing.
 #
-#   tools/install.sh [build | package | test | campaign | ci]
+#   tools/install.sh [build | package | test | campaign | ci | reference]
 #
 # build: what the programs and the demo need. package: that, and what tools/package.sh needs. test (where nothing is said): that,
 # and what the tests need. campaign: that, and what tools/campaign.sh needs. ci: what the tests need, and the checkers of .ci/run.
+# reference: doxygen, for tools/reference.sh.
 # Works as root or with sudo. Of packages with a server that nobody wants to run here, ci unpacks only the programs that check
 # something, to build/unpacked/PACKAGE.
 set -euo pipefail
@@ -39,7 +40,7 @@ campaign=(
   # libFuzzer
   clang libclang-rt-14-dev
 )
-ci=(clang-tidy codespell git lintian python3-prometheus-client)
+ci=(clang-tidy codespell git lintian python3-prometheus-client doxygen)
 
 fail() { echo "tools/install.sh: $*" >&2; exit 1; }
 
@@ -49,7 +50,8 @@ case "${1:-test}" in
   test) packages=("${build[@]}" "${test[@]}") ;;
   campaign) packages=("${build[@]}" "${test[@]}" "${campaign[@]}") ;;
   ci) packages=("${build[@]}" "${test[@]}" "${ci[@]}") ;;
-  *) sed -n '2,9s/^# \{0,1\}//p' "$0" >&2; exit 1 ;;
+  reference) packages=(doxygen) ;;
+  *) sed -n '2,10s/^# \{0,1\}//p' "$0" >&2; exit 1 ;;
 esac
 
 command -v dpkg-query >/dev/null || fail "this is no Debian; install by hand: ${packages[*]}"
