@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # Installs missing Debian 12 packages and shows the progress. Prints nothing and works offline if nothing is missing.
 #
-#   tools/install.sh [build | package | test | campaign | ci]
+#   tools/install.sh [build | package | test | campaign | ci | reference]
 #
 # build: for the programs and the demo. package: also for tools/package.sh. test (default): also for the tests. campaign: also for
-# tools/campaign.sh. ci: for the tests and the checkers of .ci/run. Works as root or with sudo. ci does not install packages that
-# would start a server; it unpacks the programs it needs from them to build/unpacked/PACKAGE.
+# tools/campaign.sh. ci: for the tests and the checkers of .ci/run. reference: Doxygen for tools/reference.sh. Works as root or with
+# sudo. ci does not install packages that would start a server; it unpacks the programs it needs from them to build/unpacked/PACKAGE.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -38,7 +38,7 @@ campaign=(
   # libFuzzer
   clang libclang-rt-14-dev
 )
-ci=(clang-tidy codespell git lintian python3-prometheus-client)
+ci=(clang-tidy codespell git lintian python3-prometheus-client doxygen)
 
 fail() { echo "tools/install.sh: $*" >&2; exit 1; }
 
@@ -48,7 +48,8 @@ case "${1:-test}" in
   test) packages=("${build[@]}" "${test[@]}") ;;
   campaign) packages=("${build[@]}" "${test[@]}" "${campaign[@]}") ;;
   ci) packages=("${build[@]}" "${test[@]}" "${ci[@]}") ;;
-  *) sed -n '2,9s/^# \{0,1\}//p' "$0" >&2; exit 1 ;;
+  reference) packages=(doxygen) ;;
+  *) sed -n '2,10s/^# \{0,1\}//p' "$0" >&2; exit 1 ;;
 esac
 
 command -v dpkg-query >/dev/null || fail "this is no Debian; install by hand: ${packages[*]}"

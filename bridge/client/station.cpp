@@ -51,6 +51,8 @@ struct Subscription::Part {
   std::function<void()> end;
 };
 
+Subscription::Subscription() noexcept = default;
+Subscription::Subscription(Subscription&&) noexcept = default;
 Subscription::Subscription(std::unique_ptr<Part> part) : part_(std::move(part)) {}
 Subscription::~Subscription() { end(); }
 Subscription& Subscription::operator=(Subscription&& other) noexcept {
