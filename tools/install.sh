@@ -49,7 +49,7 @@ case "${1:-test}" in
   campaign) packages=("${build[@]}" "${test[@]}" "${campaign[@]}") ;;
   ci) packages=("${build[@]}" "${test[@]}" "${ci[@]}") ;;
   reference) packages=(doxygen) ;;
-  *) sed -n '2,10s/^# \{0,1\}//p' "$0" >&2; exit 1 ;;
+  *) sed -n '2,8s/^# \{0,1\}//p' "$0" >&2; exit 1 ;;
 esac
 
 command -v dpkg-query >/dev/null || fail "this is no Debian; install by hand: ${packages[*]}"
