@@ -1,5 +1,5 @@
-// fieldcast-bridge CONFIG [--check]: reads PLCs on buses, publishes their channels on DDS, carries
-// commands back.
+// fieldcast-bridge CONFIG [--check]: polls PLCs on buses, publishes their channels on DDS and runs
+// commands.
 #include <chrono>
 #include <cstdio>
 #include <exception>

@@ -8,8 +8,8 @@ Instant steady_now() {
 }
 
 UtcMapping read_clocks() {
-  // Of three readings the one with the least time around it is the truest: a preemption in between
-  // spoils a reading.
+  // Of three readings, the one with the shortest duration is the most exact: a preemption falsifies
+  // a reading.
   UtcMapping best;
   Duration least = Duration::max();
   for (int attempt = 0; attempt < 3; ++attempt) {

@@ -1,4 +1,4 @@
-// The clocks of the shell: the monotonic clock of the engine, and its relation to UTC for what
+// The clocks of the bridge: the monotonic clock of the engine, and its mapping to UTC for data that
 // leaves the process.
 #pragma once
 
@@ -9,8 +9,8 @@ namespace fieldcast {
 
 [[nodiscard]] Instant steady_now();
 
-// Reads both clocks now. A step of the wall clock (NTP, an operator) is in force from the next
-// reading on; owners read once a second. Any thread.
+// Reads both clocks now. A step of the wall clock (NTP, an operator) takes effect at the next
+// reading; owners read once a second. Any thread.
 [[nodiscard]] UtcMapping read_clocks();
 
 }  // namespace fieldcast

@@ -10,7 +10,7 @@
 namespace fieldcast {
 namespace {
 
-// The kernel may delay a timer by this much to save wake-ups: 50 us by default, too much for
+// The kernel may delay a timer by this time to save wake-ups. The default is 50 us, too much for
 // silences of 1.75 ms.
 constexpr unsigned long kTimerSlackNanoseconds = 1000;
 constexpr std::size_t kLongestThreadName = 15;
@@ -18,7 +18,7 @@ constexpr std::size_t kLongestThreadName = 15;
 }  // namespace
 
 struct IoThread::Loop {
-  boost::asio::io_context context{1};  // run by one thread: Asio's own locks are never contended
+  boost::asio::io_context context{1};  // run by one thread: Asio's locks are never contended
   boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work{
       context.get_executor()};
   std::thread thread;

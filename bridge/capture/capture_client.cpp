@@ -26,7 +26,8 @@ void CaptureClient::start() {
   read();
 }
 
-// After the request nothing is expected but the end, which a client says by closing its side.
+// After the request, only the end of the stream is expected: a client ends its capture by closing
+// its side.
 void CaptureClient::read() {
   socket_.async_read_some(
       asio::buffer(buffer_),
