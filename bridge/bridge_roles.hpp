@@ -72,7 +72,7 @@ struct Standby {
   std::atomic<bool> handing_over = false;
   Election::Memory remembered;   // of the previous membership ..
   std::string remembered_group;  // .. in this group
-  // why it must not become master: a bridge of the same name was first; empty if none
+  // Why it must not become master: a bridge of the same name was first; empty if none.
   std::string shadowed;
   bool has_namesake = false;   // a bridge of the same name exists, which must not become master
   std::string said_not_ready;  // the last reason in the log

@@ -72,11 +72,11 @@ struct Bridge::State {
   std::unique_ptr<CaptureService> captures;  // exists while the bridge runs
   std::map<std::string, RunningBus, std::less<>> buses;
   PublisherThread sinks;
-  // contested buses that are already in the log; used by the guard's thread
+  // Contested buses that are already in the log; used by the guard's thread.
   std::set<std::string> contested;
   std::unique_ptr<BusGuard> guard;  // outlives the link; its thread ends before the buses
   std::unique_ptr<DdsLink> link;  // its handlers use the members above, so it is closed before them
-  // only with `metrics`; destroyed before the data that it reads
+  // Only with `metrics`; destroyed before the data that it reads.
   std::unique_ptr<MetricsServer> metrics;
   // Only in a standby group. They use the link and are destroyed before it.
   std::unique_ptr<StandbyChannel> channel;

@@ -32,7 +32,7 @@ class CommandLine {
     const Option& existing_file() const;  // the text must name an existing file
     const Option& needs(std::string_view other) const;
     const Option& excludes(std::string_view other) const;
-    // for texts: one value after each name; the name may be repeated
+    // For texts: one value after each name; the name may be repeated.
     const Option& one_each() const;
 
    private:

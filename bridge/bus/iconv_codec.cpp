@@ -30,7 +30,7 @@ class IconvCodec::Conversion {
   std::string run(std::string_view& text) {
     iconv(handle_, nullptr, nullptr, nullptr, nullptr);  // resets the conversion state
     std::string out(4 * text.size() + 8, '\0');
-    // required by iconv's signature; it does not write there
+    // Required by iconv's signature; it does not write there.
     char* in = const_cast<char*>(text.data());
     char* end = out.data();
     std::size_t left = text.size(), room = out.size();
@@ -63,7 +63,7 @@ std::string IconvCodec::to_utf8(Charset charset, std::string_view bytes) {
   while (!bytes.empty()) {
     text += escaped(conversion->run(bytes));
     if (bytes.empty()) break;
-    // this byte begins no character
+    // This byte begins no character.
     text += plain_text_codec().to_utf8(charset, bytes.substr(0, 1));
     bytes.remove_prefix(1);
   }

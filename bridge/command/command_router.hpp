@@ -22,7 +22,7 @@ class CommandRouter {
     kNew,
     kKnown,
     kNotKept,  // the store did not save it
-    // not all bridges of the group have noted it, or another bridge has begun the command
+    // Not all bridges of the group have noted it, or another bridge has begun the command.
     kNotNoted,
   };
   // Saves the identity of a write so that it survives this process, then calls `kept` once, on any

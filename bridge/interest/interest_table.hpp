@@ -18,7 +18,7 @@ namespace fieldcast {
 class InterestTable {
  public:
   static constexpr std::size_t kMaxInterests = 4096;  // new interests beyond it are refused
-  // different patterns; limits the work of one change
+  // Different patterns; limits the work of one change.
   static constexpr std::size_t kMaxPatterns = 256;
   // Interests between two take_new(); more are not reported as new.
   static constexpr std::size_t kMaxNew = 256;

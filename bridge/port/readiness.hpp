@@ -39,7 +39,7 @@ class Readiness {
   boost::asio::posix::stream_descriptor watch_;  // the epoll
   Handler readable_, writable_;                  // null: no wait
   bool waiting_ = false;                         // for the epoll
-  // the wait for the epoll may outlive this object
+  // The wait for the epoll may outlive this object.
   std::shared_ptr<int> alive_ = std::make_shared<int>();
 };
 

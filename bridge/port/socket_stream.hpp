@@ -35,7 +35,7 @@ enum class Clients : std::uint8_t { kMany, kOne };
 
 class SocketStream final : public Stream {
  public:
-  // Closed by the peer so soon after it was opened, it was never served.
+  // A connection that the peer closes within this time was never served.
   static constexpr Duration kAtOnce = std::chrono::seconds{1};
 
   SocketStream(boost::asio::io_context& io, PortListener& listener,

@@ -43,7 +43,7 @@ void AlarmTable::loaded(AlarmSink& sink, const KeptAlarms& kept) {
 void AlarmTable::loaded(const std::string& bus, const KeptAlarms& kept) {
   {
     const std::lock_guard lock(mutex_);
-    // the store is still loading everything, or there is none
+    // The store is still loading everything, or there is none.
     if (loading_ || sink_ == nullptr) return;
   }
   followed(bus, kept);

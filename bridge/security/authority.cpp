@@ -26,8 +26,7 @@ std::string joined(const std::string& folder, std::string_view file) {
 
 Validity from_now(UtcTime now, Duration life) { return {now + -kBackdated, now + life}; }
 
-// Returns the entries of a folder, sorted by name; empty if it has none. Throws SecurityError if it
-// cannot be read.
+// Returns the entries of a folder, sorted by name. Throws SecurityError if it cannot be read.
 std::vector<fs::path> entries_of(const std::string& folder) {
   std::error_code failed;
   std::vector<fs::path> all;

@@ -37,7 +37,7 @@ struct MemberState {
 // The members, and human-readable remarks about their folder, one line each.
 struct MemberList {
   std::vector<MemberState> members;  // by name
-  // a file of a member, or a certificate issued to it, cannot be read
+  // A file of a member, or a certificate issued to it, cannot be read.
   std::vector<std::string> faults;
   std::vector<std::string> strays;  // not a member: an archive, a copy, an empty folder
 };

@@ -43,7 +43,7 @@ class Signals {
   std::mutex mutex_;
   std::function<void()> last_words_;
   std::condition_variable changed_;
-  // each kind once: a second SIGHUP before the first is handled adds nothing
+  // Each kind once: a second SIGHUP before the first is handled adds nothing.
   std::deque<int> taken_;
   std::atomic<bool> ending_ = false;
   bool ended_ = false;

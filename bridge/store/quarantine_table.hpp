@@ -1,4 +1,4 @@
-// Rows that the database refused, each with the reason: the newest kMaxKept. Everything throws
+// Rows that the database refused, each with the reason; the newest kMaxKept. Everything throws
 // StoreError.
 #pragma once
 
