@@ -18,7 +18,7 @@ namespace fieldcast {
 class Bridge {
  public:
   Bridge();
-  ~Bridge();  // calls stop()
+  ~Bridge();
   Bridge(const Bridge&) = delete;
   Bridge& operator=(const Bridge&) = delete;
 
@@ -37,7 +37,6 @@ class Bridge {
   };
   [[nodiscard]] tl::expected<Reloaded, std::string> reload(const BridgeSpec& wanted);
 
-  // Switches the wire trace of every bus.
   void set_trace(bool on);
 
   // Last turn of each bus's io thread (BusRunner::last_turn).

@@ -76,7 +76,7 @@ struct Standby {
   std::string shadowed;
   bool has_namesake = false;   // a bridge of the same name exists, which must not become master
   std::string said_not_ready;  // the last reason in the log
-  std::atomic<bool> leaving = false;       // the bridge stops
+  std::atomic<bool> leaving = false;
   std::atomic<bool> readers_came = false;  // readers matched or requested missing data
   std::mutex follower_mutex;               // guards the creation and the end of the follower
   std::mutex late_mutex;

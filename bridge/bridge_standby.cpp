@@ -90,7 +90,6 @@ void Bridge::State::stand_alone() {
   (void)standby.actions.take_over(steady_now());
 }
 
-// Handles a request for a change of master.
 void Bridge::State::on_request(const StandbyRequest& request) {
   if (group->role() != StandbyRole::kMaster) return;
   const auto refused = group->hand_over(request.bridge);

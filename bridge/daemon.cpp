@@ -110,12 +110,10 @@ void log_fences(const BridgeSpec& spec) {
       [](const std::string& bus, const std::string& text) { log_warning(bus, text); });
 }
 
-// Checks the join settings for present faults and for faults that come soon.
 JoinCheck check_joining(const BridgeSpec& spec) {
   return check_joining(spec.dds, true, read_clocks().utc);
 }
 
-// Reports which clients may use the programming port.
 template <typename Tell>
 void tell_access(const ProgramSpec& spec, Tell tell) {
   if (spec.engineers) tell(program::to_text(*spec.engineers));
@@ -173,7 +171,6 @@ class Reloader {
     go_on();
   }
   [[nodiscard]] bool waits() const { return wanted_.has_value(); }
-  // Status text for the service manager.
   [[nodiscard]] std::string status() const {
     if (refused_) return running_ + "; the last reload was refused, the log says why";
     return waits() ? running_ + "; a reload waits for the end of programming" : running_;

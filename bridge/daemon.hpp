@@ -8,8 +8,8 @@
 namespace fieldcast {
 
 struct DaemonOptions {
-  std::string configuration;  // path
-  bool trace = false;         // wire trace from the start
+  std::string configuration;
+  bool trace = false;
 };
 
 // Prints every fault of the file, or a summary of the configuration.

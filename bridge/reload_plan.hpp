@@ -17,7 +17,7 @@ struct ReloadPlan {
   bool metrics = false;            // the metrics server restarts or ends
   std::vector<std::string> stop;   // removed or changed buses, in their old order
   std::vector<std::string> start;  // new or changed buses, in their new order
-  std::vector<std::string> untouched;  // buses that continue to run
+  std::vector<std::string> untouched;
   [[nodiscard]] bool nothing() const {
     return whole_bridge.empty() && !program && !metrics && stop.empty() && start.empty();
   }

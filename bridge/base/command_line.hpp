@@ -28,8 +28,8 @@ class CommandLine {
   class Option {
    public:
     const Option& required() const;
-    const Option& show_default() const;   // shows the present value of the variable in the help
-    const Option& existing_file() const;  // the text must name an existing file
+    const Option& show_default() const;  // shows the present value of the variable in the help
+    const Option& existing_file() const;
     const Option& needs(std::string_view other) const;
     const Option& excludes(std::string_view other) const;
     // For texts: one value after each name; the name may be repeated.
@@ -39,7 +39,7 @@ class CommandLine {
     friend class CommandLine;
     Option(CommandLine& owner, void* option) : owner_(&owner), option_(option) {}
     CommandLine* owner_;
-    void* option_;  // CLI::Option
+    void* option_;
   };
 
   // `names`: "--json", or "PATTERN" for a positional argument.
@@ -80,9 +80,7 @@ class CommandLine {
   };
   [[nodiscard]] std::optional<Ended> parse(int argc, const char* const* argv);
 
-  // Longest accepted duration.
   static constexpr Duration kLongest = std::chrono::hours{24 * 365};
-  // Shortest accepted duration other than 0.
   static constexpr Duration kShortest = std::chrono::microseconds{1};
 
  private:

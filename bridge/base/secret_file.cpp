@@ -18,7 +18,6 @@ tl::unexpected<std::string> fault(const std::string& path, std::string_view what
   return tl::unexpected(fmt::format("{}: {}", path, what));
 }
 
-// Opens and checks a file that holds a secret.
 tl::expected<FileDescriptor, std::string> opened(const std::string& path, Readers readers) {
   FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY));
   if (!file.valid()) return fault(path, fmt::format("cannot be read: {}", errno_text(errno)));

@@ -41,7 +41,6 @@ constexpr Duration kLatestSend = std::chrono::milliseconds{20};
 // Minimum, also if the state changes more often.
 constexpr Duration kLeastReportGap = std::chrono::milliseconds{100};
 
-// Adds the port's name before the reason for closing.
 std::string with_port_name(const PortSpec& port, const std::string& reason) {
   if (std::holds_alternative<DialInPortSpec>(port)) return reason;  // the reason names the module
   return fmt::format("{}: {}", name_of(port), reason);
@@ -356,7 +355,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   EngineTimer<Loop> timer_;
   asio::steady_timer reopening_;
   asio::steady_timer ticking_;
-  asio::steady_timer settled_;  // timer of settling_
+  asio::steady_timer settled_;
   std::chrono::steady_clock::time_point next_tick_;
   BackOff back_off_{longest_back_off(spec_)};
   std::optional<DeviceWatch> watch_;            // only for a serial port; active while it is closed
@@ -365,12 +364,12 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   WireRecord record_;
   UtcMapping mapping_;
   Actions actions_;
-  std::uint64_t lease_ = 0;  // number of the last lease
-  Granted settling_;         // a lease that waits until the line is silent
-  Revoked revoked_;          // of the active lease; otherwise empty
+  std::uint64_t lease_ = 0;
+  Granted settling_;  // a lease that waits until the line is silent
+  Revoked revoked_;   // of the active lease; otherwise empty
   Instant reported_{};
   std::uint64_t plan_reported_ = 0;  // number of the plan; 0: none yet
-  Instant next_plan_report_{};       // earliest time
+  Instant next_plan_report_{};
   bool open_ = false;
   bool report_soon_ = false;
   bool was_open_ = false;
@@ -442,7 +441,7 @@ std::future<void> BusRunner::stop() {
       done->set_value();
     });
   });
-  if (!posted) done->set_value();  // already stopped
+  if (!posted) done->set_value();
   return ready;
 }
 

@@ -28,7 +28,6 @@ class CaptureTap;
 class DialInRegistry;
 class MasterLease;
 
-// A line leased to a programming session.
 struct LeasedLine {
   std::uint64_t lease = 0;             // number for end_lease()
   FileDescriptor line;                 // non-blocking, owned by the session

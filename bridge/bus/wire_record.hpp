@@ -28,7 +28,6 @@ class WireRecord {
   // `engine` supplies the polled device and the request.
   void sent(ByteView bytes, const BusEngine& engine, UtcTime at) const;
   void received(ByteView bytes, UtcTime at) const;
-  // No more bytes belong to the frame.
   void frame_ended(UtcTime at) const;
   void traced(const Traced& traced, UtcTime at) const;
   // Explains the capture, for example a port that opens or a lease.
@@ -39,7 +38,7 @@ class WireRecord {
 
   const std::string bus_;
   bool trace_ = false;
-  std::shared_ptr<CaptureTap> tap_;  // null: no capture of this bus
+  std::shared_ptr<CaptureTap> tap_;
 };
 
 }  // namespace fieldcast

@@ -18,9 +18,7 @@ namespace fieldcast {
 class CaptureSink {
  public:
   virtual ~CaptureSink() = default;
-  // One complete packet block.
   virtual void packet(ByteView block, UtcTime at) = 0;
-  // The bus had to drop `records` records.
   virtual void lost(std::uint64_t records) = 0;
 };
 
@@ -35,7 +33,6 @@ class BusCapture {
 
   // First blocks of every file and every stream.
   [[nodiscard]] Bytes head(const std::string& remark = {}) const;
-  // Passes on the frames since the last call.
   void drain(UtcTime now);
   // As drain(), and also passes on incomplete frames.
   void finish(UtcTime now);
@@ -47,7 +44,7 @@ class BusCapture {
   void give(std::vector<CapturedFrame>& frames);
 
   const std::string bus_, about_;
-  std::vector<Dissector> dissectors_;  // one per device
+  std::vector<Dissector> dissectors_;
   const std::shared_ptr<CaptureTap> tap_;
   FrameGatherer gatherer_;
   std::vector<CaptureSink*> sinks_;

@@ -23,7 +23,7 @@ class CaptureRing final : public CaptureSink {
 
   // `head` returns the first blocks of a file, with a remark.
   CaptureRing(std::string bus, CaptureSpec spec, std::function<Bytes(const std::string&)> head);
-  ~CaptureRing() override;  // ends the file
+  ~CaptureRing() override;
 
   void packet(ByteView block, UtcTime at) override;
   void lost(std::uint64_t records) override;
@@ -41,7 +41,7 @@ class CaptureRing final : public CaptureSink {
   const CaptureSpec spec_;
   const std::function<Bytes(const std::string&)> head_;
   std::optional<CaptureFile> file_;
-  CaptureCounts counts_;      // of the current file
+  CaptureCounts counts_;
   std::uint64_t missed_ = 0;  // frames since the capture stopped
   bool stopped_ = false;
   std::string told_;  // the reason in the log; empty while it captures

@@ -28,7 +28,6 @@ constexpr std::chrono::milliseconds kPatience{500};  // maximum wait for a disk 
 
 }  // namespace
 
-// The part on the io thread.
 class CaptureService::Loop final : public std::enable_shared_from_this<Loop> {
  public:
   Loop(asio::io_context& io, std::string bridge)
@@ -89,7 +88,7 @@ class CaptureService::Loop final : public std::enable_shared_from_this<Loop> {
  private:
   struct Bus {
     std::unique_ptr<BusCapture> capture;
-    std::unique_ptr<CaptureRing> ring;  // uses the capture
+    std::unique_ptr<CaptureRing> ring;
   };
 
   void listen() {

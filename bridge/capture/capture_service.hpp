@@ -32,7 +32,6 @@ class CaptureService {
   [[nodiscard]] std::shared_ptr<CaptureTap> add_bus(const BusSpec& bus);
   // Call after the runner stopped; its last frames are still written.
   void remove_bus(const std::string& name);
-  // Changes the capture settings of a running bus.
   void configure(const std::string& name, const std::optional<CaptureSpec>& spec);
 
  private:

@@ -32,7 +32,6 @@ struct CaptureSocketName {
   std::string bridge;
   pid_t process = 0;
 };
-// Returns `std::nullopt` for any other socket.
 [[nodiscard]] std::optional<CaptureSocketName> parse_capture_socket(std::string_view name);
 // Returns the capture sockets in a table in the format of /proc/net/unix, in its order.
 [[nodiscard]] std::vector<CaptureSocketName> capture_sockets(std::string_view table);

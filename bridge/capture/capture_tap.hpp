@@ -51,7 +51,7 @@ class CaptureTap {
   std::atomic<bool> wanted_ = false;
   std::mutex mutex_;
   std::vector<CaptureRecord> records_;
-  std::size_t bytes_ = 0;  // of records_
+  std::size_t bytes_ = 0;
   std::uint64_t lost_ = 0;
 };
 

@@ -39,7 +39,6 @@ class InterestRegistry {
   // Call when all buses were added: from then on, interests that match no channel are reported.
   void all_added();
 
-  // Removes the interests of all stations.
   void forget();
 
   // See InterestTable::note().

@@ -40,7 +40,6 @@ class InterestTable {
     std::string station;
     Pattern pattern;
   };
-  // Returns the interests that are new since the last call.
   [[nodiscard]] std::vector<NewInterest> take_new() { return std::exchange(new_, {}); }
 
   // Number of channels of a bus that a pattern matches, and how many of them are read on interest.
@@ -63,7 +62,6 @@ class InterestTable {
   std::vector<NewInterest> new_;
 };
 
-// Returns the events for a bus whose interests change from `before` to `after`.
 [[nodiscard]] std::vector<InterestChanged> changes(const std::map<ChannelIndex, Duration>& before,
                                                    const std::map<ChannelIndex, Duration>& after);
 

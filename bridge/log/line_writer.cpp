@@ -35,9 +35,9 @@ struct LineWriter::State {
   std::mutex mutex;
   std::condition_variable work, done;
   std::deque<std::string> waiting;
-  std::size_t bytes = 0;  // size of `waiting`
+  std::size_t bytes = 0;
   std::uint64_t put = 0;
-  std::uint64_t seen = 0;  // written or lost lines
+  std::uint64_t seen = 0;
   std::uint64_t lost = 0;
   std::uint64_t to_tell = 0;  // lost lines that are not in a remark yet
   bool ending = false;

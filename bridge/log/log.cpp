@@ -132,7 +132,7 @@ spdlog::logger& tracer() {
   return *instance;
 }
 
-std::mutex counted_mutex;  // guards counted()
+std::mutex counted_mutex;
 LineBudget& counted() {
   static auto& budget = *new LineBudget;
   return budget;

@@ -26,7 +26,6 @@ class MetricsServer {
     Duration request = std::chrono::seconds{10};
     // To send a complete response.
     Duration response = std::chrono::seconds{10};
-    // Time between two attempts to listen.
     Duration try_again = std::chrono::seconds{5};
   };
   // Returns the present metrics. Called on the server's thread; must not block.

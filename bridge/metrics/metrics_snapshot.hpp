@@ -33,8 +33,8 @@ struct DeviceFigures {
 struct StandbyFigures {
   bool master = false, ready = false;
   std::uint32_t term = 0;
-  std::uint64_t takeovers = 0;  // how often this bridge became master
-  std::uint64_t behind = 0;     // blocks of the master that this bridge has not applied yet
+  std::uint64_t takeovers = 0;
+  std::uint64_t behind = 0;  // blocks of the master that this bridge has not applied yet
 };
 
 struct MetricsSnapshot {
@@ -42,7 +42,7 @@ struct MetricsSnapshot {
   std::vector<std::shared_ptr<const BusFigures>> buses;
   std::vector<std::shared_ptr<const DeviceFigures>> devices;
   std::optional<AlarmCounts> alarms;
-  std::optional<StoreCounters> store;  // `std::nullopt` without a store
+  std::optional<StoreCounters> store;
   std::optional<StandbyFigures> standby;
   RtpsFaultCounts refused_datagrams{};          // by all guards of this process
   std::optional<std::uint32_t> receive_buffer;  // bytes, of a UDP socket; `std::nullopt`: unknown

@@ -16,7 +16,6 @@ namespace fieldcast {
 
 class MetricsTable {
  public:
-  // Replace the previous figures.
   void note(BusFigures figures);
   void note(DeviceFigures figures);
   // Removes a stopped bus and its devices. REQUIRES: no note() of this bus follows.

@@ -13,13 +13,12 @@
 namespace fieldcast {
 
 enum class MetricsFormat : std::uint8_t {
-  kOpenMetrics,  // OpenMetrics 1.0
-  kPrometheus    // Prometheus' text format 0.0.4, if the client does not request OpenMetrics
+  kOpenMetrics,
+  kPrometheus  // Prometheus' text format 0.0.4, if the client does not request OpenMetrics
 };
 
 [[nodiscard]] std::string metrics_text(const MetricsSnapshot& snapshot, MetricsFormat format);
 
-// The media type for the HTTP header Content-Type.
 [[nodiscard]] std::string_view content_type_of(MetricsFormat format);
 // Returns the format that the HTTP header Accept requests.
 [[nodiscard]] MetricsFormat format_for(std::string_view accept);

@@ -15,7 +15,7 @@ class Listener {
  public:
   // `come` is called with each connection, until close().
   Listener(boost::asio::io_context& io, std::function<void(boost::asio::ip::tcp::socket)> come);
-  ~Listener();  // calls close()
+  ~Listener();
   Listener(const Listener&) = delete;
   Listener& operator=(const Listener&) = delete;
 

@@ -85,7 +85,6 @@ void set_rules(asio::ssl::context& context) {
   SSL_CTX_set_options(native, SSL_OP_NO_RENEGOTIATION);
 }
 
-// A handshake with a time limit.
 void run_handshake(const std::shared_ptr<Secure>& stream,
                    asio::ssl::stream_base::handshake_type side, Duration limit,
                    std::function<void(TlsResult)> done) {

@@ -157,7 +157,7 @@ class DeviceWatch::Watching : public std::enable_shared_from_this<Watching> {
   std::optional<Identity> last_;
   asio::posix::stream_descriptor stream_;
   asio::steady_timer timer_;
-  bool checking_ = false;  // a check is scheduled
+  bool checking_ = false;
   bool over_ = false;
 };
 

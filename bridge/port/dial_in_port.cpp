@@ -67,7 +67,7 @@ class DialInPort::Opening final : public PortOpening {
   std::string number_;
   DialInRegistry& registry_;
   DialInRegistry::Id claim_ = 0;
-  std::uint64_t arrival_ = 0;  // of the open connection
+  std::uint64_t arrival_ = 0;
   bool tell_;
 };
 

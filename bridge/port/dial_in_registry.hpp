@@ -81,7 +81,7 @@ class DialInRegistry {
   Id last_ = 0;
   std::uint64_t arrivals_ = 0;
   Keeper keeper_;
-  std::map<std::string, Entry> entries_;  // one for each bus with such a port
+  std::map<std::string, Entry> entries_;
 };
 
 }  // namespace fieldcast

@@ -34,7 +34,7 @@ class PortListener {
 
 class Port {
  public:
-  virtual ~Port() = default;  // closes the port
+  virtual ~Port() = default;
   // Ends in exactly one call of on_opened or on_closed. Bytes received before are dropped.
   // REQUIRES: not open. The listener must live until close().
   virtual void open(PortListener& listener) = 0;

@@ -54,7 +54,6 @@ std::optional<long> lock_holder(const struct stat& file) {
   return std::nullopt;
 }
 
-// Returns a process that has the file open.
 std::optional<long> opener(const fs::path& file) {
   std::error_code ignored;
   for (const auto& process : fs::directory_iterator("/proc", ignored)) {

@@ -37,8 +37,8 @@ class Readiness {
 
   int fd_ = -1;
   boost::asio::posix::stream_descriptor watch_;  // the epoll
-  Handler readable_, writable_;                  // null: no wait
-  bool waiting_ = false;                         // for the epoll
+  Handler readable_, writable_;
+  bool waiting_ = false;  // for the epoll
   // The wait for the epoll may outlive this object.
   std::shared_ptr<int> alive_ = std::make_shared<int>();
 };

@@ -82,7 +82,6 @@ class SerialOpening final : public PortOpening {
     if (line_) line_->close();
   }
 
-  // Returns `std::nullopt` on success, otherwise the reason.
   std::optional<Stream::End> try_open() {
     // O_NONBLOCK: open must not wait for a carrier, nor read for bytes. O_NOCTTY: the device must
     // not become the controlling terminal.

@@ -18,7 +18,6 @@ namespace fieldcast {
 
 class Stream : public std::enable_shared_from_this<Stream> {
  public:
-  // Reason for closing the line.
   struct End {
     std::string reason;  // one human-readable line
     Cause cause = Cause::kPortClosed;
@@ -59,7 +58,6 @@ class Stream : public std::enable_shared_from_this<Stream> {
   [[nodiscard]] virtual std::optional<End> restore(int fd) = 0;
   // Returns the reason for a read without bytes. `error` is errno, or 0 at the end of the stream.
   [[nodiscard]] virtual End end_of(int error) const = 0;
-  // Called before the descriptor is closed.
   virtual void before_close(int fd) = 0;
 
  private:
@@ -83,7 +81,7 @@ class Stream : public std::enable_shared_from_this<Stream> {
   Duration sleep_{};
   bool over_ = false;
   bool leased_ = false;
-  bool waiting_ = false;  // for bytes
+  bool waiting_ = false;
   std::array<std::uint8_t, 4096> buffer_;
 };
 

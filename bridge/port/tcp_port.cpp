@@ -58,7 +58,6 @@ class TcpOpening final : public PortOpening {
     opened(std::move(stream));
   }
 
-  // Adds why a server with one client may refuse.
   [[nodiscard]] std::string with_fence(std::string reason) const {
     if (!spec_.fence.is(Fence::kOneClient)) return reason;
     return reason + " (it takes one client: another one may have it)";
@@ -76,7 +75,7 @@ class TcpOpening final : public PortOpening {
   TcpPortSpec spec_;
   tcp::resolver resolver_;
   tcp::socket socket_;
-  asio::steady_timer limit_;  // of the connection attempt
+  asio::steady_timer limit_;
 };
 
 }  // namespace

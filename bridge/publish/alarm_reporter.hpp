@@ -33,7 +33,7 @@ class AlarmReporter {
   AlarmMonitor monitor_;
   const std::string bus_;
   std::vector<std::pair<std::string, std::string>> names_;  // device and channel, by channel index
-  std::uint64_t restored_ = 0;                              // version of the table
+  std::uint64_t restored_ = 0;
 };
 
 }  // namespace fieldcast

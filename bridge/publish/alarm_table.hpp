@@ -41,16 +41,13 @@ class AlarmTable {
   void publish_with(Publish publish);
   // Publishes all alarms of a bus again, when DDS has begun to publish the bus.
   void publish_again(const std::string& bus);
-  // Returns `std::nullopt` if there is no such alarm.
   [[nodiscard]] std::optional<AlarmStatus> status_of(const AlarmKey& alarm) const;
 
   // Sets the limits. Active alarms of a removed limit of these or the previous buses end now;
   // returns them as clear.
   std::vector<AlarmRecord> configure(const std::vector<BusSpec>& buses, UtcTime now);
 
-  // Records that an alarm was raised or cleared.
   void note(const AlarmRecord& record);
-  // Applies an action of a user.
   [[nodiscard]] AlarmOutcome act(const AlarmAction& action, UtcTime now);
   // Ends what ends by time at the alarms of the bus. Call once a second.
   void on_time(const std::string& bus, UtcTime now);

@@ -50,7 +50,7 @@ class BusOutput final : public BusSink {
   MasterLease& lease_;
   const std::function<bool(const std::string&, const CommandResult&)> keeps_result_;
   const bool in_group_;
-  std::uint64_t foreign_masters_ = 0;  // as of the last report
+  std::uint64_t foreign_masters_ = 0;
   const std::string bus_;
   DdsPublisher dds_;
   std::optional<StoreRecorder> store_;

@@ -36,7 +36,7 @@ struct MemberState {
 
 // The members, and human-readable remarks about their folder, one line each.
 struct MemberList {
-  std::vector<MemberState> members;  // by name
+  std::vector<MemberState> members;
   // A file of a member, or a certificate issued to it, cannot be read.
   std::vector<std::string> faults;
   std::vector<std::string> strays;  // not a member: an archive, a copy, an empty folder
@@ -76,14 +76,12 @@ class Authority {
   [[nodiscard]] Identity permissions() const;
   [[nodiscard]] std::string issue_for(const Member& member, const std::string& key, UtcTime now,
                                       Duration life) const;
-  // Returns the path of a certificate in the folder of issued certificates.
   [[nodiscard]] std::string place_of(const std::string& certificate) const;
   [[nodiscard]] Grant grant(const Member& member, const std::string& certificate) const;
 
   std::string folder_;
 };
 
-// Human-readable remarks about a member's folder, one line each.
 struct MemberCheck {
   std::vector<std::string> faults;    // the member is refused
   std::vector<std::string> warnings;  // the member will soon be refused

@@ -37,7 +37,6 @@ std::string topic_rule(std::string_view expression, std::string_view data) {
       expression, data);
 }
 
-// Escapes the special characters of XML.
 std::string escaped(std::string_view text) {
   std::string out;
   for (const char c : text) {

@@ -81,7 +81,6 @@ std::string read_key(const std::string& path) {
 
 namespace {
 
-// Path of the temporary file that replaces `path` when it is complete.
 std::string beside(const std::string& path) { return path + std::string(kUnfinished); }
 
 // Leaves no file behind on failure.

@@ -26,7 +26,6 @@ struct Validity {
 };
 
 [[nodiscard]] std::string new_key();
-// A self-signed certificate authority.
 [[nodiscard]] Identity new_authority(const std::string& name, const Validity& validity);
 [[nodiscard]] std::string issue(const Identity& authority, const std::string& key,
                                 const Subject& subject, const Validity& validity);
@@ -45,7 +44,7 @@ struct Validity {
 struct CertificateFacts {
   std::string subject;  // in the form of RFC 2253: "CN=mes-1.2,OU=plant,O=Fieldcast"
   std::string slashed;  // "/O=Fieldcast/OU=plant/CN=mes-1.2"
-  std::string serial;   // hexadecimal
+  std::string serial;
   UtcTime not_before, not_after;
 };
 [[nodiscard]] CertificateFacts read_certificate(const std::string& certificate);

@@ -29,7 +29,6 @@ std::array<std::uint8_t, SHA256_DIGEST_LENGTH> hash_of(const Subject& subject) {
   return hash;
 }
 
-// Returns the text between `begin` and `end`.
 std::optional<std::string_view> between(std::string_view& text, std::string_view begin,
                                         std::string_view end) {
   if (!text.starts_with(begin)) return std::nullopt;

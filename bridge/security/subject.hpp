@@ -34,7 +34,6 @@ struct Subject {
 // "/O=Fieldcast/OU=plant/CN=mes-1.2". Returns `std::nullopt` for a subject of another authority.
 [[nodiscard]] std::optional<Subject> subject_from(std::string_view slashed);
 
-// The name in DER, as in the certificate.
 [[nodiscard]] std::string der_of(const Subject& subject);
 
 // First six bytes of the GUIDs of its participants.

@@ -53,7 +53,6 @@ struct TopicRight {
 // Documents of DDS Security apply to the domains 0 to this one.
 inline constexpr std::uint32_t kHighestDomain = 230;
 
-// The longest name of a member, and the maximum number of bus patterns.
 inline constexpr std::size_t kMaxMemberName = 48;
 inline constexpr std::size_t kMaxBusPatterns = 16;
 

@@ -31,7 +31,6 @@ class Signals {
   // too long. Replaces the previous one.
   void if_stuck(std::function<void()> last_words);
 
-  // SIGTERM or SIGINT was received.
   [[nodiscard]] bool ending() const { return ending_; }
 
   // Returns the next signal, or 0 after the limit.

@@ -17,7 +17,7 @@ struct BusTurn {
 
 struct StandingBus {
   std::string bus;
-  Duration standing{};  // since its last turn
+  Duration standing{};
 };
 
 // Returns the bus whose last turn is the oldest among those older than `limit`; `std::nullopt` if

@@ -32,7 +32,6 @@ struct BusClaim {
   friend bool operator==(const BusClaim&, const BusClaim&) = default;
 };
 
-// What a bridge announces.
 struct BridgeClaims {
   std::string bridge;
   std::string host;     // human-readable

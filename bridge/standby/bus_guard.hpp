@@ -40,7 +40,7 @@ class BusGuard {
     std::function<void(std::size_t bridges)> unheard;
   };
   BusGuard(std::string bridge, Handlers handlers);
-  ~BusGuard();  // calls end()
+  ~BusGuard();
   BusGuard(const BusGuard&) = delete;
   BusGuard& operator=(const BusGuard&) = delete;
 
@@ -91,8 +91,8 @@ class BusGuard {
   std::condition_variable wake_;
   BridgeClaims own_;  // without its buses
   BusClaims claims_;
-  std::set<std::string> silent_;       // found, but nothing received yet
-  std::set<std::string> contested_;    // as of the last decision
+  std::set<std::string> silent_;  // found, but nothing received yet
+  std::set<std::string> contested_;
   std::set<std::string> uncontested_;  // since the last changed()
   bool settled_ = false, dirty_ = false, changed_ = false, ending_ = false;
   std::thread thread_;

@@ -214,8 +214,7 @@ void Election::on_time(Instant now) {
   }
   heed_readers(now);
   const bool in_doubt = now < doubt_until_;  // first listens
-  if (own_.role == StandbyRole::kMaster && greatest_ > own_.term && !in_doubt)
-    take_over();  // a later term
+  if (own_.role == StandbyRole::kMaster && greatest_ > own_.term && !in_doubt) take_over();
   if (own_.role == StandbyRole::kHandingOver && !is_alive(own_.successor, now)) {
     own_.role = StandbyRole::kMaster;  // the successor was lost
     own_.successor.clear();
@@ -223,7 +222,6 @@ void Election::on_time(Instant now) {
   if (own_.role == StandbyRole::kWaiting) consider(now);
 }
 
-// Takes over if this member should.
 void Election::consider(Instant now) {
   if (!not_ready(now).empty()) {
     ready_since_ = kNever;

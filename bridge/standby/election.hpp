@@ -60,7 +60,6 @@ inline constexpr std::uint32_t kMostTerms = 0x7fffffff;
   return std::uint64_t{number == 0 ? 0 : (number <= kMostTerms ? number : kMostTerms) - 1} << 32;
 }
 
-// Message of a member to the others.
 struct StandbyMember {
   std::string bridge;      // unique in the group
   std::int64_t since = 0;  // time of joining; differs after a restart
@@ -193,7 +192,7 @@ class Election {
   Instant alone_since_;                 // time of the last message of a master
   Instant settled_;                     // end of the time to discover others
   Instant ready_since_ = kNever;
-  Instant looked_;  // time of the last on_time()
+  Instant looked_;
   Instant doubt_until_ = kLongAgo;
   Instant released_at_ = kNever;
   Instant readers_came_ = kNever;        // not handled yet

@@ -47,7 +47,7 @@ class StandbyGroup {
   // previous membership in the same process.
   StandbyGroup(std::string group, const StandbyMember& own, MasterLease& lease, Handlers handlers,
                const Election::Memory& before = {});
-  ~StandbyGroup();  // calls end()
+  ~StandbyGroup();
   StandbyGroup(const StandbyGroup&) = delete;
   StandbyGroup& operator=(const StandbyGroup&) = delete;
 

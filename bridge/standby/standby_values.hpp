@@ -57,8 +57,8 @@ struct StandbyRequest {
 
 // State that a member keeps of a bus served by another bridge.
 struct FollowedBus {
-  std::uint64_t epoch = 0;   // 0: nothing received yet
-  std::uint64_t blocks = 0;  // number of the last block
+  std::uint64_t epoch = 0;  // 0: nothing received yet
+  std::uint64_t blocks = 0;
   BusInheritance state;
 };
 

@@ -33,7 +33,7 @@ class Authenticator final : public Logins {
   [[nodiscard]] Duration throttled(const LoginAttempt& attempt);
   void count(const LoginAttempt& attempt, const LoginResult& result);
   [[nodiscard]] LoginResult verdict(const LoginAttempt& attempt);
-  void refuse_all(BoundedQueue<Waiting>& queue);  // all waiting attempts
+  void refuse_all(BoundedQueue<Waiting>& queue);
   void finish(Waiting waiting, const LoginResult& result);
 
   const StoreAddress address_;

@@ -36,7 +36,7 @@ class CommandIdentities {
   using Done = std::function<void(Verdict)>;
 
   explicit CommandIdentities(const StoreAddress& address);
-  ~CommandIdentities();  // calls close()
+  ~CommandIdentities();
   CommandIdentities(const CommandIdentities&) = delete;
   CommandIdentities& operator=(const CommandIdentities&) = delete;
 

@@ -31,7 +31,7 @@ class EventTable {
   [[nodiscard]] std::vector<AlarmRecord> active_alarms();
   [[nodiscard]] std::vector<DeviceRecord> devices();  // sorted by bus and name
 
-  void remove_oldest();  // beyond kMaxKept
+  void remove_oldest();
 
  private:
   SqlConnection& connection_;

@@ -235,7 +235,6 @@ class PostgresConnection final : public SqlConnection {
     return Result(PQgetResult(connection_.get()));
   }
 
-  // Reads a complete response and returns the number of changed rows.
   std::uint64_t answer() {
     std::uint64_t changed = 0;
     Problem problem;
@@ -300,7 +299,7 @@ class PostgresConnection final : public SqlConnection {
   const std::string masked_address_;
   std::chrono::steady_clock::time_point until_ = std::chrono::steady_clock::time_point::max();
   Connection connection_;
-  std::map<std::string, std::string> statements_;  // name by text
+  std::map<std::string, std::string> statements_;
 };
 
 }  // namespace

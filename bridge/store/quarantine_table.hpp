@@ -18,7 +18,7 @@ class QuarantineTable {
   // `table`: the table that refused the row. `content`: the row as JSON.
   void insert(UtcTime at, const std::string& table, const std::string& content,
               const std::string& reason);
-  void remove_oldest();  // beyond kMaxKept
+  void remove_oldest();
 
  private:
   SqlConnection& connection_;

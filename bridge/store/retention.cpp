@@ -65,7 +65,6 @@ bool shrink(SqlConnection& connection) {
   return true;
 }
 
-// Returns the time of the oldest row of any channel, or `std::nullopt` if there is none.
 std::optional<UtcTime> oldest_of(SqlConnection& connection, std::size_t level,
                                  const std::vector<std::int64_t>& channels) {
   std::optional<UtcTime> oldest;

@@ -20,7 +20,6 @@ std::string name_of(UtcTime day) {
                      static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()));
 }
 
-// Returns `std::nullopt` for any other table.
 std::optional<UtcTime> day_of(std::string_view name) {
   if (!name.starts_with(kPrefix)) return std::nullopt;
   name.remove_prefix(kPrefix.size());

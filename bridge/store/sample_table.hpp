@@ -81,7 +81,6 @@ class SampleTable {
   // Removes the oldest samples of a channel published before `before`, about `limit` at most.
   // Returns their number.
   std::uint64_t remove_before(std::int64_t channel, UtcTime before, std::uint64_t limit);
-  // `std::nullopt` if there is none.
   [[nodiscard]] std::optional<UtcTime> oldest(std::int64_t channel);
   // Returns the newest sample, without its value.
   [[nodiscard]] std::optional<SampleRow> newest(std::int64_t channel);

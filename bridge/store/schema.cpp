@@ -157,7 +157,6 @@ create table tokens (
   name text primary key, hash text not null, created_at bigint not null,
   ends_at bigint not null) {clustered};
 )",
-    // Rows that the database refused (quarantine_table.hpp).
     R"(
 create table quarantine (
   id {id}, at bigint not null, table_name text not null, content text not null,
@@ -214,7 +213,6 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return text;
 }
 
-// Expands the text between two braces.
 std::string spelled_phrase(std::string_view text, SqlConnection::Dialect dialect) {
   for (const Phrase& phrase : kPhrases) {
     if (!text.starts_with(phrase.name)) continue;

@@ -100,7 +100,6 @@ enum class IfMissing : std::uint8_t { kCreate, kFail };
 [[nodiscard]] std::unique_ptr<SqlConnection> open_store(const StoreAddress& address,
                                                         IfMissing missing);
 
-// Used by open_store().
 [[nodiscard]] std::unique_ptr<SqlConnection> open_sqlite(const std::string& path,
                                                          IfMissing missing);
 [[nodiscard]] std::unique_ptr<SqlConnection> open_postgres(const StoreAddress& address);

@@ -23,7 +23,6 @@ constexpr unsigned kAttempts = 4;  // for one batch at an open database
 constexpr Duration kIdle = std::chrono::seconds{10};
 // Pause between two cleanup steps: others may write to the same database.
 constexpr Duration kTidyPause = std::chrono::milliseconds{50};
-// Between two log lines about dropped samples.
 constexpr Duration kDropLine = std::chrono::seconds{10};
 
 std::vector<Pattern> parsed(const std::vector<std::string>& texts) {

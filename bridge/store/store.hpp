@@ -37,8 +37,8 @@ class BackOff;
 struct StoreCounters {
   // Samples in committed transactions; a crash of the process does not lose them.
   std::uint64_t stored = 0;
-  std::uint64_t dropped = 0;      // samples that met a full queue, or whose batch was given up
-  std::size_t waiting = 0;        // samples
+  std::uint64_t dropped = 0;  // samples that met a full queue, or whose batch was given up
+  std::size_t waiting = 0;
   std::uint64_t quarantined = 0;  // samples and events that the database refused
 };
 

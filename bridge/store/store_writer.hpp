@@ -31,7 +31,6 @@ class Store::Writer {
   // cannot write now, for example because its disk is full.
   enum class Try : unsigned char { kWritten, kRefused, kAway };
   [[nodiscard]] Try write(const Batch& batch);
-  // Of the last written batch.
   [[nodiscard]] const RefusedRows& refused() const { return refused_; }
 
   // One step of the tiers and one of the retention. Returns true if there is more to do.
@@ -67,7 +66,7 @@ class Store::Writer {
   std::deque<StoredChannel>& channels_;
   std::mutex& mutex_;
   std::unique_ptr<SqlConnection> connection_;
-  std::map<std::int64_t, Known> known_;  // by index in channels_
+  std::map<std::int64_t, Known> known_;
   std::vector<SampleRow> rows_;
   TierWriter tiers_;
   Retention retention_;

@@ -21,7 +21,7 @@ struct Bucket {
   std::int64_t channel = 0;  // the store's number
   UtcTime start;
   std::uint64_t count = 0;  // good samples
-  std::uint64_t bad = 0;    // bad samples
+  std::uint64_t bad = 0;
   // Of the good samples; undefined if count is 0.
   double min = 0;
   double max = 0;

@@ -14,8 +14,8 @@
 namespace fieldcast {
 
 struct Tier {
-  std::string_view name;   // human-readable
-  std::string_view every;  // human-readable width
+  std::string_view name;
+  std::string_view every;
   Duration width;
   Duration StoreSpec::*keep;  // how long its buckets are kept; 0: forever
 

@@ -46,7 +46,6 @@ class TierTable {
   void forget(const Tier& tier, std::span<const BucketKey> buckets);
   // Returns those that begin before `before`, the oldest first.
   [[nodiscard]] std::vector<BucketKey> noted(const Tier& tier, UtcTime before, std::int64_t limit);
-  // Returns the start of the oldest noted bucket, or `std::nullopt`.
   [[nodiscard]] std::optional<UtcTime> oldest_noted(const Tier& tier);
 
   // Channels with samples of an older Fieldcast; those from `start` on have no tiers yet.

@@ -65,7 +65,6 @@ bool TierWriter::step(SqlConnection& connection, UtcTime now) {
   return old_samples_ && tier_old_samples(connection, minutes_before);
 }
 
-// Returns false if there was none.
 bool TierWriter::close_buckets(SqlConnection& connection, std::size_t tier, UtcTime before) {
   TierTable table(connection);
   std::vector<BucketKey> keys = table.noted(kTiers[tier], before, at_once_);

@@ -38,7 +38,7 @@ class TierWriter {
   // Includes the notes for the next tier.
   void put(SqlConnection& connection, std::size_t tier, std::span<const Bucket> buckets);
 
-  std::vector<OpenBuckets> open_;          // one for each tier
+  std::vector<OpenBuckets> open_;
   std::int64_t at_once_ = kBucketsAtOnce;  // about as many as contain kSamplesAtOnce
   UtcTime done_before_;                    // all minutes that begin before are written
   bool old_samples_ = true;                // some samples may have no tiers
