@@ -149,8 +149,7 @@ void Bridge::State::stop_all(program::Server::Modules kept, DdsLink::Leave leave
 }
 
 // A bus whose thread hangs in a driver (for example an ioctl of a failed USB adapter) cannot be
-// destroyed. The other buses have published their data. The process ends, and its supervisor
-// restarts it.
+// destroyed. The process ends after the other buses have published; its supervisor restarts it.
 void Bridge::State::abandon(const std::string& bus) {
   log_error(bus, "the bus hangs in its driver and cannot be stopped: the process ends");
   link->close(kLinger);

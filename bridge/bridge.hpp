@@ -28,8 +28,7 @@ class Bridge {
   [[nodiscard]] tl::expected<void, std::string> start(
       const BridgeSpec& spec, const std::function<bool()>& give_up = [] { return false; });
 
-  // Restarts only the buses that differ. After an error, everything runs as before. REQUIRES:
-  // started.
+  // Restarts only the buses that differ; after an error nothing has changed. REQUIRES: started.
   struct Reloaded {
     // Programming sessions that the reload would end: "line/plc by anna (10.0.0.7:51234)". If not
     // empty, nothing was reloaded; try again later.

@@ -71,9 +71,8 @@ void Bridge::State::tell_last_words() {
   tell(standby.actions.last_words(steady_now()));
 }
 
-// At the master, on a DDS thread. If the request has a result that the other member missed, repeats
-// it. Requests that arrive before this bridge has taken over are ignored: the member reports them
-// again.
+// At the master, on a DDS thread. Repeats a result that the other member missed. Ignores requests
+// before this bridge has taken over: the member reports them again.
 void Bridge::State::answer_unknown(const StandbyNote& held) {
   if (!standby.commands.runs() || !standby.actions.runs()) return;
   // A requester numbers its commands and its alarm actions together.

@@ -73,8 +73,7 @@ tl::expected<void, std::string> Bridge::State::restart_program(const BridgeSpec&
   return listening;
 }
 
-// Restarts only the programming server and the changed buses. After an error, those of the previous
-// configuration run again.
+// Restarts only the programming server and the changed buses; after an error, the old ones.
 tl::expected<void, std::string> Bridge::State::exchange_buses(const BridgeSpec& wanted,
                                                               const ReloadPlan& plan) {
   const BridgeSpec before = spec;

@@ -51,8 +51,7 @@ struct Standby {
   // Returns true if seen_answer() or note_result() was called for this request recently.
   [[nodiscard]] bool has_result(const std::string& requester, std::uint64_t request_id);
 
-  // Starts the thread of roles. It calls `look` after each notify(), and again soon while `look`
-  // returns true.
+  // Starts the thread of roles: calls `look` after each notify(), and again while it returns true.
   void start(std::function<bool()> look);
   void notify();
   // Calls `reached` now and after each notify(), until it returns true or `limit` passes; returns

@@ -12,12 +12,10 @@ namespace {
 constexpr Duration kFinish = std::chrono::seconds{1};
 // Samples of a released master arrive within this time or are counted as lost.
 constexpr Duration kLastBlocks = std::chrono::milliseconds{50};
-// Delay after the successor has taken over; then the successor has written everything before this
-// bridge leaves.
+// Delay after the handover, so that the successor has written everything before this one leaves.
 constexpr Duration kAfterHandOver = std::chrono::milliseconds{500};
-// More samples than a master can publish after its successor last received from it. The gap of the
-// term (sequences_of) is larger, except with a master of an earlier version or one of more than
-// 2^32 samples.
+// Exceeds the samples of a master after its successor last received from it. The gap of the term
+// (sequences_of) is larger, except with an earlier version or more than 2^32 samples.
 constexpr std::uint64_t kSequenceMargin = 1024;
 
 std::uint64_t greatest_sequence(const std::map<std::string, FollowedBus>& known) {
@@ -138,8 +136,7 @@ void Bridge::State::leave_group() {
   end_follower();
 }
 
-// Destroys the follower outside the lock: the group's thread takes that lock, and the destructor
-// waits for library threads.
+// Outside the lock: the group's thread takes it, and the destructor waits for library threads.
 void Bridge::State::end_follower() {
   std::unique_ptr<StandbyFollower> ended;
   {
@@ -198,8 +195,7 @@ bool Bridge::State::follow_role() {
   return standby.handing_over || !late_results_done();
 }
 
-// Detects a copied configuration: two members of the same name cannot be distinguished. The first
-// one continues, the second one serves no bus.
+// Detects a copied configuration: of two members with one name, the second one serves no bus.
 void Bridge::State::look_for_namesake() {
   const auto found = guard->namesake();
   const auto host = [&] { return found->claims.host; };
@@ -279,8 +275,7 @@ void Bridge::State::promote() {
   end_follower();
 }
 
-// Another bridge may have been master meanwhile, with sequence numbers greater than those of this
-// one.
+// Another bridge may have been master meanwhile, with greater sequence numbers.
 void Bridge::State::remain_master() {
   standby.term = group->term();
   for (const auto& [name, bus] : buses) {

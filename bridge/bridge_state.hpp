@@ -59,8 +59,7 @@ struct Bridge::State {
   }};
   DialInRegistry modules;  // outlives the buses and the programming server
   program::Server program{program_hooks(), modules};
-  // Guards `store`, which the main thread creates and destroys and other threads use: modules can
-  // connect during a full restart.
+  // Guards `store`: other threads use it, and modules can connect during a full restart.
   std::mutex store_mutex;
   std::unique_ptr<Store> store;           // outlives the sinks of the buses; null without a store
   std::unique_ptr<Authenticator> logins;  // only with a store

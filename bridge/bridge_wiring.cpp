@@ -1,5 +1,4 @@
-// The handlers through which DDS, the programming server, the store and the other bridges call this
-// one.
+// The handlers of DDS, the programming server, the store and the other bridges.
 #include <fmt/format.h>
 
 #include "bridge/bridge_state.hpp"
@@ -137,8 +136,7 @@ void Bridge::State::publish_alarms() {
   });
 }
 
-// Replaces the previous server. A server that cannot listen retries by itself, so neither the start
-// nor a reload fails for it.
+// Replaces the previous server. A server that cannot listen retries; start and reload succeed.
 void Bridge::State::serve_metrics(const BridgeSpec& wanted) {
   metrics.reset();
   if (!wanted.metrics) return;

@@ -90,8 +90,7 @@ void log_overloads(const BridgeSpec& spec) {
                  [](const std::string& bus, const std::string& text) { log_warning(bus, text); });
 }
 
-// Reports what keeps a second master off each wire that may have one; in a standby group, of every
-// bus.
+// Reports the fence of each bus that may have a second master; in a standby group, of every bus.
 template <typename Say, typename Warn>
 void tell_fences(const BridgeSpec& spec, Say say, Warn warn) {
   for (const BusSpec& bus : spec.buses) {

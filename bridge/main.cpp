@@ -1,5 +1,4 @@
-// fieldcast-bridge CONFIG [--check]: polls PLCs on buses, publishes their channels on DDS and runs
-// commands.
+// fieldcast-bridge CONFIG [--check]: polls PLCs, publishes their channels on DDS, runs commands.
 #include <chrono>
 #include <cstdio>
 #include <exception>

@@ -89,8 +89,7 @@ class BoundedQueue {
     return all(lock);
   }
 
-  // For the consumer, between two attempts of its work. Returns true if the queue was closed
-  // meanwhile.
+  // Waits between two attempts of the consumer. Returns true if the queue was closed meanwhile.
   [[nodiscard]] bool pause(std::chrono::nanoseconds time) {
     std::unique_lock lock(mutex_);
     return arrived_.wait_for(lock, time, [this] { return closed_; });

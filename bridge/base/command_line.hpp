@@ -60,8 +60,7 @@ class CommandLine {
   using Take = std::function<std::optional<std::string>(const std::string& text)>;
   Option value(const std::string& names, Take take, const std::string& help);
 
-  // Adds a subcommand, which lives as long as this object. After the first one, a subcommand is
-  // required.
+  // Adds a subcommand, which lives as long as this object. One of them is then required.
   CommandLine& command(const std::string& name, const std::string& description);
   // Allows a call without a subcommand. Call it after the last command().
   void make_commands_optional();

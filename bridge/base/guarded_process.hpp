@@ -5,9 +5,8 @@
 
 namespace fieldcast {
 
-// Disables core dumps of this process and access to its memory by processes of the same user
-// (PR_SET_DUMPABLE, RLIMIT_CORE). Does nothing if the environment has FIELDCAST_CORE_DUMPS=1, for
-// debugging.
+// Disables core dumps and access to the memory by processes of the same user (PR_SET_DUMPABLE,
+// RLIMIT_CORE). Does nothing with FIELDCAST_CORE_DUMPS=1 in the environment, for debugging.
 void guard_memory();
 
 // Returns one line for the log about each protection that is missing, including secrets that may be

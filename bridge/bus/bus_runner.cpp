@@ -35,8 +35,7 @@ namespace asio = boost::asio;
 constexpr Duration kReportPeriod = std::chrono::seconds{1};
 // Of a line that is leased during an exchange.
 constexpr Duration kLongestSettling = std::chrono::seconds{1};
-// Limit between decision and send on a fenced wire: less than what FenceTimes leaves between two
-// masters.
+// Limit from decision to send on a fenced wire: less than FenceTimes leaves between two masters.
 constexpr Duration kLatestSend = std::chrono::milliseconds{20};
 // Minimum, also if the state changes more often.
 constexpr Duration kLeastReportGap = std::chrono::milliseconds{100};
@@ -51,8 +50,7 @@ AnswersUnderWay& answers_under_way() {
   return all;
 }
 
-// A server with one client, or a port with a lock, becomes free without notice when another bridge
-// releases it, so it is tried more often.
+// A server with one client, or a locked port, becomes free without notice: it is tried more often.
 Duration longest_back_off(const BusSpec& spec) {
   const auto fence = fence_of(spec.port);
   const bool taken = fence.is(Fence::kOneClient) || fence.is(Fence::kLock);
@@ -65,8 +63,7 @@ CommandResult shutdown_result(const Command& command, Instant now) {
 
 }  // namespace
 
-// The part on the io thread. process() passes an event and its `now` to the engine and executes the
-// resulting actions in order.
+// Runs on the io thread. process() passes an event to the engine and executes the actions in order.
 class BusRunner::Loop final : public PortListener, public std::enable_shared_from_this<Loop> {
  public:
   Loop(asio::io_context& io, asio::io_context& plans, const BusSpec& spec, BusSink& sink,

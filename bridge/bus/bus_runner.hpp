@@ -40,8 +40,7 @@ struct LeaseRefused {
 
 class BusRunner {
  public:
-  // Limit of commands that wait for the io thread; more are refused. The engine's queue has its own
-  // limit.
+  // Limit of commands that wait for the io thread. The engine's queue has its own limit.
   static constexpr std::size_t kMaxWaiting = 1024;
 
   // `plans`: makes plans, which is too slow for the bus's thread; may end before or after the bus.
@@ -54,8 +53,7 @@ class BusRunner {
   BusRunner(const BusRunner&) = delete;
   BusRunner& operator=(const BusRunner&) = delete;
 
-  // Opens the port, and retries until it opens. Before that, takes over the state `inherited` of
-  // the bridge that served the bus before.
+  // Opens the port, and retries until it opens. First takes over the state `inherited`.
   void start(BusInheritance inherited = {});
 
   // Returns false if too many commands wait (the caller responds kQueueFull). An accepted command
@@ -79,8 +77,7 @@ class BusRunner {
   // the port is then reopened. Has no effect on a lease that was revoked.
   void end_lease(std::uint64_t lease, std::optional<std::string> lost);
 
-  // Last time the io thread ran its report of each second. If older than some seconds, the thread
-  // hangs in a driver.
+  // Last report of the io thread, which reports each second; if old, it hangs in a driver.
   [[nodiscard]] Instant last_turn() const;
 
   // Responds to every pending command with kShutdown, reports the bus as stopped and closes the

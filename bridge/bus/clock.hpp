@@ -1,5 +1,4 @@
-// The clocks of the bridge: the monotonic clock of the engine, and its mapping to UTC for data that
-// leaves the process.
+// Monotonic clock of the engine, and its mapping to UTC for data that leaves the process.
 #pragma once
 
 #include "bridge/dds/topics/utc_mapping.hpp"

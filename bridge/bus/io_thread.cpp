@@ -10,8 +10,7 @@
 namespace fieldcast {
 namespace {
 
-// The kernel may delay a timer by this time to save wake-ups. The default is 50 us, too much for
-// silences of 1.75 ms.
+// Tolerance of the kernel's timers. The default of 50 us is too much for silences of 1.75 ms.
 constexpr unsigned long kTimerSlackNanoseconds = 1000;
 constexpr std::size_t kLongestThreadName = 15;
 

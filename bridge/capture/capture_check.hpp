@@ -17,8 +17,7 @@ struct CaptureRemark {
   std::string what;  // "no such folder: .."
   std::string remedy;
 };
-// Returns at most one remark per bus, in the order of the buses. Buses on one disk share its free
-// space.
+// At most one remark per bus, in the order of the buses. Buses on one disk share its free space.
 [[nodiscard]] std::vector<CaptureRemark> capture_remarks(const BridgeSpec& spec);
 
 }  // namespace fieldcast

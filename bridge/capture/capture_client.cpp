@@ -26,8 +26,7 @@ void CaptureClient::start() {
   read();
 }
 
-// After the request, only the end of the stream is expected: a client ends its capture by closing
-// its side.
+// After the request only the end of the stream is expected, which ends the capture.
 void CaptureClient::read() {
   socket_.async_read_some(
       asio::buffer(buffer_),

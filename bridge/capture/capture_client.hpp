@@ -21,8 +21,7 @@ class CaptureClient final : public CaptureSink, public std::enable_shared_from_t
   static constexpr Duration kRequestLimit = std::chrono::seconds{5};
   static constexpr Duration kEndLimit = std::chrono::seconds{1};  // for unsent data at the end
 
-  // `asked` receives the request and calls answer() or begin(). `gone` is called once, when the
-  // connection is closed.
+  // `asked` receives the request and calls answer() or begin(). `gone` is called once, at the end.
   CaptureClient(Socket socket, std::function<void(CaptureClient&, const std::string&)> asked,
                 std::function<void(CaptureClient&)> gone);
 

@@ -1,5 +1,4 @@
-// The folder of a bus with a permanent capture: file names, existing files and free disk space. Any
-// thread.
+// The folder of a bus with a permanent capture: file names and free disk space. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -22,8 +21,8 @@ namespace fieldcast {
 [[nodiscard]] std::vector<std::string> ring_files_in(const std::string& folder,
                                                      const std::string& bus);
 
-// Returns the free bytes of the folder's disk, for users other than root. The error is one line
-// that begins with the folder.
+// Free bytes of the disk for users other than root. The error is one line that begins with the
+// folder.
 [[nodiscard]] tl::expected<std::uint64_t, std::string> free_bytes_at(const std::string& folder);
 
 }  // namespace fieldcast

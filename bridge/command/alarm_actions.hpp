@@ -18,8 +18,7 @@ class AlarmActions {
   AlarmActions(AlarmTable& alarms, CommandAudit& audit) : alarms_(alarms), audit_(audit) {}
 
   [[nodiscard]] CommandResult take(const AlarmAction& action, const UtcMapping& now);
-  // Another bridge has responded to the action; later copies are duplicates. Returns false if it
-  // already was a duplicate.
+  // Another bridge has responded; later copies are duplicates. Returns false if it already was one.
   bool answered_elsewhere(const std::string& requester, std::uint64_t request_id);
 
  private:

@@ -1,5 +1,5 @@
-// Audit of commands: one entry for each command with its requester and its result, written when the
-// result is known. Any thread.
+// Audit of commands: writes one entry with requester and result when the result is known. Any
+// thread.
 #pragma once
 
 #include <map>
@@ -14,18 +14,15 @@ namespace fieldcast {
 
 class CommandAudit {
  public:
-  // Limit of pending commands. Beyond it, an entry has only the requester and the result, not the
-  // command.
+  // Limit of pending commands; further entries have requester and result, but not the command.
   static constexpr std::size_t kMaxPending = 16384;
 
   // Sets the destination of entries; null: none.
   void open(Audit* audit);
 
-  // Call for each received command. Pass the returned entry to refused(); a copy is kept for
-  // answered().
+  // Call for each received command. Pass the entry to refused(); a copy is kept for answered().
   AuditEntry asked(const std::string& bus, const Command& command);
-  // The command was refused before a bus had it. Its key may be that of another command that still
-  // runs.
+  // Refused before a bus had it. Its key may be that of another command that still runs.
   void refused(AuditEntry asked, const CommandResult& result);
   void answered(const std::string& bus, const CommandResult& result);
   // For requests that get their result immediately.
@@ -39,8 +36,7 @@ class CommandAudit {
   std::map<std::pair<std::string, std::uint64_t>, AuditEntry> pending_;
 };
 
-// Makes the audit entry of a command: what is "write 21.5", target is
-// "press-shop/press-1/setpoint".
+// Entry of a command: what "write 21.5", target "press-shop/press-1/setpoint".
 [[nodiscard]] AuditEntry audit_entry(const std::string& bus, const Command& command);
 
 }  // namespace fieldcast

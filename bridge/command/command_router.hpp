@@ -25,19 +25,16 @@ class CommandRouter {
     // Not all bridges of the group have noted it, or another bridge has begun the command.
     kNotNoted,
   };
-  // Saves the identity of a write so that it survives this process, then calls `kept` once, on any
-  // thread.
+  // Saves the identity of a write permanently, then calls `kept` once, on any thread.
   using Keep = std::function<void(const std::string& bus, const std::string& requester,
                                   std::uint64_t request_id, std::function<void(Identity)> kept)>;
   using Refused = std::function<void(const std::string& bus, const CommandResult& result)>;
 
-  // From now on, a write runs only if its identity is saved and is new; `refused` is called for the
-  // others. A null `keep` switches this off; the owner of `keep` must ensure that no callback
-  // follows.
+  // From now on a write runs only if its identity is saved and is new; otherwise calls `refused`.
+  // Null ends this; the owner of `keep` must ensure that no callback follows.
   void keep_identities(Keep keep, Refused refused);
 
-  // Another bridge has responded to this command; later copies are duplicates. Returns false if it
-  // already was a duplicate.
+  // Another bridge has responded; later copies are duplicates. Returns false if it already was one.
   bool answered_elsewhere(const std::string& requester, std::uint64_t request_id, Instant now);
   // Returns true if answered_elsewhere() was called for this command in the last seconds: the
   // command was still in flight and has its result.
@@ -47,8 +44,7 @@ class CommandRouter {
   void remove(const std::string& bus);
 
   // Returns `std::nullopt` if a bus gets the command; its result follows. Otherwise returns the
-  // result, for example for a duplicate, a full queue or a bus that stops. `late`: the command has
-  // expired already; the text is the reason.
+  // result. `late`: the command has expired already; the text is the reason.
   [[nodiscard]] std::optional<CommandResult> take(const std::string& bus, Command command,
                                                   Instant now, std::string late = {});
 

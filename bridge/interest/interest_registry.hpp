@@ -25,8 +25,7 @@ class InterestRegistry {
  public:
   static constexpr std::chrono::milliseconds kPace{50};
 
-  // `remark` is called on the registry's thread with one log line for each interest that has no
-  // effect.
+  // Calls `remark` on the registry's thread with a log line for each interest without effect.
   explicit InterestRegistry(std::function<void(std::string)> remark);
   ~InterestRegistry();
   InterestRegistry(const InterestRegistry&) = delete;

@@ -32,8 +32,7 @@ class InterestTable {
                                                      const std::string& pattern,
                                                      std::optional<Duration> refresh);
 
-  // Returns the refresh of every on-interest channel that a station is interested in, by the
-  // channel index of the bus.
+  // Returns the refresh of every on-interest channel with an interested station.
   [[nodiscard]] std::map<ChannelIndex, Duration> interests(const BusSpec& bus) const;
 
   struct NewInterest {

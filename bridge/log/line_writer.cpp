@@ -20,9 +20,8 @@
 namespace fieldcast {
 namespace {
 
-// A pipe that poll() reports as writable accepts this many bytes without blocking (PIPE_BUF of
-// Linux, pipe(7)). The thread therefore waits in poll(), where it can be ended, and rarely in
-// write().
+// poll() reports a pipe as writable if this many bytes do not block (PIPE_BUF of Linux, pipe(7)).
+// The thread therefore waits in poll(), where it can be ended, and rarely in write().
 constexpr std::size_t kPiece = 4096;
 constexpr int kPollMilliseconds = 100;  // delay until the thread sees `ending`
 
@@ -43,8 +42,7 @@ struct LineWriter::State {
   bool ending = false;
 
   void run();
-  // Returns the next lines, as many as fit in one piece, after a remark about lines lost before
-  // them.
+  // Returns the next lines that fit in one piece, after a remark about lines lost before them.
   std::string take(std::size_t& lines, std::uint64_t& told);
   [[nodiscard]] bool write(std::string_view text);
   [[nodiscard]] bool is_ending() {

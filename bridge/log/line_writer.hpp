@@ -28,8 +28,7 @@ class LineWriter {
   LineWriter(const LineWriter&) = delete;
   LineWriter& operator=(const LineWriter&) = delete;
 
-  // Switches to this descriptor for unwritten and later lines. Any thread; does not wait for the
-  // previous descriptor.
+  // Unwritten and later lines go to this descriptor. Any thread; does not wait for the old one.
   void reopen(int fd);
 
   // `line` includes its line end. Any thread; never waits.

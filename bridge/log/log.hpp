@@ -34,16 +34,14 @@ inline void log_error(std::string_view subject, std::string_view text) {
   log_line(LogLevel::kError, subject, text);
 }
 
-// For lines that outsiders can cause without limit: the first lines of a kind are written, more are
-// only counted (LineBudget). `kind` is one of a small fixed set of names; the summary contains it:
-// "refused interests".
+// For lines that outsiders can cause without limit: writes the first ones of a kind and counts the
+// rest (LineBudget). `kind` is one of few fixed names, as in the summary: "refused interests".
 void log_counted(LogLevel level, std::string_view subject, std::string_view kind,
                  std::string_view text);
 // Writes the summaries of counted lines; call periodically.
 void log_summaries(Instant now);
 
-// Waits until all earlier lines of log and trace are written, at most until the limit. Lines that
-// are still unwritten then are lost.
+// Waits until all earlier lines are written. Those unwritten after the limit are lost.
 void flush_log(Duration limit);
 
 // Writes one line of the wire trace to stdout:

@@ -25,16 +25,14 @@ class RepeatFilter {
     std::uint64_t suppressed = 0;  // occurrences since the last line that were not logged
   };
   [[nodiscard]] Verdict occurred(const std::string& key, Instant now);
-  // The fault `key` has ended. `log` is true if it had occurred. Its next occurrence is logged
-  // again.
+  // The fault has ended. `log` is true if it had occurred. Its next occurrence is logged again.
   [[nodiscard]] Verdict recovered(const std::string& key);
 
   struct Summary {
     std::string key;
     std::uint64_t suppressed = 0;
   };
-  // Returns the keys with suppressed occurrences whose last line is kSummary old, each once. Call
-  // periodically.
+  // Keys with suppressed occurrences whose last line is kSummary old, each once. Call periodically.
   [[nodiscard]] std::vector<Summary> summaries(Instant now);
 
  private:

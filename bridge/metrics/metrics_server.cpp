@@ -38,8 +38,7 @@ struct Service {
   const MetricsServer::Limits limits;
 };
 
-// A connection of one client, which may send several requests. Closes itself after a fault or a
-// time limit.
+// One client, which may send several requests. Closes itself after a fault or a time limit.
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(tcp::socket socket, const Service& service)

@@ -1,5 +1,4 @@
-// Data of the metrics: the last report of every bus and device, and the counters of the store. An
-// immutable value. Any thread.
+// Metrics of one moment: the last reports and the counters of the store. Immutable. Any thread.
 #pragma once
 
 #include <cstdint>

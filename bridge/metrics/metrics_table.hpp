@@ -1,6 +1,5 @@
-// The last report of every bus and device, for the metrics. Stores immutable copies that a snapshot
-// shares, so the lock is held only to copy pointers. Any thread. Its size is limited by the number
-// of configured buses and devices.
+// Last report of every bus and device, for the metrics, as immutable copies that a snapshot shares:
+// the lock is held only to copy pointers. Any thread. Limited by the number of buses and devices.
 #pragma once
 
 #include <map>

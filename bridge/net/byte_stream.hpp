@@ -38,8 +38,7 @@ class ByteStream {
 
 [[nodiscard]] std::unique_ptr<ByteStream> socket_stream(boost::asio::ip::tcp::socket socket);
 
-// For a socket, a serial line or a pseudo-terminal, non-blocking. Returns null if the descriptor is
-// not usable.
+// For a socket, a serial line or a pseudo-terminal, non-blocking. Null if it is not usable.
 [[nodiscard]] std::unique_ptr<ByteStream> descriptor_stream(boost::asio::io_context& io,
                                                             FileDescriptor descriptor);
 

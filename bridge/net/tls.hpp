@@ -1,6 +1,5 @@
-// TLS server and client (OpenSSL), on one io thread. TLS 1.3, and TLS 1.2 only with ECDHE and AEAD
-// suites. A server may request client certificates; ByteStream::peer_name() then identifies the
-// client.
+// TLS server and client (OpenSSL), on one io thread. TLS 1.3; TLS 1.2 only with ECDHE and AEAD. A
+// server may request client certificates; ByteStream::peer_name() identifies the client.
 #pragma once
 
 #include <functional>
@@ -46,9 +45,8 @@ class TlsServer {
 
 class TlsClient {
  public:
-  // `authorities`: PEM file of the authorities that may sign the bridge's certificate, or that
-  // certificate itself; empty: those of the system. `own`: this client's certificate, if it has
-  // one.
+  // `authorities`: PEM file of the authorities of the bridge's certificate, or that certificate;
+  // empty: those of the system. `own`: this client's certificate, if it has one.
   [[nodiscard]] static tl::expected<std::unique_ptr<TlsClient>, std::string> make(
       const std::string& authorities, const TlsSpec& own = {});
   ~TlsClient();

@@ -112,8 +112,7 @@ class DeviceWatch::Watching : public std::enable_shared_from_this<Watching> {
   }
 
  private:
-  // Repeated after each change, because folders appear and disappear. A folder that is already
-  // watched keeps its watch.
+  // Repeated after each change, because folders appear and disappear. Existing watches stay.
   void watch_folders() {
     for (const std::string& folder : folders_on_the_way(path_))
       ::inotify_add_watch(stream_.native_handle(), folder.c_str(), kEvents);

@@ -20,8 +20,7 @@ namespace fieldcast {
 
 class DeviceWatch {
  public:
-  // Identity of a file. It differs after the adapter was plugged in again, or after udev changed
-  // the owner or the mode.
+  // Identity of a file. Differs after a new plug-in, or after udev changed owner or mode.
   struct Identity {
     dev_t device = 0, number = 0;
     ino_t inode = 0;
@@ -34,8 +33,7 @@ class DeviceWatch {
   // Follows links. Returns `std::nullopt` if there is no file.
   [[nodiscard]] static std::optional<Identity> identity_of(const std::string& path);
 
-  // Delay of the check after a change: udev creates a file, its links and its access rights one
-  // after the other.
+  // Delay after a change: udev creates a file, its links and its access rights one by one.
   static constexpr Duration kSettle = std::chrono::milliseconds{20};
   // Period of the check without inotify (the user's limit of instances is reached).
   static constexpr Duration kCheckPeriod = std::chrono::milliseconds{500};

@@ -54,8 +54,7 @@ class DialInPort::Opening final : public PortOpening {
     opened(std::move(line));
   }
 
-  // Returns the connection to the registry for the next opening. The new connection replaces the
-  // old one, which is usually dead.
+  // Returns the connection to the registry. It replaces the old one, which is usually dead.
   void pass_on(ModuleConnection connection) {
     registry_.release(number_, claim_);
     registry_.pass_on(number_, std::move(connection));

@@ -17,8 +17,7 @@ class DialInPort final : public StreamPort {
 
  private:
   class Opening;
-  // Without a module, the first opening ends immediately in on_closed with that reason; later
-  // openings wait for a module without limit.
+  // Without a module, the first opening ends in on_closed with that reason; later ones wait.
   std::shared_ptr<PortOpening> make_opening(PortListener& listener) override;
 
   boost::asio::io_context& io_;

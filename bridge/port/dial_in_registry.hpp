@@ -20,8 +20,7 @@ namespace fieldcast {
 struct ModuleConnection {
   FileDescriptor socket;
   std::uint64_t arrival = 0;
-  // Has the same lifetime as the socket. The module server uses it to see which modules are
-  // connected.
+  // Has the same lifetime as the socket, so the module server sees which modules are connected.
   std::shared_ptr<void> presence{};
 };
 
@@ -40,12 +39,10 @@ class DialInRegistry {
   };
   void set_keeper(Keeper keeper);
 
-  // Identifies one expectation or claim, so that a bus withdraws only its own: the next bus of the
-  // same number may have started before it ends.
+  // Identifies one expectation or claim: a bus withdraws its own, not that of the next bus.
   using Id = std::uint64_t;
 
-  // Registers a bus for this number until forget(); the latest one counts. A kept module is
-  // assigned to it immediately.
+  // Registers a bus for this number until forget(); the latest one counts. Gets a kept module.
   [[nodiscard]] Id expect(const std::string& number);
   // Removes the registration. A module that waits moves to the keeper, if there is one.
   void forget(const std::string& number, Id id);

@@ -43,20 +43,17 @@ class Port {
   // bytes wait for a blocked line; beyond that the port closes.
   virtual void write(ByteView bytes) = 0;
   // A hint: on_received needs at least this many more characters. The port may sleep for their
-  // transmission time instead of waking for each byte, and then deliver them together. No byte is
-  // lost.
+  // transmission time, and then deliver them together. No byte is lost.
   virtual void expect(std::uint32_t characters) = 0;
   // Immediately delivers bytes that have arrived. Call before a timeout is handled: after a delay
   // of the process, the timer and earlier bytes are seen at the same moment.
   virtual void poll() = 0;
   virtual void close() = 0;
-  // Called when the bus ends: close(), but a dialled-in module stays connected for the next bus of
-  // its number.
+  // The bus ends: close(), but a dialled-in module stays connected for the next bus.
   virtual void retire() { close(); }
 
-  // Leases the line to a programming session: returns a second, non-blocking descriptor for another
-  // thread. Until end_lease(), nothing is delivered and write() must not be called. Invalid if the
-  // port is not open.
+  // Leases the line: returns a second, non-blocking descriptor for another thread; invalid if not
+  // open. Until end_lease(), nothing is delivered and write() must not be called.
   [[nodiscard]] virtual FileDescriptor lease() = 0;
   // Ends the lease: restores the configured settings and drops bytes received meanwhile. No effect
   // unless leased.

@@ -19,17 +19,15 @@ struct LineRemark {
   std::string text;
 };
 
-// Sets raw 8-bit-clean mode with the line's baud rate and format, and drops pending bytes. The
-// error is one human-readable line: not a terminal, or the driver uses other settings than
-// requested.
+// Sets raw mode with the line's baud rate and format, and drops pending bytes. The error is one
+// human-readable line: not a terminal, or the driver uses other settings.
 [[nodiscard]] tl::expected<std::vector<LineRemark>, std::string> set_up_line(
     int fd, const SerialPortSpec& spec);
 
 // A pseudo-terminal ignores format and baud rate, so its remarks need no warning.
 [[nodiscard]] bool is_pseudo_terminal(int fd);
 
-// Changes baud rate and format without loss of bytes in flight. Fails with a human-readable text if
-// the driver refuses.
+// Keeps bytes in flight. Fails with a human-readable text if the driver refuses.
 [[nodiscard]] tl::expected<void, std::string> change_line(int fd, const LineFormat& line);
 
 // Returns the bits of termios' c_cflag for data bits, parity and stop bits.

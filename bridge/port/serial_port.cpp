@@ -83,8 +83,7 @@ class SerialOpening final : public PortOpening {
   }
 
   std::optional<Stream::End> try_open() {
-    // O_NONBLOCK: open must not wait for a carrier, nor read for bytes. O_NOCTTY: the device must
-    // not become the controlling terminal.
+    // O_NONBLOCK: no wait for a carrier or for bytes. O_NOCTTY: not the controlling terminal.
     FileDescriptor fd(::open(spec_.path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
     if (!fd.valid()) return open_fault(spec_.path);
     if (spec_.exclusive) {

@@ -14,8 +14,7 @@ namespace fieldcast {
 // Sets keep-alive and no delay: a peer that vanished is detected within about 20 s, also if nothing
 // is sent. `unacknowledged`: how long bytes may wait for the peer's acknowledgement.
 inline constexpr Duration kUnacknowledged = std::chrono::seconds{10};
-// For a server with one client: while this connection stays open, no other bridge can serve the
-// bus.
+// For a server with one client: until this connection closes, no other bridge can serve the bus.
 inline constexpr Duration kUnacknowledgedByOne = std::chrono::seconds{3};
 void tune_socket(int fd, Duration unacknowledged = kUnacknowledged);
 
@@ -28,9 +27,8 @@ void tune_socket(int fd, Duration unacknowledged = kUnacknowledged);
 // a descriptor that is not a TCP socket.
 [[nodiscard]] bool peer_answers(int fd);
 
-// Number of clients that the peer serves (`fence: one-client`). A peer that serves one client may
-// accept a second connection and close it immediately. It must soon detect that its client has
-// disconnected.
+// Number of clients of the peer (`fence: one-client`). With kOne, it may accept a second connection
+// and close it immediately, and must soon detect that its client has disconnected.
 enum class Clients : std::uint8_t { kMany, kOne };
 
 class SocketStream final : public Stream {

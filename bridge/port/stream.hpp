@@ -39,17 +39,14 @@ class Stream : public std::enable_shared_from_this<Stream> {
   void close();
   [[nodiscard]] FileDescriptor lease();
   void end_lease();
-  // Sleeps this long before the next wait for bytes, instead of waking for each byte. Applies until
-  // the next bytes are delivered.
+  // Sleeps this long before the next wait for bytes. Applies until the next delivery.
   void sleep_for(Duration time) { sleep_ = time; }
 
-  // Ends the stream without closing the descriptor, and returns it. Invalid if the stream has ended
-  // or is leased.
+  // Ends the stream and returns the open descriptor. Invalid if the stream has ended or is leased.
   [[nodiscard]] FileDescriptor release();
   // Closes and notifies the listener.
   void fail(End end);
-  // `companion` is released when the descriptor is closed. After release(), detach() returns it for
-  // the new owner of the descriptor.
+  // Released when the descriptor is closed. After release(), detach() returns it for the new owner.
   void attach(std::shared_ptr<void> companion) { companion_ = std::move(companion); }
   [[nodiscard]] std::shared_ptr<void> detach() { return std::move(companion_); }
 

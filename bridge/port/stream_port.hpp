@@ -9,8 +9,7 @@
 
 namespace fieldcast {
 
-// One opening of a port, from open() to its end. Handlers share ownership; after the end they do
-// nothing.
+// One opening of a port. Handlers share ownership; after the end they do nothing.
 class PortOpening : public std::enable_shared_from_this<PortOpening> {
  public:
   PortOpening(boost::asio::io_context& io, PortListener& listener) : io_(io), listener_(listener) {}

@@ -14,9 +14,8 @@ class Unsent {
 
   explicit Unsent(Kind kind) : kind_(kind) {}
 
-  // Appends bytes to the buffer and writes as many as the descriptor accepts. kBlocked: call again
-  // without bytes when it is writable. kFailed: see errno. kFull: more than Port::kMaxUnsent bytes
-  // would wait.
+  // Appends bytes and writes as many as the descriptor accepts. kBlocked: call again without bytes
+  // when writable. kFailed: see errno. kFull: more than Port::kMaxUnsent bytes would wait.
   Outcome write(int fd, ByteView bytes);
 
  private:

@@ -135,8 +135,7 @@ void AlarmTable::enter(const AlarmRecord& record, UtcTime now) {
   if (!limit) return;
   const AlarmKey alarm{record.bus, record.device, record.channel, *limit};
   const bool began = record.state == to_text(AlarmState::kActive);
-  // Skips an alarm that is already active or already ended, or that its bus raised while the limit
-  // was removed.
+  // Already active or ended, or raised by its bus while the limit was removed.
   if (began ? !book_.raise(alarm, record.value, record.since, now)
             : !book_.clear(alarm, record.value, record.since))
     return;

@@ -24,11 +24,9 @@ class AlarmTable {
 
   // A store will be connected: changes are held until loaded(), and actions of users are refused.
   void expect_store();
-  // Loads the alarms of the previous run. From now on, `sink` stores changes; it must outlive this
-  // use.
+  // Loads the alarms of the previous run. `sink` stores later changes and must outlive that.
   void loaded(AlarmSink& sink, const KeptAlarms& kept);
-  // Loads the alarms that another bridge, which served the bus meanwhile, has written to the same
-  // store.
+  // Loads the alarms that another bridge has written to the same store meanwhile.
   void loaded(const std::string& bus, const KeptAlarms& kept);
   // Adopts the alarms that another bridge of the standby group has published.
   void followed(const std::string& bus, const KeptAlarms& kept);
@@ -43,8 +41,7 @@ class AlarmTable {
   void publish_again(const std::string& bus);
   [[nodiscard]] std::optional<AlarmStatus> status_of(const AlarmKey& alarm) const;
 
-  // Sets the limits. Active alarms of a removed limit of these or the previous buses end now;
-  // returns them as clear.
+  // Sets the limits. Active alarms of removed limits end now and are returned as clear.
   std::vector<AlarmRecord> configure(const std::vector<BusSpec>& buses, UtcTime now);
 
   void note(const AlarmRecord& record);

@@ -24,8 +24,7 @@ class DdsPublisher {
   // The references must outlive this object.
   DdsPublisher(PublisherThread& thread, DdsLink& link, MetricsTable& figures, const BusSpec& bus);
 
-  // Returns true if all samples were written. False: only the block was written; pass the samples
-  // to publish_later().
+  // Returns false if only the block was written; then pass the samples to publish_later().
   [[nodiscard]] bool publish_now(const std::vector<Sample>& samples, const UtcMapping& mapping);
   void publish_later(std::vector<Sample> samples, const UtcMapping& mapping);
 

@@ -206,8 +206,7 @@ Authority::Issued Authority::issued_to(const std::string& name) const {
       take(file);
     } catch (const SecurityError& error) { found.faults.emplace_back(error.what()); }
   }
-  // Also revokes the certificate in the member's folder, in case its copy in `issued` cannot be
-  // read.
+  // Includes the certificate in the member's folder, if its copy in `issued` cannot be read.
   const std::string own = member_folder(name) + '/' + std::string(kIdentity);
   std::error_code none;
   if (found.faults.empty() || !fault_of({MemberRole::kStation, name, {}}).empty() ||

@@ -93,8 +93,7 @@ struct MemberCheck {
 // other programs need another role.
 [[nodiscard]] MemberCheck check_program(const std::string& folder, bool is_bridge, UtcTime now);
 
-// Returns the end of validity of the certificate in a member's folder, or `std::nullopt` if it
-// cannot be read.
+// Validity end of the certificate in a member's folder; `std::nullopt` if it cannot be read.
 [[nodiscard]] std::optional<UtcTime> end_of_member(const std::string& folder);
 
 // "2027-11-22".

@@ -1,5 +1,4 @@
-// The two XML documents of DDS Security (OMG formal/18-04-01, 9.4.1), unsigned. Pure functions; any
-// thread.
+// The two XML documents of DDS Security (OMG formal/18-04-01, 9.4.1), unsigned. Pure.
 #pragma once
 
 #include <cstdint>
@@ -23,8 +22,7 @@ enum class Protection : std::uint8_t {
 // a plant, not even with its own DDS library. Protection of whole submessages would also cover
 // their sequence numbers, but Fast DDS 2.9.1 and Cyclone DDS 0.10.2 do not match with it.
 [[nodiscard]] std::string governance_text(Protection protection);
-// Returns true if the document, signed or not, requires protection of whole messages, as
-// Fieldcast's own documents do.
+// Returns true if the document, signed or not, requires protection of whole messages.
 [[nodiscard]] bool protects_messages(std::string_view governance);
 
 struct Grant {

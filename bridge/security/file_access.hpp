@@ -1,5 +1,4 @@
-// Reads and writes complete files for keys and related data. Throws SecurityError with the path.
-// Any thread.
+// Reads and writes complete key files. Throws SecurityError with the path. Any thread.
 #pragma once
 
 #include <sys/types.h>

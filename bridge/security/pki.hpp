@@ -1,6 +1,5 @@
-// Keys, certificates, signed texts and revocation lists, as PEM texts. Hides OpenSSL's types.
-// Always EC P-256 and SHA-256. Stateless functions; any thread. All throw SecurityError if OpenSSL
-// fails.
+// Keys, certificates, signed texts and revocation lists, as PEM texts; EC P-256 and SHA-256.
+// Stateless functions; any thread. All throw SecurityError if OpenSSL fails.
 #pragma once
 
 #include <stdexcept>
@@ -33,10 +32,9 @@ struct Validity {
 // S/MIME with clear text.
 [[nodiscard]] std::string sign(const Identity& authority, const std::string& text);
 
-// Make an empty list and a list with one more certificate, signed by the authority. A list has no
-// end of validity, because an expired one would lock out all members. The revoked certificates
-// follow the list: DDS libraries read only the list, revoked_subjects() reads the names from the
-// certificates.
+// Make an empty list and a list with one more certificate, signed by the authority, without end of
+// validity: an expired list would lock out all members. The revoked certificates follow the list:
+// DDS libraries read only the list, revoked_subjects() reads the names from the certificates.
 [[nodiscard]] std::string empty_revocations(const Identity& authority, UtcTime now);
 [[nodiscard]] std::string revoke(const Identity& authority, const std::string& list,
                                  const std::string& certificate, UtcTime now);
@@ -56,8 +54,7 @@ struct CertificateFacts {
 // Checks the authority's signature, not the validity period.
 [[nodiscard]] bool is_issued_by(const std::string& authority, const std::string& certificate);
 [[nodiscard]] bool is_key_of(const std::string& key, const std::string& certificate);
-// Returns the text of a signed document, regardless of validity periods; empty if the authority's
-// key did not sign it.
+// Returns the text, regardless of validity periods; empty if not signed by the authority's key.
 [[nodiscard]] std::string verified_text(const std::string& authority,
                                         const std::string& signed_text);
 

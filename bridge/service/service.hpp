@@ -17,8 +17,7 @@ class Service {
   // this time, because a thread may be late on a busy machine.
   static constexpr Duration kLeastStanding = std::chrono::seconds{3};
 
-  // `watchdog`: time without a report after which the manager ends the process; `std::nullopt`
-  // without a watchdog.
+  // `watchdog`: time without a report after which the manager ends the process.
   Service(std::string notify_address, std::optional<Duration> watchdog)
       : socket_(std::move(notify_address)), watchdog_(watchdog) {}
 
@@ -30,8 +29,7 @@ class Service {
   // Returns how long the main thread may sleep, at most `longest`.
   [[nodiscard]] Duration sleep(Duration longest) const;
   [[nodiscard]] bool watched() const { return watchdog_.has_value(); }
-  // Feeds the watchdog if every bus turns. Otherwise logs the bus that hangs, once, and again when
-  // all turn.
+  // Feeds the watchdog if every bus turns. Otherwise logs the hanging bus once, and its recovery.
   void look(const std::vector<BusTurn>& turns, Instant now);
 
  private:

@@ -27,8 +27,7 @@ class Signals {
   Signals(const Signals&) = delete;
   Signals& operator=(const Signals&) = delete;
 
-  // Sets the function that the signal thread calls before it ends the process because a stop takes
-  // too long. Replaces the previous one.
+  // Sets what the signal thread does before it ends the process because a stop takes too long.
   void if_stuck(std::function<void()> last_words);
 
   [[nodiscard]] bool ending() const { return ending_; }

@@ -20,8 +20,7 @@ struct StandingBus {
   Duration standing{};
 };
 
-// Returns the bus whose last turn is the oldest among those older than `limit`; `std::nullopt` if
-// there is none.
+// Returns the bus with the oldest turn before `limit`, or `std::nullopt` if all turn.
 [[nodiscard]] std::optional<StandingBus> standing_bus(const std::vector<BusTurn>& turns,
                                                       Instant now, Duration limit);
 

@@ -48,8 +48,7 @@ class BusClaims {
   // A bridge serves the bus after it has waited this long for bridges that also only wait.
   static constexpr Duration kMostUnserved = std::chrono::seconds{5};
 
-  // `id`: identity of this bridge in DDS, unique in the domain; other bridges are identified the
-  // same way.
+  // `id`: identity of this bridge in DDS, unique in the domain; others have theirs.
   explicit BusClaims(std::string id = {}) : id_(std::move(id)) {}
   void set_id(std::string id) { id_ = std::move(id); }
   void set_group(std::string group) { group_ = std::move(group); }
@@ -59,8 +58,7 @@ class BusClaims {
   // ---- the others
 
   void receive(const std::string& id, BridgeClaims claims);  // replaces the previous claims
-  // The lease of the bridge expired, or the bridge is alive again. No effect if it has not
-  // announced anything yet.
+  // The lease of the bridge expired, or it is alive again. No effect before its announcement.
   void set_alive(const std::string& id, bool alive);
   void forget(const std::string& id);
   // Processes of other bridges on this machine, for set_alive().
@@ -79,12 +77,10 @@ class BusClaims {
 
   // ---- this bridge
 
-  // Sets the wanted buses. The time of a bus counts from its first call; buses that are no longer
-  // listed are released.
+  // Sets the wanted buses. New ones count from `now`; others are released.
   void want(const std::vector<std::string>& buses, UtcTime now);
-  // The bridge that keeps this one from serving a bus, and its claims. For a bus that this bridge
-  // serves: a bridge that serves it as well. `std::nullopt` if there is none. REQUIRES: the bus is
-  // wanted.
+  // The bridge that keeps this one from serving a bus; for a served bus: one that serves it as
+  // well. `std::nullopt` if there is none. REQUIRES: the bus is wanted.
   [[nodiscard]] std::optional<BridgeClaims> rival(const std::string& bus) const;
   // Decides for each wanted bus whether this bridge serves it. Returns true if something changed:
   // the caller announces it. Call it repeatedly, because kMostUnserved depends on the time.

@@ -19,8 +19,7 @@ namespace fieldcast {
 
 class BusGuard {
  public:
-  // Period at which the guard checks whether the processes of other bridges on this machine still
-  // run.
+  // Period of checks whether the processes of other bridges on this machine still run.
   static constexpr Duration kCheckPeriod = std::chrono::milliseconds{500};
 
   struct Handlers {
@@ -33,8 +32,7 @@ class BusGuard {
     std::function<Finding()> finding;  // without the bridges of found() and of the claims
     // Members of the group that were received there.
     std::function<std::vector<std::string>()> members;
-    // Called once on the thread of settle(), if that lasts longer than Settling::kLeast, with what
-    // it waits for.
+    // Called once on the thread of settle(), if that lasts longer than Settling::kLeast.
     std::function<void(const std::string& what)> waits;
     // Called on the thread of settle() when it stops waiting for this number of silent bridges.
     std::function<void(std::size_t bridges)> unheard;
@@ -55,8 +53,7 @@ class BusGuard {
 
   // To be called first. The bridge belongs to a standby group and initially stands by.
   void join_group(const std::string& group, std::int32_t strength);
-  // Sets whether another bridge of the group serves. Announced to the others; changed() is not
-  // called.
+  // Sets whether another bridge of the group serves, and announces it; changed() is not called.
   void stand_by(bool standing_by);
   // Sets the wanted buses. `id` is this bridge's identity in DDS. settle() decides which buses it
   // serves; after settle(), the guard decides by itself.
@@ -65,8 +62,7 @@ class BusGuard {
   // `give_up` returns true, then decides. Call once.
   void settle(const std::function<bool()>& give_up);
   [[nodiscard]] bool serves(const std::string& bus) const;
-  // Returns the bridge that serves a bus in place of this one, human-readable: "bridge 'b' on host
-  // h".
+  // The bridge that serves a bus in place of this one, human-readable: "bridge 'b' on host h".
   [[nodiscard]] std::string rival(const std::string& bus) const;
   // The buses that both this bridge and rival() serve.
   [[nodiscard]] std::set<std::string> contested() const;

@@ -92,8 +92,7 @@ std::uint32_t Election::above_unheard(const Other& other, Instant now) {
       std::min<std::int64_t>(number_of(other.known) + grown, kMostTerms));
 }
 
-// Ensures that the next term has at least this number, and that a new term begins if the present
-// one is lower.
+// The next term has at least this number; starts one if the present term is lower.
 void Election::count_from(std::uint32_t number) {
   if (number_of(greatest_) < number)
     learn(StandbyTerm{std::max(number - 1, number_of(own_.term) + 1)} << 32);

@@ -101,8 +101,7 @@ class Election {
   static constexpr Duration kLease = std::chrono::milliseconds{300};
   // Shorter than the lease: a member that was silent this long may have been replaced.
   static constexpr Duration kDoubt = std::chrono::milliseconds{220};
-  // Listening time of a master in doubt, and of a member that has just become ready; the other
-  // members send meanwhile.
+  // Listening time of a master in doubt, and of a member that just became ready.
   static constexpr Duration kListen = std::chrono::milliseconds{150};
   // Time at the start to discover other members.
   static constexpr Duration kSettle = std::chrono::seconds{1};
@@ -152,8 +151,7 @@ class Election {
   // ---- state
 
   [[nodiscard]] StandbyRole role() const { return own_.role; }
-  // Returns true if the buses belong to this bridge. To be checked before every request and every
-  // published sample.
+  // Returns true if the buses belong to this bridge. Check before each request and sample.
   [[nodiscard]] bool serves(Instant now) const;
   // End of the time that it serves without another on_time(); kLongAgo: it does not serve.
   [[nodiscard]] Instant serves_until() const;

@@ -35,8 +35,7 @@ class HeldCommands {
   static constexpr std::size_t kMost = 16384;
   // After a command's lifespan plus this time, no response of the master is expected.
   static constexpr Duration kLonger = std::chrono::seconds{10};
-  // Commands without a result are reported to the master after this time, and again each time, at
-  // most kMostTold times.
+  // Commands without a result are reported to the master at this period, at most kMostTold times.
   static constexpr Duration kTellAfter = std::chrono::seconds{1};
   static constexpr unsigned kMostTold = 10;
   static constexpr std::size_t kMostAtOnce = 64;
@@ -109,8 +108,7 @@ class HeldCommands {
     const std::lock_guard lock(mutex_);
     return open_ && entries_.empty();
   }
-  // Returns the commands to report now to the master of this term, which may not have received
-  // them.
+  // Returns the commands to report now to the master of this term.
   [[nodiscard]] std::vector<Unanswered> unanswered(std::uint64_t term, Instant now) {
     const std::lock_guard lock(mutex_);
     std::vector<Unanswered> found;
@@ -132,8 +130,7 @@ class HeldCommands {
     return found;
   }
 
-  // Called when this bridge leaves its group. Returns commands that only this member may have
-  // received and that no master has begun.
+  // This bridge leaves its group. Returns commands without a result that no master has begun.
   [[nodiscard]] std::vector<Unanswered> last_words(Instant now) {
     const std::lock_guard lock(mutex_);
     std::vector<Unanswered> found;

@@ -13,8 +13,7 @@ namespace fieldcast {
 // Returns true only if that process would be visible to this one and no longer runs.
 [[nodiscard]] bool has_ended(const std::string& identity);
 
-// Returns a descriptor that becomes readable when the process ends; invalid if the process is not
-// visible to this one.
+// Returns a descriptor that is readable when the process ends; invalid if it is not visible.
 [[nodiscard]] FileDescriptor open_process(const std::string& identity);
 
 [[nodiscard]] std::string own_host_name();  // human-readable

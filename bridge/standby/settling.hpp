@@ -19,8 +19,7 @@ namespace fieldcast {
 struct Finding {
   bool has_servers = false;     // discovery servers are configured
   bool server_answers = false;  // at least one of them
-  // Bridges that were found without a writer, and announced members of the group without a message
-  // of the group.
+  // Bridges found without a writer, and announced members without a message of the group.
   std::size_t unknown = 0;
   std::size_t silent = 0;  // bridges that have not announced what they serve; may be dead
 };
@@ -33,11 +32,9 @@ class Settling {
   // Upper limit in a standby group, for a discovery server and for unknown bridges: a bridge that
   // takes over too early would be a second master.
   static constexpr Duration kMostInGroup = std::chrono::seconds{10};
-  // In a group, the wait after a discovery server has responded; 0.8 s were measured on a busy
-  // machine.
+  // In a group, the wait after the response of a discovery server; 0.8 s were measured under load.
   static constexpr Duration kServer = std::chrono::seconds{2};
-  // In a group, the wait after the last announcement, until that bridge is also received as a
-  // member.
+  // In a group, the wait after the last announcement for the first message as a member.
   static constexpr Duration kMembers = std::chrono::milliseconds{300};
 
   Settling(bool in_group, Instant began) : in_group_(in_group), began_(began) {}

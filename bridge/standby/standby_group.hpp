@@ -25,26 +25,22 @@ namespace fieldcast {
 
 class StandbyGroup {
  public:
-  // Limit of the wait until every member has noted a write. Members that are lost meanwhile are not
-  // waited for.
+  // How long a write waits until every member has noted it; lost members do not count.
   static constexpr Duration kNoteLimit = std::chrono::seconds{1};
 
   struct Handlers {
     std::function<void(const StandbyMessage&)> tell;
     std::function<void(const StandbyNote&)> note;
     std::function<std::vector<StandbyBusFigures>()> figures;
-    // Returns true if readers of samples have matched or requested missing samples since the last
-    // call.
+    // Returns true if readers matched or requested missing samples since the last call.
     std::function<bool()> readers_came;
     std::function<void()> changed;  // The role, or the term as master, has changed. Any thread.
     // A note of the master about a command; on the thread that calls on_note().
     std::function<void(const StandbyNote&)> noted;
-    // A report of a waiting member about a command without a result; same thread. Only while this
-    // bridge is master.
+    // A report of a waiting member about a command without a result; same thread, only as master.
     std::function<void(const StandbyNote&)> held;
   };
-  // `own`: see Election. The group sets `lease`, which must outlive it. `before`: memory of the
-  // previous membership in the same process.
+  // `own`: see Election. The group sets `lease`, which outlives it. `before`: previous membership.
   StandbyGroup(std::string group, const StandbyMember& own, MasterLease& lease, Handlers handlers,
                const Election::Memory& before = {});
   ~StandbyGroup();
@@ -77,8 +73,7 @@ class StandbyGroup {
   // A begun write had no effect; the successor runs it.
   void give_back(const std::string& bus, const std::string& requester, std::uint64_t request_id);
 
-  // As a waiting member: reports to the master that this command has no result. `begun`: a master
-  // has begun it.
+  // As a waiting member: reports a command without a result. `begun`: a master has begun it.
   void tell_held(const std::string& bus, const std::string& requester, std::uint64_t request_id,
                  bool begun);
   // As master: reports to a waiting member that a command it holds has its result.
@@ -96,8 +91,7 @@ class StandbyGroup {
     std::uint64_t behind = 0;         // SampleBlocks of the master not followed yet
     std::vector<std::string> others;  // live members
   };
-  // The last published blocks, if the previous master has released its buses in order;
-  // `std::nullopt` if it was lost.
+  // Last published blocks, if the previous master has released its buses; otherwise `std::nullopt`.
   [[nodiscard]] std::optional<std::vector<StandbyBusFigures>> released_by_other() const;
   [[nodiscard]] View view() const;
   [[nodiscard]] StandbyRole role() const;

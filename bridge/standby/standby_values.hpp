@@ -37,9 +37,8 @@ enum class StandbyNoteKind : std::uint8_t {
 };
 struct StandbyNote {
   std::string group, bridge;
-  // 0: sent not by the master, but by a member that holds the command and has received no result.
-  // kBegun then means that a master had begun it; kReturned means that none has, as far as the
-  // member knows.
+  // 0: sent by a member that holds the command without a result, not by the master. kBegun then
+  // means that a master had begun it; kReturned that none has, as far as the member knows.
   StandbyTerm term = 0;
   std::uint64_t number = 0;  // 0: not one that all members must have
   StandbyNoteKind kind = StandbyNoteKind::kBegun;

@@ -67,8 +67,7 @@ void Authenticator::run(BoundedQueue<Waiting>& queue) {
 void Authenticator::handle(Waiting next, BoundedQueue<Waiting>& queue) {
   if (queue.closed()) return finish(std::move(next), refused(LoginRefused::Why::kUnavailable));
   const LoginAttempt& attempt = next.attempt;
-  // Attempts that were sent together wait here; those after the third wrong one are refused as too
-  // soon.
+  // Attempts that were sent together wait here; those after the third wrong one are too soon.
   const Duration wait = throttled(attempt);
   const LoginResult result =
       wait > Duration{} ? refused(LoginRefused::Why::kTooSoon, wait) : verdict(attempt);

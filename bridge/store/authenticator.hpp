@@ -1,5 +1,4 @@
-// Checks logins, one after the other on its own thread, because the check of a password needs 0.1 s
-// and 64 MiB.
+// Checks logins one after the other on its own thread: a password needs 0.1 s and 64 MiB.
 #pragma once
 
 #include <memory>

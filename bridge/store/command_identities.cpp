@@ -80,8 +80,7 @@ std::vector<CommandIdentities::Verdict> CommandIdentities::commit(const std::deq
   return verdicts;
 }
 
-// Removes more entries than were added since the last removal, so that the table returns to its
-// limits.
+// Removes more entries than were added since the last removal.
 void CommandIdentities::remove_old() {
   since_removal_ = 0;
   connection_->execute(

@@ -20,8 +20,7 @@ namespace fieldcast {
 
 class CommandIdentities {
  public:
-  // As long as the longest effective LIFESPAN (RequestWriters::kLongest); at most the newest
-  // kMaxKept.
+  // The longest effective LIFESPAN (RequestWriters::kLongest); at most the newest kMaxKept.
   static constexpr Duration kKept = std::chrono::hours{24};
   static constexpr std::int64_t kMaxKept = 1'000'000;
   // Limit of commands that wait for the database, and of their wait if it is not available.

@@ -1,5 +1,4 @@
-// PostgreSQL with libpq. Rows are sent as a pipeline, so that a batch needs one round trip instead
-// of one per row.
+// PostgreSQL with libpq. Rows are sent as a pipeline: one round trip per batch.
 #include <libpq-fe.h>
 #include <poll.h>
 
@@ -14,8 +13,7 @@
 namespace fieldcast {
 namespace {
 
-// Rows in one pipeline: few enough that the responses fit in the socket's buffer while libpq still
-// sends.
+// Rows in one pipeline: the responses fit in the socket's buffer while libpq still sends.
 constexpr std::size_t kPipelined = 256;
 
 // Timeout for a server that does not respond: longer than its own statement_timeout, so that its

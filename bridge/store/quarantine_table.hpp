@@ -1,5 +1,4 @@
-// Rows that the database refused, each with the reason; the newest kMaxKept. Everything throws
-// StoreError.
+// Rows that the database refused, with the reason; the newest kMaxKept. Throws StoreError.
 #pragma once
 
 #include <string>

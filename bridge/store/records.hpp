@@ -19,8 +19,7 @@ struct AuditEntry {
   std::string who;
   std::string what;    // "login", "write", "acquire", "program"
   std::string target;  // "press-shop/press-1/running"; empty: the bridge itself
-  // Only of a transmission. Bytes of a command are not counted, because one frame may carry several
-  // commands.
+  // Only of a transmission: several commands may be in one frame.
   std::uint64_t bytes_to_device = 0;
   std::uint64_t bytes_from_device = 0;
   std::string result;  // "done", "refused: wrong password"; one human-readable line
@@ -59,8 +58,7 @@ struct AlarmRecord {
   friend bool operator==(const AlarmRecord&, const AlarmRecord&) = default;
 };
 
-// An entry of the alarm history: a limit was exceeded or is met again, a user acted, or a time
-// expired.
+// An entry of the alarm history: a limit exceeded or met, an action, or an expired time.
 struct AlarmLogEntry {
   std::string bus, device;
   std::string channel, limit;   // empty: all alarms of the device

@@ -47,8 +47,7 @@ std::uint64_t drop_days(SqlConnection& connection, UtcTime before) {
   return dropped;
 }
 
-// Free pages beyond a tenth of the file are returned to the disk, some at a time; fewer are used
-// again soon.
+// Free pages beyond a tenth of the file are returned to the disk, some at a time.
 constexpr std::int64_t kFreeShare = 10;
 constexpr std::int64_t kFreePages = 256;  // the minimum: a megabyte
 constexpr const char* kShrink = "pragma incremental_vacuum(512)";

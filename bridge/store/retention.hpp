@@ -24,8 +24,7 @@ class Retention {
 
   explicit Retention(const StoreSpec& spec) : spec_(spec) {}
 
-  // Does one step if there is work. Returns false if there is none until the next pass. Throws
-  // StoreError.
+  // Does one step. Returns false if there is no work until the next pass. Throws StoreError.
   bool step(SqlConnection& connection, Instant now, UtcTime utc);
 
  private:

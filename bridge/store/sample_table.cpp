@@ -75,8 +75,7 @@ StoredSample sample_of(const StoredChannel& channel) {
           .type = channel.type};
 }
 
-// Columns: published_at, sequence, acquired_at, quality, device_code, value_kind and the columns of
-// the value.
+// published_at, sequence, acquired_at, quality, device_code, value_kind and the value's columns.
 void read(const SqlRow& row, StoredSample& sample) {
   sample.published_at.nanoseconds = integer_at(row, 0);
   sample.sequence = static_cast<std::uint64_t>(integer_at(row, 1));

@@ -70,16 +70,14 @@ class SampleTable {
   // Returns the channels that match the pattern, sorted by name.
   [[nodiscard]] std::vector<StoredChannel> channels(const Pattern& pattern);
   [[nodiscard]] std::optional<StoredChannel> find(const ChannelPath& path);
-  // Reads publication time, quality and value of the samples with from <= published_at < to, in the
-  // order of time, at most `limit`. A text is read as an empty text. Stops if on_number returns
-  // false.
+  // Reads the samples with from <= published_at < to in the order of time, at most `limit`, until
+  // on_number returns false. A text is read as an empty text.
   using OnNumber = std::function<bool(UtcTime at, Quality quality, const Value& value)>;
   void numbers(std::int64_t channel, UtcTime from, UtcTime to, std::int64_t limit,
                const OnNumber& on_number);
 
   [[nodiscard]] std::vector<std::int64_t> channel_ids();
-  // Removes the oldest samples of a channel published before `before`, about `limit` at most.
-  // Returns their number.
+  // Removes the oldest samples before `before`, about `limit` at most. Returns their number.
   std::uint64_t remove_before(std::int64_t channel, UtcTime before, std::uint64_t limit);
   [[nodiscard]] std::optional<UtcTime> oldest(std::int64_t channel);
   // Returns the newest sample, without its value.

@@ -41,8 +41,7 @@ create table audit (
   bytes_to_device bigint not null, bytes_from_device bigint not null, result text not null);
 create index audit_at on audit (at);
 )",
-    // The text of a value depends on its type: a float32 has fewer digits than the double that
-    // stores it.
+    // A float32 is written with fewer digits than the double that stores it.
     "alter table channels add column type text not null default ''",
     R"(
 -- Commands that were taken, noted before they run; request_id as the int64 of the same bits.
@@ -84,8 +83,7 @@ select id, {time at} as at, who, what, target, bytes_to_device, bytes_from_devic
 from audit;
 )",
     // width in seconds, start in nanoseconds (core/base/time.hpp). open_buckets: buckets whose row
-    // in tiers is not written yet. untiered: channels that have samples without tiers, from `next`
-    // on.
+    // is not written yet. untiered: channels that have samples without tiers, from `next` on.
     R"(
 create table tiers (
   width bigint not null, channel bigint not null, start bigint not null,
@@ -169,8 +167,7 @@ select id, {time at} as at, table_name, content, reason, at as at_ns from quaran
 // Text that differs between the two databases, or that several steps repeat.
 struct Phrase {
   std::string_view name;
-  // `{}` is replaced by the argument, for example of `{time s.published_at}`. PostgreSQL: null if
-  // both texts are the same.
+  // `{}` is replaced by the argument, as of `{time s.published_at}`. PostgreSQL: null if the same.
   const char* sqlite;
   const char* postgres;
 };

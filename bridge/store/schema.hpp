@@ -7,9 +7,8 @@
 
 namespace fieldcast {
 
-// Applies the missing steps, each in one transaction; safe if other programs do the same
-// simultaneously. Throws StoreError, for example for a store of a newer program. `store_name` is
-// for messages.
+// Applies the missing steps, each in one transaction, safely also in parallel. Throws StoreError,
+// for example for a store of a newer program. `store_name` is for messages.
 void bring_to_present(SqlConnection& connection, const std::string& store_name);
 
 [[nodiscard]] std::int64_t present_version();

@@ -5,8 +5,7 @@
 namespace fieldcast {
 
 SqlTransaction::SqlTransaction(SqlConnection& connection) : connection_(connection) {
-  // SQLite: a transaction that locks for writing from the start cannot fail half-way with a lock
-  // conflict.
+  // SQLite: locked for writing from the start, it cannot fail half-way with a lock conflict.
   connection_.script(connection_.dialect() == SqlConnection::Dialect::kSqlite ? "begin immediate"
                                                                               : "begin");
 }

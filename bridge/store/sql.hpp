@@ -18,15 +18,13 @@
 
 namespace fieldcast {
 
-// Base of all exceptions of this folder: the error of the database and its place. Contains no
-// secret.
+// Base of all exceptions of this folder: error of the database and place, without secrets.
 class StoreError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-// The database cannot write now: it is not available, read-only, or its disk is full. A later
-// attempt may succeed.
+// The database cannot write now: not available, read-only, or its disk is full.
 class StoreAway : public StoreError {
  public:
   using StoreError::StoreError;
@@ -38,8 +36,7 @@ class StoreTooSlow : public StoreError {
   using StoreError::StoreError;
 };
 
-// The database refuses the values of a row, for example null in a mandatory column. The same row
-// would be refused again.
+// The database refuses the values of a row, for example null in a mandatory column, every time.
 class StoreRowRefused : public StoreError {
  public:
   using StoreError::StoreError;
@@ -93,9 +90,8 @@ class SqlTransaction {
   bool open_ = true;
 };
 
-// Connects, and upgrades the tables to the present version. With kCreate, creates a missing file
-// that only its owner can read. A server that does not respond fails within seconds. Throws
-// StoreError.
+// Connects and upgrades the tables. With kCreate, creates a missing file that only its owner can
+// read. A server that does not respond fails within seconds. Throws StoreError.
 enum class IfMissing : std::uint8_t { kCreate, kFail };
 [[nodiscard]] std::unique_ptr<SqlConnection> open_store(const StoreAddress& address,
                                                         IfMissing missing);

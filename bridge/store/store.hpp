@@ -57,8 +57,7 @@ class Store final : public Audit, public AlarmSink {
   Store(const Store&) = delete;
   Store& operator=(const Store&) = delete;
 
-  // Puts the samples of one bus into the store; maps its channels to the store's. The store must
-  // outlive it.
+  // Puts the samples of one bus into the store, which must outlive it.
   class Intake {
    public:
     // Never blocks for longer than a copy. `at`: time of publication.
@@ -73,10 +72,9 @@ class Store final : public Audit, public AlarmSink {
   };
   [[nodiscard]] std::unique_ptr<Intake> intake(const BusSpec& bus);
 
-  // For samples with names that do not come from a bus of this process. Returns the number of a
-  // channel for put(), valid as long as this object. The `id` is ignored; unit and type are stored
-  // from now on. `std::nullopt` if no pattern of the configuration matches it, or if there are
-  // kMaxChannels already.
+  // For samples with names that do not come from a bus of this process. Returns the channel's
+  // number for put(), valid as long as this object. Ignores `id`; stores unit and type.
+  // `std::nullopt` if no configured pattern matches it, or if there are kMaxChannels already.
   static constexpr std::size_t kMaxChannels = 500'000;
   [[nodiscard]] std::optional<std::int64_t> number_of(const StoredChannel& channel);
   // Puts rows with such numbers. Any thread; never blocks for longer than a copy.

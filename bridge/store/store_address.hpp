@@ -18,8 +18,7 @@ class StoreAddress {
   [[nodiscard]] const std::string& text() const { return text_; }
   // For logs: passwords are shown as ***.
   [[nodiscard]] std::string masked() const;
-  // Returns true if the password contains '/' or '@' unescaped: libpq would parse a part of it as
-  // the host and show it.
+  // True if the password contains '/' or '@' unescaped: libpq would show a part of it as the host.
   [[nodiscard]] bool is_ambiguous() const;
 
  private:

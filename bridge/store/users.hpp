@@ -45,9 +45,8 @@ class Logins {
   static constexpr std::size_t kMaxPasswordBytes = 1024;
 
   virtual ~Logins() = default;
-  // Any thread; never blocks. `done` is called exactly once, within 30 s: immediately if no check
-  // is needed, otherwise on a thread of the logins, where it must only post. Every attempt is
-  // audited.
+  // Any thread; never blocks. `done` is called exactly once within 30 s: immediately, or on a
+  // thread of the logins, where it must only post. Every attempt is audited.
   virtual void authenticate(LoginAttempt attempt, std::function<void(LoginResult)> done) = 0;
 };
 

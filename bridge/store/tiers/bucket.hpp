@@ -15,8 +15,7 @@ namespace fieldcast {
 // nanoseconds since 1970, so that minutes and hours begin as in UTC. REQUIRES: width > 0.
 [[nodiscard]] UtcTime bucket_start(UtcTime at, Duration width);
 
-// Only good samples with a finite number count as good. Texts are not counted; all others are bad.
-// A boolean is 0 or 1.
+// Good: good samples with a finite number (a boolean is 0 or 1). Bad: all others except texts.
 struct Bucket {
   std::int64_t channel = 0;  // the store's number
   UtcTime start;

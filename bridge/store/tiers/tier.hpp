@@ -36,8 +36,7 @@ inline constexpr Duration kTierGrace = std::chrono::seconds{5};
 // Buckets of this width that begin before the returned time are closed at `now`.
 [[nodiscard]] UtcTime closed_before(UtcTime now, Duration width);
 
-// Returns the index of the coarsest tier whose buckets can be combined to buckets of `every`;
-// `std::nullopt`: only samples can.
+// The coarsest tier whose buckets combine to buckets of `every`; `std::nullopt`: only samples.
 [[nodiscard]] std::optional<std::size_t> tier_for(Duration every);
 
 // Returns the shortest round width that divides a span into at most `points` buckets: whole hours,

@@ -17,9 +17,8 @@ class TierHistory {
   TierHistory(SqlConnection& connection, Duration every)
       : samples_(connection), tiers_(connection), every_(every) {}
 
-  // Reads the non-empty buckets of a channel in the order of time. Buckets are complete, also those
-  // that contain `from` and the instant before `to`. Stops if on_bucket returns false, and returns
-  // that.
+  // Reads the non-empty buckets of a channel in order, complete also at `from` and before `to`.
+  // Stops if on_bucket returns false, and returns that.
   using OnBucket = std::function<bool(const Bucket& bucket)>;
   bool read(const StoredChannel& channel, UtcTime from, UtcTime to, const OnBucket& on_bucket);
 
@@ -32,8 +31,7 @@ class TierHistory {
   [[nodiscard]] std::optional<Reach> reach(const StoredChannel& channel);
 
  private:
-  // Reads the rows of tier number `levels` - 1 and, before and after them, those of finer tiers; 0:
-  // samples.
+  // Reads the rows of tier number `levels` - 1, and around them those of finer tiers; 0: samples.
   void read_levels(std::size_t levels, std::int64_t channel, UtcTime from, UtcTime to);
   void read_tier(std::size_t levels, std::int64_t channel, UtcTime from, UtcTime to);
   void read_samples(std::int64_t channel, UtcTime from, UtcTime to);

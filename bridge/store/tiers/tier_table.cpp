@@ -5,8 +5,7 @@
 namespace fieldcast {
 namespace {
 
-// Value of a column that is null if no sample was good, or if a sum overflowed: SQLite cannot store
-// NaN.
+// Null if no sample was good, or if a sum overflowed: SQLite cannot store NaN.
 double number_at(const SqlRow& row, std::size_t column) {
   const auto* real = std::get_if<double>(&row.at(column));
   return real == nullptr ? std::numeric_limits<double>::quiet_NaN() : *real;

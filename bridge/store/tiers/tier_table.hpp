@@ -25,23 +25,19 @@ class TierTable {
   // Inserts rows. An existing row is replaced only by one with more samples: samples never change,
   // so a row with fewer was made after the retention had removed some.
   void put(const Tier& tier, std::span<const Bucket> buckets);
-  // Reads the rows of a channel with from <= start < to, in the order of time. Stops if the
-  // function returns false.
+  // The rows of a channel with from <= start < to, in order, until the function returns false.
   void read(const Tier& tier, std::int64_t channel, UtcTime from, UtcTime to,
             const std::function<bool(const Bucket&)>& on_bucket);
-  // Return the start of the first and the last row of a channel with from <= start < to;
-  // `std::nullopt` if there is none.
+  // Start of the first and the last row with from <= start < to; `std::nullopt` if none.
   [[nodiscard]] std::optional<UtcTime> first(const Tier& tier, std::int64_t channel, UtcTime from,
                                              UtcTime to);
   [[nodiscard]] std::optional<UtcTime> last(const Tier& tier, std::int64_t channel, UtcTime from,
                                             UtcTime to);
-  // Removes the oldest rows of a channel that begin before `before`, about `limit` at most. Returns
-  // their number.
+  // Removes the oldest rows before `before`, about `limit` at most. Returns their number.
   std::uint64_t remove_before(const Tier& tier, std::int64_t channel, UtcTime before,
                               std::uint64_t limit);
 
-  // Notes of buckets with new samples: written together with the samples, removed together with
-  // writing the row.
+  // Notes of buckets with new samples, written with the samples, removed with writing the row.
   void note(const Tier& tier, std::span<const BucketKey> buckets);
   void forget(const Tier& tier, std::span<const BucketKey> buckets);
   // Returns those that begin before `before`, the oldest first.

@@ -18,8 +18,7 @@ namespace fieldcast {
 
 class TierWriter {
  public:
-  // Limits of one step. A bucket is read completely, so the last one may exceed the limit of
-  // samples.
+  // Limits of one step. The last bucket is read completely, beyond the limit of samples.
   static constexpr std::int64_t kSamplesAtOnce = 20'000;
   static constexpr std::int64_t kBucketsAtOnce = 500;
 
