@@ -1,5 +1,5 @@
-// Commands in a standby group: the commands that a waiting member holds, the notes of the master
-// about writes that begin, and the responses to held commands after a master is lost.
+// Commands in a standby group. A waiting member holds them; the master notes which writes begin; a
+// new master responds for a lost one.
 #include "bridge/bridge_state.hpp"
 #include "bridge/bus/clock.hpp"
 
@@ -134,8 +134,8 @@ void Bridge::State::keep_identity(const std::string& bus, const std::string& req
   });
 }
 
-// Returns true if this bridge must not publish the result: the successor runs the command, or it is
-// not known at this moment which bridge is master.
+// Returns true if this bridge must not publish the result: the successor runs the command, or the
+// master is not known at this moment.
 bool Bridge::State::keeps_result(const std::string& bus, const CommandResult& result) {
   standby.answered();
   if (!spec.standby) return false;

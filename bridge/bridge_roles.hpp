@@ -1,5 +1,5 @@
-// Parts of a bridge that belongs to a standby group: the thread that changes its role, the prepared
-// buses, and the commands that are held while another bridge is master. Private to Bridge.
+// Parts of a bridge in a standby group: the thread that changes its role, the prepared buses, and
+// the commands held while another bridge is master. Private to Bridge.
 #pragma once
 
 #include <atomic>

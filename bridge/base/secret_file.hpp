@@ -17,8 +17,8 @@ enum class Readers : std::uint8_t {
 
 inline constexpr std::size_t kMaxSecretFile = 64 * 1024;  // bytes
 
-// Fails with one line that begins with the path if the file cannot be read, if others may read or
-// change it, or if it is not a file.
+// Fails with one line that begins with the path if the file cannot be read, is not a file, or if
+// others may read or change it.
 [[nodiscard]] tl::expected<void, std::string> check_secret_file(const std::string& path,
                                                                 Readers readers);
 // Reads the whole file under the same rule. Checks and reads through one descriptor, so that the

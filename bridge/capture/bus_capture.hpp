@@ -1,5 +1,5 @@
-// Capture of one bus: reads the records of its tap, joins them to frames, encodes each frame as a
-// pcapng block and passes the block to every sink of the bus.
+// Capture of one bus: joins the records of its tap to frames, encodes each frame as a pcapng block
+// and passes it to every sink.
 //
 // Owned by the capture service, on its thread. A sink must live until it is removed.
 #pragma once

@@ -1,7 +1,7 @@
 // Watches a device file with inotify(7) and reports when it appears or is replaced, for example
 // when a USB adapter is plugged in again. Watches every folder on the path to the file and to the
-// targets of its links: /dev/serial/by-id is removed with the last adapter and created again with
-// the next. Lives on its bus's io thread.
+// targets of its links, because /dev/serial/by-id is removed with the last adapter. Lives on its
+// bus's io thread.
 #pragma once
 
 #include <sys/stat.h>

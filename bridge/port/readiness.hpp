@@ -1,6 +1,6 @@
 // Waits until a descriptor is readable or writable; causes no wake-up while no wait is pending.
 //
-// Asio watches a descriptor edge-triggered as soon as it is assigned: a terminal then wakes the
+// Asio watches a descriptor edge-triggered as soon as it is assigned. A terminal then wakes the
 // thread for each burst of bytes, also while a response accumulates. This class uses its own epoll,
 // which is armed for one event at a time and only during a wait.
 //

@@ -1,5 +1,5 @@
-// An open line as a stream of bytes, a terminal or a connected socket: sends, buffers unsent bytes,
-// delivers received bytes, and leases the line to a programming session.
+// An open line, a terminal or a connected socket: sends, buffers unsent bytes, delivers received
+// bytes, and leases the line to a programming session.
 //
 // Owns the descriptor. Lives on its bus's io thread. Pending handlers share ownership and do
 // nothing after the end. Includes Asio; only for ports.

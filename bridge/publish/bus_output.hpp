@@ -32,8 +32,8 @@ class BusOutput final : public BusSink {
   };
   BusOutput(const Shared& shared, const BusSpec& bus);
 
-  // After a takeover from a vanished master, holds bad values until the first good one or `limit`:
-  // another bridge may still use the wire and publish good values. Any thread.
+  // After a takeover from a vanished master, holds bad values until the first good one or `limit`.
+  // Another bridge may still use the wire and publish good values. Any thread.
   void prove_until(Instant limit, Instant now) { hold_.prove_until(limit, now); }
 
   void publish(std::vector<Sample> samples, const UtcMapping& mapping) override;

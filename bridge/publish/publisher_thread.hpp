@@ -27,8 +27,8 @@ class PublisherThread {
   enum class Late { kRun, kDrop };  // whether a task is dropped after drop_from()
   void post(std::function<void()> task, Late late = Late::kRun);
 
-  // From `at` on, tasks with kDrop are dropped, also waiting ones: a bridge that stops does not
-  // publish a long queue of samples whose instances it then disposes. kNever: drops none.
+  // From `at` on, tasks with kDrop are dropped, also waiting ones. A bridge that stops then does
+  // not publish samples whose instances it disposes next. kNever: drops none.
   void drop_from(Instant at) { drop_from_ = at; }
 
   // Returns when all earlier tasks have run. Must not be called in a task.

@@ -1,7 +1,9 @@
-// Holds the samples of a bridge of a standby group that must not be published now: while the master
-// is unknown, while another master uses the wire, and after a takeover until a good value proves
-// that this bridge has the wire. Afterwards the last sample of each channel is published. The
-// engine treats held samples as published and would not repeat that a channel is no longer good.
+// Holds the samples of a bridge of a standby group that must not be published now:
+// - while the master is unknown,
+// - while another master uses the wire,
+// - after a takeover, until a good value proves that this bridge has the wire.
+// Afterwards the last sample of each channel is published. The engine treats held samples as
+// published and would not repeat that a channel is no longer good.
 //
 // Pure; on the bus's thread, except prove_until(). Cannot fail.
 #pragma once

@@ -51,8 +51,7 @@ class Authority {
   // Returns the folder created for the member. A name can be used only once, also after revocation.
   std::string add(const Member& member, UtcTime now, Duration life = kMemberLife);
   // Issues a new certificate and new permissions for the same key and subject. The folder may be
-  // copied over the old one while programs run: they load the new files at their next start, or
-  // when a bridge is reloaded.
+  // copied over the old one while programs run. They load it at their next start or reload.
   void renew(const std::string& name, UtcTime now, Duration life = kMemberLife);
   // Revokes all certificates ever issued to the member, also if its folder no longer exists. Writes
   // the new list to the authority and to the folders of all members. Returns the files that could

@@ -17,9 +17,9 @@ enum class Protection : std::uint8_t {
 };
 
 // Applies to all domains and topics: a participant needs an identity, and its keys protect
-// everything it sends. The content of topics by bus (commands) has a second protection with keys of
-// the writer, which only bridges receive: a station that may read samples cannot forge commands of
-// a plant, not even with its own DDS library. Protection of whole submessages would also cover
+// everything it sends. The content of topics by bus (commands) is also protected with keys of the
+// writer, which only bridges receive. A station that may read samples therefore cannot forge
+// commands, not even with its own DDS library. Protection of whole submessages would also cover
 // their sequence numbers, but Fast DDS 2.9.1 and Cyclone DDS 0.10.2 do not match with it.
 [[nodiscard]] std::string governance_text(Protection protection);
 // Returns true if the document, signed or not, requires protection of whole messages.

@@ -1,6 +1,6 @@
-// The folder of one member, as created by `fieldcast secure add` and named by `dds: { security: DIR
-// }`: its identity, its permissions, and the certificates to check other members. Functions on
-// files; any thread.
+// The folder of one member: its identity, its permissions, and the certificates to check others.
+// `fieldcast secure add` creates it; `dds: { security: DIR }` names it. Functions on files; any
+// thread.
 #pragma once
 
 #include <string>
@@ -29,8 +29,8 @@ inline constexpr std::string_view kMemberFiles[] = {kIdentityCa,  kPermissionsCa
 [[nodiscard]] tl::expected<Member, std::string> member_from(std::string_view text);
 
 // Returns the member of the folder. Fails with a human-readable text if the folder or a file is
-// missing, if users other than the owner (and a group with read access only) can read a key, or if
-// others may change a file or the folder.
+// missing, or if access rights are unsafe: only the owner, and a group for reading, may read a key;
+// only the owner may change a file or the folder.
 [[nodiscard]] tl::expected<Member, std::string> read_member(const std::string& folder);
 
 // "file:///etc/fieldcast/security/identity.pem", the form that DDS requires.

@@ -32,9 +32,10 @@ struct Validity {
 // S/MIME with clear text.
 [[nodiscard]] std::string sign(const Identity& authority, const std::string& text);
 
-// Make an empty list and a list with one more certificate, signed by the authority, without end of
-// validity: an expired list would lock out all members. The revoked certificates follow the list:
-// DDS libraries read only the list, revoked_subjects() reads the names from the certificates.
+// Make an empty list and a list with one more certificate, signed by the authority. A list has no
+// end of validity, because an expired one would lock out all members. The revoked certificates
+// follow the list: DDS libraries read only the list, revoked_subjects() reads the names from the
+// certificates.
 [[nodiscard]] std::string empty_revocations(const Identity& authority, UtcTime now);
 [[nodiscard]] std::string revoke(const Identity& authority, const std::string& list,
                                  const std::string& certificate, UtcTime now);

@@ -1,10 +1,10 @@
 // The subject name of an identity: O=Fieldcast, OU=its role, CN=its name and a number.
 //
-// In DDS Security, the SHA-256 of the subject determines the first six bytes of a participant's
-// GUID (formal/18-04-01, 9.3.3), and both sides of a handshake check that. The GUID of a writer
-// therefore identifies the subject. The participant with the smaller GUID begins the handshake.
-// Fast DDS 2.9 must not begin one with Cyclone DDS (eProsima/Fast-DDS #3802), so the number is
-// chosen such that bridges always have a greater GUID than stations and plants. Pure; any thread.
+// In DDS Security, the first six bytes of a participant's GUID come from the SHA-256 of the subject
+// (formal/18-04-01, 9.3.3); both sides of a handshake check that. The GUID of a writer therefore
+// identifies the subject. The participant with the smaller GUID begins the handshake. Fast DDS 2.9
+// must not begin one with Cyclone DDS (eProsima/Fast-DDS #3802). The number is therefore chosen
+// such that bridges always have a greater GUID than stations and plants. Pure; any thread.
 #pragma once
 
 #include <array>

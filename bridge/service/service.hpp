@@ -14,7 +14,7 @@ namespace fieldcast {
 class Service {
  public:
   // A bus hangs if its thread has not turned for half of the watchdog's limit, but at least for
-  // this time, because a thread may be late on a busy machine.
+  // this time: a thread may be late on a busy machine.
   static constexpr Duration kLeastStanding = std::chrono::seconds{3};
 
   // `watchdog`: time without a report after which the manager ends the process.

@@ -109,7 +109,7 @@ class Election {
   static constexpr Duration kPatience = std::chrono::seconds{1};
   // Time that a successor has to take over; then any member may.
   static constexpr Duration kHandOver = std::chrono::seconds{1};
-  // Unheard members use at most one number per this time: a member takes over at most once per
+  // Unheard members use at most one number per this time. A member takes over at most once per
   // kSettle, and a group has up to kSettle / kTermTime members. See above_unheard() for the bound.
   static constexpr Duration kTermTime = std::chrono::milliseconds{250};
   // Within this time, a member that was cut off together with a reader is received again. A term

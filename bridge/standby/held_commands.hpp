@@ -39,8 +39,8 @@ class HeldCommands {
   static constexpr Duration kTellAfter = std::chrono::seconds{1};
   static constexpr unsigned kMostTold = 10;
   static constexpr std::size_t kMostAtOnce = 64;
-  // The master remembers for this time that a command has its result: a member may have received
-  // the command late, and joined the group after the result.
+  // The master remembers for this time that a command has its result. A member may receive the
+  // command late, and join the group after the result.
   static constexpr Duration kAnswersFor = std::chrono::seconds{30};
   using Key = std::pair<std::string, std::uint64_t>;
 

@@ -1,7 +1,7 @@
 // Decides whether a starting bridge has waited long enough to discover the other bridges of its
-// domain. Discovery normally lasts up to 0.9 s. Behind a discovery server, or with DDS Security on
-// a busy machine, it lasts longer; then there are bridges that were found but have not announced
-// anything yet.
+// domain. Discovery normally lasts up to 0.9 s. It lasts longer behind a discovery server, or with
+// DDS Security on a busy machine. Then there are bridges that were found but have not announced
+// anything.
 //
 // Pure: no thread, no clock, no DDS; one owner. Cannot fail.
 #pragma once

@@ -1,6 +1,6 @@
-// This bridge as a member of its standby group. Runs the election (election.hpp) on its own thread,
-// sends the member's state ten times a second, watches the processes of members on the same kernel,
-// and notes to the group which writes begin.
+// This bridge as a member of its standby group. Runs the election (election.hpp) on its own thread
+// and sends the member's state ten times a second. Watches the processes of members on the same
+// kernel. Notes to the group which writes begin.
 //
 // Any thread may call the functions. Handlers are called on the group's thread unless stated
 // otherwise; they must not block.

@@ -3,8 +3,8 @@
 // Removal of a day drops its table, which is fast for any number of samples. Samples written by an
 // older Fieldcast are in `samples` itself.
 //
-// Inheritance is used instead of declared partitions: an older store is upgraded without reading
-// its samples, and creating or dropping a day does not block readers of other days.
+// Inheritance instead of declared partitions: an older store is upgraded without reading its
+// samples. Creating or dropping a day does not block readers of other days.
 //
 // Everything throws StoreError. One owner, the thread of the connection. SQLite has no days.
 #pragma once

@@ -159,7 +159,7 @@ class SqliteConnection final : public SqlConnection {
 
 // SQLite gives its own files the permissions of the database's: all of them contain hashes of
 // passwords. An existing file is not opened here: closing it would remove the locks of all
-// connections of this process to it (sqlite.org/howtocorrupt.html, 2.2), and another process that
+// connections of this process to it (sqlite.org/howtocorrupt.html, 2.2). Another process that
 // disconnects would then delete the log that is still in use. The mutex prevents that another
 // thread opens a new file before this one has closed it.
 void make_private_file(const std::string& path) {

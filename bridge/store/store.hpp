@@ -3,9 +3,9 @@
 // database is too slow or not available, the queue becomes full; then samples are dropped, counted
 // and logged. Acquisition never waits for the store.
 //
-// Does not use a Worker with a BoundedQueue: samples and events have separate limits, a bus puts
-// all samples of a response under one lock, a batch collects for a while before it is written, and
-// flush() waits until it is written.
+// Does not use a Worker with a BoundedQueue: samples and events have separate limits, and a bus
+// puts all samples of a response under one lock. A batch collects for a while before it is written,
+// and flush() waits until it is written.
 #pragma once
 
 #include <condition_variable>

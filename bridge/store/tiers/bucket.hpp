@@ -11,8 +11,8 @@
 
 namespace fieldcast {
 
-// Returns the start of the bucket of this width that contains `at`: integer division of the
-// nanoseconds since 1970, so that minutes and hours begin as in UTC. REQUIRES: width > 0.
+// Returns the start of the bucket of this width that contains `at`, by integer division of the
+// nanoseconds since 1970: minutes and hours begin as in UTC. REQUIRES: width > 0.
 [[nodiscard]] UtcTime bucket_start(UtcTime at, Duration width);
 
 // Good: good samples with a finite number (a boolean is 0 or 1). Bad: all others except texts.

@@ -22,7 +22,7 @@ class TierTable {
  public:
   explicit TierTable(SqlConnection& connection) : connection_(connection) {}
 
-  // Inserts rows. An existing row is replaced only by one with more samples: samples never change,
+  // Inserts rows. An existing row is replaced only by one with more samples. Samples never change,
   // so a row with fewer was made after the retention had removed some.
   void put(const Tier& tier, std::span<const Bucket> buckets);
   // The rows of a channel with from <= start < to, in order, until the function returns false.
