@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::chrono::milliseconds kLinger{200};
 constexpr std::chrono::milliseconds kPublishLimit{300};  // for samples that wait for DDS
-// How long instances are disposed of when the whole bridge leaves. With 10 000 channels on a busy
-// machine that may take longer: the rest ends with the participant.
+// Time to dispose instances when the whole bridge leaves. 10 000 channels on a busy machine can
+// need longer; the remaining instances end with the participant.
 constexpr std::chrono::milliseconds kDisposeLimit{800};
 constexpr std::chrono::milliseconds kLastWords{300};  // for the log to be written
 
@@ -73,7 +73,7 @@ tl::expected<void, std::string> Bridge::State::start(const BridgeSpec& wanted,
                                                      const std::function<bool()>& give_up) {
   FIELDCAST_CHECK(!link);
   spec = wanted;
-  (void)alarms.configure(spec.buses, read_clocks().utc);  // DDS starts anew, and knows of none
+  (void)alarms.configure(spec.buses, read_clocks().utc);  // DDS restarts without known alarms
   try {
     join();
     captures = std::make_unique<CaptureService>(spec.name);
@@ -106,24 +106,25 @@ tl::expected<void, std::string> Bridge::State::start(const BridgeSpec& wanted,
   return {};
 }
 
-// The order of a shutdown, all of it.
+// The complete order of a shutdown.
 void Bridge::State::stop_all(program::Server::Modules kept, DdsLink::Leave leave) {
   if (!link) return;
   sinks.drop_from(steady_now() + kPublishLimit);
   metrics.reset();
   step = "the engineers are told";
   guard->end();
-  program.stop(kept);  // 0. engineers are told, their devices freed
+  program.stop(kept);  // 0. engineers are notified, their devices released
   logins.reset();
   std::vector<std::string> names;
   for (const auto& [name, bus] : buses) names.push_back(name);
-  stop_buses(names, kDisposeLimit, leave);  // 1.-4. above, all buses at the same time
+  // 1. to 4. in stop_runners() and stop_buses(), for all buses together
+  stop_buses(names, kDisposeLimit, leave);
   captures.reset();
   leave_group();
-  if (identities) identities->close();  // what waited is answered: its bus is gone
+  if (identities) identities->close();  // responds to waiting requests: their bus no longer exists
   step = "the bridge leaves the domain";
-  // 5. the last results reach their readers, then we leave the domain; no handler is called
-  // afterwards.
+  // 5. The last results reach their readers, then the bridge leaves the domain. No handler is
+  //   called afterwards.
   link->close(kLinger, leave);
   alarms.publish_with({});
   sinks.drain();
@@ -142,14 +143,13 @@ void Bridge::State::stop_all(program::Server::Modules kept, DdsLink::Leave leave
     const std::lock_guard lock(store_mutex);
     last.swap(store);
   }
-  last.reset();  // 7. what waits is written
+  last.reset();  // 7. pending data is written
   sinks.drop_from(kNever);
-  interests.forget();  // 8. stations declare their interests again to whoever joins next
+  interests.forget();  // 8. stations declare their interests again to the next bridge
 }
 
-// A bus whose thread hangs in a driver (a USB adapter that died in the middle of an ioctl) cannot
-// be destroyed. The other buses have published what they had; the process ends here, and its
-// supervisor starts it anew.
+// A bus whose thread hangs in a driver (for example an ioctl of a failed USB adapter) cannot be
+// destroyed. The process ends after the other buses have published; its supervisor restarts it.
 void Bridge::State::abandon(const std::string& bus) {
   log_error(bus, "the bus hangs in its driver and cannot be stopped: the process ends");
   link->close(kLinger);

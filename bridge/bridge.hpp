@@ -1,8 +1,7 @@
-// The running bridge: DDS on one side, a runner for each bus on the other, commands and interests
-// routed between them.
+// The running bridge: connects DDS and the buses, and routes commands and interests between them.
 //
-// Owns the io threads, the DdsLink and the runners. The functions are for the main thread; DDS
-// threads enter through the link's handlers only.
+// Owns the io threads, the DdsLink and the bus runners. Call the functions on the main thread. DDS
+// threads enter only through the handlers of the link.
 #pragma once
 
 #include <functional>
@@ -19,35 +18,34 @@ namespace fieldcast {
 class Bridge {
  public:
   Bridge();
-  ~Bridge();  // stop()
+  ~Bridge();
   Bridge(const Bridge&) = delete;
   Bridge& operator=(const Bridge&) = delete;
 
-  // Joins DDS and starts every bus; ports that are missing are waited for. The error is one line:
-  // what DDS refused. With thousands of channels it takes seconds: `give_up` is asked before each
-  // bus, and when it says true no further bus is started.
+  // Joins the DDS domain and starts every bus. A missing port is not an error: its bus waits for
+  // it. Fails with the reason of DDS, one line. With thousands of channels this lasts seconds:
+  // `give_up` is called before each bus, and if it returns true, no further bus is started.
   [[nodiscard]] tl::expected<void, std::string> start(
       const BridgeSpec& spec, const std::function<bool()>& give_up = [] { return false; });
 
-  // Restarts just the buses that differ. On an error everything runs as before. REQUIRES: started.
+  // Restarts only the buses that differ; after an error nothing has changed. REQUIRES: started.
   struct Reloaded {
-    // Sessions of engineers that the reload would end: "line/plc by anna (10.0.0.7:51234)". Then it
-    // is not done, and is to be tried again. Empty: done.
+    // Programming sessions that the reload would end: "line/plc by anna (10.0.0.7:51234)". If not
+    // empty, nothing was reloaded; try again later.
     std::vector<std::string> waits_for;
   };
   [[nodiscard]] tl::expected<Reloaded, std::string> reload(const BridgeSpec& wanted);
 
-  // The wire trace of every bus.
   void set_trace(bool on);
 
-  // When the thread of each bus last turned (BusRunner::last_turn).
+  // Last turn of each bus's io thread (BusRunner::last_turn).
   [[nodiscard]] std::vector<BusTurn> turns() const;
 
-  // Every pending command is answered, every instance disposed. In under two seconds.
+  // Responds to every pending command and disposes every instance, in less than two seconds.
   void stop();
 
-  // For a thread that ends a process whose main thread hangs. busy_with(): what the main thread is
-  // doing. save(): writes what the store was given, as far as the limit allows.
+  // For the thread that ends the process when the main thread hangs. busy_with() returns what the
+  // main thread does. save() writes the pending data of the store, as far as the limit allows.
   [[nodiscard]] std::string busy_with() const;
   void save(Duration limit);
 

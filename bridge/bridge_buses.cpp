@@ -1,4 +1,4 @@
-// The set of buses: which of them this bridge serves, how one starts and how some stop.
+// The set of buses: which buses this bridge serves, how a bus starts and how buses stop.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,11 +12,11 @@
 namespace fieldcast {
 namespace {
 
-// The patience with all buses together, so that a stop ends within two seconds. In turns: a machine
-// that stands still for a while uses up one of them, and no bus is taken for one that hangs.
+// Limit for all buses together, so that a stop ends within two seconds. It is divided into turns: a
+// machine that pauses uses up only one turn, so no bus is wrongly treated as hanging.
 constexpr std::chrono::milliseconds kStopTurn{100};
 constexpr int kStopTurns = 12;
-// How long the readers of all buses that stop may take for their last samples.
+// Time for the readers of all stopping buses to receive the last samples.
 constexpr std::chrono::milliseconds kBusLinger{300};
 constexpr Duration kProve = std::chrono::seconds{3};  // BusOutput::prove_until()
 
@@ -33,7 +33,7 @@ std::vector<std::string> Bridge::State::running(std::vector<std::string> names) 
   return names;
 }
 
-// Those that this bridge serves. Throws DdsError.
+// Starts those of `names` that this bridge serves. Throws DdsError.
 void Bridge::State::start_buses(const std::vector<std::string>& names, const BridgeSpec& from) {
   for (const BusSpec& bus : from.buses) {
     if (std::find(names.begin(), names.end(), bus.name) == names.end()) continue;
@@ -49,7 +49,7 @@ void Bridge::State::start_buses(const std::vector<std::string>& names, const Bri
   }
 }
 
-// What the guard has decided, done: on its thread.
+// Carries out the guard's decision, on the guard's thread.
 bool Bridge::State::follow_guard(const std::set<std::string>& uncontested) {
   const std::unique_lock lock(changing, std::try_to_lock);
   if (!lock) return false;  // the main thread stops or reloads
@@ -80,8 +80,8 @@ bool Bridge::State::follow_guard(const std::set<std::string>& uncontested) {
   return true;
 }
 
-// What people did while another bridge served the bus, if both have the same store. Waits for the
-// database: some seconds at most.
+// Loads the alarm actions of users from the time when another bridge served the bus; both need the
+// same store. Waits for the database, a few seconds at most.
 void Bridge::State::take_over_alarms(const std::string& bus) {
   if (!spec.store) return;
   try {
@@ -113,19 +113,19 @@ RunningBus Bridge::State::make_bus(const BusSpec& bus) {
   return made;
 }
 
-// Throws DdsError, and then nothing of the bus is left.
+// Throws DdsError; nothing of the bus is left then.
 void Bridge::State::start_bus(const BusSpec& bus, const FollowedBus* followed,
                               std::uint64_t margin) {
   FIELDCAST_CHECK(!buses.contains(bus.name));
   auto ready = standby.prepared.extract(bus.name);
   RunningBus made = ready ? std::move(ready.mapped()) : make_bus(bus);
-  commands.add(bus.name,
-               made.runner);  // before the bus is announced: its commands may come at once
+  // Before the bus is announced, because commands can arrive immediately.
+  commands.add(bus.name, made.runner);
   try {
     followed == nullptr ? link->add_bus(bus) : link->take_over_bus(bus, *followed);
   } catch (const DdsError&) {
     commands.remove(bus.name);
-    made.runner->stop().wait();  // answers what came meanwhile
+    made.runner->stop().wait();  // responds to commands that arrived meanwhile
     sinks.drain();
     link->remove_bus(bus.name, Duration::zero());
     figures.remove(bus.name);
@@ -151,10 +151,10 @@ void Bridge::State::stop_runners(const std::vector<std::string>& names) {
   step = "the buses stop";
   std::vector<std::future<void>> stopped;
   for (const std::string& name : names) {
-    program.remove_bus(name);  // nobody asks for its devices any more; a pairing ends with the bus
+    program.remove_bus(name);  // no more requests for its devices; a pairing ends with the bus
     interests.remove(name);
-    commands.remove(name);  // 1. no more commands come in; whoever sends one gets kShutdown
-    // 2. pending commands are answered, the port is closed.
+    commands.remove(name);  // 1. no more commands; later ones get kShutdown
+    // 2. Pending commands get a response, the port is closed.
     stopped.push_back(buses.at(name).runner->stop());
   }
   int turns = kStopTurns;
@@ -165,7 +165,7 @@ void Bridge::State::stop_runners(const std::vector<std::string>& names) {
   }
   for (const std::string& name : names) captures->remove_bus(name);
   step = "the last samples leave";
-  sinks.drain();  // 3. what they posted is published
+  sinks.drain();  // 3. posted samples are published
 }
 
 void Bridge::State::stop_buses(const std::vector<std::string>& names, Duration dispose_limit,
@@ -174,7 +174,7 @@ void Bridge::State::stop_buses(const std::vector<std::string>& names, Duration d
   step = "the buses leave the domain";
   const Instant begun = steady_now(), gone = begun + kBusLinger;
   for (const std::string& name : names) {
-    // 4. stations see the bus go
+    // 4. Stations see that the bus ended.
     const Instant now = steady_now();
     if (leave == DdsLink::Leave::kDispose) {
       link->remove_bus(

@@ -1,19 +1,19 @@
-// Commands of a standby group: what a waiting member holds, what the master tells the group of
-// writes that begin, and who answers what was held when a master is gone.
+// Commands in a standby group. A waiting member holds them; the master notes which writes begin; a
+// new master responds for a lost one.
 #include "bridge/bridge_state.hpp"
 #include "bridge/bus/clock.hpp"
 
 namespace fieldcast {
 namespace {
 
-// Of a command that this bridge does not run. `begun`: by another bridge.
+// Result of a command that this bridge does not run. `begun`: another bridge had started it.
 CommandResult unfinished(const std::string& requester, std::uint64_t request_id, bool begun,
                          Instant now) {
   CommandResult result;
   result.requester = requester;
   result.request_id = request_id;
   result.state = begun ? CommandState::kFailed : CommandState::kRejected;
-  // kRejected with kShutdown is the proof for stations that it did not run: they send it again.
+  // kRejected with kShutdown proves to stations that the command did not run; they send it again.
   result.cause = Cause::kShutdown;
   result.reason = begun ? "the bridge that had begun it is gone; unknown whether it took effect"
                         : "no bridge of the group was master when it came, and it did not reach "
@@ -24,7 +24,7 @@ CommandResult unfinished(const std::string& requester, std::uint64_t request_id,
 
 }  // namespace
 
-// Commands that the old master has not begun.
+// Runs commands that the old master has not started.
 void Bridge::State::run_held() {
   const Instant now = steady_now();
   for (Standby::HeldCommand& held : standby.commands.take_over(now))
@@ -32,7 +32,7 @@ void Bridge::State::run_held() {
   for (const AlarmAction& action : standby.actions.take_over(now)) run_action(action);
 }
 
-// Those that it had begun: their results may still be on their way.
+// Waits for the results of commands that the old master had started; they may still arrive.
 void Bridge::State::finish_begun() {
   (void)standby.wait_until(steady_now() + HeldCommands<Standby::HeldCommand>::kLastWords,
                            [this] { return !standby.commands.waits(); });
@@ -46,7 +46,7 @@ void Bridge::State::finish_begun() {
   }
 }
 
-// At a waiting member: what the master may never have received.
+// At a waiting member: reports held commands that the master may not have received.
 void Bridge::State::tell_held() {
   if (!group) return;
   const StandbyGroup::View view = group->view();
@@ -59,8 +59,8 @@ void Bridge::State::tell_held() {
   tell(standby.actions.unanswered(view.term, steady_now()));
 }
 
-// Of a bridge that has handed over and joins anew: a plant system may have found it before its
-// successor.
+// For a bridge that has handed over and joins again: a plant system may have discovered it before
+// its successor, and sent commands only to it.
 void Bridge::State::tell_last_words() {
   const StandbyGroup::View view = group->view();
   if (view.role != StandbyRole::kWaiting || !view.master) return;
@@ -71,11 +71,11 @@ void Bridge::State::tell_last_words() {
   tell(standby.actions.last_words(steady_now()));
 }
 
-// At the master, on a thread of DDS. What this bridge knows has a result, which the other one has
-// not heard, or will have one; so has what comes before it has taken over, and is told again.
+// At the master, on a DDS thread. Repeats a result that the other member missed. Ignores requests
+// before this bridge has taken over: the member reports them again.
 void Bridge::State::answer_unknown(const StandbyNote& held) {
   if (!standby.commands.runs() || !standby.actions.runs()) return;
-  // A requester counts its commands and its actions on alarms together.
+  // A requester numbers its commands and its alarm actions together.
   const bool command = commands.answered_elsewhere(held.requester, held.request_id, steady_now());
   const bool action = alarm_actions.answered_elsewhere(held.requester, held.request_id);
   if (!command || !action) {
@@ -90,7 +90,7 @@ void Bridge::State::answer_unknown(const StandbyNote& held) {
   answer_held(held.bus, result);
 }
 
-// What another bridge has answered, as its result or the master tells.
+// Handles a response of another bridge, seen as its result or reported by the master.
 void Bridge::State::seen_answer(const std::string& requester, std::uint64_t request_id) {
   standby.seen_answer(requester, request_id);
   commands.answered_elsewhere(requester, request_id, steady_now());
@@ -102,7 +102,7 @@ void Bridge::State::answer_held(const std::string& bus, const CommandResult& res
   link->complete(bus, result, read_clocks());
 }
 
-// `late`: it has expired already, and why.
+// `late`: the command has already expired; the text is the reason.
 void Bridge::State::run_command(const std::string& bus, Command command, std::string late) {
   if (commands.was_answered_elsewhere(command, steady_now())) return;
   const AuditEntry asked = audit.asked(bus, command);
@@ -119,7 +119,7 @@ void Bridge::State::run_action(const AlarmAction& action) {
   link->complete(action.alarm.bus, alarm_actions.take(action, now), now);
 }
 
-// Before a write goes to its bus: all who could answer for it know of it.
+// Before a write is sent to the bus, records it at all members that may have to respond for it.
 void Bridge::State::keep_identity(const std::string& bus, const std::string& requester,
                                   std::uint64_t request_id,
                                   std::function<void(CommandRouter::Identity)> kept) {
@@ -134,8 +134,8 @@ void Bridge::State::keep_identity(const std::string& bus, const std::string& req
   });
 }
 
-// Whether a result stays here: its command runs at the successor, or nobody knows at this moment
-// who is master.
+// Returns true if this bridge must not publish the result: the successor runs the command, or the
+// master is not known at this moment.
 bool Bridge::State::keeps_result(const std::string& bus, const CommandResult& result) {
   standby.answered();
   if (!spec.standby) return false;
@@ -144,12 +144,12 @@ bool Bridge::State::keeps_result(const std::string& bus, const CommandResult& re
     group->give_back(bus, result.requester, result.request_id);
     return true;
   }
-  // Members that cannot hear each other: the one that has the wire answers.
+  // Members that cannot receive each other: the one that uses the wire responds.
   if (result.state == CommandState::kRejected && result.cause == Cause::kForeignMaster) return true;
   return keep_late(bus, result);
 }
 
-// Nobody knows at this moment who is master.
+// Keeps the result while the lease is not held, because the master is then unknown.
 bool Bridge::State::keep_late(const std::string& bus, const CommandResult& result) {
   if (lease.holds()) {
     standby.note_result(result.requester, result.request_id);
@@ -161,7 +161,7 @@ bool Bridge::State::keep_late(const std::string& bus, const CommandResult& resul
   return true;
 }
 
-// Still master: what waited is answered.
+// Publishes the kept results if this bridge is still master.
 void Bridge::State::finish_held() {
   if (!standby.serving || !lease.holds()) return;
   std::vector<std::pair<std::string, CommandResult>> late;

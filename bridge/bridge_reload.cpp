@@ -1,4 +1,4 @@
-// From one configuration to the next while the bridge runs, and back when the next one fails.
+// Changes the configuration of a running bridge, and restores the previous one after a failure.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -28,7 +28,7 @@ std::optional<ChannelIndex> index_of(const BridgeSpec& bridge, const std::string
 
 }  // namespace
 
-// Alarms whose limit is taken away end, while their bus can still publish that.
+// Ends alarms whose limit was removed, while their bus can still publish that.
 void Bridge::State::configure_alarms(const BridgeSpec& from, const BridgeSpec& to) {
   const UtcMapping now = read_clocks();
   for (const AlarmRecord& ended : alarms.configure(to.buses, now.utc)) {
@@ -42,7 +42,7 @@ void Bridge::State::configure_alarms(const BridgeSpec& from, const BridgeSpec& t
   }
 }
 
-// Everything stops and starts. On an error the configuration of before does.
+// Stops and starts everything. After an error, restarts with the previous configuration.
 tl::expected<void, std::string> Bridge::State::start_anew(const BridgeSpec& wanted,
                                                           const ReloadPlan& plan) {
   const BridgeSpec before = spec;
@@ -64,7 +64,7 @@ tl::expected<void, std::string> Bridge::State::start_anew(const BridgeSpec& want
   return tl::make_unexpected(started.error());
 }
 
-// On an error the server of the configuration of before listens again.
+// After an error, restarts the server with the previous configuration.
 tl::expected<void, std::string> Bridge::State::restart_program(const BridgeSpec& wanted) {
   log_info(spec.name, "reloading: the programming server starts anew; modules stay connected");
   program.stop(program::Server::Modules::kKeep);
@@ -73,7 +73,7 @@ tl::expected<void, std::string> Bridge::State::restart_program(const BridgeSpec&
   return listening;
 }
 
-// Just the programming server and the buses that differ. On an error those of before run again.
+// Restarts only the programming server and the changed buses; after an error, the old ones.
 tl::expected<void, std::string> Bridge::State::exchange_buses(const BridgeSpec& wanted,
                                                               const ReloadPlan& plan) {
   const BridgeSpec before = spec;
@@ -109,8 +109,8 @@ tl::expected<void, std::string> Bridge::State::exchange_buses(const BridgeSpec& 
   return {};
 }
 
-// Another bridge of the group serves meanwhile, and this one starts as a standby, with what it has
-// in its folder then: no refresh is missed.
+// Another bridge of the group takes over, so that no refresh is missed. This bridge then restarts
+// as a standby with the files that are in its directory.
 bool Bridge::State::hand_over_for_renewal() {
   if (const auto refused = group->hand_over({})) {
     log_warning(spec.name, "renewed with a gap, as no other bridge takes over: " + *refused);
@@ -124,7 +124,7 @@ tl::expected<Bridge::Reloaded, std::string> Bridge::State::reload(const BridgeSp
   const auto done = [](const tl::expected<void, std::string>& result) {
     return result.map([] { return Reloaded{}; });
   };
-  if (!link) {  // a reload failed before, and so did the way back
+  if (!link) {  // an earlier reload failed, and the previous configuration could not be restored
     return done(start(wanted, program::Server::Modules::kKeep));
   }
   ReloadPlan plan = plan_reload(spec, wanted);
@@ -136,7 +136,7 @@ tl::expected<Bridge::Reloaded, std::string> Bridge::State::reload(const BridgeSp
     waiting.waits_for.push_back(fmt::format("{}/{} by {}", leased.bus, leased.device, leased.who));
   if (!waiting.waits_for.empty()) return waiting;
   if (group && standby.serving && only_renewed && hand_over_for_renewal()) return Reloaded{};
-  // A waiting bridge has nothing that a new start would disturb.
+  // A restart of a waiting bridge disturbs nothing.
   if (group && !standby.serving) return done(start_anew(wanted, plan));
   return done(plan.whole_bridge.empty() ? exchange_buses(wanted, plan) : start_anew(wanted, plan));
 }

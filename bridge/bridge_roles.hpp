@@ -1,6 +1,5 @@
-// What a bridge has because it belongs to a standby group: the thread that changes its role, the
-// buses that are prepared, and the commands that are held while another bridge is master. Private
-// to Bridge.
+// Parts of a bridge in a standby group: the thread that changes its role, the prepared buses, and
+// the commands held while another bridge is master. Private to Bridge.
 #pragma once
 
 #include <atomic>
@@ -27,8 +26,8 @@
 namespace fieldcast {
 
 struct RunningBus {
-  std::unique_ptr<BusOutput> sink;  // outlives the runner, and what it has posted
-  std::unique_ptr<IoThread> io;     // outlives the runner too
+  std::unique_ptr<BusOutput> sink;  // outlives the runner and its posted tasks
+  std::unique_ptr<IoThread> io;     // outlives the runner
   std::shared_ptr<BusRunner> runner;
 };
 
@@ -40,46 +39,47 @@ struct Standby {
 
   ~Standby() { end(); }
 
-  // True: another bridge is master, and will answer it.
+  // Returns true if another bridge is master and will respond to the command.
   [[nodiscard]] bool hold(const std::string& bus, const Command& command);
   [[nodiscard]] bool hold(const AlarmAction& action);
-  // A command that this bridge was to run has its result.
+  // To be called when a command that this bridge runs has its result.
   void answered();
-  // What the group tells of others.
+  // To be called for each response of another bridge that the group reports.
   void seen_answer(const std::string& requester, std::uint64_t request_id);
-  // This bridge tells its result.
+  // To be called when this bridge publishes a result.
   void note_result(const std::string& requester, std::uint64_t request_id);
-  // Either was a moment ago.
+  // Returns true if seen_answer() or note_result() was called for this request recently.
   [[nodiscard]] bool has_result(const std::string& requester, std::uint64_t request_id);
 
-  // The thread of roles: calls `look` when it was notified, and while that says so, soon again.
+  // Starts the thread of roles: calls `look` after each notify(), and again while it returns true.
   void start(std::function<bool()> look);
   void notify();
-  // Asks `reached` now and after each notify(), until `limit`; what it said last. No lock is held
-  // meanwhile.
+  // Calls `reached` now and after each notify(), until it returns true or `limit` passes; returns
+  // its last value. No lock is held during the call.
   [[nodiscard]] bool wait_until(Instant limit, const std::function<bool()>& reached);
   void linger(Duration time);
-  void end();  // a second call has no effect
+  void end();  // may be called twice
 
-  // Under Bridge's `changing`.
+  // Guarded by Bridge's `changing`.
   bool serving = false;  // the buses of the group run here
-  StandbyTerm term = 0;  // in which their samples count
+  StandbyTerm term = 0;  // the term of the samples of these buses
   std::map<std::string, RunningBus, std::less<>> prepared;
 
   HeldCommands<HeldCommand> commands;
   HeldCommands<AlarmAction> actions;
   std::atomic<int> in_hand{0};  // commands that run here and have no result yet
   std::atomic<bool> handing_over = false;
-  Election::Memory remembered;   // of the membership before this one, ..
+  Election::Memory remembered;   // of the previous membership ..
   std::string remembered_group;  // .. in this group
-  std::string shadowed;          // why it must not be master: another one has its name; empty: none
-  bool has_namesake = false;     // which is not to be master
-  std::string said_not_ready;    // in the log
-  std::atomic<bool> leaving = false;       // the bridge stops
-  std::atomic<bool> readers_came = false;  // or asked for what they lack
-  std::mutex follower_mutex;               // the follower, while it is made or ended
+  // Why it must not become master: a bridge of the same name was first; empty if none.
+  std::string shadowed;
+  bool has_namesake = false;   // a bridge of the same name exists, which must not become master
+  std::string said_not_ready;  // the last reason in the log
+  std::atomic<bool> leaving = false;
+  std::atomic<bool> readers_came = false;  // readers matched or requested missing data
+  std::mutex follower_mutex;               // guards the creation and the end of the follower
   std::mutex late_mutex;
-  // Results that came while the lease did not hold.
+  // Results that arrived while the lease was not held.
   std::vector<std::pair<std::string, CommandResult>> late;
 
  private:

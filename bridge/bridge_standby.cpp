@@ -1,4 +1,4 @@
-// A bridge of a standby group: what it prepares, how it takes over, and how it lets go.
+// A bridge of a standby group: how it prepares, takes over and releases its buses.
 #include <fmt/format.h>
 
 #include "bridge/bridge_state.hpp"
@@ -8,14 +8,14 @@
 namespace fieldcast {
 namespace {
 
-// How long a master that hands over waits for the commands that run.
+// Limit for a master that hands over, to wait for running commands.
 constexpr Duration kFinish = std::chrono::seconds{1};
-// What a master that has let go had published arrives within this time, or is counted as lost.
+// Samples of a released master arrive within this time or are counted as lost.
 constexpr Duration kLastBlocks = std::chrono::milliseconds{50};
-// After its successor has taken over, so that it has written everything when this bridge leaves.
+// Delay after the handover, so that the successor has written everything before this one leaves.
 constexpr Duration kAfterHandOver = std::chrono::milliseconds{500};
-// More than a master can have published since its successor has heard of it. The term leaves out
-// more (sequences_of), but for a master of an earlier version, or one of more than 2^32 samples.
+// Exceeds the samples of a master after its successor last received from it. The gap of the term
+// (sequences_of) is larger, except with an earlier version or more than 2^32 samples.
 constexpr std::uint64_t kSequenceMargin = 1024;
 
 std::uint64_t greatest_sequence(const std::map<std::string, FollowedBus>& known) {
@@ -88,7 +88,6 @@ void Bridge::State::stand_alone() {
   (void)standby.actions.take_over(steady_now());
 }
 
-// Somebody wants another master.
 void Bridge::State::on_request(const StandbyRequest& request) {
   if (group->role() != StandbyRole::kMaster) return;
   const auto refused = group->hand_over(request.bridge);
@@ -98,13 +97,13 @@ void Bridge::State::on_request(const StandbyRequest& request) {
   log_info(spec.name, fmt::format("handed over, as {} wants", who));
 }
 
-// Everything that takes time is done before this bridge is master.
+// Does every slow step before this bridge becomes master.
 void Bridge::State::prepare_bus(const BusSpec& bus) {
   standby.prepared.emplace(bus.name, make_bus(bus));
   link->prepare_bus(bus);
 }
 
-// At the start, for longer than usual.
+// To be called at the start, if the wait is longer than usual.
 void Bridge::State::say_waits_for(const std::string& what) {
   const Duration most = spec.standby ? Settling::kMostInGroup : Settling::kMost;
   log_info(spec.name, fmt::format("serves nothing yet, and waits for {}; at most {} in all", what,
@@ -122,7 +121,7 @@ void Bridge::State::say_unheard(std::size_t bridges) {
 
 void Bridge::State::take_part() {
   standby.shadowed = "it has not looked";
-  look_for_namesake();  // says that it is ready
+  look_for_namesake();  // reports that it is ready
   log_info(spec.name, fmt::format("stands by in group {}, with strength {}", spec.standby->group,
                                   spec.standby->strength));
   standby.start([this] { return follow_role(); });
@@ -137,7 +136,7 @@ void Bridge::State::leave_group() {
   end_follower();
 }
 
-// Not under the lock that the group's thread takes, as it waits for threads of the library.
+// Outside the lock: the group's thread takes it, and the destructor waits for library threads.
 void Bridge::State::end_follower() {
   std::unique_ptr<StandbyFollower> ended;
   {
@@ -146,8 +145,8 @@ void Bridge::State::end_follower() {
   }
 }
 
-// On the main thread, before the stop. True: another bridge of the group serves the buses, and
-// nothing of them is to be disposed of.
+// Runs on the main thread, before the stop. Returns true if another bridge of the group serves the
+// buses; their instances must then not be disposed.
 bool Bridge::State::hand_over_before_stop() {
   standby.leaving = true;
   standby.notify();
@@ -167,12 +166,12 @@ bool Bridge::State::hand_over_before_stop() {
   return replaced;
 }
 
-// On the thread of roles. True: it is to be called again soon.
+// Runs on the thread of roles. Returns true if it must be called again soon.
 bool Bridge::State::follow_role() {
   const std::unique_lock lock(changing, std::try_to_lock);
   if (!lock) return true;  // the main thread stops or reloads
   if (standby.leaving && !standby.serving) return false;
-  if (!link) {  // it could not start again
+  if (!link) {  // the last restart failed
     start_as_standby();
     return false;
   }
@@ -196,8 +195,7 @@ bool Bridge::State::follow_role() {
   return standby.handing_over || !late_results_done();
 }
 
-// A file that was copied: two members of one name take each other for themselves. The one that was
-// there first goes on, the other one serves nothing.
+// Detects a copied configuration: of two members with one name, the second one serves no bus.
 void Bridge::State::look_for_namesake() {
   const auto found = guard->namesake();
   const auto host = [&] { return found->claims.host; };
@@ -219,7 +217,7 @@ void Bridge::State::look_for_namesake() {
   standby.has_namesake = besides;
 }
 
-// That this bridge cannot take over is told when it is so, not when it is needed.
+// Reports as soon as this bridge cannot take over, not only when a takeover is needed.
 void Bridge::State::say_not_ready() {
   if (!group || standby.serving || standby.handing_over) return;
   std::string why = group->view().not_ready;
@@ -251,7 +249,7 @@ void Bridge::State::promote() {
     FollowedBus& followed = known[bus.name];
     const bool goes_on = followed.epoch != 0;
     if (!guard->serves(bus.name)) {
-      start_buses({bus.name}, spec);  // says why not
+      start_buses({bus.name}, spec);  // logs the reason
       continue;
     }
     try {
@@ -277,7 +275,7 @@ void Bridge::State::promote() {
   end_follower();
 }
 
-// Another one may have been master meanwhile, with numbers greater than those of this one.
+// Another bridge may have been master meanwhile, with greater sequence numbers.
 void Bridge::State::remain_master() {
   standby.term = group->term();
   for (const auto& [name, bus] : buses) {
@@ -290,7 +288,7 @@ void Bridge::State::remain_master() {
                           spec.standby->group, number_of(standby.term)));
 }
 
-// A common store knows more than what was published; a file of this host knows less.
+// A shared store has more than the published data; a file on this host has less.
 void Bridge::State::take_over_followed_alarms(const std::vector<std::string>& taken,
                                               const std::vector<StationAlarmStatus>& followed) {
   const bool common = spec.store && spec.store->address.starts_with("postgres");
@@ -309,10 +307,10 @@ void Bridge::State::take_over_followed_alarms(const std::vector<std::string>& ta
   }
 }
 
-// In order: what runs ends, then the buses are let go of.
+// In order: running commands end, then the buses are released.
 void Bridge::State::release() {
   standby.handing_over = true;
-  standby.commands.stand_by();  // what comes now is the successor's
+  standby.commands.stand_by();  // new commands belong to the successor
   standby.actions.stand_by();
   (void)standby.wait_until(steady_now() + kFinish, [this] { return standby.in_hand == 0; });
   std::vector<std::string> names;
@@ -323,7 +321,7 @@ void Bridge::State::release() {
   log_info(spec.name, "has let go of its buses for another bridge of the group");
 }
 
-// Another bridge is master, of a later term.
+// Another bridge is master, with a later term.
 void Bridge::State::step_back() {
   log_warning(spec.name,
               fmt::format("steps back: {} is master of group {}",
@@ -335,7 +333,7 @@ void Bridge::State::step_back() {
   standby.serving = false;
 }
 
-// Everything begins anew, without disposing of what another bridge serves by now.
+// Restarts everything without disposing the instances that another bridge now serves.
 void Bridge::State::start_as_standby() {
   const BridgeSpec same = spec;
   standby.serving = false;

@@ -1,11 +1,11 @@
-// What a running bridge is made of, and in which order its parts end. Private to Bridge; its
-// functions are in five files: start and stop, wiring, the set of buses, reload, standby.
+// The members of a running bridge, in the reverse order of their destruction. Private to Bridge.
+// The functions are in five files: start and stop, wiring, the set of buses, reload, standby.
 //
-// Owns everything that Bridge owns. The functions run on the main thread, which holds `changing`;
-// follow_guard() runs on the guard's thread and takes `changing` itself, and so does follow_role()
-// on that of the roles. DDS threads and those of the programming server enter through the handlers
-// that the wiring makes. join(), start_buses() and start_bus() throw DdsError where DDS refuses;
-// start() and reload() return it as one line.
+// Owns everything that Bridge owns. The functions run on the main thread, which holds `changing`.
+// follow_guard() runs on the guard's thread and follow_role() on the thread of roles; both lock
+// `changing` themselves. DDS threads and threads of the programming server enter through the
+// handlers of bridge_wiring.cpp. join(), start_buses() and start_bus() throw DdsError; start() and
+// reload() return its text.
 #pragma once
 
 #include <atomic>
@@ -52,39 +52,40 @@ struct Bridge::State {
   bool trace = false;
   CommandAudit audit;
   CommandRouter commands;
-  AlarmTable alarms;  // outlives the store's use of it, and the sinks
+  AlarmTable alarms;  // outlives the sinks and its use by the store
   AlarmActions alarm_actions{alarms, audit};
   InterestRegistry interests{[](const std::string& text) {
     log_counted(LogLevel::kInfo, "dds", "interests that change nothing", text);
   }};
   DialInRegistry modules;  // outlives the buses and the programming server
   program::Server program{program_hooks(), modules};
-  // The store is made and ended on the main thread, and used on others too: modules may come while
-  // the whole bridge starts anew.
+  // Guards `store`: other threads use it, and modules can connect during a full restart.
   std::mutex store_mutex;
-  std::unique_ptr<Store> store;  // outlives the sinks of the buses; null: nothing is stored
-  std::unique_ptr<Authenticator> logins;          // with a store only
-  std::unique_ptr<CommandIdentities> identities;  // with a store only; closed before the link
+  std::unique_ptr<Store> store;           // outlives the sinks of the buses; null without a store
+  std::unique_ptr<Authenticator> logins;  // only with a store
+  std::unique_ptr<CommandIdentities> identities;  // only with a store; closed before the link
   MetricsTable figures;                           // outlives the sinks
-  MasterLease lease;                              // the same; of a bridge that stands alone: holds
+  MasterLease lease;  // outlives the sinks; always held by a bridge without a group
   Standby standby;
   IoThread plans{"plans"};
-  std::unique_ptr<CaptureService> captures;  // while the bridge runs
+  std::unique_ptr<CaptureService> captures;  // exists while the bridge runs
   std::map<std::string, RunningBus, std::less<>> buses;
   PublisherThread sinks;
-  std::set<std::string> contested;  // buses, as the log says; of the guard's thread
-  std::unique_ptr<BusGuard> guard;  // outlives the link; its thread ends before the buses do
-  std::unique_ptr<DdsLink> link;    // its handlers enter the members above: closed before they end
-  std::unique_ptr<MetricsServer> metrics;  // with `metrics` only; ends before what it reads
-  // In a standby group only; they use the link, and end before it does.
+  // Contested buses that are already in the log; used by the guard's thread.
+  std::set<std::string> contested;
+  std::unique_ptr<BusGuard> guard;  // outlives the link; its thread ends before the buses
+  std::unique_ptr<DdsLink> link;  // its handlers use the members above, so it is closed before them
+  // Only with `metrics`; destroyed before the data that it reads.
+  std::unique_ptr<MetricsServer> metrics;
+  // Only in a standby group. They use the link and are destroyed before it.
   std::unique_ptr<StandbyChannel> channel;
-  std::unique_ptr<StandbyFollower> follower;  // while another bridge of the group is master
+  std::unique_ptr<StandbyFollower> follower;  // exists while another bridge of the group is master
   std::unique_ptr<StandbyGroup> group;
 
-  std::atomic<const char*> step = "starting";  // what the main thread is doing
-  std::mutex changing;  // held while the set of buses changes, on the main thread or the guard's
+  std::atomic<const char*> step = "starting";  // what the main thread does now
+  std::mutex changing;                         // held while the set of buses changes
 
-  // bridge.cpp. `kept`: what becomes of modules that are connected when it fails, or at the stop.
+  // bridge.cpp. `kept`: what happens to connected modules if the start fails, or at the stop.
   [[nodiscard]] tl::expected<void, std::string> start(
       const BridgeSpec& wanted, program::Server::Modules kept,
       const std::function<bool()>& give_up = [] { return false; });

@@ -1,5 +1,4 @@
-// Who calls whom: the handlers through which DDS, the programming server, the store and the other
-// bridges enter this one.
+// The handlers of DDS, the programming server, the store and the other bridges.
 #include <fmt/format.h>
 
 #include "bridge/bridge_state.hpp"
@@ -19,7 +18,7 @@ program::Hooks Bridge::State::program_hooks() {
             fmt::format("the role {} may not program", to_text(*result))});
     };
   };
-  // Without a store the authority of the certificates says who is an engineer.
+  // Without a store, the certificate authority decides which users are engineers.
   hooks.certified = [this, verdict](std::string user, std::string address,
                                     std::function<void(program::LoginAnswer)> done) {
     if (!logins) return done({true, ""});
@@ -124,7 +123,7 @@ void Bridge::State::keep_identities() {
       });
 }
 
-// What is told when the task runs is what is known then: of two changes the later is published.
+// The task reads the status when it runs, so the last of several changes is published.
 void Bridge::State::publish_alarms() {
   alarms.publish_with([this](const AlarmKey& alarm) {
     sinks.post([this, alarm] {
@@ -137,8 +136,7 @@ void Bridge::State::publish_alarms() {
   });
 }
 
-// In place of the server of before. One that cannot listen tries again by itself: neither the start
-// nor a reload fails for it.
+// Replaces the previous server. A server that cannot listen retries; start and reload succeed.
 void Bridge::State::serve_metrics(const BridgeSpec& wanted) {
   metrics.reset();
   if (!wanted.metrics) return;

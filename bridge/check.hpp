@@ -1,5 +1,4 @@
-// An assertion that stays on in every build: a broken rule of our own ends the process, with file
-// and line.
+// An assertion in every build: a violated internal rule ends the process with file and line.
 #pragma once
 
 #include <poll.h>
@@ -11,7 +10,7 @@
 
 namespace fieldcast {
 
-// Says what is broken, if standard error takes it soon, and ends the process.
+// Writes the rule to standard error if writable within 100 ms, and ends the process.
 [[noreturn]] inline void end_for_broken_rule(const char* file, int line, const char* condition) {
   char text[512];
   const int size =

@@ -30,11 +30,11 @@
 namespace fieldcast {
 namespace {
 
-// Between two summaries of counted lines.
+// Time between two summaries of counted lines.
 constexpr Duration kHousekeeping = std::chrono::seconds{10};
 constexpr Duration kLastWords = std::chrono::milliseconds{300};  // for the log to be written
 
-// What the library says may be about what anybody in the domain sends.
+// Counted, because messages of the library can be caused by any sender in the domain.
 void log_library(bool error, std::string_view kind, std::string_view text) {
   if (kind == kSecurityLine)
     return error ? log_error("security", text) : log_warning("security", text);
@@ -42,7 +42,7 @@ void log_library(bool error, std::string_view kind, std::string_view text) {
               fmt::format("messages of {}", kind), text);
 }
 
-// A library or a driver hangs, and the stop with it.
+// Ends the process when a library or a driver hangs and blocks the stop.
 void last_words(Bridge& bridge) {
   log_error("bridge", fmt::format("not stopped within {}, while {}: the process ends",
                                   to_text(Signals::kEndLimit), bridge.busy_with()));
@@ -62,7 +62,7 @@ std::string summary(const BridgeSpec& spec) {
   return text;
 }
 
-// Buses that will not keep their refreshes, and what to do: told where a configuration is taken up.
+// Reports buses that cannot keep their refresh times, and the remedy. Used at start and reload.
 template <typename Tell>
 void tell_overloads(const BridgeSpec& spec, Tell tell) {
   for (const BusSpec& bus : spec.buses) {
@@ -71,9 +71,9 @@ void tell_overloads(const BridgeSpec& spec, Tell tell) {
   }
 }
 
-constexpr std::size_t kOverlapsTold = 20;  // of a bus; the others are counted
+constexpr std::size_t kOverlapsTold = 20;  // per bus; the rest is only counted
 
-// Channels that read the same items as different things: told by --check.
+// Reports channels that read the same items as different types. Used by --check.
 template <typename Tell>
 void tell_overlaps(const BridgeSpec& spec, Tell tell) {
   for (const BusSpec& bus : spec.buses) {
@@ -90,7 +90,7 @@ void log_overloads(const BridgeSpec& spec) {
                  [](const std::string& bus, const std::string& text) { log_warning(bus, text); });
 }
 
-// What keeps a second master off each wire, where there may be one: of a standby group all buses.
+// Reports the fence of each bus that may have a second master; in a standby group, of every bus.
 template <typename Say, typename Warn>
 void tell_fences(const BridgeSpec& spec, Say say, Warn warn) {
   for (const BusSpec& bus : spec.buses) {
@@ -109,12 +109,10 @@ void log_fences(const BridgeSpec& spec) {
       [](const std::string& bus, const std::string& text) { log_warning(bus, text); });
 }
 
-// What is wrong with how the bridge would join, or will be soon.
 JoinCheck check_joining(const BridgeSpec& spec) {
   return check_joining(spec.dds, true, read_clocks().utc);
 }
 
-// Who may enter by the programming port.
 template <typename Tell>
 void tell_access(const ProgramSpec& spec, Tell tell) {
   if (spec.engineers) tell(program::to_text(*spec.engineers));
@@ -132,7 +130,7 @@ void log_faults(const std::vector<config::Fault>& faults) {
   for (const config::Fault& fault : faults) log_error("configuration", config::to_text(fault));
 }
 
-// A reload, and while engineers are at devices that it would take away, its waiting for them.
+// A reload, including its wait while engineers use devices that it would restart.
 class Reloader {
  public:
   static constexpr Duration kTryAgain = std::chrono::milliseconds{250};
@@ -140,14 +138,14 @@ class Reloader {
   static constexpr Duration kGiveUp = std::chrono::hours{1};
   static constexpr const char* kRefused = "not reloaded: the old configuration goes on running";
 
-  // `running`: buses_text() of what the bridge has begun with.
+  // `running`: buses_text() of the configuration that the bridge started with.
   Reloader(Bridge& bridge, IdentityWatch& identity, std::string path, std::string running)
       : bridge_(bridge),
         identity_(identity),
         path_(std::move(path)),
         running_(std::move(running)) {}
 
-  // The file as it is now; a reload that still waits is forgotten.
+  // Loads the file again; a reload that still waits is dropped.
   void begin() {
     wanted_.reset();
     refused_ = false;
@@ -172,7 +170,6 @@ class Reloader {
     go_on();
   }
   [[nodiscard]] bool waits() const { return wanted_.has_value(); }
-  // What runs, for the service manager.
   [[nodiscard]] std::string status() const {
     if (refused_) return running_ + "; the last reload was refused, the log says why";
     return waits() ? running_ + "; a reload waits for the end of programming" : running_;
@@ -213,8 +210,8 @@ class Reloader {
   IdentityWatch& identity_;
   const std::string path_;
   std::string running_;
-  std::optional<BridgeSpec> wanted_;  // while it waits
-  bool refused_ = false;              // the file of the last reload does not run
+  std::optional<BridgeSpec> wanted_;  // set while the reload waits
+  bool refused_ = false;              // the last reload was refused
   Instant begun_{}, say_at_{};
 };
 

@@ -1,4 +1,4 @@
-// The life of fieldcast-bridge: start, signals, stop. Main thread.
+// The daemon fieldcast-bridge: start, signals, stop. Main thread.
 #pragma once
 
 #include <string>
@@ -8,15 +8,15 @@
 namespace fieldcast {
 
 struct DaemonOptions {
-  std::string configuration;  // path
-  bool trace = false;         // wire trace from the start
+  std::string configuration;
+  bool trace = false;
 };
 
-// Prints every fault of the file, or a summary of what it configures.
+// Prints every fault of the file, or a summary of the configuration.
 [[nodiscard]] ExitCode check_configuration(const std::string& path);
 
-// Runs until SIGTERM or SIGINT. SIGHUP reloads the file, SIGUSR1 switches the wire trace on and
-// off. REQUIRES: no other thread runs yet, since signals are blocked in all that follow.
+// Runs until SIGTERM or SIGINT. SIGHUP reloads the file; SIGUSR1 switches the wire trace. REQUIRES:
+// no other thread runs yet, because only threads created later inherit the signal mask.
 [[nodiscard]] ExitCode run_daemon(const DaemonOptions& options);
 
 }  // namespace fieldcast

@@ -1,5 +1,4 @@
-// fieldcast-bridge CONFIG [--check]: reads PLCs on buses, publishes their channels on DDS, carries
-// commands back.
+// fieldcast-bridge CONFIG [--check]: polls PLCs, publishes their channels on DDS, runs commands.
 #include <chrono>
 #include <cstdio>
 #include <exception>

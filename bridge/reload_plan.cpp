@@ -33,7 +33,7 @@ std::vector<std::string> changes_of_all(const BridgeSpec& running, const BridgeS
   return changes;
 }
 
-// A capture begins and ends while its bus runs.
+// A capture starts and ends without a restart of its bus.
 bool same_but_capture(const BusSpec& running, BusSpec wanted) {
   wanted.capture = running.capture;
   return running == wanted;
@@ -66,7 +66,7 @@ ReloadPlan plan_reload(const BridgeSpec& running, const BridgeSpec& wanted) {
 std::vector<program::LeasedDevice> disturbed_by(const ReloadPlan& plan, const BridgeSpec& wanted,
                                                 const std::vector<program::LeasedDevice>& leased) {
   if (!plan.whole_bridge.empty() || plan.program) return leased;
-  // A module without a bus that is to have one.
+  // A module without a bus gets one.
   const auto begins = [&](const std::string& number) {
     return std::any_of(wanted.buses.begin(), wanted.buses.end(), [&](const BusSpec& bus) {
       const auto* dial_in = std::get_if<DialInPortSpec>(&bus.port);

@@ -1,12 +1,12 @@
-// For the beginning of main(): a write that cannot be done is an error of that write, never the
-// death of the process. Standard C++, so that every program of ours may use it.
+// For the start of main(): a failed write returns an error and never ends the process. Uses only
+// standard C++, so that every program can include it.
 #pragma once
 
 #include <csignal>
 
 namespace fieldcast {
 
-// A pipe that nobody reads any more gives EPIPE, a file beyond its limit (RLIMIT_FSIZE) EFBIG.
+// A pipe without a reader then fails with EPIPE, a file at its limit (RLIMIT_FSIZE) with EFBIG.
 inline void make_writes_fail_not_kill() {
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);

@@ -1,5 +1,5 @@
-// What threads hand to one thread: a queue with a limit. What happens at the limit is the caller's
-// choice by the function with which it puts: refuse, wait, or drop the oldest.
+// Queue with a limit, from any number of threads to one thread. The put function decides what
+// happens at the limit: refuse, wait, or drop the oldest item.
 //
 // Any thread may put; one thread takes. No call holds the lock for longer than a move.
 #pragma once
@@ -24,7 +24,7 @@ class BoundedQueue {
   BoundedQueue(const BoundedQueue&) = delete;
   BoundedQueue& operator=(const BoundedQueue&) = delete;
 
-  // False, and the item stays the caller's, when the queue is full or closed.
+  // Returns false if the queue is full or closed; the item then stays with the caller.
   [[nodiscard]] bool try_put(Item& item) {
     {
       const std::lock_guard lock(mutex_);
@@ -35,7 +35,6 @@ class BoundedQueue {
     return true;
   }
 
-  // Waits while the queue is full.
   void put(Item item) {
     {
       std::unique_lock lock(mutex_);
@@ -45,7 +44,7 @@ class BoundedQueue {
     arrived_.notify_one();
   }
 
-  // Drops and counts the oldest item when the queue is full.
+  // Drops and counts the oldest item if the queue is full.
   void put_newest(Item item) {
     {
       const std::lock_guard lock(mutex_);
@@ -58,7 +57,7 @@ class BoundedQueue {
     arrived_.notify_one();
   }
 
-  // The next item; waits for it. Nothing: the queue is closed and empty.
+  // Waits for the next item. Returns `std::nullopt` if the queue is closed and empty.
   [[nodiscard]] std::optional<Item> take() {
     std::optional<Item> item;
     {
@@ -72,32 +71,31 @@ class BoundedQueue {
     return item;
   }
 
-  // Everything that came; waits for something. Empty: the queue is closed and empty.
+  // Waits for at least one item and returns all. Empty if the queue is closed and empty.
   [[nodiscard]] std::deque<Item> take_all() {
     std::unique_lock lock(mutex_);
     arrived_.wait(lock, [this] { return closed_ || !items_.empty(); });
     return all(lock);
   }
-  // As above, and empty when the deadline passes.
+  // As above; also empty if the deadline passes.
   [[nodiscard]] std::deque<Item> take_all(Clock::time_point deadline) {
     std::unique_lock lock(mutex_);
     arrived_.wait_until(lock, deadline, [this] { return closed_ || !items_.empty(); });
     return all(lock);
   }
-  // What is there now.
+  // Returns the present items without waiting.
   [[nodiscard]] std::deque<Item> take_present() {
     std::unique_lock lock(mutex_);
     return all(lock);
   }
 
-  // For the thread that takes, between two tries of its work: true when the queue was closed in
-  // the meantime.
+  // Waits between two attempts of the consumer. Returns true if the queue was closed meanwhile.
   [[nodiscard]] bool pause(std::chrono::nanoseconds time) {
     std::unique_lock lock(mutex_);
     return arrived_.wait_for(lock, time, [this] { return closed_; });
   }
 
-  // Nothing waits in take() any more; try_put() refuses. What is in the queue stays there.
+  // Wakes the consumer; afterwards try_put() refuses. Items stay in the queue.
   void close() {
     {
       const std::lock_guard lock(mutex_);

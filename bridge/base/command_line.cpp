@@ -8,7 +8,7 @@
 namespace fieldcast {
 
 struct CommandLine::State {
-  std::unique_ptr<CLI::App> root;  // of the program; nothing: a subcommand
+  std::unique_ptr<CLI::App> root;  // null for a subcommand
   CLI::App* app = nullptr;
   std::vector<std::unique_ptr<CommandLine>> commands;
 };

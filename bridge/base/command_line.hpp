@@ -1,7 +1,7 @@
-// A program's command line: options and subcommands that fill variables of the caller. CLI11 does
-// the work; only command_line.cpp includes it.
+// Command line of a program: options and subcommands that fill variables of the caller. Uses CLI11;
+// only command_line.cpp includes it.
 //
-// Describe everything, then call parse() once. The variables must live until then. Main thread.
+// Add all options, then call parse() once. The variables must live until then. Main thread.
 #pragma once
 
 #include <cstdint>
@@ -24,24 +24,25 @@ class CommandLine {
   CommandLine(const CommandLine&) = delete;
   CommandLine& operator=(const CommandLine&) = delete;
 
-  // An option or an argument that was described; refers to the CommandLine.
+  // An option or argument that was added. Valid as long as the CommandLine.
   class Option {
    public:
     const Option& required() const;
-    const Option& show_default() const;   // in the help: the present value of its variable
-    const Option& existing_file() const;  // its text must name a file that is there
+    const Option& show_default() const;  // shows the present value of the variable in the help
+    const Option& existing_file() const;
     const Option& needs(std::string_view other) const;
     const Option& excludes(std::string_view other) const;
-    const Option& one_each() const;  // of texts: one behind each name, which may be said again
+    // For texts: one value after each name; the name may be repeated.
+    const Option& one_each() const;
 
    private:
     friend class CommandLine;
     Option(CommandLine& owner, void* option) : owner_(&owner), option_(option) {}
     CommandLine* owner_;
-    void* option_;  // CLI::Option
+    void* option_;
   };
 
-  // `names`: "--json", or "PATTERN" for an argument that has no name on the command line.
+  // `names`: "--json", or "PATTERN" for a positional argument.
   Option flag(const std::string& names, bool& target, const std::string& help);
   Option text(const std::string& names, std::string& target, const std::string& help);
   Option texts(const std::string& names, std::vector<std::string>& target, const std::string& help);
@@ -50,20 +51,20 @@ class CommandLine {
                 std::uint32_t most, const std::string& help);
   Option number(const std::string& names, std::optional<std::uint32_t>& target, std::uint32_t least,
                 std::uint32_t most, const std::string& help);
-  // A number without a unit is seconds, as scripts have it.
+  // A number without a unit means seconds, as in scripts.
   Option duration(const std::string& names, Duration& target, Duration least,
                   const std::string& help);
   Option duration(const std::string& names, std::optional<Duration>& target, Duration least,
                   const std::string& help);
-  // Any other value: `take` says what is wrong with a text, or nothing.
+  // An option of any other type: `take` returns the error of a text, or `std::nullopt`.
   using Take = std::function<std::optional<std::string>(const std::string& text)>;
   Option value(const std::string& names, Take take, const std::string& help);
 
-  // A subcommand; lives as long as this one. The first one makes a subcommand necessary.
+  // Adds a subcommand, which lives as long as this object. One of them is then required.
   CommandLine& command(const std::string& name, const std::string& description);
-  // Without one of its subcommands it has a meaning too. After the last command().
+  // Allows a call without a subcommand. Call it after the last command().
   void make_commands_optional();
-  // Runs after the options were read, if this (sub)command was given. A fault ends the parse.
+  // Called after the options were parsed, if this (sub)command was given. A fault ends the parse.
   struct Fault {
     std::string option, what;
   };
@@ -71,16 +72,14 @@ class CommandLine {
 
   void set_footer(const std::string& text);
 
-  // What there is to say instead of a run: help and version (not a fault), or what is wrong.
+  // Text to print instead of a run: help or version (no fault), or the error.
   struct Ended {
     bool fault = false;
     std::string text;
   };
   [[nodiscard]] std::optional<Ended> parse(int argc, const char* const* argv);
 
-  // The longest duration that an option takes.
   static constexpr Duration kLongest = std::chrono::hours{24 * 365};
-  // The shortest that is not 0.
   static constexpr Duration kShortest = std::chrono::microseconds{1};
 
  private:

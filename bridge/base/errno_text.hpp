@@ -1,4 +1,4 @@
-// The words of the system for an error number, from any thread (strerror() need not be safe).
+// The system's text of an error number. Any thread (strerror() need not be thread-safe).
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Owns one file descriptor. Movable, not copyable; any thread, one at a time.
+// Owns one file descriptor. Movable, not copyable. Used by one thread at a time.
 #pragma once
 
 #include <unistd.h>

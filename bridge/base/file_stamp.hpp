@@ -1,4 +1,4 @@
-// Tells whether a file has changed since it was looked at last. A value; any thread.
+// Identity, size and change time of a file, to detect that it has changed. A value; any thread.
 #pragma once
 
 #include <sys/stat.h>
@@ -11,7 +11,7 @@ namespace fieldcast {
 struct FileStamp {
   dev_t device = 0;
   ino_t inode = 0;
-  off_t size = -1;  // there is no such file
+  off_t size = -1;  // -1 if the file does not exist
   std::int64_t changed_ns = 0;
   friend bool operator==(const FileStamp&, const FileStamp&) = default;
 

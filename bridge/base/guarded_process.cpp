@@ -11,7 +11,7 @@
 namespace fieldcast {
 namespace {
 
-// The leak check of a sanitizer traces its own process, which it then may not.
+// The leak check of a sanitizer traces its own process, which needs PR_SET_DUMPABLE.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool kTraced = true;
 #else
@@ -27,8 +27,8 @@ bool dumps_are_wanted() {
 
 void guard_memory() {
   if (dumps_are_wanted()) return;
-  // A pipe in core_pattern is not held by the limit, and a file is not held by the flag alone where
-  // fs.suid_dumpable is set.
+  // The limit does not stop a core dump to a pipe in core_pattern. The flag alone does not stop one
+  // to a file if fs.suid_dumpable is set.
   const rlimit none{0, 0};
   (void)::setrlimit(RLIMIT_CORE, &none);
   if (!kTraced) (void)::prctl(PR_SET_DUMPABLE, 0, 0, 0, 0);

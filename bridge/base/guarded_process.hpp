@@ -1,17 +1,16 @@
-// The memory of a process that holds secrets. Called once at the start of main().
+// Protects the memory of a process that holds secrets. Call once at the start of main().
 #pragma once
 
 #include <string>
 
 namespace fieldcast {
 
-// No core dump is written of this process, and no process of the same user reads its memory
-// (PR_SET_DUMPABLE, RLIMIT_CORE). With FIELDCAST_CORE_DUMPS=1 in its environment nothing changes,
-// for those who look for a fault.
+// Disables core dumps and access to the memory by processes of the same user (PR_SET_DUMPABLE,
+// RLIMIT_CORE). Does nothing with FIELDCAST_CORE_DUMPS=1 in the environment, for debugging.
 void guard_memory();
 
-// What of this does not hold, in one line for a log; empty: all of it does. Sees too whether
-// secrets are kept out of swap.
+// Returns one line for the log about each protection that is missing, including secrets that may be
+// swapped; empty if all are active.
 [[nodiscard]] std::string unguarded_memory();
 
 }  // namespace fieldcast

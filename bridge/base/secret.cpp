@@ -11,7 +11,7 @@ namespace fieldcast {
 namespace {
 
 void start_sodium() {
-  static const int started = sodium_init();  // any number of times, from any thread
+  static const int started = sodium_init();  // may be called repeatedly, from any thread
   FIELDCAST_CHECK(started >= 0);
 }
 
@@ -39,7 +39,7 @@ bool same_bytes(std::string_view a, std::string_view b) {
 }
 
 void wipe(std::string& text) {
-  // What a text that was longer has left behind its end too.
+  // Also overwrites what a longer text has left behind the end.
   text.resize(text.capacity());
   sodium_memzero(text.data(), text.size());
   text.clear();
@@ -48,10 +48,10 @@ void wipe(std::string& text) {
 bool secrets_are_locked() {
   start_sodium();
   static const bool locked = [] {
-    constexpr std::size_t kTrial = 16 * 4096;  // some secrets, each with a page of its own
+    constexpr std::size_t kTrial = 16 * 4096;  // several secrets, each on its own pages
     void* memory = sodium_malloc(kTrial);
     if (memory == nullptr) return false;
-    // A second time, since sodium_malloc() does not say whether it could.
+    // sodium_malloc() does not report whether it locked the memory, so this locks it again.
     const bool can = sodium_mlock(memory, kTrial) == 0;
     sodium_free(memory);
     return can;

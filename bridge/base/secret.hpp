@@ -1,9 +1,8 @@
-// A password, a shared secret or a key in memory that is not written to swap, is left out of core
-// dumps and is overwritten at its end (libsodium). Copies share the one text, which never changes.
-// Any thread.
+// A password, shared secret or key in memory that is locked (not swapped), excluded from core dumps
+// and overwritten when released (libsodium). Copies share one immutable text. Any thread.
 //
-// Where the limit of locked memory (RLIMIT_MEMLOCK) is too small the text is kept all the same, but
-// may be written to swap; secrets_are_locked() tells.
+// If the limit of locked memory (RLIMIT_MEMLOCK) is too small, the text is stored anyway but may be
+// swapped; secrets_are_locked() returns false then.
 #pragma once
 
 #include <memory>
@@ -16,10 +15,10 @@ class Secret {
  public:
   Secret() = default;
   explicit Secret(std::string_view text);
-  // Leaves nothing of it in `text`.
+  // Overwrites and empties `text`.
   [[nodiscard]] static Secret taken_from(std::string& text);
 
-  // Valid as long as a copy of this lives.
+  // Valid as long as any copy of this object lives.
   [[nodiscard]] std::string_view text() const { return {text_.get(), size_}; }
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] bool empty() const { return size_ == 0; }
@@ -29,13 +28,13 @@ class Secret {
   std::size_t size_ = 0;
 };
 
-// In a time that depends on the length alone.
+// Compares in a time that depends only on the length.
 [[nodiscard]] bool same_bytes(std::string_view a, std::string_view b);
 
-// Overwrites a text that held a secret, and empties it.
+// Overwrites and empties a text that held a secret.
 void wipe(std::string& text);
 
-// False: this process may not lock memory, or not enough of it.
+// Returns false if this process may not lock memory, or not enough of it.
 [[nodiscard]] bool secrets_are_locked();
 
 }  // namespace fieldcast

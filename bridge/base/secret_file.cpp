@@ -18,7 +18,6 @@ tl::unexpected<std::string> fault(const std::string& path, std::string_view what
   return tl::unexpected(fmt::format("{}: {}", path, what));
 }
 
-// An open descriptor of a file that keeps the rule.
 tl::expected<FileDescriptor, std::string> opened(const std::string& path, Readers readers) {
   FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY));
   if (!file.valid()) return fault(path, fmt::format("cannot be read: {}", errno_text(errno)));
@@ -44,7 +43,7 @@ tl::expected<Secret, std::string> read_secret_file(const std::string& path, Read
   const auto file = opened(path, readers);
   if (!file) return tl::unexpected(file.error());
   std::string text;
-  text.reserve(kMaxSecretFile + 1);  // never moved, so that no copy is left behind
+  text.reserve(kMaxSecretFile + 1);  // no reallocation, which would leave a copy behind
   std::array<char, 1024> part;
   ssize_t size = 0;
   while ((size = ::read(file->get(), part.data(), part.size())) > 0 &&

@@ -1,5 +1,5 @@
-// Files that hold a secret: passwords, shared secrets, private keys. One rule for all of them: who
-// is neither the owner nor root must not read them. Any thread.
+// Files that hold a secret: passwords, shared secrets, private keys. Only the owner and root, and
+// with kOwnerAndGroup the group, may have permission to read them. Any thread.
 #pragma once
 
 #include <string>
@@ -9,23 +9,23 @@
 
 namespace fieldcast {
 
-// Who may read such a file besides its owner.
+// Who may read the file, in addition to root.
 enum class Readers : std::uint8_t {
-  kOwner,          // nobody: the password of a person
-  kOwnerAndGroup,  // its group: a file of root that a service's group reads
+  kOwner,          // only the owner: the password of a person
+  kOwnerAndGroup,  // also the group: a file of root that a service's group reads
 };
 
 inline constexpr std::size_t kMaxSecretFile = 64 * 1024;  // bytes
 
-// Nothing, or why the file is not taken, in one line that begins with the path: it cannot be read,
-// others may read or change it, it is no file.
+// Fails with one line that begins with the path if the file cannot be read, is not a file, or if
+// others may read or change it.
 [[nodiscard]] tl::expected<void, std::string> check_secret_file(const std::string& path,
                                                                 Readers readers);
-// The whole file, by the same rule; checked and read by one descriptor, so that nobody changes it
-// in between. A pipe counts as a file.
+// Reads the whole file under the same rule. Checks and reads through one descriptor, so that the
+// file cannot be replaced in between. A pipe is accepted.
 [[nodiscard]] tl::expected<Secret, std::string> read_secret_file(const std::string& path,
                                                                  Readers readers);
-// Its first line, without the end of the line. The error also when that line is empty.
+// Reads the first line, without the line end. Also fails if that line is empty.
 [[nodiscard]] tl::expected<Secret, std::string> read_secret_line(const std::string& path,
                                                                  Readers readers);
 

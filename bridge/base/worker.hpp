@@ -1,7 +1,6 @@
-// A thread with a name and a bounded queue of its own: the form of every thread that takes work
-// from others.
+// A named thread with its own bounded queue: the form of every thread that gets work from others.
 //
-// The work runs on the worker's thread. The owner closes the worker before what the work uses goes.
+// The owner must close the worker before it destroys anything that the work uses.
 #pragma once
 
 #include <pthread.h>
@@ -17,8 +16,8 @@ namespace fieldcast {
 template <typename Item>
 class Worker {
  public:
-  // `work` runs once on the thread and takes from the queue until that is closed. The kernel shows
-  // 15 bytes of the name.
+  // `work` runs once on the thread and must take from the queue until it is closed. The kernel
+  // shows 15 bytes of the name.
   Worker(std::string name, std::size_t limit, std::function<void(BoundedQueue<Item>&)> work)
       : queue_(limit), thread_([this, name = std::move(name), work = std::move(work)] {
           pthread_setname_np(pthread_self(), name.c_str());
@@ -28,7 +27,7 @@ class Worker {
 
   [[nodiscard]] BoundedQueue<Item>& queue() { return queue_; }
 
-  // Closes the queue and waits for the end of the work; a second call has no effect. One thread.
+  // Closes the queue and waits for the work to end; may be called twice. One thread.
   void close() {
     queue_.close();
     if (thread_.joinable()) thread_.join();
@@ -36,7 +35,7 @@ class Worker {
 
  private:
   BoundedQueue<Item> queue_;
-  std::thread thread_;  // last: it uses what is above
+  std::thread thread_;  // last: it uses the members above
 };
 
 }  // namespace fieldcast

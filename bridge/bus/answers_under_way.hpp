@@ -1,7 +1,8 @@
-// Buses of this process that stopped while a device could still answer: until when, by port. What
-// is opened there next waits for that, so that nobody takes an answer to another one's request.
+// Quiet time of each port after a bus has closed it: a device may still respond to the last
+// request. A bus that opens the port waits for this time, so that no late response is matched to a
+// new request.
 //
-// Any thread. Nothing can fail.
+// Any thread. Cannot fail.
 #pragma once
 
 #include <map>
@@ -14,7 +15,7 @@ namespace fieldcast {
 
 class AnswersUnderWay {
  public:
-  // A bus let go of `port` at `now`; answers may come `until` then. kLongAgo: none will.
+  // A bus closed `port` at `now`; responses may arrive until `until`. kLongAgo: none is pending.
   void left(const std::string& port, Instant until, Instant now) {
     const std::lock_guard lock(mutex_);
     std::erase_if(until_, [now](const auto& row) { return row.second < now; });

@@ -33,16 +33,15 @@ namespace {
 namespace asio = boost::asio;
 
 constexpr Duration kReportPeriod = std::chrono::seconds{1};
-// Of a line that is leased in the middle of an exchange.
+// Of a line that is leased during an exchange.
 constexpr Duration kLongestSettling = std::chrono::seconds{1};
-// On a fenced wire, after the decision: less than what FenceTimes leaves between two masters.
+// Limit from decision to send on a fenced wire: less than FenceTimes leaves between two masters.
 constexpr Duration kLatestSend = std::chrono::milliseconds{20};
-// However often the state changes.
+// Minimum, also if the state changes more often.
 constexpr Duration kLeastReportGap = std::chrono::milliseconds{100};
 
-// Where the port is, before the reason why it is closed.
 std::string with_port_name(const PortSpec& port, const std::string& reason) {
-  if (std::holds_alternative<DialInPortSpec>(port)) return reason;  // it names its module
+  if (std::holds_alternative<DialInPortSpec>(port)) return reason;  // the reason names the module
   return fmt::format("{}: {}", name_of(port), reason);
 }
 
@@ -51,8 +50,7 @@ AnswersUnderWay& answers_under_way() {
   return all;
 }
 
-// A server with one client, or a port with a lock, is free as soon as another bridge gives it up,
-// and that is not told.
+// A server with one client, or a locked port, becomes free without notice: it is tried more often.
 Duration longest_back_off(const BusSpec& spec) {
   const auto fence = fence_of(spec.port);
   const bool taken = fence.is(Fence::kOneClient) || fence.is(Fence::kLock);
@@ -65,8 +63,7 @@ CommandResult shutdown_result(const Command& command, Instant now) {
 
 }  // namespace
 
-// Everything on the io thread. process(): an event and its `now` go into the engine, the actions
-// that come out are executed in order.
+// Runs on the io thread. process() passes an event to the engine and executes the actions in order.
 class BusRunner::Loop final : public PortListener, public std::enable_shared_from_this<Loop> {
  public:
   Loop(asio::io_context& io, asio::io_context& plans, const BusSpec& spec, BusSink& sink,
@@ -86,7 +83,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
         notices_(spec.name),
         record_(spec.name),
         mapping_(read_clocks()) {
-    std::random_device random;  // differs between the bridges at one wire
+    std::random_device random;  // differs between the bridges on one wire
     engine_.set_fence_order(random() % WireFence::kRanks, random());
     if (const auto* serial = std::get_if<SerialPortSpec>(&spec_.port))
       watch_.emplace(io, serial->path, [this] { device_came(); });
@@ -135,7 +132,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
                    mapping_.to_utc(steady_now()));
     process(LeaseBegan{who}, steady_now());
     if (!answer_comes) return grant(granted);
-    // The programming software must not take the answer to our last request for one to its own.
+    // The programming software must not receive the response to our last request.
     settling_ = granted;
     Duration longest{};
     for (const DeviceSpec& device : spec_.devices) longest = std::max(longest, device.timeout);
@@ -175,7 +172,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     record_.remark("the port is open", mapping_.to_utc(now));
     report_soon_ = true;
     process(Opened{answers_under_way().until(name_of(spec_.port))}, now);
-    // The first time at once: whoever started the bus waits for it.
+    // The first report is immediate: the caller that started the bus waits for it.
     if (!std::exchange(was_open_, true) && report_soon_) report(now);
   }
 
@@ -224,7 +221,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     if (const Revoked revoked = std::exchange(revoked_, {})) revoked(reason);
   }
 
-  // What has arrived is delivered first: on a fenced wire it may be another master.
+  // Delivers received bytes before the event: on a fenced wire they may come from another master.
   void process_after_bytes(const BusEvent& event) {
     if (fenced_ && open_ && !revoked_) port_->poll();
     process(event, steady_now());
@@ -232,7 +229,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
 
   void process(const BusEvent& event, Instant now) {
     if (stopped_) return;
-    FIELDCAST_CHECK(!processing_);  // ports and sinks never call back from inside
+    FIELDCAST_CHECK(!processing_);  // ports and sinks must not call back
     processing_ = true;
     actions_.clear();
     engine_.set_trace(record_.wanted());
@@ -245,8 +242,8 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     if (report_soon_ && now - reported_ >= kLeastReportGap) report(now);
   }
 
-  // On a fenced wire a request that comes late may meet another master. Without the master's lease
-  // it is asked for again: by then it is known who is master.
+  // On a fenced wire a late request may collide with another master. A request without the master's
+  // lease is decided again later, when the master is known.
   [[nodiscard]] bool may_send(Instant decided) const {
     const bool too_late = fenced_ && steady_now() - decided > kLatestSend;
     return !too_late && (lease_of_master_ == nullptr || lease_of_master_->holds());
@@ -290,7 +287,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     port_->open(*this);
   }
 
-  // The adapter is plugged in again.
+  // The serial adapter was plugged in again.
   void device_came() {
     if (stopped_ || open_) return;
     back_off_.reset();
@@ -342,12 +339,12 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     sink_.report(engine_.plan_report(), mapping_.to_utc(now));
   }
 
-  const MasterLease* const lease_of_master_;  // null: it always holds
+  const MasterLease* const lease_of_master_;  // null: always held
   asio::io_context& io_;
   asio::io_context& plans_;
   const std::shared_ptr<Gate> gate_ = std::make_shared<Gate>(io_);
   const BusSpec spec_;
-  const bool fenced_;  // others may stand at the wire
+  const bool fenced_;  // other masters may be on the wire
   BusSink& sink_;
   IconvCodec codec_;
   BusEngine engine_;
@@ -355,25 +352,25 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   EngineTimer<Loop> timer_;
   asio::steady_timer reopening_;
   asio::steady_timer ticking_;
-  asio::steady_timer settled_;  // of settling_
+  asio::steady_timer settled_;
   std::chrono::steady_clock::time_point next_tick_;
   BackOff back_off_{longest_back_off(spec_)};
-  std::optional<DeviceWatch> watch_;            // of a serial port; while it is closed
-  std::optional<DeviceWatch::Identity> tried_;  // what was there when the port was opened last
+  std::optional<DeviceWatch> watch_;            // only for a serial port; active while it is closed
+  std::optional<DeviceWatch::Identity> tried_;  // identity of the device at the last open
   NoticeLog notices_;
   WireRecord record_;
   UtcMapping mapping_;
   Actions actions_;
-  std::uint64_t lease_ = 0;  // the last one
-  Granted settling_;         // a lease that waits for the line to fall silent
-  Revoked revoked_;          // of the lease under way; none otherwise
+  std::uint64_t lease_ = 0;
+  Granted settling_;  // a lease that waits until the line is silent
+  Revoked revoked_;   // of the active lease; otherwise empty
   Instant reported_{};
   std::uint64_t plan_reported_ = 0;  // number of the plan; 0: none yet
-  Instant next_plan_report_{};       // not before
-  bool open_ = false;                // the port
+  Instant next_plan_report_{};
+  bool open_ = false;
   bool report_soon_ = false;
   bool was_open_ = false;
-  bool not_sent_ = false;  // the last Send was not carried out
+  bool not_sent_ = false;  // the last Send was not executed
   bool processing_ = false;
   bool stopped_ = false;
 };
@@ -435,14 +432,13 @@ std::future<void> BusRunner::stop() {
   auto ready = done->get_future();
   const bool posted = loop_->gate().post([loop = loop_, done] {
     loop->stop();
-    // Handlers that were cancelled come after this one; when the next one runs, none of them is
-    // left.
+    // Cancelled handlers run after this one. When the next posted handler runs, none is left.
     loop->gate().post([loop, done] {
       loop->gate().close();
       done->set_value();
     });
   });
-  if (!posted) done->set_value();  // stopped before
+  if (!posted) done->set_value();
   return ready;
 }
 

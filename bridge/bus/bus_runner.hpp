@@ -1,7 +1,7 @@
-// Runs one BusEngine: a port, a clock and a sink around on_event(event, now) -> actions.
+// Runs one BusEngine: connects its on_event(event, now) -> actions with a port, a clock and a sink.
 //
-// The engine and the port live on the io thread given; the functions here may be called from any
-// thread and only post to it.
+// The engine and the port live on the given io thread. The functions here may be called from any
+// thread; they only post to it.
 #pragma once
 
 #include <cstdint>
@@ -28,69 +28,65 @@ class CaptureTap;
 class DialInRegistry;
 class MasterLease;
 
-// A bus's line in the hands of a programming session.
 struct LeasedLine {
-  std::uint64_t lease = 0;             // which one, for end_lease()
-  FileDescriptor line;                 // non-blocking, the session's own
-  std::optional<LineFormat> settings;  // of a serial port: what may be changed
+  std::uint64_t lease = 0;             // number for end_lease()
+  FileDescriptor line;                 // non-blocking, owned by the session
+  std::optional<LineFormat> settings;  // of a serial port: the settings that may be changed
 };
 struct LeaseRefused {
-  bool in_use = false;  // by another session; else the port is not open
+  bool in_use = false;  // by another session; false: the port is not open
   std::string reason;
 };
 
 class BusRunner {
  public:
-  // Commands that may wait for the io thread. More are refused; the engine's own queue has its own
-  // limit.
+  // Limit of commands that wait for the io thread. The engine's queue has its own limit.
   static constexpr std::size_t kMaxWaiting = 1024;
 
-  // `plans`: where plans are made, which takes too long for the bus's own thread; may end after the
-  // bus, or before. The sink must outlive the runner's stop(), and so must the registry, which a
-  // dial-in port needs. Nothing is sent while the lease does not hold, which outlives the bus;
-  // null: it always holds. REQUIRES: spec is as the loader makes it.
+  // `plans`: makes plans, which is too slow for the bus's thread; may end before or after the bus.
+  // The sink must outlive the runner's stop(), and so must the registry, which a dial-in port
+  // needs. The lease outlives the bus; nothing is sent while it is not held; null: always held.
+  // REQUIRES: spec is as the loader makes it.
   BusRunner(boost::asio::io_context& io, boost::asio::io_context& plans, const BusSpec& spec,
             BusSink& sink, DialInRegistry* modules = nullptr, const MasterLease* lease = nullptr);
   ~BusRunner();  // REQUIRES: stop() was waited for, or start() never called
   BusRunner(const BusRunner&) = delete;
   BusRunner& operator=(const BusRunner&) = delete;
 
-  // Opens the port, again and again until it opens. Before that it takes over what another bridge
-  // knew of the bus.
+  // Opens the port, and retries until it opens. First takes over the state `inherited`.
   void start(BusInheritance inherited = {});
 
-  // False: too many wait (the caller answers kQueueFull). A command taken ends in exactly one
-  // BusSink::complete().
+  // Returns false if too many commands wait (the caller responds kQueueFull). An accepted command
+  // ends in exactly one BusSink::complete().
   [[nodiscard]] bool post(Command command);
   void post(std::vector<InterestChanged> interests);
-  // Samples count on from above this number, as CountAbove says.
+  // Sample numbers continue above this number (see CountAbove).
   void count_above(std::uint64_t number);
-  // Wire trace on stdout.
+  // Switches the wire trace on stdout.
   void set_trace(bool on);
-  // What passes on the wire goes into the tap while that is wanted. Before start().
+  // Copies the traffic of the wire to the tap while the capture is active. Call before start().
   void set_capture(std::shared_ptr<CaptureTap> tap);
 
-  // Leases the bus to `who`: its acquisition rests until end_lease(). `granted` is called once;
-  // `revoked`, after a grant, when the port is lost or the bus stops before the lease ended. Both
-  // on the io thread, where they only post.
+  // Leases the bus to `who`; its acquisition pauses until end_lease(). `granted` is called once.
+  // After a grant, `revoked` is called if the port is lost or the bus stops before the lease ends.
+  // Both are called on the io thread and must only post.
   using Granted = std::function<void(tl::expected<LeasedLine, LeaseRefused>)>;
   using Revoked = std::function<void(std::string reason)>;
   void lease(std::string who, Granted granted, Revoked revoked);
-  // The session's descriptor is closed. `lost`: why the line is of no use any more; then it is
-  // opened anew. A lease that was revoked is over already.
+  // Call when the session's descriptor is closed. `lost`: reason why the line is no longer usable;
+  // the port is then reopened. Has no effect on a lease that was revoked.
   void end_lease(std::uint64_t lease, std::optional<std::string> lost);
 
-  // When the io thread last came round to the report of each second: older than some seconds, it
-  // hangs in a driver.
+  // Last report of the io thread, which reports each second; if old, it hangs in a driver.
   [[nodiscard]] Instant last_turn() const;
 
-  // Answers every pending command with kShutdown, reports the bus as stopped and closes the port.
-  // Ready when nothing of this bus will happen any more. Once.
+  // Responds to every pending command with kShutdown, reports the bus as stopped and closes the
+  // port. The future is ready when no handler of this bus can run any more. Call once.
   [[nodiscard]] std::future<void> stop();
 
  private:
   class Loop;
-  std::shared_ptr<Loop> loop_;  // shared with the handlers under way
+  std::shared_ptr<Loop> loop_;  // shared with pending handlers
 };
 
 }  // namespace fieldcast

@@ -1,5 +1,5 @@
-// Where a bus's samples, results and reports go. In the daemon this is DDS; in the tests of the
-// runner it is a record. Called on the bus's io thread only.
+// Destination of a bus's samples, results and reports: DDS in the daemon, a record in the tests of
+// the runner. Called only on the bus's io thread.
 #pragma once
 
 #include <string_view>
@@ -13,7 +13,7 @@
 
 namespace fieldcast {
 
-// A bus that learns changes its plan often in its first seconds.
+// A bus that measures its devices changes its plan often in its first seconds.
 inline constexpr Duration kPlanReportGap = std::chrono::seconds{5};
 
 class BusSink {
@@ -24,7 +24,7 @@ class BusSink {
   virtual void complete(const CommandResult& result, const UtcMapping& mapping) = 0;
   virtual void report(const BusReport& report, UtcTime at) = 0;
   virtual void report(std::string_view device, const DeviceReport& report, UtcTime at) = 0;
-  // Another plan is in force: once for the first, then at most every kPlanReportGap.
+  // A new plan is in use. Called once for the first plan, then at most every kPlanReportGap.
   virtual void report(PlanReport plan, UtcTime at) = 0;
 };
 

@@ -8,8 +8,7 @@ Instant steady_now() {
 }
 
 UtcMapping read_clocks() {
-  // Of three readings the one with the least time around it is the truest: a preemption in between
-  // spoils a reading.
+  // The shortest of three readings is the most exact: a preemption falsifies a reading.
   UtcMapping best;
   Duration least = Duration::max();
   for (int attempt = 0; attempt < 3; ++attempt) {

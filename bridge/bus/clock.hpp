@@ -1,5 +1,4 @@
-// The clocks of the shell: the monotonic clock of the engine, and its relation to UTC for what
-// leaves the process.
+// Monotonic clock of the engine, and its mapping to UTC for data that leaves the process.
 #pragma once
 
 #include "bridge/dds/topics/utc_mapping.hpp"
@@ -9,8 +8,8 @@ namespace fieldcast {
 
 [[nodiscard]] Instant steady_now();
 
-// Reads both clocks now. A step of the wall clock (NTP, an operator) is in force from the next
-// reading on; owners read once a second. Any thread.
+// Reads both clocks now. A step of the wall clock (NTP, an operator) takes effect at the next
+// reading; owners read once a second. Any thread.
 [[nodiscard]] UtcMapping read_clocks();
 
 }  // namespace fieldcast

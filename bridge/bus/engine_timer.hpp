@@ -1,7 +1,6 @@
-// The one timer of a bus, made cheap: most of its instants are timeouts that are replaced before
-// they come. A replacement that is later than what the kernel already knows costs nothing; the
-// early firing then only arms the timer again. Lives on its bus's io thread. Includes Asio: for
-// bus_runner.cpp alone.
+// Timer of a bus, optimized for timeouts, most of which are replaced before they expire. Setting a
+// later time than the one armed in the kernel is free: the early expiry arms the timer again. Runs
+// on the bus's io thread. Includes Asio; only for bus_runner.cpp.
 #pragma once
 
 #include <boost/asio/steady_timer.hpp>
@@ -10,13 +9,13 @@
 
 namespace fieldcast {
 
-// REQUIRES: Owner has on_timer() and shared_from_this(), and cancels before it ends.
+// REQUIRES: Owner has on_timer() and shared_from_this(), and calls cancel() before it ends.
 template <typename Owner>
 class EngineTimer {
  public:
   EngineTimer(boost::asio::io_context& io, Owner& owner) : owner_(owner), timer_(io) {}
 
-  // Calls on_timer() once at `at`, or never; replaces the instant before.
+  // Calls on_timer() once at `at`; kNever: not at all. Replaces the previous time.
   void set(Instant at) {
     wanted_ = at;
     if (wanted_ < armed_) arm();
@@ -46,7 +45,7 @@ class EngineTimer {
   Owner& owner_;
   boost::asio::steady_timer timer_;
   Instant wanted_ = kNever;
-  Instant armed_ = kNever;  // what the kernel knows
+  Instant armed_ = kNever;  // armed in the kernel
 };
 
 }  // namespace fieldcast

@@ -1,5 +1,5 @@
-// The way to the io thread of a bus for others, who may come when the bus has stopped and its
-// io_context is gone. Any thread. Includes Asio.
+// Posts handlers to the io thread of a bus, and refuses them after the bus has stopped and its
+// io_context no longer exists. Any thread. Includes Asio.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -12,7 +12,7 @@ namespace fieldcast {
 class Gate {
  public:
   explicit Gate(boost::asio::io_context& io) : io_(&io) {}
-  // False: closed, and nothing was posted.
+  // Returns false if closed; nothing was posted then.
   template <typename Handler>
   bool post(Handler&& handler) {
     const std::lock_guard lock(mutex_);

@@ -11,7 +11,7 @@ namespace {
 
 const iconv_t kNone = reinterpret_cast<iconv_t>(-1);
 
-// As PLCs and their panels have them: CP932 is the Shift-JIS of Japanese Windows.
+// As PLCs and their panels use them: CP932 is the Shift-JIS of Japanese Windows.
 const char* name_of(Charset charset) { return charset == Charset::kGbk ? "GBK" : "CP932"; }
 
 }  // namespace
@@ -26,11 +26,12 @@ class IconvCodec::Conversion {
   Conversion& operator=(const Conversion&) = delete;
   [[nodiscard]] bool open() const { return handle_ != kNone; }
 
-  // Converts as far as it goes and takes that from the front of `text`.
+  // Converts up to the first invalid byte and removes the converted bytes from the front of `text`.
   std::string run(std::string_view& text) {
-    iconv(handle_, nullptr, nullptr, nullptr, nullptr);  // forgets what came before
+    iconv(handle_, nullptr, nullptr, nullptr, nullptr);  // resets the conversion state
     std::string out(4 * text.size() + 8, '\0');
-    char* in = const_cast<char*>(text.data());  // iconv's signature; it does not write there
+    // Required by iconv's signature; it does not write there.
+    char* in = const_cast<char*>(text.data());
     char* end = out.data();
     std::size_t left = text.size(), room = out.size();
     iconv(handle_, &in, &left, &end, &room);
@@ -62,7 +63,8 @@ std::string IconvCodec::to_utf8(Charset charset, std::string_view bytes) {
   while (!bytes.empty()) {
     text += escaped(conversion->run(bytes));
     if (bytes.empty()) break;
-    text += plain_text_codec().to_utf8(charset, bytes.substr(0, 1));  // it begins no character
+    // This byte begins no character.
+    text += plain_text_codec().to_utf8(charset, bytes.substr(0, 1));
     bytes.remove_prefix(1);
   }
   return text;

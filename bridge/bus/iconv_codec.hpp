@@ -1,5 +1,5 @@
-// Character sets that need tables, by iconv of the C library. Opened when first needed; not for two
-// threads at once.
+// Character sets that need tables, converted with iconv of the C library. Each conversion is opened
+// at its first use. Not thread-safe.
 #pragma once
 
 #include <array>
@@ -19,9 +19,9 @@ class IconvCodec final : public TextCodec {
 
  private:
   class Conversion;
-  // Nothing when this machine's C library does not have the set.
+  // Returns null if the C library does not support the character set.
   Conversion* conversion(Charset charset, bool to_utf8);
-  std::array<std::unique_ptr<Conversion>, 4> made_;  // gbk and shift-jis, each way
+  std::array<std::unique_ptr<Conversion>, 4> made_;  // gbk and shift-jis, each direction
 };
 
 }  // namespace fieldcast

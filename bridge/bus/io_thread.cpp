@@ -10,15 +10,14 @@
 namespace fieldcast {
 namespace {
 
-// The kernel may delay a timer by this much to save wake-ups: 50 us by default, too much for
-// silences of 1.75 ms.
+// Tolerance of the kernel's timers. The default of 50 us is too much for silences of 1.75 ms.
 constexpr unsigned long kTimerSlackNanoseconds = 1000;
 constexpr std::size_t kLongestThreadName = 15;
 
 }  // namespace
 
 struct IoThread::Loop {
-  boost::asio::io_context context{1};  // run by one thread: Asio's own locks are never contended
+  boost::asio::io_context context{1};  // run by one thread: Asio's locks are never contended
   boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work{
       context.get_executor()};
   std::thread thread;

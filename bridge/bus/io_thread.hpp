@@ -1,7 +1,6 @@
-// The thread that a bus lives on, with an io_context of its own. The context is the bus's strand:
-// its handlers run one after another, on this thread only, and take no lock of another bus. A
-// driver that hangs (a USB adapter that died in the middle of an ioctl) stops its own bus and no
-// other.
+// Thread of one bus, with its own io_context. The context is the bus's strand: its handlers run one
+// after another on this thread and take no lock of another bus. A driver that hangs (for example an
+// ioctl of a failed USB adapter) therefore stops only its own bus.
 #pragma once
 
 #include <memory>
@@ -17,7 +16,7 @@ class IoThread {
  public:
   // `name` is shown by `top -H` and debuggers, cut to the kernel's 15 bytes.
   explicit IoThread(const std::string& name);
-  ~IoThread();  // ends the thread; handlers still queued do not run
+  ~IoThread();  // ends the thread; queued handlers do not run
   IoThread(const IoThread&) = delete;
   IoThread& operator=(const IoThread&) = delete;
 

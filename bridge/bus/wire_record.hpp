@@ -1,7 +1,7 @@
-// Where it is told what passes on the wire of a bus: the trace on stdout, and the tap of a capture.
-// What nobody wants costs a look at two flags.
+// Records the traffic on a bus's wire: to the trace on stdout and to the tap of a capture. If
+// neither is active, the cost is two flag checks.
 //
-// On the bus's thread. Nothing can fail.
+// Runs on the bus's thread. Cannot fail.
 #pragma once
 
 #include <memory>
@@ -22,16 +22,15 @@ class WireRecord {
 
   void set_trace(bool on) { trace_ = on; }
   void set_tap(std::shared_ptr<CaptureTap> tap) { tap_ = std::move(tap); }
-  // Whether the engine is to say what it makes of the bytes.
+  // Returns true if the engine must report how it interprets the bytes.
   [[nodiscard]] bool wanted() const { return trace_ || capturing(); }
 
-  // `engine`: knows which device is asked, and for what.
+  // `engine` supplies the polled device and the request.
   void sent(ByteView bytes, const BusEngine& engine, UtcTime at) const;
   void received(ByteView bytes, UtcTime at) const;
-  // No more bytes belong to the frame.
   void frame_ended(UtcTime at) const;
   void traced(const Traced& traced, UtcTime at) const;
-  // What explains a capture: a port that opens, a lease.
+  // Explains the capture, for example a port that opens or a lease.
   void remark(const std::string& text, UtcTime at) const;
 
  private:
@@ -39,7 +38,7 @@ class WireRecord {
 
   const std::string bus_;
   bool trace_ = false;
-  std::shared_ptr<CaptureTap> tap_;  // null: nobody captures this bus
+  std::shared_ptr<CaptureTap> tap_;
 };
 
 }  // namespace fieldcast

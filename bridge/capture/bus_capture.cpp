@@ -44,7 +44,7 @@ BusCapture::BusCapture(const BusSpec& bus, const std::string& by, std::shared_pt
 }
 
 void BusCapture::add(CaptureSink& sink) {
-  if (sinks_.empty()) (void)tap_->take();  // of a capture before
+  if (sinks_.empty()) (void)tap_->take();  // discards records of an earlier capture
   sinks_.push_back(&sink);
   tap_->want(true);
 }

@@ -1,7 +1,7 @@
-// What is captured of one bus: takes the records of its tap, makes frames of them, writes each
-// frame as a block of pcapng, and gives the block to whoever captures the bus now.
+// Capture of one bus: joins the records of its tap to frames, encodes each frame as a pcapng block
+// and passes it to every sink.
 //
-// Owned by the capture service, on its thread. The sinks are borrowed: they outlive their stay.
+// Owned by the capture service, on its thread. A sink must live until it is removed.
 #pragma once
 
 #include <memory>
@@ -14,30 +14,27 @@
 
 namespace fieldcast {
 
-// Takes the blocks of one capture. On the service's thread; must not wait for long.
+// Receives the blocks of one capture on the service's thread; must not block.
 class CaptureSink {
  public:
   virtual ~CaptureSink() = default;
-  // One whole block of a packet.
   virtual void packet(ByteView block, UtcTime at) = 0;
-  // Records that the bus had to drop.
   virtual void lost(std::uint64_t records) = 0;
 };
 
 class BusCapture {
  public:
-  // `by`: who speaks on the bus, for the head of each file: "bridge press-shop".
+  // `by`: the program that polls the bus, for the head of each file: "bridge press-shop".
   BusCapture(const BusSpec& bus, const std::string& by, std::shared_ptr<CaptureTap> tap);
 
   void add(CaptureSink& sink);
   void remove(CaptureSink& sink);
   [[nodiscard]] bool busy() const { return !sinks_.empty(); }
 
-  // What every file and every stream begins with.
+  // First blocks of every file and every stream.
   [[nodiscard]] Bytes head(const std::string& remark = {}) const;
-  // Gives out what came since the last call.
   void drain(UtcTime now);
-  // The same, and what waits for more of its frame.
+  // As drain(), and also passes on incomplete frames.
   void finish(UtcTime now);
 
  private:
@@ -47,13 +44,13 @@ class BusCapture {
   void give(std::vector<CapturedFrame>& frames);
 
   const std::string bus_, about_;
-  std::vector<Dissector> dissectors_;  // by device
+  std::vector<Dissector> dissectors_;
   const std::shared_ptr<CaptureTap> tap_;
   FrameGatherer gatherer_;
   std::vector<CaptureSink*> sinks_;
 };
 
-// The end of a capture: how many frames it has, and how many pieces the bus dropped.
+// Counts in the last block of a capture: frames, and records that the bus dropped.
 struct CaptureCounts {
   UtcTime begun, ended;
   std::uint64_t frames = 0, dropped = 0;

@@ -22,7 +22,7 @@ constexpr std::uint64_t kMegabyte = 1'000'000;
 
 std::uint64_t megabytes(std::uint64_t bytes) { return (bytes + kMegabyte - 1) / kMegabyte; }
 
-// That the bus has there already: they make room for the next ones.
+// Size of the bus's existing ring files; their removal frees space for new files.
 std::uint64_t bytes_of_ring(const std::string& bus, const std::string& folder) {
   std::uint64_t bytes = 0;
   for (const std::string& name : ring_files_in(folder, bus)) {
@@ -33,7 +33,7 @@ std::uint64_t bytes_of_ring(const std::string& bus, const std::string& folder) {
   return bytes;
 }
 
-// The room that the captures looked at so far leave, by disk.
+// Free bytes that the captures checked so far leave, by disk.
 using Room = std::map<dev_t, std::uint64_t>;
 
 std::optional<CaptureRemark> room_remark(const BusSpec& bus, dev_t disk, Room& room) {

@@ -1,8 +1,7 @@
-// Whether the folders of `capture:` can take what the configuration asks for: they exist, this user
-// may write in them, and the disk has room. For `--check` and `fieldcast doctor`.
+// Checks the folders of `capture:`: the folder exists, this user may write in it, and the disk has
+// enough space. For `--check` and `fieldcast doctor`.
 //
-// Owns nothing. Looks at the file system of this machine; any thread. What it cannot find out, it
-// says nothing about.
+// Reads the file system of this machine; any thread. A check that cannot be done gives no remark.
 #pragma once
 
 #include <string>
@@ -15,10 +14,10 @@ namespace fieldcast {
 struct CaptureRemark {
   std::string bus;
   std::string folder;
-  std::string what;    // "no such folder: .."
-  std::string remedy;  // one line
+  std::string what;  // "no such folder: .."
+  std::string remedy;
 };
-// Of each bus at most one, in the order of the buses. Buses on one disk share its room.
+// At most one remark per bus, in the order of the buses. Buses on one disk share its free space.
 [[nodiscard]] std::vector<CaptureRemark> capture_remarks(const BridgeSpec& spec);
 
 }  // namespace fieldcast

@@ -26,7 +26,7 @@ void CaptureClient::start() {
   read();
 }
 
-// After the request nothing is expected but the end, which a client says by closing its side.
+// After the request only the end of the stream is expected, which ends the capture.
 void CaptureClient::read() {
   socket_.async_read_some(
       asio::buffer(buffer_),

@@ -1,7 +1,7 @@
-// One client of the capture service: reads its request, then gives it the blocks of its bus. What
-// it does not take in time is dropped and counted; the end says how many frames that were.
+// One client of the capture service: reads its request, then sends it the blocks of its bus. Blocks
+// that it does not read in time are dropped and counted; the last block contains the count.
 //
-// Lives on the service's thread, shared with its own handlers under way.
+// Lives on the service's thread; pending handlers share ownership.
 #pragma once
 
 #include <boost/asio/local/stream_protocol.hpp>
@@ -17,26 +17,25 @@ namespace fieldcast {
 class CaptureClient final : public CaptureSink, public std::enable_shared_from_this<CaptureClient> {
  public:
   using Socket = boost::asio::local::stream_protocol::socket;
-  static constexpr std::size_t kMaxUnsent = 4 << 20;                  // bytes
-  static constexpr Duration kRequestLimit = std::chrono::seconds{5};  // for the request
-  static constexpr Duration kEndLimit = std::chrono::seconds{1};      // for the rest, at the end
+  static constexpr std::size_t kMaxUnsent = 4 << 20;  // bytes
+  static constexpr Duration kRequestLimit = std::chrono::seconds{5};
+  static constexpr Duration kEndLimit = std::chrono::seconds{1};  // for unsent data at the end
 
-  // `asked` takes the request, and answers with answer() or begin(). `gone` is called once, when
-  // the client has ended or was ended.
+  // `asked` receives the request and calls answer() or begin(). `gone` is called once, at the end.
   CaptureClient(Socket socket, std::function<void(CaptureClient&, const std::string&)> asked,
                 std::function<void(CaptureClient&)> gone);
 
   void start();
-  // One text line, then the end.
+  // Sends one text line, then closes.
   void answer(const std::string& text);
-  // "ok", then what the file begins with. From now on it is a sink of the bus `name`.
+  // Sends "ok" and the head of the file; from then on the client is a sink of the bus `name`.
   void begin(const std::string& name, const Bytes& head, UtcTime now);
-  // The bus ends, or the bridge.
+  // Called when the bus or the bridge ends.
   void end(const std::string& why, UtcTime now);
 
   void packet(ByteView block, UtcTime at) override;
   void lost(std::uint64_t records) override { counts_.dropped += records; }
-  [[nodiscard]] const std::string& bus() const { return bus_; }  // empty: of none
+  [[nodiscard]] const std::string& bus() const { return bus_; }  // empty if none
 
  private:
   void read();
@@ -53,7 +52,7 @@ class CaptureClient final : public CaptureSink, public std::enable_shared_from_t
   Bytes waiting_, sending_;
   std::string bus_;
   CaptureCounts counts_;
-  bool ending_ = false;  // it is closed when everything is sent
+  bool ending_ = false;  // closed when everything is sent
 };
 
 }  // namespace fieldcast

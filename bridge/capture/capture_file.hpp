@@ -1,7 +1,7 @@
-// A file that grows by whole blocks: what does not fit any more is taken back, so that the file can
-// be read at any time. Readable for its owner only; never over a file that exists.
+// A file that grows by complete blocks. A block that was written only in part is removed, so that
+// the file is always readable. Only its owner may read it; an existing file is never overwritten.
 //
-// Owns the descriptor. One thread at a time. Errors are one line that begins with the path.
+// Owns the descriptor. One thread at a time. An error is one line that begins with the path.
 #pragma once
 
 #include <string>
@@ -15,14 +15,14 @@ namespace fieldcast {
 class CaptureFile {
  public:
   struct Fault {
-    int error = 0;     // errno
+    int error = 0;
     std::string text;  // "x.pcapng: File exists"
   };
   [[nodiscard]] static tl::expected<CaptureFile, Fault> make(const std::string& path);
 
-  // All of it or nothing.
+  // Writes all blocks or none.
   [[nodiscard]] tl::expected<void, Fault> append(ByteView blocks);
-  // Somebody deleted it: what is appended is lost.
+  // Returns true if the file was deleted; appended data is then lost.
   [[nodiscard]] bool removed() const;
   [[nodiscard]] std::uint64_t size() const { return size_; }
   [[nodiscard]] const std::string& path() const { return path_; }

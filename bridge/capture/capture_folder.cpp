@@ -34,7 +34,7 @@ bool has_time_form(std::string_view text) {
   return true;
 }
 
-// The text behind the bus: "20261122T142421Z" or "20261122T142421Z-0002".
+// The part after the name of the bus: "20261122T142421Z" or "20261122T142421Z-0002".
 bool is_ring_name(std::string_view rest) {
   if (!has_time_form(rest.substr(0, kTimeForm.size()))) return false;
   rest.remove_prefix(kTimeForm.size());
@@ -58,7 +58,7 @@ std::vector<std::string> ring_files(const std::string& bus, std::vector<std::str
     rest.remove_suffix(kEnding.size());
     return !is_ring_name(rest);
   });
-  // Without the ending, a name sorts before the same one with a number.
+  // Sorts without the ending, so that a name is before the same name with a number.
   std::ranges::sort(names, {}, [](const std::string& name) {
     return name.substr(0, name.size() - kEnding.size());
   });

@@ -14,9 +14,9 @@ namespace fieldcast {
 namespace {
 
 constexpr int kMostOfOneSecond = 1000;
-constexpr std::size_t kTailBytes = 256;  // of the block at the end, at most
+constexpr std::size_t kTailBytes = 256;  // upper limit of the last block
 
-// Nothing: there is. Else why the folder takes no more.
+// Returns why the folder cannot take `wanted` more bytes, or `std::nullopt` if it can.
 std::optional<std::string> lack_of(const std::string& folder, std::uint64_t wanted) {
   const auto left = free_bytes_at(folder);
   if (!left) return left.error();
@@ -61,14 +61,14 @@ void CaptureRing::look(UtcTime now) {
   if (lack && !stopped_) return stop(*lack);
   if (file_ && file_->removed()) end({});
   if (lack || !stopped_) return;
-  stopped_ = false;  // until the next frame shows it
+  stopped_ = false;  // the next frame tries again
 }
 
 bool CaptureRing::begin(UtcTime at) {
   const auto make = [&] {
     return CaptureFile::make(spec_.folder + "/" + ring_file_name(bus_, at, number_));
   };
-  // Names that were given are not given again, though their files may be gone.
+  // A used name is not used again, also if its file was deleted.
   const std::int64_t second = at.nanoseconds / 1'000'000'000;
   number_ = std::exchange(second_, second) == second ? number_ + 1 : 1;
   auto made = make();
@@ -99,7 +99,7 @@ bool CaptureRing::begin(UtcTime at) {
 
 void CaptureRing::end(const std::string& why) {
   if (!file_) return;
-  (void)file_->append(capture_tail(counts_, why));  // a file without it is whole, too
+  (void)file_->append(capture_tail(counts_, why));  // a file without this block is also complete
   file_.reset();
 }
 
@@ -111,8 +111,8 @@ void CaptureRing::stop(const std::string& why) {
       bus_, fmt::format("capture: stopped: {}; the bus goes on, and the capture when it can", why));
 }
 
-// The newest is the one that was begun now. The clock may have gone back since others were begun
-// (a machine that starts without a battery): those with later times are older, all the same.
+// The newest file is the one begun now. If the clock was set back (a machine without a clock
+// battery), files with later times are nevertheless older.
 void CaptureRing::remove_oldest() const {
   std::vector<std::string> names = ring_files_in(spec_.folder, bus_);
   const auto newest =

@@ -1,8 +1,8 @@
-// The files of a bus that is always captured (`capture:` in the configuration): when one is full
-// the next begins, and the oldest goes. Names: BUS-20261122T142421Z.pcapng.
+// Files of a bus with a permanent capture (`capture:` in the configuration). When a file is full,
+// the next one begins and the oldest one is deleted. Names: BUS-20261122T142421Z.pcapng.
 //
-// It stops when the disk is nearly full, or when the folder is missing, says so once in the log,
-// and goes on by itself. Owned by the capture service, on its thread.
+// If the disk is nearly full or the folder is missing, the capture stops, logs that once, and
+// resumes by itself. Owned by the capture service, on its thread.
 #pragma once
 
 #include <functional>
@@ -17,17 +17,17 @@ namespace fieldcast {
 
 class CaptureRing final : public CaptureSink {
  public:
-  // It writes nothing that leaves less, and goes on when there is twice as much.
+  // Nothing is written if less space would remain. The capture resumes when twice as much is free.
   static constexpr std::uint64_t kLeastFree = 16 << 20;  // bytes
   static constexpr Duration kLook = std::chrono::seconds{1};
 
-  // `head`: what a file begins with, with a remark.
+  // `head` returns the first blocks of a file, with a remark.
   CaptureRing(std::string bus, CaptureSpec spec, std::function<Bytes(const std::string&)> head);
-  ~CaptureRing() override;  // ends the file
+  ~CaptureRing() override;
 
   void packet(ByteView block, UtcTime at) override;
   void lost(std::uint64_t records) override;
-  // Looks now and then whether there is room; asked often.
+  // Checks the free space at most every kLook; may be called more often.
   void look(UtcTime now);
   [[nodiscard]] const CaptureSpec& spec() const { return spec_; }
 
@@ -41,13 +41,13 @@ class CaptureRing final : public CaptureSink {
   const CaptureSpec spec_;
   const std::function<Bytes(const std::string&)> head_;
   std::optional<CaptureFile> file_;
-  CaptureCounts counts_;      // of the file
-  std::uint64_t missed_ = 0;  // frames since it stopped
+  CaptureCounts counts_;
+  std::uint64_t missed_ = 0;  // frames since the capture stopped
   bool stopped_ = false;
-  std::string told_;  // why it stopped, as the log says; empty: it goes on
+  std::string told_;  // the reason in the log; empty while it captures
   UtcTime looked_;
-  std::int64_t second_ = 0;  // in which the last file began
-  int number_ = 0;           // of the last file in it
+  std::int64_t second_ = 0;  // start of the last file
+  int number_ = 0;           // of the last file in that second
 };
 
 }  // namespace fieldcast

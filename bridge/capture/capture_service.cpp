@@ -24,11 +24,10 @@ namespace asio = boost::asio;
 using Local = asio::local::stream_protocol;
 
 constexpr int kNiceness = 10;
-constexpr std::chrono::milliseconds kPatience{500};  // with a disk that hangs
+constexpr std::chrono::milliseconds kPatience{500};  // maximum wait for a disk that hangs
 
 }  // namespace
 
-// Everything on the io thread.
 class CaptureService::Loop final : public std::enable_shared_from_this<Loop> {
  public:
   Loop(asio::io_context& io, std::string bridge)
@@ -68,7 +67,7 @@ class CaptureService::Loop final : public std::enable_shared_from_this<Loop> {
     if (found == buses_.end()) return;
     const UtcTime now = read_clocks().utc;
     found->second.capture->finish(now);
-    // end() may call gone(), which takes the client out of the list.
+    // A copy: end() may call gone(), which removes the client from the list.
     const auto clients = clients_;
     for (const auto& client : clients) {
       if (client->bus() == name) client->end(why, now);
@@ -76,7 +75,7 @@ class CaptureService::Loop final : public std::enable_shared_from_this<Loop> {
     buses_.erase(found);
   }
 
-  // `done` is called when the last client is gone.
+  // `done` is called when the last client is closed.
   void stop(std::function<void()> done) {
     while (!buses_.empty()) remove(std::string(buses_.begin()->first), "the bridge ended");
     boost::system::error_code ignored;
@@ -89,7 +88,7 @@ class CaptureService::Loop final : public std::enable_shared_from_this<Loop> {
  private:
   struct Bus {
     std::unique_ptr<BusCapture> capture;
-    std::unique_ptr<CaptureRing> ring;  // uses the capture
+    std::unique_ptr<CaptureRing> ring;
   };
 
   void listen() {
@@ -123,7 +122,7 @@ class CaptureService::Loop final : public std::enable_shared_from_this<Loop> {
                   fmt::format("refused: user {} is neither root nor the one of the bridge",
                               user ? std::to_string(*user) : "?"));
     }
-    if (clients_.size() >= kMaxClients) return;  // closes it
+    if (clients_.size() >= kMaxClients) return;  // destroys the socket
     auto client = std::make_shared<CaptureClient>(
         std::move(socket),
         [weak = weak_from_this(), allowed](CaptureClient& asking, const std::string& request) {
@@ -147,7 +146,7 @@ class CaptureService::Loop final : public std::enable_shared_from_this<Loop> {
     const auto found = buses_.find(request.substr(kCapture.size()));
     if (found == buses_.end()) return client.answer("no" + names);
     BusCapture& capture = *found->second.capture;
-    capture.drain(read_clocks().utc);  // what came before is not for this one
+    capture.drain(read_clocks().utc);  // earlier records are not for this client
     capture.add(client);
     client.begin(found->first, capture.head(), read_clocks().utc);
     log_info(found->first, "captured by 'fieldcast capture'");
@@ -164,7 +163,7 @@ class CaptureService::Loop final : public std::enable_shared_from_this<Loop> {
     if (const auto done = std::exchange(stopped_, {})) done();
   }
 
-  // Nothing turns while nobody captures.
+  // The timer runs only during a capture.
   void turn_soon() {
     if (std::exchange(turns_, true)) return;
     turning_.expires_after(kTurn);
@@ -191,7 +190,7 @@ class CaptureService::Loop final : public std::enable_shared_from_this<Loop> {
   asio::steady_timer turning_;
   std::map<std::string, Bus> buses_;
   std::list<std::shared_ptr<CaptureClient>> clients_;
-  std::function<void()> stopped_;  // while the last clients are served
+  std::function<void()> stopped_;  // set while the last clients are served
   bool turns_ = false;
 };
 
@@ -223,7 +222,7 @@ void CaptureService::configure(const std::string& name, const std::optional<Capt
   asio::post(io_->context(), [loop = loop_, name, spec] { loop->configure(name, spec); });
 }
 
-// Waits for it, but not for a disk that hangs.
+// Waits for `work`, at most kPatience if a disk hangs.
 void CaptureService::run(const std::function<void(const std::function<void()>& done)>& work) {
   auto done = std::make_shared<std::promise<void>>();
   auto ready = done->get_future();

@@ -1,8 +1,8 @@
-// Captures of a bridge's buses: for clients of the same machine (capture_socket.hpp) and into the
-// files of the configuration. Owns its thread; the buses put what passes into taps and never wait.
+// Captures of a bridge's buses, for local clients (capture_socket.hpp) and to the files of the
+// configuration. Owns its thread; the buses write to taps and never wait.
 //
-// Its functions are for the thread that changes the set of buses. Nothing can fail: what cannot be
-// written, or where nobody can ask, is said in the log.
+// Call the functions on the thread that changes the set of buses. Failures (a file that cannot be
+// written, a socket that cannot be opened) are only logged.
 #pragma once
 
 #include <functional>
@@ -20,19 +20,18 @@ class IoThread;
 class CaptureService {
  public:
   static constexpr std::size_t kMaxClients = 16;
-  // How often what came is written: what the taps must hold.
+  // Period of writing; a tap must hold the records of this time.
   static constexpr Duration kTurn = std::chrono::milliseconds{100};
 
   explicit CaptureService(const std::string& bridge);
-  ~CaptureService();  // every file and stream ends whole, as far as half a second allows
+  ~CaptureService();  // completes every file and stream within half a second
   CaptureService(const CaptureService&) = delete;
   CaptureService& operator=(const CaptureService&) = delete;
 
-  // The tap is for the bus's runner, before it starts.
+  // Pass the tap to the bus's runner before it starts.
   [[nodiscard]] std::shared_ptr<CaptureTap> add_bus(const BusSpec& bus);
-  // After the runner stopped: its last frames are still written.
+  // Call after the runner stopped; its last frames are still written.
   void remove_bus(const std::string& name);
-  // The configuration says something else for a bus that runs on.
   void configure(const std::string& name, const std::optional<CaptureSpec>& spec);
 
  private:
@@ -40,7 +39,7 @@ class CaptureService {
   void run(const std::function<void(const std::function<void()>& done)>& work);
 
   std::unique_ptr<IoThread> io_;
-  std::shared_ptr<Loop> loop_;  // ends before its thread
+  std::shared_ptr<Loop> loop_;  // destroyed before its thread
 };
 
 }  // namespace fieldcast

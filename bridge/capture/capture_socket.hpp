@@ -1,14 +1,14 @@
-// Where `fieldcast capture` reaches a bridge of the same machine: a Unix socket with an abstract
-// name, so that no file is left behind and no network reaches it.
+// The Unix socket between `fieldcast capture` and a bridge on the same machine. Its name is
+// abstract: it leaves no file behind and cannot be reached from a network.
 //
 //   @fieldcast/capture/UID/BRIDGE/PID     UID: of the user that the bridge runs as
 //
-// The bridge serves root and its own user, by what the kernel says of the peer; who asks checks in
-// the same way that it is the named user who answers. The request is one text line, the answer is
-// one text line; after "ok" comes pcapng until one side ends:
+// The bridge serves root and its own user; the kernel reports the user of the peer. The client
+// checks in the same way that the named user responds. Request and response are one text line each.
+// After "ok", pcapng follows until one side closes:
 //
 //   list            →  ok bridge NAME buses BUS BUS ..
-//   capture BUS     →  ok                 or   no BUS BUS ..: there is no such bus, but these
+//   capture BUS     →  ok                 or   no BUS BUS ..: no such bus; these exist
 //                      refused REASON
 #pragma once
 
@@ -23,7 +23,7 @@ namespace fieldcast {
 
 inline constexpr std::size_t kMaxCaptureRequest = 256;  // characters
 
-// Without the zero byte that begins it.
+// Without the leading zero byte.
 [[nodiscard]] std::string capture_socket_name(uid_t user, const std::string& bridge, pid_t process);
 
 struct CaptureSocketName {
@@ -32,12 +32,11 @@ struct CaptureSocketName {
   std::string bridge;
   pid_t process = 0;
 };
-// Nothing: it is another socket.
 [[nodiscard]] std::optional<CaptureSocketName> parse_capture_socket(std::string_view name);
-// Those in a text of the form of /proc/net/unix, in its order.
+// Returns the capture sockets in a table in the format of /proc/net/unix, in its order.
 [[nodiscard]] std::vector<CaptureSocketName> capture_sockets(std::string_view table);
 
-// Who is at the other end of a connected Unix socket; nothing: the kernel does not say.
+// Returns the user at the other end of a connected Unix socket, or `std::nullopt` if unknown.
 [[nodiscard]] std::optional<uid_t> peer_user(int socket);
 
 }  // namespace fieldcast

@@ -1,8 +1,8 @@
-// What a bus's thread hands to the thread that writes captures: records, in a queue with a limit.
-// When it is full, what comes is dropped and counted, so that the bus never waits.
+// Bounded queue of records from a bus's thread to the thread that writes captures. When it is full,
+// new records are dropped and counted, so that the bus never waits.
 //
-// One thread puts, one takes and says whether records are wanted at all. No call holds the lock for
-// longer than a move or a swap, and nobody is woken: who takes looks from time to time.
+// One thread puts. A second thread takes, and switches recording on and off. The lock is held only
+// for a move or a swap. The second thread is not woken; it polls.
 #pragma once
 
 #include <atomic>
@@ -36,9 +36,8 @@ class CaptureTap {
 
   struct Taken {
     std::vector<CaptureRecord> records;
-    std::uint64_t lost = 0;  // that should stand behind them
+    std::uint64_t lost = 0;  // records dropped after the last one
   };
-  // Everything since the last call.
   [[nodiscard]] Taken take() {
     Taken taken;
     const std::lock_guard lock(mutex_);
@@ -52,7 +51,7 @@ class CaptureTap {
   std::atomic<bool> wanted_ = false;
   std::mutex mutex_;
   std::vector<CaptureRecord> records_;
-  std::size_t bytes_ = 0;  // of records_
+  std::size_t bytes_ = 0;
   std::uint64_t lost_ = 0;
 };
 

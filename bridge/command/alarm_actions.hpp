@@ -1,5 +1,6 @@
-// What people do about alarms, from DDS: refuses duplicates, asks the alarms, notes it in the audit
-// and in the log. Every action ends in exactly one result, at once. Any thread.
+// Actions of users on alarms, received from DDS: refuses duplicates, applies the action to the
+// alarm table, and writes it to the audit and the log. Every action ends immediately in exactly one
+// result. Any thread.
 #pragma once
 
 #include <mutex>
@@ -13,11 +14,11 @@ namespace fieldcast {
 
 class AlarmActions {
  public:
-  // Both outlive it.
+  // Both must outlive this object.
   AlarmActions(AlarmTable& alarms, CommandAudit& audit) : alarms_(alarms), audit_(audit) {}
 
   [[nodiscard]] CommandResult take(const AlarmAction& action, const UtcMapping& now);
-  // It has been answered without it: it is a duplicate from here on. False: it was one before.
+  // Another bridge has responded; later copies are duplicates. Returns false if it already was one.
   bool answered_elsewhere(const std::string& requester, std::uint64_t request_id);
 
  private:
@@ -29,8 +30,8 @@ class AlarmActions {
   CommandLedger ledger_;
 };
 
-// "anna (fieldcast-cli:71:9)", "shelve high for 30min: the filter is dirty",
-// "press-shop/press-1/level": who, what and target of an action's entry.
+// Makes the audit entry of an action, for example who: "anna (fieldcast-cli:71:9)", what: "shelve
+// high for 30min: the filter is dirty", target: "press-shop/press-1/level".
 [[nodiscard]] AuditEntry audit_entry(const AlarmAction& action);
 
 }  // namespace fieldcast

@@ -51,7 +51,7 @@ AuditEntry CommandAudit::asked(const std::string& bus, const Command& command) {
 
 void CommandAudit::refused(AuditEntry asked, const CommandResult& result) {
   const std::lock_guard lock(mutex_);
-  // A duplicate leaves the one that runs alone.
+  // A duplicate must not remove the entry of the command that still runs.
   if (result.cause != Cause::kDuplicate) pending_.erase({result.requester, result.request_id});
   append(std::move(asked), result);
 }

@@ -1,5 +1,5 @@
-// Who asked for which command, and what became of it: one audit entry for each, when its result is
-// known. Any thread.
+// Audit of commands: writes one entry with requester and result when the result is known. Any
+// thread.
 #pragma once
 
 #include <map>
@@ -14,18 +14,18 @@ namespace fieldcast {
 
 class CommandAudit {
  public:
-  // Beyond it an entry does not say what was asked, but still who and the result.
+  // Limit of pending commands; further entries have requester and result, but not the command.
   static constexpr std::size_t kMaxPending = 16384;
 
-  // Where entries go from now on; null: nowhere.
+  // Sets the destination of entries; null: none.
   void open(Audit* audit);
 
-  // A command came in. The entry is for refused(), and is kept for answered().
+  // Call for each received command. Pass the entry to refused(); a copy is kept for answered().
   AuditEntry asked(const std::string& bus, const Command& command);
-  // It was refused before a bus had it: its key may be that of another command that still runs.
+  // Refused before a bus had it. Its key may be that of another command that still runs.
   void refused(AuditEntry asked, const CommandResult& result);
   void answered(const std::string& bus, const CommandResult& result);
-  // What is answered as soon as it comes.
+  // For requests that get their result immediately.
   void note(AuditEntry asked, const CommandResult& result);
 
  private:
@@ -36,7 +36,7 @@ class CommandAudit {
   std::map<std::pair<std::string, std::uint64_t>, AuditEntry> pending_;
 };
 
-// "write 21.5", "press-shop/press-1/setpoint": what and target of a command's entry.
+// Entry of a command: what "write 21.5", target "press-shop/press-1/setpoint".
 [[nodiscard]] AuditEntry audit_entry(const std::string& bus, const Command& command);
 
 }  // namespace fieldcast

@@ -43,11 +43,11 @@ std::optional<CommandResult> CommandRouter::take(const std::string& bus, Command
     }
     if (!late.empty())
       return refusal(command, CommandState::kExpired, Cause::kExpired, std::move(late), now, now);
-    // What is only read may be read twice.
+    // A read may run twice.
     if (!keep_ || command.operation != Operation::kWrite) return post(bus, std::move(command), now);
     keep = keep_;
   }
-  // Not under the lock: it may answer at once.
+  // Outside the lock, because it may call back immediately.
   keep(bus, command.requester, command.request_id,
        [this, bus, command, now](Identity identity) { on_identity(bus, command, identity, now); });
   return std::nullopt;
@@ -55,7 +55,7 @@ std::optional<CommandResult> CommandRouter::take(const std::string& bus, Command
 
 std::optional<CommandResult> CommandRouter::post(const std::string& bus, Command command,
                                                  Instant now) {
-  // Posted under the lock: once remove() has returned, nothing more comes to the runner.
+  // Posted under the lock: after remove() has returned, the runner gets no more commands.
   const auto found = runners_.find(bus);
   if (found == runners_.end())
     return rejection(command, Cause::kShutdown, "the bridge is stopping this bus", now);

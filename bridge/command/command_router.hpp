@@ -1,5 +1,5 @@
-// Takes the commands from DDS: finds the bus, refuses duplicates and commands that no bus can take,
-// and posts the others to the bus. Every command ends in exactly one result. Any thread.
+// Routes commands from DDS: refuses duplicates and commands that cannot run, and posts the others
+// to their bus. Every command ends in exactly one result. Any thread.
 #pragma once
 
 #include <functional>
@@ -19,33 +19,32 @@ namespace fieldcast {
 class CommandRouter {
  public:
   enum class Identity : std::uint8_t {
-    kNew,       // kept from now on
-    kKnown,     // kept before
-    kNotKept,   // the store did not take it
-    kNotNoted,  // not all bridges of the standby group have noted it, or another one has begun it
+    kNew,
+    kKnown,
+    kNotKept,  // the store did not save it
+    // Not all bridges of the group have noted it, or another bridge has begun the command.
+    kNotNoted,
   };
-  // Keeps the identity of a write so that it outlives this process, then calls `kept` once, on any
-  // thread.
+  // Saves the identity of a write permanently, then calls `kept` once, on any thread.
   using Keep = std::function<void(const std::string& bus, const std::string& requester,
                                   std::uint64_t request_id, std::function<void(Identity)> kept)>;
   using Refused = std::function<void(const std::string& bus, const CommandResult& result)>;
 
-  // From here on a write runs when its identity is kept and was not before; `refused` is called for
-  // the others. A null `keep` ends it; the owner of `keep` makes sure that nothing is called
-  // afterwards.
+  // From now on a write runs only if its identity is saved and is new; otherwise calls `refused`.
+  // Null ends this; the owner of `keep` must ensure that no callback follows.
   void keep_identities(Keep keep, Refused refused);
 
-  // Another bridge has answered it: it is a duplicate from here on. False: it was one before.
+  // Another bridge has responded; later copies are duplicates. Returns false if it already was one.
   bool answered_elsewhere(const std::string& requester, std::uint64_t request_id, Instant now);
-  // That was a moment ago: a command that comes now was on its way, and has its result.
+  // Returns true if answered_elsewhere() was called for this command in the last seconds: the
+  // command was still in flight and has its result.
   [[nodiscard]] bool was_answered_elsewhere(const Command& command, Instant now);
 
-  // A bus takes commands from here on, until it is removed.
   void add(const std::string& bus, std::shared_ptr<BusRunner> runner);
   void remove(const std::string& bus);
 
-  // Nothing: a bus has the command or will have it, its result follows. Else the result, at once: a
-  // duplicate, a full queue, a bus that stops. `late`: it has expired already, and why.
+  // Returns `std::nullopt` if a bus gets the command; its result follows. Otherwise returns the
+  // result. `late`: the command has expired already; the text is the reason.
   [[nodiscard]] std::optional<CommandResult> take(const std::string& bus, Command command,
                                                   Instant now, std::string late = {});
 

@@ -1,9 +1,11 @@
-// Which commands were seen in the last seconds. In a standby group the router keeps those that were
-// answered without it, the group the writes that another bridge has begun: such a command may still
-// be on its way here, and it gets no second result, or run. The bridge keeps those that have their
-// result: another member may hold one, and not have heard that.
+// Set of the commands of the last seconds, used in a standby group:
+// - The router stores commands that another bridge has responded to, and the group stores writes
+//   that another bridge has begun. Such a command may still be in flight to this bridge; it must
+//   not run or get a second result.
+// - The bridge stores commands that have their result: another member may hold such a command
+//   without knowledge of the result.
 //
-// Pure; one owner, who guards it. Nothing can fail; when it is full, the oldest is forgotten.
+// Pure; the owner guards it. If the set is full, the oldest entry is removed.
 #pragma once
 
 #include <cstdint>
@@ -18,10 +20,10 @@ namespace fieldcast {
 
 class RecentCommands {
  public:
-  // As long as DDS may take to deliver a command: a reader that is away for longer is given up.
+  // Longest time that DDS needs to deliver a command; a reader that is away longer is dropped.
   static constexpr Duration kFor = std::chrono::seconds{10};
   static constexpr std::size_t kMost = 4096;
-  using Key = std::pair<std::string, std::uint64_t>;  // requester, request_id
+  using Key = std::pair<std::string, std::uint64_t>;
 
   RecentCommands() = default;
   explicit RecentCommands(Duration kept) : kept_(kept) {}
@@ -49,7 +51,7 @@ class RecentCommands {
 
   Duration kept_ = kFor;
   std::set<Key> keys_;
-  std::deque<std::pair<Key, Instant>> order_;  // oldest first
+  std::deque<std::pair<Key, Instant>> order_;
 };
 
 }  // namespace fieldcast

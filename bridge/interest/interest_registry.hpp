@@ -1,9 +1,9 @@
-// Receives the interests from DDS: keeps their table and posts to each bus what changed for its
-// channels. Any thread.
+// Stores the interests received from DDS and posts the resulting channel changes to each bus. Any
+// thread.
 //
-// note() only writes the table. A thread of the registry's own finds what the interests mean for
-// channels, at most every kPace: a station that changes its interests a million times costs neither
-// DDS nor a bus more than one that does so a few times a second.
+// note() only writes to the table. The registry's own thread computes the changes of channels, at
+// most every kPace. A station that changes its interests very often therefore costs DDS and the
+// buses no more than a few changes a second.
 #pragma once
 
 #include <condition_variable>
@@ -25,24 +25,22 @@ class InterestRegistry {
  public:
   static constexpr std::chrono::milliseconds kPace{50};
 
-  // `remark` is called on the registry's thread with one line for the log for each interest that
-  // changes nothing.
+  // Calls `remark` on the registry's thread with a log line for each interest without effect.
   explicit InterestRegistry(std::function<void(std::string)> remark);
   ~InterestRegistry();
   InterestRegistry(const InterestRegistry&) = delete;
   InterestRegistry& operator=(const InterestRegistry&) = delete;
 
-  // The bus gets the interests of now, and every change until it is removed; nothing afterwards.
+  // The bus gets the present interests, and every change until it is removed.
   void add(const BusSpec& bus, std::shared_ptr<BusRunner> runner);
   void remove(const std::string& bus);
 
-  // All buses are there: from here on an interest that meets no channel is remarked.
+  // Call when all buses were added: from then on, interests that match no channel are reported.
   void all_added();
 
-  // No station is interested in anything any more.
   void forget();
 
-  // As InterestTable::note().
+  // See InterestTable::note().
   [[nodiscard]] tl::expected<void, std::string> note(const std::string& station,
                                                      const std::string& pattern,
                                                      std::optional<Duration> refresh);
@@ -50,7 +48,7 @@ class InterestRegistry {
  private:
   struct Bus {
     BusSpec spec;
-    std::map<ChannelIndex, Duration> known;  // the registry's thread only
+    std::map<ChannelIndex, Duration> known;  // only on the registry's thread
     std::mutex mutex;
     std::shared_ptr<BusRunner> runner;  // null: removed
   };
@@ -60,14 +58,14 @@ class InterestRegistry {
   void remark_on(const std::vector<InterestTable::NewInterest>& added, const Buses& buses);
 
   std::function<void(std::string)> remark_;
-  RepeatFilter remarked_;  // the registry's thread only; by station
+  RepeatFilter remarked_;  // by station; only on the registry's thread
 
   std::mutex mutex_;
   std::condition_variable changed_;
   bool dirty_ = false, all_added_ = false, ending_ = false;
   InterestTable table_;
   Buses buses_;
-  std::thread thread_;  // last: it uses what is above
+  std::thread thread_;  // last: it uses the members above
 };
 
 }  // namespace fieldcast

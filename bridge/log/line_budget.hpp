@@ -1,6 +1,5 @@
-// How many lines of one kind a log takes: for lines that outsiders can cause as often as they like.
-// The first kLines of a kind in kPeriod are worth a line each; what comes beyond is counted. Pure;
-// one owner, one thread.
+// Limits the log lines of kinds that outsiders can cause without limit. In each kPeriod, the first
+// kLines of a kind are logged; more are only counted. Pure; one owner, one thread.
 #pragma once
 
 #include <cstdint>
@@ -17,11 +16,11 @@ class LineBudget {
  public:
   static constexpr unsigned kLines = 10;
   static constexpr Duration kPeriod = std::chrono::minutes{10};
-  static constexpr std::size_t kMaxKinds = 64;  // those beyond share one budget
+  static constexpr std::size_t kMaxKinds = 64;  // further kinds share one budget
 
   struct Verdict {
-    bool log = false;              // worth a line
-    std::uint64_t suppressed = 0;  // of the kind that got no line in the period before
+    bool log = false;
+    std::uint64_t suppressed = 0;  // lines of this kind that were not logged in the previous period
   };
   [[nodiscard]] Verdict occurred(std::string_view kind, Instant now);
 
@@ -29,7 +28,7 @@ class LineBudget {
     std::string kind;
     std::uint64_t suppressed = 0;
   };
-  // Kinds whose period has ended with lines that were only counted; each is reported once.
+  // Returns the kinds with suppressed lines whose period has ended; each once.
   [[nodiscard]] std::vector<Summary> summaries(Instant now);
 
  private:

@@ -20,29 +20,29 @@
 namespace fieldcast {
 namespace {
 
-// A pipe that poll() calls writable takes this much at once (PIPE_BUF of Linux, pipe(7)), so that
-// the thread waits in poll(), where it can be told to end, and hardly ever in write().
+// poll() reports a pipe as writable if this many bytes do not block (PIPE_BUF of Linux, pipe(7)).
+// The thread therefore waits in poll(), where it can be ended, and rarely in write().
 constexpr std::size_t kPiece = 4096;
-constexpr int kPollMilliseconds = 100;  // how soon the thread sees that it shall end
+constexpr int kPollMilliseconds = 100;  // delay until the thread sees `ending`
 
 }  // namespace
 
 struct LineWriter::State {
-  FileDescriptor fd;    // the thread's own
-  FileDescriptor next;  // takes its place before the next line; usually none
+  FileDescriptor fd;    // owned by the thread
+  FileDescriptor next;  // replaces `fd` before the next line; usually empty
   std::function<std::string(std::uint64_t)> remark;
   std::mutex mutex;
   std::condition_variable work, done;
   std::deque<std::string> waiting;
-  std::size_t bytes = 0;      // of waiting
-  std::uint64_t put = 0;      // lines handed in
-  std::uint64_t seen = 0;     // lines that are written or lost
-  std::uint64_t lost = 0;     // lines that were lost
-  std::uint64_t to_tell = 0;  // lost lines that no remark speaks of yet
+  std::size_t bytes = 0;
+  std::uint64_t put = 0;
+  std::uint64_t seen = 0;
+  std::uint64_t lost = 0;
+  std::uint64_t to_tell = 0;  // lost lines that are not in a remark yet
   bool ending = false;
 
   void run();
-  // The next lines, as many as fit one piece, behind a remark about those lost before them.
+  // Returns the next lines that fit in one piece, after a remark about lines lost before them.
   std::string take(std::size_t& lines, std::uint64_t& told);
   [[nodiscard]] bool write(std::string_view text);
   [[nodiscard]] bool is_ending() {

@@ -52,10 +52,9 @@ std::string_view priority_of(spdlog::level::level_enum level) {
   }
 }
 
-// What a line has before and around its text.
 enum class Decoration { kNone, kColour, kPriority };
 
-// Formats on the thread that logs, and leaves the writing to the LineWriter.
+// Formats on the thread that logs; the LineWriter writes.
 class QueueSink final : public spdlog::sinks::base_sink<std::mutex> {
  public:
   QueueSink(LineWriter& lines, Decoration decoration) : lines_(lines), decoration_(decoration) {}
@@ -86,7 +85,7 @@ std::shared_ptr<spdlog::logger> make_logger(const char* name, LineWriter& lines,
   return made;
 }
 
-// The writers are never destroyed: threads may log until the process is gone.
+// Never destroyed: threads may log until the process ends.
 LineWriter& error_lines() {
   static auto& lines = *new LineWriter(STDERR_FILENO, [](std::uint64_t lost) {
     return fmt::format("{} lines of the log are missing here: they could not be written in time\n",
@@ -133,7 +132,7 @@ spdlog::logger& tracer() {
   return *instance;
 }
 
-std::mutex counted_mutex;  // of counted()
+std::mutex counted_mutex;
 LineBudget& counted() {
   static auto& budget = *new LineBudget;
   return budget;

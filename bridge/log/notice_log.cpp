@@ -40,7 +40,7 @@ void NoticeLog::notice(const Notice& notice, Instant now) {
     case Notice::Kind::kForeignMasterEnded:
       return over(key_of(Notice::Kind::kForeignMaster, notice.device), subject, notice.text);
     case Notice::Kind::kEchoFound: return log_info(subject, notice.text);
-    case Notice::Kind::kDeviceErrors:  // another cause is another fault, and so is another address
+    case Notice::Kind::kDeviceErrors:  // a different cause or address is a different fault
       return fault(LogLevel::kWarning,
                    fmt::format("{}/{}", key_of(notice.kind, notice.device), to_name(notice.cause)),
                    subject, notice.text, now);

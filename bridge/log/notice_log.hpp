@@ -1,5 +1,5 @@
-// The notices of a bus as lines of the log: each fault once, then counted, summarised every ten
-// minutes and when it is over. Owned by one BusRunner, on its io thread.
+// Logs the notices of a bus: each fault once, then a summary every ten minutes and at its end.
+// Owned by one BusRunner, on its io thread.
 #pragma once
 
 #include <string>
@@ -18,7 +18,7 @@ class NoticeLog {
   void notice(const Notice& notice, Instant now);
   void port_opened();
   void port_closed(const std::string& reason, Instant now);
-  // Summaries of what was only counted; asked once a second.
+  // Writes the summaries of counted lines; call once a second.
   void tick(Instant now);
 
  private:

@@ -1,8 +1,7 @@
-// "Logged once, then counted": decides which occurrences of a fault become a line of the log. Pure;
-// one owner, one thread.
+// Decides which occurrences of a fault are logged. Pure; one owner, one thread.
 //
-// The first occurrence of a key is worth a line. Later ones are counted, and summarised when
-// kSummary has passed since the last line about the key, or when the fault ends.
+// The first occurrence of a key is logged. Later ones are counted, and summarized when kSummary has
+// passed since the last line about the key, or when the fault ends.
 #pragma once
 
 #include <cstddef>
@@ -18,25 +17,22 @@ namespace fieldcast {
 class RepeatFilter {
  public:
   static constexpr Duration kSummary = std::chrono::minutes{10};
-  // A key beyond that replaces the key that was quiet for longest.
+  // A new key beyond it replaces the key that was quiet longest.
   static constexpr std::size_t kMaxKeys = 4096;
 
   struct Verdict {
-    bool log = false;              // worth a line
-    std::uint64_t suppressed = 0;  // occurrences since the last line that got none
+    bool log = false;
+    std::uint64_t suppressed = 0;  // occurrences since the last line that were not logged
   };
-  // The fault `key` occurred.
   [[nodiscard]] Verdict occurred(const std::string& key, Instant now);
-  // The fault `key` is over: log is true if it had occurred, and its next occurrence is a first one
-  // again.
+  // The fault has ended. `log` is true if it had occurred. Its next occurrence is logged again.
   [[nodiscard]] Verdict recovered(const std::string& key);
 
   struct Summary {
     std::string key;
     std::uint64_t suppressed = 0;
   };
-  // Keys with uncounted occurrences whose last line is kSummary old. Asked now and then; each is
-  // reported once.
+  // Keys with suppressed occurrences whose last line is kSummary old, each once. Call periodically.
   [[nodiscard]] std::vector<Summary> summaries(Instant now);
 
  private:

@@ -28,17 +28,17 @@ namespace http = boost::beast::http;
 using asio::ip::tcp;
 using boost::system::error_code;
 
-constexpr int kNiceness = 10;               // the buses come first
-constexpr std::chrono::seconds kLinger{1};  // for a client to take the last response
+constexpr int kNiceness = 10;               // the buses have priority
+constexpr std::chrono::seconds kLinger{1};  // time for a client to read the last response
 constexpr std::string_view kPath = "/metrics";
 
-// What a response needs of the server; it outlives the connections.
+// Shared data of the connections, which it outlives.
 struct Service {
   const MetricsServer::Source source;
   const MetricsServer::Limits limits;
 };
 
-// One client: a request, its response, and again. Ends itself at a fault or a limit of time.
+// One client, which may send several requests. Closes itself after a fault or a time limit.
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(tcp::socket socket, const Service& service)
@@ -59,7 +59,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     stream_.close();
   }
   [[nodiscard]] bool is_open() const { return stream_.socket().is_open(); }
-  // When it last began to wait for its client.
+  // Time at which the present wait for the client began.
   [[nodiscard]] std::chrono::steady_clock::time_point since() const { return since_; }
 
  private:
@@ -112,8 +112,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
     stream_.expires_after(kLinger);
     drain();
   }
-  // What the client still sends is read away: closed over unread bytes, TCP would take the response
-  // back.
+  // Reads and discards what the client still sends. If a socket with unread bytes is closed, TCP
+  // resets the connection and the response can be lost.
   void drain() {
     buffer_.clear();
     stream_.async_read_some(buffer_.prepare(service_.limits.header_bytes),
@@ -144,9 +144,9 @@ struct MetricsServer::State {
   const ListenSpec listen;
   const Service service;
   std::atomic<std::uint16_t> port{0};
-  bool said = false;  // that it cannot listen
+  bool said = false;  // the failure to listen was logged
   std::vector<std::weak_ptr<Connection>> connections;
-  IoThread io{"metrics"};  // outlives what follows, and ends before what is above
+  IoThread io{"metrics"};  // outlives the members below, and ends before those above
   asio::steady_timer again{io.context()};
   std::optional<Listener> listener;
 };
@@ -216,7 +216,7 @@ MetricsServer::~MetricsServer() {
     done.get_future().wait();
   };
   wait_for([this] { state_->close(); });
-  wait_for([] {});  // what the closing cancelled has run
+  wait_for([] {});  // the cancelled handlers have run
 }
 
 std::uint16_t MetricsServer::port() const { return state_->port; }

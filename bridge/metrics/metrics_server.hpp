@@ -1,10 +1,9 @@
-// Gives out the metrics by HTTP: GET /metrics, nothing else, to whoever reaches the address. There
-// is no login and no TLS.
+// Serves the metrics over HTTP: only GET /metrics, to every client that can connect. No login, no
+// TLS.
 //
-// Owns its io thread, of low priority, on which everything runs and the text is made. A client
-// cannot delay a bus: the text is made first, whole, and then written without any lock. When the
-// address cannot be listened at, that is logged once and tried again, like a database that is away:
-// the buses run.
+// Owns an io thread of low priority, on which everything runs. A client cannot delay a bus: the
+// complete text is made first and then written without a lock. If the server cannot listen, it logs
+// that once and retries; the buses are not affected.
 #pragma once
 
 #include <atomic>
@@ -20,27 +19,26 @@ namespace fieldcast {
 class MetricsServer {
  public:
   struct Limits {
-    // One more cuts the one that has been silent longest.
+    // One more connection closes the one that has been silent longest.
     std::size_t connections = 8;
     std::size_t header_bytes = 4096;
-    // For a whole header: from the connection, or from the last response, on.
+    // From the connection, or from the last response, to a complete header.
     Duration request = std::chrono::seconds{10};
-    // Until the client has taken all of a response.
+    // To send a complete response.
     Duration response = std::chrono::seconds{10};
-    // Between two attempts to listen.
     Duration try_again = std::chrono::seconds{5};
   };
-  // The text of now. Called on the server's thread; must not block.
+  // Returns the present metrics. Called on the server's thread; must not block.
   using Source = std::function<std::string(MetricsFormat)>;
 
   MetricsServer(const ListenSpec& listen, Source source, const Limits& limits);
   MetricsServer(const ListenSpec& listen, Source source)
       : MetricsServer(listen, std::move(source), Limits{}) {}
-  ~MetricsServer();  // cuts every connection; the source is not called afterwards
+  ~MetricsServer();  // closes every connection; the source is not called afterwards
   MetricsServer(const MetricsServer&) = delete;
   MetricsServer& operator=(const MetricsServer&) = delete;
 
-  // Where it listens; 0: not yet.
+  // Returns the port, or 0 if it does not listen yet.
   [[nodiscard]] std::uint16_t port() const;
 
  private:

@@ -1,5 +1,4 @@
-// What the metrics are made of: the last report of every bus and device, and the counters of the
-// store. A value: it does not change once it is taken. Any thread.
+// Metrics of one moment: the last reports and the counters of the store. Immutable. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +20,7 @@ struct BusFigures {
   std::string bus;
   BusReport report;
   DdsLink::BusCounters dds;
-  UtcTime at;  // of the report
+  UtcTime at;
 };
 
 struct DeviceFigures {
@@ -29,23 +28,23 @@ struct DeviceFigures {
   DeviceReport report;
 };
 
-// Of a bridge that belongs to a standby group.
+// Only of a bridge in a standby group.
 struct StandbyFigures {
   bool master = false, ready = false;
   std::uint32_t term = 0;
-  std::uint64_t takeovers = 0;  // times that this bridge became master
-  std::uint64_t behind = 0;     // blocks of the master that it has not followed yet
+  std::uint64_t takeovers = 0;
+  std::uint64_t behind = 0;  // blocks of the master that this bridge has not applied yet
 };
 
 struct MetricsSnapshot {
-  std::string bridge;  // its name
+  std::string bridge;
   std::vector<std::shared_ptr<const BusFigures>> buses;
   std::vector<std::shared_ptr<const DeviceFigures>> devices;
   std::optional<AlarmCounts> alarms;
-  std::optional<StoreCounters> store;  // nothing: there is no store
+  std::optional<StoreCounters> store;
   std::optional<StandbyFigures> standby;
   RtpsFaultCounts refused_datagrams{};          // by all guards of this process
-  std::optional<std::uint32_t> receive_buffer;  // bytes of a UDP socket; nothing: not known
+  std::optional<std::uint32_t> receive_buffer;  // bytes, of a UDP socket; `std::nullopt`: unknown
 };
 
 }  // namespace fieldcast

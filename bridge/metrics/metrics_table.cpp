@@ -2,7 +2,7 @@
 
 namespace fieldcast {
 
-// What is replaced ends after the lock is released.
+// The old value is destroyed after the lock is released.
 void MetricsTable::note(BusFigures figures) {
   auto made = std::make_shared<const BusFigures>(std::move(figures));
   const std::lock_guard lock(mutex_);

@@ -1,6 +1,5 @@
-// The last report of every bus and device, for the metrics. Owns immutable copies, which a snapshot
-// shares: its lock is held for the copy of a pointer each, so neither side waits for the other.
-// Any thread. Bounded by the buses and devices of the configuration.
+// Last report of every bus and device, for the metrics, as immutable copies that a snapshot shares:
+// the lock is held only to copy pointers. Any thread. Limited by the number of buses and devices.
 #pragma once
 
 #include <map>
@@ -16,13 +15,12 @@ namespace fieldcast {
 
 class MetricsTable {
  public:
-  // Take the place of the last ones.
   void note(BusFigures figures);
   void note(DeviceFigures figures);
-  // A bus that has stopped, with its devices. REQUIRES: nobody notes figures of it any more.
+  // Removes a stopped bus and its devices. REQUIRES: no note() of this bus follows.
   void remove(std::string_view bus);
 
-  // Puts the buses and the devices into the snapshot, in the order of their names.
+  // Adds the buses and devices to the snapshot, sorted by name.
   void copy_to(MetricsSnapshot& snapshot) const;
 
  private:

@@ -13,9 +13,9 @@ namespace {
 enum class Kind : std::uint8_t { kCounter, kGauge };
 
 struct Family {
-  std::string_view name;  // of a counter without "_total"
+  std::string_view name;  // of a counter: without "_total"
   Kind kind;
-  std::string_view unit;  // the end of the name, or empty
+  std::string_view unit;  // suffix of the name, or empty
   std::string_view help;
 };
 
@@ -207,7 +207,7 @@ std::string label(std::string_view name, std::string_view value) {
   return fmt::format("{}=\"{}\"", name, escaped_label(value));
 }
 
-// Writes families one after the other. A family without lines is left out.
+// Writes families in sequence; omits a family without lines.
 class Writer {
  public:
   explicit Writer(MetricsFormat format) : format_(format) {}
@@ -231,7 +231,7 @@ class Writer {
   }
 
  private:
-  // In OpenMetrics the family of a counter has no "_total", in the older format it has.
+  // In OpenMetrics, the family name of a counter has no "_total"; in the older format it has.
   void head() {
     headed_ = true;
     const bool open = format_ == MetricsFormat::kOpenMetrics;

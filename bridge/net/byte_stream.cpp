@@ -42,7 +42,7 @@ class StreamOf final : public ByteStream {
 
 }  // namespace
 
-// TIOCOUTQ is SIOCOUTQ: one request code for lines and sockets.
+// TIOCOUTQ equals SIOCOUTQ: one request code for lines and sockets.
 std::size_t queued_at(int fd) {
   int count = 0;
   return ::ioctl(fd, TIOCOUTQ, &count) == 0 && count > 0 ? static_cast<std::size_t>(count) : 0;
@@ -57,7 +57,7 @@ std::unique_ptr<ByteStream> descriptor_stream(asio::io_context& io, FileDescript
   int domain = 0;
   socklen_t size = sizeof domain;
   if (::getsockopt(descriptor.get(), SOL_SOCKET, SO_DOMAIN, &domain, &size) == 0) {
-    // As a socket: writing to one whose peer is gone is then an error and no signal.
+    // As a socket, so that a write to a closed peer returns an error and raises no signal.
     asio::generic::stream_protocol::socket socket(io);
     socket.assign(asio::generic::stream_protocol(domain, IPPROTO_TCP), descriptor.get(), fault);
     if (fault) return nullptr;

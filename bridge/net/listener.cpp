@@ -12,7 +12,7 @@ using boost::asio::ip::tcp;
 
 namespace {
 
-// When the system gives no socket: too many are open.
+// Wait if the system has no free descriptor.
 constexpr std::chrono::milliseconds kPause{100};
 
 }  // namespace

@@ -15,7 +15,7 @@ class Listener {
  public:
   // `come` is called with each connection, until close().
   Listener(boost::asio::io_context& io, std::function<void(boost::asio::ip::tcp::socket)> come);
-  ~Listener();  // close()
+  ~Listener();
   Listener(const Listener&) = delete;
   Listener& operator=(const Listener&) = delete;
 
@@ -26,12 +26,11 @@ class Listener {
 
  private:
   struct State;
-  std::shared_ptr<State> state_;  // shared with the handlers under way
+  std::shared_ptr<State> state_;  // shared with pending handlers
 };
 
-// Of the peer: "10.0.0.7:51234"; "?" when it is gone.
+// Returns the peer's address, for example "10.0.0.7:51234", or "?" if it has disconnected.
 [[nodiscard]] std::string address_of(const boost::asio::ip::tcp::socket& socket);
-// Such an address without its port.
 [[nodiscard]] inline std::string host_of(const std::string& address) {
   return address.substr(0, address.rfind(':'));
 }

@@ -22,8 +22,8 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using Secure = asio::ssl::stream<tcp::socket>;
 
-// Of the certificate that the peer has shown; empty without one, and for a subject that has not
-// exactly one common name that can stand in a line of a log.
+// Returns the common name in the peer's verified certificate. Empty without a certificate, and if
+// the subject does not have exactly one common name that is printable in the log.
 std::string common_name_of(const SSL* tls) {
   const std::unique_ptr<X509, decltype(&X509_free)> shown(SSL_get1_peer_certificate(tls),
                                                           &X509_free);
@@ -47,7 +47,7 @@ class TlsStream final : public ByteStream {
   void read_some(asio::mutable_buffer into, Done done) override {
     stream_->async_read_some(into, [stream = stream_, done = std::move(done)](
                                        boost::system::error_code fault, std::size_t count) {
-      // Peers that leave without a close_notify are the rule.
+      // Many peers disconnect without a close_notify, so this is a normal end.
       if (fault == asio::ssl::error::stream_truncated) fault = asio::error::eof;
       done(fault, count);
     });
@@ -69,10 +69,10 @@ class TlsStream final : public ByteStream {
   std::string peer_name() const override { return common_name_of(stream_->native_handle()); }
 
  private:
-  std::shared_ptr<Secure> stream_;  // shared with the operations under way
+  std::shared_ptr<Secure> stream_;  // shared with pending operations
 };
 
-// Of TLS 1.2: a key for each connection, and encryption that authenticates. TLS 1.3 has no others.
+// For TLS 1.2: ephemeral keys and authenticated encryption only. TLS 1.3 has no other suites.
 constexpr const char* kCipherSuites = "ECDHE+AESGCM:ECDHE+CHACHA20";
 
 void set_rules(asio::ssl::context& context) {
@@ -85,7 +85,6 @@ void set_rules(asio::ssl::context& context) {
   SSL_CTX_set_options(native, SSL_OP_NO_RENEGOTIATION);
 }
 
-// A handshake with a limit. `keep` lives as long as it does.
 void run_handshake(const std::shared_ptr<Secure>& stream,
                    asio::ssl::stream_base::handshake_type side, Duration limit,
                    std::function<void(TlsResult)> done) {
@@ -136,11 +135,11 @@ Done use_authority(Context& context, const TlsSpec& files, TlsServer::Clients cl
   context.set_verify_mode(clients == TlsServer::Clients::kMust
                               ? asio::ssl::verify_peer | asio::ssl::verify_fail_if_no_peer_cert
                               : asio::ssl::verify_peer);
-  // Signed by an authority of the file itself: whoever owns a certificate that may sign others, by
-  // mistake, makes no further ones for this bridge.
+  // Only certificates signed directly by an authority of the file are accepted. The owner of a
+  // certificate that by mistake may sign others cannot create more for this bridge.
   SSL_CTX_set_verify_depth(context.native_handle(), 0);
   X509_STORE_set_flags(SSL_CTX_get_cert_store(context.native_handle()), X509_V_FLAG_PARTIAL_CHAIN);
-  // A session that is resumed would not look at the list of revoked certificates again.
+  // No session resumption: a resumed session would skip the revocation list.
   SSL_CTX_set_session_cache_mode(context.native_handle(), SSL_SESS_CACHE_OFF);
   SSL_CTX_set_options(context.native_handle(), SSL_OP_NO_TICKET);
   SSL_CTX_set_num_tickets(context.native_handle(), 0);
@@ -169,8 +168,8 @@ struct TlsServer::State {
   TlsSpec files;
   Clients clients = Clients::kMust;
   Stamps stamps;
-  std::unique_ptr<Context> context;  // null: a file is of no use now
-  std::string trouble;               // then: which
+  std::unique_ptr<Context> context;  // null: a file is not usable now
+  std::string trouble;               // if so: which file and why
   std::set<std::shared_ptr<Secure>> shaking;
   bool closed = false;
 

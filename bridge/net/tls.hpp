@@ -1,6 +1,5 @@
-// TLS, both ends (OpenSSL). Lives on one io thread. TLS 1.3, and TLS 1.2 with
-// ECDHE and AEAD suites only. A server may ask for the certificates of its clients;
-// ByteStream::peer_name() then tells who a client is.
+// TLS server and client (OpenSSL), on one io thread. TLS 1.3; TLS 1.2 only with ECDHE and AEAD. A
+// server may request client certificates; ByteStream::peer_name() identifies the client.
 #pragma once
 
 #include <functional>
@@ -14,26 +13,26 @@
 
 namespace fieldcast {
 
-// Else why not, in one line.
+// The error is one line.
 using TlsResult = tl::expected<std::unique_ptr<ByteStream>, std::string>;
 
 class TlsServer {
  public:
-  // Whether a client shows a certificate that the authority signed.
+  // Whether a client may or must present a certificate that the authority signed.
   enum class Clients : std::uint8_t { kMay, kMust };
 
-  // PEM files. The error names the file: there is none, it holds something else, the key is open to
-  // others. Without an authority clients show no certificate.
+  // PEM files. Fails with a text that names the file if it is missing, has other contents, or is a
+  // key that other users can read. Without an authority, clients present no certificate.
   //
-  // With an authority, files that change are read again before the next connection, so that a
-  // certificate can be renewed and another one revoked while the server runs. While one of them is
-  // of no use, nobody is let in.
+  // With an authority, changed files are read again before the next connection, so that
+  // certificates can be renewed and revoked at run time. While one of the files is not usable,
+  // every connection is refused.
   [[nodiscard]] static tl::expected<std::unique_ptr<TlsServer>, std::string> make(
       const TlsSpec& files, Clients clients = Clients::kMust);
   ~TlsServer();
 
-  // `done` is called once within the limit, never inside this call; not after close(). What comes
-  // back ends the handshake at once, if it still goes on.
+  // `done` is called once within the limit, never inside this call and not after close(). The
+  // returned function aborts a pending handshake.
   std::function<void()> shake_hands(boost::asio::ip::tcp::socket socket, Duration limit,
                                     std::function<void(TlsResult)> done);
   void close();
@@ -46,13 +45,13 @@ class TlsServer {
 
 class TlsClient {
  public:
-  // `authorities`: a PEM file of those who may sign the bridge's certificate (or that certificate
-  // itself); empty: the system's. `own`: what this client shows of itself, if it has a certificate.
+  // `authorities`: PEM file of the authorities of the bridge's certificate, or that certificate;
+  // empty: those of the system. `own`: this client's certificate, if it has one.
   [[nodiscard]] static tl::expected<std::unique_ptr<TlsClient>, std::string> make(
       const std::string& authorities, const TlsSpec& own = {});
   ~TlsClient();
 
-  // As the server's; the certificate must be for `host`.
+  // As TlsServer::shake_hands(); the certificate must be for `host`.
   void shake_hands(boost::asio::ip::tcp::socket socket, const std::string& host, Duration limit,
                    std::function<void(TlsResult)> done);
 

@@ -21,7 +21,7 @@ namespace {
 namespace asio = boost::asio;
 namespace fs = std::filesystem;
 
-constexpr int kMaxLinks = 40;  // as the kernel allows on one way (path_resolution(7))
+constexpr int kMaxLinks = 40;  // limit of the kernel for one path (path_resolution(7))
 constexpr std::uint32_t kEvents =
     IN_CREATE | IN_MOVED_TO | IN_ATTRIB | IN_DELETE | IN_MOVED_FROM | IN_ONLYDIR;
 
@@ -76,19 +76,19 @@ std::optional<DeviceWatch::Identity> DeviceWatch::identity_of(const std::string&
 
 namespace {
 
-// The kernel lets go of an inotify instance after a grace period (fsnotify_destroy_group), which on
-// a busy machine was seen to take longer than a second: no bus is to stand for it.
+// The kernel releases an inotify instance after a grace period (fsnotify_destroy_group), which was
+// more than a second on a busy machine. A separate thread closes it, so that no bus waits.
 void close_elsewhere(FileDescriptor watch) {
   try {
     std::thread([closed = std::move(watch)] {}).detach();
   } catch (const std::system_error&) {
-    // No thread: it was closed on the way out.
+    // No thread: the descriptor was closed by its destructor.
   }
 }
 
 }  // namespace
 
-// From start() to stop(). Handlers hold it; once over_ is set they do nothing.
+// The watch from start() to stop(). Handlers share ownership; once over_ is set they do nothing.
 class DeviceWatch::Watching : public std::enable_shared_from_this<Watching> {
  public:
   Watching(asio::io_context& io, const std::string& path, const std::function<void()>& came,
@@ -112,7 +112,7 @@ class DeviceWatch::Watching : public std::enable_shared_from_this<Watching> {
   }
 
  private:
-  // Again after each change: folders come and go. A folder that is watched already stays one watch.
+  // Repeated after each change, because folders appear and disappear. Existing watches stay.
   void watch_folders() {
     for (const std::string& folder : folders_on_the_way(path_))
       ::inotify_add_watch(stream_.native_handle(), folder.c_str(), kEvents);
@@ -123,7 +123,7 @@ class DeviceWatch::Watching : public std::enable_shared_from_this<Watching> {
         asio::posix::stream_descriptor::wait_read,
         [self = shared_from_this()](boost::system::error_code fault) {
           if (self->over_ || fault) return;
-          std::array<char, 4096> events;  // only that there were some matters
+          std::array<char, 4096> events;  // the contents are not needed
           while (::read(self->stream_.native_handle(), events.data(), events.size()) > 0) {}
           self->watch_folders();
           self->check_in(kSettle);
@@ -131,7 +131,7 @@ class DeviceWatch::Watching : public std::enable_shared_from_this<Watching> {
         });
   }
 
-  // Not later for the events that come meanwhile: a folder may never rest.
+  // Later events do not delay the check: a folder may change permanently.
   void check_in(Duration wait) {
     if (std::exchange(checking_, true)) return;
     timer_.expires_after(wait);
@@ -156,7 +156,7 @@ class DeviceWatch::Watching : public std::enable_shared_from_this<Watching> {
   std::optional<Identity> last_;
   asio::posix::stream_descriptor stream_;
   asio::steady_timer timer_;
-  bool checking_ = false;  // soon
+  bool checking_ = false;
   bool over_ = false;
 };
 

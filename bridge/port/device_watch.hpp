@@ -1,7 +1,7 @@
-// Tells when the file of a device appears, or changes: an adapter that was unplugged is back.
-// Watches (inotify(7)) every folder on the way to the file, those that its links lead through too,
-// since /dev/serial/by-id goes with its last adapter and comes with the next. Lives on its bus's io
-// thread.
+// Watches a device file with inotify(7) and reports when it appears or is replaced, for example
+// when a USB adapter is plugged in again. Watches every folder on the path to the file and to the
+// targets of its links, because /dev/serial/by-id is removed with the last adapter. Lives on its
+// bus's io thread.
 #pragma once
 
 #include <sys/stat.h>
@@ -20,23 +20,22 @@ namespace fieldcast {
 
 class DeviceWatch {
  public:
-  // What a file is; another one after the adapter was plugged in anew, or udev gave it to a group.
+  // Identity of a file. Differs after a new plug-in, or after udev changed owner or mode.
   struct Identity {
     dev_t device = 0, number = 0;
     ino_t inode = 0;
     mode_t mode = 0;
     uid_t user = 0;
     gid_t group = 0;
-    Duration changed{};  // of its inode
+    Duration changed{};  // change time of its inode
     friend bool operator==(const Identity&, const Identity&) = default;
   };
-  // Through links; nothing where there is no file.
+  // Follows links. Returns `std::nullopt` if there is no file.
   [[nodiscard]] static std::optional<Identity> identity_of(const std::string& path);
 
-  // udev makes a file, its links and its rights one after the other: the file is checked so long
-  // after a change.
+  // Delay after a change: udev creates a file, its links and its access rights one by one.
   static constexpr Duration kSettle = std::chrono::milliseconds{20};
-  // Without inotify (the user's instances are used up) the file is checked this often.
+  // Period of the check without inotify (the user's limit of instances is reached).
   static constexpr Duration kCheckPeriod = std::chrono::milliseconds{500};
 
   DeviceWatch(boost::asio::io_context& io, std::string path, std::function<void()> came);
@@ -44,8 +43,8 @@ class DeviceWatch {
   DeviceWatch(const DeviceWatch&) = delete;
   DeviceWatch& operator=(const DeviceWatch&) = delete;
 
-  // Calls `came` whenever there is a file that differs from `last`, and from the one it was called
-  // for before. Until stop(); not from inside.
+  // Calls `came` each time the file exists and differs from `last` and from the file of the
+  // previous call. Ends with stop(). `came` is never called inside start().
   void start(std::optional<Identity> last);
   void stop();
 
@@ -54,10 +53,10 @@ class DeviceWatch {
   boost::asio::io_context& io_;
   const std::string path_;
   const std::function<void()> came_;
-  std::shared_ptr<Watching> watching_;  // shared with the handlers under way
+  std::shared_ptr<Watching> watching_;  // shared with pending handlers
 };
 
-// The folders in which the file, its links and what they lead to are named, as far as they exist.
+// Returns the existing folders that contain the file, its links and their targets.
 [[nodiscard]] std::vector<std::string> folders_on_the_way(const std::string& path);
 
 }  // namespace fieldcast

@@ -14,7 +14,7 @@ namespace asio = boost::asio;
 // Waits for a module, then is its connection.
 class DialInPort::Opening final : public PortOpening {
  public:
-  // `tell`: says at once when no module is there.
+  // `tell`: fail immediately if no module is connected.
   Opening(asio::io_context& io, const std::string& number, DialInRegistry& registry,
           PortListener& listener, bool tell)
       : PortOpening(io, listener), number_(number), registry_(registry), tell_(tell) {}
@@ -27,7 +27,7 @@ class DialInPort::Opening final : public PortOpening {
                  });
     });
     if (!tell_) return;
-    // Behind the module that waited already, if one did.
+    // Posted after the delivery of a module that already waited.
     asio::post(io_, [self = self_as<Opening>()] {
       if (!self->over_ && self->stream() == nullptr)
         self->fail(fmt::format("module {} has not dialled in", self->number_),
@@ -35,7 +35,7 @@ class DialInPort::Opening final : public PortOpening {
     });
   }
 
-  // The connection goes on without this port.
+  // Ends the port and keeps the connection for the next bus.
   void retire() {
     FileDescriptor socket = !over_ && stream() ? stream()->release() : FileDescriptor{};
     auto presence = stream() ? stream()->detach() : nullptr;
@@ -48,13 +48,13 @@ class DialInPort::Opening final : public PortOpening {
   void arrived(ModuleConnection connection) {
     if (over_ || stream() != nullptr) return pass_on(std::move(connection));
     auto line = make_socket_stream(io_, std::move(connection.socket), listener_);
-    if (!line) return;  // gone already: the module dials in again
+    if (!line) return;  // disconnected: the module dials in again
     arrival_ = connection.arrival;
     line->attach(std::move(connection.presence));
     opened(std::move(line));
   }
 
-  // The next opening takes it; a new connection replaces the old one, which is dead as a rule.
+  // Returns the connection to the registry. It replaces the old one, which is usually dead.
   void pass_on(ModuleConnection connection) {
     registry_.release(number_, claim_);
     registry_.pass_on(number_, std::move(connection));
@@ -66,7 +66,7 @@ class DialInPort::Opening final : public PortOpening {
   std::string number_;
   DialInRegistry& registry_;
   DialInRegistry::Id claim_ = 0;
-  std::uint64_t arrival_ = 0;  // of the connection that is open
+  std::uint64_t arrival_ = 0;
   bool tell_;
 };
 

@@ -1,5 +1,5 @@
-// A module that dials in: the port is open while one is connected that told the number. Lives on
-// its bus's io thread; modules come through the registry.
+// Port of a dial-in module: it is open while a module with the configured number is connected.
+// Lives on its bus's io thread; modules arrive through the registry.
 #pragma once
 
 #include "bridge/port/dial_in_registry.hpp"
@@ -17,15 +17,14 @@ class DialInPort final : public StreamPort {
 
  private:
   class Opening;
-  // The first time without a module ends at once in on_closed, which says so; from then on it waits
-  // for one, however long.
+  // Without a module, the first opening ends in on_closed with that reason; later ones wait.
   std::shared_ptr<PortOpening> make_opening(PortListener& listener) override;
 
   boost::asio::io_context& io_;
   DialInPortSpec spec_;
   DialInRegistry& registry_;
   DialInRegistry::Id expectation_;
-  bool told_ = false;  // that no module is there
+  bool told_ = false;  // the missing module was reported
 };
 
 }  // namespace fieldcast

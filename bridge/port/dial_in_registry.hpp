@@ -1,6 +1,6 @@
-// Where the socket of a module that dialled in goes: to the bus that is configured for its number,
-// and from a bus that ends to the next one of that number, or to whoever keeps modules without a
-// bus. Any thread.
+// Assigns the socket of each dialled-in module to the bus configured for its module number. When a
+// bus closes, its socket moves to the next bus with the same number, or to the keeper of unassigned
+// modules. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -16,65 +16,61 @@
 namespace fieldcast {
 
 // The connection of a module. A later one of the same number has a greater arrival: the module
-// dialled in anew, and the earlier one is dead as a rule.
+// reconnected, and the earlier connection is usually dead.
 struct ModuleConnection {
   FileDescriptor socket;
   std::uint64_t arrival = 0;
-  // Goes along with the socket, whoever has it, and ends with it: so the server of modules sees
-  // which are connected.
+  // Has the same lifetime as the socket, so the module server sees which modules are connected.
   std::shared_ptr<void> presence{};
 };
 
 class DialInRegistry {
  public:
-  // Called on whichever thread the module came in on, or inside claim(); it only posts.
+  // Called on the thread on which the module arrived, or inside claim(); must only post.
   using Deliver = std::function<void(ModuleConnection connection)>;
 
-  // Keeps the modules whose number no bus is there for.
+  // Keeps the modules for whose number there is no bus.
   struct Keeper {
-    // Any thread; only posts.
+    // Any thread; must only post.
     std::function<void(const std::string& number, ModuleConnection connection)> keep;
-    // The kept module of this number, an invalid socket when there is none or it is leased. Called
-    // inside expect(): may wait, but not for the thread of a bus.
+    // Returns the kept module of this number; the socket is invalid if there is none or it is
+    // leased. Called inside expect(): may wait, but not for the thread of a bus.
     std::function<ModuleConnection(const std::string& number)> hand_over;
   };
   void set_keeper(Keeper keeper);
 
-  // Identifies one expectation or claim. A bus that ends may withdraw its own after the next bus of
-  // the same number has begun, and must not withdraw those of that bus.
+  // Identifies one expectation or claim: a bus withdraws its own, not that of the next bus.
   using Id = std::uint64_t;
 
-  // A bus is there for this number, from now on until forget(); the latest one counts. A module
-  // that was kept is its own at once.
+  // Registers a bus for this number until forget(); the latest one counts. Gets a kept module.
   [[nodiscard]] Id expect(const std::string& number);
-  // A module that nobody has taken is kept by the keeper, if there is one.
+  // Removes the registration. A module that waits moves to the keeper, if there is one.
   void forget(const std::string& number, Id id);
 
   [[nodiscard]] bool expects(const std::string& number);
 
-  // The bus takes modules of its number, the one that waits already too, until release().
+  // The bus accepts modules of its number, including one that already waits, until release().
   [[nodiscard]] Id claim(const std::string& number, Deliver deliver);
   void release(const std::string& number, Id id);
 
-  // A module told this number just now. Given back when no bus is there for it; a module that
-  // nobody takes yet waits, the newest one.
+  // Offers a module that has just sent this number. Returned to the caller if there is no bus for
+  // it. If no bus accepts it yet, it waits; only the newest one does.
   [[nodiscard]] std::optional<ModuleConnection> offer(const std::string& number,
                                                       FileDescriptor socket,
                                                       std::shared_ptr<void> presence = {});
-  // The same for a connection that has been there for a while. It is closed when its bus has had a
-  // newer one: that one stays.
+  // The same for an earlier connection. It is closed if its bus has had a newer one.
   [[nodiscard]] std::optional<ModuleConnection> offer(const std::string& number,
                                                       ModuleConnection connection);
-  // A bus or the keeper gives up a connection. To the keeper when no bus is there.
+  // A bus or the keeper releases a connection. It moves to the keeper if there is no bus.
   void pass_on(const std::string& number, ModuleConnection connection);
 
  private:
   struct Entry {
-    Id expected = 0;           // the latest expectation
-    Id claimed = 0;            // the latest claim
-    Deliver deliver;           // of the claim, or none
-    ModuleConnection waiting;  // that nobody took yet; an invalid socket: none
-    std::uint64_t newest = 0;  // arrival of the newest one that waited or was delivered
+    Id expected = 0;
+    Id claimed = 0;
+    Deliver deliver;           // of the claim, or empty
+    ModuleConnection waiting;  // not accepted yet; an invalid socket if none
+    std::uint64_t newest = 0;  // greatest arrival that waited or was delivered
   };
   void keep(const std::string& number, ModuleConnection connection);
 
@@ -82,7 +78,7 @@ class DialInRegistry {
   Id last_ = 0;
   std::uint64_t arrivals_ = 0;
   Keeper keeper_;
-  std::map<std::string, Entry> entries_;  // one for each bus with such a port
+  std::map<std::string, Entry> entries_;
 };
 
 }  // namespace fieldcast

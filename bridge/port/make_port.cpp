@@ -7,7 +7,6 @@
 namespace fieldcast {
 namespace {
 
-// One line for each type of port.
 struct Maker {
   boost::asio::io_context& io;
   DialInRegistry* modules;

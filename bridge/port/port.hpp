@@ -1,8 +1,7 @@
-// How a bus is reached: bytes out, bytes in with the instant of their arrival. The one interface
-// between Fieldcast and a line.
+// Interface to a line: sends bytes and delivers received bytes with the time of their arrival.
 //
-// A Port belongs to one BusRunner and lives on that runner's io thread; every call and every
-// callback happens there. Adding a kind of port is one class and one line in make_port.cpp.
+// A Port belongs to one BusRunner and lives on that runner's io thread; all calls and callbacks
+// happen there. To add a kind of port, add one class and one line in make_port.cpp.
 #pragma once
 
 #include <memory>
@@ -20,47 +19,44 @@ class io_context;
 
 namespace fieldcast {
 
-// Told by a port. Callbacks come from inside poll() or from the io thread itself, never from inside
-// open(), write() or close(), and none comes after close() returned.
+// Callbacks of a port. They are called inside poll() or by the io thread itself, never inside
+// open(), write() or close(), and not after close() has returned.
 class PortListener {
  public:
   virtual ~PortListener() = default;
   virtual void on_opened() = 0;
   // `arrival` was read right after the bytes left the kernel. The bytes are valid during the call.
   virtual void on_received(ByteView bytes, Instant arrival) = 0;
-  // The port could not be opened or is gone; the reason is one line for people, the cause one of
-  // the kPort ones. It is closed: open() may be called again.
+  // The port could not be opened or was lost; it is closed, and open() may be called again.
+  // `reason` is one human-readable line, `cause` is one of the kPort causes.
   virtual void on_closed(std::string reason, Cause cause) = 0;
 };
 
 class Port {
  public:
-  virtual ~Port() = default;  // closes
-  // Ends in exactly one of on_opened and on_closed. What the line received before is dropped.
-  // REQUIRES: not open. The listener outlives the port or its close().
+  virtual ~Port() = default;
+  // Ends in exactly one call of on_opened or on_closed. Bytes received before are dropped.
+  // REQUIRES: not open. The listener must live until close().
   virtual void open(PortListener& listener) = 0;
-  // Sends all bytes; what had been received but not yet delivered is dropped first, so that no
-  // stale byte is taken for an answer. Without an open port it does nothing. At most kMaxUnsent
-  // bytes wait for a line that takes none; beyond that the port closes.
+  // Sends all bytes. First drops bytes that were received but not delivered, so that no stale byte
+  // is parsed as part of the response. Does nothing if the port is not open. At most kMaxUnsent
+  // bytes wait for a blocked line; beyond that the port closes.
   virtual void write(ByteView bytes) = 0;
-  // At least that many characters are still to come before on_received is of use: the port may
-  // sleep for their time on the wire instead of waking for each byte. Bytes are never lost by it,
-  // only delivered together. A hint: a port may ignore it.
+  // A hint: on_received needs at least this many more characters. The port may sleep for their
+  // transmission time, and then deliver them together. No byte is lost.
   virtual void expect(std::uint32_t characters) = 0;
-  // Delivers at once what has already arrived. Asked before a timeout is believed: a process that
-  // was held up sees the timer, and the bytes that came before it, at the same moment.
+  // Immediately delivers bytes that have arrived. Call before a timeout is handled: after a delay
+  // of the process, the timer and earlier bytes are seen at the same moment.
   virtual void poll() = 0;
   virtual void close() = 0;
-  // The bus ends: close(), but a module that dialled in stays connected, for the next bus of its
-  // number.
+  // The bus ends: close(), but a dialled-in module stays connected for the next bus.
   virtual void retire() { close(); }
 
-  // Leases the line to a programming session: a second descriptor of it, non-blocking, for a thread
-  // of its own. Until end_lease() nothing is delivered and nothing may be written here. Invalid
-  // when the port is not open.
+  // Leases the line: returns a second, non-blocking descriptor for another thread; invalid if not
+  // open. Until end_lease(), nothing is delivered and write() must not be called.
   [[nodiscard]] virtual FileDescriptor lease() = 0;
-  // The session is over: the line is set up as configured, what it received meanwhile is dropped.
-  // No effect unless leased.
+  // Ends the lease: restores the configured settings and drops bytes received meanwhile. No effect
+  // unless leased.
   virtual void end_lease() = 0;
 
   static constexpr std::size_t kMaxUnsent = 4096;
@@ -68,7 +64,7 @@ class Port {
 
 class DialInRegistry;
 
-// `modules` outlives the port; it is needed for a port that modules dial in to.
+// `modules` outlives the port; required for a dial-in port.
 [[nodiscard]] std::unique_ptr<Port> make_port(boost::asio::io_context& io, const PortSpec& spec,
                                               DialInRegistry* modules = nullptr);
 

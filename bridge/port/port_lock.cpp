@@ -20,8 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The kernel keeps the first 15 bytes of a program's name (proc(5), /proc/pid/comm); the rest is in
-// the command line, if the program has not changed either.
+// The kernel stores the first 15 bytes of a program's name (proc(5), /proc/pid/comm). The command
+// line has the complete name, unless the program has changed it.
 std::string name_of_process(long pid) {
   constexpr std::size_t kKept = 15;
   std::string name, command;
@@ -37,8 +37,8 @@ std::string describe_process(long pid) {
   return name.empty() ? fmt::format("process {}", pid) : fmt::format("{} (process {})", name, pid);
 }
 
-// The process with a flock on this file: "1: FLOCK  ADVISORY  WRITE 1234 08:01:5678 0 EOF"
-// (proc(5), /proc/locks).
+// Returns the process that holds a flock on this file: "1: FLOCK  ADVISORY  WRITE 1234 08:01:5678 0
+// EOF" (proc(5), /proc/locks).
 std::optional<long> lock_holder(const struct stat& file) {
   const std::string wanted =
       fmt::format("{:02x}:{:02x}:{}", major(file.st_dev), minor(file.st_dev), file.st_ino);
@@ -54,7 +54,6 @@ std::optional<long> lock_holder(const struct stat& file) {
   return std::nullopt;
 }
 
-// A process that has the file open.
 std::optional<long> opener(const fs::path& file) {
   std::error_code ignored;
   for (const auto& process : fs::directory_iterator("/proc", ignored)) {
@@ -90,7 +89,7 @@ std::optional<std::string> lock_port(int fd, const std::string& path) {
     const std::string user = port_user(path);
     return user.empty() ? "in use by another program" : "in use by " + user;
   }
-  // Keeps out programs that know no flock; pseudo-terminals take it too, and root ignores it.
+  // Also excludes programs that do not use flock. Works on pseudo-terminals too; root ignores it.
   ::ioctl(fd, TIOCEXCL);
   return std::nullopt;
 }

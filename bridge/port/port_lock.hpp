@@ -1,5 +1,4 @@
-// One master on a line: the exclusive lock of a serial device, and who holds it when it is not
-// ours.
+// One master on a line: exclusive lock of a serial device, and its holder if the lock fails.
 #pragma once
 
 #include <optional>
@@ -7,12 +6,13 @@
 
 namespace fieldcast {
 
-// Takes flock(LOCK_EX) and TIOCEXCL on the open device. Nothing on success, else one line naming
-// the holder if /proc tells: "in use by mbpoll (process 1234)". The lock ends with the descriptor.
+// Locks the open device with flock(LOCK_EX) and TIOCEXCL. Returns `std::nullopt` on success,
+// otherwise one line with the holder if /proc shows it: "in use by mbpoll (process 1234)". The lock
+// ends with the descriptor.
 [[nodiscard]] std::optional<std::string> lock_port(int fd, const std::string& path);
 
-// Some process that has the device open, or that holds a lock on it: "mbpoll (process 1234)"; empty
-// if none can be seen (processes of other users cannot).
+// Returns a process that has the device open or locked: "mbpoll (process 1234)"; empty if none is
+// visible (processes of other users are not).
 [[nodiscard]] std::string port_user(const std::string& path);
 
 }  // namespace fieldcast

@@ -27,7 +27,7 @@ bool Readiness::assign(int fd) {
 
 void Readiness::close() {
   if (!watch_.is_open()) return;
-  // The descriptor may live on elsewhere, and its copies keep it in the epoll.
+  // The descriptor or its copies may stay open elsewhere, which would keep it in the epoll.
   ::epoll_ctl(watch_.native_handle(), EPOLL_CTL_DEL, fd_, nullptr);
   readable_ = writable_ = {};
   boost::system::error_code ignored;
@@ -52,7 +52,7 @@ void Readiness::arm() {
                     });
 }
 
-// A handler may close this object and let go of what owns it: nothing is used after the last one.
+// A handler may close this object and destroy its owner: no member is used after the last handler.
 void Readiness::on_event(boost::system::error_code fault) {
   waiting_ = false;
   if (!is_open()) return;

@@ -1,8 +1,8 @@
-// Waits until a descriptor is readable or writable, and is not woken while nobody waits.
+// Waits until a descriptor is readable or writable; causes no wake-up while no wait is pending.
 //
-// Asio watches a descriptor edge-triggered from the moment it is assigned: a terminal that fills
-// wakes its thread for each burst of some bytes, also while the answer is to gather. Here a small
-// epoll of its own stands between: armed for one event at a time, and only while somebody waits.
+// Asio watches a descriptor edge-triggered as soon as it is assigned. A terminal then wakes the
+// thread for each burst of bytes, also while a response accumulates. This class uses its own epoll,
+// which is armed for one event at a time and only during a wait.
 //
 // Owns the epoll, not the descriptor. Lives on its bus's io thread.
 #pragma once
@@ -20,12 +20,12 @@ class Readiness {
 
   explicit Readiness(boost::asio::io_context& io) : watch_(io) {}
 
-  // Watches this descriptor, once, until close(); false when that is not possible.
+  // Watches this descriptor until close(); call once. Returns false if that is not possible.
   [[nodiscard]] bool assign(int fd);
   [[nodiscard]] bool is_open() const { return watch_.is_open(); }
   [[nodiscard]] auto get_executor() { return watch_.get_executor(); }
 
-  // The handler is called once, posted; not after close(). One wait of each kind at a time.
+  // Calls the handler once, posted, and not after close(). One wait of each kind at a time.
   void wait_readable(Handler handler) { wait(readable_, std::move(handler)); }
   void wait_writable(Handler handler) { wait(writable_, std::move(handler)); }
   void close();
@@ -36,10 +36,11 @@ class Readiness {
   void on_event(boost::system::error_code fault);
 
   int fd_ = -1;
-  boost::asio::posix::stream_descriptor watch_;           // the epoll
-  Handler readable_, writable_;                           // null: nobody waits
-  bool waiting_ = false;                                  // for the epoll
-  std::shared_ptr<int> alive_ = std::make_shared<int>();  // the wait for the epoll may outlive this
+  boost::asio::posix::stream_descriptor watch_;  // the epoll
+  Handler readable_, writable_;
+  bool waiting_ = false;  // for the epoll
+  // The wait for the epoll may outlive this object.
+  std::shared_ptr<int> alive_ = std::make_shared<int>();
 };
 
 }  // namespace fieldcast

@@ -1,6 +1,7 @@
 #include "bridge/port/serial_line.hpp"
 
-// termios2: <termios.h> knows only the baud rates of its table, and both cannot be included.
+// termios2: <termios.h> supports only the baud rates of its table, and both headers cannot be
+// included.
 #include <asm/termbits.h>
 #include <fmt/format.h>
 #include <linux/serial.h>
@@ -22,12 +23,12 @@ std::string last_fault(const char* what) { return fmt::format("{}: {}", what, er
 
 constexpr tcflag_t kFormat = CSIZE | CSTOPB | PARENB | PARODD;
 
-// A byte with wrong parity arrives as 00 and fails the frame's check.
+// A byte with wrong parity arrives as 00, so the check of the frame fails.
 tcflag_t parity_check(const LineFormat& line) { return line.parity == Parity::kNone ? 0u : INPCK; }
 
 termios2 raw_settings(const LineFormat& line) {
   termios2 settings{};
-  // Breaks of an idle RS-485 line are no bytes at all.
+  // Breaks on an idle RS-485 line are ignored.
   settings.c_iflag = IGNBRK | parity_check(line);
   settings.c_cflag = CREAD | CLOCAL | BOTHER | format_flags(line);
   settings.c_cc[VMIN] = 1;
@@ -35,7 +36,7 @@ termios2 raw_settings(const LineFormat& line) {
   return settings;
 }
 
-// Drivers round, or silently refuse: what is in force now?
+// Reads the settings back, because drivers round or silently ignore values.
 tl::expected<void, std::string> verify_settings(int fd, const LineFormat& line) {
   termios2 actual{};
   if (::ioctl(fd, TCGETS2, &actual) != 0)
@@ -44,8 +45,8 @@ tl::expected<void, std::string> verify_settings(int fd, const LineFormat& line) 
     return tl::make_unexpected(
         std::string("the driver does not support this number of data bits, parity or stop bits"));
   }
-  // A receiver samples a character of 11 bits: with more than 3 % on one side it reads the last
-  // bits wrong.
+  // A receiver samples a character of 11 bits: with an error of more than 3 % on one side, it reads
+  // the last bits wrong.
   const double error = static_cast<double>(actual.c_ospeed) / line.baud - 1.0;
   if (error > 0.03 || error < -0.03) {
     return tl::make_unexpected(
@@ -61,8 +62,8 @@ void set_low_latency(int fd, bool pty, std::vector<LineRemark>& remarks) {
     settings.flags |= ASYNC_LOW_LATENCY;
     if (::ioctl(fd, TIOCSSERIAL, &settings) == 0) return;
   }
-  // An adapter without the flag works; some only deliver every 16 ms then. docs/commissioning.md
-  // tells how to change that.
+  // An adapter without this flag works, but some deliver only every 16 ms. See
+  // docs/commissioning.md for the remedy.
   remarks.push_back({pty || errno == ENOTTY || errno == EINVAL, last_fault("no low-latency mode")});
 }
 
@@ -96,7 +97,7 @@ tl::expected<std::vector<LineRemark>, std::string> set_up_line(int fd, const Ser
   std::vector<LineRemark> remarks;
   if (spec.rs485) set_rs485(fd, pty, remarks);
   if (spec.low_latency) set_low_latency(fd, pty, remarks);
-  // A session's last bytes have left, or nobody takes them: those must not follow later.
+  // Unsent bytes of a session are dropped, because they must not be sent later.
   int unsent = 0;
   const bool stuck = ::ioctl(fd, TIOCOUTQ, &unsent) == 0 && unsent > 0;
   ::ioctl(fd, TCFLSH, stuck ? TCIOFLUSH : TCIFLUSH);

@@ -1,6 +1,6 @@
-// Settings of a terminal device that plain termios cannot express portably: any baud rate, RS-485
-// direction control by the kernel, the driver's low-latency flag. Stateless functions on an open
-// descriptor. Linux only.
+// Settings of a terminal device that termios does not offer: any baud rate, RS-485 direction
+// control by the kernel, the driver's low-latency flag. Stateless functions on an open descriptor.
+// Linux only.
 #pragma once
 
 #include <optional>
@@ -13,33 +13,32 @@
 
 namespace fieldcast {
 
-// What the driver would not do, though the line works without it.
+// A setting that the driver refused, though the line works without it.
 struct LineRemark {
   bool harmless = false;  // expected of this kind of device (a pseudo-terminal has no line)
   std::string text;
 };
 
-// Raw 8-bit-clean mode at the line's baud rate and format, nothing pending either way. The error is
-// one line for people: not a terminal, or a driver that took other settings than those asked for.
+// Sets raw mode with the line's baud rate and format, and drops pending bytes. The error is one
+// human-readable line: not a terminal, or the driver uses other settings.
 [[nodiscard]] tl::expected<std::vector<LineRemark>, std::string> set_up_line(
     int fd, const SerialPortSpec& spec);
 
-// A pseudo-terminal keeps no format and no baud rate: nothing about it is worth a warning.
+// A pseudo-terminal ignores format and baud rate, so its remarks need no warning.
 [[nodiscard]] bool is_pseudo_terminal(int fd);
 
-// Another baud rate and format, without losing what is on its way. An error for people when the
-// driver refuses.
+// Keeps bytes in flight. Fails with a human-readable text if the driver refuses.
 [[nodiscard]] tl::expected<void, std::string> change_line(int fd, const LineFormat& line);
 
-// Those bits of termios' c_cflag that are the format: data bits, parity, stop bits.
+// Returns the bits of termios' c_cflag for data bits, parity and stop bits.
 [[nodiscard]] unsigned format_flags(const LineFormat& line);
 
-// Baud rate and stop bits as they are now; from the master side of a pseudo-terminal those that the
-// program at its slave has set. Of a pseudo-terminal data bits and parity cannot be told: Linux
-// makes every one 8N (drivers/tty/pty.c, pty_set_termios).
+// Returns the present baud rate and stop bits; on the master side of a pseudo-terminal, those set
+// by the program at its slave. Data bits and parity of a pseudo-terminal are unknown: Linux sets
+// each to 8N (drivers/tty/pty.c, pty_set_termios).
 [[nodiscard]] std::optional<program::LineSettings> rate_of(int fd);
 
-// Throws away what is unsent: else close() may wait long for a line that takes nothing.
+// Drops unsent bytes; otherwise close() may wait long for a blocked line.
 void drop_unsent(int fd);
 
 }  // namespace fieldcast

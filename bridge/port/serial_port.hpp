@@ -1,7 +1,7 @@
-// A serial device: real UART, USB adapter or pseudo-terminal. Lives on its bus's io thread.
+// A serial device: UART, USB adapter or pseudo-terminal. Lives on its bus's io thread.
 //
-// Opening and closing are done at once on the io thread: a driver takes microseconds for it, a USB
-// adapter some milliseconds.
+// Opens and closes on the io thread: this lasts microseconds, or some milliseconds with a USB
+// adapter.
 #pragma once
 
 #include "bridge/port/stream_port.hpp"

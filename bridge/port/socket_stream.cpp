@@ -54,7 +54,7 @@ bool peer_answers(int fd) {
 }
 
 std::optional<Stream::End> SocketStream::restore(int fd) {
-  // The programming session had a patience of its own.
+  // The programming session had set its own timeout.
   tune_socket(fd, clients_ == Clients::kOne ? kUnacknowledgedByOne : kUnacknowledged);
   return std::nullopt;
 }

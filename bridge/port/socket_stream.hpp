@@ -1,4 +1,4 @@
-// A connected socket as a bus uses it, however it came to be: called (TcpPort) or dialled in
+// A connected socket as the line of a bus: an outgoing connection (TcpPort) or a dialled-in module
 // (DialInPort). Lives on its bus's io thread.
 #pragma once
 
@@ -11,29 +11,29 @@
 
 namespace fieldcast {
 
-// Keep-alive and no delay: a peer that vanished without a word is noticed within about 20 s even
-// when nothing is sent. `unacknowledged`: how long bytes may wait for a peer that takes none.
+// Sets keep-alive and no delay: a peer that vanished is detected within about 20 s, also if nothing
+// is sent. `unacknowledged`: how long bytes may wait for the peer's acknowledgement.
 inline constexpr Duration kUnacknowledged = std::chrono::seconds{10};
-// To a server with one client: while this end holds on, no other bridge can serve the bus.
+// For a server with one client: until this connection closes, no other bridge can serve the bus.
 inline constexpr Duration kUnacknowledgedByOne = std::chrono::seconds{3};
 void tune_socket(int fd, Duration unacknowledged = kUnacknowledged);
 
-// A connected socket as Asio's; nothing when it is of no use any more.
+// Returns the socket as an Asio socket, or `std::nullopt` if it is no longer usable.
 [[nodiscard]] std::optional<boost::asio::ip::tcp::socket> adopt_socket(boost::asio::io_context& io,
                                                                        FileDescriptor fd);
 
-// False: the peer of this socket leaves what is sent unanswered for so long that it is gone. A peer
-// that answers but takes no bytes, since its line is slow, is there. True for what is no TCP
-// socket.
+// Returns false if the peer has not acknowledged sent bytes for so long that it must be lost. A
+// peer that acknowledges but has no window, because its line is slow, is present. Returns true for
+// a descriptor that is not a TCP socket.
 [[nodiscard]] bool peer_answers(int fd);
 
-// How many clients the peer takes (`fence: one-client`). One that has its client may accept another
-// connection and close it at once; and it should learn soon that its client is gone.
+// Number of clients of the peer (`fence: one-client`). With kOne, it may accept a second connection
+// and close it immediately, and must soon detect that its client has disconnected.
 enum class Clients : std::uint8_t { kMany, kOne };
 
 class SocketStream final : public Stream {
  public:
-  // Closed by the peer so soon after it was opened, it was never served.
+  // A connection that the peer closes within this time was never served.
   static constexpr Duration kAtOnce = std::chrono::seconds{1};
 
   SocketStream(boost::asio::io_context& io, PortListener& listener,
@@ -50,7 +50,7 @@ class SocketStream final : public Stream {
   const Instant began_;
 };
 
-// A connected socket as a stream; null when it is of no use any more.
+// Returns null if the socket is no longer usable.
 [[nodiscard]] std::shared_ptr<SocketStream> make_socket_stream(boost::asio::io_context& io,
                                                                FileDescriptor socket,
                                                                PortListener& listener,

@@ -74,8 +74,8 @@ void Stream::push(ByteView bytes) {
   }
 }
 
-// Waits for bytes and then takes them, in two steps: nothing is taken that is not delivered at
-// once, so that poll() may come between.
+// Waits for readiness and reads in two steps. Bytes that were read are delivered immediately, so
+// poll() may be called in between.
 void Stream::wait_for_bytes() {
   if (over_ || leased_ || std::exchange(waiting_, true)) return;
   readiness_.wait_readable([self = shared_from_this()](boost::system::error_code fault) {
@@ -92,7 +92,7 @@ void Stream::on_readable() {
   sleep_ == Duration::zero() ? wait_for_bytes() : sleep();
 }
 
-// False: the line is gone, and that was told.
+// Returns false if the line was lost; the listener has been notified.
 bool Stream::take() {
   const ssize_t size = ::read(fd(), buffer_.data(), buffer_.size());
   if (size > 0) {
@@ -104,7 +104,7 @@ bool Stream::take() {
   return false;
 }
 
-// The rest of the answer gathers in the kernel meanwhile: one wake-up instead of one for each byte.
+// The rest of the response accumulates in the kernel: one wake-up instead of one per byte.
 void Stream::sleep() {
   timer_.expires_after(sleep_);
   timer_.async_wait([self = shared_from_this()](boost::system::error_code fault) {

@@ -1,8 +1,8 @@
-// An open line as a stream of bytes, whether a terminal or a connected socket: sends, keeps what
-// the line does not take yet, delivers what arrives, and leases itself to a programming session.
+// An open line, a terminal or a connected socket: sends, buffers unsent bytes, delivers received
+// bytes, and leases the line to a programming session.
 //
-// Owns the descriptor. Lives on its bus's io thread; shared with the handlers under way, which do
-// nothing once it is over. Includes Asio: for the ports alone.
+// Owns the descriptor. Lives on its bus's io thread. Pending handlers share ownership and do
+// nothing after the end. Includes Asio; only for ports.
 #pragma once
 
 #include <array>
@@ -18,9 +18,8 @@ namespace fieldcast {
 
 class Stream : public std::enable_shared_from_this<Stream> {
  public:
-  // Why a line is gone.
   struct End {
-    std::string reason;  // one line for people
+    std::string reason;  // one human-readable line
     Cause cause = Cause::kPortClosed;
   };
 
@@ -30,36 +29,32 @@ class Stream : public std::enable_shared_from_this<Stream> {
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;
 
-  // Takes over a non-blocking descriptor, once; false when it is of no use.
+  // Takes over a non-blocking descriptor, once. Returns false if it is not usable.
   [[nodiscard]] bool assign(FileDescriptor descriptor);
-  // Delivers what arrives from now on.
   void start();
 
-  // As those of Port.
+  // See Port.
   void write(ByteView bytes);
   void poll();
   void close();
   [[nodiscard]] FileDescriptor lease();
   void end_lease();
-  // Sleeps so long before it waits for more, instead of waking for each byte. Holds until the next
-  // bytes were delivered.
+  // Sleeps this long before the next wait for bytes. Applies until the next delivery.
   void sleep_for(Duration time) { sleep_ = time; }
 
-  // Closes without closing the descriptor, which goes on elsewhere; invalid when the stream is over
-  // or leased.
+  // Ends the stream and returns the open descriptor. Invalid if the stream has ended or is leased.
   [[nodiscard]] FileDescriptor release();
-  // Closes and tells the listener.
+  // Closes and notifies the listener.
   void fail(End end);
-  // Let go when the descriptor is closed; detach() after release(), for whoever has it then.
+  // Released when the descriptor is closed. After release(), detach() returns it for the new owner.
   void attach(std::shared_ptr<void> companion) { companion_ = std::move(companion); }
   [[nodiscard]] std::shared_ptr<void> detach() { return std::move(companion_); }
 
  protected:
-  // Sets the line up again after a lease; nothing, or why it is of no use any more.
+  // Restores the settings after a lease. Returns the reason if the line is no longer usable.
   [[nodiscard]] virtual std::optional<End> restore(int fd) = 0;
-  // What a read that gave no bytes means: `error` is errno, 0 at the end of the stream.
+  // Returns the reason for a read without bytes. `error` is errno, or 0 at the end of the stream.
   [[nodiscard]] virtual End end_of(int error) const = 0;
-  // Before the descriptor is closed.
   virtual void before_close(int fd) = 0;
 
  private:
@@ -77,13 +72,13 @@ class Stream : public std::enable_shared_from_this<Stream> {
   PortListener& listener_;
   FileDescriptor descriptor_;
   std::shared_ptr<void> companion_;
-  Readiness readiness_;  // of the descriptor
+  Readiness readiness_;
   boost::asio::steady_timer timer_;
   Unsent unsent_;
   Duration sleep_{};
   bool over_ = false;
   bool leased_ = false;
-  bool waiting_ = false;  // for bytes
+  bool waiting_ = false;
   std::array<std::uint8_t, 4096> buffer_;
 };
 

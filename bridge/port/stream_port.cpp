@@ -29,7 +29,7 @@ void StreamPort::write(ByteView bytes) {
   if (Stream* line = stream()) line->write(bytes);
 }
 
-// The network delivers answers in one piece, or at its own rhythm.
+// The network delivers responses in one piece or at its own rate.
 void StreamPort::expect(std::uint32_t) {}
 
 void StreamPort::poll() {

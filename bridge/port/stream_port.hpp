@@ -1,6 +1,6 @@
-// What all ports share whose line is a stream of bytes: each opening is an object of its own, which
-// tries to get a stream and then forwards to it. A new type of port derives from StreamPort and
-// says how it opens.
+// Base of all ports whose line is a stream of bytes. Each opening is a separate object, which gets
+// a stream and then forwards calls to it. A new type of port derives from StreamPort and implements
+// its opening.
 //
 // Lives on its bus's io thread.
 #pragma once
@@ -9,7 +9,7 @@
 
 namespace fieldcast {
 
-// One opening of a port, from open() to its end. Handlers hold it; once it is over they do nothing.
+// One opening of a port. Handlers share ownership; after the end they do nothing.
 class PortOpening : public std::enable_shared_from_this<PortOpening> {
  public:
   PortOpening(boost::asio::io_context& io, PortListener& listener) : io_(io), listener_(listener) {}
@@ -24,7 +24,6 @@ class PortOpening : public std::enable_shared_from_this<PortOpening> {
   [[nodiscard]] Stream* stream() const { return stream_.get(); }
 
  protected:
-  // Ends the attempt.
   virtual void cancel() = 0;
   void opened(std::shared_ptr<Stream> stream);
   void fail(std::string reason, Cause cause);
@@ -56,7 +55,7 @@ class StreamPort : public Port {
   [[nodiscard]] virtual std::shared_ptr<PortOpening> make_opening(PortListener& listener) = 0;
   [[nodiscard]] Stream* stream() const { return opening_ ? opening_->stream() : nullptr; }
 
-  std::shared_ptr<PortOpening> opening_;  // shared with the handlers under way
+  std::shared_ptr<PortOpening> opening_;  // shared with pending handlers
 };
 
 }  // namespace fieldcast

@@ -15,7 +15,7 @@ namespace {
 namespace asio = boost::asio;
 using asio::ip::tcp;
 
-// Resolves the name and connects, within the time that the configuration allows.
+// Resolves the name and connects, within the configured time.
 class TcpOpening final : public PortOpening {
  public:
   TcpOpening(asio::io_context& io, const TcpPortSpec& spec, PortListener& listener)
@@ -58,7 +58,6 @@ class TcpOpening final : public PortOpening {
     opened(std::move(stream));
   }
 
-  // Why a server that takes one client may refuse.
   [[nodiscard]] std::string with_fence(std::string reason) const {
     if (!spec_.fence.is(Fence::kOneClient)) return reason;
     return reason + " (it takes one client: another one may have it)";
@@ -76,7 +75,7 @@ class TcpOpening final : public PortOpening {
   TcpPortSpec spec_;
   tcp::resolver resolver_;
   tcp::socket socket_;
-  asio::steady_timer limit_;  // of the connecting
+  asio::steady_timer limit_;
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
-// A TCP client: a Modbus TCP device, or a serial server that carries the bytes of a line. Lives on
-// its bus's io thread.
+// A TCP client: for a Modbus TCP device, or a serial server that forwards the bytes of a line.
+// Lives on its bus's io thread.
 #pragma once
 
 #include "bridge/port/stream_port.hpp"

@@ -23,7 +23,7 @@ Unsent::Outcome Unsent::write(int fd, ByteView bytes) {
 }
 
 ssize_t Unsent::write_some(int fd, ByteView bytes) const {
-  // A socket whose peer is gone then answers with EPIPE instead of a signal.
+  // After the peer has closed, the call then fails with EPIPE and raises no signal.
   if (kind_ == Kind::kSocket) return ::send(fd, bytes.data(), bytes.size(), MSG_NOSIGNAL);
   return ::write(fd, bytes.data(), bytes.size());
 }

@@ -1,5 +1,4 @@
-// Writes to a non-blocking descriptor at once, with one system call as a rule, and keeps what it
-// does not take.
+// Writes to a non-blocking descriptor, usually with one system call, and buffers the rest.
 #pragma once
 
 #include <sys/types.h>
@@ -15,9 +14,8 @@ class Unsent {
 
   explicit Unsent(Kind kind) : kind_(kind) {}
 
-  // Appends bytes to what is unsent and writes as much as the descriptor takes. kBlocked: call
-  // again, with no bytes, when it is writable. kFailed: errno says why. kFull: more than
-  // Port::kMaxUnsent would wait.
+  // Appends bytes and writes as many as the descriptor accepts. kBlocked: call again without bytes
+  // when writable. kFailed: see errno. kFull: more than Port::kMaxUnsent bytes would wait.
   Outcome write(int fd, ByteView bytes);
 
  private:

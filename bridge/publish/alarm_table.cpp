@@ -22,7 +22,7 @@ AlarmRecord record_of(const AlarmKey& alarm, AlarmState state, double value, Utc
 void AlarmTable::expect_store() {
   const std::lock_guard lock(mutex_);
   loading_ = true;
-  (void)book_.restore({}, read_clocks().utc);  // the store knows
+  (void)book_.restore({}, read_clocks().utc);  // the store provides the alarms later
 }
 
 void AlarmTable::loaded(AlarmSink& sink, const KeptAlarms& kept) {
@@ -43,7 +43,8 @@ void AlarmTable::loaded(AlarmSink& sink, const KeptAlarms& kept) {
 void AlarmTable::loaded(const std::string& bus, const KeptAlarms& kept) {
   {
     const std::lock_guard lock(mutex_);
-    if (loading_ || sink_ == nullptr) return;  // all of it comes, or there is no store
+    // The store is still loading everything, or there is none.
+    if (loading_ || sink_ == nullptr) return;
   }
   followed(bus, kept);
 }
@@ -134,7 +135,7 @@ void AlarmTable::enter(const AlarmRecord& record, UtcTime now) {
   if (!limit) return;
   const AlarmKey alarm{record.bus, record.device, record.channel, *limit};
   const bool began = record.state == to_text(AlarmState::kActive);
-  // It goes on, or has ended already, or its bus raised it while the limit was taken away.
+  // Already active or ended, or raised by its bus while the limit was removed.
   if (began ? !book_.raise(alarm, record.value, record.since, now)
             : !book_.clear(alarm, record.value, record.since))
     return;

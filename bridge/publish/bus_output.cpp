@@ -42,7 +42,7 @@ void BusOutput::report(const BusReport& report, UtcTime at) {
   const bool foreign =
       report.foreign_masters > std::exchange(foreign_masters_, report.foreign_masters);
   if (foreign && in_group_) hold_.foreign_master(steady_now());
-  publish({}, now);  // what stayed here
+  publish({}, now);  // samples that were held
   dds_.report(alarms_.on_time(now), now);
   dds_.report(report, at);
 }

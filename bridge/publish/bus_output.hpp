@@ -1,5 +1,5 @@
-// Where everything that one bus produces goes: DDS, the store, the alarms, the audit of commands.
-// Owns what belongs to the bus alone. Called on the bus's thread.
+// Output of one bus: DDS, the store, the alarms, the audit of commands. Owns the objects that
+// belong only to this bus. Called on the bus's thread.
 #pragma once
 
 #include <functional>
@@ -17,7 +17,7 @@ namespace fieldcast {
 
 class BusOutput final : public BusSink {
  public:
-  // What all buses share. It outlives the outputs; without a store nothing is stored.
+  // Objects that all buses share; they outlive the outputs. `store` is null without a store.
   struct Shared {
     PublisherThread& thread;
     DdsLink& link;
@@ -26,16 +26,14 @@ class BusOutput final : public BusSink {
     AlarmTable& alarms;
     MetricsTable& figures;
     MasterLease& lease;
-    // Takes a result instead of DDS: true, and it is not published.
+    // Returns true if it has taken the result, which is then not published.
     std::function<bool(const std::string& bus, const CommandResult& result)> keeps_result{};
-    // Whether it belongs to a standby group.
     bool in_group = false;
   };
   BusOutput(const Shared& shared, const BusSpec& bus);
 
-  // From a master that has just vanished the bus was taken over: until the first good value comes,
-  // or until then, bad ones stay here. The wire may be another bridge's after all, whose values
-  // they would push aside. Any thread.
+  // After a takeover from a vanished master, holds bad values until the first good one or `limit`.
+  // Another bridge may still use the wire and publish good values. Any thread.
   void prove_until(Instant limit, Instant now) { hold_.prove_until(limit, now); }
 
   void publish(std::vector<Sample> samples, const UtcMapping& mapping) override;
@@ -51,7 +49,7 @@ class BusOutput final : public BusSink {
   MasterLease& lease_;
   const std::function<bool(const std::string&, const CommandResult&)> keeps_result_;
   const bool in_group_;
-  std::uint64_t foreign_masters_ = 0;  // as of the last report
+  std::uint64_t foreign_masters_ = 0;
   const std::string bus_;
   DdsPublisher dds_;
   std::optional<StoreRecorder> store_;

@@ -1,10 +1,10 @@
-// What one bus publishes on DDS, and on which thread. Notes its reports for the metrics on the way.
+// Publishes the data of one bus on DDS on the right thread, and notes its reports for the metrics.
 //
-// The block of an exchange leaves at once, on the bus's thread, within the silence after the
-// answer: that is the shortest way to the stations. So do a few samples that leave one by one.
-// Everything else goes to the publisher thread, so that a bus never waits for DDS. Order is kept:
-// nothing overtakes what that thread still has, so DdsLink always has one caller at a time for a
-// bus. Called on the bus's thread.
+// The block of an exchange, and a few single samples, are written immediately on the bus's thread,
+// during the silence after the response: this is fastest. Everything else goes to the publisher
+// thread, so that a bus never waits for DDS. The order is kept: while that thread has tasks of the
+// bus, nothing is written directly, so DdsLink has one caller at a time per bus. Called on the
+// bus's thread.
 #pragma once
 
 #include <atomic>
@@ -18,13 +18,13 @@ namespace fieldcast {
 
 class DdsPublisher {
  public:
-  // What DDS takes for one sample, on a small machine.
+  // Time that DDS needs for one sample on a small machine.
   static constexpr Duration kOneSample = std::chrono::microseconds{50};
 
-  // What it refers to outlives it.
+  // The references must outlive this object.
   DdsPublisher(PublisherThread& thread, DdsLink& link, MetricsTable& figures, const BusSpec& bus);
 
-  // True: all left. False: the block left, and publish_later() is to take the samples.
+  // Returns false if only the block was written; then pass the samples to publish_later().
   [[nodiscard]] bool publish_now(const std::vector<Sample>& samples, const UtcMapping& mapping);
   void publish_later(std::vector<Sample> samples, const UtcMapping& mapping);
 
@@ -43,8 +43,8 @@ class DdsPublisher {
   DdsLink& link_;
   MetricsTable& figures_;
   const std::string bus_;
-  const std::size_t most_now_;           // samples that the silence has time for
-  std::atomic<std::size_t> waiting_{0};  // this bus's tasks that have not ended
+  const std::size_t most_now_;           // number of samples that fit in the silence
+  std::atomic<std::size_t> waiting_{0};  // unfinished tasks of this bus
 };
 
 }  // namespace fieldcast

@@ -1,8 +1,8 @@
-// The thread on which results, reports and larger blocks of samples leave for DDS. A DataWriter
-// takes some 10 us for each sample and wakes other threads; on the bus's own thread that time would
-// be missing from the silence after an answer, and the next request would be late.
+// Thread that writes results, reports and larger blocks of samples to DDS. A DataWriter needs some
+// 10 us per sample and wakes other threads. On the bus's thread, this time would exceed the silence
+// after a response and delay the next request.
 //
-// Tasks run one after the other, in the order in which they were posted. Any thread may post.
+// Tasks run one after another, in the order of post(). Any thread may post.
 #pragma once
 
 #include <atomic>
@@ -16,24 +16,22 @@ namespace fieldcast {
 
 class PublisherThread {
  public:
-  // Tasks that may wait. Whoever posts one more waits for space: buses then run no faster than DDS
-  // takes their samples.
+  // Limit of waiting tasks. post() waits while it is reached: buses then run no faster than DDS.
   static constexpr std::size_t kMaxWaiting = 4096;
 
   PublisherThread();
-  ~PublisherThread();  // runs what was posted, then ends
+  ~PublisherThread();  // runs the posted tasks, then ends
   PublisherThread(const PublisherThread&) = delete;
   PublisherThread& operator=(const PublisherThread&) = delete;
 
-  enum class Late { kRun, kDrop };  // what becomes of a task after the instant of drop_from()
+  enum class Late { kRun, kDrop };  // whether a task is dropped after drop_from()
   void post(std::function<void()> task, Late late = Late::kRun);
 
-  // From that instant on tasks with kDrop are dropped, those that wait too: a bridge that stops
-  // does not write the samples of a long queue only to dispose of their instances then. kNever:
-  // nothing is dropped.
+  // From `at` on, tasks with kDrop are dropped, also waiting ones. A bridge that stops then does
+  // not publish samples whose instances it disposes next. kNever: drops none.
   void drop_from(Instant at) { drop_from_ = at; }
 
-  // Returns when everything posted before has run. Not from a task.
+  // Returns when all earlier tasks have run. Must not be called in a task.
   void drain();
 
  private:
@@ -44,7 +42,7 @@ class PublisherThread {
   void run(BoundedQueue<Task>& queue);
 
   std::atomic<Instant> drop_from_{kNever};
-  Worker<Task> worker_;  // last: it uses what is above
+  Worker<Task> worker_;  // last: it uses the members above
 };
 
 }  // namespace fieldcast

@@ -1,9 +1,11 @@
-// Samples of a bridge of a standby group that may not leave now: while nobody knows who is master,
-// while another master has the wire, and after a takeover until a good value shows that the wire is
-// ours. The last one of each channel leaves afterwards: the engine believes that it was published,
-// and would not say again that a channel is no longer good.
+// Holds the samples of a bridge of a standby group that must not be published now:
+// - while the master is unknown,
+// - while another master uses the wire,
+// - after a takeover, until a good value proves that this bridge has the wire.
+// Afterwards the last sample of each channel is published. The engine treats held samples as
+// published and would not repeat that a channel is no longer good.
 //
-// Pure; on the bus's thread, but for prove_until(). Nothing can fail.
+// Pure; on the bus's thread, except prove_until(). Cannot fail.
 #pragma once
 
 #include <algorithm>
@@ -19,25 +21,23 @@ namespace fieldcast {
 
 class SampleHold {
  public:
-  // Until then, or the first good value that is acquired after `now`, bad ones stay here. Any
-  // thread.
+  // Holds samples until `limit` or the first good value acquired after `now`. Any thread.
   void prove_until(Instant limit, Instant now) {
     proof_from_ = now;
     prove_until_ = limit;
   }
-  // Another master of the group has the wire, and publishes what it reads there.
+  // Another master of the group uses the wire and publishes its values.
   void foreign_master(Instant now) {
     proof_from_ = now;
     foreign_ = true;
   }
 
-  // What leaves now of these samples and of those that stayed here. `serves`: this bridge is
-  // master. Also to be called without samples now and then.
+  // Returns those of the new and the held samples that may be published. `serves`: this bridge is
+  // master. Call periodically also without samples.
   [[nodiscard]] std::vector<Sample> pass(std::vector<Sample> samples, bool serves, Instant now) {
     const bool proof =
         std::ranges::any_of(samples, [from = proof_from_.load()](const Sample& each) {
-          return each.quality == Quality::kGood &&
-                 each.acquired > from;  // not one that is told again
+          return each.quality == Quality::kGood && each.acquired > from;  // not a repeated one
         });
     if (serves && proof) {
       foreign_ = false;
@@ -60,7 +60,7 @@ class SampleHold {
 
  private:
   std::atomic<Instant> prove_until_{kLongAgo}, proof_from_{kLongAgo};
-  bool foreign_ = false;  // no good value since it was heard
+  bool foreign_ = false;  // no good value since foreign_master()
   std::map<ChannelIndex, Sample> held_;
 };
 

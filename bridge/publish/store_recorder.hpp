@@ -1,5 +1,5 @@
-// What the store keeps of one bus: its samples, and the state of its devices when it changes.
-// Called on the bus's thread; never waits for the store.
+// Stores the samples of one bus and the state changes of its devices. Called on the bus's thread;
+// never waits for the store.
 #pragma once
 
 #include <map>
@@ -16,22 +16,22 @@ namespace fieldcast {
 
 class StoreRecorder {
  public:
-  // The store outlives it.
+  // The store outlives this object.
   StoreRecorder(Store& store, const BusSpec& bus);
 
-  // `now`: when they are published.
+  // `now`: time of publication.
   void put(std::span<const Sample> samples, const UtcMapping& mapping, Instant now);
   void put(std::string_view device, DeviceState state, UtcTime at);
 
  private:
   struct Device {
     std::string protocol, address;
-    std::optional<DeviceState> state;  // as stored last
+    std::optional<DeviceState> state;  // last stored state
   };
   Store& store_;
   const std::string bus_;
   const std::unique_ptr<Store::Intake> intake_;
-  std::map<std::string, Device, std::less<>> devices_;  // by name
+  std::map<std::string, Device, std::less<>> devices_;
 };
 
 }  // namespace fieldcast

@@ -15,7 +15,7 @@ constexpr std::string_view kIdentityCaKey = "identity-ca.key";
 constexpr std::string_view kPermissionsCaKey = "permissions-ca.key";
 constexpr std::string_view kMembers = "members";
 constexpr std::string_view kIssued = "issued";
-// Clocks of a plant differ, and Fast DDS 2.9.1 takes the dates of permissions for local time.
+// Clocks of a plant differ, and Fast DDS 2.9.1 parses the dates of permissions as local time.
 constexpr Duration kBackdated = kDay;
 
 UtcTime operator+(UtcTime time, Duration duration) { return {time.nanoseconds + duration.count()}; }
@@ -26,7 +26,7 @@ std::string joined(const std::string& folder, std::string_view file) {
 
 Validity from_now(UtcTime now, Duration life) { return {now + -kBackdated, now + life}; }
 
-// What stands in a folder by name; empty if it cannot be read.
+// Returns the entries of a folder, sorted by name. Throws SecurityError if it cannot be read.
 std::vector<fs::path> entries_of(const std::string& folder) {
   std::error_code failed;
   std::vector<fs::path> all;
@@ -37,7 +37,7 @@ std::vector<fs::path> entries_of(const std::string& folder) {
   return all;
 }
 
-// Removes what is half made, unless it is kept: a file, a folder, or what is in a folder.
+// Removes an unfinished result, unless it is kept: a file, a folder, or the contents of a folder.
 class Unfinished {
  public:
   enum class Part : std::uint8_t { kAll, kWhatIsInIt };
@@ -63,7 +63,7 @@ class Unfinished {
   bool kept_ = false;
 };
 
-// The same with the path where the text cannot be understood.
+// Reads a certificate; errors include the path.
 CertificateFacts certificate_in(const std::string& path) {
   const std::string text = read_file(path);
   if (text.empty()) throw SecurityError(path + " is empty");
@@ -148,10 +148,10 @@ std::string Authority::add(const Member& member, UtcTime now, Duration life) {
   }
   const std::string key = new_key();
   const std::string certificate = issue_for(member, key, now, life);
-  Unfinished issued(place_of(certificate));  // nobody has it yet
+  Unfinished issued(place_of(certificate));  // not handed out yet
   const std::string permitted = sign(permissions(), permissions_text(grant(member, certificate)));
   const std::string growing = folder + std::string(kUnfinished);
-  fs::remove_all(growing, none);  // of a run that was interrupted
+  fs::remove_all(growing, none);  // left by an interrupted run
   make_folder(growing);
   Unfinished half(growing);
   write_new(joined(growing, kIdentityKey), key, kOwnerOnly);
@@ -206,7 +206,7 @@ Authority::Issued Authority::issued_to(const std::string& name) const {
       take(file);
     } catch (const SecurityError& error) { found.faults.emplace_back(error.what()); }
   }
-  // Where its place among those that were issued cannot be read.
+  // Includes the certificate in the member's folder, if its copy in `issued` cannot be read.
   const std::string own = member_folder(name) + '/' + std::string(kIdentity);
   std::error_code none;
   if (found.faults.empty() || !fault_of({MemberRole::kStation, name, {}}).empty() ||
@@ -214,11 +214,11 @@ Authority::Issued Authority::issued_to(const std::string& name) const {
     return found;
   try {
     take(own);
-  } catch (const SecurityError&) {}  // members() says it
+  } catch (const SecurityError&) {}  // members() reports it
   return found;
 }
 
-// A member that cannot get it does not keep the others from it.
+// A failure at one member does not stop the copies to the others.
 std::vector<std::string> Authority::copy_revocations() const {
   const std::string list = read_file(path(kRevoked));
   MemberList all = members();
@@ -244,7 +244,7 @@ std::vector<std::string> Authority::revoke(const std::string& name, UtcTime now)
     more = true;
   }
   if (more) replace(path(kRevoked), list, kForAll);
-  // Also to those whom a run that failed has left out.
+  // Also copies to members that an earlier, failed run has left out.
   std::vector<std::string> faults = copy_revocations();
   if (!more) throw SecurityError(name + " is revoked already");
   return faults;
@@ -292,7 +292,7 @@ void check_dates(const std::string& what, const CertificateFacts& facts, UtcTime
   }
 }
 
-// Throws SecurityError with the path of the first file that is not what it should be.
+// Throws SecurityError with the path of the first file with wrong contents.
 void check_forms(const std::string& folder) {
   const auto text = [&folder](std::string_view file) { return read_file(joined(folder, file)); };
   for (const std::string_view file : {kIdentityCa, kPermissionsCa, kIdentity})

@@ -1,16 +1,16 @@
-// The authority of a plant: the folder from which `fieldcast secure` makes members of its DDS
-// domains. It belongs on a machine that is not a member, and into a backup.
+// The authority of a plant: the folder from which `fieldcast secure` creates members of its DDS
+// domains. Keep it on a machine that is not a member, and in a backup.
 //
-//     DIR/identity-ca.pem, .key        signs identities, and the list of those that are revoked
+//     DIR/identity-ca.pem, .key        signs identities and the list of revoked ones
 //     DIR/permissions-ca.pem, .key     signs governance and permissions
 //     DIR/governance.p7s, revoked.pem  the same for all members
-//     DIR/issued/SERIAL.pem            every certificate that was ever given out
-//     DIR/members/NAME/                what the member NAME gets: copy it to its machine
+//     DIR/issued/SERIAL.pem            every certificate that was ever issued
+//     DIR/members/NAME/                the files of the member NAME: copy it to its machine
 //
-// Nothing that is there is written over, except by renew() and revoke(), which replace whole files.
-// What fails, on a full disk for instance, leaves nothing half made. Keys are readable for their
-// owner only. All throw SecurityError: a folder that is there, or is not, a file that cannot be
-// read or written, one that others may change. One thread; one process at a time.
+// Existing files are never overwritten, except by renew() and revoke(), which replace complete
+// files. A failure, for example a full disk, leaves nothing half made. Only the owner can read
+// keys. All functions throw SecurityError: for a folder that exists or is missing, a file that
+// cannot be read or written, a file that others may change. One thread; one process at a time.
 #pragma once
 
 #include <optional>
@@ -25,7 +25,7 @@ namespace fieldcast::security {
 inline constexpr Duration kDay = std::chrono::hours{24};
 inline constexpr Duration kAuthorityLife = 3650 * kDay;
 inline constexpr Duration kMemberLife = 365 * kDay;
-inline constexpr Duration kWarnAhead = 30 * kDay;  // of an end
+inline constexpr Duration kWarnAhead = 30 * kDay;  // before an end of validity
 
 struct MemberState {
   Member member;
@@ -34,37 +34,37 @@ struct MemberState {
   bool revoked = false;
 };
 
-// What is in the folder of the members, and what is to be said of it: each a line for people.
+// The members, and human-readable remarks about their folder, one line each.
 struct MemberList {
-  std::vector<MemberState> members;  // by name
-  std::vector<std::string> faults;   // a file of a member, or one issued to it, cannot be read
-  std::vector<std::string> strays;   // no member: an archive, a copy, an empty folder
+  std::vector<MemberState> members;
+  // A file of a member, or a certificate issued to it, cannot be read.
+  std::vector<std::string> faults;
+  std::vector<std::string> strays;  // not a member: an archive, a copy, an empty folder
 };
 
 class Authority {
  public:
-  // Makes the folder, which must not be there, or be empty.
+  // Creates the folder, which must not exist or must be empty.
   static Authority create(const std::string& folder, Protection protection, UtcTime now);
-  explicit Authority(std::string folder);  // one that is there
+  explicit Authority(std::string folder);  // an existing one
 
-  // The folder that was made for it. A name is given once, also when it is revoked.
+  // Returns the folder created for the member. A name can be used only once, also after revocation.
   std::string add(const Member& member, UtcTime now, Duration life = kMemberLife);
-  // A new certificate and new permissions for the same key and subject. The folder may be copied
-  // over the old one while programs run: they go on, and take the new files when they start again,
-  // or when a bridge is reloaded.
+  // Issues a new certificate and new permissions for the same key and subject. The folder may be
+  // copied over the old one while programs run. They load it at their next start or reload.
   void renew(const std::string& name, UtcTime now, Duration life = kMemberLife);
-  // All certificates that were ever issued to it, whether its folder is there or not. Writes the
-  // list anew, also into the folders of all members. Says which files could not be read or written;
-  // the others are done.
+  // Revokes all certificates ever issued to the member, also if its folder no longer exists. Writes
+  // the new list to the authority and to the folders of all members. Returns the files that could
+  // not be read or written; the others are done.
   std::vector<std::string> revoke(const std::string& name, UtcTime now);
 
   [[nodiscard]] MemberList members() const;
-  [[nodiscard]] UtcTime not_after() const;  // of the authority itself, the sooner of its two
+  [[nodiscard]] UtcTime not_after() const;  // of the authority: the earlier of its two ends
 
  private:
   struct Issued {
     std::vector<std::string> certificates;
-    std::vector<std::string> faults;  // files that could not be read
+    std::vector<std::string> faults;
   };
   [[nodiscard]] Issued issued_to(const std::string& name) const;
   [[nodiscard]] std::vector<std::string> copy_revocations() const;
@@ -75,26 +75,24 @@ class Authority {
   [[nodiscard]] Identity permissions() const;
   [[nodiscard]] std::string issue_for(const Member& member, const std::string& key, UtcTime now,
                                       Duration life) const;
-  // The place of a certificate in the folder of all that were issued.
   [[nodiscard]] std::string place_of(const std::string& certificate) const;
   [[nodiscard]] Grant grant(const Member& member, const std::string& certificate) const;
 
   std::string folder_;
 };
 
-// What is to be said of a member's folder: each a line for people.
 struct MemberCheck {
-  std::vector<std::string> faults;    // it will not be let in
-  std::vector<std::string> warnings;  // it will soon not be let in
+  std::vector<std::string> faults;    // the member is refused
+  std::vector<std::string> warnings;  // the member will soon be refused
 };
 [[nodiscard]] MemberCheck check_member(const std::string& folder, UtcTime now);
-// What is wrong with the folder of an authority and its own files: each a line for people.
+// Returns the faults of an authority's folder and its own files, one human-readable line each.
 [[nodiscard]] std::vector<std::string> authority_faults(const std::string& folder);
-// The same of the folder that a program was given. A bridge needs the identity of a bridge, and all
-// others need another one.
+// The same for the folder in a program's configuration. A bridge needs the identity of a bridge;
+// other programs need another role.
 [[nodiscard]] MemberCheck check_program(const std::string& folder, bool is_bridge, UtcTime now);
 
-// When the certificate in a member's folder ends; nothing: it cannot be read.
+// Validity end of the certificate in a member's folder; `std::nullopt` if it cannot be read.
 [[nodiscard]] std::optional<UtcTime> end_of_member(const std::string& folder);
 
 // "2027-11-22".

@@ -8,8 +8,8 @@
 namespace fieldcast::security {
 namespace {
 
-// Every domain: who is in which one is no matter of trust. Cyclone DDS 0.10 reads no document that
-// names one above 230.
+// All domains: membership in a domain is not a matter of trust. Cyclone DDS 0.10 rejects a document
+// with a domain above 230.
 std::string domains() {
   return fmt::format("      <domains><id_range><min>0</min><max>{}</max></id_range></domains>\n",
                      kHighestDomain);
@@ -37,7 +37,6 @@ std::string topic_rule(std::string_view expression, std::string_view data) {
       expression, data);
 }
 
-// Characters that XML gives a meaning.
 std::string escaped(std::string_view text) {
   std::string out;
   for (const char c : text) {
@@ -101,8 +100,8 @@ bool protects_messages(std::string_view governance) {
 std::string permissions_text(const Grant& grant) {
   const MemberRole role = grant.member.role;
   const std::vector<std::string> all{"*"};
-  // What is held to buses stands in a rule of its own: Fast DDS 2.9.1 looks for a partition in all
-  // criteria of a rule, whatever their topics are.
+  // Topics limited to buses have a separate rule: Fast DDS 2.9.1 searches a partition in all
+  // criteria of a rule, regardless of their topics.
   std::vector<std::string_view> writes, reads, writes_by_bus;
   for (const TopicRight& right : topic_rights()) {
     if (right.writers.has(role))

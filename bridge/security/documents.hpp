@@ -1,5 +1,4 @@
-// The two XML documents of DDS Security (OMG formal/18-04-01, 9.4.1), before they are signed. Pure
-// functions; any thread.
+// The two XML documents of DDS Security (OMG formal/18-04-01, 9.4.1), unsigned. Pure.
 #pragma once
 
 #include <cstdint>
@@ -11,27 +10,27 @@
 
 namespace fieldcast::security {
 
-// What everything on the network is protected by.
+// Protection of all messages on the network.
 enum class Protection : std::uint8_t {
-  kEncrypt,  // nobody outside reads or changes it
-  kSign,     // nobody outside changes it; everybody may read it
+  kEncrypt,  // outsiders can neither read nor change messages
+  kSign,     // outsiders cannot change messages, but can read them
 };
 
-// For all domains and topics: nobody takes part without an identity, everything is protected by the
-// keys of its participant. The content of what is by bus (commands) is protected once more by keys
-// of its writer, which only bridges get: a station that reads samples cannot make commands of a
-// plant, not even with a library of its own making. Protection of whole submessages would do the
-// same for their sequence numbers, but Fast DDS 2.9.1 and Cyclone DDS 0.10.2 do not match with it.
+// Applies to all domains and topics: a participant needs an identity, and its keys protect
+// everything it sends. The content of topics by bus (commands) is also protected with keys of the
+// writer, which only bridges receive. A station that may read samples therefore cannot forge
+// commands, not even with its own DDS library. Protection of whole submessages would also cover
+// their sequence numbers, but Fast DDS 2.9.1 and Cyclone DDS 0.10.2 do not match with it.
 [[nodiscard]] std::string governance_text(Protection protection);
-// Whether it asks that whole messages are protected; ours do. Signed or not.
+// Returns true if the document, signed or not, requires protection of whole messages.
 [[nodiscard]] bool protects_messages(std::string_view governance);
 
 struct Grant {
   Member member;
-  std::string subject;  // as RFC 2253 writes it
+  std::string subject;  // in the form of RFC 2253
   UtcTime not_before, not_after;
 };
-// What the table of topics allows its role, in all domains; everything else is denied.
+// Allows what the table of topics allows for the role, in all domains; denies everything else.
 [[nodiscard]] std::string permissions_text(const Grant& grant);
 
 // "2026-11-22T18:00:00", UTC.

@@ -33,7 +33,7 @@ class Descriptor {
 
 void fill(int file, const std::string& path, const std::string& text, mode_t mode) {
   const Descriptor owned(file);
-  // Whatever the umask is.
+  // Independent of the umask.
   if (::fchmod(file, mode) != 0) fail("set the mode of", path);
   for (std::size_t done = 0; done < text.size();) {
     const ssize_t written = ::write(file, text.data() + done, text.size() - done);
@@ -81,13 +81,12 @@ std::string read_key(const std::string& path) {
 
 namespace {
 
-// The file beside it that takes its place once it is whole.
 std::string beside(const std::string& path) { return path + std::string(kUnfinished); }
 
-// On a failure nothing is left.
+// Leaves no file behind on failure.
 void write_beside(const std::string& path, const std::string& text, mode_t mode) {
   const std::string name = beside(path);
-  ::unlink(name.c_str());  // of a run that was interrupted
+  ::unlink(name.c_str());  // left by an interrupted run
   const int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kOwnerOnly);
   if (file < 0) fail("make", path);
   try {
@@ -98,7 +97,7 @@ void write_beside(const std::string& path, const std::string& text, mode_t mode)
   }
 }
 
-// A name in a folder is on the disk when the folder is.
+// A new name in a folder is on disk only after the folder is synchronized.
 void sync_folder_of(const std::string& path) {
   const std::string folder = path.substr(0, path.rfind('/') + 1);
   const int file = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_CLOEXEC);
@@ -117,7 +116,7 @@ bool is_there(const std::string& path) {
 void move_new(const std::string& from, const std::string& to) {
   if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) != 0) {
     if (errno != EINVAL && errno != ENOSYS) fail("make", to);
-    // A file system that cannot do it in one step.
+    // The file system does not support RENAME_NOREPLACE.
     errno = EEXIST;
     if (is_there(to) || std::rename(from.c_str(), to.c_str()) != 0) fail("make", to);
   }

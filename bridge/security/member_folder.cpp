@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kMaxText = 8192;
 constexpr mode_t kNotForAll = S_IWGRP | S_IXGRP | S_IRWXO;
-constexpr mode_t kChange = S_IWGRP | S_IWOTH;  // by others than its owner
+constexpr mode_t kChange = S_IWGRP | S_IWOTH;  // by other users
 
 tl::unexpected<std::string> fault(std::string text) { return tl::unexpected(std::move(text)); }
 
@@ -55,14 +55,14 @@ tl::expected<Member, std::string> member_from(std::string_view text) {
 
 namespace {
 
-// Why this user does not see what may well be there.
+// Returns the reason if access rights hide the path from this user.
 std::optional<std::string> hidden(const std::string& path) {
   struct stat found {};
   if (::stat(path.c_str(), &found) == 0 || errno != EACCES) return std::nullopt;
   return path + " cannot be read by this user: " + errno_text(EACCES);
 }
 
-// One of the files of a member is there, and nobody has it who must not.
+// Checks that a file of a member exists and that its access rights are safe.
 std::optional<std::string> fault_of_file(const std::string& folder, std::string_view file) {
   const std::string path = folder + '/' + std::string(file);
   if (auto why = hidden(path)) return why;

@@ -1,5 +1,5 @@
-// The folder of one member, as `fieldcast secure add` makes it and `dds: { security: DIR }` names
-// it: its identity, its permissions, and what it needs to check others. Functions of files; any
+// The folder of one member: its identity, its permissions, and the certificates to check others.
+// `fieldcast secure add` creates it; `dds: { security: DIR }` names it. Functions on files; any
 // thread.
 #pragma once
 
@@ -23,17 +23,17 @@ inline constexpr std::string_view kMemberFiles[] = {kIdentityCa,  kPermissionsCa
                                                     kRevoked,     kIdentity,      kIdentityKey,
                                                     kPermissions, kMember};
 
-// Lines "role: plant", "name: mes-1", "bus: press-*". What a member may do is said by its signed
-// permissions; this tells its own programs what they may try.
+// Lines "role: plant", "name: mes-1", "bus: press-*". The signed permissions decide what a member
+// may do; this text informs its own programs.
 [[nodiscard]] std::string member_text(const Member& member);
 [[nodiscard]] tl::expected<Member, std::string> member_from(std::string_view text);
 
-// Who the folder makes a program. The fault is for people: no such folder, a file is missing, a key
-// that others than the owner (and a group that may only read) can read, a file or the folder itself
-// that others may change.
+// Returns the member of the folder. Fails with a human-readable text if the folder or a file is
+// missing, or if access rights are unsafe: only the owner, and a group for reading, may read a key;
+// only the owner may change a file or the folder.
 [[nodiscard]] tl::expected<Member, std::string> read_member(const std::string& folder);
 
-// "file:///etc/fieldcast/security/identity.pem", as DDS wants it.
+// "file:///etc/fieldcast/security/identity.pem", the form that DDS requires.
 [[nodiscard]] std::string file_uri(const std::string& folder, std::string_view file);
 
 }  // namespace fieldcast::security

@@ -69,7 +69,7 @@ Certificate certificate_of(const std::string& pem) {
               "read a certificate");
 }
 
-// Never asks for a pass phrase on a terminal.
+// Prevents the prompt for a pass phrase on the terminal.
 int no_phrase(char*, int, int, void*) { return 0; }
 
 Key key_of(const std::string& pem) {
@@ -95,7 +95,7 @@ std::string pem_of(X509_CRL* list) {
   return text_of(bio.get());
 }
 
-// Those that stand among other things in a file.
+// Returns the certificates in a text that may contain other objects.
 std::vector<std::string> certificates_in(const std::string& text) {
   constexpr std::string_view kBegin = "-----BEGIN CERTIFICATE-----";
   constexpr std::string_view kEnd = "-----END CERTIFICATE-----\n";
@@ -129,7 +129,7 @@ void extend(X509* certificate, X509* issuer, int id, const char* value) {
   expect(added, "add an extension");
 }
 
-// All of a certificate but its names, extensions and signature. Two never share a serial number.
+// A certificate without names, extensions and signature. The random serial number is unique.
 Certificate blank(EVP_PKEY* key, const Validity& validity) {
   Certificate made_one = made(Certificate(X509_new()), "make a certificate");
   X509* const certificate = made_one.get();
@@ -179,7 +179,7 @@ Identity new_authority(const std::string& name, const Validity& validity) {
   set_name(own, name);
   expect(X509_set_issuer_name(own, X509_get_subject_name(own)) == 1, "name an issuer");
   extend(own, own, NID_basic_constraints, "critical,CA:TRUE,pathlen:0");
-  // Signs documents too, not certificates alone.
+  // It signs documents as well as certificates.
   extend(own, own, NID_key_usage, "critical,digitalSignature,keyCertSign,cRLSign");
   extend(own, own, NID_subject_key_identifier, "hash");
   expect(X509_sign(own, key.get(), EVP_sha256()) > 0, "sign a certificate");
@@ -247,7 +247,7 @@ std::string revoke(const Identity& authority, const std::string& list,
              X509_CRL_set1_lastUpdate(revoked.get(), at.get()) == 1 &&
              X509_CRL_add0_revoked(revoked.get(), entry.get()) == 1,
          "revoke a certificate");
-  (void)entry.release();  // the list's now
+  (void)entry.release();  // now owned by the list
   expect(X509_CRL_sort(revoked.get()) == 1 &&
              X509_CRL_sign(revoked.get(), key_of(authority.key).get(), EVP_sha256()) > 0,
          "sign a list of revoked certificates");

@@ -12,7 +12,7 @@ namespace fieldcast::security {
 namespace {
 
 constexpr std::string_view kOrganization = "Fieldcast";
-constexpr std::uint8_t kUpperHalf = 0x80;  // of the hash: those of bridges
+constexpr std::uint8_t kUpperHalf = 0x80;  // of the hash: reserved for bridges
 
 void append(X509_NAME* name, const char* field, std::string_view value) {
   if (X509_NAME_add_entry_by_txt(name, field, V_ASN1_UTF8STRING,
@@ -29,7 +29,6 @@ std::array<std::uint8_t, SHA256_DIGEST_LENGTH> hash_of(const Subject& subject) {
   return hash;
 }
 
-// What stands between `begin` and `end` of a text that has both.
 std::optional<std::string_view> between(std::string_view& text, std::string_view begin,
                                         std::string_view end) {
   if (!text.starts_with(begin)) return std::nullopt;

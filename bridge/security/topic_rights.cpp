@@ -19,12 +19,12 @@ constexpr Roles kAllStations{kStation, kPlant, kStationReadonly};
 constexpr Roles kEverybody{kBridge, kStation, kPlant, kStationReadonly};
 
 constexpr TopicRight kRights[] = {
-    // What a bridge reads of another one it needs to stand by for it.
+    // A bridge reads data of other bridges to be able to stand by for them.
     {"fieldcast/Sample", kBridges, kAllStations},
     {"fieldcast/SampleBlock", kBridges, kEverybody},
     {"fieldcast/Channel", kBridges, kAllStations},
     {"fieldcast/CatalogueBlock", kBridges, kAllStations},
-    // A request for the last values once more, which every reader of blocks may need.
+    // A request to repeat the last values, which every reader of blocks may need.
     {"fieldcast/SnapshotRequest", kAllStations, kBridges},
     {"fieldcast/BusStatus", kBridges, kAllStations},
     {"fieldcast/DeviceStatus", kBridges, kEverybody},

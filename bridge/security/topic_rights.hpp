@@ -1,7 +1,7 @@
-// Which role may write and read which topic: the table that permissions and documents are made of.
-// Pure; values, any thread.
+// The table of topics that each role may write and read; source of permissions and documents. Pure;
+// values, any thread.
 //
-// A topic of bridge/dds/topics that has no row here is refused to everybody, and fails a test.
+// A topic of bridge/dds/topics without a row here is denied to all roles, and a test fails.
 #pragma once
 
 #include <cstdint>
@@ -17,14 +17,13 @@ enum class MemberRole : std::uint8_t { kBridge, kStation, kPlant, kStationReadon
 
 struct RoleRow {
   MemberRole role;
-  std::string_view word;  // of the command line, and of a certificate's OU
-  std::string_view text;  // what it may do, for people
+  std::string_view word;  // on the command line, and in a certificate's OU
+  std::string_view text;  // human-readable description of the rights
 };
 [[nodiscard]] std::span<const RoleRow> roles();
 [[nodiscard]] std::string_view to_text(MemberRole role);
 [[nodiscard]] std::optional<MemberRole> member_role_from(std::string_view word);
 
-// A set of roles.
 class Roles {
  public:
   constexpr Roles(std::initializer_list<MemberRole> roles) {
@@ -42,31 +41,30 @@ struct TopicRight {
   std::string_view topic;
   Roles writers;
   Roles readers;
-  // What is written is for a bus: a writer may be held to some of them. Its partitions are then the
-  // names, or the patterns, of these buses, and a bridge reads in the partition of each bus.
+  // The data is for a bus, and a writer may be limited to certain buses. Its partitions are then
+  // the names or patterns of these buses; a bridge reads in the partition of each bus.
   bool by_bus = false;
 };
 [[nodiscard]] std::span<const TopicRight> topic_rights();
 
-// The row of a topic, or null.
+// Returns null if the topic has no row.
 [[nodiscard]] const TopicRight* right_of(std::string_view topic);
 
-// Documents of DDS Security are for the domains 0 to this one.
+// Documents of DDS Security apply to the domains 0 to this one.
 inline constexpr std::uint32_t kHighestDomain = 230;
 
-// The longest name of a member, and the most patterns of buses that one may be held to.
 inline constexpr std::size_t kMaxMemberName = 48;
 inline constexpr std::size_t kMaxBusPatterns = 16;
 
-// Somebody of the domain: a process, or all processes of one kind on a machine.
+// A member of the domain: one process, or all processes of one kind on a machine.
 struct Member {
   MemberRole role = MemberRole::kStationReadonly;
   std::string name;                // 1 to kMaxMemberName of a-z A-Z 0-9 - _
-  std::vector<std::string> buses;  // patterns that a plant is held to; empty: none
+  std::vector<std::string> buses;  // patterns that a plant is limited to; empty: no limit
   friend bool operator==(const Member&, const Member&) = default;
 };
 
-// What is wrong with it, for people; empty: nothing.
+// Returns a human-readable fault, or an empty text.
 [[nodiscard]] std::string fault_of(const Member& member);
 
 }  // namespace fieldcast::security

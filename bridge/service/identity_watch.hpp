@@ -1,5 +1,5 @@
-// Says in the log what is wrong with the identity of this program in DDS Security, or will be soon,
-// while it runs: once a day, and when its certificate ends. Main thread.
+// Logs present and coming faults of this program's DDS Security identity while it runs: once a day,
+// and when its certificate expires. Main thread.
 #pragma once
 
 #include <optional>
@@ -10,23 +10,23 @@
 
 namespace fieldcast {
 
-// Whether it is time to look again: a day went by, the clock was set back, or a certificate with
-// this end has ended since. Pure.
+// Returns true if a day has passed, the clock was set back, or a certificate with this end has
+// expired since `last`. Pure.
 [[nodiscard]] bool is_look_due(std::optional<UtcTime> not_after, UtcTime last, UtcTime now);
 
 class IdentityWatch {
  public:
   explicit IdentityWatch(bool is_bridge) : is_bridge_(is_bridge) {}
 
-  // The program has joined, or joined anew, with what its folder holds now.
+  // The program has joined or rejoined with the present contents of its folder.
   void joined(const DdsSpec& spec, UtcTime now);
-  // No effect without security, or before it is time.
+  // No effect without security, or before is_look_due().
   void look(UtcTime now);
 
  private:
   const bool is_bridge_;
   std::optional<std::string> folder_;
-  std::optional<UtcTime> not_after_;  // of the certificate that is in use
+  std::optional<UtcTime> not_after_;  // of the certificate in use
   UtcTime last_;
 };
 

@@ -1,6 +1,6 @@
-// Tells the service manager how the program is: the datagrams of sd_notify(3). Without a service
-// manager ($NOTIFY_SOCKET is not set) it says nothing. Never waits and never fails: a datagram that
-// the manager does not take is lost. Main thread.
+// Reports the state of the program to the service manager with the datagrams of sd_notify(3). Does
+// nothing without a service manager ($NOTIFY_SOCKET is not set). Never waits and never fails; a
+// datagram that the manager does not receive is lost. Main thread.
 #pragma once
 
 #include <optional>
@@ -14,16 +14,15 @@ namespace fieldcast {
 
 class NotifySocket {
  public:
-  // `address`: a path, or "@name" of an abstract socket; empty: nobody is told.
+  // `address`: a path, or "@name" of an abstract socket; empty: no reports.
   explicit NotifySocket(std::string address);
 
   // The configuration is loaded and every bus has its thread.
   void ready(std::string_view status);
-  // Between this and the next ready() the configuration is taken up anew; `now` is of the
-  // monotonic clock.
+  // Until the next ready(), the configuration is reloaded. `now` is of the monotonic clock.
   void reloading(Instant now);
   void stopping();
-  // The watchdog is fed.
+  // Feeds the watchdog.
   void alive();
   // One line for `systemctl status`.
   void status(std::string_view text);
@@ -35,11 +34,11 @@ class NotifySocket {
   FileDescriptor socket_;
 };
 
-// $NOTIFY_SOCKET; empty where no service manager listens.
+// $NOTIFY_SOCKET; empty without a service manager.
 [[nodiscard]] std::string notify_address();
 
-// How long the service manager waits for alive() before it ends the process ($WATCHDOG_USEC, unless
-// $WATCHDOG_PID names another process); none: it does not watch.
+// Time without alive() after which the service manager ends the process ($WATCHDOG_USEC, unless
+// $WATCHDOG_PID is another process); `std::nullopt` without a watchdog.
 [[nodiscard]] std::optional<Duration> watchdog_limit();
 
 }  // namespace fieldcast

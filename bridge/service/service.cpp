@@ -8,7 +8,7 @@
 
 namespace fieldcast {
 
-// Three times within the limit: one that comes late costs nothing.
+// Three times within the limit, so that one late turn has no effect.
 Duration Service::sleep(Duration longest) const {
   return watchdog_ ? std::min(longest, *watchdog_ / 3) : longest;
 }

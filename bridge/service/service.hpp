@@ -1,5 +1,5 @@
-// The bridge as a service: what its service manager is told, and when the watchdog is fed. Does
-// nothing where there is none. Main thread.
+// The bridge as a service: reports to the service manager and feeds the watchdog. Does nothing
+// without a service manager. Main thread.
 #pragma once
 
 #include <optional>
@@ -13,11 +13,11 @@ namespace fieldcast {
 
 class Service {
  public:
-  // A bus stands when its thread has not turned for half of the watchdog's limit, but not before
-  // this: on a busy machine a thread may be late.
+  // A bus hangs if its thread has not turned for half of the watchdog's limit, but at least for
+  // this time: a thread may be late on a busy machine.
   static constexpr Duration kLeastStanding = std::chrono::seconds{3};
 
-  // `watchdog`: after how long without food the manager ends the process; none: it does not watch.
+  // `watchdog`: time without a report after which the manager ends the process.
   Service(std::string notify_address, std::optional<Duration> watchdog)
       : socket_(std::move(notify_address)), watchdog_(watchdog) {}
 
@@ -26,10 +26,10 @@ class Service {
   void reloading(Instant now) { socket_.reloading(now); }
   void stopping() { socket_.stopping(); }
 
-  // How long the main thread may sleep, if it likes to sleep for `longest`.
+  // Returns how long the main thread may sleep, at most `longest`.
   [[nodiscard]] Duration sleep(Duration longest) const;
   [[nodiscard]] bool watched() const { return watchdog_.has_value(); }
-  // Feeds the watchdog, or logs which bus stands: once, and once more when all turn again.
+  // Feeds the watchdog if every bus turns. Otherwise logs the hanging bus once, and its recovery.
   void look(const std::vector<BusTurn>& turns, Instant now);
 
  private:

@@ -1,4 +1,4 @@
-// Whether the service manager's watchdog is fed: only while the thread of every bus turns. Pure.
+// Decides whether the watchdog may be fed: only if the thread of every bus turns. Pure.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@
 
 namespace fieldcast {
 
-// When the thread of a bus last came round; it does so at least once a second.
+// Last turn of a bus's thread, which turns at least once a second.
 struct BusTurn {
   std::string bus;
   Instant at{};
@@ -17,11 +17,10 @@ struct BusTurn {
 
 struct StandingBus {
   std::string bus;
-  Duration standing{};  // since its last turn
+  Duration standing{};
 };
 
-// The bus that has stood for longest, of those that have not turned for more than `limit`. None:
-// all turn, the watchdog is fed.
+// Returns the bus with the oldest turn before `limit`, or `std::nullopt` if all turn.
 [[nodiscard]] std::optional<StandingBus> standing_bus(const std::vector<BusTurn>& turns,
                                                       Instant now, Duration limit);
 

@@ -7,7 +7,7 @@
 namespace fieldcast {
 namespace {
 
-// Smaller goes first.
+// A smaller rank has priority.
 auto rank(const BusClaim& claim, const std::string& id) {
   return std::tuple(!claim.serving, claim.since, id);
 }
@@ -59,7 +59,7 @@ bool BusClaims::decide(Instant now) {
   for (auto& [bus, claim] : own_) {
     const auto first = rival(bus);
     if (!first || first->buses.at(bus).serving) unserved_.erase(bus);
-    // One that stands by counts this time as well: a takeover must not wait for it.
+    // Also counted while this bridge stands by: a takeover must not wait for it.
     const bool unserved = first && !first->buses.at(bus).serving &&
                           now - unserved_.try_emplace(bus, now).first->second >= kMostUnserved;
     const bool serving = !standing_by_ && (claim.serving || !first || unserved);

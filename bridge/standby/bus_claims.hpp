@@ -1,14 +1,18 @@
-// Which bridge serves a bus when several of one domain name it: each tells the others what it wants
-// and what it serves (topic fieldcast/Bridge), and each decides by the same rule. Pure; one owner.
+// Decides which bridge serves a bus when several bridges of one domain want it. Each bridge
+// announces what it wants and what it serves (topic fieldcast/Bridge), and all decide by the same
+// rule. Pure; one owner.
 //
-// The rule: a bridge that serves a bus keeps it, whatever others claim: a claim can be forged.
-// One that waits gives way to a bridge that serves; of two that wait, the one that has wanted the
-// bus for longer goes first; of two that began at the same instant, the one with the smaller
-// identity. Claims that only wait count for kMostUnserved: a bridge that has seen nobody serve the
-// bus for so long serves it. Two that both served before they met both go on, and the bus is
-// contested(). So clocks that differ change who is first of several that begin together, never who
-// goes on. Bridges of one standby group are no rivals: the group's election says which of them
-// serves.
+// - A bridge that serves a bus keeps it, whatever others claim, because a claim can be forged.
+// - A waiting bridge yields to a bridge that serves the bus.
+// - Of waiting bridges, the one that has wanted the bus longest has priority; at the same instant,
+//   the one with the smaller identity.
+// - If all bridges only wait for a bus, a bridge serves it after kMostUnserved.
+// - If two bridges served a bus before they discovered each other, both continue, and the bus is
+//   contested().
+//
+// Different clocks therefore affect only the order of bridges that start together, never which
+// bridge continues. Bridges of one standby group are no rivals: the election of the group decides
+// which of them serves.
 #pragma once
 
 #include <cstdint>
@@ -23,15 +27,14 @@
 namespace fieldcast {
 
 struct BusClaim {
-  UtcTime since;         // when its bridge first wanted it
-  bool serving = false;  // else it waits for another bridge
+  UtcTime since;         // when its bridge first wanted the bus
+  bool serving = false;  // false: it waits for another bridge
   friend bool operator==(const BusClaim&, const BusClaim&) = default;
 };
 
-// What a bridge tells the others.
 struct BridgeClaims {
-  std::string bridge;   // its name
-  std::string host;     // for people
+  std::string bridge;
+  std::string host;     // human-readable
   std::string process;  // see process_identity.hpp
   UtcTime since;        // when it joined the domain
   std::map<std::string, BusClaim> buses;
@@ -42,30 +45,30 @@ struct BridgeClaims {
 
 class BusClaims {
  public:
-  // A bridge that waits for others which only wait, too, serves the bus after this time.
+  // A bridge serves the bus after it has waited this long for bridges that also only wait.
   static constexpr Duration kMostUnserved = std::chrono::seconds{5};
 
-  // `id`: of this bridge in DDS, unique in the domain. Others are told apart by theirs.
+  // `id`: identity of this bridge in DDS, unique in the domain; others have theirs.
   explicit BusClaims(std::string id = {}) : id_(std::move(id)) {}
   void set_id(std::string id) { id_ = std::move(id); }
   void set_group(std::string group) { group_ = std::move(group); }
-  // While it stands by, another one of its group serves.
+  // While it stands by, another bridge of its group serves.
   void set_standing_by(bool standing_by) { standing_by_ = standing_by; }
 
   // ---- the others
 
-  void receive(const std::string& id, BridgeClaims claims);  // in place of what it said before
-  // Its lease is over, or it is alive again. No effect for a bridge that told nothing yet.
+  void receive(const std::string& id, BridgeClaims claims);  // replaces the previous claims
+  // The lease of the bridge expired, or it is alive again. No effect before its announcement.
   void set_alive(const std::string& id, bool alive);
   void forget(const std::string& id);
-  // Others whose process runs where this one does, for set_alive().
+  // Processes of other bridges on this machine, for set_alive().
   [[nodiscard]] std::map<std::string, std::string> processes() const;
 
-  // How many of the group there are beside these.
+  // Number of group members that are not in `bridges`.
   [[nodiscard]] std::size_t members_beside(const std::vector<std::string>& bridges) const;
 
-  // Another member of the group with the name of this one; `own`: what this one tells. Of both, the
-  // one that serves goes first, then the one that has been there for longer.
+  // Another member of the group with the name of this bridge; `own`: claims of this bridge. The one
+  // that serves has priority, otherwise the one that joined earlier.
   struct Namesake {
     BridgeClaims claims;
     bool goes_first = false;
@@ -74,10 +77,10 @@ class BusClaims {
 
   // ---- this bridge
 
-  // Wants these buses, from now on those that are new. One it does not want any more is free.
+  // Sets the wanted buses. New ones count from `now`; others are released.
   void want(const std::vector<std::string>& buses, UtcTime now);
-  // The bridge that keeps this one from serving a bus, and what it said. Of a bus that this bridge
-  // serves: one that serves it as well. Empty if there is none. REQUIRES: the bus is wanted.
+  // The bridge that keeps this one from serving a bus; for a served bus: one that serves it as
+  // well. `std::nullopt` if there is none. REQUIRES: the bus is wanted.
   [[nodiscard]] std::optional<BridgeClaims> rival(const std::string& bus) const;
   // Decides for each wanted bus whether this bridge serves it. Returns true if something changed:
   // the caller announces it. Call it repeatedly, because kMostUnserved depends on the time.

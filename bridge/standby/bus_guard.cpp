@@ -90,7 +90,8 @@ void BusGuard::settle(const std::function<bool()>& give_up) {
     Finding finding = handlers_.finding();
     std::vector<std::string> heard = handlers_.members();
     lock.lock();
-    heard.push_back(own_.bridge);  // one of this name is not heard there: namesake()
+    // A bridge with this bridge's name does not appear there; see namesake().
+    heard.push_back(own_.bridge);
     finding.silent += silent_.size();
     finding.unknown += claims_.members_beside(heard);
     const Instant now = steady_now();

@@ -8,7 +8,7 @@
 namespace fieldcast {
 namespace {
 
-// FNV-1a of 64 bits, over texts with their ends.
+// FNV-1a of 64 bits over the texts with their terminating zeros.
 class Sum {
  public:
   void add(std::string_view text) {

@@ -1,5 +1,5 @@
-// What the bridges of a standby group must have in common: buses, devices and channels, but not the
-// ports by which they are reached. A short text that is the same where those are. Pure.
+// Hash of the configuration that all bridges of a standby group must share: buses, devices and
+// channels, without the ports. Pure.
 #pragma once
 
 #include <string>

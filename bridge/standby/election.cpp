@@ -40,7 +40,7 @@ Election::Election(StandbyMember own, Instant now, const Memory& before)
       looked_(now) {
   own_.role = StandbyRole::kWaiting;
   own_.term = 0;
-  // They have to be heard again.
+  // Members of the previous membership count only after a new message.
   for (auto& [name, other] : others_) other.heard = std::min(other.heard, now - kLease);
 }
 
@@ -58,12 +58,12 @@ void Election::receive(const StandbyMember& member, Instant now) {
   auto [found, is_new] = others_.try_emplace(member.bridge);
   Other& other = found->second;
   if (!is_new) {
-    if (member.since == other.before) return;  // of its life before
+    if (member.since == other.before) return;  // a message from before its restart
     if (member.since != other.told.since) {
       other.before = other.told.since;
       if (unheard(other, now) && is_master(own_.role)) count_from(above_unheard(other, now));
     } else if (member.beat <= other.told.beat) {
-      return;  // it came twice, or late
+      return;  // duplicate or late
     }
   }
   other.told = member;
@@ -74,25 +74,25 @@ void Election::receive(const StandbyMember& member, Instant now) {
   heed(member, now);
 }
 
-// A number above all that it may have had, or have heard of, since it was heard.
+// Returns a number above every number that the unheard member can have used or received since its
+// last message.
 //
-// Let `known` be the number when both sides of a cut heard each other last. Then no side has come
-// further than known + T / kTermTime + members, T later:
-//   - Each takeover adds one. Of M members there are no more than M + M * T / kSettle.
-//   - Who counts above members that it does not hear counts from this number here. Its own `known`
-//     is of an instant at which its side had not come further than that, and one is added for each
-//     kTermTime since: it comes to the same line. So there is nothing added that would grow with
-//     how often members begin anew.
-// Whoever counts from this number a while later than the last sample of the other side is above it:
-// by one for each kTermTime of that while. The two are for a member that took over as soon as it
-// could, and began anew at once.
+// Let `known` be the number when both sides of a network cut last received each other. T later, no
+// side has a number above known + T / kTermTime + members:
+// - Each takeover adds one. M members make at most M + M * T / kSettle takeovers.
+// - A member that counts above unheard members starts at this number. Its own `known` is from an
+//   instant at which its side was within the bound, and it adds one per kTermTime since, so it
+//   stays within the same bound. Repeated restarts of members therefore add nothing.
+// A member that starts at this number some time after the last sample of the other side is above
+// that side by one for each kTermTime of that time. The minimum of 2 is for a member that took over
+// as soon as it could and restarted immediately.
 std::uint32_t Election::above_unheard(const Other& other, Instant now) {
   const auto grown = std::max<std::int64_t>(2, (now - other.told_at) / kTermTime);
   return static_cast<std::uint32_t>(
       std::min<std::int64_t>(number_of(other.known) + grown, kMostTerms));
 }
 
-// The next term has this number at least, and there is one if the present one is below.
+// The next term has at least this number; starts one if the present term is lower.
 void Election::count_from(std::uint32_t number) {
   if (number_of(greatest_) < number)
     learn(StandbyTerm{std::max(number - 1, number_of(own_.term) + 1)} << 32);
@@ -104,7 +104,7 @@ void Election::readers_came(Instant now) {
   if (somebody) readers_came_ = std::min(readers_came_, now);
 }
 
-// A member that is in sight again tells its term itself.
+// A member that is received again reports its term itself.
 void Election::heed_readers(Instant now) {
   if (readers_came_ == kNever || now - readers_came_ < kReturn || now < doubt_until_) return;
   std::uint32_t number = 0;
@@ -120,14 +120,14 @@ void Election::heed_readers(Instant now) {
 }
 
 void Election::follows(std::uint64_t sequence) {
-  const auto number = static_cast<std::uint32_t>(sequence >> 32) + 1;  // of sequences_of()
+  const auto number = static_cast<std::uint32_t>(sequence >> 32) + 1;  // inverse of sequences_of()
   if (sequence == 0 || own_.role != StandbyRole::kMaster || number < number_of(own_.term)) return;
   learn(StandbyTerm{number} << 32);
   take_over();
 }
 
-// Two terms of one number: members that did not hear each other had them, and the samples of both
-// have the same numbers. Whoever goes on takes a later one.
+// Stores a greater term. Two different terms with one number come from members that did not receive
+// each other; their samples have the same numbers. The member that continues uses a later term.
 void Election::learn(StandbyTerm term) {
   const bool same = number_of(term) == number_of(greatest_) && term != greatest_;
   const bool both =
@@ -136,7 +136,7 @@ void Election::learn(StandbyTerm term) {
   greatest_ = std::max(greatest_, term);
 }
 
-// A message that changes what this member is.
+// Handles a message that changes the role of this member.
 void Election::heed(const StandbyMember& other, Instant now) {
   if (is_master(other.role)) {
     alone_since_ = now;
@@ -201,7 +201,7 @@ void Election::take_over() {
 void Election::on_time(Instant now) {
   const Duration unseen = now - std::exchange(looked_, now);
   if (unseen >= kDoubt) {
-    // What was heard while this process stood still has not been read yet.
+    // Messages that arrived while this process was stopped have not been read yet.
     doubt_until_ = now + kListen;
     for (auto& [name, other] : others_) {
       if (!other.lost) other.heard = std::max(other.heard, now - kLease + kListen);
@@ -212,17 +212,15 @@ void Election::on_time(Instant now) {
     alone_since_ = now - kLease;
   }
   heed_readers(now);
-  const bool in_doubt = now < doubt_until_;  // it listens first
-  if (own_.role == StandbyRole::kMaster && greatest_ > own_.term && !in_doubt)
-    take_over();  // a later term
+  const bool in_doubt = now < doubt_until_;  // first listens
+  if (own_.role == StandbyRole::kMaster && greatest_ > own_.term && !in_doubt) take_over();
   if (own_.role == StandbyRole::kHandingOver && !is_alive(own_.successor, now)) {
-    own_.role = StandbyRole::kMaster;  // the successor is gone
+    own_.role = StandbyRole::kMaster;  // the successor was lost
     own_.successor.clear();
   }
   if (own_.role == StandbyRole::kWaiting) consider(now);
 }
 
-// Whether to take over.
 void Election::consider(Instant now) {
   if (!not_ready(now).empty()) {
     ready_since_ = kNever;
@@ -234,17 +232,17 @@ void Election::consider(Instant now) {
     return;
   }
   if (now < settled_ || now < doubt_until_ || ready_since_ == kNever) return;
-  // Others may have become ready at the same time, and have to be heard.
+  // Others may have become ready at the same time and must be received first.
   const bool alone =
       std::ranges::none_of(others_, [&](const auto& entry) { return alive(entry.second, now); });
   if (!alone && now - ready_since_ < kListen) return;
-  // Better members take over first; each has some time for it.
+  // Better members take over first; each has kPatience for it.
   const Instant begun = std::max({alone_since_, settled_, ready_since_});
   if (const int better = better_ones(now); better > 0 && now - begun < better * kPatience) return;
   take_over();
 }
 
-// Also one that was released, while its successor has time.
+// Includes a released master while its successor has time to take over.
 const Election::Other* Election::heard_master(Instant now) const {
   const Other* found = nullptr;
   for (const auto& [name, other] : others_) {
@@ -288,7 +286,7 @@ StandbyMember Election::beat() {
   ++own_.beat;
   StandbyMember told = own_;
   if (!is_master(own_.role) && own_.role != StandbyRole::kReleased) told.term = greatest_;
-  // A master in doubt does not say that it is one.
+  // A master in doubt does not announce itself as master.
   if (is_master(own_.role) && looked_ < doubt_until_) told.role = StandbyRole::kWaiting;
   told.not_ready = not_ready(looked_);
   return told;

@@ -1,19 +1,20 @@
-// Which bridge of a standby group is its master: one state machine for each member, fed with the
-// messages of the others and with the time. Pure: no thread, no clock, no DDS; one owner.
+// Elects the master of a standby group. Each member runs one such state machine; its inputs are the
+// messages of the others and the time. Pure: no thread, no clock, no DDS; one owner.
 //
-// The rules:
-// - Who hears no master for kLease takes over, if it is ready and no better member is: the
-//   strongest, then the one whose name comes first.
-// - A master stays master, whoever comes later. It hands over when it is asked to.
-// - Each mastership has a term. A later one has a greater term, and no two members ever have the
-//   same. Of two masters that hear each other the one with the smaller term steps back at once.
-// - A master takes a later term where another one may have been master meanwhile: who was heard
-//   knows of a later term, or of another one of the same number, or has begun anew after nobody
-//   heard it for a while; and where readers come, or ask for what they lack, while a member is out
-//   of sight: they may have followed that one. So does who takes over, and follows samples that
-//   count above its term.
-// - A master that had no time for kDoubt, because its process was stopped or its machine stood
-//   still, serves nothing until it has listened again: another one may have taken over.
+// Rules:
+// - A member that receives no master for kLease takes over if it is ready and no better member is.
+//   Better is the greater strength, then the name that sorts first.
+// - A master stays master when better members join. It hands over on request.
+// - Each mastership has a term. A later one has a greater term, and no two members have the same
+//   term. Of two masters that receive each other, the one with the smaller term steps back
+//   immediately.
+// - A master starts a later term if another member may have been master meanwhile. It does so if a
+//   member reports a later term, reports a different term with the same number, or restarted after
+//   a time without messages. It also does so if readers match or request missing samples while a
+//   member is unheard, because these readers may have followed that member. A new master does so if
+//   it follows samples with numbers above its term.
+// - A master whose process did not run for kDoubt (stopped, or the machine paused) serves nothing
+//   until it has listened: another member may have taken over.
 #pragma once
 
 #include <cstdint>
@@ -29,9 +30,9 @@ namespace fieldcast {
 enum class StandbyRole : std::uint8_t {
   kWaiting,
   kMaster,
-  kHandingOver,  // serves until it is released
-  kReleased,     // serves no longer, its successor is to take over
-  kLeft,         // is no member any more
+  kHandingOver,  // serves until released() is called
+  kReleased,     // no longer serves; its successor takes over
+  kLeft,         // no longer a member
 };
 [[nodiscard]] constexpr std::string_view to_text(StandbyRole role) {
   switch (role) {
@@ -44,32 +45,31 @@ enum class StandbyRole : std::uint8_t {
   return "unknown";
 }
 
-// The counter in the upper half, a hash of the member's name in the lower one: members that cannot
-// hear each other choose different terms.
+// Upper half: a counter. Lower half: a hash of the member's name, so that members that cannot
+// receive each other choose different terms.
 using StandbyTerm = std::uint64_t;
-[[nodiscard]] constexpr std::uint32_t number_of(StandbyTerm term) {  // for people
+[[nodiscard]] constexpr std::uint32_t number_of(StandbyTerm term) {  // human-readable
   return static_cast<std::uint32_t>(term >> 32);
 }
-// The samples of a term count from above this number: those of a later term have greater numbers
-// than all before, whatever the new master knows of them. Of 2^32 samples of a channel for each
-// number of a term; below 2^63, as databases want it.
+// Sample numbers of a term start above this number, so they exceed those of all earlier terms,
+// whatever the new master has received of them. Each term number has 2^32 samples per channel. The
+// result is below 2^63, which databases require.
 inline constexpr std::uint32_t kMostTerms = 0x7fffffff;
 [[nodiscard]] constexpr std::uint64_t sequences_of(StandbyTerm term) {
   const std::uint32_t number = number_of(term);
   return std::uint64_t{number == 0 ? 0 : (number <= kMostTerms ? number : kMostTerms) - 1} << 32;
 }
 
-// What a member tells the others.
 struct StandbyMember {
-  std::string bridge;      // its name, unique in the group
-  std::int64_t since = 0;  // when it joined; another one after a restart
+  std::string bridge;      // unique in the group
+  std::int64_t since = 0;  // time of joining; differs after a restart
   std::uint64_t beat = 0;  // counts its messages since then
   std::int32_t strength = 0;
   StandbyRole role = StandbyRole::kWaiting;
-  StandbyTerm term = 0;       // as master; else the greatest that it knows of
+  StandbyTerm term = 0;       // of a master; otherwise the greatest known
   std::string successor;      // of kHandingOver and kReleased
-  std::string configuration;  // what all members must have in common
-  std::string not_ready;      // why it does not take over; empty: it is ready
+  std::string configuration;  // must be the same for all members
+  std::string not_ready;      // why it does not take over; empty: ready
   friend bool operator==(const StandbyMember&, const StandbyMember&) = default;
 };
 
@@ -77,47 +77,46 @@ class Election {
  private:
   struct Other {
     StandbyMember told;
-    Instant heard;    // as if at the end of a time in which this process stood still
-    Instant told_at;  // really
+    Instant heard;    // time of the last message; later if this process was stopped since
+    Instant told_at;  // true time of the last message
     bool lost = false;
-    bool seen_to_end = false;  // it was heard up to its end
-    std::int64_t before = 0;   // `since` of its life before this one
-    StandbyTerm known = 0;     // the greatest one, when it was heard
+    bool seen_to_end = false;  // its messages were received until its end
+    std::int64_t before = 0;   // `since` before its restart
+    StandbyTerm known = 0;     // greatest known term at its last message
   };
   using Others = std::map<std::string, Other, std::less<>>;
 
  public:
-  // What a member that begins anew in the same process goes on knowing: the terms of the group, and
-  // who was in it.
+  // Terms and members of the group, for a member that rejoins in the same process.
   class Memory {
     friend class Election;
     Others others_;
     StandbyTerm greatest_ = 0;
-    std::string master_, configuration_;  // the last master, and its channels
+    std::string master_, configuration_;  // the last master and its channels
   };
 
   static constexpr Duration kTick = std::chrono::milliseconds{25};
-  static constexpr Duration kBeat = std::chrono::milliseconds{100};   // between two messages
-  static constexpr Duration kLease = std::chrono::milliseconds{300};  // without one: it is gone
-  // Shorter than the lease: who was silent for so long may have been replaced.
+  static constexpr Duration kBeat = std::chrono::milliseconds{100};  // between two messages
+  // Without a message, a member counts as lost.
+  static constexpr Duration kLease = std::chrono::milliseconds{300};
+  // Shorter than the lease: a member that was silent this long may have been replaced.
   static constexpr Duration kDoubt = std::chrono::milliseconds{220};
-  // How long a master in doubt listens, and one of several that has just become ready: others beat
-  // meanwhile.
+  // Listening time of a master in doubt, and of a member that just became ready.
   static constexpr Duration kListen = std::chrono::milliseconds{150};
-  // How long others have to be found at the start.
+  // Time at the start to discover other members.
   static constexpr Duration kSettle = std::chrono::seconds{1};
-  // A better member that does not take over is waited for so long.
+  // Time that a better member has to take over.
   static constexpr Duration kPatience = std::chrono::seconds{1};
-  // A successor has so long to take over, then anybody may.
+  // Time that a successor has to take over; then any member may.
   static constexpr Duration kHandOver = std::chrono::seconds{1};
-  // Members that are out of sight count one number in this time, at most: a member takes over once
-  // in kSettle, and groups have up to kSettle / kTermTime members. What is counted above them goes
-  // as far as they may have come, and no further: above_unheard().
+  // Unheard members use at most one number per this time. A member takes over at most once per
+  // kSettle, and a group has up to kSettle / kTermTime members. See above_unheard() for the bound.
   static constexpr Duration kTermTime = std::chrono::milliseconds{250};
-  // Who was cut off together with a reader is heard again within this time. It is also what a term
-  // for readers is ahead of those that they may have followed: 16 numbers.
+  // Within this time, a member that was cut off together with a reader is received again. A term
+  // started for readers is 16 numbers ahead of the terms that they may have followed; that is this
+  // time as well.
   static constexpr Duration kReturn = std::chrono::seconds{4};
-  // Between two terms that are taken for readers.
+  // Minimum time between two terms started for readers.
   static constexpr Duration kForReaders = std::chrono::seconds{10};
 
   // `own`: name, since, strength, configuration.
@@ -125,46 +124,46 @@ class Election {
   Election(StandbyMember own, Instant now, const Memory& before);
   [[nodiscard]] Memory memory() const;
 
-  // ---- what happens
+  // ---- inputs
 
   void receive(const StandbyMember& member, Instant now);
-  // Its process is gone, or it has left: at once, without its lease.
+  // Its process ended or it left: counts immediately, without waiting for its lease.
   void lost(std::string_view bridge, Instant now);
-  // Why this member cannot take over; empty: it can. A master stays one.
+  // Reason why this member cannot take over; empty: it can. A master stays master.
   void set_not_ready(std::string reason) { not_ready_ = std::move(reason); }
   void set_configuration(std::string configuration) {
     own_.configuration = std::move(configuration);
   }
-  // Somebody wants `successor` to be master; empty: the best of the others. Nothing: it begins.
-  // Else why it does not. REQUIRES: asked at the master.
+  // Requests a handover to `successor`, or to the best of the others if empty. Returns
+  // `std::nullopt` if it begins, otherwise the reason. REQUIRES: this member is the master.
   [[nodiscard]] std::optional<std::string> hand_over(std::string_view successor, Instant now);
-  // The buses are let go of, after kHandingOver.
+  // The buses were released, after kHandingOver.
   void released(Instant now);
-  // Readers of samples have come, or ask for what they lack: they may have been where another one
-  // was master, and ignore samples that count below those of that one.
+  // Readers of samples have matched or requested missing samples. They may have followed another
+  // master and then ignore samples with lower numbers.
   void readers_came(Instant now);
-  // The samples that a new master has followed count up to here. It takes a later term where that
-  // is above its own: their master was not heard itself.
+  // Greatest number of the samples that a new master has followed. If it is above the new master's
+  // term, their master was never received itself, and a later term begins.
   void follows(std::uint64_t sequence);
-  // Every kTick or sooner. When kBeat has passed, or the role is another one, beat() is to be sent.
+  // To be called every kTick or sooner. Send beat() when kBeat has passed or the role has changed.
   void on_time(Instant now);
 
-  // ---- what follows
+  // ---- state
 
   [[nodiscard]] StandbyRole role() const { return own_.role; }
-  // The buses are this bridge's now: checked before every request and every sample that leaves.
+  // Returns true if the buses belong to this bridge. Check before each request and sample.
   [[nodiscard]] bool serves(Instant now) const;
-  // Until when it serves without another on_time(); kLongAgo: not at all.
+  // End of the time that it serves without another on_time(); kLongAgo: it does not serve.
   [[nodiscard]] Instant serves_until() const;
   [[nodiscard]] StandbyTerm term() const { return own_.term; }
-  [[nodiscard]] StandbyMember beat();  // what the others are told now
-  // The live master; nothing: none is heard. This member itself, too.
+  [[nodiscard]] StandbyMember beat();  // next message to the others
+  // Returns the live master, which may be this member; `std::nullopt` if none is received.
   [[nodiscard]] std::optional<std::string> master(Instant now) const;
   [[nodiscard]] bool is_alive(std::string_view bridge, Instant now) const;
-  [[nodiscard]] std::string not_ready(Instant now) const;  // as the others are told
+  [[nodiscard]] std::string not_ready(Instant now) const;  // as announced
 
  private:
-  // Out of sight it may be alive, and master.
+  // The member may be alive, and master, although no message arrives.
   [[nodiscard]] static bool unheard(const Other& other, Instant now) {
     return !other.seen_to_end && now - other.told_at >= kLease;
   }
@@ -186,16 +185,16 @@ class Election {
   StandbyMember own_;
   std::string not_ready_ = "it has just begun";
   Others others_;
-  StandbyTerm greatest_ = 0;            // heard of, or had
-  std::string master_, configuration_;  // the last master that was heard, and its channels
-  Instant alone_since_;                 // no master heard since then
-  Instant settled_;                     // others could be found until then
+  StandbyTerm greatest_ = 0;            // greatest term received or used
+  std::string master_, configuration_;  // last received master and its channels
+  Instant alone_since_;                 // time of the last message of a master
+  Instant settled_;                     // end of the time to discover others
   Instant ready_since_ = kNever;
-  Instant looked_;  // the last on_time()
+  Instant looked_;
   Instant doubt_until_ = kLongAgo;
   Instant released_at_ = kNever;
-  Instant readers_came_ = kNever;        // and nothing has been done about it
-  Instant next_for_readers_ = kLongAgo;  // no term is taken for them before
+  Instant readers_came_ = kNever;        // not handled yet
+  Instant next_for_readers_ = kLongAgo;  // earliest time of the next term for readers
 };
 
 }  // namespace fieldcast

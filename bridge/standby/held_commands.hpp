@@ -1,13 +1,15 @@
-// Commands at a waiting member of a standby group: it receives what the master receives, and holds
-// it until the result is seen. When it takes over it knows which ones are still to be run.
+// Commands at a waiting member of a standby group. The member receives the same commands as the
+// master and holds each one until it receives the result. When it takes over, it runs the commands
+// that are left.
 //
-// Of a write that the master has begun nobody knows whether it took effect. Its result may still be
-// on its way, or the word that it was given back; without either it is answered as failed, and
-// never run again.
+// If the master has begun a write, it is unknown whether the write took effect. Its result, or the
+// note that it was given back, may still arrive. Without either, the write ends as failed and never
+// runs again.
 //
-// A command may have reached this member alone: it came while the group had no master, and another
-// one became master that was not there yet. So the master is told of what has no result for a
-// while; it answers what it does not know, and says of what has its result that it has. Any thread.
+// A command may have reached only this member: it arrived while the group had no master, and a
+// member that joined later became master. The member therefore reports commands without a result to
+// the master. The master responds to unknown commands, and reports which commands already have a
+// result. Any thread.
 #pragma once
 
 #include <algorithm>
@@ -25,27 +27,28 @@
 
 namespace fieldcast {
 
-// `Item`: a command with its bus, or what a person does about an alarm.
+// `Item`: a command with its bus, or an action of a user on an alarm.
 template <class Item>
 class HeldCommands {
  public:
-  static constexpr std::size_t kMost = 16384;  // more are not held: they have no result then
-  // After its lifespan the master has answered, or nobody will.
+  // More are not held and get no result from this member.
+  static constexpr std::size_t kMost = 16384;
+  // After a command's lifespan plus this time, no response of the master is expected.
   static constexpr Duration kLonger = std::chrono::seconds{10};
-  // A master has told the result of most commands by then; it is told of the others, so often.
+  // Commands without a result are reported to the master at this period, at most kMostTold times.
   static constexpr Duration kTellAfter = std::chrono::seconds{1};
   static constexpr unsigned kMostTold = 10;
   static constexpr std::size_t kMostAtOnce = 64;
-  // The master knows so long that a command has its result: whoever holds one may have received it
-  // late, and joined the group behind its result.
+  // The master remembers for this time that a command has its result. A member may receive the
+  // command late, and join the group after the result.
   static constexpr Duration kAnswersFor = std::chrono::seconds{30};
-  using Key = std::pair<std::string, std::uint64_t>;  // requester, request_id
+  using Key = std::pair<std::string, std::uint64_t>;
 
-  // How long a new master waits for that.
+  // Time that a new master waits for results of begun writes.
   static constexpr Duration kLastWords = std::chrono::milliseconds{250};
 
   struct Left {
-    std::vector<Item> to_run;  // in the order in which they came
+    std::vector<Item> to_run;  // in the order of arrival
     struct Begun {
       std::string bus;
       Key key;
@@ -55,10 +58,10 @@ class HeldCommands {
   struct Unanswered {
     std::string bus;
     Key key;
-    bool begun = false;  // by this master or the one before
+    bool begun = false;  // by this or the previous master
   };
 
-  // True: it is held. False: this bridge is master, and it is to be run.
+  // Returns true if the command is held. False: this bridge is master and must run it.
   [[nodiscard]] bool hold(const std::string& bus, const Key& key, Item item, Instant expires,
                           Instant now) {
     const std::lock_guard lock(mutex_);
@@ -74,7 +77,7 @@ class HeldCommands {
     entry.until = expires == kNever ? kNever : expires + kLonger;
     return true;
   }
-  // The master has begun it. `until`: its result comes before, or never.
+  // The master has begun the command. `until`: its result arrives before then, or never.
   void begun(const std::string& bus, const Key& key, Instant until) {
     const std::lock_guard lock(mutex_);
     if (open_ || answered_.contains(key) || entries_.size() >= kMost) return;
@@ -84,7 +87,7 @@ class HeldCommands {
     entry.bus = bus;
     entry.until = until;
   }
-  // The master had begun it, and it had no effect.
+  // The master had begun the command and gave it back without effect.
   void returned(const Key& key) {
     const std::lock_guard lock(mutex_);
     if (const auto found = entries_.find(key); found != entries_.end()) found->second.begun = false;
@@ -100,12 +103,12 @@ class HeldCommands {
     order_.pop_front();
   }
 
-  // This bridge is master, and nothing is held.
+  // Returns true if this bridge is master and holds nothing.
   [[nodiscard]] bool runs() const {
     const std::lock_guard lock(mutex_);
     return open_ && entries_.empty();
   }
-  // What the master of this term is to be told of now: it may never have received it.
+  // Returns the commands to report now to the master of this term.
   [[nodiscard]] std::vector<Unanswered> unanswered(std::uint64_t term, Instant now) {
     const std::lock_guard lock(mutex_);
     std::vector<Unanswered> found;
@@ -127,7 +130,7 @@ class HeldCommands {
     return found;
   }
 
-  // This bridge leaves its group: what it alone may have received, and no master has begun.
+  // This bridge leaves its group. Returns commands without a result that no master has begun.
   [[nodiscard]] std::vector<Unanswered> last_words(Instant now) {
     const std::lock_guard lock(mutex_);
     std::vector<Unanswered> found;
@@ -139,21 +142,21 @@ class HeldCommands {
     return found;
   }
 
-  // This bridge is master from here on: what runs now. What was begun is waited for.
+  // This bridge becomes master. Returns the commands to run now. Begun commands stay held.
   [[nodiscard]] std::vector<Item> take_over(Instant now) {
     const std::lock_guard lock(mutex_);
     expire(now);
     open_ = true;
     return take_returned();
   }
-  // After take_over(): something begun has neither a result nor been given back.
+  // After take_over(): returns true if a begun command has neither a result nor been given back.
   [[nodiscard]] bool waits() const {
     const std::lock_guard lock(mutex_);
     return open_ &&
            std::ranges::any_of(entries_, [](const auto& each) { return each.second.begun; });
   }
-  // kLastWords after take_over(), or when nothing is waited for any more: what was given back, and
-  // what nobody has answered. Nothing is held from here on.
+  // Call kLastWords after take_over(), or when waits() returns false. Returns the commands that
+  // were given back, and the begun ones without a result. Afterwards nothing is held.
   [[nodiscard]] Left give_up() {
     const std::lock_guard lock(mutex_);
     Left left;
@@ -165,14 +168,14 @@ class HeldCommands {
     entries_.clear();
     return left;
   }
-  // This bridge joins its group, perhaps once more: results that were told before it could hear
-  // them are unknown to it, so what it held by then is not run any more. What comes is held.
+  // This bridge joins or rejoins its group. It cannot know results that were sent before, so
+  // commands held until now never run here. New commands are held.
   void join() {
     const std::lock_guard lock(mutex_);
     entries_.clear();
     open_ = false;
   }
-  // Another bridge is master, or will be: what comes is held.
+  // Another bridge is or becomes master; new commands are held.
   void stand_by() {
     const std::lock_guard lock(mutex_);
     open_ = false;
@@ -212,7 +215,7 @@ class HeldCommands {
   }
 
   mutable std::mutex mutex_;
-  bool open_ = true;  // a bridge that stands alone runs everything
+  bool open_ = true;  // a bridge without a group runs everything
   std::map<Key, Entry> entries_;
   std::set<Key> answered_;
   std::deque<Key> order_;

@@ -1,6 +1,6 @@
-// Until when this bridge may put requests on the wire and samples into DDS: asked before each of
-// them. A process that was stopped and goes on finds its lease over, and is silent until it has
-// learned whether another bridge is master now. Any thread.
+// Time until which this bridge may send requests and publish samples; checked before each of them.
+// After a stopped process continues, the lease has expired, and the bridge is silent until it has
+// received which bridge is master. Any thread.
 #pragma once
 
 #include <atomic>
@@ -12,7 +12,7 @@ namespace fieldcast {
 
 class MasterLease {
  public:
-  // kNever: a bridge that stands alone. kLongAgo: not at all.
+  // kNever: a bridge without a group. kLongAgo: the lease is not held.
   void set(Instant until) { until_.store(until, std::memory_order_release); }
   [[nodiscard]] bool holds() const { return holds(steady_now()); }
   [[nodiscard]] bool holds(Instant now) const {

@@ -24,12 +24,13 @@ std::string boot() {
 
 std::string pid_namespace() {
   std::error_code ignored;
-  return std::filesystem::read_symlink("/proc/self/ns/pid", ignored).string();  // "pid:[402653]"
+  // For example "pid:[402653]".
+  return std::filesystem::read_symlink("/proc/self/ns/pid", ignored).string();
 }
 
-// Ticks after the boot at which the process began; nothing when it cannot be seen, empty for the
-// remains of one that has ended. proc(5), /proc/pid/stat: "pid (name) state .. starttime", where
-// the name may hold anything.
+// Returns the start time of a process in ticks after boot. `std::nullopt` if the process is not
+// visible, empty if it has ended but was not reaped. proc(5), /proc/pid/stat: "pid (name) state ..
+// starttime"; the name may contain any character.
 std::optional<std::string> start_of(const std::string& pid) {
   constexpr int kState = 3, kStartTime = 22;
   std::string line, field, state;
@@ -56,7 +57,7 @@ struct Process {
   std::string pid, start;
 };
 
-// Nothing: of another kernel, or out of sight.
+// Returns `std::nullopt` for a process on another kernel or in another namespace.
 std::optional<Process> process_of(const std::string& identity) {
   const std::string here = fmt::format("{}/{}/", boot(), pid_namespace());
   if (!identity.starts_with(here)) return std::nullopt;
@@ -85,7 +86,7 @@ FileDescriptor open_process(const std::string& identity) {
   const auto process = process_of(identity);
   if (!process) return {};
   FileDescriptor handle(static_cast<int>(::syscall(SYS_pidfd_open, number_of(*process), 0)));
-  // Its number may be that of another process by now.
+  // The number may have been reused for another process.
   if (const auto start = start_of(process->pid); start && *start != process->start) return {};
   return handle;
 }

@@ -1,5 +1,5 @@
-// Which process this is, so that another one under the same kernel can tell whether it still runs:
-// "boot/namespace/pid/start". A pid alone comes again, after a reboot or in another container.
+// Identity of a process, with which another process on the same kernel can check whether it still
+// runs: "boot/namespace/pid/start". A pid alone is reused, after a reboot or in another container.
 #pragma once
 
 #include <string>
@@ -10,12 +10,12 @@ namespace fieldcast {
 
 [[nodiscard]] std::string own_process_identity();
 
-// True only if that process ran where this one can see it, and does not run any more.
+// Returns true only if that process would be visible to this one and no longer runs.
 [[nodiscard]] bool has_ended(const std::string& identity);
 
-// Becomes readable when that process ends. None: it did not run where this one can see it.
+// Returns a descriptor that is readable when the process ends; invalid if it is not visible.
 [[nodiscard]] FileDescriptor open_process(const std::string& identity);
 
-[[nodiscard]] std::string own_host_name();  // for people
+[[nodiscard]] std::string own_host_name();  // human-readable
 
 }  // namespace fieldcast

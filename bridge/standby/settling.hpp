@@ -1,8 +1,9 @@
-// Whether a bridge that starts has waited long enough for the other bridges of its domain to be
-// found. Discovery alone takes up to 0.9 s; behind a discovery server, and with DDS Security on a
-// busy machine, it takes longer: then it is known that somebody is there who has not spoken yet.
+// Decides whether a starting bridge has waited long enough to discover the other bridges of its
+// domain. Discovery normally lasts up to 0.9 s. It lasts longer behind a discovery server, or with
+// DDS Security on a busy machine. Then there are bridges that were found but have not announced
+// anything.
 //
-// Pure: no thread, no clock, no DDS; one owner. Nothing can fail.
+// Pure: no thread, no clock, no DDS; one owner. Cannot fail.
 #pragma once
 
 #include <algorithm>
@@ -14,31 +15,31 @@
 
 namespace fieldcast {
 
-// What DDS knows of others who are not heard yet.
+// What DDS reports of bridges that have not announced themselves yet.
 struct Finding {
   bool has_servers = false;     // discovery servers are configured
-  bool server_answers = false;  // one of them, at least
-  std::size_t unknown = 0;      // bridges that are found and have shown no writer, or say that they
-                                // are of the group and are not heard there
-  std::size_t silent = 0;       // bridges that have not said what they serve; one may be dead
+  bool server_answers = false;  // at least one of them
+  // Bridges found without a writer, and announced members without a message of the group.
+  std::size_t unknown = 0;
+  std::size_t silent = 0;  // bridges that have not announced what they serve; may be dead
 };
 
 class Settling {
  public:
   static constexpr Duration kLeast = std::chrono::seconds{1};
-  // At most so long.
+  // Upper limit outside a group.
   static constexpr Duration kMost = std::chrono::seconds{3};
-  // In a standby group, where one that takes over too early is a second master; for a discovery
-  // server, and for who is not known yet.
+  // Upper limit in a standby group, for a discovery server and for unknown bridges: a bridge that
+  // takes over too early would be a second master.
   static constexpr Duration kMostInGroup = std::chrono::seconds{10};
-  // In a group, after a discovery server has answered: 0.8 s were seen on a busy machine.
+  // In a group, the wait after the response of a discovery server; 0.8 s were measured under load.
   static constexpr Duration kServer = std::chrono::seconds{2};
-  // In a group, after the last one has spoken: until it is heard as a member, too.
+  // In a group, the wait after the last announcement for the first message as a member.
   static constexpr Duration kMembers = std::chrono::milliseconds{300};
 
   Settling(bool in_group, Instant began) : in_group_(in_group), began_(began) {}
 
-  // What is waited for; nothing: it is settled.
+  // Returns what is waited for, or `std::nullopt` if settled.
   [[nodiscard]] std::optional<std::string> waits_for(const Finding& finding, Instant now) {
     const Duration waited = now - began_;
     if (finding.server_answers) answered_ = std::min(answered_, now);
@@ -52,7 +53,7 @@ class Settling {
     if (finding.unknown > 0 || (finding.silent > 0 && waited < kMost))
       return std::to_string(finding.unknown + finding.silent) +
              " bridges that are there and have said nothing yet";
-    // Who was late to speak is late to be heard as a member.
+    // A bridge that announced late also sends its first group message late.
     const bool late = silent_ - began_ >= kLeast;
     if (in_group_ && late && now - silent_ < kMembers && finding.silent == 0)
       return "what they say of the group";
@@ -62,8 +63,8 @@ class Settling {
  private:
   const bool in_group_;
   const Instant began_;
-  Instant answered_ = kNever;  // when the first server did
-  Instant silent_ = began_;    // when somebody was silent last
+  Instant answered_ = kNever;  // time of the first response
+  Instant silent_ = began_;    // last time at which a bridge was silent
 };
 
 }  // namespace fieldcast

@@ -17,7 +17,8 @@ namespace {
 
 constexpr std::size_t kMostWaiting = 4096;
 
-// A busy machine must not look like a dead one. Where the service may not have it, it does without.
+// Real-time priority, so that a busy machine does not look like a failed one. Without the
+// permission, the thread keeps normal priority.
 void ask_for_priority() {
   sched_param wanted{};
   wanted.sched_priority = 1;
@@ -89,8 +90,8 @@ void StandbyGroup::on_member(const StandbyMessage& message) {
   wake();
 }
 
-// Another one was master while this one stood still, and has begun or answered a write that waits
-// here, or that has not come yet. It must not run twice.
+// While this bridge was stopped, another master has begun or responded to a write that waits here
+// or that has not arrived yet. The write must not run twice.
 void StandbyGroup::give_up_begun(const StandbyNote& note) {
   const RecentCommands::Key key{note.requester, note.request_id};
   std::vector<std::function<void(bool)>> given_up;
@@ -181,7 +182,7 @@ void StandbyGroup::follows(std::uint64_t sequence) {
   wake();
 }
 
-// What follows from a role that is another one, at once: nobody sends any more who is no master.
+// Applies a changed role immediately: only a master may send.
 void StandbyGroup::follow_role() {
   lease_.set(election_.serves_until());
   const StandbyRole role = election_.role();
@@ -200,7 +201,7 @@ void StandbyGroup::follow_role() {
         released_ = told.buses;
     }
   }
-  // Who was master lets go of its buses, and joins anew.
+  // A former master releases its buses and rejoins.
   if (role == StandbyRole::kWaiting) election_.set_not_ready("it begins anew");
   told_ = role;
   beat_soon_ = true;
@@ -232,7 +233,7 @@ void StandbyGroup::begin(const std::string& bus, const std::string& requester,
       may_run = !begun_elsewhere_.lately({requester, request_id}, now);
       note.term = election_.term();
       if (may_run) note.number = ++written_;
-      // Who stood still may have missed another master.
+      // A bridge that was stopped may have missed another master.
       const bool sure = others_.empty() || election_.serves(now);
       if (may_run && !(sure && noted_by_all(note.number, now))) {
         may_run = waiting_.size() < kMostWaiting && !ending_;
@@ -270,7 +271,7 @@ void StandbyGroup::tell_answered(const std::string& bus, const std::string& requ
   handlers_.note({group_, own_name_, term(), 0, kind, bus, requester, request_id});
 }
 
-// Those under way, in the term that has just begun: the others count in it.
+// Pending writes, in the term that has just begun, because the others count notes per term.
 std::vector<StandbyNote> StandbyGroup::notes_again() {
   std::vector<StandbyNote> notes;
   if (!std::exchange(note_again_, false)) return notes;
@@ -281,7 +282,7 @@ std::vector<StandbyNote> StandbyGroup::notes_again() {
   return notes;
 }
 
-// By all who could take over.
+// Returns true if all members that could take over have the note.
 bool StandbyGroup::noted_by_all(std::uint64_t number, Instant now) const {
   return std::ranges::all_of(others_, [&](const auto& entry) {
     const auto& [name, told] = entry;
@@ -302,7 +303,7 @@ std::vector<std::pair<std::function<void(bool)>, bool>> StandbyGroup::settle_not
   return done;
 }
 
-// A member under the same kernel is seen to end at once.
+// The end of a member's process on the same kernel is detected immediately.
 void StandbyGroup::watch_processes() {
   for (const auto& [name, told] : others_) {
     Process& process = processes_[name];

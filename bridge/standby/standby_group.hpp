@@ -1,9 +1,9 @@
-// This bridge as a member of its standby group: runs the election (election.hpp) on a thread of its
-// own, which does nothing else, tells the others ten times a second what it is, and watches the
-// processes of members under the same kernel. Tells the group which writes begin.
+// This bridge as a member of its standby group. Runs the election (election.hpp) on its own thread
+// and sends the member's state ten times a second. Watches the processes of members on the same
+// kernel. Notes to the group which writes begin.
 //
-// Functions may be called from any thread. Handlers come on the group's thread but where said
-// otherwise; none of them may block.
+// Any thread may call the functions. Handlers are called on the group's thread unless stated
+// otherwise; they must not block.
 #pragma once
 
 #include <functional>
@@ -25,37 +25,34 @@ namespace fieldcast {
 
 class StandbyGroup {
  public:
-  // How long a write waits until every member has noted that it begins; members that are gone
-  // meanwhile are not waited for.
+  // How long a write waits until every member has noted it; lost members do not count.
   static constexpr Duration kNoteLimit = std::chrono::seconds{1};
 
   struct Handlers {
     std::function<void(const StandbyMessage&)> tell;
     std::function<void(const StandbyNote&)> note;
     std::function<std::vector<StandbyBusFigures>()> figures;
-    // Whether readers of samples have come, or asked for what they lack, since it was last called.
+    // Returns true if readers matched or requested missing samples since the last call.
     std::function<bool()> readers_came;
-    std::function<void()> changed;  // the role, or the term as master, is another one; any thread
-    // What the master tells of a command; on the caller's thread of on_note().
+    std::function<void()> changed;  // The role, or the term as master, has changed. Any thread.
+    // A note of the master about a command; on the thread that calls on_note().
     std::function<void(const StandbyNote&)> noted;
-    // What a waiting member tells the master of a command without a result; likewise, and only
-    // while this bridge is master.
+    // A report of a waiting member about a command without a result; same thread, only as master.
     std::function<void(const StandbyNote&)> held;
   };
-  // `own`: as for Election. `lease` is kept by the group from here on; it outlives it.
-  // `before`: of the membership before this one, in the same process.
+  // `own`: see Election. The group sets `lease`, which outlives it. `before`: previous membership.
   StandbyGroup(std::string group, const StandbyMember& own, MasterLease& lease, Handlers handlers,
                const Election::Memory& before = {});
-  ~StandbyGroup();  // end()
+  ~StandbyGroup();
   StandbyGroup(const StandbyGroup&) = delete;
   StandbyGroup& operator=(const StandbyGroup&) = delete;
 
   void start();
-  void end();  // says that it leaves; no handler is called any more when it returns
+  void end();  // announces the end; no handler is called after it returns
 
   [[nodiscard]] Election::Memory memory() const;
 
-  // ---- the others, as DDS hears them
+  // ---- other members, as received from DDS
   void on_member(const StandbyMessage& message);
   void on_lost(const std::string& bridge);
   void on_note(const StandbyNote& note);
@@ -63,23 +60,23 @@ class StandbyGroup {
   // ---- this bridge
   void set_not_ready(std::string reason);
   void set_configuration(std::string configuration);
-  // As in Election.
+  // See Election.
   [[nodiscard]] std::optional<std::string> hand_over(const std::string& successor);
   void released();
   void follows(std::uint64_t sequence);
 
-  // Before a write goes to its bus: the others note that it begins. `done` is called once, on any
-  // thread; false: not all have noted it in time, or another one has begun it, and it must not run.
-  // Only as master.
+  // Call before a write is sent to its bus, only as master: the other members note that it begins.
+  // `done` is called once, on any thread. If it gets false, the write must not run: not all members
+  // have noted it in time, or another bridge has begun it.
   void begin(const std::string& bus, const std::string& requester, std::uint64_t request_id,
              std::function<void(bool noted)> done);
-  // A write that was begun had no effect: the successor runs it.
+  // A begun write had no effect; the successor runs it.
   void give_back(const std::string& bus, const std::string& requester, std::uint64_t request_id);
 
-  // As a waiting member: the master is told that this command has no result; `begun`: by a master.
+  // As a waiting member: reports a command without a result. `begun`: a master has begun it.
   void tell_held(const std::string& bus, const std::string& requester, std::uint64_t request_id,
                  bool begun);
-  // As master: a waiting member holds this command, which has its result.
+  // As master: reports to a waiting member that a command it holds has its result.
   void tell_answered(const std::string& bus, const std::string& requester,
                      std::uint64_t request_id);
 
@@ -90,16 +87,15 @@ class StandbyGroup {
     std::optional<std::string> master;
     std::string not_ready;
     std::int32_t strength = 0;
-    std::uint64_t terms_begun = 0;    // times that this bridge became master
-    std::uint64_t behind = 0;         // SampleBlocks of the master that have not been followed
-    std::vector<std::string> others;  // alive
+    std::uint64_t terms_begun = 0;    // how often this bridge became master
+    std::uint64_t behind = 0;         // SampleBlocks of the master not followed yet
+    std::vector<std::string> others;  // live members
   };
-  // The master before this one had let go in order: up to where it had published. Nothing: it is
-  // just gone.
+  // Last published blocks, if the previous master has released its buses; otherwise `std::nullopt`.
   [[nodiscard]] std::optional<std::vector<StandbyBusFigures>> released_by_other() const;
   [[nodiscard]] View view() const;
   [[nodiscard]] StandbyRole role() const;
-  [[nodiscard]] StandbyTerm term() const;  // of this bridge, while it is master
+  [[nodiscard]] StandbyTerm term() const;  // of this bridge as master
 
  private:
   struct Waiting {
@@ -113,7 +109,7 @@ class StandbyGroup {
   };
   void run();
   void give_up_begun(const StandbyNote& note);
-  // REQUIRES for those that follow: mutex_ held.
+  // The next functions REQUIRE: mutex_ held.
   void follow_role();
   [[nodiscard]] StandbyMessage message(Instant now);
   [[nodiscard]] std::vector<std::pair<std::function<void(bool)>, bool>> settle_notes(Instant now);
@@ -135,19 +131,19 @@ class StandbyGroup {
   std::map<std::string, Process> processes_;
   std::vector<Waiting> waiting_;
   RecentCommands begun_elsewhere_;
-  std::uint64_t written_ = 0;  // of the present term, as master
+  std::uint64_t written_ = 0;  // in the present term, as master
   StandbyTerm noted_term_ = 0;
-  std::uint64_t noted_ = 0;  // of the master's term
+  std::uint64_t noted_ = 0;  // in the master's term
   std::int32_t strength_ = 0;
   std::string own_name_;
   StandbyRole told_ = StandbyRole::kWaiting;
   StandbyTerm told_term_ = 0;
   bool note_again_ = false;
   std::uint64_t terms_begun_ = 0;
-  std::optional<std::vector<StandbyBusFigures>> released_;  // by the master before
+  std::optional<std::vector<StandbyBusFigures>> released_;  // by the previous master
   bool beat_soon_ = false;
   bool ending_ = false;
-  std::mutex noting_;  // notes leave in the order of their numbers
+  std::mutex noting_;  // keeps the notes in the order of their numbers
   std::thread thread_;
 };
 

@@ -1,5 +1,5 @@
-// What bridges of a standby group tell each other, and what a member keeps of what its master
-// publishes. Plain values; any thread.
+// Messages between bridges of a standby group, and the state that a member keeps of the data its
+// master publishes. Plain values; any thread.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ namespace fieldcast {
 struct StandbyBusFigures {
   std::string bus;
   std::uint64_t epoch = 0;   // of its catalogue
-  std::uint64_t blocks = 0;  // the number of the last SampleBlock: written, or followed
+  std::uint64_t blocks = 0;  // number of the last SampleBlock, written or followed
   friend bool operator==(const StandbyBusFigures&, const StandbyBusFigures&) = default;
 };
 
@@ -26,38 +26,38 @@ struct StandbyMessage {
   StandbyMember member;
   std::string host, process;
   std::uint64_t written = 0;  // by the master: number of its last note
-  std::uint64_t noted = 0;    // by the others: up to which they have the notes of the term
+  std::uint64_t noted = 0;    // by other members: last note of the term that they have
   std::vector<StandbyBusFigures> buses;
 };
 
 enum class StandbyNoteKind : std::uint8_t {
-  kBegun,     // from here on the command may have an effect
-  kReturned,  // it had none, and the successor is to run it
-  kAnswered,  // it has its result: told to a member that holds it and has not heard that
+  kBegun,     // from now on the command may have an effect
+  kReturned,  // it had no effect, and the successor must run it
+  kAnswered,  // it has its result; sent to a member that holds it without knowledge of the result
 };
 struct StandbyNote {
   std::string group, bridge;
-  // 0: not by the master, but by a member that holds the command and hears no result. kBegun then
-  // means that a master had begun it, kReturned that none has, as far as this member knows.
+  // 0: sent by a member that holds the command without a result, not by the master. kBegun then
+  // means that a master had begun it; kReturned that none has, as far as the member knows.
   StandbyTerm term = 0;
-  std::uint64_t number = 0;  // 0: not of those that all members must have
+  std::uint64_t number = 0;  // 0: not one that all members must have
   StandbyNoteKind kind = StandbyNoteKind::kBegun;
   std::string bus;
   std::string requester;
   std::uint64_t request_id = 0;
 };
 
-// Somebody wants another master.
+// A request for a change of master.
 struct StandbyRequest {
   std::string group;
-  std::string bridge;  // empty: whichever is ready
+  std::string bridge;  // empty: any ready member
   std::string by;
 };
 
-// What a member knows of a bus that another one serves.
+// State that a member keeps of a bus served by another bridge.
 struct FollowedBus {
-  std::uint64_t epoch = 0;   // 0: nothing came yet
-  std::uint64_t blocks = 0;  // number of the last one
+  std::uint64_t epoch = 0;  // 0: nothing received yet
+  std::uint64_t blocks = 0;
   BusInheritance state;
 };
 

@@ -12,7 +12,6 @@ double real_at(const SqlRow& row, std::size_t column) {
   return value == nullptr ? 0 : *value;
 }
 
-// Nothing for a limit that this version does not know.
 std::optional<AlarmKey> key_at(const SqlRow& row) {
   const auto limit = limit_kind_from(text_at(row, 3));
   if (!limit) return std::nullopt;

@@ -1,5 +1,5 @@
-// What people did about alarms: how each alarm is, which devices are in maintenance, and who did
-// what. That limits were passed and kept again stands in EventTable. Everything throws StoreError.
+// Actions on alarms: the state of each alarm, the devices in maintenance, and the log of actions.
+// EventTable stores when limits were exceeded and met again. Everything throws StoreError.
 #pragma once
 
 #include <functional>
@@ -13,16 +13,17 @@ class AlarmLifeTable {
  public:
   explicit AlarmLifeTable(SqlConnection& connection) : connection_(connection) {}
 
-  // In place of what was known of it; one that is plainly clear is removed.
+  // Replaces the previous state. An alarm that is clear in every respect is removed.
   void insert(const KeptAlarm& alarm);
   void insert(const KeptMaintenance& maintenance);  // one that has ended is removed
-  void insert(const AlarmEvent& event);             // one that is there already is left alone
+  void insert(const AlarmEvent& event);             // an existing one is not changed
 
-  // What the next bridge goes on with. Of any bridge: a store may be shared.
+  // Returns the state with which the next bridge continues. Contains the alarms of all bridges,
+  // because a store may be shared.
   [[nodiscard]] KeptAlarms kept(UtcTime now);
 
-  // Everything that happened, in the order of time, of from <= time < to. False ends it.
-  // The newest of them first, `limit` at most.
+  // Reads the events with from <= time < to. newest_log() calls `on_entry` for the newest first, at
+  // most `limit`; log() reads in the order of time until `on_entry` returns false.
   void newest_log(UtcTime from, UtcTime to, std::int64_t limit,
                   const std::function<void(const AlarmLogEntry&)>& on_entry);
   void log(UtcTime from, UtcTime to, const std::function<bool(const AlarmLogEntry&)>& on_entry);

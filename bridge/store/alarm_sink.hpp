@@ -1,4 +1,4 @@
-// Takes the alarms that began or ended, and what people did about them.
+// Receives the begin and end of alarms, and actions of users on alarms.
 #pragma once
 
 #include "bridge/store/records.hpp"

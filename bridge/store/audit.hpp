@@ -1,4 +1,4 @@
-// Where every transmission, command and login is noted.
+// Records every transmission, command and login.
 #pragma once
 
 #include "bridge/store/records.hpp"
@@ -8,7 +8,7 @@ namespace fieldcast {
 class Audit {
  public:
   virtual ~Audit() = default;
-  // Any thread; never blocks, never fails. When the queue is full, the whole entry is written to
+  // Any thread; never blocks, never fails. If the queue is full, the complete entry is written to
   // the log instead. An entry without a time (at == 0) gets the present one.
   virtual void append(AuditEntry entry) = 0;
 };

@@ -11,7 +11,7 @@
 namespace fieldcast {
 namespace {
 
-// Names come from the network, and go into the audit.
+// Makes a name from the network safe for the audit.
 std::string shown(const std::string& name) {
   std::string text = name.substr(0, Logins::kMaxUserBytes);
   std::replace_if(
@@ -48,7 +48,7 @@ Authenticator::~Authenticator() { worker_.close(); }
 void Authenticator::authenticate(LoginAttempt attempt, std::function<void(LoginResult)> done) {
   Waiting waiting{std::move(attempt), std::move(done)};
   const LoginAttempt& given = waiting.attempt;
-  // Cannot be one of ours: costs nothing, and is not counted.
+  // Cannot be a user of the store: refused without a check and not counted.
   if (!fault_of_user_name(given.user).empty() || given.password.size() > kMaxPasswordBytes)
     return finish(std::move(waiting), refused(LoginRefused::Why::kWrong));
   if (const Duration wait = throttled(given); wait > Duration{})
@@ -67,19 +67,18 @@ void Authenticator::run(BoundedQueue<Waiting>& queue) {
 void Authenticator::handle(Waiting next, BoundedQueue<Waiting>& queue) {
   if (queue.closed()) return finish(std::move(next), refused(LoginRefused::Why::kUnavailable));
   const LoginAttempt& attempt = next.attempt;
-  // Attempts that were sent all at once wait here; those behind the third wrong one come too soon
-  // like all others.
+  // Attempts that were sent together wait here; those after the third wrong one are too soon.
   const Duration wait = throttled(attempt);
   const LoginResult result =
       wait > Duration{} ? refused(LoginRefused::Why::kTooSoon, wait) : verdict(attempt);
   count(attempt, result);
   finish(std::move(next), result);
-  // A store that does not answer costs its time once, not once for each who waits.
+  // If the store does not respond, its timeout is waited for once, not for each attempt.
   if (!result && result.error().why == LoginRefused::Why::kUnavailable) refuse_all(queue);
 }
 
 Duration Authenticator::throttled(const LoginAttempt& attempt) {
-  if (attempt.certified) return {};  // nothing is guessed
+  if (attempt.certified) return {};  // no password to guess
   const std::lock_guard lock(mutex_);
   return throttle_.wait(attempt.user, attempt.peer, steady_now());
 }

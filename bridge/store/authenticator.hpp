@@ -1,5 +1,4 @@
-// Checks logins: one attempt after the other on a thread of its own, since a password takes 0.1 s
-// and 64 MiB to check.
+// Checks logins one after the other on its own thread: a password needs 0.1 s and 64 MiB.
 #pragma once
 
 #include <memory>
@@ -15,9 +14,9 @@ namespace fieldcast {
 
 class Authenticator final : public Logins {
  public:
-  // The audit must outlive it. The store need not be there yet.
+  // The audit must outlive this object. The store need not exist yet.
   Authenticator(StoreAddress address, Audit& audit);
-  ~Authenticator() override;  // who still waits gets kUnavailable
+  ~Authenticator() override;  // waiting attempts get kUnavailable
   Authenticator(const Authenticator&) = delete;
   Authenticator& operator=(const Authenticator&) = delete;
 
@@ -33,15 +32,15 @@ class Authenticator final : public Logins {
   [[nodiscard]] Duration throttled(const LoginAttempt& attempt);
   void count(const LoginAttempt& attempt, const LoginResult& result);
   [[nodiscard]] LoginResult verdict(const LoginAttempt& attempt);
-  void refuse_all(BoundedQueue<Waiting>& queue);  // all who wait
+  void refuse_all(BoundedQueue<Waiting>& queue);
   void finish(Waiting waiting, const LoginResult& result);
 
   const StoreAddress address_;
   Audit& audit_;
-  std::unique_ptr<SqlConnection> connection_;  // on the thread; null: not open
+  std::unique_ptr<SqlConnection> connection_;  // used by the thread; null: not open
   std::mutex mutex_;                           // guards throttle_
   LoginThrottle throttle_;
-  Worker<Waiting> worker_;  // last: it uses what is above
+  Worker<Waiting> worker_;  // last: it uses the members above
 };
 
 }  // namespace fieldcast

@@ -8,9 +8,9 @@
 namespace fieldcast {
 namespace {
 
-constexpr Duration kPause = std::chrono::milliseconds{100};  // between two tries of one batch
-constexpr std::size_t kRemoveAfter = 1000;                   // entries, then
-constexpr std::int64_t kRemoveAtOnce = 2000;                 // of the oldest are looked at
+constexpr Duration kPause = std::chrono::milliseconds{100};  // between two attempts for one batch
+constexpr std::size_t kRemoveAfter = 1000;    // number of entries between two removals
+constexpr std::int64_t kRemoveAtOnce = 2000;  // number of the oldest entries per removal
 
 }  // namespace
 
@@ -36,7 +36,7 @@ void CommandIdentities::run(BoundedQueue<Entry>& queue) {
   }
 }
 
-// Tries for a while, unless the end is near.
+// Retries for kPatience, or until close().
 std::vector<CommandIdentities::Verdict> CommandIdentities::keep(const std::deque<Entry>& batch,
                                                                 BoundedQueue<Entry>& queue) {
   const Instant until = steady_now() + kPatience;
@@ -57,7 +57,7 @@ std::vector<CommandIdentities::Verdict> CommandIdentities::keep(const std::deque
 
 void CommandIdentities::open() {
   connection_ = open_store(address_, IfMissing::kCreate);
-  // Longer than a batch of samples takes, and short enough for the end of the process.
+  // Longer than a batch of samples lasts, and short enough for the end of the process.
   if (connection_->dialect() == SqlConnection::Dialect::kSqlite)
     connection_->script("pragma busy_timeout = 1000");
 }
@@ -80,7 +80,7 @@ std::vector<CommandIdentities::Verdict> CommandIdentities::commit(const std::deq
   return verdicts;
 }
 
-// More are looked at than were added since, so that the table comes back to its bounds.
+// Removes more entries than were added since the last removal.
 void CommandIdentities::remove_old() {
   since_removal_ = 0;
   connection_->execute(

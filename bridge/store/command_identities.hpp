@@ -1,8 +1,8 @@
-// Which write commands were taken, kept in the store before they run: one that comes again after a
-// restart of the bridge, however that ended, is known and does not run a second time.
+// Stores the identity of each write command before it runs. A command that arrives again after a
+// restart of the bridge, or after a crash, is recognized and does not run a second time.
 //
-// A thread and a connection of its own, so that commands wait for no batch of samples; what comes
-// while it commits is committed together.
+// Uses its own thread and connection, so that commands do not wait for a batch of samples. Commands
+// that arrive during a commit are committed together.
 #pragma once
 
 #include <cstdint>
@@ -20,31 +20,31 @@ namespace fieldcast {
 
 class CommandIdentities {
  public:
-  // As long as the longest LIFESPAN that counts (RequestWriters::kLongest), the newest of them.
+  // The longest effective LIFESPAN (RequestWriters::kLongest); at most the newest kMaxKept.
   static constexpr Duration kKept = std::chrono::hours{24};
   static constexpr std::int64_t kMaxKept = 1'000'000;
-  // Commands that may wait for the database, and how long they do when it is away.
+  // Limit of commands that wait for the database, and of their wait if it is not available.
   static constexpr std::size_t kMaxWaiting = 4096;
   static constexpr Duration kPatience = std::chrono::seconds{2};
 
   enum class Verdict : std::uint8_t {
-    kNew,      // committed now, by nobody before: it may run
-    kKnown,    // taken before, perhaps by a bridge that has ended since
-    kNotKept,  // the store did not take it
+    kNew,      // committed now for the first time; it may run
+    kKnown,    // accepted before, perhaps by a bridge that has ended
+    kNotKept,  // the store did not save it
   };
   using Done = std::function<void(Verdict)>;
 
   explicit CommandIdentities(const StoreAddress& address);
-  ~CommandIdentities();  // close()
+  ~CommandIdentities();
   CommandIdentities(const CommandIdentities&) = delete;
   CommandIdentities& operator=(const CommandIdentities&) = delete;
 
   // Any thread; never blocks. `done` is called once, on the thread of this object, in the order of
-  // the calls; at once, here, when too many wait.
+  // the calls. If too many commands wait, it is called immediately on the caller's thread.
   void enter(std::string requester, std::uint64_t request_id, Done done);
 
-  // What waits gets its verdict now; what comes later is not kept. When it returns, nothing is
-  // under way but what enters meanwhile. One thread; a second call has no effect.
+  // Waiting commands get their verdict now; later ones get kNotKept. When it returns, none is
+  // pending except those entered meanwhile. One thread; may be called twice.
   void close();
 
  private:
@@ -61,9 +61,9 @@ class CommandIdentities {
   void remove_old();
 
   const StoreAddress address_;
-  std::unique_ptr<SqlConnection> connection_;  // the thread's
-  std::size_t since_removal_ = 0;              // the thread's: entries
-  Worker<Entry> worker_;                       // last: it uses what is above
+  std::unique_ptr<SqlConnection> connection_;  // used by the thread
+  std::size_t since_removal_ = 0;              // used by the thread: number of entries
+  Worker<Entry> worker_;                       // last: it uses the members above
 };
 
 }  // namespace fieldcast

@@ -1,4 +1,4 @@
-// What happened, and how devices are: audit, alarms, devices. Everything throws StoreError.
+// Tables audit, alarms and devices. Everything throws StoreError.
 #pragma once
 
 #include <functional>
@@ -10,28 +10,28 @@ namespace fieldcast {
 
 class EventTable {
  public:
-  // Audit entries, and as many alarms, and events of alarms: the newest.
+  // Limit of audit entries, of alarms and of alarm events; the newest are kept.
   static constexpr std::int64_t kMaxKept = 1'000'000;
 
   explicit EventTable(SqlConnection& connection) : connection_(connection) {}
 
   void insert(const AuditEntry& entry);
-  void insert(const AlarmRecord& alarm);  // one that is there already is left alone
-  // In place of what was known of it; an empty protocol or address leaves the one that is there,
-  // and the state it has already its time.
+  void insert(const AlarmRecord& alarm);  // an existing one is not changed
+  // Replaces the previous record. An empty protocol or address keeps the previous one; an unchanged
+  // state keeps its time.
   void insert(const DeviceRecord& device);
 
-  // In the order of time, those of from <= time < to. False from the function ends it.
+  // Reads entries with from <= time < to in the order of time, until the function returns false.
   void audit(UtcTime from, UtcTime to, const std::function<bool(const AuditEntry&)>& on_entry);
-  // The newest of them first, `limit` at most.
+  // Reads the newest first, at most `limit`.
   void newest_audit(UtcTime from, UtcTime to, std::int64_t limit,
                     const std::function<void(const AuditEntry&)>& on_entry);
   void alarms(UtcTime from, UtcTime to, const std::function<bool(const AlarmRecord&)>& on_alarm);
-  // Those whose last record says active: they have not ended, whoever wrote them.
+  // Returns the alarms whose last record is active, whichever bridge wrote it.
   [[nodiscard]] std::vector<AlarmRecord> active_alarms();
-  [[nodiscard]] std::vector<DeviceRecord> devices();  // by bus and name
+  [[nodiscard]] std::vector<DeviceRecord> devices();  // sorted by bus and name
 
-  void remove_oldest();  // beyond kMaxKept
+  void remove_oldest();
 
  private:
   SqlConnection& connection_;

@@ -12,14 +12,14 @@ namespace fieldcast {
 namespace {
 
 void start_sodium() {
-  static const int started = sodium_init();  // any number of times, from any thread
+  static const int started = sodium_init();  // may be called repeatedly, from any thread
   FIELDCAST_CHECK(started >= 0);
 }
 
 constexpr std::uint64_t kMostKibibytes = 16 * crypto_pwhash_MEMLIMIT_INTERACTIVE / 1024;
 constexpr std::uint64_t kMostPasses = 16 * crypto_pwhash_OPSLIMIT_INTERACTIVE;
 
-// The number behind `name`, where the text goes on with it; both are taken away.
+// Removes `name` and the following number from the front of `text` and returns the number.
 std::optional<std::uint64_t> take_number(std::string_view& text, std::string_view name) {
   if (!text.starts_with(name)) return std::nullopt;
   text.remove_prefix(name.size());

@@ -1,5 +1,4 @@
-// Argon2id of libsodium: makes the text that is kept of a password, and checks a password against
-// it.
+// Argon2id of libsodium: hashes a password for the store, and verifies a password against a hash.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +10,14 @@
 
 namespace fieldcast {
 
-// "$argon2id$v=19$m=65536,t=2,p=1$..": the limits are in it, so that they can rise for new ones.
-// Throws StoreError without memory.
+// "$argon2id$v=19$m=65536,t=2,p=1$..". The text contains the limits, so they can be raised for new
+// hashes. Throws StoreError if memory is not sufficient.
 [[nodiscard]] std::string hash_password(std::string_view password);
-// False also for a hash without password_limits(): nobody waits for it.
+// Also returns false for a hash without password_limits(), without computing it.
 [[nodiscard]] bool password_fits(const std::string& hash, std::string_view password);
 
-// What it takes to check a password against such a text. Nothing: it is none, or one that takes
-// more than sixteen times what hash_password() makes, which somebody else wrote into the store.
+// Memory and passes needed to verify against this hash. `std::nullopt` if the text is not a hash,
+// or if it needs more than sixteen times as much as hash_password(), so another program wrote it.
 struct PasswordLimits {
   std::uint64_t kibibytes = 0;
   std::uint64_t passes = 0;

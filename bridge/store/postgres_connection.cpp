@@ -1,5 +1,4 @@
-// PostgreSQL by libpq. Rows are sent as a pipeline, so that a batch costs one way to the server and
-// not one for each row.
+// PostgreSQL with libpq. Rows are sent as a pipeline: one round trip per batch.
 #include <libpq-fe.h>
 #include <poll.h>
 
@@ -14,15 +13,14 @@
 namespace fieldcast {
 namespace {
 
-// Rows in one pipeline: small enough that the answers fit the socket's buffer while libpq still
-// sends.
+// Rows in one pipeline: the responses fit in the socket's buffer while libpq still sends.
 constexpr std::size_t kPipelined = 256;
 
-// A server that is there and says nothing: longer than its own statement_timeout, so that its
-// reason comes first.
+// Timeout for a server that does not respond: longer than its own statement_timeout, so that its
+// error message arrives first.
 constexpr std::chrono::seconds kPatience{12};
 
-// Of pg_type.dat: what the columns of our tables can be.
+// From pg_type.dat: the column types of the store's tables.
 constexpr Oid kInt8 = 20, kInt2 = 21, kInt4 = 23, kFloat8 = 701;
 
 struct FinishConnection {
@@ -34,16 +32,14 @@ struct ClearResult {
 using Connection = std::unique_ptr<PGconn, FinishConnection>;
 using Result = std::unique_ptr<PGresult, ClearResult>;
 
-// libpq ends its messages with a line break, and says several lines when it tried several
-// addresses.
+// libpq ends its messages with a line break, and uses several lines if it tried several addresses.
 std::string one_line(std::string text) {
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text;
 }
 
-// The server takes no text that is not UTF-8, and no zero in it; what a device sends may be
-// anything.
+// Replaces invalid UTF-8 and zeros, which the server rejects; a device may send any bytes.
 std::string plain_text(std::string_view text) {
   std::string plain;
   for (std::size_t i = 0; i < text.size();) {
@@ -74,7 +70,7 @@ std::string spelled(double value) {
   return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
 
-// A row's texts, and the pointers to them that libpq wants.
+// The texts of a row, and pointers to them as libpq requires.
 class Parameters {
  public:
   explicit Parameters(const SqlRow& row) : texts_(row.size()), pointers_(row.size(), nullptr) {
@@ -117,14 +113,14 @@ class PostgresConnection final : public SqlConnection {
  public:
   PostgresConnection(std::string masked_address, Connection connection)
       : masked_address_(std::move(masked_address)), connection_(std::move(connection)) {
-    // "table exists": nothing to say.
+    // Drops notices such as "table exists".
     PQsetNoticeProcessor(
         connection_.get(), [](void*, const char*) {}, nullptr);
   }
 
   Dialect dialect() const override { return Dialect::kPostgres; }
 
-  // The server's statement_timeout ends what has begun.
+  // The server's statement_timeout ends statements that have begun.
   void limit(std::chrono::steady_clock::time_point until) override { until_ = until; }
 
   void script(const std::string& sql) override {
@@ -158,7 +154,7 @@ class PostgresConnection final : public SqlConnection {
     if (PQsendQueryPrepared(connection_.get(), name.c_str(), texts.count(), texts.data(), nullptr,
                             nullptr, 0) != 1)
       fail();
-    PQsetSingleRowMode(connection_.get());  // an answer of any size is never held whole
+    PQsetSingleRowMode(connection_.get());  // a large result is never held completely
     bool wanted = true;
     Problem problem;
     SqlRow row;
@@ -187,7 +183,7 @@ class PostgresConnection final : public SqlConnection {
     return "store " + masked_address_ + ": " + one_line(PQresultErrorMessage(result));
   }
 
-  // The first thing that went wrong in an answer.
+  // The first error in a response.
   struct Problem {
     std::string text;
     bool away = false;
@@ -211,7 +207,7 @@ class PostgresConnection final : public SqlConnection {
     if (!problem.text.empty()) throw StoreError(problem.text);
   }
   // postgresql.org/docs/current/errcodes-appendix.html: classes 53, insufficient resources (a full
-  // disk), and 58, system error; 25006, a server that can only be read.
+  // disk), and 58, system error; 25006, a read-only server.
   bool is_away(const PGresult* result) const {
     const std::string_view state = state_of(result);
     return is_lost() || state.starts_with("53") || state.starts_with("58") || state == "25006";
@@ -222,7 +218,7 @@ class PostgresConnection final : public SqlConnection {
     return code == nullptr ? "" : code;
   }
 
-  // The next result, or null at the end of an answer.
+  // Returns the next result, or null at the end of a response.
   Result next() {
     const auto deadline = std::chrono::steady_clock::now() + kPatience;
     while (PQisBusy(connection_.get()) == 1) {
@@ -237,7 +233,6 @@ class PostgresConnection final : public SqlConnection {
     return Result(PQgetResult(connection_.get()));
   }
 
-  // Takes a whole answer; the rows that it changed.
   std::uint64_t answer() {
     std::uint64_t changed = 0;
     Problem problem;
@@ -283,7 +278,7 @@ class PostgresConnection final : public SqlConnection {
     Problem problem;
     for (bool synced = false; !synced;) {
       const Result result = next();
-      if (!result) {  // the end of one statement's answer; of all of them, when the server is gone
+      if (!result) {  // end of one statement's response, or of all if the connection is lost
         if (PQstatus(to) != CONNECTION_OK) fail();
         continue;
       }
@@ -302,7 +297,7 @@ class PostgresConnection final : public SqlConnection {
   const std::string masked_address_;
   std::chrono::steady_clock::time_point until_ = std::chrono::steady_clock::time_point::max();
   Connection connection_;
-  std::map<std::string, std::string> statements_;  // name by text
+  std::map<std::string, std::string> statements_;
 };
 
 }  // namespace
@@ -312,8 +307,8 @@ std::unique_ptr<SqlConnection> open_postgres(const StoreAddress& address) {
     throw StoreError("store " + address.masked() +
                      ": a '/' or '@' in the password must be escaped, as %2F or %40");
   }
-  // What the connection string says goes before these. Generic plans: to plan a query of all days
-  // again for each channel would cost more than the query.
+  // The connection string overrides these values. Generic plans: planning a query over all days
+  // again for each channel would be slower than the query.
   const char* const keys[] = {"connect_timeout", "tcp_user_timeout", "application_name",
                               "options",         "dbname",           nullptr};
   const char* const values[] = {"5",
@@ -327,7 +322,7 @@ std::unique_ptr<SqlConnection> open_postgres(const StoreAddress& address) {
   const std::string masked_address = address.masked();
   if (!connection) throw StoreError("store " + masked_address + ": no memory");
   if (PQstatus(connection.get()) != CONNECTION_OK) {
-    // A string that cannot be parsed stands in libpq's message, with its password.
+    // If a string cannot be parsed, libpq's message contains it with the password.
     const char* const user = PQuser(connection.get());
     throw StoreError(
         "store " + masked_address + ": " +

@@ -1,5 +1,4 @@
-// Rows that the database refused, each with the reason: the newest kMaxKept. Everything throws
-// StoreError.
+// Rows that the database refused, with the reason; the newest kMaxKept. Throws StoreError.
 #pragma once
 
 #include <string>
@@ -18,7 +17,7 @@ class QuarantineTable {
   // `table`: the table that refused the row. `content`: the row as JSON.
   void insert(UtcTime at, const std::string& table, const std::string& content,
               const std::string& reason);
-  void remove_oldest();  // beyond kMaxKept
+  void remove_oldest();
 
  private:
   SqlConnection& connection_;

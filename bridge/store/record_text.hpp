@@ -17,7 +17,7 @@ namespace fieldcast {
 [[nodiscard]] std::string log_text(const DeviceRecord& device);
 
 // One JSON object in ASCII with the table and the values of its columns. Bytes that are not UTF-8
-// are written as \xE4; a number that is not finite as a text.
+// are written as \xE4, numbers that are not finite as text.
 struct RecordJson {
   std::string table;
   std::string content;

@@ -1,4 +1,4 @@
-// What the store keeps, row by row. Plain values; names and texts as the topics have them.
+// Rows of the store. Plain values; names and texts as in the topics.
 #pragma once
 
 #include <cstdint>
@@ -12,25 +12,25 @@
 
 namespace fieldcast {
 
-// Who did what, when, and what became of it: a login, a command, a transmission to a device.
+// An audit entry: a login, a command, or a transmission to a device.
 struct AuditEntry {
   UtcTime at;
-  // The user, or the requester of a command; with the peer's address where there is one.
+  // The user or the requester of a command, with the peer's address if known.
   std::string who;
   std::string what;    // "login", "write", "acquire", "program"
   std::string target;  // "press-shop/press-1/running"; empty: the bridge itself
-  // Of a transmission. A command's are not counted: several may travel in one frame.
+  // Only of a transmission: several commands may be in one frame.
   std::uint64_t bytes_to_device = 0;
   std::uint64_t bytes_from_device = 0;
-  std::string result;  // "done", "refused: wrong password"; one line for people
+  std::string result;  // "done", "refused: wrong password"; one human-readable line
   friend bool operator==(const AuditEntry&, const AuditEntry&) = default;
 };
 
-// A sample of the history. Published and acquired differ for a stale value, which is published
-// again with its old instant.
+// A sample of the history. published_at and acquired_at differ for a stale value, which is
+// published again with its old time of acquisition.
 struct StoredSample {
   std::string bus, device, channel, unit;
-  std::string type;  // "float32"; empty: an older Fieldcast stored it
+  std::string type;  // "float32"; empty if an older Fieldcast stored it
   UtcTime published_at;
   UtcTime acquired_at;  // 0: never read
   std::uint64_t sequence = 0;
@@ -40,7 +40,6 @@ struct StoredSample {
   friend bool operator==(const StoredSample&, const StoredSample&) = default;
 };
 
-// The newest state of a device.
 struct DeviceRecord {
   std::string bus, device, protocol;
   std::string address;  // "/dev/ttyUSB0 19200 8E1, 7"
@@ -49,7 +48,7 @@ struct DeviceRecord {
   friend bool operator==(const DeviceRecord&, const DeviceRecord&) = default;
 };
 
-// A limit was passed, or is kept again.
+// A limit was exceeded or is met again.
 struct AlarmRecord {
   std::string bus, device, channel;
   std::string limit;  // "high-high"
@@ -59,16 +58,15 @@ struct AlarmRecord {
   friend bool operator==(const AlarmRecord&, const AlarmRecord&) = default;
 };
 
-// A line of the history of alarms: a limit was passed or kept again, somebody did something about
-// it, or time did.
+// An entry of the alarm history: a limit exceeded or met, an action, or an expired time.
 struct AlarmLogEntry {
   std::string bus, device;
   std::string channel, limit;   // empty: all alarms of the device
-  std::string event;            // "raised", "cleared", or as to_text(AlarmEventKind) says
+  std::string event;            // "raised", "cleared", or a text of to_text(AlarmEventKind)
   std::optional<double> value;  // of "raised" and "cleared"
   std::string who, note;
   UtcTime at;
-  UtcTime until;  // of what has an end
+  UtcTime until;  // only of an event with an end
   friend bool operator==(const AlarmLogEntry&, const AlarmLogEntry&) = default;
 };
 

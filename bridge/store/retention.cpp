@@ -11,7 +11,7 @@
 namespace fieldcast {
 namespace {
 
-// A store that is too large loses its oldest twentieth of time, again and again.
+// A store that is too large loses the oldest twentieth of its time span, repeatedly.
 constexpr std::int64_t kShare = 20;
 
 std::int64_t pragma(SqlConnection& connection, const char* name) {
@@ -27,8 +27,8 @@ bool is_server(SqlConnection& connection) {
   return connection.dialect() == SqlConnection::Dialect::kPostgres;
 }
 
-// What max-size bounds. Of a file: the pages that are not free, which are used again. Of a server:
-// the days of samples, since nothing else gives room back at once.
+// Size that max-size limits. For a file: its used pages; free pages are used again. For a server:
+// the tables of the days, because only dropping them frees space immediately.
 std::uint64_t bytes_used(SqlConnection& connection) {
   if (is_server(connection)) return SampleDays(connection).bytes();
   const std::int64_t pages =
@@ -36,7 +36,7 @@ std::uint64_t bytes_used(SqlConnection& connection) {
   return static_cast<std::uint64_t>(pages * pragma(connection, "page_size"));
 }
 
-// Days that ended before. How many went.
+// Drops the days that ended before `before`. Returns their number.
 std::uint64_t drop_days(SqlConnection& connection, UtcTime before) {
   SampleDays days(connection);
   std::uint64_t dropped = 0;
@@ -47,15 +47,14 @@ std::uint64_t drop_days(SqlConnection& connection, UtcTime before) {
   return dropped;
 }
 
-// Free pages are given back to the disk beyond a tenth of the file: below it they are used again
-// soon. So many at a time.
+// Free pages beyond a tenth of the file are returned to the disk, some at a time.
 constexpr std::int64_t kFreeShare = 10;
-constexpr std::int64_t kFreePages = 256;  // and these in any case: a megabyte
+constexpr std::int64_t kFreePages = 256;  // the minimum: a megabyte
 constexpr const char* kShrink = "pragma incremental_vacuum(512)";
 constexpr std::int64_t kIncremental = 2;  // sqlite.org/pragma.html, auto_vacuum
 
-// Makes the file a little shorter. False: it has no free pages to speak of, or it was made by an
-// older Fieldcast, whose files do not shrink.
+// Shortens the file a little. Returns false if it has few free pages, or if an older Fieldcast
+// created it, whose files cannot shrink.
 bool shrink(SqlConnection& connection) {
   if (is_server(connection)) return false;
   const std::int64_t free = pragma(connection, "freelist_count");
@@ -65,7 +64,6 @@ bool shrink(SqlConnection& connection) {
   return true;
 }
 
-// The oldest row of any channel; nothing: there is none.
 std::optional<UtcTime> oldest_of(SqlConnection& connection, std::size_t level,
                                  const std::vector<std::int64_t>& channels) {
   std::optional<UtcTime> oldest;
@@ -78,7 +76,7 @@ std::optional<UtcTime> oldest_of(SqlConnection& connection, std::size_t level,
   return oldest;
 }
 
-// What is older was used for its tiers; nothing: all was.
+// Returns the start of the rows that are still needed to make tiers, or `std::nullopt` if none are.
 std::optional<UtcTime> needed_from(SqlConnection& connection, std::size_t level) {
   TierTable tiers(connection);
   if (level == kTiers.size()) return std::nullopt;  // no tier is made from the last one
@@ -106,13 +104,13 @@ bool Retention::step(SqlConnection& connection, Instant now, UtcTime utc) {
   }
   removed_ += removed;
   if (find_next()) return true;
-  // At the end of a pass that removed nothing: it is not the samples that fill the store.
+  // After a pass that removed nothing: other data than samples fills the store.
   too_large_ = too_large_ && removed_ > 0;
   shrinking_ = shrink(connection);
   return looked > 0 || shrinking_ || too_large_;
 }
 
-// The next channel from which something may be removed. False: the pass has ended.
+// Finds the next channel to remove rows from. Returns false at the end of the pass.
 bool Retention::find_next() {
   while (level_ < kLevels && (before_[level_] <= UtcTime{} || channel_ == channels_.size())) {
     ++level_;
@@ -139,8 +137,8 @@ void Retention::begin(SqlConnection& connection, UtcTime utc) {
   if (is_server(connection)) begin_days(connection);
 }
 
-// Of a server whole days go at once. Single samples are removed where they lie in no day, and when
-// they are kept for less than two.
+// On a server, whole days are dropped. Single samples are removed only if they are in no day, or if
+// samples are kept for less than two days.
 void Retention::begin_days(SqlConnection& connection) {
   removed_ += drop_days(connection, before_[0]);
   const bool short_time = spec_.keep != Duration{} && spec_.keep < 2 * SampleDays::kDay;
@@ -166,7 +164,7 @@ UtcTime Retention::limit_of(SqlConnection& connection, std::size_t level, UtcTim
       before.nanoseconds = std::max(before.nanoseconds, oldest->nanoseconds + span / kShare);
     }
   }
-  if (before > utc) before = utc;  // of a day that has not ended
+  if (before > utc) before = utc;  // the day has not ended
   const auto needed = needed_from(connection, level);
   return needed ? std::min(before, *needed) : before;
 }

@@ -20,7 +20,6 @@ std::string name_of(UtcTime day) {
                      static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()));
 }
 
-// Nothing: another table.
 std::optional<UtcTime> day_of(std::string_view name) {
   if (!name.starts_with(kPrefix)) return std::nullopt;
   name.remove_prefix(kPrefix.size());
@@ -33,7 +32,7 @@ std::optional<UtcTime> day_of(std::string_view name) {
       std::chrono::day{static_cast<unsigned>(number) % 100}};
   if (!date.ok()) return std::nullopt;
   const std::chrono::days since{std::chrono::sys_days{date}.time_since_epoch()};
-  // The first day that 64 bits reach begins before they do.
+  // The first day in the range of 64 bits begins before the range.
   if (since < std::chrono::floor<std::chrono::days>(Duration::min()) ||
       since > std::chrono::floor<std::chrono::days>(Duration::max()))
     return std::nullopt;
@@ -53,7 +52,7 @@ std::string SampleDays::table_for(UtcTime at) {
     return true;
   });
   if (there) return name;
-  // Two bridges may do this at once: the lock of schema.cpp.
+  // Two bridges may do this simultaneously, so this uses the lock of schema.cpp.
   connection_.script("select pg_advisory_xact_lock(7021133)");
   connection_.script(
       fmt::format("create table if not exists {} (like samples including all, "
@@ -77,7 +76,7 @@ std::vector<UtcTime> SampleDays::all() {
 bool SampleDays::drop(UtcTime day) {
   try {
     SqlTransaction transaction(connection_);
-    // Who waits for a reader makes all others wait, too.
+    // A statement that waits for a reader would block all later ones.
     connection_.script("set local lock_timeout = '200ms'");
     connection_.script("drop table if exists " + name_of(day));
     transaction.commit();

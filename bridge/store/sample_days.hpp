@@ -1,10 +1,10 @@
-// The samples of PostgreSQL lie in one table for each day of UTC, named samples_20261122. Each
-// inherits from `samples`, so that a query of `samples` sees all of them, and a day is removed by
-// dropping its table, which takes no longer for many samples than for few. What an older Fieldcast
-// wrote lies in `samples` itself.
+// In PostgreSQL, the samples of each day of UTC are in a separate table, for example
+// samples_20261122. Each table inherits from `samples`, so a query of `samples` includes all days.
+// Removal of a day drops its table, which is fast for any number of samples. Samples written by an
+// older Fieldcast are in `samples` itself.
 //
-// Inherited tables and no declared partitions: an older store is brought to this version without
-// reading its samples, and to make or drop a day disturbs nobody who reads another one.
+// Inheritance instead of declared partitions: an older store is upgraded without reading its
+// samples. Creating or dropping a day does not block readers of other days.
 //
 // Everything throws StoreError. One owner, the thread of the connection. SQLite has no days.
 #pragma once
@@ -23,15 +23,15 @@ class SampleDays {
 
   explicit SampleDays(SqlConnection& connection) : connection_(connection) {}
 
-  // The table for samples of that time; it is made if it is missing. REQUIRES: PostgreSQL.
+  // Returns the table for samples of that time; creates it if it is missing. REQUIRES: PostgreSQL.
   [[nodiscard]] std::string table_for(UtcTime at);
-  // When the days that have a table begin, in order.
+  // Returns the start times of the days that have a table, in order.
   [[nodiscard]] std::vector<UtcTime> all();
-  // Removes a day. False: not now, somebody reads it.
+  // Removes a day. Returns false if it is in use; try again later.
   [[nodiscard]] bool drop(UtcTime day);
-  // True: there are samples of an older Fieldcast, which lie in no day.
+  // Returns true if there are samples of an older Fieldcast outside the day tables.
   [[nodiscard]] bool has_undated();
-  // Of all days, with their indexes.
+  // Size of all days with their indexes.
   [[nodiscard]] std::uint64_t bytes();
 
  private:

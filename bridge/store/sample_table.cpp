@@ -10,7 +10,7 @@
 namespace fieldcast {
 namespace {
 
-constexpr std::size_t kRows = 512;  // made at a time
+constexpr std::size_t kRows = 512;  // per statement
 
 constexpr std::string_view kInsertColumns =
     " (channel, published_at, sequence, acquired_at, quality, device_code, value_kind, "
@@ -48,7 +48,7 @@ void fill(const SampleRow& sample, SqlRow& row) {
   if (const auto* text = std::get_if<std::string>(&sample.value)) row[kText] = *text;
 }
 
-// What another program wrote there is read as something, never as a crash.
+// Values that another program wrote must not cause a crash.
 Value value_of(std::int64_t kind, const SqlRow& row, std::size_t at) {
   switch (kind) {
     case 0: return integer_at(row, at) != 0;
@@ -56,7 +56,7 @@ Value value_of(std::int64_t kind, const SqlRow& row, std::size_t at) {
     case 2: return std::bit_cast<std::uint64_t>(integer_at(row, at));
     case 3: {
       if (const auto* real = std::get_if<double>(&row.at(at + 1))) return *real;
-      return std::numeric_limits<double>::quiet_NaN();  // SQLite keeps no NaN
+      return std::numeric_limits<double>::quiet_NaN();  // SQLite cannot store NaN
     }
     default: return text_at(row, at + 2);
   }

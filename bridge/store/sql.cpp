@@ -5,8 +5,7 @@
 namespace fieldcast {
 
 SqlTransaction::SqlTransaction(SqlConnection& connection) : connection_(connection) {
-  // SQLite: to take the write lock at once, and wait for it, is the one way that cannot fail
-  // half-way through.
+  // SQLite: locked for writing from the start, it cannot fail half-way with a lock conflict.
   connection_.script(connection_.dialect() == SqlConnection::Dialect::kSqlite ? "begin immediate"
                                                                               : "begin");
 }
@@ -15,7 +14,7 @@ SqlTransaction::~SqlTransaction() {
   if (!open_) return;
   try {
     connection_.script("rollback");
-  } catch (const StoreError&) {}  // the connection is gone, and the transaction with it
+  } catch (const StoreError&) {}  // the connection is lost, and with it the transaction
 }
 
 void SqlTransaction::commit() {

@@ -1,6 +1,6 @@
-// One connection to a database, SQLite or PostgreSQL, in the part of SQL that both speak:
-// parameters $1, $2, .. in the order of their first appearance, `on conflict`, `returning`. One
-// owner, one thread at a time.
+// One connection to a database, SQLite or PostgreSQL, with the common part of SQL: parameters $1,
+// $2, .. in the order of their first appearance, `on conflict`, `returning`. One owner, one thread
+// at a time.
 #pragma once
 
 #include <chrono>
@@ -18,27 +18,25 @@
 
 namespace fieldcast {
 
-// The one exception of this folder: what the database said, where and to what. No secret in it.
+// Base of all exceptions of this folder: error of the database and place, without secrets.
 class StoreError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-// The database takes nothing now, whatever it is: it is gone, its disk is full or can only be read.
-// It may later.
+// The database cannot write now: not available, read-only, or its disk is full.
 class StoreAway : public StoreError {
  public:
   using StoreError::StoreError;
 };
 
-// A statement took longer than limit() allows.
+// A statement exceeded limit().
 class StoreTooSlow : public StoreError {
  public:
   using StoreError::StoreError;
 };
 
-// The database refuses the values of a row, for example null where a value must be. The same row is
-// refused again.
+// The database refuses the values of a row, for example null in a mandatory column, every time.
 class StoreRowRefused : public StoreError {
  public:
   using StoreError::StoreError;
@@ -55,19 +53,19 @@ class SqlConnection {
   virtual ~SqlConnection() = default;
   [[nodiscard]] virtual Dialect dialect() const = 0;
 
-  // Everything below throws StoreError. Statements are prepared once, by their text: few and
-  // constant ones only.
+  // All functions below throw StoreError. Statements are prepared once and identified by their
+  // text: use only few, constant texts.
 
-  // A script of several statements without parameters; it is not prepared.
+  // Runs several statements without parameters; they are not prepared.
   virtual void script(const std::string& sql) = 0;
-  // One statement for each row of parameters; the rows that it changed.
+  // Runs one statement for each row of parameters. Returns the number of changed rows.
   virtual std::uint64_t execute(const std::string& sql, std::span<const SqlRow> rows) = 0;
-  // Each row of the answer goes to on_row; false ends the reading.
+  // Calls on_row for each row of the result until it returns false.
   virtual void query(const std::string& sql, const SqlRow& parameters,
                      const std::function<bool(const SqlRow&)>& on_row) = 0;
 
-  // From then on statements fail with StoreTooSlow, also one that has begun; with PostgreSQL that
-  // one fails after 10 s in all.
+  // From `until` on, statements fail with StoreTooSlow, also a running one; with PostgreSQL, a
+  // running one fails after 10 s in total.
   virtual void limit(std::chrono::steady_clock::time_point until) = 0;
 
   std::uint64_t execute(const std::string& sql, const SqlRow& row) {
@@ -75,14 +73,14 @@ class SqlConnection {
   }
 };
 
-// From now on the connection changes nothing in the database: such statements throw StoreError.
+// Makes the connection read-only: writing statements then throw StoreError.
 void make_read_only(SqlConnection& connection);
 
-// What is done from its construction on happens at its commit, or not at all.
+// A transaction; everything until commit() takes effect together or not at all.
 class SqlTransaction {
  public:
   explicit SqlTransaction(SqlConnection& connection);
-  ~SqlTransaction();  // without a commit: rolled back
+  ~SqlTransaction();  // rolls back without a commit
   SqlTransaction(const SqlTransaction&) = delete;
   SqlTransaction& operator=(const SqlTransaction&) = delete;
   void commit();
@@ -92,19 +90,17 @@ class SqlTransaction {
   bool open_ = true;
 };
 
-// Connects, and brings the tables to the present version. A file that does not exist is made,
-// readable for its owner only, when `create` says so. Bounded: a server that does not answer fails
-// within seconds. Throws StoreError.
+// Connects and upgrades the tables. With kCreate, creates a missing file that only its owner can
+// read. A server that does not respond fails within seconds. Throws StoreError.
 enum class IfMissing : std::uint8_t { kCreate, kFail };
 [[nodiscard]] std::unique_ptr<SqlConnection> open_store(const StoreAddress& address,
                                                         IfMissing missing);
 
-// Parts of the above.
 [[nodiscard]] std::unique_ptr<SqlConnection> open_sqlite(const std::string& path,
                                                          IfMissing missing);
 [[nodiscard]] std::unique_ptr<SqlConnection> open_postgres(const StoreAddress& address);
 
-// Columns of a row. REQUIRES: the column is of that kind; null is 0 and "".
+// Columns of a row. Null is returned as 0 or "". REQUIRES: the column has that type.
 [[nodiscard]] std::int64_t integer_at(const SqlRow& row, std::size_t column);
 [[nodiscard]] std::string text_at(const SqlRow& row, std::size_t column);
 

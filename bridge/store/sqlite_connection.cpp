@@ -1,6 +1,6 @@
-// SQLite in WAL mode: one writes while others read. A commit reaches the kernel, so that the death
-// of the process loses nothing; the disk is waited for at checkpoints only, so that a power failure
-// may take the last seconds (sqlite.org/pragma.html, synchronous).
+// SQLite in WAL mode: one connection writes while others read. A commit reaches the kernel, so a
+// crash of the process loses nothing. The disk is synchronized only at checkpoints, so a power
+// failure may lose the last seconds (sqlite.org/pragma.html, synchronous).
 #include <fcntl.h>
 #include <sqlite3.h>
 #include <unistd.h>
@@ -16,9 +16,11 @@
 namespace fieldcast {
 namespace {
 
-constexpr int kStepsBetweenLooks = 20'000;  // of SQLite's machine, at the clock: some 1 ms
-constexpr int kBusyMilliseconds = 5000;     // another process writes: a command line, a backup
-// auto_vacuum comes first: it counts for a file without tables only.
+// Steps of SQLite's virtual machine between two checks of the clock: about 1 ms.
+constexpr int kStepsBetweenLooks = 20'000;
+// Wait while another process writes: a command line, a backup.
+constexpr int kBusyMilliseconds = 5000;
+// auto_vacuum must come first: it applies only to a file without tables.
 constexpr const char* kSettings =
     "pragma auto_vacuum = incremental; pragma journal_mode = wal; pragma synchronous = normal; "
     "pragma wal_autocheckpoint = 4000; "
@@ -151,15 +153,15 @@ class SqliteConnection final : public SqlConnection {
   const std::string path_;
   std::chrono::steady_clock::time_point until_ = std::chrono::steady_clock::time_point::max();
   Database database_;
-  // Before the database goes: it waits for none of them.
+  // Destroyed before the database.
   std::map<std::string, Statement> statements_;
 };
 
-// SQLite gives its own files the permissions of the database's: passwords' hashes lie in all of
-// them. A file that exists is not opened here: closing it would take away the locks of every
-// connection that this process has to it (sqlite.org/howtocorrupt.html, 2.2), and another process
-// that leaves would then delete the log that they go on writing to. One at a time, so that nobody
-// has a new file open before this has closed it.
+// SQLite gives its own files the permissions of the database's: all of them contain hashes of
+// passwords. An existing file is not opened here: closing it would remove the locks of all
+// connections of this process to it (sqlite.org/howtocorrupt.html, 2.2). Another process that
+// disconnects would then delete the log that is still in use. The mutex prevents that another
+// thread opens a new file before this one has closed it.
 void make_private_file(const std::string& path) {
   static std::mutex one;
   const std::lock_guard lock(one);

@@ -18,12 +18,12 @@
 namespace fieldcast {
 namespace {
 
-constexpr int kNiceness = 10;      // below the threads that serve buses
-constexpr unsigned kAttempts = 4;  // of one batch at an open database, before it is given up
+constexpr int kNiceness = 10;      // lower priority than the threads of buses
+constexpr unsigned kAttempts = 4;  // for one batch at an open database
 constexpr Duration kIdle = std::chrono::seconds{10};
-// Between two steps of tidying: others may write into the same database.
+// Pause between two cleanup steps: others may write to the same database.
 constexpr Duration kTidyPause = std::chrono::milliseconds{50};
-constexpr Duration kDropLine = std::chrono::seconds{10};  // between two lines about dropped samples
+constexpr Duration kDropLine = std::chrono::seconds{10};
 
 std::vector<Pattern> parsed(const std::vector<std::string>& texts) {
   std::vector<Pattern> patterns;
@@ -42,7 +42,7 @@ void log_unstored(const Event& event) {
 
 }  // namespace
 
-// Says from time to time how many samples were dropped.
+// Logs periodically how many samples were dropped.
 class Store::DropReport {
  public:
   void tell(std::uint64_t dropped, Instant now) {
@@ -182,7 +182,7 @@ bool Store::flush(Duration limit) {
   return done_.wait_for(lock, limit, [&] { return seen_ >= wanted; });
 }
 
-// False: the end. Else what came, after it had time to gather; possibly nothing.
+// Waits for records, then collects for kGather. The batch may be empty. Returns false at the end.
 bool Store::gather(Batch& batch, Duration longest) {
   std::unique_lock lock(mutex_);
   work_.wait_for(lock, longest, [this] { return ending_ || !waiting_.empty(); });
@@ -211,7 +211,7 @@ void Store::written(const Batch& batch, const RefusedRows* refused) {
     std::for_each(batch.events.begin(), batch.events.end(), log_unstored<Event>);
 }
 
-// False: the batch is given up.
+// Returns false if the batch was given up.
 bool Store::store(Writer& writer, const Batch& batch, BackOff& back_off, DropReport& drops) {
   for (unsigned refused = 0; refused < kAttempts;) {
     const Writer::Try tried = writer.write(batch);
@@ -219,7 +219,8 @@ bool Store::store(Writer& writer, const Batch& batch, BackOff& back_off, DropRep
       back_off.opened(steady_now());
       return true;
     }
-    if (tried == Writer::Try::kRefused) ++refused;  // a database that is away is waited for
+    // Without a limit while the database is not available.
+    if (tried == Writer::Try::kRefused) ++refused;
     drops.tell(counters().dropped, steady_now());
     std::unique_lock lock(mutex_);
     if (ending_) return false;
@@ -230,7 +231,7 @@ bool Store::store(Writer& writer, const Batch& batch, BackOff& back_off, DropRep
 
 void Store::run() {
   pthread_setname_np(pthread_self(), "store");
-  // Of this thread alone, on Linux.
+  // On Linux, this applies only to this thread.
   ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNiceness);
   Writer::Opened opened;
   if (opened_) opened = [this](const auto& kept) { opened_(*this, kept); };

@@ -3,9 +3,8 @@
 namespace fieldcast {
 namespace {
 
-// postgresql://USER:PASSWORD@HOST: what stands between the first ':' after the scheme and the last
-// '@' before the path. A password that should have been escaped may hold any of "/?@", so the mask
-// rather takes too much.
+// postgresql://USER:PASSWORD@HOST: masks from the first ':' after the scheme to the last '@'. An
+// unescaped password may contain any of "/?@", so the mask may cover too much.
 std::string without_userinfo_password(std::string text) {
   const std::size_t begin = text.find("://") + 3;
   const std::size_t at = text.rfind('@');

@@ -1,4 +1,4 @@
-// Where a store lies: a file of SQLite, or a PostgreSQL server by its connection string.
+// Location of a store: a SQLite file, or a PostgreSQL server given by its connection string.
 #pragma once
 
 #include <cstdint>
@@ -14,12 +14,11 @@ class StoreAddress {
   explicit StoreAddress(std::string text) : text_(std::move(text)) {}
 
   [[nodiscard]] bool is_server() const;
-  // With the password: never for a log.
+  // Contains the password; never log it.
   [[nodiscard]] const std::string& text() const { return text_; }
-  // For logs: a password shows as ***.
+  // For logs: passwords are shown as ***.
   [[nodiscard]] std::string masked() const;
-  // A password with '/' or '@' that is not escaped: libpq would take a part of it for the host, and
-  // show it.
+  // True if the password contains '/' or '@' unescaped: libpq would show a part of it as the host.
   [[nodiscard]] bool is_ambiguous() const;
 
  private:

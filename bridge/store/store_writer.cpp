@@ -117,7 +117,7 @@ void Store::Writer::insert_in_parts(Row begin, Row end) {
   insert_in_parts(middle, end);
 }
 
-// Each sample with the database's number of its channel instead of ours.
+// Replaces the index of each sample's channel with the database's number.
 void Store::Writer::insert(Samples begin, Samples end) {
   for (Samples at = begin; at != end;) {
     const Samples next = at + std::min<std::ptrdiff_t>(kRowsAtOnce, end - at);
@@ -166,7 +166,7 @@ StoredChannel Store::Writer::channel(std::int64_t index) const {
 void Store::Writer::close(const StoreError& error) {
   if (told_ != error.what()) log_error("store", told_ = error.what());
   connection_.reset();
-  forget();  // another file may lie there now
+  forget();  // another file may be there now
 }
 
 void Store::Writer::forget() {

@@ -1,9 +1,9 @@
-// The database's side of a Store: opens the database, writes batches, tidies. Part of store.cpp; it
-// lives on the writer's thread alone.
+// Database side of a Store: opens the database, writes batches, and cleans up. Part of store.cpp;
+// used only on the writer's thread.
 //
-// A batch is one transaction. If the database refuses a row of it (StoreRowRefused), the
-// transaction is rolled back and the batch is written again in parts, each in a savepoint: a part
-// that is refused is halved until the refused row is alone. That row is put into the quarantine.
+// A batch is one transaction. If the database refuses a row (StoreRowRefused), the transaction is
+// rolled back and the batch is written again in parts, each in a savepoint. A refused part is
+// halved until the refused row is alone; that row is put into the quarantine.
 #pragma once
 
 #include <memory>
@@ -27,14 +27,13 @@ class Store::Writer {
         mutex_(mutex),
         retention_(spec) {}
 
-  // One try: all of the batch is written, or nothing of it. Away: it cannot be opened, or it takes
-  // nothing now, as its disk is full.
+  // One attempt: writes the complete batch or nothing. kAway: the database cannot be opened, or
+  // cannot write now, for example because its disk is full.
   enum class Try : unsigned char { kWritten, kRefused, kAway };
   [[nodiscard]] Try write(const Batch& batch);
-  // Of the last batch that was written.
   [[nodiscard]] const RefusedRows& refused() const { return refused_; }
 
-  // One step of the tiers and one of the retention. True: there is more to tidy.
+  // One step of the tiers and one of the retention. Returns true if there is more to do.
   [[nodiscard]] bool tidy();
 
  private:
@@ -45,7 +44,7 @@ class Store::Writer {
   using Samples = std::deque<SampleRow>::const_iterator;
   using Events = std::deque<Event>::const_iterator;
 
-  // All of them throw StoreError.
+  // All throw StoreError.
   void open();
   void write_all(const Batch& batch);
   void write_in_parts(const Batch& batch);
@@ -59,7 +58,7 @@ class Store::Writer {
 
   [[nodiscard]] StoredChannel channel(std::int64_t index) const;
   void close(const StoreError& error);
-  // What was remembered of the database may have been rolled back.
+  // Clears the cached state of the database, which may have been rolled back.
   void forget();
 
   const StoreAddress address_;
@@ -67,12 +66,12 @@ class Store::Writer {
   std::deque<StoredChannel>& channels_;
   std::mutex& mutex_;
   std::unique_ptr<SqlConnection> connection_;
-  std::map<std::int64_t, Known> known_;  // by index in channels_
+  std::map<std::int64_t, Known> known_;
   std::vector<SampleRow> rows_;
   TierWriter tiers_;
   Retention retention_;
   RefusedRows refused_;
-  std::string told_;  // the last failure: it is logged once
+  std::string told_;  // the last failure; it is logged once
 };
 
 }  // namespace fieldcast

@@ -10,13 +10,13 @@
 namespace fieldcast {
 namespace {
 
-constexpr std::string_view kTokenPrefix = "fct_";  // for people and for scanners of secrets
+constexpr std::string_view kTokenPrefix = "fct_";  // recognizable for users and secret scanners
 constexpr std::size_t kTokenBytes = 32;
 constexpr int kEncoding = sodium_base64_VARIANT_URLSAFE_NO_PADDING;
-constexpr std::size_t kTokenLetters = 43;  // of 32 bytes
+constexpr std::size_t kTokenLetters = 43;  // for 32 bytes
 
 void begin_sodium() {
-  static const int started = sodium_init();  // any number of times, from any thread
+  static const int started = sodium_init();  // may be called repeatedly, from any thread
   FIELDCAST_CHECK(started >= 0);
 }
 

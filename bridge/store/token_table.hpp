@@ -1,8 +1,8 @@
-// The tokens of a store: each lets a program or a wall screen read, until its end. A token is 256
-// random bits, shown once when it is made; the store keeps its hash only. A fast hash will do:
-// nobody guesses 256 bits.
+// Tokens of a store. Each gives a program or a wall display read access until it expires. A token
+// is 256 random bits and is shown only at its creation; the store contains only its hash. A fast
+// hash is sufficient, because 256 random bits cannot be guessed.
 //
-// Everything that reads or writes throws StoreError. One owner, the thread of the connection.
+// Functions that access the store throw StoreError. One owner, the thread of the connection.
 #pragma once
 
 #include <optional>
@@ -16,7 +16,7 @@
 namespace fieldcast {
 
 struct Token {
-  std::string name;  // of what uses it
+  std::string name;  // of the user of the token
   UtcTime created_at;
   UtcTime ends_at;
   friend bool operator==(const Token&, const Token&) = default;
@@ -24,7 +24,7 @@ struct Token {
 
 // A new token: "fct_" and 43 letters, digits, '-', '_'.
 [[nodiscard]] std::string make_token();
-// Whether a text can be one at all.
+// Returns true if the text has the form of a token.
 [[nodiscard]] bool looks_like_token(std::string_view text);
 
 class TokenTable {
@@ -33,12 +33,12 @@ class TokenTable {
 
   explicit TokenTable(SqlConnection& connection) : connection_(connection) {}
 
-  // False: there is one of that name already, or there are kMaxTokens.
+  // Returns false if the name exists already, or if there are kMaxTokens.
   [[nodiscard]] bool add(const Token& token, const std::string& secret);
   [[nodiscard]] bool remove(const std::string& name);  // false: there is none
-  [[nodiscard]] std::vector<Token> list();             // by name, also those that have ended
+  [[nodiscard]] std::vector<Token> list();             // sorted by name, including expired ones
 
-  // Whose it is; nothing: nobody's, or it has ended at `now`.
+  // Returns `std::nullopt` if there is no such token, or if it has expired at `now`.
   [[nodiscard]] std::optional<Token> find(const std::string& secret, UtcTime now);
 
  private:

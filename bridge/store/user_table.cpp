@@ -11,7 +11,7 @@
 namespace fieldcast {
 namespace {
 
-// What an unknown user's password is compared with: as costly as the real ones.
+// For unknown users, the password is verified against this hash, which costs as much as a real one.
 const std::string& nobody() {
   static const std::string hash = hash_password("nobody");
   return hash;

@@ -1,5 +1,5 @@
-// The users of a store. Passwords are kept as Argon2id hashes only (libsodium, its interactive
-// limits: 64 MiB, some 0.1 s each).
+// Users of a store. Passwords are stored only as Argon2id hashes (libsodium, its interactive
+// limits: 64 MiB, about 0.1 s each).
 #pragma once
 
 #include <optional>
@@ -23,22 +23,22 @@ class UserTable {
  public:
   explicit UserTable(SqlConnection& connection) : connection_(connection) {}
 
-  // Everything throws StoreError. False: there is such a user already.
+  // Everything throws StoreError. Returns false if the user exists already.
   [[nodiscard]] bool add(const std::string& name, Role role, std::string_view password,
                          UtcTime now);
   [[nodiscard]] bool remove(const std::string& name);  // false: there is none
-  [[nodiscard]] std::vector<User> list();              // by name
+  [[nodiscard]] std::vector<User> list();              // sorted by name
 
-  // The role, when name and password fit. Takes the same time for a name that is unknown.
+  // Returns the role if name and password match. Lasts equally long for an unknown name.
   [[nodiscard]] std::optional<Role> verify(const std::string& name, std::string_view password);
-  // Of a user who has proven who it is by other means; nothing: there is none.
+  // Returns the role of a user who was authenticated by other means; `std::nullopt` if unknown.
   [[nodiscard]] std::optional<Role> role_of(const std::string& name);
 
  private:
   SqlConnection& connection_;
 };
 
-// Why a name or a password is not taken; empty: it is.
+// Return why a name or a password is refused; empty if accepted.
 [[nodiscard]] std::string fault_of_user_name(std::string_view name);
 [[nodiscard]] std::string fault_of_password(std::string_view password);
 

@@ -1,4 +1,4 @@
-// The logins of users: whether a user with this password may log in.
+// Logins of users: checks whether a user with this password may log in.
 #pragma once
 
 #include <cstdint>
@@ -16,38 +16,37 @@ namespace fieldcast {
 struct LoginAttempt {
   std::string user;
   Secret password;
-  // The address it comes from, without the port: guessing is slowed down by user and peer.
+  // The peer's address without the port. Attempts are throttled by user and by peer.
   std::string peer;
-  bool certified = false;  // by a certificate that was verified: there is no password to check
+  bool certified = false;  // by a verified certificate; there is no password to check
 };
 
 struct LoginRefused {
   enum class Why : std::uint8_t {
-    kWrong,        // no such user, or another password: the same answer after the same time
-    kUnknown,      // the user of a certificate is none of ours
-    kTooSoon,      // after wrong passwords: not checked before `wait` is over
-    kBusy,         // too many others log in
-    kUnavailable,  // the store cannot be asked, or there is none
+    kWrong,        // unknown user or wrong password: same response after the same time
+    kUnknown,      // the user of a certificate is not in the store
+    kTooSoon,      // after wrong passwords: not checked before `wait` has passed
+    kBusy,         // too many other logins are waiting
+    kUnavailable,  // the store is not available, or there is none
   };
   Why why = Why::kUnavailable;
   Duration wait{};  // with kTooSoon
 };
-// One line for people and for the audit; no secret in it.
+// One human-readable line, also for the audit; contains no secret.
 [[nodiscard]] std::string to_text(const LoginRefused& refused);
 
 using LoginResult = tl::expected<Role, LoginRefused>;
 
 class Logins {
  public:
-  static constexpr std::size_t kMaxWaiting = 16;       // attempts; one more is refused as busy
+  static constexpr std::size_t kMaxWaiting = 16;       // attempts; more are refused as busy
   static constexpr std::size_t kMaxUserBytes = 64;     // of a name
   static constexpr std::size_t kMinPasswordBytes = 8;  // of a new one
   static constexpr std::size_t kMaxPasswordBytes = 1024;
 
   virtual ~Logins() = default;
-  // Any thread; never blocks. `done` is called exactly once, within 30 s: at once for an attempt
-  // that need not be checked, else on a thread of the logins, where it must only post. Every
-  // attempt is audited.
+  // Any thread; never blocks. `done` is called exactly once within 30 s: immediately, or on a
+  // thread of the logins, where it must only post. Every attempt is audited.
   virtual void authenticate(LoginAttempt attempt, std::function<void(LoginResult)> done) = 0;
 };
 

@@ -20,7 +20,7 @@ class ArbiterTest : public testing::Test {
     command.values = {Value{std::uint64_t{7}}};
     parts_.commands.accept(command, {}, Instant{}, sink_);
   }
-  // What goes on the wire at `now`; it is withdrawn at once, as if it had never been sent.
+  // Returns the kind of request sent at `now` and withdraws it, as if it had never been sent.
   std::optional<Kind> next(Instant now) {
     if (!arbiter_.next(now)) return std::nullopt;
     const Flight flight = *parts_.wire.abort();
@@ -54,7 +54,7 @@ TEST_F(ArbiterTest, NothingIsSentWhileTheWireMustBeSilent) {
 
 TEST_F(ArbiterTest, CommandsAndReadsThatAreDueTakeTurns) {
   write("r0");
-  write("r2");  // no neighbour: a request of its own
+  write("r2");  // not a neighbour: a separate request
   write("r0", "unit-2");
   EXPECT_EQ(next(Instant{}), Kind::kCommand);
   EXPECT_EQ(next(Instant{}), Kind::kRead);

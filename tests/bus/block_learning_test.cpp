@@ -74,7 +74,8 @@ TEST(PauseLearning, ADeviceThatIsDeafAfterItsAnswersIsGivenARest) {
   PauseLearning learning;
   int asked = 0;
   for (; learning.pause() < 10ms && asked < 400; ++asked) {
-    learning.tried(learning.pause() + 1ms, learning.pause() + 1ms > 8ms);  // deaf for 8 ms
+    // The device ignores requests for 8 ms.
+    learning.tried(learning.pause() + 1ms, learning.pause() + 1ms > 8ms);
     learning.tried(200ms, true);
   }
   EXPECT_EQ(learning.pause(), 10ms);
@@ -87,7 +88,7 @@ TEST(PauseLearning, ADeviceThatIsDeafAfterItsAnswersIsGivenARest) {
   EXPECT_EQ(learning.pause(), Duration::zero());
 }
 
-// Retries show how longer rests fare.
+// Retries show how longer pauses perform.
 TEST(PauseLearning, LongerRestsAreFoundAsWell) {
   for (const Duration deaf : {Duration{30ms}, Duration{65ms}, Duration{180ms}, Duration{800ms}}) {
     PauseLearning learning;
@@ -110,7 +111,7 @@ TEST(PauseLearning, ALineThatLosesAnswersAtAnyTimeNeedsNoRest) {
   EXPECT_EQ(learning.pause(), Duration::zero());
 }
 
-// Deaf for `deaf` after its answers.
+// A device that ignores requests for `deaf` after its response.
 struct DeafDevice {
   Duration deaf;
   PauseLearning& learning;
@@ -122,12 +123,12 @@ struct DeafDevice {
       learning.tried(rest, rest > deaf);
       if (rest > deaf) continue;
       ++failed;
-      learning.tried(rest + learning.next_pause() + 200ms, true);  // its repetition
+      learning.tried(rest + learning.next_pause() + 200ms, true);  // the retry
     }
   }
 };
 
-// Retries into a device that died for a moment: silent after rests of each length up to a second.
+// Retries of a device that failed for a moment: no response after pauses up to a second.
 void learn_a_second(PauseLearning& learning) {
   for (int i = 0; i < 12; ++i) learning.tried(5s, true);
   for (int i = 0; i < 12; ++i) learning.tried(800ms, false);

@@ -1,4 +1,4 @@
-// A declared device that speaks its numbers as text: the whole engine against the simulated device,
+// A declared device that sends its numbers as text: the complete engine with the simulated device,
 // in virtual time.
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
-// S7 freeport stations on one noisy line, read by the whole bus engine in virtual time: how often a
-// wrong value is published.
+// S7 freeport stations on a noisy line, polled by the complete bus engine in virtual time: measures
+// how often a wrong value is published.
 //
-// 9600 baud, 8N1, stations 1..n. A station's four bytes are random and new in each of its answers,
-// so that every value of another moment or another station is recognised as wrong. Each direction
-// passes its own UART (tests/support/noisy_uart.hpp). The stations are written from the rules of
-// the protocol alone, apart from the core's codec.
+// 9600 baud, 8N1, stations 1..n. The four bytes of a station are random and new in each response,
+// so that every value of another time or station is recognized as wrong. Each direction passes its
+// own UART (tests/support/noisy_uart.hpp). The stations are written from the rules of the protocol,
+// independently of the core's codec.
 #pragma once
 
 #include <array>
@@ -20,9 +20,10 @@ namespace fieldcast::test {
 class FreeportStations {
  public:
   FreeportStations(unsigned count, std::uint64_t seed);
-  // What the line carries after what the stations received: an answer, a refusal, or nothing.
+  // Returns the bytes on the line after the stations received a request: a response, a refusal, or
+  // empty.
   [[nodiscard]] Bytes answer(ByteView received);
-  // As last answered.
+  // The value of the last response.
   [[nodiscard]] std::uint32_t window(unsigned station) const { return windows_.at(station); }
 
  private:
@@ -43,7 +44,7 @@ class FreeportBus {
 
   [[nodiscard]] const Counts& counts() const { return counts_; }
   [[nodiscard]] Duration elapsed() const { return now_ - Instant{}; }
-  // Of exchanges that failed.
+  // Causes of failed exchanges.
   [[nodiscard]] CauseCounters causes() { return engine_.bus_report(now_).causes; }
   [[nodiscard]] std::uint64_t flipped() const {
     return to_stations_.flipped() + to_master_.flipped();

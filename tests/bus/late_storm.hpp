@@ -1,9 +1,9 @@
-// A bus in virtual time whose devices answer late, twice, or whose answers collide with another
-// master: every good value is held against what its address holds.
+// A bus in virtual time whose devices respond late or twice, or whose responses collide with
+// another master. Every good value is compared with the contents of its address.
 //
-// Each item of a device holds a number made of its device, area and address, so that the value of
-// any other address is seen. All devices of a storm have blocks of the same shape: what can be
-// mistaken, is. Deterministic by its seed. What tools/bench/storm_bench runs at length.
+// The number in each item is made of device, area and address, so that a value of any other address
+// is detected. All devices have blocks of the same shape, so that mistakes are possible.
+// Deterministic by its seed. tools/bench/storm_bench runs it for a long time.
 #pragma once
 
 #include <memory>
@@ -18,16 +18,16 @@
 
 namespace fieldcast::test {
 
-// One row for each protocol, and each mode that changes how its answers are told apart.
+// One row for each protocol, and for each mode that changes how its responses are distinguished.
 struct StormKind {
   std::string name;
-  std::string protocol, options;  // as the configuration has them
+  std::string protocol, options;  // as in the configuration
   std::string port;
   int devices = 2;
   std::vector<std::string> addresses;  // of the channels
   std::string type;
-  bool foreign = true;  // its answers show whose they are, so that foreign ones can be told apart
-  bool writes = true;   // a write changes nothing but its own channel
+  bool foreign = true;  // its responses identify their station, so that foreign ones are recognized
+  bool writes = true;   // a write changes only its own channel
   friend void PrintTo(const StormKind& kind, std::ostream* out) { *out << kind.name; }
 };
 [[nodiscard]] std::span<const StormKind> storm_kinds();
@@ -38,7 +38,7 @@ struct StormFaults {
   Duration by = std::chrono::milliseconds{250};
   double doubled = 0;
   double foreign = 0;  // conversations a second
-  double noise = 0;    // of a bit
+  double noise = 0;    // probability per bit
 };
 [[nodiscard]] sim::BusFaults faults_of(const BusSpec& bus, const StormFaults& faults);
 
@@ -53,7 +53,7 @@ class LateStorm {
 
   LateStorm(const StormKind& kind, const BusSpec& spec, const sim::BusFaults& faults,
             std::uint64_t seed);
-  // Runs until so many requests were sent, with a command about every second.
+  // Runs until this number of requests was sent, with a command about every second.
   void run(std::uint64_t exchanges);
   [[nodiscard]] Counts counts();
   [[nodiscard]] const std::vector<std::uint64_t>& good_of_channels() const { return good_; }

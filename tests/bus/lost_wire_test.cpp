@@ -1,5 +1,5 @@
-// An engine that loses its wire to another master (`fence: listen`): what that one is answered is
-// nothing that this one asked for.
+// An engine that loses its wire to another master (`fence: listen`): responses to that master must
+// not be matched to its own request.
 #include <gtest/gtest.h>
 
 #include <optional>
@@ -22,10 +22,10 @@ class LostWire : public testing::Test {
     spec.devices[0].retries = 0;
     return spec;
   }
-  // More than the request and its answer take at 19200 Bd.
+  // Longer than a request and its response at 19200 baud.
   static constexpr Duration kExchange = 60ms;
   static Bytes bytes_of(std::string_view text) { return {text.begin(), text.end()}; }
-  // The request that is sent, if one is.
+  // Returns the request that is sent, if any.
   std::optional<Bytes> feed(const BusEvent& event) {
     std::optional<Bytes> sent;
     Actions actions;
@@ -39,7 +39,7 @@ class LostWire : public testing::Test {
     }
     return sent;
   }
-  // Asks for the four registers of the device.
+  // Polls the four registers of the device.
   Bytes ask() {
     (void)feed(Opened{});
     for (;;) {
@@ -64,7 +64,7 @@ TEST_F(LostWire, AnAnswerInTimeIsTaken) {
   EXPECT_EQ(good_, 4);
 }
 
-// It stood still in the midst of an exchange for so long that another one may have begun.
+// It was stopped during an exchange for so long that another master may have begun.
 TEST_F(LostWire, AnAnswerAfterALongStandstillMayBeAnotherMasters) {
   (void)ask();
   now_ += times_.claim + 50ms;
@@ -72,7 +72,7 @@ TEST_F(LostWire, AnAnswerAfterALongStandstillMayBeAnotherMasters) {
   EXPECT_EQ(good_, 0);
 }
 
-// Both began at the same instant, and the other one is answered first.
+// Both masters began at the same instant, and the other one gets the first response.
 TEST_F(LostWire, AFirstAnswerThatBeganBeforeTheRequestHadEndedIsAnotherMasters) {
   (void)ask();
   now_ += 1ms;
@@ -83,7 +83,7 @@ TEST_F(LostWire, AFirstAnswerThatBeganBeforeTheRequestHadEndedIsAnotherMasters) 
   EXPECT_EQ(good_, 4);
 }
 
-// As a line that is no line does it.
+// As a virtual line behaves, which has no transmission time.
 TEST_F(LostWire, AnswersThatAlwaysComeTooEarlyAreTakenFromTheSecondOn) {
   (void)ask();
   now_ += 1ms;
@@ -97,7 +97,8 @@ TEST_F(LostWire, AnswersThatAlwaysComeTooEarlyAreTakenFromTheSecondOn) {
   EXPECT_EQ(good_, 4);
 }
 
-// Both began at the same instant: this one's request was garbled, the other one asks on.
+// Both masters began at the same instant: the request of this one was garbled, and the other
+// continues.
 TEST_F(LostWire, AnAnswerBehindARequestOfAnotherMasterIsNotTaken) {
   (void)ask();
   now_ += 20ms;
@@ -118,7 +119,7 @@ TEST_F(LostWire, AnAnswerBehindNoiseIsTaken) {
   EXPECT_FALSE(engine_.bus_report(now_).listening);
 }
 
-// The exchange is over, its answer is still owed: another master asks the same.
+// The exchange has ended, its response is still pending: another master sends the same request.
 TEST_F(LostWire, AnAnswerToAnotherMasterIsNoLateOne) {
   const Bytes request = ask();
   now_ += times_.claim + 50ms;

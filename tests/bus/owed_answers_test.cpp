@@ -7,7 +7,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Reads of one area; answers of the same device and length are alike, as in Modbus RTU.
+// Reads of one area; responses of the same device and length are alike, as in Modbus RTU.
 OwedAnswers alike_by_length() {
   return OwedAnswers([](const Asked& a, const Asked& b) {
     const auto count = [](const Asked& asked) {

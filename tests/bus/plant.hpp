@@ -1,7 +1,6 @@
 // Plants of the simulation tests: buses of simulated devices, their commands and values.
 //
-// Owns nothing. Runs on the thread of the test. A plant whose configuration has an error throws
-// std::runtime_error.
+// Runs on the thread of the test. Throws std::runtime_error if a configuration has an error.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -15,7 +14,7 @@
 namespace fieldcast::test {
 
 // `devices` devices with `registers` writable holding registers each, two apart. fill() writes
-// value_of() its channel into each.
+// value_of() of the channel to each.
 inline BusSpec plant(int devices, int registers, const std::string& defaults) {
   std::string text =
       "bridge: test\nbuses:\n  - name: bus\n    port: { serial: /dev/none, baud: 19200, format: "
@@ -53,12 +52,12 @@ inline BusSpec dtc_plant(const std::string& defaults) {
   return loaded->buses.front();
 }
 
-// A value of its own for each channel.
+// A different value for each channel.
 inline std::uint64_t value_of(ChannelIndex channel) {
   return (channel * 2654435761u) >> 16 & 0xFFFF;
 }
 
-// The channels are counted through all devices, in their order.
+// `channel` counts through all devices, in their order.
 inline Command write_of(const BusSpec& spec, ChannelIndex channel, std::uint64_t value) {
   Command command;
   for (const DeviceSpec& device : spec.devices) {
@@ -73,7 +72,7 @@ inline Command write_of(const BusSpec& spec, ChannelIndex channel, std::uint64_t
   return command;
 }
 
-// Gives every register its own value, so that a value of another register is recognised.
+// Gives every register a different value, so that a value of another register is recognized.
 inline void fill(VirtualBus& bus, const BusSpec& spec) {
   for (ChannelIndex c = 0; c < bus.channels().size(); ++c) {
     bus.command(write_of(spec, c, value_of(c)));

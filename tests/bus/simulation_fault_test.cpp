@@ -1,4 +1,5 @@
-// Whole buses in virtual time with one device that is dead, deaf, noisy or refuses a part.
+// Complete buses in virtual time with one device that is dead, ignores requests, is noisy, or
+// refuses addresses.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -13,7 +14,7 @@ using namespace std::chrono_literals;
 TEST(Simulation, ADeviceThatIsDeafAfterItsAnswersKeepsItsRefreshes) {
   for (const Duration deaf : {Duration{8ms}, Duration{30ms}, Duration{120ms}}) {
     const BusSpec spec = plant(2, 6, "refresh: 500ms");
-    BusSpec scattered = spec;  // several reads for each round
+    BusSpec scattered = spec;  // several reads in each round
     for (DeviceSpec& device : scattered.devices) {
       for (std::size_t c = 0; c < 3; ++c)
         device.channels[c].range.first = static_cast<std::uint32_t>(1000 + 200 * c);
@@ -63,7 +64,7 @@ TEST(Simulation, DeadDeviceComesBackByItself) {
   for (ChannelIndex c = 5; c < 10; ++c) EXPECT_EQ(bus.channels()[c].quality, Quality::kGood);
 }
 
-// The wire can spare less for a probe than the device takes.
+// The wire has less time for a probe than the device needs.
 TEST(Simulation, ASlowDeviceComesBackOnAWireThatIsBusy) {
   BusSpec spec = plant(2, 1, "refresh: 60ms, timeout: 200ms");
   spec.devices[1].channels[0].refresh = 5s;
@@ -109,7 +110,7 @@ TEST(Simulation, RefusedAddressLeavesTheOthersAlone) {
   const BusSpec spec = plant(1, 30, "refresh: 1s");
   sim::BusFaults faults;
   faults.devices["unit-1"].refused.push_back(
-      {"holding", 120, 121, 2});  // r10, and the gap behind it
+      {"holding", 120, 121, 2});  // r10, and the gap after it
   VirtualBus bus(spec, faults, 5);
   bus.run_until(Instant{10s});
   bus.watch_from_now();
@@ -155,8 +156,8 @@ TEST(Simulation, RefusedRangesOfAListLeaveTheOthersAlone) {
             (std::vector<std::string>{"int16:100", "int32:581"}));
 }
 
-// What the device accepts is learned from its refusals, told, and forgotten when another one may be
-// there.
+// The block limits of the device are measured from its refusals, reported, and dropped when a
+// different device may be connected.
 TEST(Simulation, LearnsGapsAndForgetsThemWithTheDevice) {
   const BusSpec spec = plant(1, 6, "refresh: 1s, timeout: 100ms");
   sim::BusFaults faults;

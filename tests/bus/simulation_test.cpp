@@ -1,4 +1,4 @@
-// Whole buses in virtual time: healthy plants, and commands to them.
+// Complete buses in virtual time: healthy plants, and commands to them.
 #include <gtest/gtest.h>
 
 #include "tests/bus/plant.hpp"
@@ -66,7 +66,7 @@ TEST(Simulation, OneSeedReplaysBitForBit) {
   EXPECT_NE(fingerprint(7), fingerprint(8));
 }
 
-// A recipe: many setpoints of one device at once.
+// A recipe: many setpoints of one device at the same time.
 TEST(Simulation, WritesToNeighboursTravelTogether) {
   std::string text =
       "bridge: test\nbuses:\n  - name: bus\n    port: { serial: /dev/none, baud: 19200 }\n    "
@@ -86,9 +86,9 @@ TEST(Simulation, WritesToNeighboursTravelTogether) {
     command.verify = c == 39;
     bus.command(std::move(command));
   }
-  bus.command(write_of(spec, 7, 77));  // the same again: the later one holds
+  bus.command(write_of(spec, 7, 77));  // a second write to the same register: the later one counts
   bus.run_until(Instant{20s});
-  EXPECT_LE(requests(), 4u);  // the first found the wire free
+  EXPECT_LE(requests(), 4u);  // the first one was sent immediately
   for (const auto& [id, results] : bus.results()) {
     ASSERT_EQ(results.size(), 1u);
     EXPECT_EQ(results[0].state, id == 40 ? CommandState::kVerified : CommandState::kDone)

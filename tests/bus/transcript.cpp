@@ -47,8 +47,8 @@ class Replay {
       feed(TimerFired{}, at);
     }
   }
-  // What an instant with this many pluses counts from: the beginning, the next request that is not
-  // yet answered, the last event.
+  // Reference of an instant with this number of pluses: the start, the next request without a
+  // response, or the last event.
   Instant base(unsigned pluses) {
     if (pluses == 0) return Instant{};
     if (pluses == 2) return last_;
@@ -164,7 +164,7 @@ void replay_line(Replay& replay, const std::string& line) {
   const auto words = words_of(line);
   if (words.empty() || words[0][0] == '#') return replay.remark(line);
   if (words.size() < 2) return replay.remark("!! no instant and event: " + line);
-  if (is_outcome(words[1])) return;  // for the engine to say
+  if (is_outcome(words[1])) return;  // an outcome, written by the engine
   const std::size_t pluses = words[0].find_first_not_of('+');
   const auto instant =
       parse_instant(std::string_view(words[0]).substr(std::min(pluses, words[0].size())));

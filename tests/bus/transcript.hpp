@@ -1,5 +1,5 @@
-// A bus engine's day as a text: instants, bytes, events, and what the engine did. The file is input
-// and expectation in one; replaying its events must give back the file itself.
+// Transcript of a bus engine: times, bytes, events, and the actions of the engine. The file is both
+// input and expectation: a replay of its events must reproduce the file.
 //
 //     bus: { ... }                       a configuration, up to a line of three hyphens
 //     ---
@@ -10,16 +10,16 @@
 //     7ms      command c1 write press-1/setpoint = 5 verify expires 2s
 //     9ms      result c1 done
 //
-// "+4ms" counts from the next request that nothing answered yet ("+0 lost": and nothing will),
-// "++4ms" from the event before. Blank lines and lines that begin with # are kept as they are.
+// "+4ms" counts from the next request without a response ("+0 lost": it never gets one), "++4ms"
+// from the previous event. Blank lines and lines that begin with # are kept.
 #pragma once
 
 #include <string>
 
 namespace fieldcast::test {
 
-// What the engine really does when the events of `text` happen: the same text when it behaves. A
-// line that is not understood is answered with "!! ..." in its place.
+// Returns the real actions of the engine for the events of `text`: the same text if the engine is
+// correct. An invalid line is replaced by "!! ...".
 [[nodiscard]] std::string replay(const std::string& text);
 
 }  // namespace fieldcast::test

@@ -72,7 +72,8 @@ TEST_F(WireTest, ARepeatedFlightKeepsItsStartAndKnowsThatItWasNotAnswered) {
       << "the wire was free between the tries";
 }
 
-// What a device costs is what follows from it: it is left alone for ten times as long.
+// The wait after a device depends on the time it cost: the device is not polled for ten times as
+// long.
 TEST_F(WireTest, TimeInWhichTheProcessStoodStillIsNotTheDevices) {
   wire_.launch(read());
   (void)send(Instant{});

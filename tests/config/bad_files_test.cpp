@@ -1,6 +1,6 @@
-// One broken file for each fault in tests/config/bad: its head says, line for line, what the loader
-// must say of it. There {protocols} stands for the names of all protocols, so that a new one
-// changes no file.
+// Tests one broken file for each fault in tests/config/bad: its head contains the expected messages
+// of the loader, line for line. {protocols} stands for the names of all protocols, so that a new
+// protocol changes no file.
 #include <gtest/gtest.h>
 
 #include <sstream>

@@ -1,5 +1,5 @@
-// One broken declaration for each fault in tests/config/bad_protocols: its head says, line for
-// line, what the loader must say of it.
+// Tests one broken declaration for each fault in tests/config/bad_protocols: its head contains the
+// expected messages of the loader, line for line.
 #include <gtest/gtest.h>
 
 #include <sstream>

@@ -1,5 +1,5 @@
-// As much of JSON Schema (draft 2020-12) as config/fieldcast.schema.json uses. A keyword that this
-// does not know is a failure, so that the schema cannot say what no test reads.
+// The part of JSON Schema (draft 2020-12) that config/fieldcast.schema.json uses. An unknown
+// keyword is a failure, so that every rule of the schema is tested.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -9,11 +9,12 @@
 
 namespace fieldcast::config {
 
-// The value that a JSON-minded reader sees in YAML (YAML 1.2 core schema: plain true, false, null
-// and numbers are not texts).
+// Converts YAML to JSON by the YAML 1.2 core schema: plain true, false, null and numbers are not
+// texts.
 [[nodiscard]] nlohmann::json json_of(const Node& node);
 
-// Nothing when the value fits, else the first reason: "/buses/0: unknown key 'x'".
+// Returns the first reason why the value does not fit: "/buses/0: unknown key 'x'"; empty if it
+// fits.
 [[nodiscard]] std::string misfit(const nlohmann::json& value, const nlohmann::json& schema,
                                  const nlohmann::json& root, const std::string& path = "");
 

@@ -1,4 +1,4 @@
-// What a configuration may hold: at the limit it loads, beyond it a fault says so.
+// Limits of a configuration: at the limit it loads, beyond it the loader reports a fault.
 #include "config/limits.hpp"
 
 #include <gmock/gmock.h>

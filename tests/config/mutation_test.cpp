@@ -1,5 +1,5 @@
-// Hostile text: whatever the bytes, the loader comes back with a model or with faults that have a
-// place. Seeded, so that a failure can be repeated.
+// Hostile text: for any bytes, the loader returns a model or faults with a place. Seeded, so that a
+// failure can be repeated.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -9,7 +9,7 @@
 namespace fieldcast::config {
 namespace {
 
-// Loads, and checks what holds for every text.
+// Loads, and checks the properties of every result.
 void check(const std::string& text, const FileReader& reader, const std::string& what) {
   const auto loaded = load_text(text, "mutant.yaml", reader);
   if (loaded) {

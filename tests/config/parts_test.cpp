@@ -1,5 +1,4 @@
-// The small parts: spellings of numbers, durations and ports, suggestions, and where files are
-// looked for.
+// Small parts: notations of numbers, durations and ports, suggestions, and the search for files.
 #include <gtest/gtest.h>
 
 #include "config/port.hpp"

@@ -1,4 +1,4 @@
-// What the tests of config/ share: the source tree's files, and a disk of texts.
+// Shared by the tests of config/: the files of the source tree, and files in memory.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@ inline std::string slurp(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// The files of a folder with one extension, sorted.
+// Returns the files of a folder with one extension, sorted.
 inline std::vector<std::filesystem::path> files_of(const std::filesystem::path& folder,
                                                    const std::string& extension) {
   std::vector<std::filesystem::path> files;
@@ -41,7 +41,7 @@ inline FileReader texts(std::map<std::string, std::string> files) {
           {}};
 }
 
-// Faults name files as the files themselves do: relative to `folder`.
+// Faults contain file names relative to `folder`.
 inline FileReader within(const std::filesystem::path& folder) {
   const auto disk = disk_reader();
   return {[=](const std::string& path) { return disk.read((folder / path).string()); },

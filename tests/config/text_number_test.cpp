@@ -1,4 +1,4 @@
-// Numbers on texts: what a channel and a declaration may say of them.
+// Numbers as texts: the options of a channel and of a declaration.
 #include <gtest/gtest.h>
 
 #include "tests/config/support.hpp"

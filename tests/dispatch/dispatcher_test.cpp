@@ -1,4 +1,4 @@
-// (plan, state, now) -> a read or a rest: each dispatcher by itself.
+// (plan, state, now) -> a read or a rest: each dispatcher separately.
 #include "core/dispatch/dispatcher.hpp"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ using namespace std::chrono_literals;
 using test::kFakeProtocol;
 constexpr Instant kNow{100s};
 
-// Groups of one register each, far apart, and a state in which nothing is due before `set_due`.
+// Groups of one distant register each, and a state in which nothing is due before `set_due`.
 struct Bench {
   explicit Bench(std::vector<double> refreshes, Planner planner = Planner::kCyclic,
                  Mode mode = Mode::kScheduled)
@@ -22,7 +22,7 @@ struct Bench {
     for (PointState& point : state.points)
       point.allowed_gap = allowed_gap_of(ns(point.refresh), state.wire.lead);
   }
-  // Puts the read of one group where its dispatcher wants it.
+  // Puts the read of one group where its dispatcher expects it.
   template <typename D>
   void set_due(D& dispatcher, GroupIndex group, Instant due, bool eager = false) {
     PointState& point = state.points_of(plan, group).front();

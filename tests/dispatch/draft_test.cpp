@@ -51,7 +51,7 @@ TEST(Draft, ItsPlanIsTakenAsItIs) {
   EXPECT_EQ(scheduler->plan(), made);
 }
 
-// The groups of the draft are others than those that changed meanwhile.
+// The draft has different groups than those that changed meanwhile.
 class ChangingBus : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(ChangingBus, KeepsWhatIsAskedForWhileAPlanIsMade) {

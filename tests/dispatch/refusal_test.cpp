@@ -49,14 +49,14 @@ TEST_F(RefusingDevice, GapBetweenTwoGoodHalvesBecomesABarrier) {
   wire_->run(60s);
   EXPECT_EQ(refused_, 0u);
   EXPECT_EQ(wire_->missed(), 0u);
-  EXPECT_LE(wire_->blocks(), 2 * 72u);  // the two sides of the barrier, each whole
+  EXPECT_LE(wire_->blocks(), 2 * 72u);  // the two sides of the barrier, each complete
 }
 
 TEST_F(RefusingDevice, SinglePointIsFoundBadAndTheOthersKeepTheirRefresh) {
   holes_ = {14};
   wire_->run(3s);
   EXPECT_EQ(wire_->bad, std::vector<PointIndex>{7});
-  EXPECT_LE(refused_, 6u);  // a search by halves
+  EXPECT_LE(refused_, 6u);  // a binary search
   refused_ = 0;
   wire_->forget_gaps();
   wire_->run(60s);
@@ -90,7 +90,7 @@ TEST_F(RefusingDevice, BadPointIsTriedAgainAloneAndComesBack) {
       EXPECT_EQ(block.points.size(), 1u);
     }
   };
-  wire_->run(16s);  // still refused: alone, so nobody else suffers
+  wire_->run(16s);  // still refused: alone, so that no other read fails
   EXPECT_EQ(wire_->bad.size(), 2u);
   wire_->check = nullptr;
   holes_.clear();

@@ -1,4 +1,4 @@
-// An ideal half-duplex line in virtual time, with a scheduler as its master: every read takes its
+// An ideal half-duplex line in virtual time with a scheduler as its master: every read lasts its
 // cost, and gaps are counted.
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace fieldcast::test {
 
-// What the devices do with a block; nothing set: they answer.
+// Response of the devices to a block; by default kGood.
 enum class Answer { kGood, kRefused, kSilent };
 
 class VirtualWire {
@@ -20,7 +20,8 @@ class VirtualWire {
     for (auto& seen : seen_) seen.last = kStart;
   }
 
-  // Runs until `end` of virtual time. The check, if any, sees every block before it is read.
+  // Runs for `length` of virtual time. The check, if any, is called with every block before it is
+  // read.
   void run(Duration length) {
     const Instant end = now_ + length;
     while (now_ < end) {
@@ -44,7 +45,7 @@ class VirtualWire {
     for (const auto& seen : seen_) sum += seen.missed;
     return sum;
   }
-  // Points that are overdue at this moment, or have never been read within their refresh.
+  // Returns the points that are overdue, or have never been read within their refresh.
   [[nodiscard]] std::size_t overdue() const {
     std::size_t count = 0;
     for (PointIndex point = 0; point < seen_.size(); ++point) {
@@ -66,7 +67,7 @@ class VirtualWire {
 
   std::function<Answer(const Block&)> device;
   std::function<void(const Block&)> check;
-  double pace = 1;  // what a read takes of the time that the line's rate says
+  double pace = 1;  // duration of a read relative to the line's rate
   Duration timeout = std::chrono::milliseconds{200};
   Duration retry_after{};
   Duration forget = std::chrono::minutes{10};

@@ -1,5 +1,5 @@
-// The requests of least wire time that together read all of what is wanted, for protocols whose
-// requests carry lists of ranges: what a scheduler is held against.
+// The requests of least wire time that read all wanted items, for protocols whose requests contain
+// lists of ranges; the reference for a scheduler.
 #pragma once
 
 #include <span>
@@ -14,8 +14,8 @@ struct BestRequests {
   Duration cost{};
 };
 
-// `wanted` is of one area, in rising order. Neighbours are joined where bridging is cheaper than
-// another range; each request holds consecutive ranges, or one range over all of them where that is
+// `wanted` is of one area, in rising order. Neighbours are joined if bridging is cheaper than
+// another range. Each request has consecutive ranges, or one range over all of them if that is
 // cheaper.
 [[nodiscard]] BestRequests best_requests(std::span<const Range> wanted, const ListCost& cost);
 

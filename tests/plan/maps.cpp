@@ -112,7 +112,7 @@ double proven_load(const Map& map, std::uint32_t baud, Duration delay) {
   const double character = 11.0 / baud;
   const double request = 20 * character + to_seconds(delay), item = 2 * character;
   std::map<unsigned, std::map<double, std::vector<std::uint32_t>>>
-      units;  // unit: refresh: addresses
+      units;  // units; in each: refresh; in each: addresses
   for (const MapRow& row : map) units[row.unit][row.refresh].push_back(row.address);
   double load = 0;
   for (const auto& [unit, classes] : units) {

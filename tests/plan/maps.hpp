@@ -1,4 +1,4 @@
-// Maps of channels for tests and benches: the files in tests/maps, and random ones from a seed.
+// Maps of channels for tests and benchmarks: the files in tests/maps, and random maps from a seed.
 #pragma once
 
 #include <cstdint>
@@ -23,13 +23,14 @@ using Map = std::vector<MapRow>;
 // Groups of registers scattered over a few units with refreshes from 100 ms to 10 s.
 [[nodiscard]] Map random_map(std::uint64_t seed, std::size_t channels, unsigned units = 3);
 
-// Modbus RTU at 11 bits a character with a silence of 3.5 characters on both sides of an answer: a
-// read of n registers takes 20 + 2n characters and the device's delay.
+// Modbus RTU at 11 bits a character with a silence of 3.5 characters before and after a response. A
+// read of n registers lasts 20 + 2n characters and the device's delay.
 [[nodiscard]] ScheduleInput input_of(const Map& map, const Protocol& protocol,
                                      std::uint32_t baud = 19200, Duration delay = {},
                                      double stretch = 1);
 
-// How a protocol names the register of a map: "holding:" and its number, or "VW" and twice it.
+// Notation of a map's register in a protocol: "holding:" and its number, or "VW" and twice the
+// number.
 struct Notation {
   const char* protocol = "modbus-rtu";
   const char* area = "holding:";
@@ -41,14 +42,14 @@ struct Notation {
                                            std::uint32_t baud = 19200,
                                            const Notation& notation = {});
 
-// The least load that any master needs: each group of neighbours of a unit (gaps cheaper than a
-// request) read once in its shortest refresh, each register once in its own.
+// Minimum load of any master: each group of neighbours of a unit (gaps cheaper than a request) is
+// read once in its shortest refresh, each register once in its own.
 [[nodiscard]] double least_load(const Map& map, std::uint32_t baud = 19200, Duration delay = {});
 
-// A tighter bound, which also counts the way between registers. Let f(S) be the least cost of
+// A tighter bound, which also counts the gaps between registers. Let f(S) be the least cost of
 // reading the set S once: a request, its items, and for each gap the cheaper of bridging it and
-// another request. f is submodular, so the reads of any master can be charged class by class: what
-// the registers of refresh up to R add to those of shorter refresh, f(R) - f(shorter), is paid at
+// another request. f is submodular, so the reads of any master can be charged class by class. The
+// registers of refresh up to R add f(R) - f(shorter) to those of shorter refresh; this is paid at
 // least once in every window of R. Hence the load is at least the sum over the classes of (f(R) -
 // f(shorter)) / R.
 [[nodiscard]] double proven_load(const Map& map, std::uint32_t baud = 19200, Duration delay = {});

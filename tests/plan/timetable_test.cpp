@@ -13,7 +13,7 @@ using namespace std::chrono_literals;
 constexpr Duration kBasePeriod = 100ms;
 constexpr Duration kSlack = 4ms;
 
-// One point for each number of base periods that its allowed gap holds, ten items apart.
+// One point for each number of base periods that its allowed gap contains, ten items apart.
 TimetableRequest request(std::vector<double> fits) {
   TimetableRequest made;
   made.base_cost = 10ms;

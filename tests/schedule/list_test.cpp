@@ -1,5 +1,5 @@
-// Requests that carry lists of ranges: who is packed together, within which limits, and how what a
-// device refuses is found.
+// Requests with lists of ranges: which ranges are combined, within which limits, and how refused
+// ranges are found.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -21,7 +21,7 @@ using namespace std::chrono_literals;
 using test::Answer;
 using test::VirtualWire;
 
-// A bus of stations that speak one protocol.
+// A bus of stations with one protocol.
 struct Bus {
   std::unique_ptr<Protocol> protocol;
   ScheduleInput input;
@@ -63,7 +63,7 @@ TEST(ListCost, MarginalsAreWhatThePaperSays) {
   const Bus ppi("s7-ppi", 1);
   const ListCost items(ppi.input.devices[0], ppi.input.line, ppi.input.silence);
   EXPECT_LE(std::abs((items.range_cost(0) - ppi.input.line.characters(12 + 4 + 2)).count()),
-            2);  // item, data head, a byte and its filling
+            2);  // item, data head, a byte and its padding
   EXPECT_NEAR(items.item_ns(0), static_cast<double>(ppi.input.line.characters(1).count()), 60'000);
   const Bus omron = fins(1);
   const ListCost words(omron.input.devices[0], omron.input.line, omron.input.silence);
@@ -111,7 +111,7 @@ TEST(Lists, FastPointIsNotMadeToCarryEverySlowOneEachTime) {
   wire.run(80s);
   EXPECT_EQ(wire.missed(), 0u);
   for (PointIndex point = 1; point <= 40; ++point) EXPECT_LE(wire.seen(point).count, 14u) << point;
-  EXPECT_LE(wire.blocks(), wire.seen(0).count + 2);  // they have no requests of their own
+  EXPECT_LE(wire.blocks(), wire.seen(0).count + 2);  // they have no separate requests
 }
 
 TEST(Lists, RunsOfWordsThatAListWouldNameOneByOneAreReadByARequestOfTheirOwn) {
@@ -147,7 +147,7 @@ TEST(Lists, RangeNeverCrossesABank) {
 TEST(Lists, LimitOfTheDeviceCountsTheItemsOfAllRanges) {
   Bus bus("dtc", 1);
   for (unsigned i = 0; i < 30; ++i) bus.add(0, "int16:" + std::to_string(50 * i), 1, 2s);
-  bus.add(0, "int16:9000", 12, 2s);  // longer than the limit, but it cannot be cut
+  bus.add(0, "int16:9000", 12, 2s);  // longer than the limit, but cannot be cut
   bus.input.devices[0].max_block = 8;
   const auto scheduler = make_scheduler(bus.input);
   VirtualWire wire(bus.input, *scheduler);
@@ -180,7 +180,7 @@ TEST(Lists, BadPointsAreFoundByHalvesAndTheOthersKeepTheirRefresh) {
   wire.run(60s);
   EXPECT_EQ(refused, 0u);
   EXPECT_EQ(wire.missed(), 0u);
-  EXPECT_LE(wire.blocks(), 90u);  // the good ones of both halves go on together
+  EXPECT_LE(wire.blocks(), 90u);  // the good ranges of both halves stay together
 }
 
 TEST(Lists, PointThatWasFoundBadIsTriedAgainAlone) {
@@ -219,8 +219,8 @@ TEST(Lists, DeviceThatTakesFewerRangesIsAskedForFewer) {
   EXPECT_EQ(wire.missed(), 0u);
 }
 
-// A line behind a converter or a pseudo-terminal may carry characters faster than its rate says. A
-// read that ends long before it is due counts as that read all the same.
+// A line behind a converter or a pseudo-terminal may be faster than its rate. A read that ends long
+// before it is due still counts as that read.
 TEST(Lists, ALineThatIsFasterThanItsRateIsNotReadMoreOften) {
   for (const std::uint32_t baud : {9600u, 19200u}) {
     for (const double pace : {0.01, 0.3, 0.8, 1.0}) {
@@ -242,7 +242,7 @@ TEST(Lists, ALineThatIsFasterThanItsRateIsNotReadMoreOften) {
   }
 }
 
-// Three families, several units and areas, about half of what the wire could carry.
+// Three families, several units and areas, about half of the wire's capacity.
 class RandomLists : public ::testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(RandomLists, BlocksAreSoundAndWhatIsPredictedFeasibleMissesNothing) {

@@ -1,6 +1,6 @@
-// Remembers which buckets of one tier were noted as open, so that the store notes each of them
-// once and not for every sample. What it forgets is noted again, which costs time and is not wrong.
-// Pure; one owner, on the writer's thread.
+// Remembers which buckets of one tier were noted as open, so that the store notes each bucket once
+// and not for every sample. A bucket that is no longer remembered is noted again, which only costs
+// time. Pure; one owner, on the writer's thread.
 #pragma once
 
 #include <optional>
@@ -14,7 +14,7 @@ class OpenBuckets {
  public:
   explicit OpenBuckets(Duration width) : width_(width) {}
 
-  // A sample of that channel was published at that time. Its bucket, if it is to be noted now.
+  // A sample of the channel was published at `at`. Returns its bucket if it must be noted now.
   [[nodiscard]] std::optional<UtcTime> touch(std::int64_t channel, UtcTime at) {
     const UtcTime start = bucket_start(at, width_);
     const auto [known, added] = newest_.try_emplace(channel, start);
@@ -22,7 +22,7 @@ class OpenBuckets {
     known->second = start;
     return start;
   }
-  // The bucket was written: a sample that comes late notes it again.
+  // The bucket was written; a late sample notes it again.
   void close(std::int64_t channel, UtcTime start) {
     const auto known = newest_.find(channel);
     if (known != newest_.end() && known->second == start) newest_.erase(known);
@@ -31,7 +31,7 @@ class OpenBuckets {
 
  private:
   const Duration width_;
-  // By channel: the bucket that was touched last. One for each channel of the store.
+  // Last bucket by channel; one entry for each channel of the store.
   std::unordered_map<std::int64_t, UtcTime> newest_;
 };
 

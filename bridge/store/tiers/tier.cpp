@@ -3,7 +3,7 @@
 namespace fieldcast {
 namespace {
 
-// Cuts of a span that begins anywhere in a bucket touch one bucket more than fit into it.
+// A span that begins inside a bucket touches one bucket more than fit into it.
 Duration shortest_width(Duration span, std::uint32_t points, Duration unit) {
   const std::int64_t cuts = points > 1 ? points - 1 : 1;
   const std::int64_t whole = unit.count() * cuts;
@@ -27,7 +27,7 @@ std::optional<std::size_t> tier_for(Duration every) {
 Duration width_for(Duration span, std::uint32_t points) {
   using namespace std::chrono_literals;
   for (const Duration unit : {Duration{1h}, Duration{1min}, Duration{1s}}) {
-    // A unit that is longer than needed would give far fewer points than wanted.
+    // A unit longer than needed would give far fewer points than requested.
     if (shortest_width(span, points, 1ms) >= unit) return shortest_width(span, points, unit);
   }
   return shortest_width(span, points, 1ms);

@@ -1,6 +1,6 @@
-// The tiers of the store: samples as they are, then one row for each tier of buckets, from the
-// finest to the coarsest. Each tier is made from the one before it, the first from the samples.
-// Pure: any thread, nothing can fail.
+// Tiers of the store: samples, then one row per bucket in each tier, from the finest to the
+// coarsest. Each tier is made from the one before it, the first from the samples. Pure: any thread,
+// cannot fail.
 #pragma once
 
 #include <array>
@@ -14,10 +14,10 @@
 namespace fieldcast {
 
 struct Tier {
-  std::string_view name;   // for people: "minute"
-  std::string_view every;  // as people write its width: "1min"
+  std::string_view name;
+  std::string_view every;
   Duration width;
-  Duration StoreSpec::*keep;  // how long its buckets are kept; 0: for ever
+  Duration StoreSpec::*keep;  // how long its buckets are kept; 0: forever
 
   // The column `width` of the table `tiers`.
   [[nodiscard]] constexpr std::int64_t seconds() const {
@@ -30,17 +30,17 @@ inline constexpr std::array<Tier, 2> kTiers{{
     {"hour", "1h", std::chrono::hours{1}, &StoreSpec::keep_hours},
 }};
 
-// How long after its end a bucket is closed: what waits in queues until then is not late.
+// Delay between the end of a bucket and its closing; samples that wait in queues are then not late.
 inline constexpr Duration kTierGrace = std::chrono::seconds{5};
 
-// Buckets of that width that begin before this are closed at `now`.
+// Buckets of this width that begin before the returned time are closed at `now`.
 [[nodiscard]] UtcTime closed_before(UtcTime now, Duration width);
 
-// The index of the coarsest tier whose buckets add up to buckets of `every`; nothing: samples.
+// The coarsest tier whose buckets combine to buckets of `every`; `std::nullopt`: only samples.
 [[nodiscard]] std::optional<std::size_t> tier_for(Duration every);
 
-// The shortest round duration that cuts a span into at most `points` buckets: whole hours, whole
-// minutes, whole seconds, else whole milliseconds. REQUIRES: span > 0, points > 0.
+// Returns the shortest round width that divides a span into at most `points` buckets: whole hours,
+// minutes, seconds, or milliseconds. REQUIRES: span > 0, points > 0.
 [[nodiscard]] Duration width_for(Duration span, std::uint32_t points);
 
 }  // namespace fieldcast

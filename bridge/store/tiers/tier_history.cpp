@@ -14,7 +14,7 @@ bool TierHistory::read(const StoredChannel& channel, UtcTime from, UtcTime to,
   const bool ends = last.nanoseconds < kEndOfTime.nanoseconds - every_.count();
   to = ends ? UtcTime{last.nanoseconds + every_.count()} : kEndOfTime;
   const auto tier = tier_for(every_);
-  // An older Fieldcast stored samples of it: some have no tiers yet.
+  // Samples stored by an older Fieldcast may have no tiers yet.
   const bool tiered = tier && !tiers_.is_untiered(channel.id);
   read_levels(tiered ? *tier + 1 : 0, channel.id, from, to);
   finish();

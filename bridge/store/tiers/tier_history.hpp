@@ -1,5 +1,5 @@
-// What channels were in equal stretches of time, from the coarsest tier that serves. What that tier
-// does not hold, such as the minutes of the present hour, comes from the finer ones and in the end
+// History of channels in equal time intervals, from the coarsest suitable tier. Parts that this
+// tier does not contain, such as the minutes of the present hour, come from finer tiers and finally
 // from the samples. Everything throws StoreError. One owner, the thread of the connection.
 #pragma once
 
@@ -17,32 +17,32 @@ class TierHistory {
   TierHistory(SqlConnection& connection, Duration every)
       : samples_(connection), tiers_(connection), every_(every) {}
 
-  // The buckets of a channel that hold something, in the order of time: whole ones, also those that
-  // hold `from` and the instant before `to`. False from on_bucket ends it, and is returned.
+  // Reads the non-empty buckets of a channel in order, complete also at `from` and before `to`.
+  // Stops if on_bucket returns false, and returns that.
   using OnBucket = std::function<bool(const Bucket& bucket)>;
   bool read(const StoredChannel& channel, UtcTime from, UtcTime to, const OnBucket& on_bucket);
 
-  // A coarser tier knows of a time before everything that read() can find.
+  // A coarser tier has older data than read() can find.
   struct Reach {
-    UtcTime oldest;            // what read() finds begins here
-    std::size_t coarser_tier;  // the index in kTiers
+    UtcTime oldest;            // start of the data that read() finds
+    std::size_t coarser_tier;  // index in kTiers
     UtcTime coarser_oldest;
   };
   [[nodiscard]] std::optional<Reach> reach(const StoredChannel& channel);
 
  private:
-  // The rows of tier number `levels` - 1 and, around them, those of the finer ones; 0: samples.
+  // Reads the rows of tier number `levels` - 1, and around them those of finer tiers; 0: samples.
   void read_levels(std::size_t levels, std::int64_t channel, UtcTime from, UtcTime to);
   void read_tier(std::size_t levels, std::int64_t channel, UtcTime from, UtcTime to);
   void read_samples(std::int64_t channel, UtcTime from, UtcTime to);
-  // The bucket of that time: the one before it is finished and told.
+  // Returns the bucket of that time, after finishing and passing on the previous one.
   Bucket& bucket_at(UtcTime at);
   void finish();
 
   SampleTable samples_;
   TierTable tiers_;
   const Duration every_;
-  // While reading.
+  // Used during read().
   Bucket bucket_;
   const OnBucket* on_bucket_ = nullptr;
   bool wanted_ = true;

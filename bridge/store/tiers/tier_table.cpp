@@ -5,8 +5,7 @@
 namespace fieldcast {
 namespace {
 
-// A column that is null where no sample was good. SQLite keeps no NaN: a sum of values that went
-// beyond every double.
+// Null if no sample was good, or if a sum overflowed: SQLite cannot store NaN.
 double number_at(const SqlRow& row, std::size_t column) {
   const auto* real = std::get_if<double>(&row.at(column));
   return real == nullptr ? std::numeric_limits<double>::quiet_NaN() : *real;
@@ -94,8 +93,8 @@ std::uint64_t TierTable::remove_before(const Tier& tier, std::int64_t channel, U
              static_cast<std::int64_t>(limit), before.nanoseconds});
 }
 
-// Updates the note that is there, which changes nothing and locks it: whoever writes the row at
-// this moment in another transaction does not miss our samples.
+// The update of an existing note changes nothing but locks it: a concurrent transaction that writes
+// the row then includes these samples.
 void TierTable::note(const Tier& tier, std::span<const BucketKey> buckets) {
   connection_.execute(
       "insert into open_buckets (width, start, channel) values ($1, $2, $3) "
@@ -151,7 +150,7 @@ std::optional<UtcTime> TierTable::oldest_untiered() {
   return time("select min(next) from untiered", {});
 }
 
-// The first column of the first row; nothing: null, or no row.
+// Returns the first column of the first row; `std::nullopt` if it is null or there is no row.
 std::optional<UtcTime> TierTable::time(const std::string& sql, const SqlRow& parameters) {
   std::optional<UtcTime> found;
   connection_.query(sql, parameters, [&](const SqlRow& row) {

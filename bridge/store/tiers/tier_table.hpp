@@ -1,4 +1,4 @@
-// The rows of the tiers, and the notes of what is still to be written there. Everything throws
+// Rows of the tiers, and notes of the rows that must still be written. Everything throws
 // StoreError. One owner, the thread of the connection.
 #pragma once
 
@@ -12,7 +12,6 @@
 
 namespace fieldcast {
 
-// A bucket by its key.
 struct BucketKey {
   std::int64_t channel = 0;
   UtcTime start;
@@ -23,37 +22,34 @@ class TierTable {
  public:
   explicit TierTable(SqlConnection& connection) : connection_(connection) {}
 
-  // Puts rows in. One that is there gives way to a row of more samples only: samples never change,
-  // so a row of fewer was made after the retention had removed some.
+  // Inserts rows. An existing row is replaced only by one with more samples. Samples never change,
+  // so a row with fewer was made after the retention had removed some.
   void put(const Tier& tier, std::span<const Bucket> buckets);
-  // The rows of a channel of from <= start < to, in the order of time. False ends it.
+  // The rows of a channel with from <= start < to, in order, until the function returns false.
   void read(const Tier& tier, std::int64_t channel, UtcTime from, UtcTime to,
             const std::function<bool(const Bucket&)>& on_bucket);
-  // Where the first and the last row of a channel begin, of from <= start < to; nothing: no row.
+  // Start of the first and the last row with from <= start < to; `std::nullopt` if none.
   [[nodiscard]] std::optional<UtcTime> first(const Tier& tier, std::int64_t channel, UtcTime from,
                                              UtcTime to);
   [[nodiscard]] std::optional<UtcTime> last(const Tier& tier, std::int64_t channel, UtcTime from,
                                             UtcTime to);
-  // Removes rows of a channel that begin before, the oldest first, about `limit` at most. How many
-  // went.
+  // Removes the oldest rows before `before`, about `limit` at most. Returns their number.
   std::uint64_t remove_before(const Tier& tier, std::int64_t channel, UtcTime before,
                               std::uint64_t limit);
 
-  // Notes of buckets that have new samples: made with the samples, gone with the row that is
-  // written.
+  // Notes of buckets with new samples, written with the samples, removed with writing the row.
   void note(const Tier& tier, std::span<const BucketKey> buckets);
   void forget(const Tier& tier, std::span<const BucketKey> buckets);
-  // Those that begin before, the oldest first.
+  // Returns those that begin before `before`, the oldest first.
   [[nodiscard]] std::vector<BucketKey> noted(const Tier& tier, UtcTime before, std::int64_t limit);
-  // Where the oldest one that is noted begins; nothing: none is.
   [[nodiscard]] std::optional<UtcTime> oldest_noted(const Tier& tier);
 
-  // Channels with samples that an older Fieldcast stored: those from start on have no tiers yet.
+  // Channels with samples of an older Fieldcast; those from `start` on have no tiers yet.
   [[nodiscard]] std::optional<BucketKey> next_untiered();
   void set_untiered(const BucketKey& next);
   void remove_untiered(std::int64_t channel);
   [[nodiscard]] bool is_untiered(std::int64_t channel);
-  // The least start of all of them.
+  // The earliest start of all of them.
   [[nodiscard]] std::optional<UtcTime> oldest_untiered();
 
  private:

@@ -6,7 +6,7 @@
 namespace fieldcast {
 namespace {
 
-// The bucket from what the tier before it has, or from samples. How many rows were read.
+// Fills the bucket from the previous tier or from samples. Returns the number of rows read.
 std::int64_t read_bucket(SqlConnection& connection, std::size_t tier, Bucket& bucket) {
   std::int64_t rows = 0;
   const UtcTime end{saturated_sum(bucket.start.nanoseconds, kTiers[tier].width.count())};
@@ -48,7 +48,7 @@ void TierWriter::note(SqlConnection& connection, std::span<const SampleRow> samp
     const auto start = open_[0].touch(sample.channel, sample.published_at);
     if (!start) continue;
     touched.push_back({sample.channel, *start});
-    if (*start < done_before_) done_before_ = {};  // late: look again
+    if (*start < done_before_) done_before_ = {};  // late sample: check again
   }
   TierTable(connection).note(kTiers[0], touched);
 }
@@ -56,7 +56,7 @@ void TierWriter::note(SqlConnection& connection, std::span<const SampleRow> samp
 bool TierWriter::step(SqlConnection& connection, UtcTime now) {
   const UtcTime minutes_before = closed_before(now, kTiers[0].width);
   if (done_before_ != minutes_before) {
-    // A coarser tier is made when the finer one has nothing to write any more.
+    // A coarser tier is made after the finer one has nothing left to write.
     for (std::size_t tier = 0; tier < kTiers.size(); ++tier) {
       if (close_buckets(connection, tier, closed_before(now, kTiers[tier].width))) return true;
     }
@@ -65,13 +65,12 @@ bool TierWriter::step(SqlConnection& connection, UtcTime now) {
   return old_samples_ && tier_old_samples(connection, minutes_before);
 }
 
-// False: there was none.
 bool TierWriter::close_buckets(SqlConnection& connection, std::size_t tier, UtcTime before) {
   TierTable table(connection);
   std::vector<BucketKey> keys = table.noted(kTiers[tier], before, at_once_);
   if (keys.empty()) return false;
   SqlTransaction transaction(connection);
-  // First, so that nobody notes them again before this is committed.
+  // First, so that the notes stay locked until the commit.
   table.forget(kTiers[tier], keys);
   std::vector<Bucket> buckets;
   std::int64_t rows = 0;
@@ -92,7 +91,7 @@ bool TierWriter::close_buckets(SqlConnection& connection, std::size_t tier, UtcT
   return true;
 }
 
-// One piece of one channel's samples. False: no channel is left.
+// Processes one part of one channel's samples. Returns false if no channel is left.
 bool TierWriter::tier_old_samples(SqlConnection& connection, UtcTime before) {
   TierTable table(connection);
   const std::optional<BucketKey> from = table.next_untiered();
@@ -113,8 +112,8 @@ bool TierWriter::tier_old_samples(SqlConnection& connection, UtcTime before) {
   if (rows < kSamplesAtOnce) {
     table.remove_untiered(from->channel);
   } else {
-    // The rest of the last bucket is not read yet. One that alone fills a piece is noted, to be
-    // read whole.
+    // The rest of the last bucket has not been read. If one bucket fills the whole part, it is
+    // noted and read completely later.
     const bool alone = buckets.size() == 1;
     if (alone) open.push_back({from->channel, last});
     buckets.pop_back();

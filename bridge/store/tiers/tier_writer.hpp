@@ -1,10 +1,10 @@
-// Writes the tiers of a store. With each batch it notes which buckets the samples touch; when such
-// a bucket is closed, it reads the samples again and writes its row. So a sample that comes late, a
-// restart and a second bridge need no rule of their own: the row is made anew from what is stored.
+// Writes the tiers of a store. With each batch, notes the buckets of its samples. When such a
+// bucket is closed, reads its samples again and writes its row. Late samples, restarts and a second
+// bridge therefore need no special rule: the row is always made from the stored samples.
 //
-// The work is done in steps between batches, each a short transaction, so that no batch waits for
-// it. A store of a Fieldcast without tiers gets those of its old samples in the same way. One
-// owner, on the writer's thread. Everything throws StoreError; call reset() then.
+// Works in steps between batches, each a short transaction, so that no batch waits. Old samples of
+// a store without tiers are processed the same way. One owner, on the writer's thread. Everything
+// throws StoreError; then call reset().
 #pragma once
 
 #include <span>
@@ -18,29 +18,29 @@ namespace fieldcast {
 
 class TierWriter {
  public:
-  // Limits of one step. A bucket is read whole: the last one may go beyond the samples.
+  // Limits of one step. The last bucket is read completely, beyond the limit of samples.
   static constexpr std::int64_t kSamplesAtOnce = 20'000;
   static constexpr std::int64_t kBucketsAtOnce = 500;
 
   TierWriter();
 
-  // In the transaction that stores these samples; `channel` is the store's number.
+  // Call in the transaction that stores these samples; `channel` is the store's number.
   void note(SqlConnection& connection, std::span<const SampleRow> samples);
-  // Does a step, if there is something to do. False: nothing is closed that is not written.
+  // Does one step if there is work. Returns false if every closed bucket is written.
   [[nodiscard]] bool step(SqlConnection& connection, UtcTime now);
-  // The connection is gone, or a transaction was rolled back.
+  // Call after the connection was lost or a transaction was rolled back.
   void reset();
 
  private:
   [[nodiscard]] bool close_buckets(SqlConnection& connection, std::size_t tier, UtcTime before);
   [[nodiscard]] bool tier_old_samples(SqlConnection& connection, UtcTime before);
-  // With the notes for the next tier.
+  // Includes the notes for the next tier.
   void put(SqlConnection& connection, std::size_t tier, std::span<const Bucket> buckets);
 
-  std::vector<OpenBuckets> open_;          // one for each tier
-  std::int64_t at_once_ = kBucketsAtOnce;  // about as many as have kSamplesAtOnce
-  UtcTime done_before_;                    // minutes that begin before: all are written
-  bool old_samples_ = true;                // perhaps: some have no tiers
+  std::vector<OpenBuckets> open_;
+  std::int64_t at_once_ = kBucketsAtOnce;  // about as many as contain kSamplesAtOnce
+  UtcTime done_before_;                    // all minutes that begin before are written
+  bool old_samples_ = true;                // some samples may have no tiers
 };
 
 }  // namespace fieldcast
