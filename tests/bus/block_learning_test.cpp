@@ -87,7 +87,6 @@ TEST(PauseLearning, ADeviceThatIsDeafAfterItsAnswersIsGivenARest) {
   EXPECT_EQ(learning.pause(), Duration::zero());
 }
 
-// Retries show how longer rests fare.
 TEST(PauseLearning, LongerRestsAreFoundAsWell) {
   for (const Duration deaf : {Duration{30ms}, Duration{65ms}, Duration{180ms}, Duration{800ms}}) {
     PauseLearning learning;
@@ -110,7 +109,7 @@ TEST(PauseLearning, ALineThatLosesAnswersAtAnyTimeNeedsNoRest) {
   EXPECT_EQ(learning.pause(), Duration::zero());
 }
 
-// Deaf for `deaf` after its answers.
+// Receives nothing for `deaf` after each of its responses.
 struct DeafDevice {
   Duration deaf;
   PauseLearning& learning;
@@ -127,7 +126,8 @@ struct DeafDevice {
   }
 };
 
-// Retries into a device that died for a moment: silent after rests of each length up to a second.
+// Simulates retries to a device that is dead for up to a second: no rest of that length gets a
+// response.
 void learn_a_second(PauseLearning& learning) {
   for (int i = 0; i < 12; ++i) learning.tried(5s, true);
   for (int i = 0; i < 12; ++i) learning.tried(800ms, false);

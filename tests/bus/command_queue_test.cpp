@@ -35,13 +35,13 @@ class CommandQueueTest : public testing::Test {
     command.requester = std::move(requester);
     return command;
   }
-  // Runs the next exchange; the requester whose command ended.
+  // Runs the next exchange and returns the requester whose command ended.
   std::string serve() {
     if (!next()) return "nobody";
     queue_.answered(1, test::items({0x01, 0x02}), Instant{}, Instant{}, sink_);
     return results().front().requester;
   }
-  // The results since the last call.
+  // Returns the results since the last call.
   std::vector<CommandResult> results() {
     std::vector<CommandResult> all;
     for (const Action& action : actions_) {
@@ -72,7 +72,7 @@ class CommandQueueTest : public testing::Test {
   ActionSink sink_{setup_, samples_, actions_};
 };
 
-// What will never be allowed is said also while the device or its port is down.
+// A permanent refusal is reported even while the device or its port is down.
 TEST_F(CommandQueueTest, APermanentRefusalGoesBeforeAMomentaryOne) {
   Command wrong_type = write("r0", 0);
   wrong_type.values = {Value{std::string("text")}};
@@ -97,7 +97,7 @@ TEST_F(CommandQueueTest, AMomentaryRefusalSaysWhatIsDown) {
   EXPECT_TRUE(queue_.empty());
 }
 
-// A bridge that has just begun, or has just taken over, is about to open its port.
+// A bridge that has just started or taken over opens its port soon.
 TEST_F(CommandQueueTest, WhileThePortIsBeingOpenedACommandWaits) {
   accept(write("r0", 1), {BusState::kOpening, false});
   EXPECT_TRUE(results().empty());
@@ -151,7 +151,7 @@ TEST_F(CommandQueueTest, RequestersAreServedInTurn) {
   EXPECT_EQ(served, (std::vector<std::string>{"flood", "b", "c", "flood", "b", "flood"}));
 }
 
-// The first command of a requester waits for one command of each other requester at most.
+// The first command of a requester waits for at most one command of each other requester.
 TEST_F(CommandQueueTest, OneThatSendsAgainAfterEachResultDoesNotStarveTheOthers) {
   for (int i = 0; i < 10; ++i) accept(of("flood", acquire("r3")));
   std::map<std::string, int> served;

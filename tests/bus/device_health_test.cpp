@@ -32,7 +32,7 @@ TEST(DeviceHealth, WhatAnswersBrokenFromTheBeginningIsNotUnknown) {
   EXPECT_EQ(silent.state(), DeviceState::kUnknown);
 }
 
-// A state of the moment, until it has lasted for long with no other answer between.
+// Busy is a temporary state, unless it lasts long without any other response.
 TEST(DeviceHealth, ADeviceThatStaysBusyGoesOffline) {
   DeviceHealth health;
   (void)health.answered();

@@ -55,7 +55,8 @@ TEST(FenceText, SaysWhichFenceAPortHasAndWhetherOneIsMissing) {
       << text(serial(Fence::kListen)).text;
 }
 
-// A listener that waits for so long has heard whoever sends, however the devices answer.
+// A listener that waits this long has received the active sender, however slowly the devices
+// respond.
 TEST(FenceTimes, TheListenerWaitsLongerThanTheOneThatSendsIsEverSilent) {
   BusSpec bus = bus_with(serial(Fence::kListen), "modbus-rtu");
   bus.devices.front().timeout = 1s;
@@ -71,7 +72,7 @@ TEST(FenceTimes, TheListenerWaitsLongerThanTheOneThatSendsIsEverSilent) {
   EXPECT_EQ(fence_times(bus).listen, 300ms) << "three times the hold at least";
 }
 
-// Where answers show nothing, nobody is asked while one may still come late.
+// If responses cannot be matched to requests, no request is sent while a late one can arrive.
 TEST(FenceTimes, OfAProtocolWhoseAnswersShowNothingAreLonger) {
   BusSpec bus = bus_with(serial(Fence::kListen), "s7-freeport");
   bus.devices.front().channels.front().range = {0, 0, 1};

@@ -11,7 +11,7 @@
 namespace fieldcast::test {
 namespace {
 
-constexpr std::size_t kDataBegin = 1, kCheckBegin = 9, kEnd = 11;  // of an answer: q DU*8 FC FC Q
+constexpr std::size_t kDataBegin = 1, kCheckBegin = 9, kEnd = 11;  // of a response: q DU*8 FC FC Q
 constexpr double kBitsOfExchange = 290;                            // 17 and 12 characters
 
 const Request kRead = ReadRequest{{{0, 0, 4}}};
@@ -25,7 +25,7 @@ Bytes request_of(const Protocol& master) {
   (void)master.begin(kRead, {})->start(request);
   return request;
 }
-// Whether the master takes the answer, for another value than the station's.
+// Returns whether the master accepts the response with a value that differs from `window`.
 bool is_wrong(const Protocol& master, const Bytes& answer, std::uint32_t window) {
   if (answer.empty()) return false;
   const auto exchange = master.begin(kRead, {});
@@ -33,8 +33,7 @@ bool is_wrong(const Protocol& master, const Bytes& answer, std::uint32_t window)
   return outcome.done() && read_u32(outcome.reply.at(0).items) != window;
 }
 
-// Calls `each` with what a UART makes of the transmission for every single flipped bit, and for
-// every two.
+// Calls `each` with the bytes that a UART receives for each single and each pair of flipped bits.
 void flip_all(const Bytes& sent, const std::function<void(const Bytes&, bool two)>& each) {
   std::vector<bool> levels = line_levels(sent);
   for (std::size_t i = 0; i < levels.size(); ++i) {
@@ -49,7 +48,8 @@ void flip_all(const Bytes& sent, const std::function<void(const Bytes&, bool two
   }
 }
 
-// Pairs that leave digits digits, the check right and the data other: what nobody can see.
+// Counts the pairs that keep all characters digits and the check correct but change the data. No
+// receiver can detect them.
 std::uint64_t unseen_pairs(const Bytes& answer) {
   constexpr std::string_view kDigits = "0123456789ABCDEF";
   const auto digit = [&](std::uint8_t c) { return kDigits.find(static_cast<char>(c)); };
@@ -70,8 +70,7 @@ std::uint64_t unseen_pairs(const Bytes& answer) {
   for (std::size_t i = first; i < end; ++i) {
     for (std::size_t j = i + 1; j < end; ++j) {
       flip(i), flip(j);
-      pairs += passes(
-          text);  // two bits of the check digits alone never pass: the data say what they must be
+      pairs += passes(text);  // two flipped bits of the check digits alone always fail
       flip(i), flip(j);
     }
   }

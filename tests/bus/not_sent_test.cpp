@@ -1,5 +1,5 @@
-// Requests that the bridge decided on and then kept back, because another master may have had the
-// wire by their time: the device owes nothing, and a command runs later or expires.
+// Tests requests that the bridge withheld because another master may hold the wire. The device owes
+// no response, and a command runs later or expires.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -54,7 +54,7 @@ class NotSentTest : public testing::Test {
   bool may_send_ = true;
   std::vector<Complete> results_;
   unsigned decided_ = 0;
-  std::vector<std::uint8_t> functions_;  // of the requests that left
+  std::vector<std::uint8_t> functions_;  // function codes of the sent requests
 };
 
 TEST_F(NotSentTest, TheDeviceIsNotBlamed) {
@@ -120,8 +120,8 @@ TEST_F(NotSentTest, ACommandThatNeverLeftIsRefusedWithoutDoubt) {
   EXPECT_EQ(results_[0].result.cause, Cause::kShutdown);
 }
 
-// The write has left, and nobody answers; what reads it back may not leave for a while. It is not
-// written again before the device was asked.
+// The write was sent without a response, and the read-back is withheld. The write must not be
+// repeated before the device was read.
 TEST_F(NotSentTest, AWriteThatLeftIsReadBackBeforeItIsWrittenAgain) {
   wire_.cut(0, true);
   write("r0", 10s);

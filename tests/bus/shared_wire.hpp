@@ -1,9 +1,9 @@
-// Several masters and the devices of one bus at one half-duplex line, in virtual time, character by
-// character: everybody hears everybody, and what overlaps is garbled.
+// Simulates several masters and the devices of one bus on one half-duplex line, in virtual time and
+// character by character. All receive all; overlapping characters are garbled.
 //
-// Each master is a whole BusEngine behind an adapter that may hold bytes back, give an echo, be cut
-// off from the line, or stand still like a process that is stopped. Deterministic by its seed. Runs
-// on the thread of the test; throws std::runtime_error when a device cannot be simulated.
+// Each master is a whole BusEngine behind an adapter. The adapter can delay bytes, echo, be
+// disconnected, or stop like a suspended process. Deterministic for a seed. Runs on the thread of
+// the test; throws std::runtime_error if a device cannot be simulated.
 #pragma once
 
 #include <functional>
@@ -17,35 +17,35 @@
 namespace fieldcast::test {
 
 struct WireFaults {
-  double noise = 0;  // characters a second that nobody sent
-  double late = 0;   // probability of an answer that comes `late_by` later
+  double noise = 0;  // random characters per second
+  double late = 0;   // probability that a response is delayed by `late_by`
   Duration late_by = std::chrono::milliseconds{250};
   Duration answer_after = std::chrono::milliseconds{3};
 };
 
 struct Adapter {
-  Duration latency{};  // received bytes are held back for as long
+  Duration latency{};  // delay of received bytes
   bool echo = false;
 };
 
 class SharedWire {
  public:
   struct Counts {
-    std::uint64_t frames = 0;           // of masters
-    std::uint64_t garbled = 0;          // frames of which a character overlapped one of another
-    std::uint64_t garbled_answers = 0;  // of them those of devices that overlapped each other
-    std::uint64_t turns = 0;            // a frame of another master than the one before
-    Duration shortest_turn = Duration::max();  // silence before such a frame
+    std::uint64_t frames = 0;           // sent by masters
+    std::uint64_t garbled = 0;          // frames with a character that overlapped another frame
+    std::uint64_t garbled_answers = 0;  // of those: device frames that overlapped each other
+    std::uint64_t turns = 0;            // frames that follow a frame of another master
+    Duration shortest_turn = Duration::max();  // shortest silence before such a frame
   };
   struct Master {
     Master(const BusSpec& spec, const Adapter& behind) : engine(spec), adapter(behind) {}
     BusEngine engine;
     Adapter adapter;
     bool open = false, cut = false;
-    bool not_sent = false;  // its last request
+    bool not_sent = false;  // of its last request
     Instant stopped_until = kLongAgo;
     Instant timer = kNever;
-    Bytes received;  // held back by the adapter
+    Bytes received;  // delayed in the adapter
     Instant deliver_at = kNever;
     Instant sends_until = kLongAgo;
     std::uint64_t frames = 0, answers = 0, good = 0, wrong = 0;
@@ -57,22 +57,22 @@ class SharedWire {
              std::uint64_t seed);
 
   void run_until(Instant until);
-  void open(std::size_t master);   // the process starts, and opens its port
-  void close(std::size_t master);  // it dies
-  // Another engine behind the same adapter, closed; `rank` and `seed` as in set_fence_order().
-  // REQUIRES: not inside a callback.
+  void open(std::size_t master);   // the process starts and opens its port
+  void close(std::size_t master);  // the process dies
+  // Replaces the engine behind the adapter by a new, closed one; `rank` and `seed` as in
+  // set_fence_order(). REQUIRES: not inside a callback.
   void replace(std::size_t master, unsigned rank, std::uint64_t seed);
-  void feed(std::size_t master, const BusEvent& event);  // at the instant reached
+  void feed(std::size_t master, const BusEvent& event);  // at the current instant
   void stop(std::size_t master, Duration time) { masters_[master]->stopped_until = now_ + time; }
   void cut(std::size_t master, bool off) { masters_[master]->cut = off; }
 
-  // Whether a good value is right; empty: all are.
+  // Returns whether a good value is correct. If empty, all are.
   std::function<bool(ChannelIndex, const Value&)> judge;
-  // Whether this master may send and publish now; empty: all may.
+  // Returns whether this master may send and publish now. If empty, all may.
   std::function<bool(std::size_t)> may_send;
-  // Told of each action of a master.
+  // Called for each action of a master.
   std::function<void(std::size_t, const Action&)> on_action;
-  // Told of each frame that leaves, with its sender: a master, or -1 for a device.
+  // Called for each sent frame with its sender: a master, or -1 for a device.
   std::function<void(Instant, int, ByteView)> watch;
 
   [[nodiscard]] Instant now() const { return now_; }
@@ -87,7 +87,7 @@ class SharedWire {
     Instant sends_until = kLongAgo;
   };
   struct Transmission {
-    int sender;  // a master; kDevices + index; kNoise
+    int sender;  // index of a master; kDevices + index; kNoise
     Bytes characters;
     Instant start;
     std::size_t passed = 0;

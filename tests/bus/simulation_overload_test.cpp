@@ -1,4 +1,4 @@
-// Whole buses in virtual time that are asked for more than their wire carries.
+// Tests whole buses in virtual time with more load than their wire carries.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,8 +11,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Of refreshes that no wire carries the user is told when they are loaded; what stations want on
-// top is told while it lasts.
+// An overload by configured refreshes is reported at load time; one by station interests is
+// reported while it lasts.
 TEST(Simulation, OverloadIsToldWhenItBeginsAndWhenItEnds) {
   BusSpec spec = plant(1, 200, "refresh: 1s");
   auto& channels = spec.devices[0].channels;
@@ -42,8 +42,8 @@ int told(const VirtualBus& bus, Notice::Kind kind) {
   return static_cast<int>(std::ranges::count(bus.notices(), kind, &Notice::kind));
 }
 
-// What the configuration asks of devices that answer after 5 ms is told when it is loaded, not by
-// the engine.
+// The loader reports an overload by configuration, assuming devices that respond after 5 ms. The
+// engine does not.
 TEST(Simulation, OverloadIsToldOnceWhenDevicesAreSlowerThanAssumed) {
   sim::BusFaults faults;
   for (int d = 1; d <= 16; ++d) faults.devices["unit-" + std::to_string(d)].delay.base = 20ms;
@@ -72,7 +72,7 @@ TEST(Simulation, OverloadEndsWhenDevicesAnswerSooner) {
   EXPECT_EQ(told(enough, Notice::Kind::kOverloadEnded), 1);
 }
 
-// Three times as much as the wire carries.
+// Three times the load that the wire carries.
 TEST(Simulation, WhatAnOverloadedBusHasNotReadYetSaysSo) {
   const BusSpec spec = plant(16, 12, "refresh: 150ms");
   std::vector<bool> read(16 * 12);

@@ -1,4 +1,4 @@
-// An engine that takes a wire over from another one: answers to what that one asked may still come.
+// Tests an engine that takes over a wire: responses to its predecessor may still arrive.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Every file of tests/transcripts, replayed.
+// Replays every file of tests/transcripts.
 #include "tests/bus/transcript.hpp"
 
 #include <gtest/gtest.h>

@@ -62,7 +62,7 @@ void VirtualBus::see(const Action& action) {
         return;
       }
       EXPECT_LE(sample.acquired, bus.now());
-      // Noise around an answer is waited out before the answer is found in it.
+      // Noise around a response must end before the response is extracted.
       EXPECT_LE(bus.now() - sample.acquired, std::chrono::milliseconds{100})
           << "a good sample that is not fresh, channel " << sample.channel;
       channel.value = sample.value;

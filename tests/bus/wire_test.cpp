@@ -72,7 +72,8 @@ TEST_F(WireTest, ARepeatedFlightKeepsItsStartAndKnowsThatItWasNotAnswered) {
       << "the wire was free between the tries";
 }
 
-// What a device costs is what follows from it: it is left alone for ten times as long.
+// After the process was suspended, the device must not be charged with that time: a costly device
+// is paused for ten times its cost.
 TEST_F(WireTest, TimeInWhichTheProcessStoodStillIsNotTheDevices) {
   wire_.launch(read());
   (void)send(Instant{});

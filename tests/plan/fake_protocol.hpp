@@ -1,5 +1,5 @@
-// A protocol that only has sizes, for planning without frames: those of Modbus RTU, and areas with
-// the oddities that planning knows.
+// A protocol with sizes but without frames, for planning: the sizes of Modbus RTU, and areas with
+// the special cases of planning.
 #pragma once
 
 #include <array>

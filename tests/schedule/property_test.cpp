@@ -1,4 +1,4 @@
-// What must hold for any map, tried on many from seeds.
+// Tests properties that hold for any map, with many seeds.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -16,8 +16,8 @@ using test::VirtualWire;
 
 using test::kFakeProtocol;
 
-// Several units, areas, widths, limits and answer times on one bus, with about half of the load
-// that it could carry.
+// Several units, areas, widths, limits and response times on one bus, with about half of its
+// capacity as load.
 ScheduleInput random_input(std::uint64_t seed) {
   std::mt19937_64 random(seed);
   const auto below = [&](std::uint64_t n) { return random() % n; };
@@ -94,8 +94,8 @@ TEST_P(RandomBus, HalfTheLoadIsFeasible) {
   EXPECT_TRUE(predict(random_input(GetParam()), {.remedies = false}).feasible);
 }
 
-// Devices that fall silent, come back, and refuse: nobody starves, and a suspended device is left
-// alone.
+// Devices stop responding, recover and refuse. No point starves, and a suspended device is not
+// polled.
 TEST_P(RandomBus, FaultsOfSomeStarveNobody) {
   const ScheduleInput input = random_input(GetParam());
   std::mt19937_64 random(GetParam() + 1000);
@@ -181,8 +181,8 @@ TEST(Overload, OfOnePriorityEachGivesWayByItsElasticity) {
               0.25 * 0.35 * scheduler->stretch());
 }
 
-// Refreshes that ask for many times what the wire carries, priorities and elasticities of any kind:
-// everybody moves.
+// Refreshes of many times the wire's capacity, with random priorities and elasticities. Every point
+// must still be read within a bound.
 class RandomOverload : public ::testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(RandomOverload, StarvesNobody) {
@@ -220,7 +220,7 @@ TEST(Overload, WireThatIsSlowerThanPlannedStretchesToo) {
     point.refresh = from_seconds(to_seconds(point.refresh) * planned / 0.5);
   const auto scheduler = make_scheduler(input);
   Instant now{1s};
-  // Every answer takes three times what the plan knows.
+  // Every response takes three times as long as planned.
   while (now < Instant{300s}) {
     const Decision decision = scheduler->next(now);
     if (const auto* rest = std::get_if<Rest>(&decision)) {
