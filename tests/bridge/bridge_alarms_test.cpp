@@ -1,5 +1,5 @@
-// What people do about alarms, from a station through the whole bridge into its store, and over its
-// restart.
+// Tests user actions on alarms, from a station through the whole bridge into its store, and across
+// a restart.
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -44,7 +44,7 @@ struct BridgeAlarms : test::BridgeTest {
       made.duration = hours{1};
     return made;
   }
-  // The newest status of the bus's alarm becomes so.
+  // Waits until the newest status of the bus's alarm satisfies `wanted`.
   [[nodiscard]] bool becomes(const std::string& bus,
                              const std::function<bool(const AlarmStatus&)>& wanted) {
     return status_of(bus).newest(wanted);
@@ -89,7 +89,7 @@ TEST_F(BridgeAlarms, WhatPeopleDidOutlivesTheBridge) {
     EXPECT_TRUE(one.last().active);
     one.forget();
     two.forget();
-    spec.buses[1].devices[0].channels[0].refresh = milliseconds{120};  // the bus starts anew
+    spec.buses[1].devices[0].channels[0].refresh = milliseconds{120};  // the bus restarts
     ASSERT_TRUE(bridge.reload(spec));
     ASSERT_TRUE(becomes("two", [](const AlarmStatus& known) {
       return known.shelved.is_set() && known.suppressed.is_set() && known.active;
@@ -142,7 +142,7 @@ TEST_F(BridgeAlarms, ABridgeThatTakesOverGoesOnWithWhatPeopleDid) {
   ASSERT_TRUE(waiting.start(other));  // it has read the store
   EXPECT_EQ(done(action(AlarmActionKind::kAcknowledge, "one")), "done");
   ASSERT_TRUE(becomes("one", AlarmStage::kAcknowledged));
-  // The store has it within a second.
+  // Written to the store within a second.
   const auto stored = [&] {
     const auto connection = open_store(StoreAddress(spec.store->address), IfMissing::kFail);
     const KeptAlarms kept = AlarmLifeTable(*connection).kept({});

@@ -1,4 +1,4 @@
-// What stations are interested in, and what the whole bridge reads and says of it.
+// Tests the interests of stations: what the bridge reads and reports.
 #include <gmock/gmock.h>
 
 #include <future>

@@ -1,4 +1,4 @@
-// Reloads and restarts of the whole bridge: what changes, what goes on, what waits.
+// Tests reloads and restarts of the whole bridge: what changes, continues or waits.
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -23,7 +23,7 @@ using test::ModbusDevice;
 using test::Receiver;
 using test::Reports;
 
-// What the store says of the alarms, in their order: "active", "clear".
+// Returns the stored alarm states in their order: "active", "clear".
 std::vector<AlarmRecord> stored_alarms(const std::string& path) {
   std::vector<AlarmRecord> found;
   const auto connection = open_store(StoreAddress(path), IfMissing::kFail);
@@ -57,11 +57,11 @@ TEST_F(BridgeTest, AlarmsGoOnAndEndOverRestartsAndReloads) {
   }
   alarms.forget();
   {
-    Bridge bridge;  // still beyond: the same alarm
+    Bridge bridge;  // still beyond the limit: the same alarm
     ASSERT_TRUE(bridge.start(spec));
     ASSERT_TRUE(told(AlarmState::kActive));
     const auto near = [&](const StationAlarm& alarm) {
-      // The clocks of the two runs differ by what the system corrected.
+      // The clocks of the two runs differ by the system's clock correction.
       return std::abs(alarm.since.nanoseconds - since.nanoseconds) < 20'000'000;
     };
     EXPECT_TRUE(alarms.newest(near));
@@ -73,7 +73,7 @@ TEST_F(BridgeTest, AlarmsGoOnAndEndOverRestartsAndReloads) {
   }
   EXPECT_EQ(stored_alarms(spec.store->address).size(), 1u);
   alarms.forget();
-  channel.limits.high = 5;  // while the bridge is down; as if the value had fallen
+  channel.limits.high = 5;  // while the bridge is down; acts as if the value had fallen
   {
     Bridge bridge;
     ASSERT_TRUE(bridge.start(spec));
@@ -182,7 +182,7 @@ TEST_F(BridgeTest, AReloadOfTheProgrammingPortLeavesTheBusesRunning) {
   test::TcpClient engineer(wanted.program.engineers->listen.port);
   engineer.send("@@P1FEFF");
   EXPECT_EQ(engineer.receive("FEFF"), "@@0001FEFF");
-  // A bus that had started anew would count from 1 again.
+  // A restarted bus would count from 1 again.
   const std::uint64_t newest = receiver.samples().back().sequence;
   ASSERT_TRUE(receiver.receives([&](const StationSample& sample) {
     return sample.bus == "one" && sample.sequence > newest + 1;
@@ -195,7 +195,7 @@ TEST_F(BridgeTest, AReloadOfTheProgrammingPortLeavesTheBusesRunning) {
   }
 
   BridgeSpec taken = wanted;
-  taken.program.engineers->listen.host = "203.0.113.77";  // of nobody (RFC 5737)
+  taken.program.engineers->listen.host = "203.0.113.77";  // unassigned (RFC 5737)
   EXPECT_FALSE(bridge.reload(taken));
   test::TcpClient again(wanted.program.engineers->listen.port);
   again.send("@@P1FEFF");
@@ -217,7 +217,7 @@ TEST_F(BridgeTest, ReloadRestartsOnlyWhatChanged) {
   }));
   receiver.forget();
   ASSERT_TRUE(receiver.receives(good_from("one")));
-  // A bus that was restarted counts its samples from 1 again; this one went on.
+  // A restarted bus counts its samples from 1; this one must not.
   std::map<std::string, std::uint64_t> last;
   for (const StationSample& sample : receiver.samples()) {
     if (sample.bus != "one") continue;
@@ -252,7 +252,7 @@ TEST_F(BridgeTest, AReloadThatCannotWorkLeavesTheOldOneRunning) {
   ASSERT_TRUE(bridge.start(spec));
   ASSERT_TRUE(receiver.receives(good_from("one")));
   BridgeSpec wanted = spec;
-  wanted.dds.interfaces = {"203.0.113.77"};  // of nobody (RFC 5737)
+  wanted.dds.interfaces = {"203.0.113.77"};  // unassigned (RFC 5737)
   EXPECT_FALSE(bridge.reload(wanted));
   receiver.forget();
   EXPECT_TRUE(receiver.receives(good_from("one")));

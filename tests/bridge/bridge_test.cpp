@@ -1,4 +1,4 @@
-// The whole bridge in this process: pseudo-terminals on one side, a DDS station on the other.
+// Tests the whole bridge in this process: pseudo-terminals on one side, a DDS station on the other.
 #include "bridge/bridge.hpp"
 
 #include <gmock/gmock.h>
@@ -81,8 +81,8 @@ TEST_F(BridgeTest, WhileADeviceIsProgrammedItsBusRestsAndTheOthersGoOn) {
   EXPECT_EQ(sessions.last().bus + '/' + sessions.last().device, "one/plc");
 }
 
-// Of a device that falls silent: what the engine counts, what its DataWriters see and what a
-// station's DataReader sees.
+// Compares three counts for a silent device: the engine's, its DataWriters' and a station's
+// DataReader's.
 TEST_F(BridgeTest, MissedRefreshesAreTheSameNumberForTheEngineItsWritersAndAStation) {
   ModbusDevice a(first), b(second);
   spec.buses.pop_back();
@@ -105,8 +105,7 @@ TEST_F(BridgeTest, MissedRefreshesAreTheSameNumberForTheEngineItsWritersAndAStat
     std::unique_lock lock(mutex);
     return changed.wait_for(lock, seconds{20}, wanted);
   };
-  // The first sample of a channel may reach a station late, when it has joined: a deadline of its
-  // own begins then.
+  // A station that joins late starts its own deadline with its first sample.
   const auto all_good = [&] {
     const auto good = [](const auto& entry) {
       return entry.second.quality == Quality::kGood && entry.second.sequence >= 3;
@@ -133,8 +132,8 @@ TEST_F(BridgeTest, MissedRefreshesAreTheSameNumberForTheEngineItsWritersAndAStat
   ASSERT_TRUE(reached([&] { return received.size() >= 2; }));
   const std::lock_guard lock(mutex);
   const StationBusStatus& status = received.back();
-  // Each end's clock begins when a sample comes to it: a hiccup of the machine between them can
-  // hide one round from an end, or show it one more.
+  // Each clock starts when its end receives a sample, so a stall can hide or add one round at one
+  // end.
   constexpr double kRound = 3;  // channels
   const auto misses = static_cast<double>(status.report.deadline_misses);
   EXPECT_NEAR(static_cast<double>(status.dds_deadline_misses), misses, kRound);
@@ -165,13 +164,13 @@ TEST_F(BridgeTest, StoppingAnswersWhatWaitsAndEndsInTime) {
     ASSERT_TRUE(id) << to_text(id.error());
     sent.push_back(*id);
   }
-  // Commands of one writer arrive in order: with the answer to a later one, all of them are in the
-  // bridge.
+  // Commands of one writer arrive in order: the result of a later one shows that the bridge has
+  // all.
   ASSERT_TRUE(receiver.station.execute(write_to("two", "r0", 1), seconds{10}));
   const auto before = std::chrono::steady_clock::now();
   bridge.stop();
   EXPECT_LT(std::chrono::steady_clock::now() - before,
-            seconds{2});  // the promise of the program, not a measurement
+            seconds{2});  // the promised limit, not a measurement
   const auto deadline = std::chrono::steady_clock::now() + seconds{5};
   for (;;) {
     {

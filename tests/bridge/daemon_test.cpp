@@ -1,4 +1,4 @@
-// fieldcast-bridge as its user sees it: a process with signals, lines of a log and an exit code.
+// Tests fieldcast-bridge as a process: signals, log lines and exit code.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <signal.h>
@@ -30,7 +30,7 @@ struct Process : test::Process {
       : test::Process(program, arguments) {}
 };
 
-// A pipe that is full and that nobody reads.
+// A full pipe without a reader.
 struct FullPipe {
   FullPipe() {
     int ends[2];
@@ -39,7 +39,7 @@ struct FullPipe {
     write_end.reset(ends[1]);
     const std::string filler(4096, '.');
     while (::write(write_end.get(), filler.data(), filler.size()) > 0) {}
-    // The daemon's end blocks, as everybody's standard output does.
+    // The daemon's end blocks, as standard output usually does.
     EXPECT_EQ(::fcntl(write_end.get(), F_SETFL, 0), 0);
   }
   FileDescriptor read_end, write_end;
@@ -56,7 +56,7 @@ struct DaemonTest : testing::Test {
   }
   ~DaemonTest() override { std::filesystem::remove_all(folder); }
 
-  // Bus one at the pseudo-terminal, bus two at a port that does not exist, whose channel lies at
+  // Bus one is on the pseudo-terminal; bus two has a port that does not exist and a channel at
   // `at`.
   void write(const std::string& at, const std::string& interface = "127.0.0.1") const {
     std::ofstream(file) << "bridge: test\n"
@@ -100,7 +100,7 @@ bool reads_more(const test::ModbusDevice& device, unsigned reads) {
 TEST_F(DaemonTest, AFullPipeBehindItsLogStopsNeitherTheBusNorTheSignals) {
   test::ModbusDevice device(pty);
   const FullPipe full;
-  // Every frame is traced to the pipe, and so is the log.
+  // Both the frame trace and the log go to the pipe.
   test::Process bridge(FIELDCAST_BRIDGE, {file, "--trace"}, full.write_end.get());
   EXPECT_TRUE(reads_more(device, 30));
   bridge.signal(SIGUSR1);
@@ -170,7 +170,7 @@ TEST_F(DaemonTest, AReloadThatRestartsEverythingSaysSoAndWhy) {
   EXPECT_EQ(bridge.exit_code(), 0) << bridge.output();
 }
 
-// The log and the store reach the limit of a file's size.
+// The log and the store reach the file size limit.
 TEST_F(DaemonTest, AFullFileIsAnErrorAndNotTheEnd) {
   test::ModbusDevice device(pty);
   std::ofstream(file, std::ios::app)
@@ -180,7 +180,7 @@ TEST_F(DaemonTest, AFullFileIsAnErrorAndNotTheEnd) {
   rlimit before{};
   ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
   const rlimit small{4'000, before.rlim_max};
-  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);  // the child inherits it
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);  // inherited by the child
   test::Process bridge(FIELDCAST_BRIDGE, {file, "--trace"}, log.get());
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
   const auto full = [&] { return std::filesystem::file_size(folder / "log") >= small.rlim_cur; };
@@ -206,8 +206,8 @@ TEST_F(DaemonTest, AReloadThatWouldCutADownloadWaitsAndSaysForWhom) {
   };
   configure("holding:0");
   Process bridge({file});
-  bridge.said("running: 1 bus");       // engineers are listened to once every bus has begun
-  ASSERT_TRUE(reads_more(device, 1));  // and a device is online once its port is open
+  bridge.said("running: 1 bus");       // engineers can connect once every bus has started
+  ASSERT_TRUE(reads_more(device, 1));  // a device is online once its port is open
   test::TcpClient engineer(port);
   engineer.send("@@P1FEFF");
   ASSERT_EQ(engineer.receive("FEFF"), "@@0000FEFF");
@@ -228,7 +228,7 @@ TEST_F(DaemonTest, Sigusr1SwitchesTheWireTrace) {
   bridge.said("one: the port is open");
   EXPECT_THAT(bridge.output(), testing::Not(HasSubstr(">>")));
   bridge.signal(SIGUSR1);
-  bridge.said("one >> 01 03");  // the trace may begin between a request and its answer
+  bridge.said("one >> 01 03");  // the trace may begin between a request and its response
   EXPECT_THAT(bridge.said("<< 01 03"), AllOf(HasSubstr("one >> 01 03 00 00 00 01 84 0A"),
                                              HasSubstr("one << 01 03 02 00 00 B8 44")));
   bridge.signal(SIGUSR1);
@@ -267,7 +267,7 @@ TEST_F(DaemonTest, CheckWarnsOfChannelsThatLieOnEachOther) {
               HasSubstr("warning: slip: plc/a (holding:100, float32) and plc/b (holding:101"));
 }
 
-// Registers that lie far apart, so that each needs a request of its own.
+// Returns a configuration with registers far apart, so that each needs its own request.
 std::string crowd(std::size_t registers, const std::string& baud, const std::string& refresh) {
   std::string text = "  - name: crowd\n    port: { serial: /dev/none, baud: " + baud +
                      " }\n    protocol: modbus-rtu\n" + "    defaults: { refresh: " + refresh +
@@ -317,8 +317,8 @@ TEST_F(DaemonTest, CheckTellsEveryFaultAndItsPlace) {
   }
 }
 
-// The bounds of the real program are 5 s and 300 MB; what the process maps is above what it uses
-// (libraries, stacks, arenas), and a sanitizer or a busy machine is slower.
+// The bounds of the real program are 5 s and 300 MB. Here they are higher: the process maps more
+// than it uses (libraries, stacks, arenas), and a sanitizer or a busy machine is slower.
 struct HardFile {
   std::string text;
   std::string_view told;
@@ -374,7 +374,7 @@ TEST_F(DaemonTest, WrongUsageHasItsOwnCode) {
 }
 
 TEST_F(DaemonTest, DdsThatCannotBeJoinedHasItsOwnCode) {
-  write("holding:0", "203.0.113.77");  // of nobody (RFC 5737)
+  write("holding:0", "203.0.113.77");  // unassigned (RFC 5737)
   Process bridge({file});
   EXPECT_EQ(bridge.exit_code(), static_cast<int>(ExitCode::kCannotStart));
   EXPECT_THAT(bridge.output(), HasSubstr("203.0.113.77"));

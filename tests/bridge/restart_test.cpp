@@ -1,6 +1,6 @@
-// Several lives of one bus: a bridge that was killed and starts again, two bridges at once. The
-// real processes, devices that count their writes, and a plant system whose writer keeps its
-// commands for late joiners, as no station of ours does.
+// Tests several runs of one bus: a bridge that is killed and restarts, and two bridges at the same
+// time. Uses the real processes, devices that count writes, and a plant system whose writer keeps
+// its commands for late joiners, unlike the stations of Fieldcast.
 #include <gmock/gmock.h>
 #include <signal.h>
 
@@ -49,7 +49,7 @@ class PlantSystem {
         commands_(domain_.writer(kCommandTopic, command_writer_qos(seconds{60}), "plant-system",
                                  discovered_.matches(), dds::StatusMask::publication_matched())) {}
 
-  // Commands reach exactly so many bridges.
+  // Waits until exactly this number of bridges receives commands.
   [[nodiscard]] testing::AssertionResult matched_by(int bridges) {
     dds::PublicationMatchedStatus status;
     if (within([&] {
@@ -64,9 +64,9 @@ class PlantSystem {
     written_[id] = now();
     write(id, written_[id]);
   }
-  // As a writer does that keeps its commands for late joiners: the same, with its time of then.
+  // Writes the same command with its old time, as a writer that keeps commands for late joiners.
   void write_again(std::uint64_t id) { write(id, written_.at(id)); }
-  // The n-th result of a command, once it is there.
+  // Waits for the n-th result of a command.
   [[nodiscard]] std::optional<StationResult> result(std::uint64_t id, std::size_t n = 1) {
     std::optional<StationResult> found;
     (void)within([&] {
@@ -122,7 +122,7 @@ struct RestartTest : testing::Test {
   }
   ~RestartTest() override { std::filesystem::remove_all(folder); }
 
-  // A bridge with a bus "one" at this terminal.
+  // Launches a bridge with a bus "one" on this terminal.
   std::unique_ptr<test::Process> launch(const std::string& name, const test::Pty& at,
                                         const std::string& more = "") {
     const std::string file = folder / (name + ".yaml");
@@ -135,7 +135,7 @@ struct RestartTest : testing::Test {
                         << "access: read-write, refresh: 1s }\n";
     return std::make_unique<test::Process>(FIELDCAST_BRIDGE, std::vector<std::string>{file});
   }
-  // One that reads already.
+  // Starts a bridge and waits until it reads.
   std::unique_ptr<test::Process> start(test::ModbusDevice& device, const std::string& more = "") {
     const unsigned reads = device.reads();
     auto bridge = launch("test", pty, more);
@@ -143,7 +143,7 @@ struct RestartTest : testing::Test {
     EXPECT_TRUE(within([&] { return device.reads() > reads; }));
     return bridge;
   }
-  // The first serves, the second waits; then `end` ends the first.
+  // Checks that the first bridge serves and the second waits; then `end` ends the first.
   void of_two_one_serves(const std::function<void(std::unique_ptr<test::Process>&)>& end) {
     test::Pty other_pty;
     test::ModbusDevice device(pty), other_device(other_pty);
@@ -184,7 +184,7 @@ struct RestartTest : testing::Test {
 TEST_F(RestartTest, CommandsOfTheFirstLifeAreNotExecutedAgain) {
   test::ModbusDevice device(pty);
   PlantSystem plant(domain.number());
-  {  // the first bridge is killed at the end: it says no farewell
+  {  // the first bridge is killed at the end, without leaving the domain
     const auto first = start(device);
     ASSERT_TRUE(plant.matched_by(1));
     for (std::uint64_t id = 1; id <= kCommands; ++id) plant.write(id);
@@ -211,7 +211,7 @@ TEST_F(RestartTest, CommandsOfTheFirstLifeAreNotExecutedAgain) {
   EXPECT_EQ(device.writes(), kCommands + 1);
 }
 
-// A plant system that repeats itself, with the same identity and the time of now.
+// A plant system that repeats a command with the same identity and the current time.
 TEST_F(RestartTest, AStoreKnowsTheCommandsOfTheFirstLife) {
   test::ModbusDevice device(pty);
   PlantSystem plant(domain.number());
@@ -224,7 +224,7 @@ TEST_F(RestartTest, AStoreKnowsTheCommandsOfTheFirstLife) {
     ASSERT_TRUE(result);
     EXPECT_EQ(result->state, CommandState::kDone) << result->reason;
   }
-  ASSERT_TRUE(plant.matched_by(0));  // what is written now, the next one receives
+  ASSERT_TRUE(plant.matched_by(0));  // the next bridge receives what is written now
   const auto second = start(device, store);
   ASSERT_TRUE(plant.matched_by(1));
   plant.write(1);
@@ -246,7 +246,8 @@ TEST_F(RestartTest, OfTwoBridgesOfOneBusTheFirstServesUntilItEnds) {
   });
 }
 
-// Its lease runs on for seconds; that its process is gone is seen at once on the same host.
+// The lease lasts seconds more, but on the same host the end of the process is detected
+// immediately.
 TEST_F(RestartTest, OfTwoBridgesOfOneBusTheFirstServesUntilItIsKilled) {
   of_two_one_serves([](std::unique_ptr<test::Process>& first) { first.reset(); });
 }

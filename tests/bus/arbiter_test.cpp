@@ -20,7 +20,8 @@ class ArbiterTest : public testing::Test {
     command.values = {Value{std::uint64_t{7}}};
     parts_.commands.accept(command, {}, Instant{}, sink_);
   }
-  // Returns the kind of request sent at `now` and withdraws it, as if it had never been sent.
+  // Returns the kind of the command that is sent at `now`, and withdraws it as if it was never
+  // sent.
   std::optional<Kind> next(Instant now) {
     if (!arbiter_.next(now)) return std::nullopt;
     const Flight flight = *parts_.wire.abort();
@@ -40,7 +41,7 @@ class ArbiterTest : public testing::Test {
   Arbiter arbiter_{parts_};
   std::uint64_t samples_ = 0;
   std::uint64_t sent_ = 0;
-  DeviceIndex last_device_ = 0;  // of the last next()
+  DeviceIndex last_device_ = 0;  // set by the last next()
   Actions actions_;
   ActionSink sink_{parts_.setup, samples_, actions_};
 };
@@ -54,7 +55,7 @@ TEST_F(ArbiterTest, NothingIsSentWhileTheWireMustBeSilent) {
 
 TEST_F(ArbiterTest, CommandsAndReadsThatAreDueTakeTurns) {
   write("r0");
-  write("r2");  // not a neighbour: a separate request
+  write("r2");  // not adjacent: needs its own request
   write("r0", "unit-2");
   EXPECT_EQ(next(Instant{}), Kind::kCommand);
   EXPECT_EQ(next(Instant{}), Kind::kRead);

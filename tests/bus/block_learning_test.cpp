@@ -88,7 +88,6 @@ TEST(PauseLearning, ADeviceThatIsDeafAfterItsAnswersIsGivenARest) {
   EXPECT_EQ(learning.pause(), Duration::zero());
 }
 
-// Retries show how longer pauses perform.
 TEST(PauseLearning, LongerRestsAreFoundAsWell) {
   for (const Duration deaf : {Duration{30ms}, Duration{65ms}, Duration{180ms}, Duration{800ms}}) {
     PauseLearning learning;
@@ -111,7 +110,7 @@ TEST(PauseLearning, ALineThatLosesAnswersAtAnyTimeNeedsNoRest) {
   EXPECT_EQ(learning.pause(), Duration::zero());
 }
 
-// A device that ignores requests for `deaf` after its response.
+// Receives nothing for `deaf` after each of its responses.
 struct DeafDevice {
   Duration deaf;
   PauseLearning& learning;
@@ -128,7 +127,8 @@ struct DeafDevice {
   }
 };
 
-// Retries of a device that failed for a moment: no response after pauses up to a second.
+// Simulates retries to a device that is dead for up to a second: no rest of that length gets a
+// response.
 void learn_a_second(PauseLearning& learning) {
   for (int i = 0; i < 12; ++i) learning.tried(5s, true);
   for (int i = 0; i < 12; ++i) learning.tried(800ms, false);

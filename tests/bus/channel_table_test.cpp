@@ -38,7 +38,7 @@ TEST(ChannelTable, EverySampleCarriesItsSequenceAndArrival) {
   EXPECT_EQ(std::get<std::uint64_t>(out[1].value), 7u);
 }
 
-// The four bytes of "+025.00" read as a float gave 6.26e-13, GOOD.
+// Regression: the text "+025.00" was read as the float 6.26e-13 with quality GOOD.
 TEST(ChannelTable, TextThatSpellsNoNumberIsBadRangeAndKeepsTheLastValue) {
   BusSpec bus = one_device({channel("a", 1s)});
   bus.devices[0].channels[0].encoding = {.type = ValueType::kFloat32,
@@ -60,7 +60,7 @@ TEST(ChannelTable, TextThatSpellsNoNumberIsBadRangeAndKeepsTheLastValue) {
   EXPECT_EQ(out[1].acquired, Instant{1s});
 }
 
-// A meter without a second direction gave 42949672.95 kWh, GOOD.
+// Regression: a meter without a second direction published 42949672.95 kWh with quality GOOD.
 TEST(ChannelTable, RawValueThatMeansNoValueIsBadRangeWithItsReason) {
   ChannelSpec energy = channel("a", 1s);
   energy.encoding = {.type = ValueType::kUint32, .scale = 0.01, .not_available = {0xFFFF'FFFF}};
@@ -219,7 +219,7 @@ TEST(ChannelTable, WhatWasNeverReadIsNotYetReadHoweverLateItIs) {
     EXPECT_EQ(sample.quality, sample.channel == 1 ? Quality::kBadNoAnswer : Quality::kNotYetRead);
     EXPECT_EQ(sample.acquired, kLongAgo);
   }
-  // The reason is published when it is known.
+  // The reason is published as soon as it is known.
   out.clear();
   table.failing(0, Cause::kNoAnswer, Instant{3s});
   table.expire(Instant{3s}, out);
@@ -282,7 +282,7 @@ TEST(ChannelTable, AValueWithoutInterestDoesNotLookFresh) {
   EXPECT_EQ(out[2].quality, Quality::kGood);
 }
 
-// A gap between the promise and the report of its breach is also a miss, because stations see it.
+// A late sample counts as a miss even if no miss was published before: stations see the gap.
 TEST(ChannelTable, ASampleThatComesJustTooLateIsAMiss) {
   const BusSpec bus = one_device({channel("a", 1s)});
   ChannelTable table(bus);
@@ -315,7 +315,7 @@ TEST(ChannelTable, SequencesGoOnWhereAnotherBridgeWas) {
   EXPECT_EQ(out.back().sequence, 43u);
 }
 
-// Also for channels of which this bridge has received no sample.
+// This also holds for channels of which this bridge has received no sample.
 TEST(ChannelTable, CountsOnAboveWhatAnotherOneMayHavePublished) {
   ChannelSpec on_demand = channel("b", 1s);
   on_demand.mode = Mode::kOnDemand;
@@ -331,12 +331,12 @@ TEST(ChannelTable, CountsOnAboveWhatAnotherOneMayHavePublished) {
   for (ChannelIndex each : {0u, 1u, 2u}) table.acquired(each, 16, items(9), Instant{2s}, out);
   ASSERT_EQ(out.size(), 3u);
   for (const Sample& sample : out) EXPECT_EQ(sample.sequence, 1001u);
-  table.count_above(500);  // the number only increases
+  table.count_above(500);  // the count never decreases
   table.acquired(0, 16, items(9), Instant{3s}, out);
   EXPECT_EQ(out.back().sequence, 1002u);
 }
 
-// Stations may still show a good value of another bridge.
+// A station may still show a good value of another bridge.
 TEST(ChannelTable, WhatIsNotGoodIsToldAgainAndTheNextReadingWhateverTheDeadband) {
   ChannelSpec spec = channel("a", 1s);
   spec.deadband = 5;

@@ -186,7 +186,7 @@ TEST_F(CommandJobTest, WholeDeviceIsAcquiredInFewReads) {
   command.target = ChannelTarget{};
   auto job = make(command);
   ASSERT_TRUE(job);
-  job->answered(items({1}));
+  job->answered(items({1}));                                   // coil
   job->answered(items({0x00, 0x05, 0x00, 0x06, 0x00, 0x08}));  // three adjacent registers
   EXPECT_FALSE(job->next());
   EXPECT_EQ(result(*job).values,
@@ -194,7 +194,7 @@ TEST_F(CommandJobTest, WholeDeviceIsAcquiredInFewReads) {
   EXPECT_EQ(job->acquired().size(), 4u);
 }
 
-// An S7-200 that accepts commands to addresses.
+// An S7-200 that allows commands to raw addresses.
 class RawCommandTest : public CommandJobTest {
  protected:
   RawCommandTest() {
@@ -289,7 +289,7 @@ TEST_F(RawCommandTest, AByteOfARegisterIsWrittenByAMaskOrNotAtAll) {
   (void)protocol_->begin(request, {})->start(frame);
   EXPECT_EQ(to_hex(ByteView(frame).first(8)), to_hex(*from_hex("01 16 00 05 00 FF 1C 00")));
   job->answered({{}});
-  job->answered(items({0x1C, 0x99}));  // the second byte belongs to no channel
+  job->answered(items({0x1C, 0x99}));  // the other byte is not part of the command
   EXPECT_EQ(result(*job).state, CommandState::kVerified);
   EXPECT_EQ(result(*job).values, (std::vector<Value>{std::uint64_t{0x1C}}));
 }

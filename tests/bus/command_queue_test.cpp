@@ -35,7 +35,7 @@ class CommandQueueTest : public testing::Test {
     command.requester = std::move(requester);
     return command;
   }
-  // Runs the next exchange; returns the requester whose command ended.
+  // Runs the next exchange and returns the requester whose command ended.
   std::string serve() {
     if (!next()) return "nobody";
     queue_.answered(1, test::items({0x01, 0x02}), Instant{}, Instant{}, sink_);
@@ -72,7 +72,7 @@ class CommandQueueTest : public testing::Test {
   ActionSink sink_{setup_, samples_, actions_};
 };
 
-// A permanent refusal is reported also while the device or its port is not available.
+// A permanent refusal is reported even while the device or its port is down.
 TEST_F(CommandQueueTest, APermanentRefusalGoesBeforeAMomentaryOne) {
   Command wrong_type = write("r0", 0);
   wrong_type.values = {Value{std::string("text")}};
@@ -97,7 +97,7 @@ TEST_F(CommandQueueTest, AMomentaryRefusalSaysWhatIsDown) {
   EXPECT_TRUE(queue_.empty());
 }
 
-// A bridge that has just started or taken over will open its port soon.
+// A bridge that has just started or taken over opens its port soon.
 TEST_F(CommandQueueTest, WhileThePortIsBeingOpenedACommandWaits) {
   accept(write("r0", 1), {BusState::kOpening, false});
   EXPECT_TRUE(results().empty());

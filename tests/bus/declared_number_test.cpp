@@ -1,5 +1,5 @@
-// A declared device that sends its numbers as text: the complete engine with the simulated device,
-// in virtual time.
+// Tests a declared device with numbers as text: the whole engine and the simulated device in
+// virtual time.
 #include <gtest/gtest.h>
 
 #include "config/loader.hpp"

@@ -32,7 +32,7 @@ TEST(DeviceHealth, WhatAnswersBrokenFromTheBeginningIsNotUnknown) {
   EXPECT_EQ(silent.state(), DeviceState::kUnknown);
 }
 
-// "Busy" is temporary, unless it lasts long without any other response.
+// Busy is a temporary state, unless it lasts long without any other response.
 TEST(DeviceHealth, ADeviceThatStaysBusyGoesOffline) {
   DeviceHealth health;
   (void)health.answered();

@@ -19,7 +19,7 @@ class DeviceMonitorTest : public testing::Test {
   void tried(DeviceIndex device, Cause cause, Instant at, ByteView received = {}) {
     monitor_.tried({device, cause, 1s, at, received, {}}, at, sink_);
   }
-  // Reports a failed exchange; returns true if the device went offline.
+  // Records a failed exchange; returns true if the device went offline.
   bool fail(DeviceIndex device, Cause cause, Instant at) {
     tried(device, cause, at);
     return monitor_.failed(device, cause, at, sink_);

@@ -55,7 +55,8 @@ TEST(FenceText, SaysWhichFenceAPortHasAndWhetherOneIsMissing) {
       << text(serial(Fence::kListen)).text;
 }
 
-// A listener that waits this long has received every sender, however the devices respond.
+// A listener that waits this long has received the active sender, however slowly the devices
+// respond.
 TEST(FenceTimes, TheListenerWaitsLongerThanTheOneThatSendsIsEverSilent) {
   BusSpec bus = bus_with(serial(Fence::kListen), "modbus-rtu");
   bus.devices.front().timeout = 1s;
@@ -71,7 +72,7 @@ TEST(FenceTimes, TheListenerWaitsLongerThanTheOneThatSendsIsEverSilent) {
   EXPECT_EQ(fence_times(bus).listen, 300ms) << "three times the hold at least";
 }
 
-// If responses do not identify their request, no device is polled while a late one may arrive.
+// If responses cannot be matched to requests, no request is sent while a late one can arrive.
 TEST(FenceTimes, OfAProtocolWhoseAnswersShowNothingAreLonger) {
   BusSpec bus = bus_with(serial(Fence::kListen), "s7-freeport");
   bus.devices.front().channels.front().range = {0, 0, 1};

@@ -61,7 +61,7 @@ Bytes FreeportStations::answer(ByteView received) {
   if (end == std::string::npos) return {};
   const std::string text = all.substr(begin + 1, end - begin - 1);
   if (text.size() < 5 || text.size() == 10 || !is_digits(text.substr(1, 2)))
-    return {};  // 10: response of another station
+    return {};  // 10: the response of another station
   const auto window = windows_.find(number(text.substr(1, 2)));
   if (window == windows_.end()) return {};
   const std::string length = text.substr(3, 2);

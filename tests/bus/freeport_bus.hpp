@@ -1,10 +1,10 @@
-// S7 freeport stations on a noisy line, polled by the complete bus engine in virtual time: measures
-// how often a wrong value is published.
+// Simulates S7 freeport stations on one noisy line, polled by the whole bus engine in virtual time,
+// and counts the wrong values that are published.
 //
-// 9600 baud, 8N1, stations 1..n. The four bytes of a station are random and new in each response,
-// so that every value of another time or station is recognized as wrong. Each direction passes its
-// own UART (tests/support/noisy_uart.hpp). The stations are written from the rules of the protocol,
-// independently of the core's codec.
+// The line is 9600 baud, 8N1, with stations 1..n. The four bytes of a station are random and change
+// with each response, so every value of another time or station is recognised as wrong. Each
+// direction has its own UART (tests/support/noisy_uart.hpp). The stations do not use the core's
+// codec.
 #pragma once
 
 #include <array>
@@ -20,10 +20,9 @@ namespace fieldcast::test {
 class FreeportStations {
  public:
   FreeportStations(unsigned count, std::uint64_t seed);
-  // Returns the bytes on the line after the stations received a request: a response, a refusal, or
-  // empty.
+  // Returns what the stations send after they received `received`: a response, a refusal, or empty.
   [[nodiscard]] Bytes answer(ByteView received);
-  // The value of the last response.
+  // Returns the value of the station's last response.
   [[nodiscard]] std::uint32_t window(unsigned station) const { return windows_.at(station); }
 
  private:
@@ -34,8 +33,8 @@ class FreeportStations {
 class FreeportBus {
  public:
   struct Counts {
-    std::uint64_t exchanges = 0;         // requests sent
-    std::uint64_t right = 0, wrong = 0;  // samples of good quality, by their value
+    std::uint64_t exchanges = 0;         // sent requests
+    std::uint64_t right = 0, wrong = 0;  // good samples, by correctness of the value
     std::uint64_t bad = 0;               // samples of bad quality
   };
 
@@ -44,7 +43,7 @@ class FreeportBus {
 
   [[nodiscard]] const Counts& counts() const { return counts_; }
   [[nodiscard]] Duration elapsed() const { return now_ - Instant{}; }
-  // Causes of failed exchanges.
+  // Causes of the failed exchanges.
   [[nodiscard]] CauseCounters causes() { return engine_.bus_report(now_).causes; }
   [[nodiscard]] std::uint64_t flipped() const {
     return to_stations_.flipped() + to_master_.flipped();

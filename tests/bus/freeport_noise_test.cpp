@@ -1,5 +1,5 @@
-// Measures how often a noisy line makes S7 freeport publish a wrong value: the short, seeded
-// version of tools/bench/freeport_bench.
+// Counts how often a noisy line makes S7 freeport publish a wrong value. This is a short, seeded
+// run of tools/bench/freeport_bench.
 #include <gtest/gtest.h>
 
 #include "tests/bus/freeport_bus.hpp"
@@ -22,9 +22,9 @@ TEST(FreeportNoise, ACleanLinePublishesEveryValueAsItIs) {
 TEST(FreeportNoise, ANoisyLineFailsAsOftenAsItsBitsSay) {
   FreeportBus bus(8, 1e-4, 2, 5ms);
   bus.run(200'000);
-  EXPECT_EQ(bus.counts().wrong, 0u);  // 0.7 in a million, with this seed
+  EXPECT_EQ(bus.counts().wrong, 0u);  // expected 0.7 in a million; none with this seed
   const double failed = static_cast<double>(bus.causes().total()) / 200'000;
-  EXPECT_GT(failed, 0.02);  // 290 bits: an error in 0.0286 of all exchanges
+  EXPECT_GT(failed, 0.02);  // 290 bits: 0.0286 of the exchanges have an error
   EXPECT_LT(failed, 0.03);
   EXPECT_GT(bus.counts().right, 190'000u);
 }
@@ -40,10 +40,10 @@ TEST(FreeportNoise, NoPairOfErrorsPassesThatTheCheckCouldSee) {
 TEST(NoisyUart, ALowStopBitIsTheNextStartBit) {
   std::vector<bool> levels = line_levels(Bytes{0x41, 0x42});
   ASSERT_EQ(uart_received(levels), (Bytes{0x41, 0x42}));
-  levels[19] = false;  // stop bit of the first byte: everything after it is one bit late
+  levels[19] = false;  // stop bit of the first: the rest is shifted by one bit
   EXPECT_EQ(uart_received(levels), (Bytes{0x41, 0x84, 0xFF}));
   levels[19] = true;
-  levels[10] = true;  // start bit of the first byte: its second data bit is the first low one
+  levels[10] = true;  // start bit of the first: its second data bit is the first low bit
   EXPECT_EQ(uart_received(levels), (Bytes{0x50, 0xA1}));
 }
 

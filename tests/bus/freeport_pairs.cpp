@@ -25,7 +25,7 @@ Bytes request_of(const Protocol& master) {
   (void)master.begin(kRead, {})->start(request);
   return request;
 }
-// Returns true if the master accepts the response for a value other than the station's.
+// Returns whether the master accepts the response with a value that differs from `window`.
 bool is_wrong(const Protocol& master, const Bytes& answer, std::uint32_t window) {
   if (answer.empty()) return false;
   const auto exchange = master.begin(kRead, {});
@@ -33,8 +33,7 @@ bool is_wrong(const Protocol& master, const Bytes& answer, std::uint32_t window)
   return outcome.done() && read_u32(outcome.reply.at(0).items) != window;
 }
 
-// Calls `each` with the UART's output of the transmission for every single flipped bit, and for
-// every pair.
+// Calls `each` with the bytes that a UART receives for each single and each pair of flipped bits.
 void flip_all(const Bytes& sent, const std::function<void(const Bytes&, bool two)>& each) {
   std::vector<bool> levels = line_levels(sent);
   for (std::size_t i = 0; i < levels.size(); ++i) {
@@ -49,7 +48,8 @@ void flip_all(const Bytes& sent, const std::function<void(const Bytes&, bool two
   }
 }
 
-// Counts pairs after which all characters are digits and the check is right: undetectable errors.
+// Counts the pairs that keep all characters digits and the check correct but change the data. No
+// receiver can detect them.
 std::uint64_t unseen_pairs(const Bytes& answer) {
   constexpr std::string_view kDigits = "0123456789ABCDEF";
   const auto digit = [&](std::uint8_t c) { return kDigits.find(static_cast<char>(c)); };
@@ -70,8 +70,7 @@ std::uint64_t unseen_pairs(const Bytes& answer) {
   for (std::size_t i = first; i < end; ++i) {
     for (std::size_t j = i + 1; j < end; ++j) {
       flip(i), flip(j);
-      pairs += passes(
-          text);  // Two bits of the check digits alone never pass, because the data determine them.
+      pairs += passes(text);  // two flipped bits of the check digits alone always fail
       flip(i), flip(j);
     }
   }

@@ -17,8 +17,8 @@ constexpr LineFormat k8N1{19200, 8, Parity::kNone, 1};
 constexpr LineFormat k8E1{19200, 8, Parity::kEven, 1};
 const Bytes kRequest{1, 3, 0, 0, 0, 2, 0xC4, 0x0B};
 
-// Simulates a UART with another baud rate: it samples the line at the middle of each bit and starts
-// a character at each falling edge. 8N1 on both sides.
+// Returns what a UART with another baud rate receives: it samples the line in the middle of each
+// bit and starts a character at each falling edge. Both sides use 8N1.
 Bytes received_at(double sender_baud, double receiver_baud, const Bytes& characters) {
   std::vector<bool> level;
   for (const std::uint8_t byte : characters) {
@@ -41,7 +41,7 @@ Bytes received_at(double sender_baud, double receiver_baud, const Bytes& charact
     for (int i = 0; i < 8; ++i) byte |= at(time + bit * (1.5 + i)) ? 1u << i : 0u;
     out.push_back(static_cast<std::uint8_t>(byte));
     time += bit * 9.5;
-    while (time < end && !at(time)) time += bit / 16;  // until the level of a stop bit
+    while (time < end && !at(time)) time += bit / 16;  // wait for the level of a stop bit
   }
   return out;
 }
@@ -87,7 +87,7 @@ TEST(Garbage, TextWithAParityBitNamesTheFormat) {
   EXPECT_THAT(looks_like(odd, k8N1, true), HasSubstr("serial server"));
 }
 
-// With INPCK, a character with wrong parity is received as 00.
+// With INPCK, the driver delivers a character with wrong parity as 00.
 TEST(Garbage, AnotherParityNamesTheFormatsToTry) {
   Bytes received = random_bytes(40);
   for (std::uint8_t& byte : received) {
@@ -128,7 +128,7 @@ TEST(Garbage, AnEchoAloneIsNamed) {
   EXPECT_THAT(garbage.text(k8N1, false), HasSubstr("what was sent comes back"));
 }
 
-// Registers with value 0 were reported as "another parity" on a line with a parity.
+// Regression: registers of value 0 were reported as wrong parity on a line with parity.
 TEST(Garbage, BrokenAnswersOfTheRightLineAreNotAWrongParity) {
   constexpr std::size_t kExpected = 25;
   const auto said = [&](std::size_t bytes) {

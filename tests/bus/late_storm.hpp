@@ -1,9 +1,9 @@
-// A bus in virtual time whose devices respond late or twice, or whose responses collide with
-// another master. Every good value is compared with the contents of its address.
+// Simulates a bus in virtual time with late and duplicate responses and collisions with another
+// master, and compares each good value with the content of its address.
 //
-// The number in each item is made of device, area and address, so that a value of any other address
-// is detected. All devices have blocks of the same shape, so that mistakes are possible.
-// Deterministic by its seed. tools/bench/storm_bench runs it for a long time.
+// Each item holds a number derived from device, area and address, so a value of any other address
+// is detected. All devices have blocks of the same shape, so their responses can be confused.
+// Deterministic for a seed. tools/bench/storm_bench does long runs.
 #pragma once
 
 #include <memory>
@@ -18,7 +18,7 @@
 
 namespace fieldcast::test {
 
-// One row for each protocol, and for each mode that changes how its responses are distinguished.
+// One row for each protocol and each mode that changes how responses are matched.
 struct StormKind {
   std::string name;
   std::string protocol, options;  // as in the configuration
@@ -26,7 +26,7 @@ struct StormKind {
   int devices = 2;
   std::vector<std::string> addresses;  // of the channels
   std::string type;
-  bool foreign = true;  // its responses identify their station, so that foreign ones are recognized
+  bool foreign = true;  // responses identify their sender, so foreign ones are detected
   bool writes = true;   // a write changes only its own channel
   friend void PrintTo(const StormKind& kind, std::ostream* out) { *out << kind.name; }
 };
@@ -37,8 +37,8 @@ struct StormFaults {
   double late = 0.05;
   Duration by = std::chrono::milliseconds{250};
   double doubled = 0;
-  double foreign = 0;  // conversations a second
-  double noise = 0;    // probability per bit
+  double foreign = 0;  // foreign exchanges per second
+  double noise = 0;    // bit error probability
 };
 [[nodiscard]] sim::BusFaults faults_of(const BusSpec& bus, const StormFaults& faults);
 
@@ -46,14 +46,14 @@ class LateStorm {
  public:
   struct Counts {
     std::uint64_t exchanges = 0, late = 0, doubled = 0;
-    std::uint64_t good = 0, wrong = 0;  // samples and values of commands
+    std::uint64_t good = 0, wrong = 0;  // samples and command values
     std::uint64_t commands = 0, answered = 0, failed = 0;
     std::string first_wrong;
   };
 
   LateStorm(const StormKind& kind, const BusSpec& spec, const sim::BusFaults& faults,
             std::uint64_t seed);
-  // Runs until this number of requests was sent, with a command about every second.
+  // Runs until `exchanges` requests were sent, with about one command per second.
   void run(std::uint64_t exchanges);
   [[nodiscard]] Counts counts();
   [[nodiscard]] const std::vector<std::uint64_t>& good_of_channels() const { return good_; }

@@ -1,4 +1,4 @@
-// Responses that arrive late, twice, or from another source are never matched to another request.
+// Checks that late, duplicate and foreign responses are never matched to another request.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,8 +16,8 @@ const StormKind& kind_named(const std::string& name) {
                        [&](const StormKind& kind) { return kind.name == name; });
 }
 
-// A response after the timeout: it is matched to the retry, whose own response arrives during the
-// next request.
+// The response arrives after the timeout and is matched to the retry. The response to the retry
+// arrives during the next request.
 TEST(LateAnswer, BeyondTheTimeoutIsNoAnswerToTheNextRequest) {
   const StormKind& kind = kind_named("modbus-rtu");
   const BusSpec spec = bus_of(kind, "200ms");
@@ -29,11 +29,11 @@ TEST(LateAnswer, BeyondTheTimeoutIsNoAnswerToTheNextRequest) {
   EXPECT_EQ(counts.wrong, 0u) << counts.first_wrong;
 }
 
-// A rare delay within the configured timeout but above the measured one. The response is matched to
-// the retry, whose own response arrives during the next request.
+// The delay is within the configured timeout, but so rare that the learned timeout is now shorter.
+// The retry accepts the response, and its own response arrives during the next request.
 TEST(LateAnswer, BeyondWhatWasLearnedIsNoAnswerToTheNextRequest) {
   StormKind kind = kind_named("modbus-rtu");
-  kind.devices = 1;  // the next request goes to the same unit
+  kind.devices = 1;  // the next request is to the same unit
   const BusSpec spec = bus_of(kind, "200ms");
   LateStorm storm(kind, spec, faults_of(spec, {.late = 0.003, .by = 150ms}), 1);
   Duration lowest = Duration::max();
@@ -50,8 +50,8 @@ TEST(LateAnswer, BeyondWhatWasLearnedIsNoAnswerToTheNextRequest) {
   EXPECT_EQ(counts.wrong, 0u) << counts.first_wrong;
 }
 
-// A response must not be counted twice. In each of these runs that happened: bytes after a late
-// response counted it again, and the response still pending was matched to another request.
+// Regression: each of these runs published wrong values. A late response was counted twice, so the
+// response that was still pending was matched to another request.
 struct Seeded {
   std::string kind;
   Duration by;

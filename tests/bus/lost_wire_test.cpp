@@ -1,5 +1,5 @@
-// An engine that loses its wire to another master (`fence: listen`): responses to that master must
-// not be matched to its own request.
+// Tests an engine that loses its wire to another master (`fence: listen`): it must not accept the
+// responses to the other master.
 #include <gtest/gtest.h>
 
 #include <optional>
@@ -22,10 +22,10 @@ class LostWire : public testing::Test {
     spec.devices[0].retries = 0;
     return spec;
   }
-  // Longer than a request and its response at 19200 baud.
+  // Longer than one exchange at 19200 baud.
   static constexpr Duration kExchange = 60ms;
   static Bytes bytes_of(std::string_view text) { return {text.begin(), text.end()}; }
-  // Returns the request that is sent, if any.
+  // Returns the bytes that the engine sends, or `std::nullopt`.
   std::optional<Bytes> feed(const BusEvent& event) {
     std::optional<Bytes> sent;
     Actions actions;
@@ -39,7 +39,7 @@ class LostWire : public testing::Test {
     }
     return sent;
   }
-  // Polls the four registers of the device.
+  // Sends a read request for the four registers of the device.
   Bytes ask() {
     (void)feed(Opened{});
     for (;;) {
@@ -50,7 +50,7 @@ class LostWire : public testing::Test {
 
   const BusSpec spec_ = fenced();
   const FenceTimes times_ = fence_times(spec_);
-  // Unit 1, four registers of 7 (Modbus over Serial Line V1.02, 2.5.2; the LRC is 100h - 28h).
+  // Unit 1, four registers of value 7 (Modbus over Serial Line V1.02, 2.5.2; LRC is 100h - 28h).
   const Bytes answer_ = bytes_of(":0103080007000700070007D8\r\n");
   BusEngine engine_{spec_};
   Instant now_{10s};
@@ -64,7 +64,8 @@ TEST_F(LostWire, AnAnswerInTimeIsTaken) {
   EXPECT_EQ(good_, 4);
 }
 
-// It was stopped during an exchange for so long that another master may have begun.
+// The process was suspended during an exchange for so long that another master may have started
+// one.
 TEST_F(LostWire, AnAnswerAfterALongStandstillMayBeAnotherMasters) {
   (void)ask();
   now_ += times_.claim + 50ms;
@@ -72,7 +73,7 @@ TEST_F(LostWire, AnAnswerAfterALongStandstillMayBeAnotherMasters) {
   EXPECT_EQ(good_, 0);
 }
 
-// Both masters began at the same instant, and the other one gets the first response.
+// Both masters started at the same time, and the other one receives its response first.
 TEST_F(LostWire, AFirstAnswerThatBeganBeforeTheRequestHadEndedIsAnotherMasters) {
   (void)ask();
   now_ += 1ms;
@@ -83,7 +84,7 @@ TEST_F(LostWire, AFirstAnswerThatBeganBeforeTheRequestHadEndedIsAnotherMasters) 
   EXPECT_EQ(good_, 4);
 }
 
-// As a virtual line behaves, which has no transmission time.
+// Simulates a port that is not a real serial line.
 TEST_F(LostWire, AnswersThatAlwaysComeTooEarlyAreTakenFromTheSecondOn) {
   (void)ask();
   now_ += 1ms;
@@ -97,7 +98,7 @@ TEST_F(LostWire, AnswersThatAlwaysComeTooEarlyAreTakenFromTheSecondOn) {
   EXPECT_EQ(good_, 4);
 }
 
-// Both masters began at the same instant: the request of this one was garbled, and the other
+// Both masters started at the same time. The request of this one was garbled, and the other one
 // continues.
 TEST_F(LostWire, AnAnswerBehindARequestOfAnotherMasterIsNotTaken) {
   (void)ask();
@@ -119,7 +120,8 @@ TEST_F(LostWire, AnAnswerBehindNoiseIsTaken) {
   EXPECT_FALSE(engine_.bus_report(now_).listening);
 }
 
-// The exchange has ended, its response is still pending: another master sends the same request.
+// The exchange has ended and its response is still pending when another master sends the same
+// request.
 TEST_F(LostWire, AnAnswerToAnotherMasterIsNoLateOne) {
   const Bytes request = ask();
   now_ += times_.claim + 50ms;

@@ -1,5 +1,5 @@
-// Compares what a protocol declares about its responses with its codec and simulated device: every
-// exchange that accepts the response to another request is declared.
+// Compares what each protocol declares about ambiguous responses with its codec and simulated
+// device: every exchange that accepts the response to another request must be declared.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace fieldcast::sim {
 namespace {
 
-// Returns the device's immediate response to a request; empty if none.
+// Returns the immediate response of the device, empty if there is none.
 Bytes answer_to(SimDevice& device, const Protocol& protocol, const Request& request,
                 std::uint16_t sequence) {
   const auto receiver = device.open_receiver();
@@ -39,7 +39,7 @@ void expect_known(const Subject& subject, std::uint16_t later_sequence, int& tak
   auto device = kind_of(subject.device)->make({.spec = subject.device, .line = subject.line()});
   ASSERT_TRUE(device);
   auto all = requests.examples();
-  // Neighbours of the same shape, which the examples do not contain.
+  // Adds adjacent requests of the same shape, which the examples lack.
   for (std::size_t i = 0, count = all.size(); i < count; ++i) {
     auto* read = std::get_if<ReadRequest>(&all[i].request);
     if (read == nullptr) continue;
@@ -72,7 +72,7 @@ TEST(Mistakable, EveryAnswerThatAnotherRequestTakesIsKnown) {
       int taken = 0, distinct = 0, same = 0;
       expect_known(subject, 8, taken, distinct);
       EXPECT_EQ(taken > 0, !numbered) << entry.name << ": the check would see nothing";
-      // Only a response in one round can be decoded immediately.
+      // Only responses of a single round can be confused here.
       if (numbered && entry.name != "s7-ppi") {
         expect_known(subject, 7, same, distinct);
         EXPECT_GT(same, 0) << entry.name;

@@ -1,5 +1,5 @@
-// Requests that the bridge decided and then held back, because another master may have the wire: no
-// response is pending, and a command runs later or expires.
+// Tests requests that the bridge withheld because another master may hold the wire. The device owes
+// no response, and a command runs later or expires.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -54,7 +54,7 @@ class NotSentTest : public testing::Test {
   bool may_send_ = true;
   std::vector<Complete> results_;
   unsigned decided_ = 0;
-  std::vector<std::uint8_t> functions_;  // of the sent requests
+  std::vector<std::uint8_t> functions_;  // function codes of the sent requests
 };
 
 TEST_F(NotSentTest, TheDeviceIsNotBlamed) {
@@ -120,8 +120,8 @@ TEST_F(NotSentTest, ACommandThatNeverLeftIsRefusedWithoutDoubt) {
   EXPECT_EQ(results_[0].result.cause, Cause::kShutdown);
 }
 
-// A write was sent without a response, and its verification must wait. The write is not repeated
-// before the device was polled.
+// The write was sent without a response, and the read-back is withheld. The write must not be
+// repeated before the device was read.
 TEST_F(NotSentTest, AWriteThatLeftIsReadBackBeforeItIsWrittenAgain) {
   wire_.cut(0, true);
   write("r0", 10s);

@@ -1,6 +1,6 @@
-// Plants of the simulation tests: buses of simulated devices, their commands and values.
+// Plants for the simulation tests: buses of simulated devices with commands and values.
 //
-// Runs on the thread of the test. Throws std::runtime_error if a configuration has an error.
+// Runs on the thread of the test. Throws std::runtime_error if the configuration has an error.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,8 +13,8 @@
 
 namespace fieldcast::test {
 
-// `devices` devices with `registers` writable holding registers each, two apart. fill() writes
-// value_of() of the channel to each.
+// Creates `devices` devices with `registers` writable holding registers at every second address.
+// fill() writes value_of() of each channel.
 inline BusSpec plant(int devices, int registers, const std::string& defaults) {
   std::string text =
       "bridge: test\nbuses:\n  - name: bus\n    port: { serial: /dev/none, baud: 19200, format: "
@@ -52,12 +52,12 @@ inline BusSpec dtc_plant(const std::string& defaults) {
   return loaded->buses.front();
 }
 
-// A different value for each channel.
+// Returns a different value for each channel.
 inline std::uint64_t value_of(ChannelIndex channel) {
   return (channel * 2654435761u) >> 16 & 0xFFFF;
 }
 
-// `channel` counts through all devices, in their order.
+// The channel index counts through all devices in their order.
 inline Command write_of(const BusSpec& spec, ChannelIndex channel, std::uint64_t value) {
   Command command;
   for (const DeviceSpec& device : spec.devices) {
@@ -72,7 +72,7 @@ inline Command write_of(const BusSpec& spec, ChannelIndex channel, std::uint64_t
   return command;
 }
 
-// Gives every register a different value, so that a value of another register is recognized.
+// Writes a different value to each register, so a value of another register is detected.
 inline void fill(VirtualBus& bus, const BusSpec& spec) {
   for (ChannelIndex c = 0; c < bus.channels().size(); ++c) {
     bus.command(write_of(spec, c, value_of(c)));

@@ -37,7 +37,7 @@ class ReadPathTest : public testing::Test {
   void refuse(const Read& read, Instant at) {
     reads_.failed(read.block, read.longer, Cause::kDeviceError, 2, at, sink_);
   }
-  // The device refuses every read that contains this address and responds to others, until the
+  // The device refuses every read that includes this address and responds to all others, until the
   // search has ended.
   void refuse_address(std::uint32_t address) {
     Instant now{};
@@ -114,7 +114,7 @@ TEST_F(ReadPathTest, ARefusedAddressIsFoundAndTheOthersAreRead) {
   EXPECT_EQ(report.refused, std::vector<std::string>{"holding:102"});
 }
 
-// The line may have garbled the request into one that the device refuses.
+// The refusal may be caused by a garbled request.
 TEST_F(ReadPathTest, AnAddressThatWasReadIsAskedOnceMoreBeforeItsRefusalIsBelieved) {
   reads_.set_interest(kOnInterest, 100ms, Instant{}, sink_);
   const auto alone = [&](Instant now) {
@@ -211,7 +211,8 @@ TEST_F(ReadPathTest, TheFirstRangeOfADeviceIsItsProbe) {
   EXPECT_EQ(reads_.first_ranges(), (std::vector<std::optional<Range>>{Range{kHolding, 100, 1}}));
 }
 
-// Measured by another bridge: the device is not polled again for refused addresses.
+// Uses what another bridge has learned: the addresses that the device refused there are not
+// requested.
 TEST_F(ReadPathTest, WhatAnotherBridgeHasLearnedIsNotLearnedAgain) {
   DeviceReport learned;
   learned.refused = {"holding:103"};

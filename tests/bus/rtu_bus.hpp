@@ -1,5 +1,5 @@
-// A manual bus for tests of parts of the engine: Modbus RTU devices "unit-1", "unit-2" .. with four
-// registers each ("r0".. at holding:100..); "r3" is read-only.
+// A hand-made bus for tests of engine parts: Modbus RTU devices "unit-1", "unit-2", … with four
+// registers each ("r0", … at holding:100, …). "r3" is read-only.
 #pragma once
 
 #include <string>
@@ -33,7 +33,7 @@ inline BusSpec rtu_bus(int devices) {
   return bus;
 }
 
-// Response to a read of one range.
+// Returns the response to a read of one range.
 inline Reply items(Bytes bytes) { return {{Cause::kNone, 0, std::move(bytes)}}; }
 
 }  // namespace fieldcast::test

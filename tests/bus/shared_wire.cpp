@@ -58,7 +58,7 @@ Instant SharedWire::due_of(const Master& master) const {
   return std::max(std::min(master.timer, master.deliver_at), master.stopped_until);
 }
 
-// As in the runner: received bytes are delivered before a timer is handled.
+// As in the runner, received bytes are delivered before a timer is handled.
 void SharedWire::serve(std::size_t index) {
   Master& master = *masters_[index];
   const bool was_stopped = master.stopped_until != kLongAgo;
@@ -180,7 +180,8 @@ void SharedWire::pass(Transmission& transmission) {
 void SharedWire::to_devices(int sender, std::uint8_t character, Instant end) {
   for (std::size_t i = 0; i < devices_.size(); ++i) {
     if (sender == kDevices + static_cast<int>(i)) continue;
-    if (half_duplex_ && devices_[i].sends_until > end) continue;  // receives nothing meanwhile
+    if (half_duplex_ && devices_[i].sends_until > end)
+      continue;  // a sending device does not receive
     sim::Reaction reaction;
     devices_[i].receiver->on_character(character, end, reaction);
     react(i, reaction, end);

@@ -1,8 +1,8 @@
-// Several masters and the devices of one bus on one half-duplex line, in virtual time, character by
-// character. Every participant receives all others, and overlapping characters are garbled.
+// Simulates several masters and the devices of one bus on one half-duplex line, in virtual time and
+// character by character. All receive all; overlapping characters are garbled.
 //
-// Each master is a complete BusEngine behind an adapter that may delay bytes, echo them, be cut off
-// from the line, or pause like a stopped process. Deterministic by its seed. Runs on the thread of
+// Each master is a whole BusEngine behind an adapter. The adapter can delay bytes, echo, be
+// disconnected, or stop like a suspended process. Deterministic for a seed. Runs on the thread of
 // the test; throws std::runtime_error if a device cannot be simulated.
 #pragma once
 
@@ -17,8 +17,8 @@
 namespace fieldcast::test {
 
 struct WireFaults {
-  double noise = 0;  // random characters a second
-  double late = 0;   // probability that a response arrives `late_by` later
+  double noise = 0;  // random characters per second
+  double late = 0;   // probability that a response is delayed by `late_by`
   Duration late_by = std::chrono::milliseconds{250};
   Duration answer_after = std::chrono::milliseconds{3};
 };
@@ -31,21 +31,21 @@ struct Adapter {
 class SharedWire {
  public:
   struct Counts {
-    std::uint64_t frames = 0;   // of masters
-    std::uint64_t garbled = 0;  // frames with a character that overlapped one of another frame
-    std::uint64_t garbled_answers = 0;  // those of devices that overlapped each other
-    std::uint64_t turns = 0;            // frames from a different master than the previous one
-    Duration shortest_turn = Duration::max();  // silence before such a frame
+    std::uint64_t frames = 0;           // sent by masters
+    std::uint64_t garbled = 0;          // frames with a character that overlapped another frame
+    std::uint64_t garbled_answers = 0;  // of those: device frames that overlapped each other
+    std::uint64_t turns = 0;            // frames that follow a frame of another master
+    Duration shortest_turn = Duration::max();  // shortest silence before such a frame
   };
   struct Master {
     Master(const BusSpec& spec, const Adapter& behind) : engine(spec), adapter(behind) {}
     BusEngine engine;
     Adapter adapter;
     bool open = false, cut = false;
-    bool not_sent = false;  // the last request
+    bool not_sent = false;  // of its last request
     Instant stopped_until = kLongAgo;
     Instant timer = kNever;
-    Bytes received;  // delayed by the adapter
+    Bytes received;  // delayed in the adapter
     Instant deliver_at = kNever;
     Instant sends_until = kLongAgo;
     std::uint64_t frames = 0, answers = 0, good = 0, wrong = 0;
@@ -58,17 +58,17 @@ class SharedWire {
 
   void run_until(Instant until);
   void open(std::size_t master);   // the process starts and opens its port
-  void close(std::size_t master);  // the process crashes
-  // Puts another engine, closed, behind the same adapter. `rank` and `seed`: see set_fence_order().
-  // REQUIRES: not inside a callback.
+  void close(std::size_t master);  // the process dies
+  // Replaces the engine behind the adapter by a new, closed one; `rank` and `seed` as in
+  // set_fence_order(). REQUIRES: not inside a callback.
   void replace(std::size_t master, unsigned rank, std::uint64_t seed);
-  void feed(std::size_t master, const BusEvent& event);  // at the present instant
+  void feed(std::size_t master, const BusEvent& event);  // at the current instant
   void stop(std::size_t master, Duration time) { masters_[master]->stopped_until = now_ + time; }
   void cut(std::size_t master, bool off) { masters_[master]->cut = off; }
 
-  // Returns whether a good value is right; empty: all are.
+  // Returns whether a good value is correct. If empty, all are.
   std::function<bool(ChannelIndex, const Value&)> judge;
-  // Returns whether this master may send and publish now; empty: all may.
+  // Returns whether this master may send and publish now. If empty, all may.
   std::function<bool(std::size_t)> may_send;
   // Called for each action of a master.
   std::function<void(std::size_t, const Action&)> on_action;
@@ -87,7 +87,7 @@ class SharedWire {
     Instant sends_until = kLongAgo;
   };
   struct Transmission {
-    int sender;  // a master; kDevices + index; kNoise
+    int sender;  // index of a master; kDevices + index; kNoise
     Bytes characters;
     Instant start;
     std::size_t passed = 0;

@@ -1,6 +1,6 @@
-// Two bridges on one wire without any other connection: no frame is garbled.
+// Checks that two bridges on one wire, without any other connection, do not garble a frame.
 //
-// FIELDCAST_SHARED_WIRE_SEEDS sets the number of seeds; default 1.
+// FIELDCAST_SHARED_WIRE_SEEDS sets the number of seeds; the default is 1.
 #include "tests/bus/shared_wire.hpp"
 
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ BusSpec fenced(const StormKind& kind, const std::string& timeout = "200ms") {
   return spec;
 }
 
-// Adapters and times that differ from seed to seed.
+// Adapters and instants, random by seed.
 struct Chance {
   explicit Chance(std::uint64_t seed) : random(seed) {}
   Duration up_to(Duration most) {
@@ -71,7 +71,7 @@ TEST_P(SharedLine, ASecondMasterThatBelievesToBeAloneStaysSilentForThirtySeconds
     EXPECT_TRUE(wire.master(1).engine.bus_report(wire.now()).listening);
     EXPECT_EQ(wire.master(0).engine.bus_report(wire.now()).foreign_masters, 0u);
     EXPECT_GT(wire.master(0).good, 100u);
-    // The sending master is received in time.
+    // The sender is detected in time.
     wire.close(0);
     const Instant died = wire.now();
     wire.run_until(died + 3s);
@@ -127,14 +127,14 @@ TEST_P(SharedLine, NoiseAndLateAnswersMakeNobodySendIntoAnother) {
     wire.run_until(Instant{4s + chance.up_to(1s)});
     wire.open(1);
     wire.run_until(wire.now() + 20s);
-    // A bridge may be silent if all its devices are lost or a late response is pending. Then the
-    // other bridge may begin after the silence.
+    // A bridge sends nothing while all its devices are lost or a response is late. Then the second
+    // bridge may start after the silence.
     if (wire.counts().turns > 0) { EXPECT_GE(wire.counts().shortest_turn, times_.listen); }
   }
 }
 
-// A master that is cut off receives nothing and listens before each request. When its cable is
-// plugged in again, one of the two yields.
+// A disconnected master receives nothing and listens before each request. After it is reconnected,
+// one of the two yields.
 TEST_P(SharedLine, OfTwoWhoseCableIsPluggedInAgainOneGivesWay) {
   std::uint64_t garbled = 0;
   for (std::uint64_t seed = 1; seed <= seeds(); ++seed) {
@@ -150,7 +150,7 @@ TEST_P(SharedLine, OfTwoWhoseCableIsPluggedInAgainOneGivesWay) {
     EXPECT_GT(wire.master(1).good, 20u) << "the other one took the wire";
     wire.cut(0, false);
     wire.run_until(wire.now() + 10s);
-    // Usually none; a request may be in flight when the cable is plugged in.
+    // Usually none; a request may be pending when the cable is reconnected.
     EXPECT_LE(wire.counts().garbled, 8u);
     garbled += wire.counts().garbled;
     const auto listening = [&](std::size_t master) {
@@ -161,7 +161,7 @@ TEST_P(SharedLine, OfTwoWhoseCableIsPluggedInAgainOneGivesWay) {
   RecordProperty("garbled", std::to_string(garbled));
 }
 
-// Returns the number of requests in 30 s after the first one.
+// Returns the number of requests in 30 s from the first one.
 std::uint64_t requests_of(const BusSpec& spec) {
   SharedWire wire(spec, {Adapter{}}, {}, 1);
   wire.open(0);

@@ -1,5 +1,4 @@
-// Complete buses in virtual time with one device that is dead, ignores requests, is noisy, or
-// refuses addresses.
+// Tests whole buses in virtual time with one device that is dead, deaf, noisy or refuses a part.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -14,7 +13,7 @@ using namespace std::chrono_literals;
 TEST(Simulation, ADeviceThatIsDeafAfterItsAnswersKeepsItsRefreshes) {
   for (const Duration deaf : {Duration{8ms}, Duration{30ms}, Duration{120ms}}) {
     const BusSpec spec = plant(2, 6, "refresh: 500ms");
-    BusSpec scattered = spec;  // several reads in each round
+    BusSpec scattered = spec;  // several reads per round
     for (DeviceSpec& device : scattered.devices) {
       for (std::size_t c = 0; c < 3; ++c)
         device.channels[c].range.first = static_cast<std::uint32_t>(1000 + 200 * c);
@@ -64,7 +63,7 @@ TEST(Simulation, DeadDeviceComesBackByItself) {
   for (ChannelIndex c = 5; c < 10; ++c) EXPECT_EQ(bus.channels()[c].quality, Quality::kGood);
 }
 
-// The wire has less time for a probe than the device needs.
+// The wire has less spare time for a probe than the device needs.
 TEST(Simulation, ASlowDeviceComesBackOnAWireThatIsBusy) {
   BusSpec spec = plant(2, 1, "refresh: 60ms, timeout: 200ms");
   spec.devices[1].channels[0].refresh = 5s;
@@ -109,8 +108,7 @@ TEST(Simulation, HalfNoiseDeviceCostsTheOthersNothing) {
 TEST(Simulation, RefusedAddressLeavesTheOthersAlone) {
   const BusSpec spec = plant(1, 30, "refresh: 1s");
   sim::BusFaults faults;
-  faults.devices["unit-1"].refused.push_back(
-      {"holding", 120, 121, 2});  // r10, and the gap after it
+  faults.devices["unit-1"].refused.push_back({"holding", 120, 121, 2});  // r10 and the gap after it
   VirtualBus bus(spec, faults, 5);
   bus.run_until(Instant{10s});
   bus.watch_from_now();
@@ -129,7 +127,7 @@ TEST(Simulation, RefusedGapIsNotBridgedAgain) {
   const BusSpec spec = plant(1, 30, "refresh: 1s");
   sim::BusFaults faults;
   faults.devices["unit-1"].only_configured =
-      true;  // every odd address between our registers is refused
+      true;  // every odd address between the registers is refused
   VirtualBus bus(spec, faults, 6);
   bus.run_until(Instant{30s});
   bus.watch_from_now();
@@ -156,8 +154,8 @@ TEST(Simulation, RefusedRangesOfAListLeaveTheOthersAlone) {
             (std::vector<std::string>{"int16:100", "int32:581"}));
 }
 
-// The block limits of the device are measured from its refusals, reported, and dropped when a
-// different device may be connected.
+// The engine learns from refusals which gaps the device accepts and reports them. It forgets them
+// when the device may have been replaced.
 TEST(Simulation, LearnsGapsAndForgetsThemWithTheDevice) {
   const BusSpec spec = plant(1, 6, "refresh: 1s, timeout: 100ms");
   sim::BusFaults faults;

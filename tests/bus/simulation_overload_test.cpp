@@ -1,4 +1,4 @@
-// Complete buses in virtual time with more load than their wire can carry.
+// Tests whole buses in virtual time with more load than their wire carries.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,8 +11,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Impossible refreshes are reported when the configuration is loaded. Additional load from stations
-// is reported while it lasts.
+// An overload by configured refreshes is reported at load time; one by station interests is
+// reported while it lasts.
 TEST(Simulation, OverloadIsToldWhenItBeginsAndWhenItEnds) {
   BusSpec spec = plant(1, 200, "refresh: 1s");
   auto& channels = spec.devices[0].channels;
@@ -42,7 +42,8 @@ int told(const VirtualBus& bus, Notice::Kind kind) {
   return static_cast<int>(std::ranges::count(bus.notices(), kind, &Notice::kind));
 }
 
-// An overload with devices that respond after 5 ms is reported at load time, not by the engine.
+// The loader reports an overload by configuration, assuming devices that respond after 5 ms. The
+// engine does not.
 TEST(Simulation, OverloadIsToldOnceWhenDevicesAreSlowerThanAssumed) {
   sim::BusFaults faults;
   for (int d = 1; d <= 16; ++d) faults.devices["unit-" + std::to_string(d)].delay.base = 20ms;
@@ -71,7 +72,7 @@ TEST(Simulation, OverloadEndsWhenDevicesAnswerSooner) {
   EXPECT_EQ(told(enough, Notice::Kind::kOverloadEnded), 1);
 }
 
-// Three times the capacity of the wire.
+// Three times the load that the wire carries.
 TEST(Simulation, WhatAnOverloadedBusHasNotReadYetSaysSo) {
   const BusSpec spec = plant(16, 12, "refresh: 150ms");
   std::vector<bool> read(16 * 12);

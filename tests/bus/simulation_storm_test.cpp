@@ -1,4 +1,4 @@
-// A complete bus in virtual time, with all faults of a plant at the same time.
+// Tests a whole bus in virtual time with all faults at the same time.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Noise, loss, late responses, silences, an unplugged port, and a stream of commands, for many
+// Noise, loss, late responses, silences, an unplugged port and a stream of commands, for many
 // seeds.
 class Storm : public testing::TestWithParam<int> {};
 
@@ -26,7 +26,7 @@ TEST_P(Storm, NoWrongValueNoLostCommandNoStarvation) {
   faults.devices["unit-3"].truncate = 0.05;
   faults.devices["unit-3"].stray = 0.1;
   faults.devices["unit-4"].garble = 0.2;
-  // Registers are filled while all devices work; later each device is dead for a while.
+  // Registers are filled while the plant is healthy. Later each device is dead for a while.
   const Duration filled = 60s;
   faults.devices["unit-5"].silence.push_back({filled + 60s, filled + 120s});
   VirtualBus bus(spec, faults, seed);
@@ -34,7 +34,7 @@ TEST_P(Storm, NoWrongValueNoLostCommandNoStarvation) {
   for (ChannelIndex c = 0; c < bus.channels().size(); ++c) {
     Command command = write_of(spec, c, value_of(c));
     command.verify = true;
-    // A faulty device may need several attempts.
+    // An unhealthy device may need several attempts.
     for (int attempt = 0; attempt < 20; ++attempt) {
       bus.command(command);
       bus.run_until(bus.now() + 800ms);

@@ -1,4 +1,4 @@
-// Complete buses in virtual time: healthy plants, and commands to them.
+// Tests whole buses in virtual time: healthy plants and commands to them.
 #include <gtest/gtest.h>
 
 #include "tests/bus/plant.hpp"
@@ -48,7 +48,7 @@ TEST(Simulation, ListsOfRangesBringEveryChannelItsOwnValue) {
   bus.watch_from_now();
   const std::uint64_t before = bus.sends();
   bus.run_until(bus.now() + 1min);
-  EXPECT_LE(bus.sends() - before, 80u);  // one request a second for all forty
+  EXPECT_LE(bus.sends() - before, 80u);  // one request per second for all forty
   for (const auto& channel : bus.channels()) EXPECT_LE(channel.longest_gap, 1s);
 }
 
@@ -86,9 +86,9 @@ TEST(Simulation, WritesToNeighboursTravelTogether) {
     command.verify = c == 39;
     bus.command(std::move(command));
   }
-  bus.command(write_of(spec, 7, 77));  // a second write to the same register: the later one counts
+  bus.command(write_of(spec, 7, 77));  // the same channel again: the later value applies
   bus.run_until(Instant{20s});
-  EXPECT_LE(requests(), 4u);  // the first one was sent immediately
+  EXPECT_LE(requests(), 4u);  // the first was sent immediately
   for (const auto& [id, results] : bus.results()) {
     ASSERT_EQ(results.size(), 1u);
     EXPECT_EQ(results[0].state, id == 40 ? CommandState::kVerified : CommandState::kDone)
@@ -106,7 +106,7 @@ TEST(Simulation, FloodOfCommandsStarvesNeitherSide) {
   bus.watch_from_now();
   for (int i = 0; i < 3000; ++i) {
     bus.command(write_of(spec, static_cast<ChannelIndex>(i % 40), static_cast<std::uint64_t>(i)));
-    bus.run_until(bus.now() + 5ms);  // far more than the wire can carry
+    bus.run_until(bus.now() + 5ms);  // far more than the wire carries
   }
   bus.run_until(bus.now() + 2min);
   std::uint64_t done = 0;

@@ -1,4 +1,4 @@
-// An engine that takes over a wire: responses to requests of the previous master may still arrive.
+// Tests an engine that takes over a wire: responses to its predecessor may still arrive.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -47,8 +47,8 @@ class Replay {
       feed(TimerFired{}, at);
     }
   }
-  // Reference of an instant with this number of pluses: the start, the next request without a
-  // response, or the last event.
+  // Returns the base of a time with this many pluses: the start, the next unanswered request, or
+  // the last event.
   Instant base(unsigned pluses) {
     if (pluses == 0) return Instant{};
     if (pluses == 2) return last_;
@@ -118,7 +118,8 @@ class Replay {
   bool unanswered_ = false;
 };
 
-// "command c1 write press-1/setpoint = 5 verify expires 2s", "command c2 acquire press-1/running"
+// Example: "command c1 write press-1/setpoint = 5 verify expires 2s", "command c2 acquire
+// press-1/running"
 std::optional<Command> parse_command(const std::vector<std::string>& words, const BusSpec& bus,
                                      Instant now) {
   if (words.size() < 5 || words[2].size() < 2) return std::nullopt;
@@ -164,7 +165,7 @@ void replay_line(Replay& replay, const std::string& line) {
   const auto words = words_of(line);
   if (words.empty() || words[0][0] == '#') return replay.remark(line);
   if (words.size() < 2) return replay.remark("!! no instant and event: " + line);
-  if (is_outcome(words[1])) return;  // an outcome, written by the engine
+  if (is_outcome(words[1])) return;  // output of the engine
   const std::size_t pluses = words[0].find_first_not_of('+');
   const auto instant =
       parse_instant(std::string_view(words[0]).substr(std::min(pluses, words[0].size())));

@@ -62,7 +62,7 @@ void VirtualBus::see(const Action& action) {
         return;
       }
       EXPECT_LE(sample.acquired, bus.now());
-      // The engine waits until noise around a response ends, then finds the response in it.
+      // Noise around a response must end before the response is extracted.
       EXPECT_LE(bus.now() - sample.acquired, std::chrono::milliseconds{100})
           << "a good sample that is not fresh, channel " << sample.channel;
       channel.value = sample.value;

@@ -1,7 +1,9 @@
-// A bus in virtual time (tools/sim/virtual_bus.hpp) with checks.
+// A monitored bus in virtual time (tools/sim/virtual_bus.hpp).
 //
-// Checks invariants at every step and reports violations as gtest failures: one exchange at a time,
-// a good value is fresh and right, every command has exactly one result.
+// Checks these invariants at every step and reports violations as gtest failures:
+// - at most one exchange at a time
+// - good values are fresh and correct
+// - each command has exactly one result
 #pragma once
 
 #include <functional>
@@ -16,7 +18,7 @@ namespace fieldcast::test {
 
 class VirtualBus {
  public:
-  // What a station sees of one channel.
+  // Samples of one channel as received by a station.
   struct Watched {
     std::uint64_t good = 0, bad = 0;
     Instant last_good{};
@@ -29,16 +31,16 @@ class VirtualBus {
 
   // Runs until `until`; the start is Instant{}.
   void run_until(Instant until);
-  void command(Command command);  // at the present instant; sets request_id
+  void command(Command command);  // at the current instant; request_id is set here
   void set_interest(ChannelIndex channel, std::optional<Duration> refresh) {
     bus_.feed(InterestChanged{channel, refresh});
   }
   void unplug();
   void plug();
   void stop();            // sends StopRequested
-  void watch_from_now();  // clears gaps and counts
+  void watch_from_now();  // resets gaps and counters
 
-  // Called for each good sample; returns the error, or an empty text.
+  // Called for each good sample; returns an error text, empty if the sample is correct.
   std::function<std::string(ChannelIndex, const Value&)> judge;
 
   [[nodiscard]] Instant now() const { return bus_.now(); }
@@ -51,7 +53,7 @@ class VirtualBus {
   [[nodiscard]] std::uint64_t commands_sent() const { return commands_; }
   [[nodiscard]] const std::vector<Notice>& notices() const { return notices_; }
   [[nodiscard]] std::uint64_t sends() const { return sends_; }
-  // Equal for two runs only if all their actions were the same.
+  // Equal for two runs only if all their actions were equal.
   [[nodiscard]] std::uint64_t fingerprint() const { return bus_.fingerprint(); }
 
  private:

@@ -26,7 +26,7 @@ const Bytes kOwn{0x01, 0x03, 0x00, 0x64, 0x00, 0x02, 0x85, 0xD4};
 
 struct WireFenceTest : testing::Test {
   Instant at(Duration time) const { return Instant{10s + time}; }
-  // Listens for 420 ms after 0, sends at 420 ms, and gets a response at 440 ms.
+  // Listens for 420 ms, sends at 420 ms and receives the response at 440 ms.
   void hold() {
     fence.opened(at(0ms));
     ASSERT_TRUE(fence.may_send(at(420ms)));
@@ -99,7 +99,7 @@ TEST_F(WireFenceTest, ALateEchoIsNoOtherMaster) {
   EXPECT_TRUE(fence.may_send(at(450ms)));
 }
 
-// The response of function 6 repeats the request: one of them may be a device that responds twice.
+// Function 6 repeats the request, so one of the frames may be a duplicate response of a device.
 TEST_F(WireFenceTest, WhatCouldBeAnAnswerIsBelievedTheThirdTime) {
   const Bytes write{0x02, 0x06, 0x00, 0x01, 0x00, 0x03, 0x98, 0x38};
   hold();

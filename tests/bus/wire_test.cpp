@@ -72,8 +72,8 @@ TEST_F(WireTest, ARepeatedFlightKeepsItsStartAndKnowsThatItWasNotAnswered) {
       << "the wire was free between the tries";
 }
 
-// The wait after a device depends on the time it cost: the device is not polled for ten times as
-// long.
+// After the process was suspended, the device must not be charged with that time: a costly device
+// is paused for ten times its cost.
 TEST_F(WireTest, TimeInWhichTheProcessStoodStillIsNotTheDevices) {
   wire_.launch(read());
   (void)send(Instant{});

@@ -9,7 +9,7 @@ namespace {
 
 Bytes text(std::string_view characters) { return {characters.begin(), characters.end()}; }
 
-// Bit by bit, as the standard draws it: the reference for the table.
+// Bitwise CRC as in the standard; the reference for the table.
 std::uint16_t slow_crc(ByteView bytes) {
   unsigned crc = 0xFFFF;
   for (const std::uint8_t byte : bytes) {
@@ -43,7 +43,7 @@ TEST(Checksum, BytesAndTheirLrcAddUpToZero) {
 }
 
 TEST(Checksum, XorOfHostLinkText) {
-  // `@00RD0150000351*`: the FCS of a published read of D0150 (xamidimura roof_control, Host Link
+  // `@00RD0150000351*`: FCS of a published read of D0150 (xamidimura roof_control, Host Link
   // tests).
   EXPECT_EQ(xor8(text("@00RD01500003")), 0x51);
 }

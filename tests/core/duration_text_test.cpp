@@ -1,4 +1,4 @@
-// The one grammar of durations, and its printer.
+// Tests the grammar of durations and its printer.
 #include "core/base/duration_text.hpp"
 
 #include <gtest/gtest.h>

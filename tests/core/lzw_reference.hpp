@@ -1,5 +1,5 @@
-// LZW over nibbles as its description says it, with dictionaries of strings: slow, plain and
-// written apart from core/codec/lzw. What the codec is compared with, in tests and in the bench.
+// LZW over nibbles, implemented from its description with dictionaries of strings, slow and
+// independent of core/codec/lzw. Tests and the benchmark compare the codec with it.
 #pragma once
 
 #include <optional>
@@ -10,13 +10,14 @@
 
 namespace fieldcast::test {
 
-// The codes of the nibbles of `original`.
+// Returns the codes of the nibbles of `original`.
 [[nodiscard]] std::vector<unsigned> reference_codes(ByteView original);
 
-// Codes as bits, the k-th of bit_length(min(15 + k, 4095)), filled to a byte.
+// Packs codes into bits; the k-th has bit_length(min(15 + k, 4095)) bits; padded to a byte.
 [[nodiscard]] Bytes packed(const std::vector<unsigned>& codes);
 
-// Nothing: the codes end early, or one is not defined, or a string is longer than what is missing.
+// Returns `std::nullopt` if the codes end early, a code is undefined, or a string exceeds the
+// length.
 [[nodiscard]] std::optional<Bytes> reference_decode(ByteView bytes, std::size_t length);
 
 }  // namespace fieldcast::test

@@ -15,7 +15,7 @@ using test::reference_codes;
 using test::reference_decode;
 
 Bytes encoded(ByteView original) {
-  static LzwEncoder encoder;  // its dictionary is used again and again, as on a line
+  static LzwEncoder encoder;  // the dictionary is used repeatedly, as on a line
   Bytes out(3 * original.size() + 16);
   const auto size = encoder.encode(original, out);
   EXPECT_TRUE(size.has_value());
@@ -28,7 +28,8 @@ tl::expected<Bytes, LzwFault> decoded(ByteView codes, std::size_t length) {
   return lzw_decode(codes, length, out).map([&] { return out; });
 }
 
-// From a constant to white noise: `symbols` values, each kept with the chance `keep` of 16.
+// Returns data between constant and white noise: `symbols` values, each repeated with probability
+// `keep`/16.
 Bytes data(std::mt19937& random, std::size_t length, unsigned symbols, unsigned keep) {
   Bytes bytes;
   std::uint8_t last = 0;
@@ -84,7 +85,7 @@ TEST(Lzw, AgreesWithADictionaryOfStringsOnAnyData) {
 
 TEST(Lzw, TheDictionaryStopsAt4096Entries) {
   std::mt19937 random(3);
-  const Bytes original = data(random, 20000, 256, 0);  // four times what fills it
+  const Bytes original = data(random, 20000, 256, 0);  // four times the capacity
   const auto codes = reference_codes(original);
   ASSERT_GT(codes.size(), 8000u);
   EXPECT_EQ(to_hex(encoded(original)), to_hex(packed(codes)));
@@ -131,8 +132,8 @@ TEST(Lzw, MoreThanTheCodesIsAFault) {
   EXPECT_EQ(decoded(codes, 4097).error(), LzwFault::kTooLong);
 }
 
-// A flipped bit may give other data, which the message's CRC is for; both decoders must say the
-// same of it.
+// A flipped bit may give other data, which the CRC of the message detects. Both decoders must give
+// the same result.
 TEST(Lzw, EveryFlippedBitIsJudgedAsTheReferenceDoes) {
   std::mt19937 random(13);
   const Bytes original = data(random, 150, 7, 10);
@@ -163,8 +164,8 @@ TEST(Lzw, RandomCodesAreBounded) {
   }
 }
 
-// The longest expansion that there is: each code one nibble longer than the last. 4096 bytes from
-// 103, and never more.
+// The longest possible expansion: each code is one nibble longer than the last. 103 bytes give
+// exactly 4096 bytes.
 TEST(Lzw, ABombGivesWhatItSaysOrAFault) {
   const Bytes zeros(4096, 0);
   const Bytes bomb = encoded(zeros);

@@ -1,4 +1,4 @@
-// One way of printing floats: shortest, exact, the same everywhere.
+// Tests the printing of floats: shortest exact text, the same on all platforms.
 #include "core/base/number_text.hpp"
 
 #include <gtest/gtest.h>

@@ -17,7 +17,7 @@ TEST(Glob, StarStandsForAnyRun) {
   EXPECT_FALSE(glob_matches("oil", "oil-temperature"));
 }
 
-TEST(Glob, ManyStarsEndSoon) {  // exponential matchers do not come back from this
+TEST(Glob, ManyStarsEndSoon) {  // exponential matchers would not return
   std::string stars;
   for (int i = 0; i < 64; ++i) stars += "*a";
   EXPECT_FALSE(glob_matches(stars + "b", std::string(4096, 'a')));

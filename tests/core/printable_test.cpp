@@ -15,7 +15,7 @@ TEST(Printable, ControlCharactersAreSpelled) {
   EXPECT_EQ(printable(std::string_view("\0x", 2)), "\\x00x");
   EXPECT_EQ(printable("\xC2\x9B"
                       "31m"),
-            "\\u009B31m");  // CSI in one character
+            "\\u009B31m");  // CSI as one character
 }
 
 TEST(Printable, MarksThatTurnOrBreakALineAreSpelled) {
@@ -24,9 +24,9 @@ TEST(Printable, MarksThatTurnOrBreakALineAreSpelled) {
 }
 
 TEST(Printable, BytesThatAreNoUtf8AreSpelled) {
-  EXPECT_EQ(printable("\xFF\xC0\xAF"), "\\xFF\\xC0\\xAF");  // never in UTF-8; an overlong '/'
+  EXPECT_EQ(printable("\xFF\xC0\xAF"), "\\xFF\\xC0\\xAF");  // invalid in UTF-8; an overlong '/'
   EXPECT_EQ(printable("\xED\xA0\x80"), "\\xED\\xA0\\x80");  // half of a surrogate pair
-  EXPECT_EQ(printable("\xE6\xB8"), "\\xE6\\xB8");           // cut in the middle
+  EXPECT_EQ(printable("\xE6\xB8"), "\\xE6\\xB8");           // truncated
   EXPECT_EQ(printable("\xF4\x90\x80\x80"), "\\xF4\\x90\\x80\\x80");  // beyond U+10FFFF
 }
 
@@ -38,7 +38,7 @@ TEST(Printable, LongTextIsCutBetweenCharacters) {
   EXPECT_EQ(printable(std::string(1'000'000, '\x1b')).size() <= kMaxPrintable, true);
 }
 
-// Every byte, alone and behind every lead, leaves only what a terminal shows.
+// Every byte, alone and after every lead byte, gives only printable characters.
 TEST(Printable, NothingItReturnsIsObeyed) {
   for (int first = 0; first < 256; ++first) {
     for (int second = 0; second < 256; ++second) {

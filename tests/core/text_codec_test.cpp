@@ -1,4 +1,4 @@
-// Texts of devices as printable UTF-8, and back.
+// Tests the conversion of device texts to printable UTF-8 and back.
 #include "core/codec/text_codec.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Numbers that devices write as text, both ways.
+// Tests the conversion of numbers that devices write as text, in both directions.
 #include "core/codec/text_number.hpp"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ Bytes items_of(std::string_view text) {
   return items;
 }
 
-// What a channel of that form and width reads from the characters of 16-bit items.
+// Reads the characters of 16-bit items as a channel of this form and width.
 tl::expected<Value, Cause> read(ValueType type, TextNumber form, std::string_view text) {
   const Encoding encoding{
       .type = type, .string_bytes = static_cast<std::uint16_t>(text.size()), .text_number = form};

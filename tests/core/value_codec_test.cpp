@@ -210,7 +210,7 @@ TEST(ValueCodec, ScaledValuesAreRoundedToTheNearestRaw) {
   EXPECT_EQ(encode_value({.type = ValueType::kInt16, .scale = 0.1}, 16, i(2)), hex("0014"));
 }
 
-// 7 * 0.3 is 2.0999999999999996 as a double, and so it stood in every output.
+// Regression: 7 * 0.3 was printed as 2.0999999999999996.
 TEST(ValueCodec, ScaledIntegersHaveTheDecimalsThatPeopleExpect) {
   const auto shown = [](double scale, double offset, std::int16_t raw) {
     const auto bits = static_cast<std::uint16_t>(raw);
@@ -232,7 +232,7 @@ TEST(ValueCodec, ScaledIntegersHaveTheDecimalsThatPeopleExpect) {
   }
 }
 
-// Every raw word has a scaled value that leads back to it.
+// Every raw word has a scaled value that converts back to it.
 TEST(ValueCodec, EveryScaledWordRoundTrips) {
   for (const double scale : {0.1, 0.01, 0.001, 0.05, 3.0, -0.25, 1.0 / 27648}) {
     const Encoding encoding{.type = ValueType::kInt16, .scale = scale, .offset = -17.3};
@@ -251,7 +251,7 @@ TEST(ValueCodec, EveryDecodableImageEncodesToItself) {
     Encoding encoding{.type = static_cast<ValueType>(random() % 11),
                       .word_order = random() % 2 != 0 ? kLow : kBig,
                       .byte_order = random() % 2 != 0 ? kSwapped : ByteOrder::kBigEndian};
-    if (encoding.type == ValueType::kBool) continue;  // several images of true
+    if (encoding.type == ValueType::kBool) continue;  // several representations of true
     const unsigned item_bits = std::array{1u, 8u, 16u, 32u, 64u}[random() % 5];
     const std::uint32_t count = item_count(encoding, item_bits);
     Bytes items(item_bits <= 8 ? count : count * (item_bits / 8));
@@ -265,7 +265,7 @@ TEST(ValueCodec, EveryDecodableImageEncodesToItself) {
   }
 }
 
-// The encoding of a type with the values of the key `not-available`.
+// Returns the encoding with the values of the key `not-available`.
 Encoding without(Encoding encoding, std::initializer_list<std::string_view> values) {
   for (const auto value : values)
     encoding.not_available.push_back(parse_not_available(encoding, value).value());

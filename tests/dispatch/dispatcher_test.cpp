@@ -1,4 +1,4 @@
-// (plan, state, now) -> a read or a rest: each dispatcher separately.
+// Tests each dispatcher alone: (plan, state, now) gives a read or a rest.
 #include "core/dispatch/dispatcher.hpp"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ using namespace std::chrono_literals;
 using test::kFakeProtocol;
 constexpr Instant kNow{100s};
 
-// Groups of one distant register each, and a state in which nothing is due before `set_due`.
+// Groups of one register each, far apart, with nothing due before `set_due`.
 struct Bench {
   explicit Bench(std::vector<double> refreshes, Planner planner = Planner::kCyclic,
                  Mode mode = Mode::kScheduled)
@@ -22,7 +22,7 @@ struct Bench {
     for (PointState& point : state.points)
       point.allowed_gap = allowed_gap_of(ns(point.refresh), state.wire.lead);
   }
-  // Puts the read of one group where its dispatcher expects it.
+  // Makes the read of one group due in the way its dispatcher requires.
   template <typename D>
   void set_due(D& dispatcher, GroupIndex group, Instant due, bool eager = false) {
     PointState& point = state.points_of(plan, group).front();
@@ -114,7 +114,7 @@ TEST(CyclicDispatcher, AReadThatWouldDelayAMoreUrgentOneWaits) {
   bench.state.groups[1].cost = cost;
   bench.set_due(dispatcher, 0, kNow - 2ms);
   bench.state.queues.take_out(0);
-  bench.state.queues.held.put(0, kNow + cost / 2);  // begins before the other would end
+  bench.state.queues.held.put(0, kNow + cost / 2);  // starts before the other would end
   EXPECT_EQ(rest_of(bench.next(dispatcher)), kNow + cost / 2);
 }
 

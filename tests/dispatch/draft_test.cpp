@@ -1,4 +1,4 @@
-// Plans that are made while the wire runs.
+// Tests plans that are computed while the wire runs.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -51,7 +51,7 @@ TEST(Draft, ItsPlanIsTakenAsItIs) {
   EXPECT_EQ(scheduler->plan(), made);
 }
 
-// The draft has different groups than those that changed meanwhile.
+// The groups of the draft differ from the groups that changed since.
 class ChangingBus : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(ChangingBus, KeepsWhatIsAskedForWhileAPlanIsMade) {

@@ -7,7 +7,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// 256 acquisitions, one per millisecond, every `late_each`-th late; from `now` on.
+// Adds 256 acquisitions from `now` on, one per millisecond, with every `late_each`-th late.
 void window(OverrunWatch& watch, Instant& now, int late_each, bool rests = false) {
   for (int i = 0; i < 256; ++i) {
     watch.wire_free(now, rests);

@@ -49,14 +49,14 @@ TEST_F(RefusingDevice, GapBetweenTwoGoodHalvesBecomesABarrier) {
   wire_->run(60s);
   EXPECT_EQ(refused_, 0u);
   EXPECT_EQ(wire_->missed(), 0u);
-  EXPECT_LE(wire_->blocks(), 2 * 72u);  // the two sides of the barrier, each complete
+  EXPECT_LE(wire_->blocks(), 2 * 72u);  // the two sides of the barrier, each in one block
 }
 
 TEST_F(RefusingDevice, SinglePointIsFoundBadAndTheOthersKeepTheirRefresh) {
   holes_ = {14};
   wire_->run(3s);
   EXPECT_EQ(wire_->bad, std::vector<PointIndex>{7});
-  EXPECT_LE(refused_, 6u);  // a binary search
+  EXPECT_LE(refused_, 6u);  // binary search
   refused_ = 0;
   wire_->forget_gaps();
   wire_->run(60s);
@@ -90,7 +90,7 @@ TEST_F(RefusingDevice, BadPointIsTriedAgainAloneAndComesBack) {
       EXPECT_EQ(block.points.size(), 1u);
     }
   };
-  wire_->run(16s);  // still refused: alone, so that no other read fails
+  wire_->run(16s);  // still refused, but read alone, so no other point is affected
   EXPECT_EQ(wire_->bad.size(), 2u);
   wire_->check = nullptr;
   holes_.clear();
@@ -98,7 +98,7 @@ TEST_F(RefusingDevice, BadPointIsTriedAgainAloneAndComesBack) {
   wire_->forget_gaps();
   wire_->run(20s);
   EXPECT_GE(wire_->seen(7).count, 20u);
-  EXPECT_LE(wire_->blocks(), 24u);  // one block again, in a period of 0.86 s
+  EXPECT_LE(wire_->blocks(), 24u);  // one block again, with a period of 0.86 s
 }
 
 TEST_F(RefusingDevice, BarrierIsForgottenAfterAWhile) {

@@ -16,7 +16,7 @@ using test::VirtualWire;
 
 using test::kFakeProtocol;
 
-// `count` registers from `first` on, every `step`-th.
+// Adds `count` points, one for every `step`-th register from `first` on.
 void add_points(ScheduleInput& input, DeviceIndex device, std::uint32_t first, std::uint32_t count,
                 std::uint32_t step, Duration refresh, Mode mode = Mode::kScheduled) {
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -49,8 +49,8 @@ TEST(Scheduler, OnDemandPointsAreNeverRead) {
   EXPECT_EQ(std::get<Rest>(make_scheduler(input)->next(Instant{5s})).until, kNever);
 }
 
-// The time after a response (silence, a pause) is a large part of these reads, and no part of their
-// points' refresh.
+// The rest after a response (silence or pause) is a large part of these reads, but not of the
+// refresh of their points.
 TEST(Scheduler, FewLongReadsWithLongRestsAreKeptOnACrowdedWire) {
   for (const Duration pause : {Duration{0}, Duration{200ms}}) {
     ScheduleInput input = plant(1, 300);
@@ -131,7 +131,7 @@ TEST(Scheduler, IntensivePointsOfOneRefreshConvergeToTheOptimalPartition) {
   EXPECT_LE(to_seconds(longest), 1.3 * to_seconds(shortest));
 }
 
-// The predictions of a plan for each point are true on an ideal wire.
+// An ideal wire confirms what the plan predicts for each point.
 TEST(Scheduler, NoGapIsLongerThanThePlanSays) {
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     const test::Map map = test::random_map(seed, 150);
@@ -158,7 +158,7 @@ TEST(Scheduler, SlowPointsAreReadTogetherWithFastNeighbours) {
   wire.forget_gaps();
   wire.run(60s);
   EXPECT_EQ(wire.missed(), 0u);
-  EXPECT_LE(wire.blocks(), wire.seen(0).count);  // no read without the fast point
+  EXPECT_LE(wire.blocks(), wire.seen(0).count);  // each read includes the fast point
   EXPECT_LE(wire.seen(1).count, 16u);            // the slow points are not in all reads
 }
 

@@ -1,5 +1,5 @@
-// An ideal half-duplex line in virtual time with a scheduler as its master: every read lasts its
-// cost, and gaps are counted.
+// Simulates an ideal half-duplex line in virtual time with a scheduler as its master. Every read
+// takes its cost, and gaps are measured.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace fieldcast::test {
 
-// Response of the devices to a block; by default kGood.
+// How the devices respond to a block; they respond normally if empty.
 enum class Answer { kGood, kRefused, kSilent };
 
 class VirtualWire {
@@ -20,8 +20,7 @@ class VirtualWire {
     for (auto& seen : seen_) seen.last = kStart;
   }
 
-  // Runs for `length` of virtual time. The check, if any, is called with every block before it is
-  // read.
+  // Runs for `length` of virtual time. Calls the check, if set, with every block before it is read.
   void run(Duration length) {
     const Instant end = now_ + length;
     while (now_ < end) {
@@ -37,7 +36,7 @@ class VirtualWire {
   struct Seen {
     Instant last{};
     std::uint64_t count = 0, missed = 0;
-    Duration longest{}, shortest = Duration::max();  // gaps, from the first acquisition on
+    Duration longest{}, shortest = Duration::max();  // gaps since the first acquisition
   };
   [[nodiscard]] const Seen& seen(PointIndex point) const { return seen_[point]; }
   [[nodiscard]] std::uint64_t missed() const {
@@ -45,7 +44,7 @@ class VirtualWire {
     for (const auto& seen : seen_) sum += seen.missed;
     return sum;
   }
-  // Returns the points that are overdue, or have never been read within their refresh.
+  // Returns the number of points that are overdue now or have never been read within their refresh.
   [[nodiscard]] std::size_t overdue() const {
     std::size_t count = 0;
     for (PointIndex point = 0; point < seen_.size(); ++point) {
@@ -67,7 +66,7 @@ class VirtualWire {
 
   std::function<Answer(const Block&)> device;
   std::function<void(const Block&)> check;
-  double pace = 1;  // duration of a read relative to the line's rate
+  double pace = 1;  // duration of a read, relative to the time at the line's rate
   Duration timeout = std::chrono::milliseconds{200};
   Duration retry_after{};
   Duration forget = std::chrono::minutes{10};

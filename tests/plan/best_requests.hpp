@@ -1,5 +1,5 @@
-// The requests of least wire time that read all wanted items, for protocols whose requests contain
-// lists of ranges; the reference for a scheduler.
+// Computes the requests of least wire time that together read all wanted ranges, for protocols
+// whose requests carry lists of ranges. Schedulers are compared with this optimum.
 #pragma once
 
 #include <span>
@@ -14,9 +14,9 @@ struct BestRequests {
   Duration cost{};
 };
 
-// `wanted` is of one area, in rising order. Neighbours are joined if bridging is cheaper than
-// another range. Each request has consecutive ranges, or one range over all of them if that is
-// cheaper.
+// `wanted` is of one area, in ascending order. Adjacent ranges are joined if bridging is cheaper
+// than another range. Each request holds consecutive ranges, or one range over all of them if that
+// is cheaper.
 [[nodiscard]] BestRequests best_requests(std::span<const Range> wanted, const ListCost& cost);
 
 }  // namespace fieldcast::test

@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 using test::kBits, test::kBytewise, test::kRegisters, test::kWindow;
 
 using test::kFakeProtocol;
-const LineFormat kLine{9600, 8, Parity::kNone, 1};  // 10 bits: 1.0417 ms a character
+const LineFormat kLine{9600, 8, Parity::kNone, 1};  // 10 bits: 1.0417 ms per character
 
 DeviceTiming timing() {
   DeviceTiming device;

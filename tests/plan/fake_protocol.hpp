@@ -1,4 +1,4 @@
-// A protocol that has only sizes, for planning without frames: sizes of Modbus RTU, and areas with
+// A protocol with sizes but without frames, for planning: the sizes of Modbus RTU, and areas with
 // the special cases of planning.
 #pragma once
 

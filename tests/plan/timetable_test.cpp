@@ -1,4 +1,4 @@
-// Periods, phases and instants of a timetable.
+// Tests the periods, phases and instants of a timetable.
 #include "core/plan/timetable.hpp"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ using namespace std::chrono_literals;
 constexpr Duration kBasePeriod = 100ms;
 constexpr Duration kSlack = 4ms;
 
-// One point for each number of base periods that its allowed gap contains, ten items apart.
+// One point for each number of base periods that fits in its allowed gap, ten items apart.
 TimetableRequest request(std::vector<double> fits) {
   TimetableRequest made;
   made.base_cost = 10ms;
@@ -52,7 +52,7 @@ TEST(Timetable, SlowPointsOfManyRequestsAreSpreadOverTheSlots) {
     ++in_slot[table.request(index).phase % 10];
   EXPECT_EQ(*std::min_element(in_slot.begin(), in_slot.end()), 2);
   EXPECT_EQ(*std::max_element(in_slot.begin(), in_slot.end()), 2);
-  EXPECT_NEAR(table.load(), 2 * 11.0 / 100, 0.001);  // two requests of 11 ms in each slot of 100
+  EXPECT_NEAR(table.load(), 2 * 11.0 / 100, 0.001);  // two requests of 11 ms in each slot of 100 ms
 }
 
 TEST(Timetable, NeighboursOfOneRefreshShareASlot) {

@@ -45,7 +45,7 @@ std::string octal(unsigned value) {
   return digits;
 }
 
-// The device at a byte address of the classic map, and the items in so many bytes.
+// The device at a byte address of the classic map, and the items in this many bytes.
 struct Placed {
   std::string at;
   unsigned count;
@@ -71,7 +71,7 @@ std::optional<Placed> placed(unsigned address, unsigned bytes) {
   return std::nullopt;
 }
 
-// The bit of a force address.
+// Returns the bit at a force address.
 std::string forced(unsigned address) {
   if (address >= 0x0F00) return "M" + std::to_string(8000 + address - 0x0F00);
   if (address >= 0x0800) return "M" + std::to_string(address - 0x0800);
@@ -87,7 +87,7 @@ std::string reversed_pairs(const std::string& digits, std::size_t each) {
   return result;
 }
 
-// What a published classic request means, read without the codec.
+// Parses a published classic request without the codec.
 std::optional<Request> meant(const Device& device, const std::string& q) {
   if (q.size() < 9 || q[0] != 0x02) return std::nullopt;
   if (q[1] == '0' && q.size() == 11) {
@@ -200,7 +200,7 @@ TEST(FxExchange, ARequestThatTheLineGarbledIsSentAgain) {
       drive(*device.begin(device.write("D0", "0001")), std::vector<Bytes>{{0x15}, {0x06}}).done());
 }
 
-// The answer to the request that was sent again may still come: it is owed.
+// The response to the repeated request may still arrive, so it is pending.
 TEST(FxExchange, SilenceBehindARefusalIsNoRefusal) {
   const Device device = plc();
   for (const Request& request : {device.write("D0", "0001"), device.read("D0")}) {
@@ -239,7 +239,7 @@ TEST(FxExchange, SizesAreExact) {
 TEST(FxExchange, BitsAreCutOutOfWholeBytes) {
   const Device device = plc();
   const auto exchange =
-      device.begin(device.read("M14", 4));  // M14, M15 of byte 0101 and M16, M17 of byte 0102
+      device.begin(device.read("M14", 4));  // M14, M15 of byte 0101; M16, M17 of byte 0102
   const Outcome outcome = drive(*exchange, framed("4002"));
   ASSERT_TRUE(outcome.done()) << to_text(outcome);
   EXPECT_EQ(to_hex(outcome.reply[0].items), "01 00 00 01");
@@ -250,8 +250,7 @@ TEST(FxExchange, TheMatrixHolds) {
   const test::MatrixCase read{.begin = [&] { return device.begin(device.read("D123", 2)); },
                               .answers = {framed("0C000000")}};
   test::expect_matrix(read);
-  // Eight bits of sum do not see everything that random bytes do; that nothing crashes is all that
-  // is asked.
+  // Random bytes can match a sum of eight bits, so this only checks that nothing crashes.
   test::expect_random_bytes_are_refused(
       {.begin = read.begin, .answers = {framed("3412ABCD")}, .checked = false}, 11, 5000);
   test::expect_matrix({.begin = [&] { return device.begin(device.write("M17", "01")); },

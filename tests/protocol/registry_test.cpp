@@ -39,7 +39,7 @@ TEST(Registry, EveryRefusalHasWords) {
     const auto made = entry.make({.address = 1});
     ASSERT_TRUE(made.has_value()) << entry.name;
     const auto codes = (*made)->traits().codes;
-    // A NAK of the FX says nothing more.
+    // A NAK of the FX has no code.
     EXPECT_EQ(codes.empty(), entry.name == "mitsubishi-fx") << entry.name;
     std::set<std::uint16_t> known;
     for (const DeviceCode& row : codes) {
@@ -85,7 +85,7 @@ TEST(DeviceCode, ACodeOrItsClassSaysWhatItMeansForTheNextRead) {
   EXPECT_EQ(device_code_cause(codes, 0x7777), Cause::kDeviceError) << "unknown codes refuse";
 }
 
-// Which codes of each family are states of the moment: all others refuse, or blame the line.
+// Codes of each family that are temporary states. All others are refusals or line errors.
 TEST(DeviceCode, StatesOfTheMomentByFamily) {
   using Codes = std::set<std::uint16_t>;
   const std::map<std::string_view, Codes> expected{{"modbus-rtu", {4, 5, 6, 8, 0x0A, 0x0B}},

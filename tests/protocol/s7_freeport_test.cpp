@@ -22,7 +22,7 @@ bool has_fault(const std::vector<FrameField>& fields) {
                      [](const FrameField& field) { return !field.fault.empty(); });
 }
 
-// The digits of a published request, read without the codec.
+// The digits of a published request, parsed without the codec.
 struct Meant {
   std::uint16_t station;
   std::uint32_t length;
@@ -65,7 +65,7 @@ TEST(FreeportVectors, RefusalsAreTheirCodeAndBrokenAnswersNoValue) {
     EXPECT_FALSE(outcome.done());
     EXPECT_EQ(outcome.cause == Cause::kDeviceError, vector.name == "refusal_command");
     if (vector.kind == "exception") { EXPECT_EQ(outcome.code, vector.response[3] - '0'); }
-    // What a station finds wrong with a frame is the line's doing, to be tried again.
+    // A fault that the station finds in a frame is a line error, so the request is retried.
     if (vector.kind == "exception" && vector.name != "refusal_command") {
       EXPECT_EQ(outcome.cause, Cause::kChecksum);
     }
@@ -108,8 +108,7 @@ TEST(Freeport, AWriteOfALaterByteSendsTheEarlierOnesAgain) {
   EXPECT_EQ(text(device.request_bytes(device.write("window:2", "AB"))).substr(0, 14),
             "qR05030000AB00");
   const auto first = device.begin(device.write("window:0", "C911"));
-  ASSERT_TRUE(drive(*first, text("qC911F57C7DQ"))
-                  .done());  // the station tells what it holds behind them, too
+  ASSERT_TRUE(drive(*first, text("qC911F57C7DQ")).done());  // also reports what follows
   EXPECT_EQ(text(device.request_bytes(device.write("window:3", "AB"))).substr(0, 14),
             "qR0504C911F5AB");
   EXPECT_EQ(text(device.request_bytes(device.write_bit("window:1.7", true))).substr(0, 14),

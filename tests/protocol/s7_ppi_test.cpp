@@ -26,7 +26,7 @@ std::vector<FrameField> explain(const Bytes& frame) {
   return find_protocol("s7-ppi")->explain(frame);
 }
 
-// A telegram around a unit, written apart from the codec.
+// Builds a telegram around a unit, independently of the codec.
 Bytes telegram(std::uint8_t to, std::uint8_t from, std::uint8_t control, const Bytes& unit) {
   Bytes body{to, from, control};
   append(body, unit);
@@ -44,8 +44,7 @@ std::string place(int area, unsigned address) {
   return kAreaNames.at(area) + "B" + std::to_string(address / 8);
 }
 
-// What a published read or write means, read without the codec: everything as bytes, bits where a
-// bit is written.
+// Parses a published read or write without the codec: all as bytes, bits where a bit is written.
 std::optional<Request> meant(const Device& device, const Bytes& q) {
   if (q.size() < 31 || q[0] != 0x68 || q[8] != 0x01) return std::nullopt;
   const int function = q[17];
@@ -77,8 +76,8 @@ std::optional<Request> meant(const Device& device, const Bytes& q) {
   return read;
 }
 
-// The frame with words and dwords asked for as so many bytes, without the byte that fills a single
-// item, and with the control that we send for its reference.
+// Returns the frame with words and dwords as bytes, without the fill byte of a single item, and
+// with the control byte that Fieldcast sends.
 Bytes normalised(Bytes q) {
   Bytes unit(q.begin() + 7, q.end() - 2);
   const std::size_t items = unit[11];
@@ -122,11 +121,11 @@ TEST(PpiVectors, OurRequestsAreTheirsAndTheirAnswersAreRead) {
     test::expect_matrix(
         {.begin = [&] { return device.begin(*request, reference); }, .answers = vector.slave});
     if (outcome.sent[0][6] == vector.request[6]) {
-      EXPECT_EQ(to_hex(outcome.sent[1]), to_hex(vector.master[1]));  // the poll
+      EXPECT_EQ(to_hex(outcome.sent[1]), to_hex(vector.master[1]));  // poll
     }
     const auto* read = std::get_if<ReadRequest>(&*request);
     if (read == nullptr || read->ranges.size() != 1) continue;
-    // Data begin behind the item's head; timers keep the last four of five bytes.
+    // Data begin after the item header; timers keep the last four of five bytes.
     const Bytes& last = vector.response;
     Bytes data(last.begin() + 25, last.end() - 2);
     if (vector.request[27] == 0x1F) {

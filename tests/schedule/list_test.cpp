@@ -1,5 +1,5 @@
-// Requests with lists of ranges: which ranges are combined, within which limits, and how refused
-// ranges are found.
+// Tests requests that carry lists of ranges: which points share a request, the limits, and how
+// refused points are found.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -47,7 +47,7 @@ Block first_block(const Bus& bus) {
   return std::get<Block>(make_scheduler(bus.input)->next(Instant{1s}));
 }
 
-// Words three apart, in two areas.
+// Words at every third address, in two areas.
 Bus scattered_ppi(unsigned words, Mode mode = Mode::kScheduled) {
   Bus bus("s7-ppi", 1);
   for (unsigned i = 0; i < words; ++i) {
@@ -63,18 +63,18 @@ TEST(ListCost, MarginalsAreWhatThePaperSays) {
   const Bus ppi("s7-ppi", 1);
   const ListCost items(ppi.input.devices[0], ppi.input.line, ppi.input.silence);
   EXPECT_LE(std::abs((items.range_cost(0) - ppi.input.line.characters(12 + 4 + 2)).count()),
-            2);  // item, data head, a byte and its padding
+            2);  // item, data header, a byte and its fill byte
   EXPECT_NEAR(items.item_ns(0), static_cast<double>(ppi.input.line.characters(1).count()), 60'000);
   const Bus omron = fins(1);
   const ListCost words(omron.input.devices[0], omron.input.line, omron.input.silence);
   const AreaIndex dm = omron.protocol->parse_address("DM0")->area;
   EXPECT_LE(std::abs((words.range_cost(dm) - omron.input.line.characters(2 * (4 + 3))).count()),
             2);                     // in hexadecimal: position; area code and word
-  EXPECT_EQ(words.bridge(dm), 0u);  // every word is named
+  EXPECT_EQ(words.bridge(dm), 0u);  // every word is listed
   const Bus dtc("dtc", 1);
   const ListCost groups(dtc.input.devices[0], dtc.input.line, dtc.input.silence);
   EXPECT_EQ(groups.bridge(dtc.protocol->parse_address("int16:0")->area),
-            2u);  // five bytes a group, two a variable
+            2u);  // five bytes per group, two per variable
 }
 
 TEST(Lists, ScatteredPointsOfSeveralAreasShareARequest) {
@@ -97,7 +97,7 @@ TEST(Lists, NoRequestIsLongerThanItsProtocolAllows) {
   wire.forget_gaps();
   wire.run(60s);
   const double rounds = static_cast<double>(wire.seen(0).count);
-  EXPECT_NEAR(static_cast<double>(wire.blocks()) / rounds, 4.0, 0.1);  // 60 ranges, 19 in a request
+  EXPECT_NEAR(static_cast<double>(wire.blocks()) / rounds, 4.0, 0.1);  // 60 ranges, 19 per request
 }
 
 TEST(Lists, FastPointIsNotMadeToCarryEverySlowOneEachTime) {
@@ -147,7 +147,7 @@ TEST(Lists, RangeNeverCrossesABank) {
 TEST(Lists, LimitOfTheDeviceCountsTheItemsOfAllRanges) {
   Bus bus("dtc", 1);
   for (unsigned i = 0; i < 30; ++i) bus.add(0, "int16:" + std::to_string(50 * i), 1, 2s);
-  bus.add(0, "int16:9000", 12, 2s);  // longer than the limit, but cannot be cut
+  bus.add(0, "int16:9000", 12, 2s);  // longer than the limit, but indivisible
   bus.input.devices[0].max_block = 8;
   const auto scheduler = make_scheduler(bus.input);
   VirtualWire wire(bus.input, *scheduler);
@@ -180,7 +180,7 @@ TEST(Lists, BadPointsAreFoundByHalvesAndTheOthersKeepTheirRefresh) {
   wire.run(60s);
   EXPECT_EQ(refused, 0u);
   EXPECT_EQ(wire.missed(), 0u);
-  EXPECT_LE(wire.blocks(), 90u);  // the good ranges of both halves stay together
+  EXPECT_LE(wire.blocks(), 90u);  // the accepted ones of both halves share requests again
 }
 
 TEST(Lists, PointThatWasFoundBadIsTriedAgainAlone) {
@@ -219,8 +219,8 @@ TEST(Lists, DeviceThatTakesFewerRangesIsAskedForFewer) {
   EXPECT_EQ(wire.missed(), 0u);
 }
 
-// A line behind a converter or a pseudo-terminal may be faster than its rate. A read that ends long
-// before it is due still counts as that read.
+// A line behind a converter or a pseudo-terminal may carry characters faster than its rate. A read
+// that ends long before it is due still counts as that read.
 TEST(Lists, ALineThatIsFasterThanItsRateIsNotReadMoreOften) {
   for (const std::uint32_t baud : {9600u, 19200u}) {
     for (const double pace : {0.01, 0.3, 0.8, 1.0}) {

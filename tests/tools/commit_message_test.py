@@ -1,4 +1,4 @@
-"""The form of commit messages that tools/hooks/commit-msg holds.
+"""Tests the format of commit messages that tools/hooks/commit-msg enforces.
 
 usage: commit_message_test.py SOURCE_DIR
 """
@@ -14,7 +14,7 @@ BODY = "\n\nA device that reports busy responds a moment later, so that a refusa
 
 
 def faults(message):
-    """What the hook prints about `message`; an empty string if it accepts it."""
+    """Returns what the hook prints about `message`, empty if it accepts it."""
     with tempfile.NamedTemporaryFile("w", suffix=".txt") as file:
         file.write(message)
         file.flush()

@@ -1,4 +1,4 @@
-"""The programs without a plant: nobody there, bad files, plans, frames.
+"""Tests the programs without a plant: missing peers, bad files, plans and frames.
 
 usage: e2e_alone.py BIN_DIR
 """
@@ -29,7 +29,7 @@ buses:
 
 
 class File:
-    """A configuration in a folder of its own."""
+    """A configuration file in its own directory."""
 
     def __init__(self, text):
         self.text = text

@@ -1,4 +1,5 @@
-"""`fieldcast capture` on a bridge with simulated devices of every family, and what Wireshark (tshark) makes of the files.
+"""Tests `fieldcast capture` on a bridge with simulated devices of every family, and checks the
+files with Wireshark (tshark).
 
 usage: e2e_capture.py BIN_DIR SOURCE_DIR
 """
@@ -20,11 +21,11 @@ from plant import Plant, run_cli, wait_until
 
 BIN_DIR, SOURCE_DIR, LUA = "", "", ""
 
-# Whoever captures asks every bridge of the machine: those of other tests have other names.
+# A capture queries every bridge of the machine, so each test uses its own bridge names.
 BRIDGE, SHORT = f"capture-{os.getpid()}", f"short-{os.getpid()}"
-SECONDS = "2500ms"  # of each capture: every refresh of the plant comes in it
-# What the bridge says of an exchange when a busy machine held the devices or the bridge up in the midst of a frame: broken bytes are on
-# the wire then, and Wireshark is right to find fault with them. Such a capture is taken again.
+SECONDS = "2500ms"  # length of a capture; longer than every refresh of the plant
+# The bridge reports these faults if a busy machine delays a frame. Then the frames on the wire are
+# broken and Wireshark reports faults correctly, so the capture is repeated.
 HELD_UP = re.compile(r": (no answer|answer broken off|checksum error|malformed answer|answer of another device or request|answer too long)")
 TRIALS = 8
 MORE_BUSES = """
@@ -40,7 +41,7 @@ MORE_BUSES = """
     defaults: { refresh: 500ms }
     devices: [ { name: meter, address: 1, channels: [ { name: power, at: "holding:0", type: float32, unit: kW } ] } ]
 """
-# Of each bus what its dissector must have found somewhere, and may not leave out.
+# Fields that the dissector of each bus must find.
 FAMILIES = {
     "press-shop": ["mbrtu.unit_id", "modbus.regval_uint16", "modbus.request_frame"],
     "network": ["mbtcp.trans_id", "modbus.regval_uint16", "modbus.request_frame"],
@@ -58,7 +59,7 @@ plant, captures = None, {}
 
 class Demo(Plant):
     def _status(self):
-        """With the bus that has no serial line."""
+        """Returns the status, with the bus that has no serial line."""
         result = self.cli("status", "--json")
         states = [line["state"] for line in result.json_lines() if line["topic"] == "BusStatus"] if result.code == 0 else []
         return states == ["running"] * (len(self._lines()) + 1)
@@ -78,7 +79,7 @@ def plant_text():
 
 
 def tshark(path, *options):
-    """What tshark prints, which must run the Lua file without a fault."""
+    """Returns the output of tshark; the Lua file must run without a fault."""
     ran = subprocess.run(["tshark", "-n", "-X", f"lua_script:{LUA}", "-o", "mbrtu.tcp.port:502", "-o", "mbrtu.crc_verification:TRUE", "-r", path, *options],
                          capture_output=True, text=True, timeout=60)
     faults = [line for line in ran.stderr.splitlines() if "Running as user" not in line]
@@ -88,7 +89,7 @@ def tshark(path, *options):
 
 
 def packets(path):
-    """Of each packet its fields by name, every one a list."""
+    """Returns the fields of each packet by name, every value as a list."""
     rows = [json.loads(line) for line in tshark(path, "-T", "ek").splitlines() if line.startswith('{"timestamp"')]
     found = []
     for row in rows:
@@ -107,7 +108,7 @@ def packets(path):
 
 
 def named(fields, name):
-    """By the name of Wireshark's filter: ek puts the protocol before it."""
+    """Returns a field by the name of Wireshark's filter; ek output prefixes the protocol."""
     wanted = name.replace(".", "_")
     return [value for key, values in fields.items() if key == wanted or key.endswith("_" + wanted) for value in values]
 
@@ -131,7 +132,8 @@ def setUpModule():
 
 
 def captured(buses, trial):
-    """Captures them all at once while a value is written, and keeps what tshark makes of them; a capture of an earlier trial is gone."""
+    """Captures all buses at the same time during a write and returns tshark's results. Removes the
+    captures of an earlier trial."""
     paths = {bus: os.path.join(plant.run, bus + ".pcapng") for bus in buses}
     if trial > 0:
         for path in paths.values():
@@ -159,7 +161,7 @@ LINKTYPE_RAW, LINKTYPE_UPPER_PDU = 101, 252
 
 @contextlib.contextmanager
 def pcapng(linktype, packets):
-    """A file with these packets; its path."""
+    """Returns the path of a new file with these packets."""
     def block(kind, inner):
         inner = aligned(inner, 4)
         return struct.pack("<II", kind, len(inner) + 12) + inner + struct.pack("<I", len(inner) + 12)
@@ -173,7 +175,7 @@ def pcapng(linktype, packets):
 
 
 def upper_pdu(dissector, frame):
-    """Sent by a device."""
+    """A frame sent by a device."""
     name = aligned(dissector.encode(), 4)
     ports = struct.pack(">HHIHHIHHI", 24, 4, 2, 25, 4, 502, 26, 4, 49152)
     return struct.pack(">HH", 12, len(name)) + name + ports + bytes(4) + frame
@@ -202,7 +204,8 @@ class Wireshark(unittest.TestCase):
                     self.assertTrue(any(named(fields, name) for fields in frames), f"no {name} in {frames[:4]}")
                 for fields in frames:
                     for fault in ["_ws.malformed", "fault", "expert.severity"]:
-                        bad = [value for value in named(fields, fault) if value not in ("2097152", "1048576")]  # comments, and a chat
+                        # comment and chat levels
+                        bad = [value for value in named(fields, fault) if value not in ("2097152", "1048576")]
                         self.assertFalse(bad, fields)
 
     def test_every_frame_of_modbus_rtu_is_decoded_and_answers_have_the_registers_that_were_asked_for(self):
@@ -216,7 +219,8 @@ class Wireshark(unittest.TestCase):
             if requests and requests[0] in asked:
                 self.assertEqual(len(named(fields, "modbus.regval_uint16")), asked[requests[0]], fields)
                 matched += 1
-        self.assertGreaterEqual(matched, len(asked) - 2)  # one at each end of the capture
+        # the capture may cut one exchange at each end
+        self.assertGreaterEqual(matched, len(asked) - 2)
         self.assertGreater(matched, 10)
 
     def test_a_value_that_was_written_stands_in_the_answers(self):
@@ -259,7 +263,8 @@ class Wireshark(unittest.TestCase):
 
 
 class Compressed(unittest.TestCase):
-    """What the Lua file makes of compressed packets of DTC, by the same vectors as the codec of the bridge."""
+    """Checks that the Lua file decompresses DTC packets as the vectors of the bridge's codec
+    require."""
 
     def packet(self, codes, length):
         codes = length.to_bytes(2, "big") + codes

@@ -1,4 +1,4 @@
-"""tools/demo.sh: values flow, and whatever ends it, nothing stays behind.
+"""Tests tools/demo.sh: values arrive, and no process or file remains, however the demo ends.
 
 usage: e2e_demo.py BIN_DIR SOURCE_DIR
 """
@@ -87,7 +87,7 @@ def command_line(pid):
 
 
 def of_domain(name, domain):
-    """Fast DDS names the segments of its ports by their number: 7400 + 250 * domain and up."""
+    """Fast DDS names the segments of its ports by port number: 7400 + 250 * domain and up."""
     digits = "".join(c if c.isdigit() else " " for c in name).split()
     return any(7400 + 250 * domain <= int(number) < 7400 + 250 * (domain + 1) for number in digits if len(number) <= 5)
 

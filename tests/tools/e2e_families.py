@@ -1,4 +1,5 @@
-"""The demo's plant, end to end: of every family values flow as GOOD, a write is verified, and what no channel names is read in the PLC's own notation.
+"""Tests the demo plant end to end: for every family, values are GOOD, a write is verified, and an
+address without a channel is read in the PLC's notation.
 
 usage: e2e_families.py BIN_DIR SOURCE_DIR
 """
@@ -12,7 +13,7 @@ from plant import Plant, wait_until
 
 BIN_DIR, SOURCE_DIR = "", ""
 
-# A channel to write, its value, and an address that no channel names.
+# A channel to write, its value, and an address without a channel.
 WRITES = {
     "s7-ppi": ("packing/packer/seal-setpoint=150.5", "packing/packer", "VW300"),
     "omron-hostlink": ("assembly/robot/speed=55", "assembly/robot", "DM900"),
@@ -25,7 +26,7 @@ WRITES = {
 }
 BITS = ["packing/packer/running=true", "assembly/press-fit/clamp=true", "lift/lift-1/light=true", "mixer/mixer-1/valve=true"]
 
-ON_DEMAND = {"serial-number"}  # of the energy meter: read only when asked for
+ON_DEMAND = {"serial-number"}  # of the energy meter: read on demand only
 
 plant = None
 

@@ -1,7 +1,8 @@
-"""Two real bridges at one line, which hear of each other by nothing but the line: they stand in two DDS domains, as under a partition
-of their network, and each believes that it is alone.
+"""Tests two real bridges that are connected by a serial line only. They are in two DDS domains, as
+in a network partition, so each acts as if it was alone.
 
-usage: e2e_fence.py BIN_DIR         FIELDCAST_FENCE_SECONDS: how long the partition lasts; 5 by default
+usage: e2e_fence.py BIN_DIR
+       FIELDCAST_FENCE_SECONDS: duration of the partition; default 5
 """
 
 import os
@@ -91,7 +92,7 @@ class Fence(unittest.TestCase):
         self.assertEqual(self.frames(1), 0, self.log_of(second))
         self.assertGreater(self.frames(0) - before, 8 * SECONDS, "the one that sends is heard at least each 100 ms")
         self.expect_no_garbled_frame()
-        # The first one dies; the second one hears the silence.
+        # The first bridge dies, and the second one detects the silence.
         first.kill()
         first.wait()
         died = self.line.counts()["last frame"][0]
@@ -101,7 +102,8 @@ class Fence(unittest.TestCase):
               f"{self.line.counts()['garbled']} garbled; taken over {silence:.3f} s after the last frame", flush=True)
         self.assertLess(silence, 1.5, f"died at {died}")
         wait_until(lambda: "this bridge sends again" in self.log_of(second), START, lambda: self.log_of(second))
-        # It stands still, another one takes the wire, and it goes on: not into the other's frames.
+        # The bridge is suspended, another one takes over the wire, and the first one resumes. It
+        # must not send into the other's frames.
         third = self.start(0)
         wait_until(lambda: "another master speaks on the wire" in self.log_of(third), START, lambda: self.log_of(third))
         taken = self.frames(0)
@@ -111,7 +113,7 @@ class Fence(unittest.TestCase):
         second.send_signal(signal.SIGCONT)
         wait_until(lambda: self.log_of(second).count("another master speaks on the wire") == 2, START, lambda: self.log_of(second))
         time.sleep(0.5)
-        # What it had handed to its port before it stood still may have left since.
+        # Bytes that it wrote to its port before the suspension may still be sent.
         self.assertLessEqual(self.frames(1), sent + 1)
         self.expect_no_garbled_frame()
 

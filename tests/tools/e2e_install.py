@@ -1,10 +1,11 @@
-"""The Debian packages on a machine with systemd: installed, run as a service, upgraded while it runs, removed. Everything happens in a
-root of its own (private_root.py); nothing of it is left on this machine.
+"""Tests the Debian packages on a machine with systemd: installation, service, upgrade while it
+runs, and removal. All of it happens in a private root (private_root.py), so this machine is not
+changed.
 
 usage: e2e_install.py PACKAGES_DIR SOURCE_DIR UNPACKED_DIR
 
-UNPACKED_DIR has the package udev (tools/install.sh ci) where it is not installed.
-Exit code 77: this machine cannot make such a root; the first line says why.
+UNPACKED_DIR has the package udev (tools/install.sh ci) if it is not installed. Exit code 77: this
+machine cannot create a private root; the first line has the reason.
 """
 
 import glob
@@ -23,12 +24,12 @@ from private_root import PrivateRoot, Unavailable
 
 PACKAGES_DIR = SOURCE_DIR = UNPACKED_DIR = ""
 HERE = os.path.dirname(os.path.abspath(__file__))
-SECONDS = 60  # for whatever is waited for
-FIRST_VALUE_SECONDS = 60  # the promise: from the package to the first value
+SECONDS = 60  # limit of each wait
+FIRST_VALUE_SECONDS = 60  # promised time from installation to the first value
 UNIT = "fieldcast-bridge@demo"
 BUS = "press-shop"
-EXPOSURE = 3.0  # of systemd-analyze security: less than this
-SIMULATOR = "/run/fieldcast-sim"  # the service has a /tmp of its own
+EXPOSURE = 3.0  # upper limit of systemd-analyze security
+SIMULATOR = "/run/fieldcast-sim"  # the service has its own /tmp
 
 root = before = None
 first_value_seconds = None
@@ -44,7 +45,7 @@ def package(name):
 
 
 def copied(path):
-    """Puts a file of this machine into the root."""
+    """Copies a file of this machine into the root."""
     inside = "/tmp/" + os.path.basename(path)
     with open(path, "rb") as source, open(root.path(inside), "wb") as target:
         target.write(source.read())
@@ -52,7 +53,7 @@ def copied(path):
 
 
 def newer(name, version):
-    """The package again, as a later version."""
+    """Builds the package again with a later version."""
     folder = f"/tmp/{name}-{version}"
     root.run("dpkg-deb", "-R", "/tmp/" + os.path.basename(package(name)), folder)
     root.run("sed", "-i", f"s/^Version:.*/Version: {version}/", f"{folder}/DEBIAN/control")
@@ -70,7 +71,7 @@ def main_pid():
 
 
 def outside_pid(inside_pid):
-    """The number that this machine has for a process of the root."""
+    """Returns the process id on this machine for a process id of the root."""
     for folder in glob.glob("/proc/[0-9]*/status"):
         try:
             text = read(folder)
@@ -83,7 +84,7 @@ def outside_pid(inside_pid):
 
 
 def journal(since=None):
-    """The entries of the service: dictionaries of journald's fields."""
+    """Returns the service's entries as dictionaries of journald's fields."""
     arguments = [f"--after-cursor={since}"] if since else []
     said = root.run("journalctl", "-u", UNIT, "-o", "json", "--no-pager", *arguments).stdout
     return [json.loads(line) for line in said.splitlines()]
@@ -112,20 +113,21 @@ def good_sample():
 
 
 def stored():
-    """How many samples of a channel the store has."""
+    """Returns the number of stored samples of a channel."""
     said = root.run("runuser", "-u", "fieldcast", "--", "fieldcast", "history", f"{BUS}/conveyor/speed", "--json", "--store",
                     "/var/lib/fieldcast/demo.db", check=False).stdout
     return len(said.splitlines())
 
 
 def state():
-    """For the reason of a failure."""
+    """Describes the state, for a failure message."""
     said = root.run("fieldcast", "status", check=False).stdout
     return "no value\n" + "\n".join(messages()[-40:]) + "\n" + said + root.run("ps", "-ef").stdout
 
 
 def this_machine():
-    """What must be the same afterwards. Tests that run beside this one make network namespaces (/run/netns)."""
+    """Returns what must not change. Tests that run in parallel create network namespaces
+    (/run/netns)."""
     mounts = [line for line in read("/proc/self/mounts").splitlines() if " /run/netns" not in line]
     return mounts, sorted(user.pw_name for user in pwd.getpwall()), sorted(os.listdir("/etc"))
 
@@ -140,7 +142,8 @@ def setUpModule():
 
     began = time.monotonic()
     root.run("dpkg", "-i", *packages)
-    root.run("sh", "-c", "test $(stat -c %U /var/lib/fieldcast) = fieldcast")  # before a service has started
+    # before the service has started
+    root.run("sh", "-c", "test $(stat -c %U /var/lib/fieldcast) = fieldcast")
     root.run("sh", "-c", f"sed s,/tmp/fieldcast-demo,{SIMULATOR}, /usr/share/fieldcast/examples/demo.yaml >/etc/fieldcast/demo.yaml")
     with open(root.path("/etc/fieldcast/demo.yaml"), "a", encoding="utf-8") as file:
         file.write("\nstore: { path: /var/lib/fieldcast/demo.db }\nmetrics: { listen: 127.0.0.1:9464 }\n")
@@ -149,19 +152,20 @@ def setUpModule():
     root.run("systemctl", "enable", "--now", UNIT)
     wait_until(good_sample, SECONDS, state)
     first_value_seconds = time.monotonic() - began
-    root.run("rm", "-f", "/var/lib/man-db/auto-update")  # the index of pages once is enough
+    root.run("rm", "-f", "/var/lib/man-db/auto-update")  # the man page index is built only once
     print(f"from the packages to the first value: {first_value_seconds:.1f} s", file=sys.stderr)
 
 
 def close_root():
-    """Leaves nothing on this machine: no process (the root's cgroup can be removed), mount, user or file."""
+    """Checks that no process, mount, user or file remains on this machine. Removing the root's
+    cgroup proves that no process remains."""
     root.close()
     if before != (after := this_machine()):
         raise AssertionError(f"left behind: {before} {after}")
 
 
 class Documents(unittest.TestCase):
-    """What the documents tell to do in the installed system is done there."""
+    """Runs the commands of the documents in the installed system."""
 
     def test_commands_for_the_installed_system_run(self):
         documents = [path for pattern in ("*.md", "docs/*.md", "tools/*/README.md") for path in glob.glob(pattern, root_dir=SOURCE_DIR)
@@ -170,13 +174,15 @@ class Documents(unittest.TestCase):
             subprocess.run(["tar", "-c", "-C", SOURCE_DIR, "tests/docs", "tests/tools", *documents], stdout=file, check=True)
         root.run("mkdir", "/tmp/source", "/tmp/packages")
         root.run("tar", "-x", "-f", "/tmp/source.tar", "-C", "/tmp/source")
-        root.run("sh", "-c", "cp /tmp/*.deb /tmp/packages && rm -rf /var/lib/apt/lists/*")  # apt asks no archive
+        # apt must not use an archive
+        root.run("sh", "-c", "cp /tmp/*.deb /tmp/packages && rm -rf /var/lib/apt/lists/*")
         said = root.run("python3", "/tmp/source/tests/docs/run.py", "--installed", "/", "--systemd", "--packages", "/tmp/packages", "/tmp/source",
                         *documents).stdout
         print(said, file=sys.stderr)
         ran = int(re.search(r"in the installed system: (\d+) commands ran", said).group(1))
         self.assertGreater(ran, 5)
-        root.run("systemctl", "disable", "--now", "fieldcast-bridge@press-shop", check=False)  # of docs/operating.md
+        # from docs/operating.md
+        root.run("systemctl", "disable", "--now", "fieldcast-bridge@press-shop", check=False)
 
 
 class Installed(unittest.TestCase):
@@ -255,7 +261,7 @@ class MonitoringStation(unittest.TestCase):
 
 
 class Adapter(unittest.TestCase):
-    """The udev rules, tried by udevadm on the /sys of an adapter that the test makes."""
+    """Tests the udev rules with udevadm on a simulated /sys with an adapter."""
 
     @classmethod
     def setUpClass(cls):
@@ -268,7 +274,8 @@ class Adapter(unittest.TestCase):
         cls.tree = copied(os.path.join(HERE, "usb_serial_tree.sh"))
 
     def plugged(self, driver, serial):
-        """(what /dev/fieldcast has, the adapter's latency timer, what udev said) after an adapter was plugged in."""
+        """Plugs an adapter in. Returns (content of /dev/fieldcast, latency timer of the adapter,
+        output of udev)."""
         said = root.run("unshare", "--mount", "sh", "-euc", f'''
             sh {self.tree} {driver} "{serial}"
             rm -rf /dev/fieldcast /dev/ttyUSB0
@@ -294,10 +301,10 @@ class Adapter(unittest.TestCase):
 
 
 class Stuck(unittest.TestCase):
-    """A bus whose thread stands: systemd starts the bridge anew, and the journal names the bus."""
+    """If the thread of a bus hangs, systemd restarts the bridge and the journal names the bus."""
 
     def test_is_a_restart_with_the_name_of_the_bus(self):
-        # The packaged limit is 30 s; the way is the same.
+        # The packaged limit is 30 s; the mechanism is the same.
         root.run("mkdir", "-p", f"/run/systemd/system/{UNIT}.service.d")
         root.write(f"/run/systemd/system/{UNIT}.service.d/quick.conf", "[Service]\nWatchdogSec=3\nRestartSec=100ms\n")
         root.run("systemctl", "daemon-reload")
@@ -314,7 +321,7 @@ class Stuck(unittest.TestCase):
 
 
 class UpgradedAndRemoved(unittest.TestCase):
-    """In the order of a plant's life; the last of this file."""
+    """Follows the order of a plant's life; must be the last class of this file."""
 
     def test_1_an_upgrade_restarts_the_bridge_and_values_go_on(self):
         cursor, pid = now_in_journal(), main_pid()
@@ -322,7 +329,7 @@ class UpgradedAndRemoved(unittest.TestCase):
         with open(watched, "w", encoding="utf-8") as file:
             watch = root.start("fieldcast", "watch", "--json", f"{BUS}/conveyor/speed", "--config", "/etc/fieldcast/demo.yaml", stdout=file)
         self.addCleanup(watch.wait)
-        self.addCleanup(root.run, "pkill", "-x", "fieldcast")  # in the root
+        self.addCleanup(root.run, "pkill", "-x", "fieldcast")  # inside the root
 
         def times():
             with open(watched, encoding="utf-8") as file:

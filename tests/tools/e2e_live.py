@@ -1,4 +1,5 @@
-"""What people do at a page of fieldcast-station reaches the plant under their names, and what the plant loses is seen at once.
+"""Tests that actions on a page of fieldcast-station reach the plant with the name of the user, and
+that losses of the plant are shown immediately.
 
 usage: e2e_live.py BIN_DIR
 """
@@ -53,7 +54,7 @@ class Live(unittest.TestCase):
         self.live.send({"subscribe": "*"})
 
     def audit_of(self, store, target):
-        """Lines of the audit of this target; a batch of them may still be on its way to the file."""
+        """Returns the audit rows of this target; a batch may not be in the file yet."""
         def lines():
             return [line for line in run_cli(e2e_station.BIN_DIR, "audit", "--store", store).out.splitlines() if target in line]
         return wait_until(lines, SECONDS, f"nothing of {target} in {store}")

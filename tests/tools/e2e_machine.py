@@ -1,9 +1,10 @@
-"""A machine that lacks something: space on a disk, multicast, files that can be written. The bridge says what, loses nothing that it
-has, and its buses run on.
+"""Tests a machine with a full disk, without multicast, or with unwritable files. The bridge
+reports the fault, loses no stored data, and its buses continue.
 
 usage: e2e_machine.py BIN_DIR
 
-Runs in mounts, a network and processes of its own (unshare), so that it can take things away. Exit code 77: only root can do that.
+Runs in its own mounts, network and processes (unshare), so that it can remove resources. Exit code
+77: not root.
 """
 
 import contextlib
@@ -42,7 +43,8 @@ def system(*command):
 
 
 class OtherPlant(Plant):
-    """A plant whose bridge runs in a command (`around`), or has a small disk in the folder `disk`, for its log too (`log_on_disk`)."""
+    """A plant whose bridge runs inside a command (`around`), or with a small disk at the directory
+    `disk`, also for its log (`log_on_disk`)."""
 
     def __init__(self, config, around=(), disk=None, log_on_disk=False):
         super().__init__(BIN_DIR, config)
@@ -87,7 +89,7 @@ class OtherPlant(Plant):
         wait_until(lambda: words in self.said(), SECONDS, lambda: f"no '{words}' in\n{self.said()}")
 
     def samples(self):
-        """How many the bus has published."""
+        """Returns the number of samples that the bus has published."""
         status = self.cli("status", "--json").json_lines()
         return next(line["samples"] for line in status if line["topic"] == "BusStatus")
 
@@ -115,7 +117,8 @@ class FullDisk(unittest.TestCase):
             with open(filler, "wb", buffering=0) as file, contextlib.suppress(OSError):
                 while file.write(bytes(4096)):
                     pass
-            here.bridge.send_signal(signal.SIGUSR1)  # the wire trace: a line for each frame, to the same file
+            # enables the wire trace: one line per frame in the same file
+            here.bridge.send_signal(signal.SIGUSR1)
             here.await_more_samples()
             here.bridge.send_signal(signal.SIGUSR1)
             os.remove(filler)
@@ -145,7 +148,7 @@ class ReadOnlyRoot(unittest.TestCase):
 
 
 class NoMulticast(unittest.TestCase):
-    """No group can be joined: as in a kernel, or behind a network, that has no multicast."""
+    """Joining a multicast group fails, as in a kernel or network without multicast."""
 
     def setUp(self):
         self.addCleanup(system, "sysctl", "-w", "net.ipv4.igmp_max_memberships=20")
@@ -153,7 +156,7 @@ class NoMulticast(unittest.TestCase):
 
     def test_is_said_by_the_bridge_the_command_line_and_the_doctor(self):
         words = "no multicast on 127.0.0.1"
-        before, plant.START_SECONDS = plant.START_SECONDS, 0.5  # nobody will find it
+        before, plant.START_SECONDS = plant.START_SECONDS, 0.5  # it cannot be discovered
         self.addCleanup(setattr, plant, "START_SECONDS", before)
         with self.assertRaises(plant.Failure) as failure, OtherPlant(CONFIG):
             pass

@@ -1,9 +1,9 @@
-"""Simulator, bridge and a scraper: the metrics say what the bridge reports, in both formats, and follow a reload.
+"""Tests that the metrics match the bridge's reports, in both formats, also after a reload.
 
 usage: e2e_metrics.py BIN_DIR SOURCE_DIR UNPACKED_DIR
 
-promtool (package prometheus, installed or in UNPACKED_DIR) and Prometheus' own parser (python3-prometheus-client) check the text too;
-`tools/install.sh ci` brings both.
+promtool (package prometheus, installed or in UNPACKED_DIR) and Prometheus' own parser
+(python3-prometheus-client) also check the text; `tools/install.sh ci` provides both.
 """
 
 import json
@@ -49,7 +49,7 @@ buses:
 
 
 def free_port():
-    """Below those that the kernel assigns to connections, so that nobody else gets it meanwhile."""
+    """Returns a port below the kernel's ephemeral range, so that no other connection gets it."""
     for attempt in range(1000):
         port = 20000 + (os.getpid() * 7 + attempt) % 12000
         with socket.socket() as probe:
@@ -94,7 +94,8 @@ SAMPLE = re.compile(rf"({NAME}){LABELS} (\S+)")
 
 
 def series(text, total="_total"):
-    """{(name, labels): value} of OpenMetrics text; an AssertionError names the rule that a line breaks."""
+    """Parses OpenMetrics text to {(name, labels): value}; raises AssertionError with the rule that
+    a line violates."""
     lines = text.split("\n")
     assert lines[-2:] == ["# EOF", ""], "the last line is # EOF"
     found, kinds, family = {}, {}, None
@@ -203,7 +204,8 @@ class Clients(unittest.TestCase):
     def test_those_that_say_nothing_or_never_read_stop_nobody(self):
         clients = [socket.create_connection(("127.0.0.1", port)) for _ in range(20)]
         for client in clients[::2]:
-            client.sendall(b"GET /metrics HTTP/1.1\r\nHost: h\r\n\r\n" * 50)  # and reads nothing
+            # does not read the responses
+            client.sendall(b"GET /metrics HTTP/1.1\r\nHost: h\r\n\r\n" * 50)
         before = value("fieldcast_bus_samples_total")
         wait_until(lambda: value("fieldcast_bus_samples_total") > before, SECONDS, "the bus stands still")
         for client in clients:

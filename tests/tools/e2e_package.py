@@ -1,5 +1,5 @@
-"""What is installed works where it is: the components in a private root, and the Debian packages of the same build. Builds nothing
-of the tree.
+"""Tests that an installed tree is relocatable: the components in a private root, and the Debian
+packages of the same build. Builds nothing.
 
 usage: e2e_package.py BUILD_DIR SOURCE_DIR PACKAGES_DIR
 """
@@ -18,7 +18,7 @@ from links import dead_links, links
 
 BUILD_DIR = SOURCE_DIR = PACKAGES_DIR = ""
 PROGRAMS = ["fieldcast", "fieldcast-bridge", "fieldcast-port", "fieldcast-sim", "fieldcast-station"]
-MAX_PACKAGES_BYTES = 7_500_000  # all three together; fieldcast-station with its page is 2.1 MB of it
+MAX_PACKAGES_BYTES = 7_500_000  # all three; fieldcast-station with its page is 2.1 MB of it
 
 def run(*command, **options):
     result = subprocess.run(command, capture_output=True, text=True, timeout=280, **options)
@@ -28,12 +28,12 @@ def run(*command, **options):
 
 
 def environment(root):
-    """Without what could lead a program to the tree or to another installation."""
+    """Returns an environment without paths to the tree or to another installation."""
     return {"PATH": f"{root}/bin:/usr/bin:/bin", "HOME": root, "LC_ALL": "C.UTF-8"}
 
 
 def documents(root):
-    """(The folder of the documents below an installed root, the paths of its texts)."""
+    """Returns (directory of the documents below an installed root, paths of its texts)."""
     folder = f"{root}/share/doc/fieldcast"
     return folder, sorted(os.path.relpath(path, folder) for path in glob.glob(f"{folder}/**/*.md", recursive=True))
 

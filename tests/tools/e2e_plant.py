@@ -1,4 +1,5 @@
-"""Simulator, bridge and command line together: values come, commands go, refusals give their reasons.
+"""Tests simulator, bridge and command line together: values, commands, and refusals with their
+reasons.
 
 usage: e2e_plant.py BIN_DIR
 """
@@ -47,7 +48,8 @@ buses:
 """
 CHANNELS = {"fast/press/" + name for name in ("temperature", "level", "setpoint", "speed", "energy", "running", "article", "batch", "label")}
 CHANNELS |= {"slow/meter/voltage", "slow/meter/counts"}
-WANTED, NEVER_WANTED = "fast/press/article", "fast/press/batch"  # read only while a station is interested
+# read only while a station is interested
+WANTED, NEVER_WANTED = "fast/press/article", "fast/press/batch"
 
 plant = None
 
@@ -76,7 +78,7 @@ class Watch(unittest.TestCase):
         samples = self.once()
         self.assertEqual(set(samples), CHANNELS)
         self.assertIsNone(samples.pop(NEVER_WANTED)["value"])
-        samples.pop(WANTED)  # by another test, before or after
+        samples.pop(WANTED)  # from another test
         self.assertIsInstance(samples["fast/press/running"]["value"], bool)
         self.assertIsInstance(samples["fast/press/level"]["value"], int)
         self.assertIsInstance(samples["fast/press/temperature"]["value"], float)
@@ -90,7 +92,7 @@ class Watch(unittest.TestCase):
 
         def qualities():
             return {path: sample["quality"] for path, sample in self.once().items() if path != WANTED}
-        # A machine that is busy with other things may miss a refresh now and then, and says so.
+        # On a busy machine the bus may miss a refresh and report it.
         wait_until(lambda: qualities() == expected, 30, lambda: str(qualities()))
 
     def test_a_pattern_selects(self):
@@ -103,7 +105,7 @@ class Watch(unittest.TestCase):
         self.assertIn("none of its channels matches nowhere/*/*", result.err)
 
     def stream(self, *arguments, **options):
-        """A watch that prints JSON lines, for a minute at most."""
+        """A watch that prints JSON lines for at most a minute."""
         process = plant.start_cli("watch", *arguments, "--json", "--for", "60s", **options)
         self.addCleanup(process.communicate)
         self.addCleanup(process.terminate)
@@ -241,7 +243,7 @@ class Status(unittest.TestCase):
             return ({line["bus"]: line for line in lines if line["topic"] == "BusStatus"},
                     {line["bus"] + "/" + line["device"]: line for line in lines if line["topic"] == "DeviceStatus"})
 
-        # A device whose answer came late, on a machine that is busy, is degraded until it has answered again.
+        # On a busy machine a device with a late response is degraded until its next response.
         wait_until(lambda: {device["state"] for device in statuses()[1].values()} == {"online"}, 30, lambda: str(statuses()[1]))
         buses, devices = statuses()
         self.assertEqual(set(buses), {"fast", "slow"})
@@ -261,7 +263,8 @@ class Status(unittest.TestCase):
 
 
 class RawOnly(unittest.TestCase):
-    """A bridge whose devices have no channels: nothing is in the catalogue, and commands to addresses work all the same."""
+    """A bridge whose devices have no channels: the catalogue is empty, but commands to addresses
+    work."""
 
     CONFIG = """
 bridge: raw

@@ -1,5 +1,6 @@
-"""An engineer programs a simulated PLC through the bridge: over TLS, with a user of a real store. Who may does, who may not is told
-and slowed down, and the audit has a row for each.
+"""Tests programming of a simulated PLC through the bridge, over TLS and with a user of a real
+store. Users without the right are refused and slowed down; the audit has a row for each
+attempt.
 
 usage: e2e_program.py BIN_DIR
 """
@@ -23,11 +24,12 @@ from peers import free_port
 from plant import Failure, Plant, wait_until
 
 BIN_DIR = ""
-DEADLINE = 30         # seconds, for what takes well under one
+DEADLINE = 30         # seconds, for operations that take well under one
 REFUSED = 3           # exit code of fieldcast-port
-TCGETS2 = 0x802C542A  # tells any baud rate; struct termios2: c_cflag at 8, c_ospeed at 40
+TCGETS2 = 0x802C542A  # supports any baud rate; struct termios2: c_cflag at 8, c_ospeed at 40
 
-# At every address, so that the bridge demands a login; all connections of this test come from this machine.
+# Listens on every address, so the bridge requires a login. All connections of this test come from
+# this machine.
 CONFIG = """
 bridge: e2e
 store: { path: {run}/plant.db, samples: [] }
@@ -78,7 +80,7 @@ def command(link, user=None, password=None, more=()):
 
 
 def refused(user=None, password=None):
-    """What fieldcast-port says of a login that must not succeed; Failure when it pairs."""
+    """Returns the message of fieldcast-port for a login that must fail; Failure if it pairs."""
     ended = subprocess.run(command(os.path.join(plant.run, "refused"), user, password), capture_output=True, text=True, timeout=DEADLINE)
     if ended.returncode != REFUSED:
         raise Failure(f"exit code {ended.returncode}: {ended.stdout}{ended.stderr}")
@@ -91,7 +93,7 @@ def audit():
 
 
 def row(what, result, who=""):
-    """The newest row of the audit with these texts, once it is there."""
+    """Waits for the newest audit row with these texts and returns it."""
     def found():
         return next((entry for entry in reversed(audit())
                      if entry["what"] == what and result in entry["result"] and entry["who"].startswith(who)), None)
@@ -99,7 +101,7 @@ def row(what, result, who=""):
 
 
 class Paired:
-    """fieldcast-port while it is paired, and its virtual port opened as programming software does."""
+    """A paired fieldcast-port, with its virtual port opened as programming software does."""
 
     def __init__(self, user, *more):
         self.link = os.path.join(plant.run, "plc")
@@ -132,7 +134,8 @@ class Paired:
 
 
 def line_settings():
-    """Of the bridge's line, a pseudo-terminal: it drops data bits and "parity on" of a format, and keeps the rest."""
+    """Returns the settings of the bridge's line, a pseudo-terminal: it ignores data bits and
+    "parity on", and keeps the rest."""
     line = os.open(os.path.join(plant.run, "line"), os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
     try:
         settings = fcntl.ioctl(line, TCGETS2, bytes(44))
@@ -199,8 +202,8 @@ class Programming(unittest.TestCase):
         self.assertIn("a login of a user with the role programmer is needed", refused())
         row("program", "device P1 was asked for without a login")
 
-    # Each wrong password past the third makes the next attempt wait, 1 s, 2 s, 4 s: sooner or later one comes too soon, however slow
-    # this machine is.
+    # From the fourth wrong password on, the next attempt must wait 1 s, 2 s, 4 s, … One attempt is
+    # eventually too early, even on a slow machine.
     def test_guessing_is_slowed_down_and_the_right_password_has_to_wait_too(self):
         def too_soon():
             refused("bob", "a guess")
@@ -217,7 +220,8 @@ class Programming(unittest.TestCase):
         done = row("login", "done", who="bob ")["at"]
         wrong = [entry["at"] for entry in audit() if entry["who"] == "bob from 127.0.0.1" and entry["result"] == "refused: wrong user or password"]
         self.assertGreaterEqual(len(wrong), 3)
-        self.assertGreater(done - wrong[-1], 0.9e9)  # the wait of a second, as the rows are written a moment later
+        # a delay of a second; rows are written slightly later
+        self.assertGreater(done - wrong[-1], 0.9e9)
 
 
 if __name__ == "__main__":

@@ -1,9 +1,10 @@
-"""What takes longer shows on a terminal how far it is, also on a narrow one; Ctrl-C ends it at once and leaves nothing half written.
+"""Tests that long operations show progress on a terminal, also on a narrow one, and that Ctrl-C
+ends them immediately without partial files.
 
 usage: e2e_progress.py BIN_DIR
 
-Every program runs on a pseudo-terminal of its own. `Ended` says how long after Ctrl-C a program was gone; that is printed, and only a
-hang is a failure: a busy machine may hold any process up.
+Every program runs on its own pseudo-terminal. `Ended` measures the time from Ctrl-C to the end. It
+is only printed; a hang is a failure, because a busy machine may delay any process.
 """
 
 import contextlib
@@ -23,7 +24,7 @@ from terminal import Terminal
 
 BIN_DIR = ""
 CTRL_C = "\x03"
-HANG_SECONDS = 8  # as Interrupt::kEndLimit: a program that does not end by itself
+HANG_SECONDS = 8  # equal to Interrupt::kEndLimit: the program does not end by itself
 NARROW = 20
 
 LINE = """\
@@ -57,7 +58,7 @@ class Commands(InAFolder):
         print(f"{self.id().split('.', 1)[1]}: ended {time.monotonic() - began:.3f} s after Ctrl-C", flush=True)
 
     def look(self, terminal, pattern):
-        """Waits for the progress; it stands on one line, whatever the columns."""
+        """Waits for the progress, which must fit on one line of any width."""
         terminal.wait_for(pattern)
         for _ in range(2):
             terminal.read(0.3)
@@ -91,7 +92,8 @@ class Bench(Commands):
 
 
 class History(Commands):
-    ROWS, NAMES = 100_000, 1000  # of one channel, which is seen under many names: an export of minutes
+    # of one channel, listed under many names, so an export takes minutes
+    ROWS, NAMES = 100_000, 1000
 
     @classmethod
     def setUpClass(cls):
@@ -135,7 +137,7 @@ class History(Commands):
 
 
 class Import(Commands):
-    ROWS = 100_000  # the most that is imported: it takes some seconds
+    ROWS = 100_000  # the import limit; takes some seconds
 
     def setUp(self):
         super().setUp()
@@ -148,7 +150,7 @@ class Import(Commands):
     def test_an_import_shows_its_progress_and_ends(self):
         with Terminal([program("fieldcast"), "import", self.list, "--out", self.path("new.yaml")], columns=NARROW) as terminal:
             terminal.wait_for(r"^(imp.*: )?\d+ %")
-            os.kill(terminal.pid, signal.SIGSTOP)  # it cannot end before it is asked to
+            os.kill(terminal.pid, signal.SIGSTOP)  # so that it cannot end before the signal
             terminal.press(CTRL_C)
             os.kill(terminal.pid, signal.SIGCONT)
             self.assertEqual(terminal.wait_for_end(HANG_SECONDS), 130, terminal.text())
@@ -169,7 +171,8 @@ class Import(Commands):
             process = self.start(*command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
             time.sleep(took * step / 10)
             process.send_signal(signal.SIGINT)
-            self.assertIn(process.wait(HANG_SECONDS), (0, 130, -signal.SIGINT))  # by the signal: before main
+            # by the signal if it arrives before main
+            self.assertIn(process.wait(HANG_SECONDS), (0, 130, -signal.SIGINT))
             self.assertEqual([name for name in self.left_behind() if name not in ("new.yaml", "small.csv")], [])
             if os.path.exists(self.path("new.yaml")):
                 with open(self.path("new.yaml"), encoding="utf-8") as file:
@@ -214,7 +217,7 @@ class Scan(Commands):
 
 
 class SlowBridge(threading.Thread):
-    """Pairs the first engineer who asks, and then takes nothing any more."""
+    """Pairs the first engineer and then stops reading."""
 
     def __init__(self):
         super().__init__(daemon=True)
@@ -256,7 +259,7 @@ class Transfer(Commands):
         return descriptor
 
     def fill(self, descriptor):
-        """Writes until nothing is taken any more: the bytes wait in fieldcast-port."""
+        """Writes until the pipe is full; the bytes wait in fieldcast-port."""
         sent, last = 0, time.monotonic()
         while time.monotonic() - last < 1:
             try:

@@ -1,5 +1,6 @@
-"""Two bridges and one fieldcast-station that records them: what the bridges stored themselves is what the station has, once and in order,
-also when a bridge and the station start anew; and what the station says of it over HTTP. Tokens let in and end.
+"""Tests a fieldcast-station that records two bridges: its record equals the stores of the bridges,
+without duplicates and in order, also after restarts. Also tests the record over HTTP, and
+tokens.
 
 usage: e2e_recorder.py BIN_DIR
 """
@@ -48,7 +49,7 @@ first = second = None
 
 
 class SecondPlant(Plant):
-    """In the domain of another one."""
+    """A plant in the domain of another one."""
 
     def __init__(self, bin_dir, config, other):
         super().__init__(bin_dir, config)
@@ -100,7 +101,8 @@ def get(station, path, **headers):
 
 class Recorder(unittest.TestCase):
     def same_as_published(self, bus):
-        """Between the first and the last sample that the station has, it has what the bridge stored itself. How many those are."""
+        """Checks that the station has every sample that the bridge stored between the station's
+        first and last one. Returns their number."""
         total = 0
         for channel in ("temperature", "speed", "order"):
             path = f"{bus}/press/{channel}"
@@ -123,7 +125,7 @@ class Recorder(unittest.TestCase):
     def test_1_everything_of_two_bridges_is_recorded_once_and_in_order(self):
         with recorder() as station:
             wait_until(lambda: len(recorded("west/press/order")) > 30 and len(recorded("east/press/speed")) > 30, SECONDS, station.log)
-        time.sleep(0.5)  # the bridges' own stores gather for 250 ms
+        time.sleep(0.5)  # the stores of the bridges write every 250 ms
         counts = [self.same_as_published(bus) for bus in ("east", "west")]
         print(f"recorded and compared: {counts} samples")
         text = run_cli(BIN_DIR, "history", "east/press/temperature", "--store", os.path.join(first.run, "recorded.db")).out
@@ -145,7 +147,7 @@ class Recorder(unittest.TestCase):
                 self.assertEqual(len(keys), len(set(keys)))
                 times = [sample["published_at"] for sample in here]
                 self.assertEqual(times, sorted(times))
-        # Sequences of the bridge begin anew, and the history goes on.
+        # The sequence numbers of the bridge restart, and the history continues.
         sequences = [sample["sequence"] for sample in recorded("east/press/speed")]
         self.assertTrue(any(later < earlier for earlier, later in zip(sequences, sequences[1:])))
 

@@ -1,4 +1,5 @@
-"""The screens of `fieldcast watch` and `fieldcast status` on a pseudo-terminal, against a bridge and simulated devices.
+"""Tests the screens of `fieldcast watch` and `fieldcast status` on a pseudo-terminal, with a
+bridge and simulated devices.
 
 usage: e2e_screen.py BIN_DIR
 """
@@ -39,7 +40,7 @@ buses:
         channels: [ { name: weight, at: "holding:0", type: int32, unit: g } ]
 """
 
-RESTORED = b"\x1b[?1049l"  # the first screen is back
+RESTORED = b"\x1b[?1049l"  # leaves the alternate screen
 
 
 def setUpModule():
@@ -65,7 +66,7 @@ class Screen(unittest.TestCase):
         return terminal
 
     def ends(self, terminal, code):
-        """The terminal is as it was, whatever ended the program."""
+        """Checks that the terminal is restored, however the program ended."""
         self.assertEqual(terminal.wait_for_end(), code)
         self.assertIn(RESTORED, terminal.said)
         self.assertGreater(terminal.said.rfind(b"1000l"), terminal.said.rfind(b"1000h"), "the mouse stays on")
@@ -99,7 +100,7 @@ class Screen(unittest.TestCase):
         terminal.wait_for(r"value now +\d+ (.|\n)*new value +4711(.|\n)*y: write it")
         terminal.press("v")
         terminal.wait_for(r"press-1/mode = 4711: verified \(read back 4711\)")
-        # What the bridge refuses is said in its words.
+        # A refusal is shown in the words of the bridge.
         terminal.press("w")
         terminal.wait_for("new value")
         terminal.press("70000", ENTER)

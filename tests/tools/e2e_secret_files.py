@@ -1,5 +1,6 @@
-"""Every option and every key of a configuration that names a file with a secret: a file that others may read or change is refused, with
-the remedy, and nothing of it is shown. And files that are none of ours, given where a configuration is wanted, are not quoted.
+"""Tests every option and key that names a secret file: a file that others can read or change is
+refused with a remedy and without its content. A file that is not a configuration is not quoted
+either.
 
 usage: e2e_secret_files.py BIN_DIR
 """
@@ -70,7 +71,7 @@ def write(name, text, mode=0o600):
 
 
 def run(program, *arguments):
-    """Exit code and everything said."""
+    """Returns the exit code and all output."""
     try:
         ended = subprocess.run([os.path.join(BIN_DIR, program), *arguments], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                stderr=subprocess.STDOUT, text=True, timeout=SECONDS)
@@ -79,7 +80,7 @@ def run(program, *arguments):
     return ended.returncode, ended.stdout
 
 
-# Who takes a file with a secret: the file, and the command that takes it.
+# The secret files, each with the command that uses it.
 PORT = ["fieldcast-port", "--server", "127.0.0.1:1", "--device", "P1"]
 MODULE = ["fieldcast", "module", "--server", "127.0.0.1:1", "--number", "17", "--line", "/tmp/none"]
 
@@ -129,11 +130,11 @@ class SecretFiles(unittest.TestCase):
 
 
 class Strangers(unittest.TestCase):
-    """Files that are no configurations, and every option that takes one."""
+    """Passes files that are not configurations to every option that expects one."""
 
     def test_nothing_of_them_is_shown(self):
         large = write("large", "hidden\n")
-        os.truncate(large, 2_000_000_000)  # holes
+        os.truncate(large, 2_000_000_000)  # sparse
         strangers = [write("shadow", "root:$6$hidden:19000:0:99999:7:::\n"), write("password-of-all", "hidden\n"),
                      write("key.pem", "-----BEGIN PRIVATE KEY-----\nhidden\n-----END PRIVATE KEY-----\n"),
                      write("environment", "PASSWORD=hidden\n"), write("binary", "\x7fELF\0\1hidden\xff"), write("tag", "!hidden {hidden"), large]
@@ -160,7 +161,7 @@ class Strangers(unittest.TestCase):
 
 
 class Running:
-    """A program that may leave a core, until it is killed as by a fault."""
+    """A program that may dump core until the test kills it."""
 
     def __init__(self, *command, environment=None):
         self.process = subprocess.Popen([os.path.join(BIN_DIR, command[0]), *command[1:]], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
@@ -183,7 +184,7 @@ class Running:
             return next(line.split()[4:6] for line in limits if line.startswith("Max core file size"))
 
     def leaves_a_core(self):
-        """Killed as by a fault."""
+        """Kills the program with SIGSEGV; returns whether it dumped core."""
         os.kill(self.process.pid, signal.SIGSEGV)
         status = os.waitpid(self.process.pid, 0)[1]
         self.process.returncode = -1
@@ -196,7 +197,7 @@ class Running:
 
 class Faults(unittest.TestCase):
     def test_a_program_that_is_killed_leaves_no_core_and_its_log_has_no_secret(self):
-        listener = socket.create_server(("127.0.0.1", 0))  # accepts, and says nothing
+        listener = socket.create_server(("127.0.0.1", 0))  # accepts but sends nothing
         modules = free_port()
         config = write("running.yaml", f"bridge: b\ndds: {{ domain: 87 }}\nprogram: {{ modules: {{ listen: 127.0.0.1:{modules}, "
                        "secrets: secrets } }\n" + BUSES.replace("number: P1, ", ""))

@@ -1,4 +1,5 @@
-"""DDS Security by one command: an authority, a bridge and its members, with the real programs.
+"""Tests DDS Security with `fieldcast secure`: an authority, a bridge and its members, with the
+real programs.
 
 usage: e2e_secure.py BIN_DIR
 """
@@ -52,7 +53,7 @@ class Secured(unittest.TestCase):
         cls.plant = Plant(BIN_DIR, CONFIG, dds=f", security: {cls.member('line-7')}", joins=["--security", cls.member("mes")])
         cls.plant.__enter__()
         cls.addClassCleanup(cls.plant.__exit__, None, None, None)
-        # Both wait for what does not come; meanwhile the others run.
+        # Both wait until their timeouts while other tests run.
         cls.nobody = cls.start(None, "watch", "--once", "--json")
         cls.elsewhere = cls.start("press", "write", "mill-1/mill/speed=8", "--timeout", "1s")
 
@@ -110,7 +111,7 @@ class Secured(unittest.TestCase):
         return [entry["who"] for entry in done.json_lines()]
 
     def page(self, name):
-        """fieldcast-station as this member: a browser at it, and its /live, which has a value."""
+        """Starts fieldcast-station as this member and opens a browser with a value on /live."""
         station = Station(self.plant, name, "web: { local-role: operator }\n", "--listen", "127.0.0.1:0", "--security", self.member(name))
         station.__enter__()
         self.addCleanup(lambda: station.__exit__(None, None, None))
@@ -144,7 +145,7 @@ class Secured(unittest.TestCase):
             self.assertIn("name the folder of a station or a plant", refused.stdout + refused.stderr)
 
     def test_a_reload_takes_a_renewed_certificate(self):
-        self.elsewhere.wait(30)  # it has the catalogue of the bridge as it is before
+        self.elsewhere.wait(30)  # it has the old catalogue of the bridge
         self.secure("renew", "line-7", "--authority", self.authority)
         log = "fieldcast-bridge"
         wait_until(lambda: "has a renewed certificate" in self.plant.log(log), SECONDS, lambda: self.plant.log(log))
@@ -152,7 +153,7 @@ class Secured(unittest.TestCase):
         wait_until(lambda: "reloaded: everything started anew" in self.plant.log(log), SECONDS, lambda: self.plant.log(log))
         self.assertIn("reloading: a renewed certificate", self.plant.log(log))
         self.assertEqual(self.as_member("mes", "write", "mill-1/mill/speed=7", "--verify").code, 0)
-        self.plant.bridge.send_signal(signal.SIGHUP)  # now it has it
+        self.plant.bridge.send_signal(signal.SIGHUP)  # the certificate is already active
         wait_until(lambda: "2 untouched" in self.plant.log(log), SECONDS, lambda: self.plant.log(log))
 
     def test_who_is_revoked_is_refused_by_the_programs_that_run(self):

@@ -1,4 +1,5 @@
-"""Two bridges of a standby group with DDS Security: a takeover, and certificates that are renewed without a gap.
+"""Tests two bridges of a standby group with DDS Security: a takeover, and certificate renewal
+without a gap.
 
 usage: e2e_secure_standby.py BIN_DIR
 """
@@ -45,7 +46,7 @@ class SecureStandby(OnASteadyMachine, unittest.TestCase):
             try:
                 serve_device(device)
             except OSError:
-                pass  # it is closed
+                pass
 
         threading.Thread(target=serve, daemon=True).start()
         self.authority = os.path.join(self.folder, "plant")
@@ -63,7 +64,7 @@ class SecureStandby(OnASteadyMachine, unittest.TestCase):
                                       self.member("mes"), stdout=subprocess.PIPE, text=True))
         self.addCleanup(self.watch.end)
         self.watch.goes_on()
-        # On a busy machine the two may find each other later than each becomes master.
+        # On a busy machine both may become master before they discover each other.
         self.master, self.other = self.roles()
         self.watch.faults.clear()
         self.watch.gap()
@@ -97,13 +98,13 @@ class SecureStandby(OnASteadyMachine, unittest.TestCase):
                    lambda: f"{name} does not say '{text}'\n" + "\n".join(self.log(each) for each in "ab" if os.path.exists(self.path(each, "log"))))
 
     def says_more(self, name, text, action):
-        """Once more than before the action."""
+        """Waits until `text` is logged once more than before `action`."""
         before = self.log(name).count(text)
         action()
         self.says(name, text, before + 1)
 
     def roles(self):
-        """The master, and the one that stands by and has all that it needs."""
+        """Returns the master and the complete standby bridge."""
         def whole():
             told = run_cli(BIN_DIR, "standby", "--json", "--domain", str(self.domain), "--security", self.member("mes")).json_lines()
             masters = [each["bridge"] for each in told if each["role"] == "master"]

@@ -1,5 +1,5 @@
-"""fieldcast-bridge as a service: what it tells a service manager, and the priorities of its log lines. The test is the manager: it
-has the notify socket and the journal's stream.
+"""Tests fieldcast-bridge as a service: its messages to the service manager, and the priorities of
+its log lines. The test provides the notify socket and the journal's stream.
 
 usage: e2e_service.py BIN_DIR
 """
@@ -17,7 +17,7 @@ from held_thread import HeldThread
 from plant import claim_domain, wait_until
 
 BIN_DIR = ""
-LIMIT = 60  # seconds until a message is there
+LIMIT = 60  # limit of a wait for a message, in seconds
 
 CONFIG = """
 bridge: served
@@ -64,7 +64,7 @@ class Service(unittest.TestCase):
         self.bridge.wait()
 
     def await_line(self, line):
-        """Takes messages until one has this line; what came before it is in self.told."""
+        """Reads messages until one has this line; earlier ones are in self.told."""
         end = time.monotonic() + LIMIT
         while True:
             message = self.receive()

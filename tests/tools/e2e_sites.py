@@ -1,8 +1,10 @@
-"""Bridges and stations over more than one network: discovery servers that come and go, several sites at one station.
+"""Tests bridges and stations over several networks: discovery servers that stop and restart, and
+several sites in one station.
 
 usage: e2e_sites.py BIN_DIR
 
-Runs in a network of its own (unshare) without multicast. Exit code 77: what that needs is missing here; the output says what.
+Runs in its own network (unshare) without multicast. Exit code 77: a requirement is missing; the
+output names it.
 """
 
 import contextlib
@@ -25,9 +27,9 @@ from plant import Plant, Result, claim_domain, run_cli, wait_until
 
 BIN_DIR = ""
 DOCUMENT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../docs/many-sites.md")
-SERVER = "fast-discovery-server"    # of the package fastdds-tools
+SERVER = "fast-discovery-server"    # from the package fastdds-tools
 CHANNELS = 20
-FOUND_SECONDS = 15  # a station has every channel
+FOUND_SECONDS = 15  # until a station has every channel
 
 CONFIG = """
 bridge: {name}
@@ -50,7 +52,7 @@ def free_udp_port():
 
 
 class Servers:
-    """Two discovery servers, each of which may be stopped and started."""
+    """Two discovery servers that can be stopped and restarted."""
 
     def __init__(self, test):
         self.ports = [free_udp_port(), free_udp_port()]
@@ -68,13 +70,13 @@ class Servers:
 
     def stop(self, identity):
         if self.processes[identity] is not None:
-            self.processes[identity].kill()  # as a machine that loses its power
+            self.processes[identity].kill()  # like a power failure
             self.processes[identity].wait()
         self.processes[identity] = None
 
 
 class Watch:
-    """A station that runs on; counts the samples that it prints."""
+    """A running station that counts the samples it prints."""
 
     def __init__(self, file):
         self.samples = 0
@@ -98,7 +100,7 @@ class Watch:
 
 
 class Page:
-    """The station with the page."""
+    """A station with a page."""
 
     def __init__(self, test, file):
         self.process = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast-station"), "--config", file, "--listen", "127.0.0.1:0"],
@@ -143,7 +145,8 @@ class DiscoveryServers(unittest.TestCase):
         servers.start(0)
         key = f', discovery-server: "127.0.0.1:{servers.ports[0]}"'
         with Plant(BIN_DIR, CONFIG.replace("{name}", "served"), dds=key) as plant:
-            for number in range(5):  # its messages have numbers that a new one reaches only after as many stations
+            # a new server reaches the message numbers of the old one only after as many stations
+            for number in range(5):
                 self.assert_new_station_finds_all(plant, f"as station {number + 1}")
             servers.stop(0)
             servers.start(0)
@@ -217,7 +220,7 @@ class DiscoveryServers(unittest.TestCase):
 
 
 class OwnServers(unittest.TestCase):
-    """A discovery server at an address of this machine."""
+    """A discovery server on an address of this machine."""
 
     OWN = "10.77.0.3"
 
@@ -296,7 +299,7 @@ class SitesOfAStation(unittest.TestCase):
         return read()
 
     def page(self, file):
-        """The same by the station with the page."""
+        """The same, from the station with the page."""
         station = Page(self, file)
         get = station.get
         wait_until(lambda: len(get("/api/channels")) == 2 * CHANNELS, FOUND_SECONDS, lambda: str(get("/api/channels"))[:500])
@@ -326,7 +329,8 @@ class Inside(Plant):
 
 
 class Tunnel(unittest.TestCase):
-    """A bridge behind a firewall that lets TCP connections to one port through. DDS goes through an OpenVPN tunnel with TLS."""
+    """A bridge behind a firewall that allows TCP connections to one port. DDS uses an OpenVPN
+    tunnel with TLS."""
 
     PORT = 1194
     INSIDE, OUTSIDE = "10.88.0.1", "10.88.0.2"
@@ -355,7 +359,7 @@ class Tunnel(unittest.TestCase):
         subprocess.run(["openssl", *arguments], check=True, capture_output=True, cwd=cls.folder)
 
     def vpn(self, machine, name, own):
-        """OpenVPN with the file of this name that docs/many-sites.md shows, and the certificate `own`."""
+        """Starts OpenVPN with this file of docs/many-sites.md and the certificate `own`."""
         with open(DOCUMENT, encoding="utf-8") as file:
             shown = re.search(rf"<!-- file: {name} -->.*?```text\n(.*?)```", file.read(), re.DOTALL).group(1)
         for word, here in [("gateway.example", self.firewall.inside.far_address), (name.replace(".conf", ""), own)]:
@@ -371,7 +375,7 @@ class Tunnel(unittest.TestCase):
             probe.settimeout(1)
             try:
                 probe.connect((self.INSIDE, 9))
-            except ConnectionRefusedError:  # nobody listens there, and that much is said
+            except ConnectionRefusedError:  # no listener there, but the host is reachable
                 return True
             except OSError:
                 return False

@@ -1,8 +1,9 @@
-"""Two bridges of a standby group on two hosts, as far as the network knows: the cable of the master is pulled, and put in again.
+"""Tests two bridges of a standby group on two simulated hosts: the cable of the master is
+unplugged and plugged in again.
 
 usage: e2e_standby.py BIN_DIR
 
-Each host is a network namespace; a bridge device in another one is the switch. Needs root.
+Each host is a network namespace; a bridge device in a third one is the switch. Needs root.
 """
 
 import contextlib
@@ -47,7 +48,7 @@ def ip(*words):
 
 
 def why_not():
-    """Why namespaces cannot be made here; empty: they can."""
+    """Returns why namespaces are not available, empty if they are."""
     if shutil.which("ip") is None:
         return "there is no program ip (package iproute2)"
     made = ip("netns", "add", PREFIX + "try")
@@ -58,7 +59,7 @@ def why_not():
 
 
 class Network:
-    """Hosts a, b and s at one switch."""
+    """Hosts a, b and s on one switch."""
 
     HOSTS = {"a": "10.77.0.1", "b": "10.77.0.2", "s": "10.77.0.3"}
 
@@ -95,7 +96,7 @@ class Network:
 
 
 def serve_device(listening):
-    """A Modbus TCP device that takes many connections. Every read gives a greater value."""
+    """Simulates a Modbus TCP device for many connections. Every read returns a greater value."""
     counter = [0]
 
     def serve(connection):
@@ -121,10 +122,10 @@ def serve_device(listening):
 
 
 class Watch:
-    """What a station sees of the channel, and when."""
+    """Records the samples that a station receives from the channel, with their times."""
 
     def __init__(self, process):
-        """`process`: fieldcast watch --json, its output in a pipe of text."""
+        """`process`: fieldcast watch --json with its output in a text pipe."""
         self.process = process
         self.lock = threading.Lock()
         self.good, self.last, self.longest, self.sequence, self.faults = 0, None, 0.0, 0, []
@@ -247,7 +248,7 @@ class Standby(OnASteadyMachine, unittest.TestCase):
         print(f"pulled cable: longest gap of a channel of 50 ms over {len(gaps)}: median {gaps[len(gaps) // 2] * 1000:.0f} ms, "
               f"greatest {gaps[-1] * 1000:.0f} ms")
         self.assertEqual(watch.faults, [])
-        self.assertLess(gaps[-1], 1.5)  # an idle machine: docs/redundancy.md
+        self.assertLess(gaps[-1], 1.5)  # on an idle machine; see docs/redundancy.md
 
 
 if __name__ == "__main__":

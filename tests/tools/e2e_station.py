@@ -1,4 +1,5 @@
-"""Simulator, bridge and fieldcast-station: the page's server shows the plant, users log in, writes go through, and it stops in order.
+"""Tests simulator, bridge and fieldcast-station: the server shows the plant, users log in, writes
+work, and it shuts down in order.
 
 usage: e2e_station.py BIN_DIR
 """
@@ -38,7 +39,7 @@ buses:
 
 
 class Station:
-    """The program with a configuration of its own; ended, and its exit code checked, on leaving."""
+    """The program with its own configuration; stopped on exit, with a check of the exit code."""
 
     def __init__(self, plant, name, text, *arguments):
         self.plant, self.name, self.text, self.arguments = plant, name, text, arguments
@@ -77,7 +78,7 @@ class Station:
 
 
 class Browser:
-    """Keeps its cookie, and sends what a page of the station sends."""
+    """Keeps its cookie and sends requests as a page of the station does."""
 
     def __init__(self, station):
         self.station, self.cookie = station, ""
@@ -107,7 +108,7 @@ class Browser:
 
 
 class Socket:
-    """A WebSocket at /live: texts as objects; binary frames as lists of (id, value, quality)."""
+    """A WebSocket to /live: texts as objects, binary frames as lists of (id, value, quality)."""
 
     def __init__(self, browser):
         connection = browser.station.connect()
@@ -215,7 +216,7 @@ class Stations(unittest.TestCase):
             before = self.live(guest)
             self.assertEqual(before.status, 101)
             self.add_user(store, "anna", "viewer")
-            with self.assertRaises(EOFError):  # now there are users: everybody has to log in
+            with self.assertRaises(EOFError):  # with users, a login is required
                 before.until(lambda message: False)
             self.assertEqual(guest.get("/api/me")["login"], "required")
             self.assertEqual(guest.ask("GET", "/api/buses")[0], 401)

@@ -1,4 +1,5 @@
-"""Simulator, bridge and command line with a store: samples, commands, devices and alarms are kept and shown; users come and go.
+"""Tests simulator, bridge and command line with a store: samples, commands, devices and alarms are
+stored and shown; users are added and removed.
 
 usage: e2e_store.py BIN_DIR
 """
@@ -55,7 +56,7 @@ class Store(unittest.TestCase):
         self.assertEqual([s["sequence"] for s in samples], sorted({s["sequence"] for s in samples}))
         for sample in samples:
             self.assertGreaterEqual(sample["published_at"], sample["acquired_at"])
-        # On a machine that is busy with other things one of them may say that it was late.
+        # On a busy machine a late sample may have another quality.
         good = [s for s in samples if s["quality"] == "GOOD"]
         self.assertGreater(len(good), 0, samples)
         self.assertIsInstance(good[-1]["value"], float)
@@ -115,7 +116,7 @@ class Store(unittest.TestCase):
     def test_an_alarm_is_raised_kept_and_cleared(self):
         def now():
             return [(a["channel"], a["limit"], a["state"]) for a in lines("alarms")]
-        # Whatever the simulated device began with: from here on it is clear.
+        # From here on the alarm is clear, whatever the initial value of the device.
         self.assertEqual(plant.cli("write", "line/press/setpoint=90").code, 0)
         wait_until(lambda: ("setpoint", "high", "active") not in now(), 30, lambda: str(now()))
         self.assertEqual(plant.cli("write", "line/press/setpoint=101").code, 0)

@@ -1,4 +1,4 @@
-"""A thread that stands still, as in a driver that hangs."""
+"""Stops a thread, to simulate a driver that hangs."""
 
 import ctypes
 import errno
@@ -7,11 +7,12 @@ import unittest
 
 from plant import wait_until
 
-LIMIT = 60  # seconds until the thread is there
+LIMIT = 60  # limit of the wait for the thread, in seconds
 
 
 class HeldThread:
-    """One thread of a process, held by ptrace(2) while this lives. The process may end meanwhile: look() lets it."""
+    """Holds one thread of a process with ptrace(2). The process may end meanwhile; look() reaps
+    the thread."""
 
     ATTACH, DETACH, WALL = 16, 17, 0x40000000
 
@@ -35,7 +36,8 @@ class HeldThread:
             raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
 
     def look(self):
-        """A thread that was ended goes only when its tracer has seen it."""
+        """Reaps the thread: a traced thread that has ended remains until its tracer waits for it.
+        """
         try:
             os.waitpid(self.thread, self.WALL | os.WNOHANG)
         except ChildProcessError:

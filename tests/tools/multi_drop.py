@@ -1,9 +1,10 @@
-"""An RS-485 line in software: masters at pseudo-terminals and one simulated Modbus RTU device. All bytes of one go to all others, at
-the pace of the line; frames that overlap are garbled, and counted where two masters have a part in it.
+"""Simulates an RS-485 line with masters on pseudo-terminals and one Modbus RTU device. The bytes
+of each reach all others at the pace of the line. Overlapping frames are garbled, and counted if
+they are from two masters.
 
     with MultiDrop(folder, masters=2) as line:
-        line.paths                    what the masters open
-        line.counts()                 frames of each master, garbled frames, shortest silence before another master's frame
+        line.paths                    ports for the masters
+        line.counts()                 frames per master, garbled, shortest silence between masters
 """
 
 import heapq
@@ -14,7 +15,7 @@ import threading
 import time
 import tty
 
-CHARACTER = 11 / 19200  # seconds, of 19200 8E1
+CHARACTER = 11 / 19200  # seconds, at 19200 8E1
 ANSWER_AFTER = 0.003
 CHUNK = 4  # characters that an adapter delivers together
 DEVICE = -1
@@ -31,7 +32,7 @@ def crc(frame):
 
 class Transmission:
     def __init__(self, sender, master, data, start):
-        self.master = master  # that sends, or is answered
+        self.master = master  # that sends, or is addressed
         self.sender, self.data, self.start = sender, bytearray(data), start
         self.end = start + len(data) * CHARACTER
         self.passed, self.garbled = 0, False
@@ -49,7 +50,8 @@ class MultiDrop:
             os.symlink(os.ttyname(slave), path)
             self.paths.append(path)
             self._ends.append(end)
-            self._slaves.append(slave)  # held open: a terminal that nobody has open cannot be read
+            # kept open: reading fails if no process has the terminal open
+            self._slaves.append(slave)
         self._lock = threading.Lock()
         self._frames, self._garbled, self._last_master, self._silent_since = [0] * masters, 0, None, 0.0
         self._last_frame, self._shortest_turn = [0.0] * masters, None
@@ -98,7 +100,7 @@ class MultiDrop:
         for other in self._on_wire:
             if other.sender == sender or other.end <= made.start or made.end <= other.start:
                 continue
-            # A device that answers late, on a busy machine, is not another master's doing.
+            # A device that responds late on a busy machine is not a fault of the masters.
             if made.master != other.master:
                 self._garbled += 1
             made.garbled = other.garbled = True
@@ -122,7 +124,7 @@ class MultiDrop:
                 try:
                     os.write(end, part)
                 except BlockingIOError:
-                    pass  # nobody reads there
+                    pass  # no reader
         if one.passed < len(one.data):
             self._at(one.start + min(one.passed + CHUNK, len(one.data)) * CHARACTER, self._pass, one)
             return

@@ -1,8 +1,9 @@
-"""Networks of a test's own: machines in namespaces, wires between them, a firewall on the way. Everything is gone when the test ends.
+"""Creates networks for a test: machines in namespaces, links between them, and a firewall. All are
+removed when the test ends.
 
-    networks.enter()                      # in main(): this process goes into namespaces of its own, or ends with 77
-    wire = Wire("far")                    # a machine "far", at 10.99.1.2; this one is 10.99.1.1
-    wire.far.run("program", ..)           # there
+    networks.enter()                      # in main(): enters new namespaces, or exits with 77
+    wire = Wire("far")                    # a machine "far" at 10.99.1.2; this one is 10.99.1.1
+    wire.far.run("program", ..)           # runs it there
 
 Needs root.
 """
@@ -30,7 +31,7 @@ def enter():
 
 
 class Machine:
-    """A network of its own; `name` None: the one that this process is in."""
+    """A machine with its own network; if `name` is None, the network of this process."""
 
     def __init__(self, name=None):
         self.name = name
@@ -52,7 +53,8 @@ HERE = Machine()
 
 
 class Wire:
-    """Between this machine, or `near`, and a new one with this name. Addresses 10.99.NUMBER.1 and .2."""
+    """A link from this machine, or from `near`, to a new one with this name. Addresses
+    10.99.NUMBER.1 and .2."""
 
     count = 0
 
@@ -68,7 +70,7 @@ class Wire:
             machine.run("ip", "link", "set", device, "up")
 
     def cut(self, is_cut=True):
-        """Packets are lost on it, both ways, as if somebody had pulled the cable behind a switch."""
+        """Drops packets in both directions, like a cable that is unplugged behind a switch."""
         if is_cut:
             self.near.run("nft", "-f", "-", stdin=f"""
                 table netdev cut_{self.device} {{
@@ -79,14 +81,15 @@ class Wire:
             self.near.run("nft", "delete", "table", "netdev", f"cut_{self.device}")
 
     def bytes(self):
-        """(from this end, to it) so far."""
+        """Returns the byte counts (sent from this end, received here)."""
         out = subprocess.run(self.near.around("cat", "/proc/net/dev"), check=True, capture_output=True, text=True).stdout
         fields = next(text for text in out.splitlines() if text.strip().startswith(self.device + ":")).split(":")[1].split()
         return int(fields[8]), int(fields[0])
 
 
 class Firewall:
-    """Between two machines; lets TCP connections to one port of the inner one through, and nothing else."""
+    """A firewall between two machines that only allows TCP connections to one port of the inner
+    one."""
 
     def __init__(self, port):
         self.outside = Wire("firewall")

@@ -1,10 +1,11 @@
-"""A simulated plant with its bridge, for end-to-end tests: the real programs, on a DDS domain and in a folder of their own.
+"""Runs a simulated plant with its bridge for end-to-end tests: the real programs, in their own DDS
+domain and directory.
 
     with Plant(bin_dir, CONFIG) as plant:
         plant.cli("watch", "--json", "--once")
 
-CONFIG is a plant's YAML in which {run} stands for the folder. Everything is started by this process and ended by its pid; on leaving,
-what the programs left behind (processes, links) is a failure.
+CONFIG is the YAML of a plant; {run} is replaced by the directory. This process starts all programs
+and ends them by process id. Remaining processes or links are a failure on exit.
 """
 
 import contextlib
@@ -19,7 +20,7 @@ import tempfile
 import time
 import unittest
 
-START_SECONDS = 20  # until the simulated lines and the bridge's first status are there
+START_SECONDS = 20  # limit until the simulated lines and the bridge's first status exist
 STOP_SECONDS = 10
 CLI_SECONDS = 60
 
@@ -29,7 +30,8 @@ class Failure(AssertionError):
 
 
 def wait_until(condition, seconds, reason):
-    """The first true result of condition(); Failure with the reason when it does not come."""
+    """Waits for a true result of condition() and returns it; Failure with the reason after the
+    limit."""
     deadline = time.monotonic() + seconds
     while True:
         if result := condition():
@@ -44,11 +46,12 @@ def shared_memory():
 
 
 def claim_domain():
-    """A DDS domain that no other test on this machine uses while the result lives: (its number, what holds it).
+    """Claims a DDS domain that no other test on this machine uses while the result lives: (domain
+    number, claim).
 
-    The claim is the highest port of the domain's range (7400 + 250 * domain ..), which no participant below the 120th takes.
-    Above domain 100 the ports are those that the kernel assigns. A domain with a participant of somebody who claimed nothing, such as
-    what a test left behind that was killed, is passed over.
+    The claim is the highest port of the domain's range (7400 + 250 * domain ..), which no
+    participant below the 120th uses. Above domain 100 the kernel assigns these ports. A domain with
+    an unclaimed participant, for example of a killed test, is skipped.
     """
     for attempt in range(90):
         domain = 10 + (os.getpid() + attempt) % 90
@@ -64,7 +67,7 @@ def claim_domain():
 
 
 def udp_ports():
-    """Those that somebody on this machine has."""
+    """Returns the UDP ports in use on this machine."""
     found = set()
     for table in ("/proc/net/udp", "/proc/net/udp6"):
         if os.path.exists(table):
@@ -91,7 +94,8 @@ def run_cli(bin_dir, *arguments, seconds=CLI_SECONDS, stdin=""):
 
 @contextlib.contextmanager
 def running_bridge(bin_dir, config, log):
-    """A bridge of this file, while it is entered; then SIGTERM must end it with code 0. When anything fails, what it said is shown."""
+    """Runs a bridge with this file. On exit, SIGTERM must end it with code 0. On a failure its
+    output is shown."""
     with open(log, "w+", encoding="utf-8") as said:
         bridge = subprocess.Popen([os.path.join(bin_dir, "fieldcast-bridge"), config], stdin=subprocess.DEVNULL, stdout=said, stderr=said)
         try:
@@ -111,7 +115,7 @@ def running_bridge(bin_dir, config, log):
 
 
 class InAFolder(unittest.TestCase):
-    """A test with a folder of its own, which is gone behind it."""
+    """A test with its own directory, which is removed afterwards."""
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory(prefix="fieldcast-test-")
@@ -129,7 +133,8 @@ class InAFolder(unittest.TestCase):
 
 class Plant:
     def __init__(self, bin_dir, config, dds="", joins=(), interfaces="127.0.0.1"):
-        """`dds`: more keys of that section, each after a comma. `joins`: more options of every command."""
+        """`dds`: more keys of that section, each after a comma. `joins`: more options of every
+        command."""
         self.interfaces = interfaces
         self.bin_dir, self.config, self.dds, self.joins = bin_dir, config, dds, joins
         self.domain, self._claim = claim_domain()
@@ -175,7 +180,8 @@ class Plant:
             return f"--- {name}:\n" + "".join(file.readlines()[-40:])
 
     def start_cli(self, command, *arguments, **options):
-        """For a test that talks to it while it runs; it must end by itself, so that no wait for its output is endless."""
+        """Starts a command that the test interacts with. The command must end by itself, so that
+        no wait for its output is endless."""
         return subprocess.Popen([os.path.join(self.bin_dir, "fieldcast"), command, *arguments, "--config", self.file],
                                 stdout=subprocess.PIPE, text=True, **options)
 
@@ -200,7 +206,8 @@ class Plant:
 
     def _stop_all(self):
         codes = {}
-        for process in (self.bridge, self.sim):  # the bridge first: a plant that vanishes is another test
+        # the bridge first: the loss of the plant is another test
+        for process in (self.bridge, self.sim):
             if process is None:
                 continue
             if process.poll() is None:

@@ -1,10 +1,11 @@
-"""A root of its own for a test: this machine's files, and everything that is written stays in memory. It has its own processes,
-mounts, network (loopback only) and host name, and systemd as its first process.
+"""Creates a private root for a test: the files of this machine with all writes in memory. It has
+its own processes, mounts, network (loopback only), host name, and systemd as first process.
 
     with PrivateRoot() as root:
         root.run("dpkg", "-i", "/tmp/x.deb")
 
-Needs root, overlayfs, cgroup2 and the package systemd; Unavailable says what is missing. When it ends, nothing of it is left.
+Needs root, overlayfs, cgroup2 and the package systemd; Unavailable names what is missing. At the
+end everything is removed.
 """
 
 import ctypes
@@ -21,7 +22,7 @@ SYSTEMD = "/lib/systemd/systemd"
 
 
 class Unavailable(Exception):
-    """Why there can be no private root on this machine."""
+    """The reason why this machine cannot create a private root."""
 
 
 def _die_with_parent():
@@ -96,7 +97,7 @@ class PrivateRoot:
         return self.run("systemctl", "is-system-running", check=False).stdout.strip()
 
     def path(self, inside):
-        """Where a file of the root is found from outside."""
+        """Returns the path of a file of the root as seen from outside."""
         return f"/proc/{self.pid}/root{inside}"
 
     def write(self, inside, text):
@@ -114,7 +115,7 @@ class PrivateRoot:
         return done
 
     def start(self, *command, **options):
-        """A program that goes on beside the test; it ends with the root at the latest."""
+        """Starts a program in the background; it ends at the latest with the root."""
         return subprocess.Popen(self._entered(command), text=True, stdin=subprocess.DEVNULL, preexec_fn=_die_with_parent, **options)
 
     def close(self):
@@ -124,7 +125,7 @@ class PrivateRoot:
         self._log.close()
         end = time.monotonic() + 10
         while os.path.isdir(self._cgroup):
-            # From the innermost; what has just been killed may still be counted.
+            # From the innermost; processes that were just killed may still be counted.
             for folder, _, _ in os.walk(self._cgroup, topdown=False):
                 try:
                     os.rmdir(folder)

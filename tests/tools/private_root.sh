@@ -1,11 +1,11 @@
 #!/bin/sh
-# The inside of private_root.py: makes a root of its own over this machine's and starts the first process in it.
+# Used by private_root.py: creates a private root over the root of this machine and starts its first
+# process.
 # REQUIRES: root, in new namespaces of mounts, processes, network, names and cgroups (unshare).
+# private_root.sh FOLDER COMMAND [ARGUMENT ..]
 #
-#   private_root.sh FOLDER COMMAND [ARGUMENT ..]
-#
-# FOLDER is an empty folder. Whatever is written goes to memory and vanishes with the last process. Settings of the kernel (/proc/sys, /sys)
-# can be read only.
+# FOLDER is an empty directory. All writes are in memory and are lost with the last process. Kernel
+# settings (/proc/sys, /sys) are read-only.
 set -eu
 base=$1
 shift
@@ -40,7 +40,7 @@ mount -t tmpfs -o mode=755 run run
 mount -t tmpfs -o mode=1777 tmp tmp
 ip link set lo up
 
-# Only what this machine's own services would do to the machine is left out.
+# Excludes only units that would change this machine.
 : >etc/fstab
 for unit in systemd-sysctl.service systemd-modules-load.service systemd-remount-fs.service systemd-timesyncd.service \
   systemd-networkd.service systemd-networkd-wait-online.service NetworkManager-wait-online.service systemd-resolved.service \

@@ -1,7 +1,7 @@
-"""Tests that measure real time, on a machine that stands still now and then: an overbooked host stops all of it for a moment.
+"""Repeats real-time tests if the machine was stalled, for example on an overbooked host.
 
-What is measured in such a moment is the machine. A test that fails, and in whose time the machine stood still, is run again; one that
-fails on a steady machine fails.
+A test that fails while the machine was stalled is repeated; one that fails on a steady machine
+fails.
 """
 
 import threading
@@ -9,15 +9,15 @@ import time
 import unittest
 
 TRIES = 4
-STILL_SECONDS = 0.15  # what a scheduler takes from a thread that wants to run, on a machine that is merely busy, is less
+STILL_SECONDS = 0.15  # longer than a scheduler delays a ready thread on a busy machine
 TICK_SECONDS = 0.01
 
 
 class Stillness:
-    """Notes, in a thread of its own, when the machine stood still."""
+    """Records, in its own thread, when the machine was stalled."""
 
     def __init__(self):
-        self.moments = []  # (its end, how long)
+        self.moments = []  # (end, duration)
         threading.Thread(target=self._tick, daemon=True).start()
 
     def _tick(self):
@@ -30,12 +30,13 @@ class Stillness:
             last = now
 
     def longest_since(self, moment):
-        """Seconds; 0: the machine was steady since then."""
+        """Returns the longest stall since `moment` in seconds; 0 if the machine was steady."""
         return max((seconds for end, seconds in list(self.moments) if end >= moment), default=0)
 
 
 def steadily(measure, excuses, stillness=None, now=time.monotonic):
-    """What measure() returns; when it raises one of `excuses` and the machine stood still meanwhile, that of another try."""
+    """Returns the result of measure(). If it raises one of `excuses` during a stall, it is called
+    again."""
     stillness = stillness or Stillness()
     for left in range(TRIES - 1, -1, -1):
         began = now()
@@ -49,7 +50,7 @@ def steadily(measure, excuses, stillness=None, now=time.monotonic):
 
 
 class OnASteadyMachine:
-    """Put before unittest.TestCase: each of its tests is run again, with its setUp, as steadily() does."""
+    """Base class before unittest.TestCase: repeats each test with its setUp as steadily() does."""
 
     stillness = None
 
@@ -66,7 +67,7 @@ class OnASteadyMachine:
             last = unittest.TestResult()
             super(OnASteadyMachine, self).run(last)
             if not last.wasSuccessful():
-                told = (last.failures + last.errors)[0][1].splitlines()[1:]  # behind "Traceback .."
+                told = (last.failures + last.errors)[0][1].splitlines()[1:]  # after "Traceback .."
                 raise Failed(next(line for line in told if line and not line.startswith(" ")))
 
         result.startTest(self)

@@ -1,4 +1,4 @@
-"""What a test is told when the machine stood still in its time."""
+"""Tests the repetition of tests when the machine was stalled."""
 
 import contextlib
 import io
@@ -16,7 +16,7 @@ class Machine:
 
 
 def outcome(fails, still, reason=None):
-    """(successful, times run, skipped) of a test that fails the first `fails` times."""
+    """Returns (successful, runs, skipped) of a test that fails the first `fails` times."""
     runs = []
 
     class Case(OnASteadyMachine, unittest.TestCase):

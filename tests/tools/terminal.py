@@ -1,4 +1,4 @@
-"""A terminal for tests: a program on a pseudo-terminal, and what it shows, by pyte, which others wrote.
+"""Runs a program on a pseudo-terminal and shows its screen, emulated by pyte.
 
     with Terminal(["fieldcast", "watch"], columns=80, rows=24) as terminal:
         terminal.wait_for("GOOD")
@@ -23,7 +23,7 @@ WAIT_SECONDS = 20
 
 
 class Screen(pyte.Screen):
-    """With what xterm does and pyte does not: scrolling a region, repeating a character."""
+    """Adds what xterm supports and pyte does not: scrolling a region, repeating a character."""
 
     def scroll_up(self, count=1):
         self._at_margin(lambda margins: margins.bottom, self.index, count)
@@ -69,7 +69,8 @@ class Terminal:
         return self
 
     def _lead(self, status):
-        """The leader of the session, as a shell is: without one, nobody could go on after Ctrl-Z."""
+        """Leads the session like a shell: without a leader, no process could continue after
+        Ctrl-Z."""
         try:
             self._set_size(0)
             signal.signal(signal.SIGTTOU, signal.SIG_IGN)
@@ -83,7 +84,7 @@ class Terminal:
             code = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
             os.tcsetpgrp(0, os.getpid())
             os.write(status, str(code).encode())
-            os.read(0, 1)  # the terminal stays until the test has looked at it
+            os.read(0, 1)  # keeps the terminal until the test has checked it
         finally:
             os._exit(1)
 
@@ -99,7 +100,7 @@ class Terminal:
         fcntl.ioctl(descriptor, termios.TIOCSWINSZ, struct.pack("HHHH", self.screen.lines, self.screen.columns, 0, 0))
 
     def read(self, seconds=0.05):
-        """Takes what the program writes within so many seconds; False when it has ended."""
+        """Reads the program's output for so many seconds; returns False if it has ended."""
         end = time.monotonic() + seconds
         while (left := end - time.monotonic()) > 0:
             if not select.select([self.master], [], [], left)[0]:
@@ -118,7 +119,7 @@ class Terminal:
         return True
 
     def read_once(self, seconds):
-        """Takes what comes next, at once when it comes. fed_seconds: what showing it took."""
+        """Reads the next output as soon as it arrives. fed_seconds: the time to show it."""
         select.select([self.master], [], [], seconds)
         began = time.monotonic()
         while select.select([self.master], [], [], 0)[0] and self._take():
@@ -132,7 +133,7 @@ class Terminal:
         return [line.rstrip() for line in self.screen.display]
 
     def wait_for(self, pattern, seconds=WAIT_SECONDS):
-        """Until the screen matches; its text."""
+        """Waits until the screen matches; returns its text."""
         return self.wait_until(lambda text: re.search(pattern, text), pattern, seconds)
 
     def wait_until(self, condition, what, seconds=WAIT_SECONDS):
@@ -166,7 +167,7 @@ class Terminal:
         return self.screen.cursor.hidden
 
     def wait_for_end(self, seconds=WAIT_SECONDS):
-        """Its exit code; negative: the signal."""
+        """Waits for the end and returns the exit code; negative for a signal."""
         end = time.monotonic() + seconds
         while not select.select([self.status_out], [], [], 0)[0]:
             self.read()

@@ -1,8 +1,10 @@
-"""The rules of the tree that no compiler checks: what core may include and need, and what lies at the top level.
+"""Checks the rules of the tree that no compiler checks: the includes and symbols that core may
+use, and the files at the top level.
 
 usage: tree_test.py SOURCE_DIR NM CORE_LIBRARY..
 
-Each rule is a function of its input, tried on planted faults as well as on the tree: a rule that finds nothing anywhere is no rule.
+Each rule is a function of its input and is also tested with planted faults, so that a rule without
+effect is detected.
 """
 
 import os
@@ -14,12 +16,12 @@ import unittest
 
 SOURCE_DIR, NM, CORE_LIBRARIES = "", "nm", []
 
-# An arrow runs from a folder to the folders before it, never back and never across.
+# A directory may include those of earlier entries, never later ones or others of its own entry.
 LAYERS = [{"base"}, {"access", "capture", "frame", "codec"}, {"protocol"}, {"program"}, {"model"}, {"alarm", "plan"}, {"dispatch"}, {"schedule"}, {"bus"}]
 RANK = {folder: rank for rank, folders in enumerate(LAYERS) for folder in folders}
 
 THIRD_PARTY = {"tl/expected.hpp"}
-# Headers of the standard library that bring a clock, a thread or a file. <chrono> stays: durations are values.
+# Standard headers with a clock, a thread or a file. <chrono> is allowed: durations are values.
 IMPURE_STD = {
     "atomic", "barrier", "condition_variable", "csignal", "ctime", "filesystem", "fstream", "future", "iostream", "latch",
     "mutex", "random", "semaphore", "shared_mutex", "stop_token", "syncstream", "thread",
@@ -31,7 +33,7 @@ TOP_LEVEL = {
 }
 
 
-# Symbols, as `nm -C` spells them, that core must not need.
+# Symbols, as `nm -C` prints them, that core must not use.
 FORBIDDEN_SYMBOLS = [
     ("clock", r"std::chrono::_V2::\w+::now\(|clock(_\w+)?|gettimeofday|time|timespec_get|localtime(_r)?|gmtime(_r)?|u?sleep|nanosleep"),
     ("thread", r"pthread_\w+|thrd_\w+|std::thread::|std::condition_variable|std::this_thread|sem_\w+|fork|vfork|system|exec\w+"),
@@ -42,7 +44,8 @@ FORBIDDEN_SYMBOLS = [
 
 
 def include_fault(folder, include):
-    """What is wrong with `#include <include>` or "include" in a file of core/folder; None when nothing is."""
+    """Returns the fault of `#include <include>` or "include" in a file of core/folder, None if it
+    is allowed."""
     if include in THIRD_PARTY:
         return None
     if include.startswith("core/"):
@@ -60,7 +63,8 @@ def include_fault(folder, include):
 
 
 def station_fault(path, include):
-    """What is wrong with an include in the file `path` (from the root): the daemon knows nothing of the station's end of DDS."""
+    """Returns the fault of an include in the file `path` (from the root): the daemon must not use
+    the station's DDS code."""
     if include.startswith("bridge/station/") and path.startswith("bridge/") and not path.startswith("bridge/station/"):
         return "the daemon must not need the station's library"
     if path.startswith("bridge/station/") and include.startswith("bridge/") \
@@ -74,10 +78,10 @@ def includes_of(text):
 
 
 def symbol_fault(symbol):
-    """The kind of the forbidden symbol ("clock", "file", ...), or None."""
+    """Returns the kind of the forbidden symbol ("clock", "file", ...), or None."""
     bare = symbol.split("@")[0].strip()
     for kind, pattern in FORBIDDEN_SYMBOLS:
-        # C symbols are matched whole, names of the C++ library from their beginning.
+        # C symbols must match whole, C++ library names from their beginning.
         if re.fullmatch(pattern, bare) or bare.startswith("std::") and re.match(pattern, bare):
             return kind
     return None
@@ -96,18 +100,19 @@ def core_files():
 
 
 def sources():
-    """All C and C++ of the tree."""
+    """Returns all C and C++ files of the tree."""
     for folder in ["bridge", "config", "core", "idl", "tests", "tools"]:
         for path, _, names in os.walk(os.path.join(SOURCE_DIR, folder)):
             yield from (os.path.join(path, name) for name in names if name.endswith((".cpp", ".hpp", ".c", ".h")))
 
 
-# What clang 14 does not compile of the library of GCC 12: what gives a std::ranges::subrange or a view. Fuzzing needs clang.
+# Parts of GCC 12's library that clang 14 cannot compile: those that return a std::ranges::subrange
+# or a view. Fuzzing needs clang.
 NOT_BY_CLANG = re.compile(r"std::(views\b|ranges::(views\b|(search|search_n|find_end|equal_range|unique|remove|remove_if|partition|rotate|subrange)\b))")
 
 
 def too_long(text):
-    """The numbers of the lines of C++ that have more than 100 columns; SQL in raw strings may."""
+    """Returns the numbers of C++ lines with more than 100 columns; SQL in raw strings is exempt."""
     faults, raw = [], False
     for number, line in enumerate(text.splitlines(), 1):
         if not raw and len(line) > 100:
@@ -117,7 +122,7 @@ def too_long(text):
 
 
 def format_faults(files):
-    """What clang-format would change, as its own messages."""
+    """Returns what clang-format would change, as its messages."""
     style = "--style=file:" + os.path.join(SOURCE_DIR, ".clang-format")
     return subprocess.run(["clang-format", style, "--dry-run", *files], capture_output=True, text=True).stderr
 
@@ -176,7 +181,7 @@ class Rules(unittest.TestCase):
 
 
 class Tree(unittest.TestCase):
-    """The tree keeps the rules."""
+    """The tree follows the rules."""
 
     def test_core_includes_only_what_its_layer_may(self):
         faults, seen = [], 0

@@ -1,8 +1,8 @@
 #!/bin/sh
-# A /sys with one USB adapter for a serial line, as the kernel shows it, to try udev rules on without hardware.
+# Creates a /sys with one USB serial adapter, as the kernel shows it, to test udev rules without
+# hardware.
 # REQUIRES: a mount namespace of its own; /sys is replaced in it.
-#
-#   usb_serial_tree.sh DRIVER SERIAL_NUMBER     an empty number: the adapter has none
+# usb_serial_tree.sh DRIVER SERIAL_NUMBER     empty if the adapter has no number
 #
 # The tty is /sys/class/tty/ttyUSB0, its adapter's port /sys/bus/usb-serial/devices/ttyUSB0.
 set -eu
@@ -45,7 +45,7 @@ echo "DRIVER=$driver" >$port/uevent
 ln -s /sys/bus/usb-serial $port/subsystem
 ln -s "/sys/bus/usb-serial/drivers/$driver" $port/driver
 ln -s "$port" /sys/bus/usb-serial/devices/ttyUSB0
-printf 9 >$port/latency_timer  # one figure: what is written does not make a file shorter
+printf 9 >$port/latency_timer  # one digit: a write does not truncate the file
 
 echo "MAJOR=188
 MINOR=0

@@ -1,4 +1,4 @@
-// Secrets in memory and in files, and the process that holds them.
+// Tests secrets in memory and in files, and the protection of the process that holds them.
 #include "bridge/base/secret.hpp"
 
 #include <gmock/gmock.h>
@@ -57,7 +57,7 @@ struct SecretFile : testing::Test {
 TEST_F(SecretFile, IsReadWhenNobodyElseMayReadOrChangeIt) {
   struct Case {
     mode_t mode;
-    bool owner, group;  // taken for these readers
+    bool owner, group;  // readers that this mode allows
   };
   for (const Case& each :
        {Case{0600, true, true}, Case{0400, true, true}, Case{0700, true, true},
@@ -92,7 +92,7 @@ TEST_F(SecretFile, WhatIsNoSecretIsRefusedInOneLineThatHoldsNothingOfIt) {
   EXPECT_THAT(large, Not(HasSubstr("xx")));
 }
 
-// What a process that calls `prepare` ends with when it is killed as by a fault.
+// Returns the wait status of a process that calls `prepare` and then segfaults.
 int killed_by_a_fault(void (*prepare)()) {
   const pid_t child = ::fork();
   if (child == 0) {
@@ -117,7 +117,7 @@ TEST(GuardedProcess, LeavesNoCoreAndItsMemoryIsForNoOtherProcess) {
     ::getrlimit(RLIMIT_CORE, &core);
     if (::prctl(PR_GET_DUMPABLE, 0, 0, 0, 0) != 0 || core.rlim_cur != 0 || core.rlim_max != 0)
       ::_exit(2);
-    // Nothing is left to be said but what the limit of locked memory is.
+    // Only the limit of locked memory may remain unguarded.
     if (!unguarded_memory().empty() && secrets_are_locked()) ::_exit(3);
   });
   ASSERT_TRUE(WIFSIGNALED(status)) << WEXITSTATUS(status);
@@ -136,7 +136,7 @@ TEST(GuardedProcess, SaysWhatDoesNotHold) {
   const int little = killed_by_a_fault([] {
     const rlimit none{0, 0};
     ::setrlimit(RLIMIT_MEMLOCK, &none);
-    (void)::setresuid(65534, 65534, 65534);  // root is not held by the limit
+    (void)::setresuid(65534, 65534, 65534);  // the limit does not apply to root
     guard_memory();
     const Secret kept("kept all the same");
     const bool said = unguarded_memory().find("swap") != std::string::npos;

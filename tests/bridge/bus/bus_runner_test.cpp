@@ -191,7 +191,7 @@ TEST_F(BusRunnerTest, ADeadDeviceIsBadAndNeverGood) {
 
 TEST_F(BusRunnerTest, StoppingAnswersEveryCommandThatWaits) {
   ModbusDevice device(pty);
-  device.set_silent(true);  // the first command hangs, the others wait behind it
+  device.set_silent(true);  // the first command hangs and blocks the others
   begin(bus_at(pty.path()));
   constexpr std::uint64_t kCommands = 50;
   for (std::uint64_t id = 1; id <= kCommands; ++id)
@@ -235,7 +235,7 @@ TEST_F(BusRunnerTest, ReportsOnceASecondAndAtChanges) {
   }));
 }
 
-// The path is a link in a folder that goes and comes with the adapter, as /dev/serial/by-id does.
+// The path is a link in a directory that disappears with the adapter, like /dev/serial/by-id.
 TEST_F(BusRunnerTest, AnAdapterThatIsPluggedInAgainIsReadWithinASecond) {
   const auto folder = std::filesystem::path(testing::TempDir()) /
                       ("fieldcast-replug-" + std::to_string(::getpid()));
@@ -259,8 +259,8 @@ TEST_F(BusRunnerTest, AnAdapterThatIsPluggedInAgainIsReadWithinASecond) {
              return report.state == BusState::kClosed;
            }) >= reports;
   };
-  // Attempts are made after 0.1, 0.3, 0.7, 1.5, 3.1 and 6.3 s: the next one is more than a second
-  // away.
+  // Attempts are after 0.1, 0.3, 0.7, 1.5, 3.1 and 6.3 s, so the next one is more than a second
+  // later.
   ASSERT_TRUE(sink.wait_for([&](const Record& r) { return closed_for(r, 5); }));
 
   const std::size_t before = sink.record().samples.size();
@@ -273,7 +273,7 @@ TEST_F(BusRunnerTest, AnAdapterThatIsPluggedInAgainIsReadWithinASecond) {
   std::filesystem::remove_all(folder);
 }
 
-// Register 0xCEC2 holds its own number, which is a character of GBK.
+// Register 0xCEC2 holds its own number, which is a character in GBK.
 TEST_F(BusRunnerTest, TextsOfTheDeviceComeAndGoInItsCharacterSet) {
   ModbusDevice device(pty);
   BusSpec spec = bus_at(pty.path(), 1);

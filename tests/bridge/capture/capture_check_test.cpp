@@ -60,7 +60,7 @@ TEST_F(CaptureCheck, WhatIsMissingOrNoFolderIsSaidWithARemedy) {
 
 TEST_F(CaptureCheck, AFolderOfAnotherUserIsARemark) {
   ::chmod(folder_.c_str(), 0500);
-  // Root may write everywhere; others ask in its place.
+  // Root can write everywhere, so the check runs as another user.
   const bool root = ::geteuid() == 0;
   if (root) { ASSERT_EQ(::seteuid(65534), 0); }
   const auto remarks = check({bus("a", folder_, 100'000)});
@@ -70,7 +70,7 @@ TEST_F(CaptureCheck, AFolderOfAnotherUserIsARemark) {
 }
 
 TEST_F(CaptureCheck, BusesOnOneDiskShareItsRoom) {
-  // Each alone has room: two files of a quarter of it. Other programs fill the disk meanwhile.
+  // Each alone has space: two files of a quarter. Other programs may fill the disk meanwhile.
   const std::uint64_t bytes = free() / 8 * 3;
   EXPECT_THAT(check({bus("a", folder_, bytes)}), IsEmpty());
   const auto remarks = check({bus("a", folder_, bytes), bus("b", folder_, bytes)});
@@ -82,7 +82,7 @@ TEST_F(CaptureCheck, BusesOnOneDiskShareItsRoom) {
 TEST_F(CaptureCheck, FilesThatAreThereMakeRoomForTheNext) {
   const std::uint64_t bytes = free();
   EXPECT_THAT(check({bus("a", folder_, bytes)}), SizeIs(1));
-  // A file with a hole takes no room, and has its size.
+  // A sparse file uses no space but has its size.
   const std::string name = folder_ + "/" + ring_file_name("a", {}, 1);
   std::ofstream(name) << "x";
   std::filesystem::resize_file(name, 2 * bytes);

@@ -20,9 +20,8 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 constexpr std::int64_t kSecond = 1'000'000'000;
-constexpr std::int64_t kNoon = 1'700'000'000 * kSecond;  // 2023-11-14T22:13:20Z
+constexpr std::int64_t kNoon = 1'700'000'000 * kSecond;
 
-// A bus with one Modbus device.
 BusSpec line() {
   BusSpec bus;
   bus.name = "line";
@@ -66,7 +65,6 @@ class CaptureRingTest : public testing::Test {
         "line", CaptureSpec{folder_, file_bytes, files},
         [this](const std::string& remark) { return capture_.head(remark); });
   }
-  // A block of so many bytes.
   static Bytes block(std::uint32_t size) {
     Bytes bytes(size);
     const auto put = [&](std::size_t at, std::uint32_t value) {
@@ -132,7 +130,7 @@ TEST_F(CaptureRingTest, AClockThatWentBackTakesOlderFilesAndNotTheNewOne) {
   EXPECT_THAT(names(), ElementsAre("line-19700102T000000Z.pcapng", "line-20231114T221321Z.pcapng"));
   all->packet(block(6000), {kEarly + kSecond});
   EXPECT_THAT(names(), ElementsAre("line-19700102T000000Z.pcapng", "line-19700102T000001Z.pcapng"));
-  all->packet(block(6000), {kNoon});  // the clock is right again
+  all->packet(block(6000), {kNoon});  // the clock is correct again
   EXPECT_THAT(names(), ElementsAre("line-19700102T000001Z.pcapng", "line-20231114T221320Z.pcapng"));
 }
 
@@ -163,7 +161,7 @@ TEST_F(CaptureRingTest, AMissingFolderIsWaitedFor) {
   EXPECT_THAT(names(), ElementsAre("line-20231114T221323Z.pcapng"));
 }
 
-// The limit of the process stands for a full disk.
+// The limit of the process simulates a full disk.
 class SmallFiles {
  public:
   explicit SmallFiles(rlim_t bytes) {

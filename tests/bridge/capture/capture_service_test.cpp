@@ -1,4 +1,4 @@
-// The service over its real socket.
+// Tests the service over its real socket.
 #include "bridge/capture/capture_service.hpp"
 
 #include <gmock/gmock.h>
@@ -49,7 +49,7 @@ class Client {
   [[nodiscard]] bool connected() const { return connected_; }
   void say(const std::string& text) { (void)::send(socket_.get(), text.data(), text.size(), 0); }
   void end() { ::shutdown(socket_.get(), SHUT_WR); }
-  // Up to the end of the text line, or of everything.
+  // Reads up to the end of the line or of the input.
   std::string line() {
     std::string text;
     for (char c{}; ::recv(socket_.get(), &c, 1, 0) == 1 && c != '\n';) text += c;
@@ -70,7 +70,7 @@ class Client {
 };
 
 struct Found {
-  std::vector<std::string> frames;  // "> 01 03 [comment]"
+  std::vector<std::string> frames;  // format: "> 01 03 [comment]"
   std::uint64_t dropped = 0;
   bool whole = false;
 };
@@ -131,7 +131,7 @@ TEST(CaptureServiceTest, WhatTheTapDroppedIsSaidInTheFile) {
   Client client;
   client.say("capture line\n");
   ASSERT_EQ(client.line(), "ok");
-  // Faster than the service looks.
+  // Faster than the service polls.
   const auto sent = [](std::int64_t at) {
     return CaptureRecord{CaptureRecord::Kind::kSent, {at}, 0, Bytes(100), {}};
   };
@@ -158,11 +158,11 @@ TEST(CaptureServiceTest, AnotherUserIsRefused) {
   if (::geteuid() != 0) GTEST_SKIP() << "only root can be another user";
   CaptureService service{std::string(kBridge)};
   (void)service.add_bus(one_meter());
-  Client first;  // it listens
+  Client first;  // waits for the listener
   ASSERT_TRUE(first.connected());
   const auto name = capture_socket_name(0, std::string(kBridge), ::getpid());
   const pid_t child = ::fork();
-  if (child == 0) {  // a process of another user: no more than system calls
+  if (child == 0) {  // a process of another user: system calls only
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     std::memcpy(address.sun_path + 1, name.data(), name.size());

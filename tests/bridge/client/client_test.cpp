@@ -1,4 +1,4 @@
-// The public library, <fieldcast/station.hpp>, against links of bridges on the loopback.
+// Tests the public library, <fieldcast/station.hpp>, with bridge links on the loopback.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -20,7 +20,7 @@ api::Domain domain_of(const DdsSpec& spec, const std::string& name = {}) {
   return domain;
 }
 
-// A bus of two channels that a link publishes, and a station in its domain.
+// A link that publishes a bus of two channels, and a station in its domain.
 class Client : public ::testing::Test {
  protected:
   void publish(std::vector<Sample> samples) { served_.link.publish(bus_, samples, both_clocks()); }

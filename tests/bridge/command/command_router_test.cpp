@@ -60,7 +60,7 @@ TEST_F(CommandRouterTest, WhatAnotherBridgeHasJustAnsweredGetsNoSecondResult) {
   EXPECT_FALSE(router.answered_elsewhere("test", 1, now)) << "it was known";
   EXPECT_TRUE(router.was_answered_elsewhere(command(1), later - std::chrono::milliseconds{1}));
   EXPECT_FALSE(router.was_answered_elsewhere(command(2), now));
-  // Somebody sends it again.
+  // The same command arrives again.
   EXPECT_FALSE(router.was_answered_elsewhere(command(1), later));
   const auto again = router.take("bus", command(1), later);
   ASSERT_TRUE(again);
@@ -86,7 +86,7 @@ TEST_F(CommandRouterTest, EveryCommandOfAFloodEndsInOneResult) {
   EXPECT_TRUE(sink.wait_for([&](const auto& r) { return r.results.size() == kFlood - refused; }));
 }
 
-// What keeps identities, by hand.
+// A store of identities, controlled by the test.
 struct Keeper {
   explicit Keeper(CommandRouter& router) {
     router.keep_identities(

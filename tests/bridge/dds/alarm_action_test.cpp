@@ -1,5 +1,4 @@
-// Actions on alarms from a station to the link, and the state of alarms back, over real DDS on
-// loopback.
+// Tests alarm actions from a station to the link, and alarm states back, over real DDS on loopback.
 #include <gtest/gtest.h>
 
 #include "tests/bridge/dds/dds_support.hpp"
@@ -17,7 +16,7 @@ AlarmAction acknowledge(const std::string& bus) {
   return action;
 }
 
-// A bridge that does what it is told.
+// A bridge that executes every action.
 struct Agreeing {
   explicit Agreeing(const std::string& bus) {
     received.answer_action = [this](const AlarmAction& action) {
@@ -29,7 +28,7 @@ struct Agreeing {
       link.complete(action.alarm.bus, result, both_clocks());
     };
     link.add_bus(bus_of(bus, 1));
-    claim(link, {bus, bus + "-other"});  // so that what is for the other one is sent
+    claim(link, {bus, bus + "-other"});  // so that actions for the other bus are sent
   }
   Received received;
   DdsLink link{loopback(), "test", received.handlers()};
@@ -93,7 +92,7 @@ TEST(DdsAlarmStatus, ReachesLateStationsAndGoesAlone) {
   status.acknowledged = {"anna", "seen", {5}};
   bridge.link.report(high, status);
   bridge.link.report(low, {});
-  bridge.link.report({bus + "-other", "d", "c0", LimitKind::kLow}, {});  // no bus of this bridge
+  bridge.link.report({bus + "-other", "d", "c0", LimitKind::kLow}, {});  // not a bus of this bridge
   Station station(loopback(), "watcher");
   Collected<StationAlarmStatus> came, gone;
   station.subscribe_alarm_status([&](const StationAlarmStatus& known) { came.add(known); },

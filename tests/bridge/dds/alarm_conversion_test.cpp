@@ -1,4 +1,5 @@
-// What people do about alarms: from core to the topics and back, and what hostile bytes become.
+// Tests the conversion of alarm actions and states between core and the topics, also with hostile
+// bytes.
 #include <gtest/gtest.h>
 
 #include "bridge/dds/topics/conversion.hpp"
@@ -112,12 +113,12 @@ TEST(AlarmConversion, AnActionFromOutsideIsNotTrusted) {
   topic.limit(idl::LIMIT_WRITE_MIN);
   ASSERT_FALSE(from_idl(topic));
   EXPECT_EQ(from_idl(topic).error().cause, Cause::kUnknownChannel);
-  topic.kind(idl::ACTION_MAINTENANCE);  // of a device: no limit is looked at
+  topic.kind(idl::ACTION_MAINTENANCE);  // of a device: the limit is ignored
   EXPECT_TRUE(from_idl(topic));
 
   ASSERT_TRUE(to_idl(shelve(), topic));
   topic.by() = std::string("anna\n\x1b[31m");
-  topic.note() = std::string(200, '\xff');  // no UTF-8: four characters each
+  topic.note() = std::string(200, '\xff');  // invalid UTF-8: four characters per byte
   const auto back = from_idl(topic);
   ASSERT_TRUE(back);
   EXPECT_EQ(back->by, "anna\\n\\x1B[31m");

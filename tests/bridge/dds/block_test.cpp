@@ -1,4 +1,4 @@
-// Sample blocks and catalogue blocks, without DDS.
+// Tests sample blocks and catalogue blocks without DDS.
 #include "bridge/dds/topics/block.hpp"
 
 #include <gtest/gtest.h>
@@ -94,9 +94,9 @@ TEST(SampleBlock, KeepsItsSizeOnTheWire) {
   }
 }
 
-// The generated code would make room for them before it reads one.
+// The generated code would allocate memory for all before it reads one.
 TEST(SampleBlock, MoreTextsThanItMayHaveAreRefusedBeforeMemoryIsTaken) {
-  constexpr std::uint32_t kTexts = 4'000'000;  // a gigabyte
+  constexpr std::uint32_t kTexts = 4'000'000;  // would need a gigabyte
   idl::SampleBlock block;
   block.bus() = "line";
   TopicType<idl::SampleBlockPubSubType> type;
@@ -134,7 +134,7 @@ TEST(SampleBlock, ATextThatDoesNotFitIsEmptyAndBad) {
   EXPECT_EQ(value.quality, idl::BAD_RANGE);
 }
 
-// What the bridge writes for stations that take samples one by one.
+// Samples for stations that read them one by one.
 TEST(SampleType, WritesTheBytesOfTheGeneratedType) {
   for (const std::string& name : {std::string("b"), std::string("bus-12"), std::string(64, 'n')}) {
     const SampleKey key(name, "device", name);

@@ -1,4 +1,4 @@
-// What a station makes of blocks, without DDS.
+// Tests how a station processes blocks, without DDS.
 #include "bridge/station/bus_table.hpp"
 
 #include <gmock/gmock.h>
@@ -10,7 +10,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-// The blocks of a bus with channels c0, c1, ...
+// Builds blocks of a bus with channels c0, c1, ...
 class Bus {
  public:
   explicit Bus(std::uint64_t epoch) : epoch_(epoch) {}
@@ -28,7 +28,7 @@ class Bus {
     }
     return block;
   }
-  // Each channel with that sequence, and the sequence as its value.
+  // Returns a block with this sequence number, also as the value, for each channel.
   idl::SampleBlock samples(std::vector<ChannelIndex> channels, std::uint64_t sequence) {
     idl::SampleBlock block;
     block.bus() = "bus";
@@ -131,7 +131,7 @@ TEST_F(BusTableTest, AHoleThatTheSnapshotShowsIsClosedByIt) {
   EXPECT_EQ(table.missing(), 1u);
 }
 
-// A master of a standby group that has not heard of another one, which is gone.
+// A master of a standby group that has not discovered a second one, which has left.
 TEST_F(BusTableTest, WhoseSamplesCountBelowThoseOfBeforeIsBehindUntilTheyCountOn) {
   on(bus.catalogue(2));
   on(bus.samples({0, 1}, 500));
@@ -164,7 +164,7 @@ TEST_F(BusTableTest, ABusThatStartsAnewBeginsAnew) {
   EXPECT_THAT(said(), IsEmpty()) << "the epoch before is over";
 }
 
-// As of a second master that steps back before its catalogue has come.
+// A second master steps back before its catalogue has arrived.
 TEST_F(BusTableTest, SamplesAloneDoNotEndAnEpochThatHasACatalogue) {
   on(bus.catalogue(1));
   on(bus.snapshot({0}, 9));

@@ -1,4 +1,4 @@
-// Commands from a station to the link and their results back, over real DDS on loopback.
+// Tests commands from a station to the link and their results, over real DDS on loopback.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -188,8 +188,7 @@ TEST(DdsCommand, RestartedBridgeNeverReceivesAnOldOne) {
     ASSERT_TRUE(station.execute(write_running(bus)));
   }
   Obedient second(bus);
-  ASSERT_TRUE(
-      station.execute(write_running(bus)));  // what was written before would have come before
+  ASSERT_TRUE(station.execute(write_running(bus)));  // earlier commands would have arrived earlier
   EXPECT_EQ(second.received.commands.size(), 1u);
 }
 
@@ -238,14 +237,14 @@ TEST(DdsCommand, IsNotSentAgainWhenItMayHaveRunOrIsRefusedForAnotherReason) {
   const std::string bus = bus_name("once");
   Obedient bridge(bus);
   Station station(loopback(), "operator");
-  CommandResult refusal = refused_as({}, Cause::kOffline);  // the store is away
+  CommandResult refusal = refused_as({}, Cause::kOffline);  // the store is not available
   bridge.received.answer = [&](const std::string& name, const Command& command) {
     refusal.requester = command.requester;
     refusal.request_id = command.request_id;
     bridge.link.complete(name, refusal, both_clocks());
   };
   ASSERT_TRUE(station.execute(write_running(bus)));
-  refusal.state = CommandState::kFailed;  // it was begun
+  refusal.state = CommandState::kFailed;  // it was started
   refusal.cause = Cause::kShutdown;
   const auto failed = station.execute(write_running(bus));
   ASSERT_TRUE(failed);
@@ -289,7 +288,7 @@ TEST(DdsCommand, OfAClockThatIsBehindIsRefusedWithBothClocks) {
   Received received;
   Collected<std::string> late;
   auto handlers = received.handlers();
-  std::atomic<Duration> lived{};  // of the link, for what was written before it began to listen
+  std::atomic<Duration> lived{};  // of the link, to detect commands written before it listened
   handlers.clock = [&lived] {
     UtcMapping now = both_clocks();
     now.instant += lived.load();
@@ -346,7 +345,7 @@ TEST(DdsCommand, ManyRequestersEachGetTheirOwnResults) {
   EXPECT_THAT(bridge.received.problems.all(), ::testing::IsEmpty());
 }
 
-// Twice what any endpoint may hold: without release of instances the second half would fail.
+// Twice the limit of any endpoint: the second half fails unless instances are released.
 TEST(DdsCommand, InstancesAreReleased) {
   constexpr std::uint64_t kCommands = 10'000;
   const std::string bus = bus_name("flood");

@@ -1,4 +1,4 @@
-// What bridges tell each other, to DDS and back.
+// Tests the conversion of messages between bridges, to DDS and back.
 #include <gtest/gtest.h>
 
 #include "bridge/dds/topics/conversion.hpp"

@@ -1,5 +1,5 @@
-// Every enumerator on both sides, with the number that it has on the wire: stations of other
-// vendors and of older versions were compiled with it.
+// Checks every enumerator on both sides with its number on the wire: stations of other vendors and
+// of older versions are compiled with it.
 #include "bridge/dds/topics/conversion_enums.hpp"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ struct Row {
   int number;  // on the wire
 };
 
-// The rows are all there are, and each is itself again after the way there and back.
+// Checks that the rows are complete and that each converts there and back.
 template <typename Core, typename Topic, std::size_t Count>
 void expect_all(const Row<Core, Topic> (&rows)[Count]) {
   for (std::size_t i = 0; i < Count; ++i) {
@@ -179,7 +179,7 @@ TEST(EnumConversion, ProgramSessionState) {
   expect_all(kRows);
 }
 
-// Those that the conversions use by name: their numbers are the wire's too.
+// The conversions use these by name; their numbers are part of the wire format too.
 TEST(EnumConversion, NumbersOfWhatHasNoCounterpartInCore) {
   EXPECT_EQ(static_cast<int>(idl::VALUE_BOOLEAN), 0);
   EXPECT_EQ(static_cast<int>(idl::VALUE_INT64), 1);

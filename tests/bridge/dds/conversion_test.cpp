@@ -34,7 +34,7 @@ TEST(ValueConversion, EveryKindComesBackAsItWas) {
                           std::string{},
                           std::string("Öl 80 °C"),
                           std::string(kMaxTextValue, 'x')};
-  idl::Value topic;  // one object for all: a kind that stays behind would show
+  idl::Value topic;  // shared, so that a stale kind is detected
   for (const Value& value : values) {
     ASSERT_TRUE(to_idl(value, topic)) << to_text(value);
     EXPECT_EQ(from_idl(topic), value) << to_text(value);
@@ -194,7 +194,7 @@ TEST(CommandConversion, WhatDoesNotFitIsNotSent) {
   EXPECT_FALSE(to_idl("b", command, topic));
 }
 
-// Each line breaks one thing of a good command.
+// Each line breaks one part of a valid command.
 TEST(CommandConversion, EveryMalformationHasItsCause) {
   struct Case {
     Cause cause;

@@ -1,5 +1,5 @@
-// What the DDS tests share: a domain for each process, a bus to publish, waits that have a deadline
-// and give a reason.
+// Shared by the DDS tests: a domain for each process, a bus to publish, and waits with a deadline
+// and a reason.
 #pragma once
 
 #include <unistd.h>
@@ -17,7 +17,8 @@
 
 namespace fieldcast::testing {
 
-// Two test processes at once do not receive from each other: each claims its domain until it ends.
+// Each test process claims its domain until it ends, so parallel processes do not receive from each
+// other.
 inline DdsSpec loopback() {
   static const test::ClaimedDomain domain;
   DdsSpec spec;
@@ -35,7 +36,7 @@ inline UtcMapping both_clocks() {
   return {Instant{steady}, {std::chrono::duration_cast<std::chrono::nanoseconds>(utc).count()}};
 }
 
-// True as soon as the condition holds; false after 10 s.
+// Returns true as soon as the condition is true, false after 10 s.
 inline bool eventually(const std::function<bool()>& condition) {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds{10};
   while (!condition()) {
@@ -45,7 +46,7 @@ inline bool eventually(const std::function<bool()>& condition) {
   return true;
 }
 
-// One device "d" with channels "c0", "c1", ... whose refresh is given by their number.
+// Returns one device "d" with channels "c0", "c1", ...; `refresh` maps their number.
 inline BusSpec bus_of(const std::string& name, std::size_t channels,
                       const std::function<Duration(std::size_t)>& refresh) {
   BusSpec bus;
@@ -74,7 +75,7 @@ inline Sample good(ChannelIndex channel, Value value, std::uint64_t sequence = 1
   return sample;
 }
 
-// Collects what a subscription brings; any thread.
+// Collects the results of a subscription; any thread.
 template <class T>
 class Collected {
  public:
@@ -100,7 +101,7 @@ class Collected {
   std::vector<T> items_;
 };
 
-// Of a link that says what it serves, and cares for no other.
+// Handlers of a link that announces its buses and ignores other bridges.
 inline DdsLink::BridgeHandlers unheard() {
   return {.found = [](const std::string&) {},
           .received = [](const std::string&, const BridgeClaims&) {},
@@ -135,7 +136,7 @@ struct Received {
   }
 };
 
-// A command for the first channel of bus_of().
+// Returns a command for the first channel of bus_of().
 inline StationCommand write_running(const std::string& bus) {
   StationCommand command;
   command.bus = bus;
@@ -155,7 +156,7 @@ inline CommandResult done(const Command& command) {
   return result;
 }
 
-// Tells stations which buses a link serves, or waits for as a member of a group.
+// Announces which buses a link serves, or waits for as a member of a group.
 inline void claim(DdsLink& link, const std::vector<std::string>& buses, bool serving = true,
                   const std::string& group = "") {
   BridgeClaims claims{.bridge = "test", .group = group};
@@ -163,7 +164,7 @@ inline void claim(DdsLink& link, const std::vector<std::string>& buses, bool ser
   link.announce(claims);
 }
 
-// A bridge with one bus that does at once what it is told.
+// A bridge with one bus that executes commands immediately.
 struct Obedient {
   explicit Obedient(const std::string& bus, std::size_t channels = 1,
                     const DdsSpec& spec = loopback())

@@ -1,5 +1,5 @@
-// Discovery with one lost datagram: the first, the second, ... until a join needs no more of them.
-// Whichever is lost, a station and its bridge match in both directions in time.
+// Tests discovery with one lost datagram: the first, the second, and so on until a join needs no
+// more. A station and its bridge must match in both directions in time, whichever is lost.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// Which discovery servers a program cannot have. The real end of Fast DDS is in e2e_sites.py.
+// Tests which discovery server addresses are rejected. e2e_sites.py uses the real server of Fast
+// DDS.
 #include "bridge/dds/discovery_server.hpp"
 
 #include <gmock/gmock.h>

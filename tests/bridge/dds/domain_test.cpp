@@ -1,4 +1,4 @@
-// A domain is left, and a writer removed, whatever the library does meanwhile.
+// Tests that a domain can be left and a writer removed during any activity of the library.
 #include "bridge/dds/domain.hpp"
 
 #include <future>
@@ -12,7 +12,7 @@ namespace {
 using testing::eventually;
 using testing::loopback;
 
-constexpr std::chrono::seconds kLongest{20};  // of a removal; one that hangs would do so for ever
+constexpr std::chrono::seconds kLongest{20};  // of a removal; a deadlock would last forever
 
 struct Matched : dds::DataWriterListener {
   void on_publication_matched(dds::DataWriter*,
@@ -22,8 +22,8 @@ struct Matched : dds::DataWriterListener {
   std::atomic<int> readers{0};
 };
 
-// So many heartbeats that one falls into the removal; a reader that is never up to date makes them
-// go on.
+// Sends so many heartbeats that one occurs during the removal; a reader that always lags keeps them
+// going.
 dds::DataWriterQos busy_writer_qos() {
   TopicRow many = kSampleTopic;
   many.writer = last_of(2000);
@@ -32,7 +32,7 @@ dds::DataWriterQos busy_writer_qos() {
   return qos;
 }
 
-// A removal that hangs holds locks that the end of the process would wait for.
+// A removal that hangs holds locks that the exit of the process would wait for.
 void ends_in_time(std::future<void> removal) {
   if (removal.wait_for(kLongest) == std::future_status::ready) return;
   ADD_FAILURE() << "the removal of a writer hangs";

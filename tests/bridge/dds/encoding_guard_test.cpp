@@ -1,4 +1,4 @@
-// What the library calls to encode a message of DDS Security.
+// Tests the function that the library calls to encode a DDS Security message.
 #include "bridge/dds/encoding_guard.hpp"
 
 #include <dlfcn.h>
@@ -14,14 +14,14 @@ namespace {
 
 using namespace eprosima::fastrtps::rtps;
 
-// As the library's calls find it: by its name, in the order in which the process was put together.
+// Resolves the symbol as the library's calls do: by name, in link order.
 void* found(void* where) {
   return ::dlsym(where,
                  "_ZNK8eprosima8fastrtps4rtps8security15SecurityManager19encode_rtps_messageERKNS1_"
                  "12CDRMessage_tERS4_RKSt6vectorINS1_12GuidPrefix_tESaIS9_EE");
 }
 
-// The library's own aborts here: the last reader had gone before its message left.
+// The library alone aborts here: the last reader has left before its message is sent.
 TEST(EncodingGuard, WhatNobodyReceivesIsNotEncoded) {
   guard_encoding();
   void* const first = found(RTLD_DEFAULT);

@@ -57,7 +57,7 @@ TEST(CommandAge, IsTakenAsNoneWithoutATimestampOrFromAClockThatRunsAhead) {
   EXPECT_EQ(written_before(listening, written(-60s), kNow), std::nullopt);
 }
 
-// Both clocks are compared now: it does not matter what the wall clock said when the bridge began.
+// Compares both clocks at this time, so the wall clock at the start of the bridge is irrelevant.
 TEST(CommandAge, DoesNotCareForStepsOfTheWallClock) {
   const Instant listening = kNow.instant - 60s;
   const UtcMapping stepped{kNow.instant, {kNow.utc.nanoseconds - Duration{1h}.count()}};

@@ -12,7 +12,7 @@ using Bytes = IncomingFilter::Bytes;
 
 constexpr security::GuidStart kSubject{0x91, 2, 3, 4, 5, 6};
 
-// RTPS 2.2, 9.4: header, and what is in the message.
+// RTPS 2.2, 9.4: the header, followed by the submessages.
 Bytes message(std::initializer_list<std::uint8_t> submessages, std::uint8_t first = 0x91) {
   Bytes bytes{'R', 'T', 'P', 'S', 2, 2, 1, 15, first, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
   bytes.insert(bytes.end(), submessages);
@@ -47,7 +47,7 @@ TEST(IncomingFilter, NothingElseMayBeInClear) {
   EXPECT_FALSE(may_be_in_clear(data_of(1, 0, 0xc2, 0x40))) << "a number of ours";
 }
 
-// Run under the sanitizers too: nothing is read behind the end of a message.
+// Also runs under the sanitizers, which detect reads beyond the end of a message.
 TEST(IncomingFilter, AnyBytesAreTakenOrNot) {
   std::mt19937 random(1);
   const Bytes samples = data_of(0, 1, 3);
@@ -97,7 +97,7 @@ TEST(IncomingFilter, AGoodbyeIsTheNoteOfTheParticipantItself) {
   const Bytes bytes = filter.goodbye_of_sender(data_of(1, 0, 0xc2));
   const Bytes expected = message({
       0x15, 3, 52, 0,                                              // data with inline QoS
-      0,    0, 16, 0,                                              // which begins behind the number
+      0,    0, 16, 0,                                              // offset behind the number
       0,    1, 0,  0xc7, 0,    1, 0, 0xc2,                         // of participants
       0,    0, 0,  0x40, 1,    0, 0, 0,                            // the number
       0x70, 0, 16, 0,    0x91, 2, 3, 4,    5, 6, 7, 8, 9, 10, 11,  // the key

@@ -1,4 +1,4 @@
-// RTPS messages become one, byte by byte (RTPS 2.2, 8.3.4, 9.4).
+// Tests that RTPS messages are joined into one, byte by byte (RTPS 2.2, 8.3.4, 9.4).
 #include "bridge/dds/joined_message.hpp"
 
 #include <gmock/gmock.h>
@@ -85,7 +85,7 @@ TEST(JoinedMessage, RefusesWhatCannotStandBehindOthers) {
   const std::vector<Octets> bad = {{},
                                    kFrom,
                                    row(kFromAnother, kStamp, sample(1)),
-                                   row(kFrom, sample(1)),  // it would take the time of the first
+                                   row(kFrom, sample(1)),  // it would get the time of the first
                                    row(kFrom, kStatistics, kStamp, sample(1)),
                                    short_one,
                                    big_endian,

@@ -1,4 +1,4 @@
-// What ends with time: interests of stations that fall silent, writers that nobody needs any more.
+// Tests leases: interests of silent stations and writers that are no longer needed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -24,8 +24,8 @@ constexpr const char* kDomainOfStation = "FIELDCAST_TEST_STATION_DOMAIN";
 constexpr const char* kPattern = "patient/*/*";
 constexpr int kRounds = 30;
 
-// A foreign station with an interest, in the process that the next test stops. Its participant
-// is given up after a minute.
+// A foreign station with an interest, in a process that the next test stops. Its participant
+// expires after a minute.
 void play_patient_station() {
   prepare_library();
   auto* factory = dds::DomainParticipantFactory::get_instance();
@@ -47,7 +47,7 @@ void play_patient_station() {
   idl::Interest interest;
   interest.station() = "patient";
   interest.pattern() = kPattern;
-  // Several times, so that its writer is known to be alive when the process is stopped.
+  // Several times, so that its writer is known to be alive when the process stops.
   for (int seconds = 1; seconds <= kRounds; ++seconds) {
     interest.refresh(1'000'000'000LL * seconds);
     ASSERT_TRUE(is_taken(writer->write(&interest)));
@@ -77,7 +77,7 @@ TEST(DdsLease, AnInterestEndsWithItsWritersLeaseAndStandsAgainWithIt) {
   EXPECT_TRUE(eventually(stands));
 }
 
-// Nothing is published on the bus: it is on demand now, and only its status goes on.
+// Nothing is published on the bus: it is on demand now, and only its status continues.
 TEST(DdsLease, AStationThatAsksForADeadlineMissesNothingOnceNobodyIsInterestedInTheChannel) {
   const std::string bus = bus_name("interesting");
   Received received;

@@ -1,4 +1,4 @@
-// The interests of stations, as the bridge's link receives them, over real DDS on loopback.
+// Tests the interests of stations as received by the bridge's link, over real DDS on loopback.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -40,7 +40,7 @@ TEST(DdsLink, InterestsAreReceivedAndEndWhenWithdrawnOrTheirStationGoes) {
   })) << "the station has left";
 }
 
-// More than the reader holds, from stations of which none declares more than it may.
+// More than the reader holds, but no station exceeds its own limit.
 TEST(DdsLink, AFloodOfInterestsIsRefusedWithALineAndTheBridgeGoesOn) {
   constexpr int kEach = 2500;
   Received received;
@@ -59,7 +59,7 @@ TEST(DdsLink, AFloodOfInterestsIsRefusedWithALineAndTheBridgeGoesOn) {
   for (const std::string& problem : received.problems.all()) problems += problem + '\n';
   EXPECT_THAT(problems, ::testing::HasSubstr("nterest"));
   EXPECT_LE(received.problems.size(), 5u) << problems;
-  // What is known already goes on: an interest that is withdrawn makes room.
+  // Known interests still work: a withdrawn one makes room.
   first.withdraw_interest("a/*/0");
   EXPECT_TRUE(eventually(
       [&] { return received.interests.size() > static_cast<std::size_t>(kMaxInterests); }));

@@ -1,4 +1,4 @@
-// Status and alarms of the bridge's link, as a station receives them, over real DDS on loopback.
+// Tests status and alarms of the bridge's link as received by a station, over real DDS on loopback.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -44,7 +44,7 @@ TEST(DdsLink, APlanReachesLateStationsAndGoesWithItsBus) {
   link.add_bus(bus_of(bus, 2));
   PlanReport plan{.load = 0.25, .slot = 100ms, .hyperperiod = 400ms};
   PlanReport::Point point{.area = "holding", .first = 7, .count = 1, .channels = {"c0"}};
-  // First one of several parts, then one that needs only one.
+  // First a plan of several parts, then one of a single part.
   plan.groups.push_back({.device = "d", .points = std::vector(300, point)});
   link.report(bus, plan, {5});
   plan.groups = {{.device = "d", .period = 100ms, .points = {point}}};
@@ -108,7 +108,7 @@ TEST(DdsLink, AnAlarmOfEveryLimitReachesLateStationsAndGoesWithItsBus) {
   EXPECT_TRUE(eventually([&] { return gone.size() >= 2; })) << gone.size() << " alarms went";
 }
 
-// Also by readers of another vendor, and while others read already.
+// Includes readers of other vendors, and readers that join while others read.
 TEST(DdsLink, TellsOfEachReaderOfSamplesThatComesAndOfRequestsForSnapshots) {
   const std::string bus = bus_name("readers");
   Received received;

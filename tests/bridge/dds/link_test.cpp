@@ -1,4 +1,5 @@
-// The samples and the catalogue of the bridge's link, seen by a station, over real DDS on loopback.
+// Tests samples and catalogue of the bridge's link as received by a station, over real DDS on
+// loopback.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +20,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// The distinct channels among samples of one bus.
+// Returns the distinct channels among samples of one bus.
 std::set<std::string> channels_of(const std::vector<StationSample>& samples,
                                   const std::string& bus) {
   std::set<std::string> names;
@@ -58,7 +59,7 @@ TEST(DdsLink, EveryChannelOf300ArrivesFromOneRefreshClass) {
   EXPECT_THAT(received.problems.all(), ::testing::IsEmpty());
 }
 
-// Two masters that start before they have found each other: one of them steps back.
+// Two masters that start before they discover each other: one of them steps back.
 TEST(DdsLink, TheChannelsOfABridgeAreThereWhenAnotherOneOfALaterEpochHasLeft) {
   const std::string bus = bus_name("twice");
   Received of_first, of_second;
@@ -83,7 +84,7 @@ TEST(DdsLink, TheChannelsOfABridgeAreThereWhenAnotherOneOfALaterEpochHasLeft) {
   }));
 }
 
-// What was found before it listens is told while it is made.
+// Bridges that were discovered before the listener exists are reported in the constructor.
 TEST(BridgePresence, HearsOfBridgesThatAreThereBeforeIt) {
   const DdsSpec spec = loopback();
   Domain there(spec, "there", nullptr), here(spec, "here", nullptr);
@@ -104,7 +105,7 @@ TEST(BridgePresence, HearsOfBridgesThatAreThereBeforeIt) {
   first.close();
 }
 
-// One writer with all of them costs a reader's discovery a time that grows with their square.
+// With a single writer, a reader's discovery time would grow with the square of the channels.
 TEST(DdsLink, TheKeyedCatalogueIsSplitAmongWriters) {
   constexpr std::size_t kChannels = 2 * kChannelsPerCatalogueWriter + 1;
   Received received;
@@ -197,7 +198,7 @@ TEST(DdsLink, StationIsToldWhichChannelMissedItsDeadline) {
   EXPECT_EQ(samples.all().front().path().substr(0, bus.size() + 4), bus + "/d/c");
 }
 
-// A reader of fieldcast/Sample that takes what comes.
+// A reader of fieldcast/Sample that counts all samples.
 struct OneByOne {
   explicit OneByOne(const std::string& name) : station(loopback(), name) {
     station.subscribe_samples([this](const StationSample& sample) { samples.add(sample); }, {},
@@ -225,8 +226,8 @@ TEST(DdsLink, NothingIsMissedBeforeTheFirstSample) {
   BusSpec spec = bus_of(bus, 2, [](std::size_t i) { return i == 0 ? 20ms : 10s; });
   spec.devices[0].channels[0].name = "silent";
   link.add_bus(spec);
-  // The other class' own promise is the clock: when it was missed, the first had 10 times its
-  // refresh to be missed too.
+  // The other class serves as the clock: when its deadline was missed, ten refreshes of the first
+  // have passed.
   BusSpec other = bus_of(bus + "x", 1, [](std::size_t) { return 200ms; });
   link.add_bus(other);
   link.publish(bus + "x", one_of_each(1), both_clocks());
@@ -317,7 +318,7 @@ TEST(DdsLink, ChangedRefreshMovesTheChannelWithItsValueAndItsCatalogueEntry) {
     return refresh["c2"] == 500ms && refresh["c1"] == 60s;
   })) << "and the catalogue says so";
 
-  link.set_refresh(bus, 2, 60s);  // back: the writer of the interest is gone again
+  link.set_refresh(bus, 2, 60s);  // back: the writer of the interest has left
   EXPECT_EQ(link.counters(bus).sample_writers, 1u);
   link.publish(bus, one_of_each(4, 2), both_clocks());
   EXPECT_TRUE(eventually([&] {

@@ -1,5 +1,5 @@
-// A path that loses datagrams: what a station has in the end. The loss is in this process alone
-// (lossy_receive.hpp) and meets the bridge's link and the station alike.
+// Tests that a station is complete after datagrams were lost. Only this process loses datagrams
+// (lossy_receive.hpp), both of the bridge's link and of the station.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@
 namespace fieldcast::testing {
 namespace {
 
-// Loses this share of the datagrams as long as it lives.
+// Drops this share of the datagrams during its lifetime.
 class Loss {
  public:
   explicit Loss(double share) { bench::lose(share); }
@@ -23,7 +23,7 @@ class Loss {
   Loss& operator=(const Loss&) = delete;
 };
 
-// A station that knows the last sequence of each channel.
+// A station that stores the last sequence of each channel.
 class LastSequences {
  public:
   explicit LastSequences(bool one_by_one = false) : station(loopback(), "loss") {
@@ -34,7 +34,7 @@ class LastSequences {
         },
         {}, {.deadline = {}, .on_deadline_missed = {}, .one_by_one = one_by_one});
   }
-  // The channels of the bus whose last sequence is this one.
+  // Returns the number of channels of the bus whose last sequence is `sequence`.
   [[nodiscard]] std::size_t at(const std::string& bus, std::uint64_t sequence) const {
     const std::lock_guard lock(mutex_);
     return static_cast<std::size_t>(std::count_if(last_.begin(), last_.end(), [&](const auto& one) {
@@ -47,7 +47,7 @@ class LastSequences {
   std::map<std::string, std::uint64_t> last_;
 
  public:
-  Station station;  // last: its handler uses what is above
+  Station station;  // last: its handler uses the members above
 };
 
 std::vector<Sample> of_each(std::size_t channels, std::uint64_t sequence) {
@@ -57,8 +57,8 @@ std::vector<Sample> of_each(std::size_t channels, std::uint64_t sequence) {
   return samples;
 }
 
-// Each channel is published once in a block of its own while nothing arrives, in more blocks than
-// the writer keeps: only a snapshot can bring the first ones.
+// Publishes each channel once in its own block while nothing arrives, in more blocks than the
+// writer keeps. Only a snapshot can provide the first ones.
 TEST(LostBlocks, AStationAsksForASnapshotAndMissesNothing) {
   constexpr std::size_t kChannels = 3 * kBlocksKept;
   constexpr std::size_t kAtOnce = 32;  // blocks, so that sockets are empty before the loss ends
@@ -67,7 +67,7 @@ TEST(LostBlocks, AStationAsksForASnapshotAndMissesNothing) {
   DdsLink link(loopback(), "test", received.handlers());
   link.add_bus(bus_of(bus, kChannels));
   link.publish(bus, of_each(kChannels, 1), both_clocks());
-  LastSequences last;  // late, so that the snapshot for new readers has come before the loss
+  LastSequences last;  // late, so that the snapshot for new readers arrives before the loss
   ASSERT_TRUE(eventually([&] { return last.at(bus, 1) == kChannels; })) << last.at(bus, 1);
   const auto before = last.station.block_counters();
   {
@@ -95,7 +95,7 @@ INSTANTIATE_TEST_SUITE_P(EachWay, LossyPath, ::testing::Bool(),
 
 TEST_P(LossyPath, TheLastValueOfEveryChannelArrives) {
   constexpr std::size_t kChannels = 100;
-  constexpr std::uint64_t kRounds = 3 * kBlocksKept;  // a datagram or more each: some are lost
+  constexpr std::uint64_t kRounds = 3 * kBlocksKept;  // at least a datagram each: some are lost
   const std::string bus = bus_name(GetParam() ? "lossy-one-by-one" : "lossy-by-blocks");
   Received received;
   DdsLink link(loopback(), "test", received.handlers());

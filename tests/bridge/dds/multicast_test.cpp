@@ -1,5 +1,5 @@
-// What is told when participants cannot find each other by multicast. A machine without multicast
-// is in e2e_machine.py.
+// Tests the messages for participants that cannot discover each other by multicast. e2e_machine.py
+// tests a machine without multicast.
 #include "bridge/dds/multicast.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// At the end of each test of this program: the guard refused no datagram of ours.
+// Checks after each test of this program that the guard rejected no valid datagram.
 #include <gtest/gtest.h>
 
 #include "bridge/dds/transport/shared_guard.hpp"

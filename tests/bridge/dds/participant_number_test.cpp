@@ -9,7 +9,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-// What a participant, 01 0f 01 02 .. 0a, sends to a discovery server: INFO_TS, and DATA with the
+// Data from participant 01 0f 01 02 .. 0a to a discovery server: INFO_TS, and DATA with the
 // parameter 800f, which says that `author` wrote it with the number `upper` * 2^32 + 7.
 Bytes announced(std::uint8_t author, std::uint8_t upper, std::uint8_t entity = 0xc2) {
   return {
@@ -31,7 +31,7 @@ TEST(ParticipantNumber, AnAnnouncementGetsANumberAboveAllOfAServer) {
   EXPECT_EQ(with_number_above_servers(announced(10, 0)), announced(10, 1));
 }
 
-// INFO_TS without an instant has a length of 0, and does not go to the end of the message.
+// INFO_TS without a time has length 0, which does not extend to the end of the message.
 TEST(ParticipantNumber, AnAnnouncementIsFoundBehindAnEmptySubmessage) {
   const auto without_instant = [](Bytes bytes) {
     bytes[21] |= 2;
@@ -55,7 +55,7 @@ TEST(ParticipantNumber, WhatIsSaidOfEndpointsIsSentAsItIs) {
   EXPECT_TRUE(with_number_above_servers(announced(10, 0, 0x03)).empty());
 }
 
-// Run under the sanitizers too: nothing is read behind the end of a message.
+// Also runs under the sanitizers, which detect reads beyond the end of a message.
 TEST(ParticipantNumber, AnyBytesAreReadWithinTheMessage) {
   std::mt19937 random(1);
   int changed = 0;

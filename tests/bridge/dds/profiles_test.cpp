@@ -1,5 +1,5 @@
-// The QoS profiles that stations on Fast DDS are given: they load, say what the bridge's own
-// stations use, and receive every channel.
+// Tests the QoS profiles for stations on Fast DDS: they load, equal those of the bridge's own
+// stations, and receive every channel.
 #include <gtest/gtest.h>
 
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
@@ -33,7 +33,7 @@ void expect_same(const Qos& profile, const Qos& ours) {
 
 class Profiles : public ::testing::Test {
  protected:
-  // A station as its author would write it: the library's own interface and the generated types.
+  // A station as its author would write it, with the library's interface and the generated types.
   void SetUp() override {
     prepare_library();
     ASSERT_EQ(factory_->load_XML_profiles_file(FIELDCAST_PROFILES "/fieldcast-station.xml"),
@@ -75,7 +75,7 @@ TEST_F(Profiles, SayWhatTheBridgesOwnStationsUse) {
     SCOPED_TRACE(topic->name);
     if (topic == &kBridgeTopic || topic == &kStandbyTopic || topic == &kStandbyNoteTopic ||
         topic == &kStandbyRequestTopic)
-      continue;  // of bridges among themselves
+      continue;  // used between bridges only
     if (const auto ours = written.find(topic->name); ours != written.end()) {
       dds::DataWriterQos profile;
       ASSERT_EQ(publisher_->get_datawriter_qos_from_profile(topic->name, profile),

@@ -1,4 +1,4 @@
-// What is told when the kernel holds less than we ask for.
+// Tests the message for a receive buffer that the kernel limits.
 #include "bridge/dds/receive_buffer.hpp"
 
 #include <gmock/gmock.h>

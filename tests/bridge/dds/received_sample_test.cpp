@@ -1,5 +1,5 @@
-// Sample as a station reads it: the values and the handles of the generated type, from honest and
-// from hostile bytes.
+// Tests how a station reads Sample: the same values and handles as the generated type, for valid
+// and hostile bytes.
 #include "bridge/dds/topics/received_sample.hpp"
 
 #include <gtest/gtest.h>
@@ -45,7 +45,7 @@ Bytes bytes_of(const idl::Sample& sample) {
   return {payload.data, payload.data + payload.length};
 }
 
-// The same message as a machine of the other byte order writes it.
+// Returns the same message as written by a machine of the other byte order.
 Bytes foreign_bytes_of(const idl::Sample& sample) {
   using eprosima::fastcdr::Cdr;
   Bytes bytes(1024);
@@ -66,7 +66,7 @@ bool read(ReceivedSampleType& type, const Bytes& bytes, ReceivedSample& out) {
   return type.from_bytes(payload, &out);
 }
 
-// As the library does it, when a message arrives.
+// Computes a handle as the library does when a message arrives.
 InstanceHandle_t handle_of(ReceivedSampleType& type, const Bytes& bytes) {
   auto* const message = static_cast<ReceivedSample*>(type.new_message());
   (void)read(type, bytes, *message);
@@ -95,7 +95,7 @@ void expect_same_sample(const StationSample& a, const StationSample& b) {
 
 TEST(ReceivedSample, HandlesAreThoseOfTheGeneratedType) {
   ReceivedSampleType type;
-  for (int round = 0; round < 2; ++round) {  // worked out, then remembered
+  for (int round = 0; round < 2; ++round) {  // first computed, then from the cache
     for (const std::string& name : kBusNames) {
       const idl::Sample sample = message_of(name);
       EXPECT_EQ(handle_of(type, bytes_of(sample)), generated_handle_of(sample)) << name;

@@ -1,4 +1,4 @@
-// Results of commands and the readers that do not take them, over real DDS on loopback.
+// Tests results of commands with readers that do not read them, over real DDS on loopback.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ using namespace std::chrono_literals;
 constexpr const char* kDomainOfReader = "FIELDCAST_TEST_READER_DOMAIN";
 constexpr std::uint64_t kBurst = 6'000;
 
-// A reader of all results that takes none of them and holds a few.
+// A reader of all results that holds a few and reads none.
 class FullReader {
  public:
   explicit FullReader(const DdsSpec& spec) : domain_(spec, "full", nullptr) {
@@ -38,7 +38,7 @@ class FullReader {
   dds::DataReader* reader_;
 };
 
-// How many results of a burst come to the station that asks, each window of 256 within 2 s.
+// Returns how many results of a burst reach the requesting station, each window of 256 within 2 s.
 std::uint64_t results_of_a_burst(const std::string& bus) {
   Station station(loopback(), "operator");
   std::atomic<std::uint64_t> results{0};
@@ -64,7 +64,7 @@ TEST(DdsResult, AReaderThatTakesNothingDelaysNobodyElse) {
   EXPECT_THAT(bridge.received.problems.all(), ::testing::IsEmpty());
 }
 
-// The process that the next test stops.
+// Runs in the process that the next test stops.
 void play_full_reader() {
   DdsSpec spec;
   spec.domain = static_cast<std::uint32_t>(std::atoi(std::getenv(kDomainOfReader)));

@@ -1,6 +1,5 @@
-// A network that is cut for longer than the lease of participants, 10 s: what has not changed
-// meanwhile is there again on both sides. Nothing is received in this process while it is cut
-// (lossy_receive.hpp).
+// Tests a network cut that is longer than the participant lease of 10 s: both sides must recover
+// what did not change. The process receives nothing during the cut (lossy_receive.hpp).
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -12,7 +11,7 @@
 namespace fieldcast::testing {
 namespace {
 
-// How often each thing came, and how often it was said to be gone.
+// Counts how often each name was found and lost.
 class Counts {
  public:
   void add(const std::string& name) {
@@ -23,7 +22,7 @@ class Counts {
     const std::lock_guard lock(mutex_);
     counts_.clear();
   }
-  // Those that are not there.
+  // Returns the names that are not present.
   [[nodiscard]] std::string lacking(const std::vector<std::string>& names) const {
     const std::lock_guard lock(mutex_);
     std::string all;
@@ -38,7 +37,7 @@ class Counts {
   std::map<std::string, int> counts_;
 };
 
-bool soon(const std::function<bool()>& condition) {  // the lease, and what discovery takes
+bool soon(const std::function<bool()>& condition) {  // the lease and the time of discovery
   return eventually(condition) || eventually(condition) || eventually(condition);
 }
 
@@ -89,7 +88,7 @@ TEST(CutNetwork, WhatHasNotChangedIsThereAgain) {
   EXPECT_TRUE(soon([&] { return gone.lacking(all).empty(); })) << gone.lacking(all);
   bench::lose(0);
   EXPECT_TRUE(soon([&] { return came.lacking(all).empty(); })) << came.lacking(all);
-  // Samples come, too: each of them or the last one.
+  // Samples arrive too: all of them or the last one.
   for (std::uint64_t next = 1; next <= 3; ++next)
     link.publish(bus, std::vector{good(0, 0.5, next)}, both_clocks());
   EXPECT_TRUE(eventually([&] { return sequence == 3; }));

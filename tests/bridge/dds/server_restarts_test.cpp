@@ -13,7 +13,7 @@ using std::chrono::seconds;
 
 constexpr Instant kStart{seconds{100}};
 
-// A message of the discovery server with identity 1; RTPS 2.2, 9.4.
+// Returns a message of the discovery server with identity 1; RTPS 2.2, 9.4.
 Bytes from_server(std::initializer_list<std::uint8_t> submessages) {
   Bytes bytes{'R', 'T', 'P', 'S', 2,   2,   1,   15,  'D', 'S',
               1,   '_', 'E', 'P', 'R', 'O', 'S', 'I', 'M', 'A'};
@@ -34,14 +34,14 @@ Bytes heartbeat(std::uint8_t last, std::uint8_t count) {
                       0,    0, 0,  0, last, 0, 0, 0,    count, 0, 0, 0});
 }
 
-// What the server acknowledges of our writers, or of our readers:
-// 06 flags length | reader writer base bits count
+// The server acknowledges data of our writers, or of our readers: 06 flags length | reader writer
+// base bits count
 Bytes acknowledgement(std::uint8_t base, std::uint8_t count, std::uint8_t entity = 3) {
   return from_server({0x06, 1, 24, 0, 0,     0, entity, 0xc7, 0, 0, entity, 0xc2,  //
                       0,    0, 0,  0, base,  0, 0,      0,                         //
                       0,    0, 0,  0, count, 0, 0,      0});
 }
-// A message of another participant.
+// Returns a message of another participant.
 Bytes from_other(std::uint8_t number) {
   Bytes bytes = heartbeat(1, 1);
   for (std::size_t i = 8; i < 20; ++i) bytes[i] = number;
@@ -58,7 +58,7 @@ struct Restarts : ::testing::Test {
   bool says_goodbye(const Bytes& message, Instant now = kStart) {
     return !restarts.goodbye_before(message, now).empty();
   }
-  // All that is heard in the first two seconds: the server, and two others.
+  // Feeds all messages of the first two seconds: of the server and two others.
   void hear_all() {
     EXPECT_FALSE(says_goodbye(acknowledgement(0, 4)));
     EXPECT_FALSE(says_goodbye(acknowledgement(2, 5), kStart + seconds{1}));
@@ -67,7 +67,7 @@ struct Restarts : ::testing::Test {
       EXPECT_FALSE(says_goodbye(from_other(number), kStart + seconds{2}));
     }
   }
-  // Of whom the end is told by what comes before this message, the server last.
+  // Returns the participants whose end is reported before this message, the server last.
   std::vector<int> ends_before(const Bytes& message, Instant now) {
     const Bytes goodbye = restarts.goodbye_before(message, now);
     std::vector<int> ends;
@@ -219,11 +219,11 @@ TEST_F(Restarts, OthersMayBeginAnewAsTheyLike) {
 TEST_F(Restarts, TheGoodbyeIsThatOfAServerThatEnds) {
   EXPECT_FALSE(says_goodbye(announcement(9, 30)));
   const Bytes expected = from_server({
-      0x07, 3,    28,   0,                        // heartbeat, no answer is wanted
+      0x07, 3,    28,   0,                        // heartbeat, no response requested
       0,    1,    0,    0xc7, 0,   1,   0, 0xc2,  // of participants
-      0,    0,    0,    0,    10,  0,   0, 0,     // the first that there is
-      0,    0,    0,    0,    10,  0,   0, 0,     // the last
-      0xff, 0xff, 0xff, 0x7f,                     // its count
+      0,    0,    0,    0,    10,  0,   0, 0,     // first available number
+      0,    0,    0,    0,    10,  0,   0, 0,     // last number
+      0xff, 0xff, 0xff, 0x7f,                     // count
       0x15, 3,    52,   0,                        // data with inline QoS
       0,    0,    16,   0,                        //
       0,    1,    0,    0xc7, 0,   1,   0, 0xc2,  //
@@ -236,7 +236,7 @@ TEST_F(Restarts, TheGoodbyeIsThatOfAServerThatEnds) {
   EXPECT_EQ(restarts.goodbye_before(announcement(1, 40), kStart), expected);
 }
 
-// Run under the sanitizers too: nothing is read behind the end of a message.
+// Also runs under the sanitizers, which detect reads beyond the end of a message.
 TEST_F(Restarts, AnyBytesAreReadWithinTheMessage) {
   std::mt19937 random(1);
   Bytes all = announcement(9, 30);

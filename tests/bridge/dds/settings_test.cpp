@@ -1,5 +1,4 @@
-// The `dds:` settings that change how a bridge and its stations find each other, over real DDS on
-// loopback.
+// Tests the `dds:` settings for discovery between bridge and stations, over real DDS on loopback.
 #include <arpa/inet.h>
 #include <fastdds/rtps/attributes/ServerAttributes.h>
 #include <gtest/gtest.h>
@@ -20,7 +19,7 @@
 namespace fieldcast::testing {
 namespace {
 
-// A file with this text while it lives.
+// A file with this text, removed by the destructor.
 class TextFile {
  public:
   explicit TextFile(const std::string& text) {
@@ -45,8 +44,7 @@ std::string participant_profile(const std::string& name, const std::string& rtps
          name + R"("><rtps>)" + rtps_elements + "</rtps></participant></profiles></dds>";
 }
 
-// What other participants of the domain see of a new one: its name with its user data, and the
-// topics that it writes.
+// Collects what participants discover of a new one: name, user data and written topics.
 class Discoveries : public DiscoveryListener {
  public:
   explicit Discoveries(const DdsSpec& spec) : domain_(spec, "looker", this) {}
@@ -92,7 +90,7 @@ std::string error_of(const DdsSpec& spec) {
   return "no error";
 }
 
-// Before the next: the library keeps a profile until its process ends.
+// Must run before the next test: the library keeps a profile until its process ends.
 TEST(DdsSettings, ProfileThatCannotBeUsedIsAnErrorThatNamesIt) {
   DdsSpec spec = loopback();
   spec.profile = "/nonexistent/dds.xml";
@@ -135,7 +133,7 @@ TEST(DdsSettings, ParticipantOfTheUsersProfileIsUsedWithLeaseAndNameOfOurs) {
   EXPECT_EQ(discoveries.lease_of("fieldcast-bridge " + name), DdsDuration(10, 0));
 }
 
-// A discovery server as `fast-discovery-server -i 0 -l 127.0.0.1 -p PORT` starts one.
+// A discovery server as started by `fast-discovery-server -i 0 -l 127.0.0.1 -p PORT`.
 class Server {
  public:
   Server() {
@@ -209,7 +207,7 @@ TEST(DdsSettings, WithoutItsServerAClientFindsNobody) {
   DdsLink link(spec, "test", received.handlers());
   link.add_bus(bus_of(bus, 1));
   link.publish(bus, std::vector<Sample>{good(0, 1.0)}, both_clocks());
-  // The clock: a pair that needs no server finds each other meanwhile.
+  // Serves as the clock: a pair without a server has discovered each other meanwhile.
   DdsLink open(loopback(), "open", received.handlers());
   open.add_bus(bus_of(bus + "-open", 1));
   open.publish(bus + "-open", std::vector<Sample>{good(0, 1.0)}, both_clocks());
@@ -231,8 +229,8 @@ TEST(DdsSettings, DiscoveryServerThatIsNoAddressIsAnError) {
   }
 }
 
-// The library's own measurements, asked for by its own variable: latencies, throughput, machine and
-// process of each participant.
+// The library's own statistics, enabled by its environment variable: latencies, throughput, machine
+// and process of each participant.
 TEST(DdsSettings, StatisticsOfTheLibraryArePublishedWhenAskedFor) {
   Discoveries discoveries(loopback());
   setenv("FASTDDS_STATISTICS", "HISTORY_LATENCY_TOPIC;PHYSICAL_DATA_TOPIC", 1);
@@ -245,7 +243,7 @@ TEST(DdsSettings, StatisticsOfTheLibraryArePublishedWhenAskedFor) {
   }
 }
 
-// 20 exchanges of 1 000 channels are 20 messages of 30 kB: at 500 kB/s they need over a second.
+// 20 exchanges of 1 000 channels are 20 messages of 30 kB, which need over a second at 500 kB/s.
 TEST(DdsSettings, MaxRateHoldsAndNoSampleIsLost) {
   constexpr std::size_t kChannels = 1000;
   constexpr std::uint64_t kRounds = 20;
@@ -269,7 +267,7 @@ TEST(DdsSettings, MaxRateHoldsAndNoSampleIsLost) {
   ASSERT_TRUE(eventually([&] { return samples >= kChannels; }));
   const auto began = std::chrono::steady_clock::now();
   for (std::uint64_t round = 2; round <= kRounds; ++round) publish(round);
-  // A command's result does not wait for all of it.
+  // A command result does not wait for all samples.
   EXPECT_TRUE(station.execute(write_running(bus)));
   const auto answered = std::chrono::steady_clock::now();
   ASSERT_TRUE(eventually([&] { return last >= kChannels; }));

@@ -1,5 +1,5 @@
-// Several sites at once: buses of the same name in two partitions of a domain, or behind two
-// discovery servers, are told apart, and what is sent goes to one of them.
+// Tests several sites: buses of the same name in two partitions or behind two discovery servers
+// stay separate, and commands go to one of them.
 #include "bridge/station/sites.hpp"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ DdsSite site(const std::string& name) {
   return spec;
 }
 
-// The same bus at two sites, and what watches both.
+// The same bus at two sites, and a station for both.
 class SitesTest : public ::testing::Test {
  protected:
   const std::string bus_ = bus_name("line");

@@ -1,5 +1,5 @@
-// What a member of a standby group hears of another one that was killed and has begun anew, over
-// real DDS on loopback. The killed one is not given up yet: its participant is still there.
+// Tests that a standby member receives a second one that was killed and restarted, over real DDS on
+// loopback. The old participant of the killed one has not expired yet.
 #include "bridge/dds/standby_channel.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,6 @@ namespace {
 
 constexpr std::int64_t kSecond = 1'000'000'000;
 
-// A member, each with a participant of its own.
 struct Member {
   Member(const std::string& name, std::int64_t since) {
     told.group = "g";
@@ -49,7 +48,7 @@ struct Member {
   std::unique_ptr<StandbyChannel> channel;
 };
 
-// Twice, since of two writers of one strength DDS takes the one with the lower identity.
+// Both ways, because DDS prefers the lower identity of two writers of equal strength.
 TEST(StandbyChannel, AMemberThatBeganAnewIsHeardBeforeItsLifeBeforeIsGivenUp) {
   Member listener("listener", 1 * kSecond);
   Member one("a", 100 * kSecond), other("a", 200 * kSecond);
@@ -68,7 +67,7 @@ TEST(StandbyChannel, AMemberThatBeganAnewIsHeardBeforeItsLifeBeforeIsGivenUp) {
       now->tell();
       return listener.life_of(name) == 200 * kSecond;
     })) << name;
-    // Now the one before is given up; the other one is here.
+    // Now the old one expires, and the new one is present.
     before->channel.reset();
     before->domain.reset();
     now->told.member.since = 201 * kSecond;

@@ -1,4 +1,4 @@
-// The type objects that Fast DDS gets: keys from many threads, bytes from hostile peers.
+// Tests the type objects for Fast DDS: keys from many threads, bytes from hostile peers.
 #include "bridge/dds/topics/topic_type.hpp"
 
 #include <gtest/gtest.h>
@@ -70,7 +70,7 @@ TEST(TopicType, KeysOfManyThreadsDoNotMix) {
   EXPECT_NE(key_of(1), key_of(2));
 }
 
-// The padding after "bus" must not hold what a longer key left there.
+// The padding after "bus" must not contain bytes of an earlier, longer key.
 TEST(TopicType, KeyDoesNotDependOnTheKeyBefore) {
   TopicType<idl::SamplePubSubType> type;
   const auto key_of = [&](const std::string& bus) {
@@ -110,7 +110,7 @@ TEST(TopicType, DamagedBytesNeverEndTheProcess) {
       damaged[random() % damaged.size()] = static_cast<std::uint8_t>(random());
     idl::Command out;
     if (read(type, damaged, out))
-      (void)from_idl(out);  // refused, or a command that conversion can judge
+      (void)from_idl(out);  // rejected, or a command that the conversion can check
   }
 }
 

@@ -1,4 +1,5 @@
-// Marked messages become notes of unregistered instances, byte by byte (RTPS 2.2, 9.4.5.3, 9.6.3).
+// Tests that marked messages become notes of unregistered instances, byte by byte (RTPS 2.2,
+// 9.4.5.3, 9.6.3).
 #include "bridge/dds/unregister_note.hpp"
 
 #include <gtest/gtest.h>
@@ -23,7 +24,7 @@ const Bytes kHash{16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31
 const Bytes kSentinel{1, 0, 0, 0};
 const Bytes kKey{0, 1, 0, 0, 2, 0, 0, 0, 'r', 0, 0, 0, 7, 0, 0, 0, 0, 0, 0, 0};
 
-// DATA with these flags, inline QoS and payload.
+// Returns DATA with these flags, inline QoS and payload.
 Bytes data(std::uint8_t flags, const Bytes& qos, const Bytes& payload) {
   const Bytes fixed{0, 0, 16, 0, 0, 0, 0, 7, 0, 0, 3, 2, 0, 0, 0, 0, 5, 0, 0, 0};
   const auto length = static_cast<std::uint8_t>(fixed.size() + qos.size() + payload.size());
@@ -65,7 +66,7 @@ TEST(UnregisterNote, TakesThePlaceOfTheMark) {
 
 TEST(UnregisterNote, LeavesEverythingElseAsItIs) {
   Bytes other = mark();
-  other.back() ^= 1;  // another sequence number: somebody's related sample
+  other.back() ^= 1;  // another sequence number: not the mark
   for (const Bytes& message :
        {joined(kHeader, kTime, data(0x05, {}, kKey)),
         joined(kHeader, data(0x07, joined(other, kSentinel), kKey)),
@@ -76,7 +77,7 @@ TEST(UnregisterNote, LeavesEverythingElseAsItIs) {
   }
 }
 
-// What is cut off lies at the very end of its memory: the sanitizers see every byte beyond.
+// The truncated message is at the end of its memory, so sanitizers detect every byte beyond.
 TEST(UnregisterNote, OfMessagesThatAreCutNothingIsReadBeyondTheirEnd) {
   const Bytes whole = joined(kHeader, kTime, data(0x07, joined(mark(), kSentinel), kKey));
   for (std::size_t size = 0; size < whole.size(); ++size) {

@@ -1,4 +1,4 @@
-// A write-only channel has no sample, until somebody acquires it.
+// Tests that a write-only channel has no sample until it is acquired.
 #include <gtest/gtest.h>
 
 #include "tests/bridge/dds/dds_support.hpp"

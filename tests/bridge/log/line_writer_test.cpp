@@ -27,7 +27,7 @@ struct Pipe {
     read.reset(ends[0]);
     write.reset(ends[1]);
   }
-  // Everything until a text comes.
+  // Returns all text up to `end`.
   std::string receive(const std::string& end) {
     std::string all;
     char piece[65536];
@@ -66,7 +66,7 @@ TEST(LineWriter, APipeThatNobodyReadsHoldsUpNobodyAndItsLossIsSaidWhereItIs) {
   Pipe pipe;
   LineWriter lines(pipe.write.get(), remark);
   const std::string filler(100, 'x');
-  constexpr std::uint64_t kLines = 50'000;  // 5 MB, of which the pipe and the queue hold 1.1 MB
+  constexpr std::uint64_t kLines = 50'000;  // 5 MB; the pipe and the queue hold 1.1 MB
   for (std::uint64_t i = 0; i < kLines; ++i) lines.put(std::to_string(i) + ' ' + filler + '\n');
   EXPECT_FALSE(lines.flush(milliseconds{50}));
   EXPECT_GT(lines.lost(), kLines / 2);

@@ -1,4 +1,4 @@
-// The server of the metrics over the loopback, with clients that behave and others that do not.
+// Tests the metrics server on the loopback, with valid and faulty clients.
 #include "bridge/metrics/metrics_server.hpp"
 
 #include <fmt/format.h>
@@ -38,7 +38,7 @@ template <typename Condition>
   return true;
 }
 
-// Of this process, in which both ends of every connection are.
+// Returns the open descriptors of this process, which has both ends of every connection.
 [[nodiscard]] std::ptrdiff_t open_descriptors() {
   return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {});
 }
@@ -46,7 +46,7 @@ template <typename Condition>
 struct MetricsServerTest : testing::Test {
   MetricsServerTest() { limits.try_again = milliseconds{20}; }
 
-  // Starts it, and waits until it listens.
+  // Starts the server and waits until it listens.
   void serve(std::uint16_t at = 0) {
     server = std::make_unique<MetricsServer>(
         ListenSpec{"127.0.0.1", at},
@@ -60,7 +60,7 @@ struct MetricsServerTest : testing::Test {
   [[nodiscard]] bool listens() const {
     return eventually([this] { return server->port() != 0; });
   }
-  // The whole of the response to one request, up to the close.
+  // Returns the whole response to one request, up to the close.
   [[nodiscard]] std::string response_to(std::string_view request) const {
     TcpClient client(server->port());
     client.send(request);
@@ -145,7 +145,7 @@ TEST_F(MetricsServerTest, GarbageIsABadRequest) {
 }
 
 TEST_F(MetricsServerTest, RandomBytesEndNothingButTheirConnection) {
-  limits.request = milliseconds{50};  // for what looks like the beginning of a request
+  limits.request = milliseconds{50};  // for an incomplete request
   serve();
   std::mt19937 random(7);
   for (int i = 0; i < 30; ++i) {

@@ -20,7 +20,7 @@ using testing::IsEmpty;
 using testing::Not;
 using testing::SizeIs;
 
-// Every figure differs, so that one in the place of another is seen.
+// All numbers differ, so that a swapped one is detected.
 BusFigures press_shop() {
   BusFigures bus;
   bus.bus = "press-shop";
@@ -175,8 +175,7 @@ TEST(MetricsText, AClosedBusSaysWhy) {
               HasSubstr(R"(fieldcast_bus_closed{bus="press-shop",cause="PORT_MISSING"} 1)"));
 }
 
-// Counters and units by the rules of OpenMetrics 1.0: a family is described once, before its
-// samples, which stand together.
+// OpenMetrics 1.0: a family is described once, before its samples, which are contiguous.
 TEST(MetricsText, DescribesEveryFamilyOnceBeforeItsSamples) {
   for (const auto format : {MetricsFormat::kOpenMetrics, MetricsFormat::kPrometheus}) {
     std::set<std::string> described;

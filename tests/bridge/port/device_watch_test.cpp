@@ -1,4 +1,4 @@
-// The file of a device goes and comes, with its folders and through links.
+// Tests device files that disappear and reappear, with their directories and through links.
 #include "bridge/port/device_watch.hpp"
 
 #include <gmock/gmock.h>
@@ -27,12 +27,13 @@ struct DeviceWatchTest : testing::Test {
     watching.emplace(io, path, [this] { ++came; });
     watching->start(DeviceWatch::identity_of(path));
   }
-  // The device was told `times` in all, within the time that a line may be without its adapter.
+  // Waits for `times` notifications in total, within the time for which a line may lack its
+  // adapter.
   bool told(int times) {
     return run_until(
         io, [&] { return came >= times; }, milliseconds{1000});
   }
-  // Whatever is under way has been looked at: the watch of another file tells.
+  // Waits until pending events are handled: the watch of a second file is notified.
   void settle() {
     bool seen = false;
     const fs::path mark = folder / "mark";
@@ -87,7 +88,7 @@ TEST_F(DeviceWatchTest, TellsALinkThatLeadsElsewhere) {
   fs::create_symlink(folder / "ttyUSB0", folder / "usb");
   watch(folder / "usb");
   settle();
-  EXPECT_EQ(came, 0);  // the file that was tried already
+  EXPECT_EQ(came, 0);  // the file that was already tried
   fs::remove(folder / "usb");
   fs::create_symlink(folder / "ttyUSB1", folder / "usb");
   EXPECT_TRUE(told(1));

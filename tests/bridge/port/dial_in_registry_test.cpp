@@ -42,7 +42,7 @@ TEST(DialInRegistry, AnOlderConnectionNeverReplacesANewerOne) {
   FileDescriptor newer = some_socket();
   const int wanted = newer.get();
   EXPECT_FALSE(registry.offer("17", std::move(newer)));
-  registry.pass_on("17", std::move(given.at(0)));  // its bus comes late: the newer one waits
+  registry.pass_on("17", std::move(given.at(0)));  // its bus starts late: the newer one waits
   (void)registry.claim("17", take);
   ASSERT_EQ(given.size(), 2u);
   EXPECT_EQ(given[1].socket.get(), wanted);

@@ -26,7 +26,8 @@ class ReadinessTest : public ::testing::Test {
   void wait() {
     readiness.wait_readable([this](boost::system::error_code) { ++told; });
   }
-  // The handlers that ran within the time; at once when there is nothing to wait for.
+  // Runs ready handlers within the time and returns their number; returns immediately if none is
+  // pending.
   std::size_t run() {
     io.restart();
     return io.run_for(50ms);

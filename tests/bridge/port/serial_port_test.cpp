@@ -124,7 +124,7 @@ TEST_F(SerialPortTest, LockedDeviceNamesItsHolder) {
   ::close(other);
 }
 
-// The kernel cuts names after 15 bytes.
+// The kernel truncates names after 15 bytes.
 TEST_F(SerialPortTest, AHolderWithALongNameIsNamedWhole) {
   namespace fs = std::filesystem;
   const fs::path program = fs::temp_directory_path() / fmt::format("a-long-named-{}", ::getpid());
@@ -149,7 +149,7 @@ TEST_F(SerialPortTest, TheLockEndsWithTheClosing) {
   SerialPort port(io, spec());
   open(port);
   const int other =
-      ::open(pty.path().c_str(), O_RDWR | O_NOCTTY);  // root may, in spite of TIOCEXCL
+      ::open(pty.path().c_str(), O_RDWR | O_NOCTTY);  // allowed for root, despite TIOCEXCL
   if (other >= 0) { EXPECT_NE(::flock(other, LOCK_EX | LOCK_NB), 0); }
   port.close();
   const int later = other >= 0 ? other : ::open(pty.path().c_str(), O_RDWR | O_NOCTTY);
@@ -213,7 +213,7 @@ TEST_F(SerialPortTest, BytesFromBeforeTheOpeningAreDropped) {
   ::close(slave);
 }
 
-// With the hint, the bytes that come meanwhile are delivered together.
+// With the hint, bytes that arrive meanwhile are delivered together.
 TEST_F(SerialPortTest, ExpectedCharactersAreDeliveredTogether) {
   SerialPortSpec slow = spec();
   slow.line.baud = 1200;  // 100 characters: 0.83 s
@@ -234,7 +234,7 @@ TEST_F(SerialPortTest, ALineThatTakesNothingClosesThePortAtTheLimit) {
   open(port);
   const Bytes much(1024, 0x55);
   for (int i = 0; i < 64 && probe.closed.empty(); ++i)
-    port.write(much);  // nobody reads at the other end
+    port.write(much);  // the other end does not read
   ASSERT_TRUE(run_until(io, [this] { return !probe.closed.empty(); }));
   EXPECT_THAT(probe.closed.front(), HasSubstr("takes no bytes"));
 }
@@ -244,7 +244,7 @@ TEST_F(SerialPortTest, BytesThatTheLineDoesNotTakeAtOnceFollowInOrder) {
   open(port);
   Bytes sent;
   while (sent.size() < 16 * 1024 &&
-         probe.closed.empty()) {  // more than the terminal holds, less than the limit beyond it
+         probe.closed.empty()) {  // more than the terminal holds, below the write limit
     Bytes part(512);
     for (auto& byte : part)
       byte = static_cast<std::uint8_t>(sent.size() + static_cast<std::size_t>(&byte - part.data()));
@@ -252,7 +252,7 @@ TEST_F(SerialPortTest, BytesThatTheLineDoesNotTakeAtOnceFollowInOrder) {
     append(sent, part);
     int held = 0;
     ASSERT_EQ(::ioctl(pty.master(), FIONREAD, &held), 0);
-    if (held + 1024 < static_cast<int>(sent.size())) break;  // some of it waits on our side
+    if (held + 1024 < static_cast<int>(sent.size())) break;  // some of it waits in the port
   }
   Bytes received;
   ASSERT_TRUE(run_until(io, [&] {

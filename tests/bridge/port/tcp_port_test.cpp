@@ -81,7 +81,7 @@ TEST_F(TcpPortTest, ARefusedConnectionIsReported) {
 }
 
 TEST_F(TcpPortTest, ConnectingEndsAtItsTimeout) {
-  // A full backlog: the kernel ignores further connection requests.
+  // With a full backlog, the kernel ignores further connection requests.
   tcp::acceptor full{io};
   full.open(tcp::v4());
   full.bind({asio::ip::address_v4::loopback(), 0});
@@ -105,7 +105,7 @@ TEST_F(TcpPortTest, AnUnknownHostIsReported) {
   TcpPortSpec target = spec();
   target.host = "256.1.1.1.invalid.";
   target.connect_timeout =
-      std::chrono::milliseconds{500};  // without a name server the resolver may be slow
+      std::chrono::milliseconds{500};  // the resolver may be slow without a name server
   TcpPort port(io, target);
   port.open(probe);
   ASSERT_TRUE(run_until(io, [this] { return !probe.closed.empty(); }));

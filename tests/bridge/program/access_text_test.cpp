@@ -1,4 +1,4 @@
-// What the start and --check say about who may enter.
+// Tests the messages of the start and of --check about access.
 #include "bridge/program/access_text.hpp"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Engineers who log in with a certificate, a password, one of the two, or both.
+// Tests logins of engineers with a certificate, a password, one of both, or both.
 #include "bridge/bus/clock.hpp"
 #include "bridge/security/pki.hpp"
 #include "tests/bridge/program/program_support.hpp"
@@ -28,11 +28,11 @@ struct EngineerAccess : test::ServerFixture {
     ServerFixture::start();
     module = std::make_unique<TcpClient>(this->ServerFixture::module("17\n"));
   }
-  // What the bridge answers to `login` and the request for the device 17.
+  // Returns the bridge's response to `login` and a request for device 17.
   [[nodiscard]] std::string answer(const std::string& certificate, const std::string& login = "") {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds{10};
     std::string reply;
-    do {  // a module's registration takes its moment, and so does the end of a session
+    do {  // registrations and ends of sessions take some time
       SecureClient client(server.engineers_port(),
                           certificate.empty() ? "" : files.file(certificate));
       client.send(login + "@@17FEFF");
@@ -70,7 +70,7 @@ TEST_F(EngineerAccess, ACertificateOfSomebodyElseIsNot) {
 }
 
 TEST_F(EngineerAccess, ACertificateThatAnEngineerHasSignedIsNotLetIn) {
-  files.issue("made-by-bob", "anna", "bob");  // by openssl's defaults bob's may sign others
+  files.issue("made-by-bob", "anna", "bob");  // openssl's defaults let bob sign certificates
   start(LoginProof::kCertificate);
   EXPECT_EQ(answer("made-by-bob"), "");
   EXPECT_TRUE(audited("certificate verify failed"));

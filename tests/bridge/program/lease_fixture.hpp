@@ -1,7 +1,7 @@
 // A programming server with one bus that it can lease.
 //
-// Owns the bus's runner, its thread and what the bus reports. Its functions are for the thread of
-// the test. Waits end with false after the limit of RecordingSink.
+// Owns the bus's runner, its thread and its reports. Functions run on the thread of the test. Waits
+// return false after the limit of RecordingSink.
 #pragma once
 
 #include <algorithm>
@@ -38,14 +38,14 @@ inline BusSpec bus_of(const PortSpec& port) {
 }
 
 struct LeaseFixture : ServerFixture {
-  // A bus that runs and is known to the server, until the test ends.
+  // Starts a bus and registers it with the server until the test ends.
   void run(const BusSpec& bus) {
     runner = std::make_shared<BusRunner>(io.context(), io.context(), bus, sink, &modules);
     runner->start();
     server.add_bus(bus, runner);
     name = bus.name;
   }
-  // As a reload does.
+  // Ends the bus as a reload does.
   void end_bus() {
     if (!runner) return;
     server.remove_bus(name);

@@ -1,4 +1,4 @@
-// Buses on a serial line, while their devices are programmed.
+// Tests buses on a serial line while their devices are programmed.
 #include <termios.h>
 
 #include "bridge/port/serial_line.hpp"
@@ -32,7 +32,7 @@ TEST_F(Lease, ASerialBusIsLeasedAndReadsAgainAtOnce) {
   run(bus_of(serial_at(pty.path())));
   ASSERT_TRUE(receives_more());
   TcpClient client = engineer();
-  device->stop();  // the test is the PLC while it is programmed
+  device->stop();  // the test acts as the PLC
   client.send("@@P1FEFF");
   ASSERT_EQ(client.receive("FEFF"), "@@0000FEFF");
   ASSERT_TRUE(leased());
@@ -60,8 +60,7 @@ TEST_F(Lease, ASerialBusIsLeasedAndReadsAgainAtOnce) {
   EXPECT_TRUE(receives_more());
 }
 
-// What the client sent is all sent, at the line's own pace, before the bus sends its first request
-// again.
+// All bytes of the client are sent at the pace of the line before the bus sends its first request.
 TEST_F(Lease, TheLastBytesOfASlowLineArriveBeforeTheBusReadsAgain) {
   Pty pty;
   auto device = std::make_unique<ModbusDevice>(pty);
@@ -71,7 +70,7 @@ TEST_F(Lease, TheLastBytesOfASlowLineArriveBeforeTheBusReadsAgain) {
   TcpClient client = engineer();
   client.send("@@V2P1FEFF");
   ASSERT_EQ(client.receive("FEFF"), "@@0000FEFF");
-  device->stop();  // the test is the PLC
+  device->stop();  // the test acts as the PLC
   (void)pty.take();
   const Bytes program(96 * 1024, 'p');
   Bytes sent;
@@ -115,8 +114,8 @@ TEST_F(Lease, ASerialPortThatIsUnpluggedIsLostToTheEngineer) {
   }));
 }
 
-// The whole bus rests for one device; who asks for its neighbour waits, and the first one keeps the
-// line.
+// The whole bus is leased for one device. A request for its neighbour is refused, and the first
+// lease continues.
 TEST_F(Lease, ABusThatIsLeasedIsBusyForItsOtherDevices) {
   Pty pty;
   ModbusDevice device(pty);
@@ -192,8 +191,8 @@ TEST_F(Lease, TheLineTakesTheSpeedThatTheEngineerSetsAndHasItsOwnAgainAfterwards
   EXPECT_TRUE(becomes({115200, 1}));
 }
 
-// A pseudo-terminal drops data bits and "parity on", but keeps what else the format sets: odd
-// parity, its check, two stop bits.
+// A pseudo-terminal ignores data bits and "parity on", but keeps the rest of the format: odd
+// parity, parity check, two stop bits.
 TEST_F(Lease, TheLineTakesTheFormatThatTheEngineerGivesAndHasItsOwnAgainAfterwards) {
   Pty pty;
   ModbusDevice device(pty);
@@ -217,8 +216,7 @@ TEST_F(Lease, TheLineTakesTheFormatThatTheEngineerGivesAndHasItsOwnAgainAfterwar
   };
   EXPECT_TRUE(becomes(false));
   Bytes settings;
-  program::append_settings(settings,
-                           {0, 2, 7, Parity::kOdd});  // at the baud rate of the configuration
+  program::append_settings(settings, {0, 2, 7, Parity::kOdd});  // at the configured baud rate
   client.send(settings);
   EXPECT_TRUE(becomes(true));
   client.close();

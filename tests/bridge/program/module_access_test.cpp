@@ -1,4 +1,4 @@
-// Who may dial in as a module: addresses, certificates, secrets, and one of each number.
+// Tests module access: addresses, certificates, secrets, and one module per number.
 #include "bridge/bus/clock.hpp"
 #include "bridge/program/module_secrets.hpp"
 #include "bridge/security/pki.hpp"
@@ -18,12 +18,12 @@ using testing::StartsWith;
 constexpr const char* kSecret = "a secret of twenty-six let";
 
 struct ModuleAccess : test::ServerFixture {
-  // The module of this number is there, and bytes go both ways.
+  // Waits until the module of this number can be programmed, and checks both directions.
   void expect_programmable(const std::string& number, auto& module) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds{10};
     std::unique_ptr<TcpClient> client;
     std::string reply;
-    do {  // the one before may still be on its way out
+    do {  // the earlier one may still be closing
       reply = paired(server.engineers_port(), number, client);
     } while (reply == "@@0002FEFF" && std::chrono::steady_clock::now() < deadline);
     ASSERT_EQ(reply, "@@0000FEFF");

@@ -1,4 +1,4 @@
-// `fieldcast module` and the bridge: what the one shows, the other wants.
+// Tests `fieldcast module` with the bridge: credentials and their checks.
 #include "bridge/program/module_client.hpp"
 
 #include <boost/asio/post.hpp>

@@ -1,4 +1,4 @@
-// Buses over a module that dials in, while their devices are programmed and when they start anew.
+// Tests buses over a module that dials in, during programming and restarts.
 #include "tests/bridge/program/lease_fixture.hpp"
 #include "tests/bridge/support/module_device.hpp"
 
@@ -82,7 +82,7 @@ TEST_F(Lease, ABusThatIsAddedFindsItsModule) {
   start();
   TcpClient module = this->module("17\r\n");
   TcpClient client = engineer();
-  ASSERT_EQ(pair(client, "17"), "@@0000FEFF");  // it is there, and nobody's bus
+  ASSERT_EQ(pair(client, "17"), "@@0000FEFF");  // present and not used by a bus
   client.send("@@EDFEFF@@nobody1FEFF");
   ASSERT_EQ(client.receive("FEFF"), "@@0001FEFF");
   run(bus_of(DialInPortSpec{"17", std::nullopt}));

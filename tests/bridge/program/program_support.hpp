@@ -1,5 +1,4 @@
-// A programming server on ports that the system chooses, with what it says to the audit kept for
-// the test.
+// A programming server on ports that the system selects; the audit is kept for the test.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -35,7 +34,7 @@ class ServerFixture : public testing::Test {
   }
   [[nodiscard]] TcpClient engineer() const { return TcpClient(server.engineers_port()); }
 
-  // Asks until the device is there: a module's registration takes its moment.
+  // Repeats the request until the device is registered, which takes some time.
   [[nodiscard]] static std::string pair(TcpClient& client, const std::string& request) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds{10};
     std::string reply;
@@ -48,7 +47,7 @@ class ServerFixture : public testing::Test {
     return reply;
   }
 
-  // False: no line of the audit has this text within the limit.
+  // Returns false if no audit line has this text within the limit.
   [[nodiscard]] bool audited(const std::string& text) {
     std::unique_lock lock(mutex);
     return changed.wait_for(lock, std::chrono::seconds{10}, [&] {
@@ -90,7 +89,7 @@ class ServerFixture : public testing::Test {
   program::Server server{hooks(), modules};
 };
 
-// As many requests as a module may need to be registered, each in a connection of its own.
+// Repeats the request, each in a new connection, until the module is registered.
 inline std::string paired(std::uint16_t port, const std::string& request,
                           std::unique_ptr<TcpClient>& client) {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds{10};

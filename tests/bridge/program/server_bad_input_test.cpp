@@ -1,4 +1,5 @@
-// Noise, halves, silence and floods from modules and engineers, over real sockets on the loopback.
+// Tests noise, incomplete messages, silence and floods from modules and engineers, over real
+// sockets on the loopback.
 #include "tests/bridge/program/program_support.hpp"
 
 namespace fieldcast {
@@ -52,7 +53,7 @@ TEST_F(ProgramServer, AClientThatLeavesInTheMiddleOfAnInstructionFreesTheDevice)
            std::chrono::steady_clock::now() < end) {}
     next->send("@@@00next*\rFEFF");
     EXPECT_EQ(module.receive("\r"), "@00next*\r") << request;
-    next->send("@@EDFEFF@@nobody1FEFF");  // whose refusal comes when the device is free again
+    next->send("@@EDFEFF@@nobody1FEFF");  // the refusal arrives when the device is free again
     EXPECT_EQ(next->receive("FEFF"), "@@0001FEFF");
   }
   EXPECT_TRUE(audited("ended: the client is gone"));
@@ -87,9 +88,10 @@ TEST_F(ProgramServer, ARequestIsReadBehindALittleGarbage) {
   EXPECT_TRUE(audited("dropped: bytes outside of any frame"));
 }
 
-// The server's memory for it is bounded; it is let go, and the device is free for the next one.
+// The server's buffer for the client is limited; then it disconnects the client and frees the
+// device.
 TEST_F(ProgramServer, AClientThatNeverReadsIsFreed) {
-  spec.engineers->heartbeat = seconds{1};  // it never speaks either
+  spec.engineers->heartbeat = seconds{1};  // the client does not send either
   start();
   TcpClient module = this->module("17\n");
   std::unique_ptr<TcpClient> client;
@@ -110,7 +112,7 @@ TEST_F(ProgramServer, AClientThatNeverReadsIsFreed) {
   EXPECT_EQ(paired(server.engineers_port(), "17", next), "@@0000FEFF");
 }
 
-// From one address and from many, that of the engineer among them.
+// From one address and from many, including that of the engineer.
 TEST_F(ProgramServer, SixHundredSilentConnectionsLockNobodyOut) {
   start();
   TcpClient module = this->module("17\n");
@@ -127,7 +129,7 @@ TEST_F(ProgramServer, SixHundredSilentConnectionsLockNobodyOut) {
   EXPECT_EQ(module.receive("\r"), "@00goes on*\r");
   TcpClient late = this->module("18\n"), far(server.modules_port(), "127.0.0.250");
   far.send("19\n");
-  std::unique_ptr<TcpClient> second, third;  // again and again: the modules come behind the flood
+  std::unique_ptr<TcpClient> second, third;  // repeatedly: the modules are queued behind the flood
   EXPECT_EQ(paired(server.engineers_port(), "18", second), "@@0000FEFF");
   EXPECT_EQ(paired(server.engineers_port(), "19", third), "@@0000FEFF");
   EXPECT_TRUE(silent.front().is_closed());
@@ -135,7 +137,7 @@ TEST_F(ProgramServer, SixHundredSilentConnectionsLockNobodyOut) {
   const auto displaced = std::count_if(audit.begin(), audit.end(), [](const auto& entry) {
     return entry.result.find("the oldest goes") != std::string::npos;
   });
-  EXPECT_EQ(displaced, 2);  // told once for each port, then counted
+  EXPECT_EQ(displaced, 2);  // logged once per port, then counted
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Logins of engineers: who needs one, and what the audit says of them.
+// Tests logins of engineers: when they are required, and their audit.
 #include "bridge/program/engineer_server.hpp"
 #include "tests/bridge/program/program_support.hpp"
 

@@ -1,4 +1,5 @@
-// Modules and engineers over real sockets on the loopback: pairing, losing a side, reload and stop.
+// Tests modules and engineers over real sockets on the loopback: pairing, disconnects, reload and
+// stop.
 #include "bridge/program/server.hpp"
 
 #include "core/program/length_framing.hpp"
@@ -137,7 +138,7 @@ TEST_F(ProgramServer, AReloadKeepsItsModulesThoseWithoutANumberYetToo) {
   EXPECT_EQ(module.receive("\r"), "@00x*\r");
 
   server.stop(program::Server::Modules::kKeep);
-  spec.modules->registration.prefix = "ID=";  // how others are asked from now on
+  spec.modules->registration.prefix = "ID=";  // the prefix for new registrations
   spec.modules->listen.host = "127.0.0.2";
   start();
   half.send("8\n");

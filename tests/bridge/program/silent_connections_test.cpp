@@ -19,7 +19,7 @@ TEST(SilentConnections, OneMoreFromAFullAddressDisplacesItsOldest) {
   (void)silent.add("a", cuts(4));
   EXPECT_THAT(cut, testing::ElementsAre(1));
   EXPECT_FALSE(silent.remove(first));
-  EXPECT_TRUE(silent.remove(second));  // it spoke
+  EXPECT_TRUE(silent.remove(second));  // it sent data
   (void)silent.add("a", cuts(5));
   EXPECT_THAT(cut, testing::ElementsAre(1));
 }
@@ -36,7 +36,7 @@ TEST(SilentConnections, WhenAllIsFullTheAddressWithTheMostLosesItsOldest) {
   EXPECT_THAT(cut, testing::ElementsAre(2, 3));
   for (int i = 0; i < 3; ++i) EXPECT_TRUE(silent.cut_one());
   EXPECT_FALSE(silent.cut_one());
-  EXPECT_THAT(cut, testing::ElementsAre(2, 3, 1, 4, 5));  // among equals the oldest
+  EXPECT_THAT(cut, testing::ElementsAre(2, 3, 1, 4, 5));  // the oldest among equals
   EXPECT_EQ(silent.size(), 0u);
 }
 

@@ -67,7 +67,7 @@ TEST(AlarmTable, KeepsEachBeginningOnceAndEachEndOnce) {
   table.expect_store();
   table.loaded(store, {});
   table.note(alarm("a", "active", 10));
-  table.note(alarm("a", "active", 20));  // its bus started anew
+  table.note(alarm("a", "active", 20));  // its bus restarted
   ASSERT_EQ(table.active_of("a").size(), 1u);
   EXPECT_EQ(table.active_of("a")[0].since.nanoseconds, 10);
   table.note(alarm("a", "clear", 30));
@@ -102,7 +102,7 @@ TEST(AlarmTable, AnAlarmWhoseLimitIsTakenAwayEnds) {
   (void)store.take();
   auto wanted = buses({"a"}, false);
   wanted.push_back(buses({"c"}).front());
-  EXPECT_EQ(table.configure(wanted, kNow).size(), 2u);  // b is no bus any more
+  EXPECT_EQ(table.configure(wanted, kNow).size(), 2u);  // b is no longer a bus
   EXPECT_THAT(store.take(), ElementsAre("a/level high clear 1000", "b/level high clear 1000"));
   table.note(alarm("a", "active", 20));  // the bus has not stopped yet
   EXPECT_THAT(store.take(), IsEmpty());
@@ -184,7 +184,7 @@ TEST(AlarmTable, GoesOnWithWhatPeopleDidBeforeTheRestart) {
   AlarmTable table;
   (void)table.configure(buses({"a", "b"}), kNow);
   table.expect_store();
-  table.note(alarm("a", "active", 50));  // the samples come before the store is open
+  table.note(alarm("a", "active", 50));  // the samples arrive before the store is open
   KeptAlarms kept = active({alarm("a", "active", 10)});
   kept.states = kept.active;
   kept.states[0].status.stage = AlarmStage::kAcknowledged;

@@ -9,7 +9,7 @@
 namespace fieldcast {
 namespace {
 
-// Holds the thread until it is let go.
+// Holds the thread until it is released.
 struct Held {
   explicit Held(PublisherThread& thread) {
     thread.post([future = go.get_future().share()] { future.wait(); });

@@ -1,4 +1,4 @@
-// The authority's folder and the folders of its members.
+// Tests the authority's directory and the directories of its members.
 #include "bridge/security/authority.hpp"
 
 #include <gmock/gmock.h>
@@ -161,7 +161,7 @@ TEST_F(AuthorityTest, AnOpenKeyAndAMissingFileAreSaid) {
 
 namespace fs = std::filesystem;
 
-// While it lives, no file grows beyond so many bytes: what a full disk does to writes.
+// Limits file sizes during its lifetime, which simulates a full disk.
 class FullDisk {
  public:
   explicit FullDisk(rlim_t bytes) : before_(::signal(SIGXFSZ, SIG_IGN)) {
@@ -181,7 +181,7 @@ class FullDisk {
   const sighandler_t before_;
 };
 
-// Every file below a folder, with what is in it.
+// Returns every file below a directory with its content.
 std::map<std::string, std::string> all_files(const std::string& folder) {
   std::map<std::string, std::string> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
@@ -192,7 +192,7 @@ std::map<std::string, std::string> all_files(const std::string& folder) {
 TEST_F(AuthorityTest, AFullDiskLeavesNothingHalfMade) {
   (void)authority_.add({kPlant, "mes", {}}, kToday);
   const auto before = all_files(folder_);
-  // Nothing, a part of a certificate, and all but the governance.
+  // Empty, a part of a certificate, and all but the governance.
   for (const rlim_t bytes : {0, 100, 700, 2000}) {
     {
       const FullDisk full(bytes);
@@ -290,7 +290,7 @@ TEST_F(AuthorityTest, WhatOthersMayChangeIsRefusedWithTheRemedy) {
   EXPECT_THROW(Authority{folder_}, SecurityError);
 }
 
-// Root reads everything: the test runs as another user where it is root.
+// Root can read everything, so this test runs as another user if started as root.
 TEST_F(AuthorityTest, AFolderOfAnotherUserIsOneThatCannotBeRead) {
   const std::string folder = authority_.add({kPlant, "mes", {}}, kToday);
   const std::string own = scratch_.path("");

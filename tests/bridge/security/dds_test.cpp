@@ -1,7 +1,8 @@
-// DDS Security over real DDS on the loopback: who is let in, and who is heard. What is refused is
-// refused by the other side: a forger here has a library that lets it do everything, because its
-// signed permissions allow everything in another domain, which Fast DDS 2.9.1 does not look at on
-// the forger's own side.
+// Tests DDS Security over real DDS on the loopback: who can join, and whose messages are accepted.
+//
+// Only the receiving side refuses. A forger's own library allows everything here, because its
+// signed permissions allow everything in another domain, which Fast DDS 2.9.1 does not check on the
+// forger's side.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -32,18 +33,19 @@ using security::Authority;
 using security::Member;
 using ::testing::HasSubstr;
 
-// Longer than a handshake and a match take: what has not come then does not come.
+// Longer than a handshake and a match: what has not arrived by then will not arrive.
 constexpr auto kLongEnough = 700ms;
 
 UtcTime now() { return both_clocks().utc; }
 
-// What the libraries of both ends say; the function that takes it has no object.
+// Messages of the libraries of both ends; static because the log callback has no object.
 Collected<std::string>& said() {
   static Collected<std::string> lines;
   return lines;
 }
 
-// Whether an end that is let in was refused this by another end: "writer", "fieldcast/Command".
+// Returns whether an admitted end was refused this by the other end, for example "writer",
+// "fieldcast/Command".
 bool refused_remote(const std::string& kind, const std::string& topic_or_partition) {
   return eventually([&] {
     for (const std::string& line : said().all()) {
@@ -72,7 +74,8 @@ class DdsSecurity : public ::testing::Test {
   DdsSpec as_new(const Member& member) { return as(authority_.add(member, now())); }
   DdsSpec unsigned_one() const { return as(""); }
 
-  // What `member` may do is all that it may do here, but its own library lets it be `claimed`.
+  // Returns a participant with the rights of `member` here, but whose own library allows those of
+  // `claimed`.
   DdsSpec forger(const Member& member, const Member& claimed) {
     const std::string folder = authority_.add(member, now());
     const std::string ca = scratch_.path("ca/");
@@ -104,7 +107,7 @@ class DdsSecurity : public ::testing::Test {
       Authority::create(scratch_.path("ca"), security::Protection::kEncrypt, now());
 };
 
-// What a station receives of samples.
+// Collects the samples of a station.
 class Watching {
  public:
   explicit Watching(const DdsSpec& spec, const std::string& name = "watching")
@@ -124,7 +127,7 @@ void publish(DdsLink& link, const std::string& bus, std::int64_t value) {
   link.publish(bus, samples, both_clocks());
 }
 
-// To all participants of the domain on this machine: a message of this writer, without protection.
+// Sends an unprotected message of this writer to all participants of the domain on this machine.
 void send_in_clear(std::uint32_t domain, const rtps::GUID_t& writer, std::uint8_t sequence,
                    const idl::BusStatus& status) {
   TopicType<idl::BusStatusPubSubType> type;
@@ -188,7 +191,7 @@ TEST_F(DdsSecurity, WhoHasNoIdentityOrOneOfAnotherAuthoritySeesNothingAndIsNotHe
   Watching wall(as_new({kStation, "wall", {}}));
   publish(bridge.link, "press-1", 42);
   publish(impostor.link, "press-1", 666);
-  // The outsider has matched its like: it is there, and would see what it may.
+  // The outsider has matched its like, so it is running and would receive what it may.
   ASSERT_TRUE(eventually([&] { return outsider.samples.size() > 0; }));
   ASSERT_TRUE(eventually([&] { return wall.samples.size() > 0; }));
   EXPECT_FALSE(stranger.station.execute(write_running("press-1"), kLongEnough));
@@ -207,7 +210,7 @@ TEST_F(DdsSecurity, WhoIsRevokedSeesNothingAndIsNotHeard) {
   const DdsSpec mes = as_new({kPlant, "mes", {}});
   const std::string old_list = security::read_file(*mes.security + "/revoked.pem");
   authority_.revoke("mes", now());
-  // Its own copy is the old one: it does not know yet.
+  // Its own copy of the list is old, so it does not contain the revocation.
   security::replace(*mes.security + "/revoked.pem", old_list, 0644);
   Watching revoked(mes, "revoked");
   Obedient bridge("press-1", 1, line);
@@ -258,7 +261,7 @@ TEST_F(DdsSecurity, WhoIsRevokedMeanwhileIsLetDownByRunningPrograms) {
     EXPECT_EQ(sample.sequence, next++) << "the others miss nothing";
 }
 
-// What an outsider can send who has read the GUID of a bridge's writer in the headers of messages.
+// An outsider may send this after reading the GUID of a bridge's writer in message headers.
 TEST_F(DdsSecurity, SamplesInClearInTheNameOfABridgeAreRefused) {
   Domain bridge(as_new({kBridge, "line-7", {}}), "line-7", nullptr);
   Domain station(as_new({kStation, "wall", {}}), "wall", nullptr);
@@ -330,7 +333,7 @@ TEST_F(DdsSecurity, APlantIsHeardForItsBusesAlone) {
   const auto done = mes.execute(write_running("press-1"), 5s);
   ASSERT_TRUE(done) << to_text(done.error());
   EXPECT_EQ(bridge.received.commands.size(), 1U) << "once";
-  // Through the writer that the bridge takes for press-1.
+  // Sent by the writer that the bridge uses for press-1.
   StationCommand command = write_running("mill-1");
   command.lifespan = 100ms;
   EXPECT_FALSE(mes.execute(command, 5s, 300ms));
@@ -385,7 +388,7 @@ TEST_F(DdsSecurity, SamplesAndResultsOfAForgingStationAreRefusedByTheStations) {
   EXPECT_EQ(forged.commands.size(), 0U) << "a command came to one that is no bridge";
   for (const StationSample& sample : mes.samples.all())
     EXPECT_EQ(sample.value, Value{std::int64_t{42}});
-  // A forged result that came would be the first.
+  // A forged result would arrive first.
   bridge.complete("press-1", done(asked), both_clocks());
   EXPECT_TRUE(eventually([&] { return results > 0; }));
   std::this_thread::sleep_for(kLongEnough / 3);

@@ -1,4 +1,4 @@
-// Who a participant is, and whose a requester is.
+// Tests the subject of a participant and the owner of a requester.
 #include "bridge/dds/requester_book.hpp"
 
 #include <gtest/gtest.h>

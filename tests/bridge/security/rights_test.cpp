@@ -1,4 +1,4 @@
-// Who may do what: the table of roles and topics, and the documents that are made of it.
+// Tests access rights: the table of roles and topics, and the documents generated from it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

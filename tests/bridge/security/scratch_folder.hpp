@@ -1,4 +1,4 @@
-// A folder that a test may fill, removed with it. Main thread.
+// A temporary directory of a test. Main thread.
 #pragma once
 
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-// When a program looks at its identity again.
+// Tests when a program checks its identity again.
 #include "bridge/service/identity_watch.hpp"
 
 #include <gtest/gtest.h>

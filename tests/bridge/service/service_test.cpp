@@ -1,4 +1,4 @@
-// What a service manager is told, by a notify socket of the test's own.
+// Tests the messages to a service manager with a notify socket of the test.
 #include "bridge/service/service.hpp"
 
 #include <gmock/gmock.h>
@@ -18,7 +18,7 @@ using testing::HasSubstr;
 
 constexpr Instant kStart{seconds{1000}};
 
-// Stands where systemd would: an abstract socket.
+// Replaces systemd: an abstract socket.
 struct Manager {
   Manager() : address("@fieldcast-service-test-" + std::to_string(::getpid())) {
     socket.reset(::socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
@@ -28,7 +28,7 @@ struct Manager {
     const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + address.size());
     EXPECT_EQ(::bind(socket.get(), reinterpret_cast<const sockaddr*>(&at), size), 0);
   }
-  // The oldest message not yet taken; empty: none.
+  // Returns the oldest unread message, empty if there is none.
   std::string take() {
     std::array<char, 4096> buffer{};
     const ssize_t size = ::recv(socket.get(), buffer.data(), buffer.size(), 0);

@@ -10,7 +10,7 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-// Bridges that receive from each other; tell() hands what one claims to the others.
+// Bridges that receive from each other; tell() sends each bridge's claims to the others.
 struct Domain {
   struct Bridge {
     std::string id;
@@ -29,7 +29,7 @@ struct Domain {
       }
     }
   }
-  // Each decides and tells until nothing changes.
+  // Lets each bridge decide and send until nothing changes.
   void come_to_rest() {
     for (bool changed = true; changed; tell()) {
       changed = false;
@@ -159,7 +159,7 @@ TEST(BusClaims, WhoIsSilentIsNoRivalAndTakesNoBusBackWhenItIsReceived) {
   later.claims.set_alive("first", false);
   EXPECT_TRUE(later.claims.decide({}));
   EXPECT_TRUE(later.claims.serves("bus"));
-  later.claims.set_alive("first", true);  // it was alive all the time, and served
+  later.claims.set_alive("first", true);  // it was alive and serving all the time
   EXPECT_FALSE(later.claims.decide({}));
   EXPECT_TRUE(later.claims.serves("bus"));
   EXPECT_THAT(later.claims.contested(), ElementsAre("bus"));

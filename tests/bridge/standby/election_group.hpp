@@ -1,5 +1,5 @@
-// A standby group in virtual time: members with clocks of their own, and a network between them
-// that loses, delays, doubles and parts.
+// Simulates a standby group in virtual time: members with their own clocks, and a network that
+// loses, delays, duplicates and partitions.
 #pragma once
 
 #include <algorithm>
@@ -35,7 +35,6 @@ struct Message {
   StandbyMember told;
 };
 
-// Members, each with a clock of its own, and what lies between them.
 class Group {
  public:
   struct Node {
@@ -46,7 +45,7 @@ class Group {
     std::unique_ptr<Election> election;
     Instant next_tick, next_beat;
     Instant stopped_until = kLongAgo;
-    std::vector<StandbyMember> waiting;  // messages for a process that stands still
+    std::vector<StandbyMember> waiting;  // messages for a suspended process
     StandbyRole said = StandbyRole::kWaiting;
     std::uint64_t greatest_term = 0;
   };
@@ -105,8 +104,8 @@ class Group {
   [[nodiscard]] Instant now() const { return now_; }
   std::mt19937_64& random() { return random_; }
 
-  Duration longest_two{};  // time for which two served at once, without an end
-  std::string fault;       // of what must never be
+  Duration longest_two{};  // longest continuous time with two serving members
+  std::string fault;       // violation of an invariant
 
  private:
   [[nodiscard]] bool serves(const Node& node) const {
@@ -148,7 +147,7 @@ class Group {
       node.election->on_time(clock(node));
       node.next_tick = now_ + 25ms;
     }
-    // What came while it stood still is read a moment later.
+    // Messages that arrived during the suspension are read slightly later.
     for (const StandbyMember& told : std::exchange(node.waiting, {})) receive(node, told);
     if (now_ >= node.next_beat || node.election->role() != node.said) say(index);
   }

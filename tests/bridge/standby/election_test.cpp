@@ -1,6 +1,5 @@
-// Which bridge of a standby group is master: single rules, and whole groups in virtual time over
-// many seeds, with loss, delay, duplicates, partitions, restarts, stopped processes and clocks that
-// differ.
+// Tests the election of the master: single rules, and whole groups in virtual time over many seeds,
+// with loss, delay, duplicates, partitions, restarts, suspended processes and clocks that differ.
 #include "bridge/standby/election.hpp"
 
 #include <gtest/gtest.h>
@@ -42,7 +41,7 @@ TEST(Election, OfEquallyStrongTheFirstByNameIsMaster) {
   EXPECT_EQ(group.masters(), Names{"a"});
 }
 
-// As when all have waited for one discovery server.
+// As if all had waited for one discovery server.
 TEST(Election, OfTwoThatBecomeReadyAtOneTimeOneIsMaster) {
   for (const Duration apart : {Duration{0ms}, Duration{4ms}, Duration{40ms}, Duration{140ms}}) {
     Group group(1);
@@ -148,7 +147,7 @@ TEST(Election, NorWhenThatMasterIsGone) {
   EXPECT_EQ(own.role(), StandbyRole::kMaster);
 }
 
-// It lets go of its buses and joins anew, in the same process.
+// It releases its buses and rejoins in the same process.
 TEST(Election, WhoJoinsAnewCountsAboveWhatItKnew) {
   Election before(member("b", 1), kStart);
   before.set_not_ready("");
@@ -162,7 +161,8 @@ TEST(Election, WhoJoinsAnewCountsAboveWhatItKnew) {
   for (; now < kStart + 4s; now += Election::kTick) own.on_time(now);
   ASSERT_EQ(own.role(), StandbyRole::kMaster);
   EXPECT_EQ(number_of(own.term()), 8u);
-  // That master was cut off all the time, and has just begun anew: nobody knows of its last terms.
+  // That master was disconnected all the time and has just restarted, so its last terms are
+  // unknown.
   own.receive(member("a", 2, 3), now);
   own.on_time(now);
   EXPECT_GE(number_of(own.term()), 7 + (now - kStart) / Election::kTermTime);
@@ -229,7 +229,7 @@ TEST(Election, OfTwoMastersThatMeetTheOneWithTheSmallerTermStepsBackWithinABeat)
   EXPECT_EQ(group.masters(), Names{"b"});
 }
 
-// However long it stood still: from 1 ms to 3 s.
+// For suspensions from 1 ms to 3 s.
 TEST(Election, AMasterThatStoodStillServesNothingBeforeItHasListened) {
   for (Duration still = 1ms; still < 3s; still += 7ms) {
     Group group(static_cast<std::uint64_t>(still.count()));
@@ -239,7 +239,7 @@ TEST(Election, AMasterThatStoodStillServesNothingBeforeItHasListened) {
     group.stop(a, still);
     group.run(still + 1s);
     EXPECT_EQ(group.masters().size(), 1u) << still.count();
-    EXPECT_LE(group.longest_two, 3ms) << still.count();  // the way of a message
+    EXPECT_LE(group.longest_two, 3ms) << still.count();  // the delay of a message
   }
 }
 
@@ -261,7 +261,7 @@ TEST(Election, AMasterWhoseGroupKnowsAGreaterTermTakesAGreaterOne) {
   EXPECT_GT(number_of(group.of(a).term()), number_of(seen));
 }
 
-// Two that took over out of sight of each other publish the same numbers.
+// Two that took over without seeing each other publish the same numbers.
 TEST(Election, AMasterThatHearsOfAnotherTermOfItsNumberTakesALaterOne) {
   Group group(1);
   const auto a = group.add("a", 3);
@@ -283,7 +283,7 @@ TEST(Election, AMasterThatHearsOfAnotherTermOfItsNumberTakesALaterOne) {
   EXPECT_GT(number_of(group.of(masters[0] == "b" ? b : c).term()), number);
 }
 
-// It may have been master, and remembers nothing.
+// It may have been master and stores nothing.
 TEST(Election, AMasterTakesALaterTermWhenAMemberThatNobodyHeardBeginsAnew) {
   for (const bool heard : {true, false}) {
     Group group(1);
@@ -322,7 +322,7 @@ TEST(Election, TheSamplesOfALaterTermHaveGreaterNumbers) {
   EXPECT_LT(sequences_of(term(0xffffffff)), std::uint64_t{1} << 63) << "a column of a database";
 }
 
-// A day's troubles in some minutes. FIELDCAST_SEEDS: how many.
+// The faults of a day in some minutes. FIELDCAST_SEEDS sets the number of seeds.
 TEST(Election, NeverTwoMastersOfOneTermAndOneMasterWhenAllIsWell) {
   const char* const wanted = std::getenv("FIELDCAST_SEEDS");
   const int seeds = wanted == nullptr ? 60 : std::atoi(wanted);

@@ -1,5 +1,5 @@
-// A command that reached one member of a standby group alone, which does not become master: a real
-// bridge, and the other member played by the test.
+// Tests a command that only reached a standby member that does not become master. One member is a
+// real bridge, the test simulates the second.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -28,7 +28,7 @@ using namespace std::chrono_literals;
 using testing::HasSubstr;
 using testing::Not;
 
-// The member that the test plays, and a plant system that writes commands and reads results.
+// The simulated member, and a plant system that writes commands and reads results.
 class PlayedMember {
  public:
   explicit PlayedMember(std::uint32_t domain)
@@ -44,7 +44,7 @@ class PlayedMember {
         beats_([this] { beat(); }) {}
   ~PlayedMember() { leave(); }
 
-  // It ends, and says so.
+  // Leaves the group with a message.
   void leave() {
     ending_ = true;
     if (beats_.joinable()) beats_.join();
@@ -66,7 +66,7 @@ class PlayedMember {
     ASSERT_TRUE(to_idl("one", command, out));
     commands_->write(&out);
   }
-  // What a person does about an alarm.
+  // Writes a user's action on an alarm.
   void act(std::uint64_t id) {
     AlarmAction action;
     action.requester = "plant-system";
@@ -80,16 +80,16 @@ class PlayedMember {
     ASSERT_TRUE(to_idl(action, out));
     actions_->write(&out);
   }
-  // Of a command that it holds.
+  // Sends a note about a held command.
   void tell(StandbyNoteKind kind, std::uint64_t id) {
     channel_.tell(StandbyNote{"g", "played", 0, 0, kind, "one", "plant-system", id});
   }
-  // What the bridge tells to hold.
+  // Returns the commands that the bridge reports as held.
   [[nodiscard]] std::set<std::uint64_t> told() {
     const std::lock_guard lock(mutex_);
     return told_;
   }
-  // What the bridge says of commands that have their result.
+  // Returns the commands that the bridge reports as completed.
   [[nodiscard]] std::set<std::uint64_t> answered() {
     const std::lock_guard lock(mutex_);
     return answered_;
@@ -123,12 +123,12 @@ class PlayedMember {
     message.member.role = StandbyRole::kLeft;
     channel_.tell(message);
   }
-  // That of the real one: else it would not take over.
+  // Equal to that of the real one, which would not take over otherwise.
   std::string configuration() {
     const std::lock_guard lock(mutex_);
     return configuration_;
   }
-  // This process was held up for too long, and the bridge has taken over: it is to wait again.
+  // This process was delayed and the bridge has taken over: it must wait again.
   void on_member(const StandbyMessage& message) {
     {
       const std::lock_guard lock(mutex_);
@@ -184,7 +184,7 @@ struct HeldByMember : testing::Test {
                            "\"holding:9\", type: uint16, access: read-write, refresh: 200ms }\n";
     return std::make_unique<test::Process>(FIELDCAST_BRIDGE, std::vector<std::string>{file});
   }
-  // What the bridge answers, once it is master.
+  // Returns the result that the bridge gives as master.
   StationResult answer_to(StandbyNoteKind kind, std::uint64_t id) {
     (void)within([&] {
       member.tell(kind, id);
@@ -192,7 +192,7 @@ struct HeldByMember : testing::Test {
     });
     return result_of(id);
   }
-  // The first result of a command, once it is there.
+  // Waits for the first result of a command.
   StationResult result_of(std::uint64_t id) {
     EXPECT_TRUE(within([&] { return !member.results_of(id).empty(); })) << id;
     const auto results = member.results_of(id);
@@ -221,7 +221,7 @@ TEST_F(HeldByMember, TellsTheMasterWhichAnswersWhatItDoesNotKnow) {
 
   member.leave();
   EXPECT_EQ(result_of(held).state, CommandState::kDone) << "who takes over runs what it holds";
-  // It has no alarms, and says so.
+  // The bridge has no alarms, and its result says so.
   EXPECT_THAT(result_of(action).reason, Not(HasSubstr("send it again")));
   member.tell(StandbyNoteKind::kReturned, held);
   member.tell(StandbyNoteKind::kReturned, action);

@@ -1,4 +1,4 @@
-// Commands that a waiting bridge holds while another one is master.
+// Tests commands that a waiting bridge holds while another bridge is master.
 #include "bridge/standby/held_commands.hpp"
 
 #include <gmock/gmock.h>
@@ -32,7 +32,7 @@ TEST_F(HeldCommandsTest, WhatIsNotAnsweredRunsInTheOrderInWhichItCame) {
 TEST_F(HeldCommandsTest, WhatTheMasterHasBegunIsNeverRunAgain) {
   hold(1);
   held.begun("bus", {"mes", 1}, kSoon);
-  held.begun("bus", {"mes", 2}, kSoon);  // the note came before the command
+  held.begun("bus", {"mes", 2}, kSoon);  // the note arrived before the command
   hold(2);
   held.begun("bus", {"mes", 3}, kSoon);
   held.answered({"mes", 3});
@@ -54,7 +54,7 @@ TEST_F(HeldCommandsTest, WhatTheMasterGivesBackRuns) {
   EXPECT_THAT(held.take_over(kNow), ElementsAre("1"));
 }
 
-// The word of a master that has handed over may overtake its last results.
+// The note of a master that has handed over may arrive before its last results.
 TEST_F(HeldCommandsTest, ANewMasterWaitsForWhatTheOneBeforeHasBegun) {
   for (const std::uint64_t id : {1, 2, 3}) hold(id);
   for (const std::uint64_t id : {1, 2, 3, 4}) held.begun("bus", {"mes", id}, kSoon);
@@ -83,7 +83,7 @@ TEST_F(HeldCommandsTest, WhatIsTooOldIsForgotten) {
   EXPECT_THAT(held.take_over(kSoon + Held::kLonger), IsEmpty());
 }
 
-// Their results may have been told while it could not hear.
+// Their results may have been sent while it was disconnected.
 TEST_F(HeldCommandsTest, WhoJoinsOnceMoreRunsNothingOfBefore) {
   hold(1);
   held.begun("bus", {"mes", 2}, kSoon);
@@ -131,7 +131,7 @@ TEST_F(HeldCommandsTest, AMasterIsNotToldForEver) {
   EXPECT_EQ(told, 2 * Held::kMostTold);
 }
 
-// A bridge that joins anew forgets what it holds.
+// A bridge that rejoins forgets its held commands.
 TEST_F(HeldCommandsTest, TheMasterIsToldAtOnceOfWhatWouldBeForgotten) {
   hold(1);
   hold(2);

@@ -8,7 +8,7 @@
 namespace fieldcast {
 namespace {
 
-// The identity of a child that waits.
+// The identity of a waiting child process.
 struct Child {
   Child() {
     int ends[2];
@@ -49,7 +49,7 @@ TEST(ProcessIdentity, SaysNothingOfOtherMachinesAndContainers) {
   for (const char* other : {"", "x", "boot/pid:[1]/999999/5", "////"})
     EXPECT_FALSE(has_ended(other));
   std::string same_pid = own_process_identity();
-  same_pid += '0';  // another start: that process is not this one
+  same_pid += '0';  // another start time: not the same process
   EXPECT_TRUE(has_ended(same_pid));
 }
 

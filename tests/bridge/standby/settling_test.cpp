@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 
 constexpr Instant kBegan{std::chrono::hours{1}};
 
-// How long it takes where `at` is what is found so long after the beginning.
+// Returns the settling time if `at` gives the findings after each duration.
 Duration settled_after(bool in_group, const std::function<Finding(Duration)>& at) {
   Settling settling(in_group, kBegan);
   Duration after{};
@@ -45,7 +45,7 @@ TEST(Settling, WhoIsThereAndNotKnownYetIsWaitedFor) {
   EXPECT_EQ(settled_after(false, known(1h)), Settling::kMost);
 }
 
-// Behind a discovery server the bridge that was killed before may look like one that is silent.
+// Behind a discovery server, a killed bridge may look like a silent one.
 TEST(Settling, WhoIsSilentIsNotWaitedForAsLong) {
   const auto silent = [](Duration) { return Finding{.silent = 1}; };
   EXPECT_EQ(settled_after(true, silent), Settling::kMost);

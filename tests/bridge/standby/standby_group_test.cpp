@@ -1,4 +1,4 @@
-// A member of a standby group with handlers of the test; its thread is not started.
+// Tests a member of a standby group with the handlers of the test, without its thread.
 #include "bridge/standby/standby_group.hpp"
 
 #include <gtest/gtest.h>
@@ -17,9 +17,9 @@ class StandbyGroupTest : public testing::Test {
     StandbyMessage other{.group = "g"};
     other.member.bridge = "b";
     other.member.since = 2;
-    group_.on_member(other);  // ready, and has noted nothing
+    group_.on_member(other);  // ready, without notes
   }
-  // What became of a write that begins: nothing yet, or whether it may run.
+  // Begins a write; `noted_` becomes whether it may run, and is empty until then.
   void begin(std::uint64_t id) {
     group_.begin("bus", "plant", id, [this](bool noted) { noted_ = noted; });
   }
@@ -43,7 +43,7 @@ class StandbyGroupTest : public testing::Test {
                        .held = [](const StandbyNote&) {}}};
 };
 
-// This one stood still meanwhile, and the command waited in front of it.
+// This member was suspended while the command was in its queue.
 TEST_F(StandbyGroupTest, AWriteThatAnotherOneHasBegunDoesNotRunOnceMore) {
   begin(7);
   EXPECT_EQ(noted_, std::nullopt) << "nobody knows yet who is master";

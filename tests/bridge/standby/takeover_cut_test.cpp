@@ -1,5 +1,5 @@
-// What a station sees of the bridge that remains after a cut of the network. The other side of the
-// cut is a member that the test makes.
+// Tests the samples that a station receives from the remaining bridge after a network cut. The test
+// simulates a member on the other side.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -15,7 +15,7 @@ namespace {
 
 using namespace takeover;
 
-// A member that says what the test wants, and writes samples as a master.
+// A member that sends what the test sets and writes samples as a master.
 class Third {
  public:
   explicit Third(std::uint32_t domain) : outside_(Watch::spec(domain), "third", nullptr) {
@@ -26,13 +26,13 @@ class Third {
   }
   ~Third() { stop_writing(); }
 
-  // It stays until another one is told.
+  // Applies until the next term is set.
   void tell(StandbyTerm term) {
     told_.member.term = term;
     ++told_.member.beat;
     channel_.tell(told_);
   }
-  // Good values of both channels, as one that goes on with the epoch of the master.
+  // Writes good values of both channels with the epoch of the master.
   void write(std::uint64_t sequence) {
     if (blocks_ == nullptr) blocks_ = outside_.writer(kSampleBlockTopic, "third");
     if (epoch_ == 0) return;
@@ -72,8 +72,8 @@ class Third {
   dds::DataWriter* blocks_ = nullptr;
 };
 
-// After a cut of the network a third one tells of a term that nobody is master of any more: whoever
-// was, has published greater numbers.
+// After the cut, a third member reports a term without a master. A former master has published
+// higher numbers.
 TEST_F(TakeoverTest, AMasterThatRemainsAfterACutCountsAboveTheOneThatLeft) {
   start_both();
   Third third(domain.number());
@@ -92,8 +92,8 @@ TEST_F(TakeoverTest, AMasterThatRemainsAfterACutCountsAboveTheOneThatLeft) {
   expect_one_master();
 }
 
-// A member that was master out of the master's sight, and is gone for good: only the station knows
-// how far it has counted.
+// A member was master unseen by the master and has left permanently. Only the station has its
+// count.
 TEST_F(TakeoverTest, AMasterCountsAboveOneThatOnlyStationsHaveHeard) {
   start_both();
   Third third(domain.number());

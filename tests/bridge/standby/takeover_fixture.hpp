@@ -1,5 +1,5 @@
-// Two bridges of one standby group as real processes, a device that takes connections of both, and
-// a station that watches.
+// Two real bridge processes of one standby group, a device with connections from both, and a
+// station.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ inline bool within(const std::function<bool()>& condition, milliseconds limit = 
   return true;
 }
 
-// What a station sees of the channel that is read fastest.
+// Records the samples that a station receives from the fastest channel.
 class Watch {
  public:
   explicit Watch(std::uint32_t domain) : station_(spec(domain), "watch") {
@@ -77,7 +77,7 @@ class Watch {
     const std::lock_guard lock(mutex_);
     return good_;
   }
-  // Since the last call.
+  // Returns the longest gap since the last call.
   milliseconds longest_gap() {
     const std::lock_guard lock(mutex_);
     return std::chrono::duration_cast<milliseconds>(std::exchange(longest_, {}));
@@ -159,7 +159,7 @@ struct TakeoverTest : testing::Test {
       return count >= times;
     });
   }
-  // "a" is master, "b" stands by and follows.
+  // Starts "a" as master and "b" as standby.
   void start_both() {
     a = launch("a", 2);
     ASSERT_TRUE(says("a", "is master of group g"));
@@ -174,7 +174,7 @@ struct TakeoverTest : testing::Test {
     const auto good = watch.good();
     EXPECT_TRUE(within([&] { return watch.good() > good + 10; }));
   }
-  // No request over one connection after the first over a later one.
+  // Checks that no request of an older connection follows one of a newer connection.
   void expect_one_master() {
     int newest = 0;
     for (const auto& request : device.requests()) {
@@ -193,8 +193,8 @@ struct TakeoverTest : testing::Test {
     EXPECT_TRUE(id) << "write " << value;
     return id.value_or(0);
   }
-  // Writes 1..kWrites, one each 15 ms, as a plant that knows of no bridges; half of them before
-  // the master gets `signal`. Their ids.
+  // Writes 1..kWrites, one every 15 ms, as a plant without knowledge of bridges; half of them
+  // before the master gets `signal`. Returns their ids.
   static constexpr int kWrites = 60;
   std::vector<std::uint64_t> write_while_the_master_gets(int signal) {
     std::vector<std::uint64_t> ids;
@@ -206,8 +206,8 @@ struct TakeoverTest : testing::Test {
     EXPECT_TRUE(within([&] { return watch.results().size() == ids.size(); }));
     return ids;
   }
-  // The master gets `signal`, the other one says `told`, the first comes back as a standby; as many
-  // times as takeovers() says. The longest gap of each; none: something did not come.
+  // Sends `signal` to the master; the other one logs `told`, and the first returns as standby.
+  // Repeats takeovers() times. Returns the longest gap of each; empty on a timeout.
   std::vector<milliseconds> take_over_in_turn(int signal, const std::string& told) {
     std::vector<milliseconds> gaps;
     for (int i = 0; i < takeovers(); ++i) {

@@ -1,6 +1,6 @@
-// What a station sees when the master is killed, stopped, or hands over.
+// Tests the samples of a station when the master is killed, suspended, or hands over.
 //
-// FIELDCAST_TAKEOVERS=20 does each so often, and prints the longest gaps of a channel.
+// FIELDCAST_TAKEOVERS=20 repeats each so often and prints the longest gaps of a channel.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -33,7 +33,7 @@ TEST_F(TakeoverTest, AMasterThatIsKilledIsReplacedAndItsSequencesGoOn) {
   const auto gaps = take_over_in_turn(SIGKILL, "has taken over in group g");
   ASSERT_FALSE(gaps.empty());
   print("kill -9", gaps);
-  EXPECT_LE(gaps.back(), 1s);  // an idle machine: docs/redundancy.md
+  EXPECT_LE(gaps.back(), 1s);  // on an idle machine; see docs/redundancy.md
   EXPECT_EQ(watch.fault(), "");
   expect_one_master();
 }
@@ -57,7 +57,7 @@ TEST_F(TakeoverTest, AMasterThatStoodStillDoesNotSpeakAgainAndStandsBy) {
   std::set<std::uint64_t> ids;
   for (int value = 1; value <= 5; ++value) ids.insert(write(value));
   EXPECT_TRUE(within([&] { return watch.results().size() == ids.size(); }));
-  a->signal(SIGCONT);  // finds the five, too
+  a->signal(SIGCONT);  // it also receives the five
   ASSERT_TRUE(says("a", "steps back"));
   ASSERT_TRUE(says("a", "stands by in group g", 2));
   expect_samples();
@@ -68,7 +68,7 @@ TEST_F(TakeoverTest, AMasterThatStoodStillDoesNotSpeakAgainAndStandsBy) {
   expect_one_master();
 }
 
-// Each write is carried out at most once, and has a result.
+// Each write runs at most once and has a result.
 TEST_F(TakeoverTest, OverAKillEachCommandHasAResultAndNoWriteRunsTwice) {
   start_both();
   const auto ids = write_while_the_master_gets(SIGKILL);
@@ -88,11 +88,11 @@ TEST_F(TakeoverTest, OverAKillEachCommandHasAResultAndNoWriteRunsTwice) {
     ++done;
     EXPECT_EQ(times, 1) << i;
   }
-  EXPECT_GE(done, kWrites / 2);  // what was under way at the kill is FAILED
+  EXPECT_GE(done, kWrites / 2);  // pending ones FAIL at the kill
   for (const auto& [id, count] : watch.results()) EXPECT_EQ(count, 1) << id;
 }
 
-// Nobody is found before the server is there.
+// Members are not discovered before the server runs.
 TEST_F(TakeoverTest, MembersThatStartBeforeTheirDiscoveryServerWaitForIt) {
   const std::string server = "/usr/bin/fast-discovery-server";
   if (::access(server.c_str(), X_OK) != 0) GTEST_SKIP() << "fastdds-tools is not installed";

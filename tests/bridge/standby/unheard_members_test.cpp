@@ -1,5 +1,5 @@
-// Later terms that a master takes because a member may have been master out of its sight, and
-// readers may have followed that one.
+// Tests the later terms that a master uses because an unseen member may have been master and
+// readers may have followed it.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 using election_group::Group;
 using Members = std::vector<std::string>;
 
-// Whoever is out of sight may have been master for the readers that come now.
+// An unseen member may have been master for the readers that join now.
 TEST(Election, AMasterTakesALaterTermForReadersWhileAMemberIsOutOfSight) {
   Group group(1);
   const auto a = group.add("a", 2);
@@ -51,7 +51,7 @@ TEST(Election, AMasterTakesALaterTermForReadersWhileAMemberIsOutOfSight) {
   EXPECT_GT(number_of(group.of(a).term()), number_of(later));
 }
 
-// It takes terms for its readers, too.
+// It also uses terms for its readers.
 TEST(Election, ATermForReadersIsAboveThoseThatAMemberOutOfSightTook) {
   Group group(1);
   const auto a = group.add("a", 2);
@@ -71,8 +71,8 @@ TEST(Election, ATermForReadersIsAboveThoseThatAMemberOutOfSightTook) {
   EXPECT_GT(number_of(group.of(a).term()), others);
 }
 
-// Those that a master does not hear die, begin anew, take over, hand over, and take terms above
-// each other and for their readers. FIELDCAST_SEEDS: how many times.
+// Members unseen by a master die, restart, take over, hand over, and use later terms, also for
+// their readers. FIELDCAST_SEEDS sets the number of runs.
 class OutOfSight {
  public:
   explicit OutOfSight(std::uint64_t seed) : group_(seed), members_(pick(2, 4)) {
@@ -81,7 +81,7 @@ class OutOfSight {
     group_.run(2s);
     for (std::size_t i = 1; i < members_; ++i) group_.part(0, i);
   }
-  // The greatest number of a term in which one of them was master, ever.
+  // Returns the highest term number with which one of them was ever master.
   std::uint32_t trouble(int times) {
     std::uint32_t most = 0;
     for (int i = 0; i < times; ++i) {
@@ -111,7 +111,7 @@ class OutOfSight {
   T pick(T least, T most) {
     return std::uniform_int_distribution<T>(least, most)(group_.random());
   }
-  // As the bridge: it hands over at once, and who has stepped back begins anew.
+  // Acts as the bridge: it hands over immediately, and restarts after it stepped back.
   std::uint32_t look(std::size_t index) {
     if (!group_.node(index).election) return 0;
     Election& election = group_.of(index);
@@ -152,7 +152,7 @@ TEST(Election, WhoBeginsAnewIsCountedAboveWithAllThatItMayHaveHeardOf) {
   }
 }
 
-// However often members begin anew: four numbers a second, for 17 years.
+// However often members restart: four numbers per second, for 17 years.
 TEST(Election, NumbersGrowNoFasterThanTimePasses) {
   Group group(1);
   const auto a = group.add("a", 2);
@@ -189,7 +189,7 @@ TEST(Election, AMasterThatStoodStillListensBeforeItTakesALaterTerm) {
   pass(3s);
   ASSERT_TRUE(a.serves(now));
   const auto first = a.term();
-  now += 4s;  // b began anew, and was master perhaps
+  now += 4s;  // b restarted and may have been master
   other.since = 2;
   a.receive(other, now);
   a.on_time(now);
@@ -214,7 +214,7 @@ TEST(Election, WhoIsSeenToEndIsNotOutOfSight) {
   EXPECT_EQ(group.of(a).term(), first);
 }
 
-// As when it has joined, followed a block, and the master stood still before it said a word.
+// It has joined and followed a block, and the master was suspended before its first message.
 TEST(Election, WhoFollowsSamplesOfALaterTermThanItsOwnTakesALaterOne) {
   Group group(1);
   const auto a = group.add("a", 1);

@@ -1,4 +1,5 @@
-// Identities of commands that outlive their bridge: known again by another one on the same store.
+// Tests that command identities outlive their bridge: another bridge on the same store recognises
+// them.
 #include "bridge/store/command_identities.hpp"
 
 #include <gmock/gmock.h>
@@ -55,7 +56,7 @@ TEST(CommandIdentities, OutliveTheirBridgeInPostgres) {
   outlive_their_bridge(server.address());
 }
 
-// The one that dies has said "new" and may have run the command: the next must not.
+// The killed bridge has returned "new" and may have run the command, so the next must not.
 TEST(CommandIdentities, OutliveABridgeThatIsKilledAtTheVerdict) {
   const Scratch scratch;
   const StoreAddress address(scratch.path("store.db"));

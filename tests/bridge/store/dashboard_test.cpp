@@ -1,5 +1,5 @@
-// Every query of the store's dashboards (config/grafana) is run, with what Grafana puts in place of
-// its macros and variables, and finds the rows of a store at their times.
+// Runs every query of the store's dashboards (config/grafana) with Grafana's macros and variables
+// replaced, and checks that it finds the rows of a store at their times.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -53,8 +53,8 @@ std::string replaced(const std::string& text, const std::string& pattern, const 
   return std::regex_replace(text, std::regex(pattern), by);
 }
 
-// What Grafana sends: grafana.com/docs/grafana/latest/datasources/postgres, "Macros", and its
-// global variables; 10 s is the interval of the screen.
+// Expands as Grafana does: grafana.com/docs/grafana/latest/datasources/postgres, "Macros", and its
+// global variables; the interval is 10 s.
 std::string expanded(std::string sql) {
   sql = replaced(sql, R"(\$__unixEpochNanoFilter\((\w+)\))",
                  fmt::format("$1 >= {} and $1 <= {}", kFrom * kNanosecondsOfSecond,
@@ -92,7 +92,7 @@ void fill(SqlConnection& connection) {
       .at = kAt, .who = "ann", .what = "write 5", .target = "line/press/t", .result = "done"});
 }
 
-// A column of type time, or the beginning of an interval in seconds.
+// Accepts a column of type time, or the start of an interval in seconds.
 bool is_the_day(const std::string& text) {
   if (std::regex_match(text, std::regex(R"(2023-11-15[T ]09:00:10\.5\d*(Z|\+00))"))) return true;
   double epoch = 0;
@@ -144,7 +144,7 @@ TEST(StoreDashboard, OfPostgresFindsRowsInEveryQueryForWhoMayReadTheViewsOnly) {
   const auto connection = open_store(server.address(), IfMissing::kCreate);
   fill(*connection);
   connection->script(
-      "create role grafana login;"  // as docs/store.md says
+      "create role grafana login;"  // as in docs/store.md
       "grant select on sample_history, last_samples, device_states, alarm_history, active_alarms, "
       "audit_history to grafana; set role grafana; set timezone = 'UTC'");
   EXPECT_THROW(connection->script("select * from users"), StoreError);

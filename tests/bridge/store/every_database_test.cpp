@@ -1,4 +1,4 @@
-// What every database must do, on each of them.
+// Tests that apply to every database.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -162,7 +162,7 @@ void keeps_audit_alarms_and_devices(const StoreAddress& address) {
   EXPECT_THAT(events.devices(), ElementsAre(after));
 }
 
-// A store tells what was active, before anything is put in, to the next bridge.
+// Before the first insert, a store reports the active alarms to the next bridge.
 void tells_which_alarms_are_active(const StoreAddress& address) {
   AlarmRecord ended{"a", "d", "c", "low", "active", 1.5, utc(2)};
   AlarmRecord again{"a", "d", "c", "high", "active", 91.5, utc(3)};
@@ -250,7 +250,7 @@ void keeps_what_people_did_about_alarms(const StoreAddress& address) {
   EXPECT_TRUE(kept_in(address, utc(60)).maintenance.empty());
 }
 
-// A store of version 5 knows beginnings and ends alone.
+// A store of version 5 only has beginnings and ends.
 void goes_on_from_version_5(const StoreAddress& address) {
   {
     const auto connection = open_store(address, IfMissing::kFail);

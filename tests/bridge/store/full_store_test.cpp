@@ -1,4 +1,4 @@
-// A database that takes nothing now is waited for: nothing that the queue has is lost.
+// Tests that the store waits for a database that rejects writes and loses nothing in its queue.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -16,10 +16,10 @@ using std::chrono::milliseconds;
 using test::history;
 
 constexpr std::chrono::seconds kSoon{30};
-// Longer than all attempts at a batch that a database refuses.
+// Longer than all retries of a batch that a database refuses.
 constexpr milliseconds kWhile{2500};
 
-// `fill` makes the database take nothing, `empty` undoes that.
+// `fill` makes the database reject writes, `empty` undoes that.
 template <typename Fill, typename Empty>
 void waits_while_it_is_full(const StoreAddress& address, Fill fill, Empty empty) {
   Store store(test::forever(address));

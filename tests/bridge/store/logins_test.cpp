@@ -64,7 +64,7 @@ TEST_F(Users, AreAddedOnceAndRemovedOnce) {
 }
 
 TEST_F(Users, AreKeptWithoutTheirPasswords) {
-  connection_.reset();  // the last to close writes everything into the file
+  connection_.reset();  // the last connection to close writes all data into the file
   std::ifstream file(address_.text(), std::ios::binary);
   std::stringstream content;
   content << file.rdbuf();

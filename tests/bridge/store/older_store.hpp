@@ -1,4 +1,4 @@
-// Stores as older versions left them.
+// Creates stores of older versions.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace fieldcast::test {
 
-// Takes back what the versions after this one brought. REQUIRES: 1 <= version.
+// Reverts the changes of the later versions. REQUIRES: 1 <= version.
 inline void back_to_version(SqlConnection& connection, int version) {
   if (version < 8) connection.script("drop view quarantine_list; drop table quarantine");
   if (version < 7) connection.script("drop table tokens");

@@ -1,5 +1,4 @@
-// A real PostgreSQL server for one test: in a folder of its own, on a Unix socket in it and nowhere
-// else.
+// A real PostgreSQL server for one test, in its own directory and only on a Unix socket there.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -20,7 +19,7 @@ namespace fieldcast::test {
 
 class PostgresServer {
  public:
-  // The folder of the server's programs; empty: it is not installed.
+  // Returns the directory of the server's programs, empty if it is not installed.
   [[nodiscard]] static std::string programs() {
     const std::filesystem::path root = "/usr/lib/postgresql";
     std::error_code none;
@@ -35,7 +34,7 @@ class PostgresServer {
     std::string pattern = (std::filesystem::temp_directory_path() / "fieldcast-pg-XXXXXX").string();
     if (::mkdtemp(pattern.data()) == nullptr) return;
     folder_ = pattern;
-    // The server refuses to run as root; its package made a user for it.
+    // The server refuses to run as root; its package has created a user for it.
     if (::geteuid() == 0) owner_ = ::getpwnam("postgres");
     if (owner_ && ::chown(folder_.c_str(), owner_->pw_uid, owner_->pw_gid) != 0) return;
     const pid_t init = start("initdb", {"-D", folder_ + "/data", "-A", "trust", "-U", "fieldcast",

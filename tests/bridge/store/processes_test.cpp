@@ -1,5 +1,5 @@
-// A store of SQLite that several processes have open: the bridge, by two connections, and a command
-// line that comes and goes.
+// Tests an SQLite store that several processes have open: the bridge, with two connections, and a
+// temporary command line.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -21,8 +21,8 @@ std::size_t entries_of(const StoreAddress& address) {
   return count;
 }
 
-// A process that looks into the store when it is told to, and ends. Made before this one opens the
-// store: SQLite carries nothing across a fork.
+// A process that reads the store on request. Forked before this process opens the store: SQLite
+// connections must not cross a fork.
 class Reader {
  public:
   explicit Reader(const StoreAddress& address) {

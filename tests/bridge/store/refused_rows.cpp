@@ -56,7 +56,7 @@ void accept_all_samples(SqlConnection& connection) {
 
 }  // namespace
 
-// An index of the test stands for any reason that a database has.
+// An index of the test represents any reason of a refusal.
 void puts_refused_events_aside(const StoreAddress& address) {
   const auto connection = open_store(address, IfMissing::kCreate);
   connection->script("create unique index only_one on alarms (bus) where bus = 'refused'");
@@ -82,7 +82,7 @@ void puts_refused_events_aside(const StoreAddress& address) {
                       return true;
                     });
   EXPECT_THAT(stored, ElementsAre("refused", "accepted"));
-  // The newest rows stay.
+  // The newest rows remain.
   std::vector<SqlRow> many;
   for (std::int64_t i = 0; i < QuarantineTable::kMaxKept + 2; ++i) many.push_back({i});
   connection->execute(
@@ -99,7 +99,7 @@ void puts_refused_events_aside(const StoreAddress& address) {
       "delete from alarms where bus in ('refused', 'accepted')");
 }
 
-// A channel that is refused, and a sample that is refused, among the first samples of others.
+// A refused channel and a refused sample among the first samples of others.
 void puts_refused_samples_aside(const StoreAddress& address) {
   const auto connection = open_store(address, IfMissing::kCreate);
   refuse_some_samples(*connection);
@@ -126,7 +126,7 @@ void puts_refused_samples_aside(const StoreAddress& address) {
     EXPECT_EQ(store.counters().quarantined, 2u);
     EXPECT_EQ(store.counters().stored, 5u);
     EXPECT_EQ(store.counters().dropped, 0u);
-    // The next batch goes on with what the database has.
+    // The next batch continues after what the database has.
     const Sample next[] = {sample(0, 5.0, 4, 3)};
     intake->put(next, kClock, utc(4));
     ASSERT_TRUE(store.flush(seconds{30}));
@@ -153,7 +153,7 @@ void puts_refused_samples_aside(const StoreAddress& address) {
   accept_all_samples(*connection);
 }
 
-// Anybody in the domain can publish an alarm with such a value.
+// Any participant in the domain can publish an alarm with such a value.
 void goes_on_after_an_alarm_without_a_number(const StoreAddress& address) {
   Store store(forever(address));
   const double infinity = std::numeric_limits<double>::infinity();
@@ -259,7 +259,7 @@ void goes_on_after_every_extreme(const StoreAddress& address) {
   }
   EXPECT_EQ(history(address, "around").size(), 2u);
   EXPECT_EQ(number_in(*connection, "select count(*) from audit"), audited + entries);
-  // The views and the tiers read what was stored.
+  // The views and the tiers read the stored rows.
   for (const char* const view :
        {"sample_history", "last_samples", "alarm_history", "alarm_log", "alarm_list",
         "maintenance_list", "device_states", "audit_history"})

@@ -1,7 +1,7 @@
-// Checks of every_database_test.cpp: rows that a database refuses, and values that only a hostile
-// or broken program publishes. Each stores around them rows that must be there afterwards.
+// Checks for every_database_test.cpp: rows that a database refuses, and values that only a hostile
+// or broken program publishes. Each check stores valid rows around them, which must remain.
 //
-// They run on the thread of the test. The database exists and is at the present version.
+// The database exists and has the current version.
 #pragma once
 
 #include "bridge/store/store_address.hpp"

@@ -1,4 +1,5 @@
-// The days of a server's samples: where they lie, how they go, and what an older Fieldcast left.
+// Tests the daily partitions of a server's samples: their location, removal, and the migration of
+// an older Fieldcast.
 #include "bridge/store/sample_days.hpp"
 
 #include <gmock/gmock.h>
@@ -21,7 +22,7 @@ UtcTime after_midnight(std::int64_t second) {
 }
 UtcTime day(std::int64_t number) { return after_midnight(number * 24 * kHour); }
 
-// A store whose every test begins without samples.
+// A store that begins every test without samples.
 class Days {
  public:
   explicit Days(const StoreAddress& address)
@@ -43,7 +44,7 @@ class Days {
     SampleTable(*connection_).insert(rows);
     transaction.commit();
   }
-  // As a Fieldcast before days did.
+  // Inserts as a Fieldcast version without daily partitions.
   void insert_undated(UtcTime at) {
     connection_->execute(
         "insert into samples (channel, published_at, sequence, acquired_at, quality, device_code, "

@@ -1,4 +1,4 @@
-// A folder for the files of one test, and an audit that remembers.
+// A directory for the files of one test, and an audit in memory.
 #pragma once
 
 #include <gtest/gtest.h>

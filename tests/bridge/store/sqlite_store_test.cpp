@@ -1,4 +1,4 @@
-// What is SQLite's own: the file, its version, its size.
+// Tests SQLite only: the file, its version, its size.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -112,7 +112,7 @@ TEST(SqliteStore, ThatIsTooLargeLosesItsOldestSamples) {
 TEST(SqliteStore, GivesTheRoomOfRemovedSamplesBackToTheDisk) {
   const Scratch scratch;
   const StoreAddress address(scratch.path("store.db"));
-  // What the tables take while nothing is in them.
+  // The size of the empty tables.
   (void)open_store(address, IfMissing::kCreate);
   const auto empty = std::filesystem::file_size(address.text());
   {

@@ -1,4 +1,4 @@
-// Addresses of stores: what is a server, and no password where one is shown.
+// Tests store addresses: recognition of servers, and hidden passwords.
 #include "bridge/store/store_address.hpp"
 
 #include <gmock/gmock.h>

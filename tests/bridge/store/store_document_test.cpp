@@ -1,4 +1,4 @@
-// docs/store.md: every query in it is run, and its tables name the columns that the views have.
+// Runs every query in docs/store.md and compares its tables with the columns of the views.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ std::vector<std::string> lines_of_the_document() {
   return lines;
 }
 
-// The ```sql blocks marked <!-- database: both -->, and those of this one.
+// Returns the ```sql blocks marked <!-- database: both --> and those of this database.
 std::vector<std::string> blocks_for(const std::string& database) {
   std::vector<std::string> blocks;
   std::string marker;

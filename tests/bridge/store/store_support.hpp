@@ -1,7 +1,6 @@
-// What the tests of the store put into it and read from it: times, samples of one device,
-// histories.
+// Helpers of the store tests: times, samples of one device, histories.
 //
-// Owns nothing. Runs on the thread of the test. history() throws StoreError when there is no store.
+// Runs on the thread of the test. history() throws StoreError if there is no store.
 #pragma once
 
 #include <chrono>
@@ -59,7 +58,7 @@ inline Sample sample(ChannelIndex channel, Value value, std::int64_t second,
           .sequence = sequence};
 }
 
-// Samples stay until their tiers are written.
+// Samples remain until their tiers are written.
 inline void write_tiers(SqlConnection& connection) {
   TierWriter tiers;
   while (tiers.step(connection, utc(1'000'000))) {}

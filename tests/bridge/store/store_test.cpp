@@ -1,4 +1,5 @@
-// What a store does with what waits: while its database is away, when it closes, when it is killed.
+// Tests the queue of a store: while its database is unavailable, when it closes, and when it is
+// killed.
 #include "bridge/store/store.hpp"
 
 #include <gtest/gtest.h>
@@ -24,7 +25,7 @@ using test::sample;
 using test::Scratch;
 using test::utc;
 
-// What a store does whose database is not there, and comes.
+// The database is missing at first and appears later.
 TEST(Store, DropsAndCountsWhatFindsNoRoomAndNeverWaits) {
   const Scratch scratch;
   const std::string folder = scratch.path("later");
@@ -55,7 +56,7 @@ TEST(Store, WritesWhatWaitsWhenItCloses) {
   EXPECT_EQ(history(address, "bus").size(), 1u);
 }
 
-// A child that stores and says what is stored, until it is killed in the midst of it.
+// A child process that stores rows and reports them until it is killed.
 [[noreturn]] void store_and_tell(const std::string& path, int tell) {
   Store store(forever(StoreAddress(path)));
   const auto intake = store.intake(bus_of("bus", {"a"}));
@@ -82,7 +83,8 @@ TEST(Store, KeepsWhatWasReportedStoredWhenTheProcessIsKilled) {
   std::uint64_t reported = 0, now = 0;
   while (reported < 100'000 && ::read(ends[0], &now, sizeof now) == sizeof now) reported = now;
   ::kill(child, SIGKILL);
-  while (::read(ends[0], &now, sizeof now) == sizeof now) reported = now;  // said before it died
+  // reported before it died
+  while (::read(ends[0], &now, sizeof now) == sizeof now) reported = now;
   ::waitpid(child, nullptr, 0);
   ::close(ends[0]);
   ASSERT_GE(reported, 100'000u);

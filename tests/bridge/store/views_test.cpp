@@ -1,4 +1,4 @@
-// The views of the store, on SQLite and on PostgreSQL: what docs/store.md promises of them.
+// Tests the views of the store on SQLite and on PostgreSQL, as docs/store.md describes them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,10 +17,10 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-constexpr UtcTime kNoon{1'700'049'600'123'456'789};  // 2023-11-15T12:00:00.123456789Z
+constexpr UtcTime kNoon{1'700'049'600'123'456'789};
 constexpr std::int64_t kSecond = 1'000'000'000;
 
-// The rows of a query, each column as text.
+// Returns the rows of a query, each column as text.
 std::vector<std::vector<std::string>> rows_of(SqlConnection& connection, const std::string& sql) {
   std::vector<std::vector<std::string>> rows;
   connection.query(sql, {}, [&](const SqlRow& row) {

@@ -1,8 +1,8 @@
-// What the tests of the whole bridge share: two buses on pseudo-terminals, and a station that
-// receives them over DDS.
+// Shared by tests of the whole bridge: two buses on pseudo-terminals, and a station that receives
+// them over DDS.
 //
-// BridgeTest owns the terminals and a DDS domain of its own. A Receiver gets samples on threads of
-// DDS; its functions are for the thread of the test. Waits end with false after their limit.
+// BridgeTest owns the terminals and its own DDS domain. A Receiver gets samples on DDS threads; its
+// functions are for the thread of the test. Waits return false after their limit.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -47,7 +47,7 @@ inline BusSpec bus_at(const std::string& name, const std::string& path) {
   return bus;
 }
 
-// Reports of one kind that a station receives, waited for with a deadline. Any thread.
+// Reports of one kind that a station receives, with waits. Any thread.
 template <typename Report>
 class Reports {
  public:
@@ -58,7 +58,7 @@ class Reports {
     }
     changed_.notify_all();
   }
-  // The newest one is so, within the limit.
+  // Waits until the newest report satisfies `wanted`; false after the limit.
   [[nodiscard]] bool newest(const std::function<bool(const Report&)>& wanted) {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, std::chrono::seconds{15},
@@ -79,7 +79,7 @@ class Reports {
   std::vector<Report> reports_;
 };
 
-// What a station receives, waited for with a deadline.
+// Collects what a station receives, with waits.
 class Receiver {
  public:
   explicit Receiver(const DdsSpec& dds) : station(dds, "receiver") {

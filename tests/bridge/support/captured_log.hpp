@@ -1,6 +1,6 @@
-// What the log says from here on, also in a process that has logged before.
+// Captures log lines from now on, also in a process that has logged before.
 //
-// Owns stderr from its constructor until end() or its destructor; a process has one at a time. Any
+// Owns stderr from its constructor until end() or its destructor; at most one per process. Any
 // thread may log meanwhile. Its functions are for the thread of the test. Lines that are not
 // written within 5 s are missing.
 #pragma once
@@ -28,13 +28,13 @@ class CapturedLog {
   CapturedLog(const CapturedLog&) = delete;
   CapturedLog& operator=(const CapturedLog&) = delete;
 
-  // What was said until now.
+  // Returns the lines so far.
   [[nodiscard]] std::string so_far() const {
     flush_log(std::chrono::seconds{5});
-    std::ifstream file("/proc/self/fd/2");  // a file of GoogleTest's while it captures
+    std::ifstream file("/proc/self/fd/2");  // a file while GoogleTest captures
     return {std::istreambuf_iterator<char>(file), {}};
   }
-  // Once: what was said.
+  // Returns the captured lines. Call once.
   [[nodiscard]] std::string end() {
     ended_ = true;
     flush_log(std::chrono::seconds{5});

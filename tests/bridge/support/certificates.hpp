@@ -1,4 +1,4 @@
-// Certificates for tests of TLS, made by openssl in a folder that goes with this object.
+// Certificates for tests of TLS, created by openssl in a temporary directory.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ namespace fieldcast::test {
 
 class Certificates {
  public:
-  // An authority, `ca.pem`.
+  // Creates an authority, `ca.pem`.
   Certificates() {
     std::string pattern = testing::TempDir() + "certificates-XXXXXX";
     EXPECT_NE(::mkdtemp(pattern.data()), nullptr);
@@ -27,7 +27,7 @@ class Certificates {
   Certificates(const Certificates&) = delete;
   Certificates& operator=(const Certificates&) = delete;
 
-  // NAME.pem and NAME.key, with this common name, signed by the authority, or by the owner of
+  // Creates NAME.pem and NAME.key with this common name, signed by the authority or by the owner of
   // another certificate.
   void issue(const std::string& name, const std::string& common_name,
              const std::string& signer = "ca") const {
@@ -35,7 +35,7 @@ class Certificates {
          "-CA " + file(signer + ".pem") + " -CAkey " + file(signer + ".key"));
     if (signer != "ca") std::ofstream(file(name + ".pem"), std::ios::app) << text(signer + ".pem");
   }
-  // One that no authority has signed.
+  // Creates a self-signed certificate.
   void make_own(const std::string& name, const std::string& common_name) const {
     make(name, "/CN=" + common_name, "-addext subjectAltName=IP:127.0.0.1", "");
   }
@@ -44,7 +44,7 @@ class Certificates {
     std::ifstream in(file(name));
     return {std::istreambuf_iterator<char>(in), {}};
   }
-  // Readable for the owner only, unless told otherwise.
+  // Writes a file that by default only the owner can read.
   std::string write(const std::string& name, const std::string& content,
                     unsigned mode = 0600) const {
     std::ofstream(file(name)) << content;

@@ -1,5 +1,5 @@
-// A DDS domain that no other test on this machine uses meanwhile; tests/tools/plant.py claims by
-// the same rule.
+// Claims a DDS domain that no other test on this machine uses; tests/tools/plant.py uses the same
+// rule.
 #pragma once
 
 #include <arpa/inet.h>
@@ -17,14 +17,14 @@
 namespace fieldcast::test {
 
 // The claim is the highest port of the domain's range (7400 + 250 * domain ..), which no
-// participant below the 120th takes. Above domain 100 the ports are those that the kernel assigns
-// out. A domain with a participant that claimed nothing is passed over, such as a bridge that
-// survived its test: a test that counts matches would count it too.
+// participant below the 120th uses. Above domain 100 the kernel assigns these ports. A domain with
+// an unclaimed participant is skipped, for example a bridge that survived its test: a test that
+// counts matches would count it too.
 class ClaimedDomain {
  public:
   ClaimedDomain() {
     static std::uint32_t claims =
-        0;  // the next test of this process starts elsewhere: the last one's farewells travel yet
+        0;  // the next test starts elsewhere, because messages of the last one may be in flight
     const std::uint32_t first = static_cast<std::uint32_t>(::getpid()) + 7 * claims++;
     for (std::uint32_t attempt = 0; attempt < kCount; ++attempt) {
       number_ = kLowest + (first + attempt) % kCount;
@@ -36,12 +36,12 @@ class ClaimedDomain {
 
  private:
   static constexpr std::uint32_t kLowest = 10, kCount = 90;
-  static constexpr std::uint32_t kClaimed = 249;  // this port of the domain, from its first one
+  static constexpr std::uint32_t kClaimed = 249;  // offset of this port in the domain
 
   [[nodiscard]] std::uint32_t first_port() const { return 7400 + 250 * number_; }
 
-  // Somebody on this machine has another port of the domain (proc(5): the first line of the table
-  // names its columns, then "number: address:port .." in hexadecimal digits).
+  // Returns whether a process on this machine uses another port of the domain (proc(5): the first
+  // line names the columns, then "number: address:port .." in hexadecimal).
   [[nodiscard]] bool is_in_use() const {
     for (const char* table : {"/proc/net/udp", "/proc/net/udp6"}) {
       std::ifstream file(table);

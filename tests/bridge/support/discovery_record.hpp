@@ -1,6 +1,6 @@
-// What a participant discovers and matches, with times, for the message of a test that waits for a
-// match in vain: it tells a missed announcement, missed endpoints and a foreign participant apart.
-// Outlives the domain and the endpoints that it listens to. Any thread.
+// Records what a participant discovers and matches, with times, for the message of a test whose
+// wait fails. The record distinguishes missed announcements, missed endpoints and foreign
+// participants. Must outlive the domain and its endpoints. Any thread.
 #pragma once
 
 #include <chrono>
@@ -14,9 +14,9 @@ namespace fieldcast::test {
 
 class DiscoveryRecord : public DiscoveryListener {
  public:
-  // The listener of a writer, for dds::StatusMask::publication_matched().
+  // Returns a writer's listener, for dds::StatusMask::publication_matched().
   [[nodiscard]] dds::DataWriterListener* matches() { return &matches_; }
-  // One line for each event, the oldest first; later ones are left out above kMostEvents.
+  // Returns one line per event, oldest first, at most kMostEvents.
   [[nodiscard]] std::string text() const {
     const std::lock_guard lock(mutex_);
     return "discovered since the start:\n" + text_;

@@ -1,6 +1,6 @@
-// A scripted Modbus RTU device at the other end of a pseudo-terminal, in a thread of its own. It
-// knows function 03, where register r holds r until it is written, and 06, and refuses every
-// other one; written from the standard, apart from the core's codec. Unit 1.
+// A scripted Modbus RTU device, unit 1, on the other end of a pseudo-terminal, with its own thread.
+// It supports function 03, where register r holds r until it is written, and 06, and refuses
+// others. Written from the standard, independently of the core's codec.
 #pragma once
 
 #include <atomic>
@@ -58,7 +58,7 @@ class ModbusDevice {
       }
     }
   }
-  // Functions 15 and 16 bring their values behind a count of bytes.
+  // In functions 15 and 16, the values follow a byte count.
   static std::size_t length_of(const Bytes& request) {
     return request[1] == 15 || request[1] == 16 ? 9u + request[6] : 8u;
   }

@@ -1,4 +1,4 @@
-// A PLC behind a module that dials in: for tests that play the module.
+// Simulates a PLC behind a module that dials in.
 #pragma once
 
 #include <poll.h>
@@ -11,7 +11,8 @@
 
 namespace fieldcast::test {
 
-// Answers reads of one holding register with 5, over the socket of a module, while it lives.
+// Responds to reads of one holding register with 5, over the socket of a module, during its
+// lifetime.
 class ModuleDevice {
  public:
   explicit ModuleDevice(const TcpClient& module)

@@ -1,4 +1,5 @@
-// Runs an io_context in the test's thread until something is true, and records what a port tells.
+// Runs an io_context in the thread of the test until a condition is true, and records the callbacks
+// of a port.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -35,7 +36,7 @@ class PortProbe : public PortListener {
   std::function<void()> on_bytes;
 };
 
-// False after the limit.
+// Returns false after the limit.
 [[nodiscard]] inline bool run_until(boost::asio::io_context& io, const std::function<bool()>& done,
                                     std::chrono::milliseconds limit = std::chrono::seconds{5}) {
   const auto deadline = std::chrono::steady_clock::now() + limit;

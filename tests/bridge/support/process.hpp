@@ -1,4 +1,4 @@
-// A program of ours as its user sees it: a process with signals, lines of output and an exit code.
+// Runs a program as a process with signals, output and an exit code.
 #pragma once
 
 #include <fcntl.h>
@@ -18,7 +18,7 @@ extern char** environ;
 
 namespace fieldcast::test {
 
-// A started program whose output can be waited for. Killed at the end if it still runs.
+// Killed by the destructor if it still runs.
 class Process {
  public:
   Process(std::string program, const std::vector<std::string>& arguments) {
@@ -28,7 +28,7 @@ class Process {
     const FileDescriptor write_end(out[1]);
     start(std::move(program), arguments, write_end.get());
   }
-  // Its output goes to the descriptor; nothing of it is read here.
+  // The output goes to the descriptor and is not read here.
   Process(std::string program, const std::vector<std::string>& arguments, int output) {
     start(std::move(program), arguments, output);
   }
@@ -42,7 +42,7 @@ class Process {
 
   void signal(int number) const { ASSERT_EQ(::kill(pid_, number), 0); }
 
-  // Everything it said so far, once that contains the text; also when it never does.
+  // Waits until the output contains the text; returns all output, also after the limit.
   const std::string& said(const std::string& text,
                           std::chrono::milliseconds limit = std::chrono::seconds{15}) {
     const auto deadline = std::chrono::steady_clock::now() + limit;
@@ -51,7 +51,7 @@ class Process {
     return said_;
   }
 
-  // -1 after the limit or for a signal's death.
+  // Returns -1 after the limit or if a signal ended the process.
   int exit_code(std::chrono::milliseconds limit = std::chrono::seconds{15}) {
     const auto deadline = std::chrono::steady_clock::now() + limit;
     while (std::chrono::steady_clock::now() < deadline &&
@@ -78,7 +78,7 @@ class Process {
     posix_spawn_file_actions_destroy(&actions);
   }
 
-  // False at the end of the output, or of the process where its output is not read.
+  // Returns false at the end of the output, or of the process if its output is not read.
   bool read_some() {
     if (!output_.valid()) {
       siginfo_t ended{};
@@ -91,7 +91,7 @@ class Process {
     char buffer[4096];
     const ssize_t size = ::read(output_.get(), buffer, sizeof buffer);
     if (size <= 0) {
-      // The pipe closes a moment before the process can be waited for.
+      // The pipe closes slightly before waitid() can reap the process.
       siginfo_t ended{};
       ::waitid(P_PID, static_cast<id_t>(pid_), &ended, WEXITED | WNOWAIT);
       return false;

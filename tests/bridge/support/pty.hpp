@@ -1,5 +1,5 @@
-// A pseudo-terminal pair: the slave is what a SerialPort opens, the master is held by the test as
-// the device at the other end.
+// A pseudo-terminal pair: a SerialPort opens the slave, and the test holds the master as the device
+// at the other end.
 #pragma once
 
 #include <fcntl.h>
@@ -35,14 +35,14 @@ class Pty {
     EXPECT_EQ(::write(master_.get(), bytes.data(), bytes.size()),
               static_cast<ssize_t>(bytes.size()));
   }
-  // Whatever has come, at once.
+  // Returns the bytes received so far, without waiting.
   [[nodiscard]] Bytes take() const {
     Bytes bytes(4096);
     const ssize_t size = ::read(master_.get(), bytes.data(), bytes.size());
     bytes.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
     return bytes;
   }
-  // Waits for `size` bytes; fewer after the limit.
+  // Waits for `size` bytes; returns fewer after the limit.
   [[nodiscard]] Bytes receive(std::size_t size,
                               std::chrono::milliseconds limit = std::chrono::seconds{5}) const {
     Bytes all;

@@ -1,4 +1,4 @@
-// Records what a bus gives to the outside, and lets a test wait for it with a deadline.
+// Records the output of a bus, with waits.
 #pragma once
 
 #include <condition_variable>
@@ -45,7 +45,7 @@ class RecordingSink final : public BusSink {
     note([&](Record& r) { r.plans.push_back(std::move(plan)); });
   }
 
-  // False after the limit.
+  // Returns false after the limit.
   [[nodiscard]] bool wait_for(const std::function<bool(const Record&)>& done,
                               std::chrono::milliseconds limit = std::chrono::seconds{10}) {
     std::unique_lock lock(mutex_);

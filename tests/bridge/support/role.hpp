@@ -1,9 +1,9 @@
-// A part that a test program plays in a process of its own, which a test starts, stops and kills.
+// A role that the test program plays in its own process, which a test starts, stops and kills.
 //
-//     const auto* const kPatient = test::Role::add("patient-station", [] { ... });
-//     test::Process station = test::play("patient-station");        // in the test
+//    const auto* const kPatient = test::Role::add("patient-station", [] { ... });
+//    test::Process station = test::play("patient-station");        // in the test
 //
-// The process does nothing else: it plays before the first test would run, and ends.
+// The process runs the role before the first test and then ends.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ class Role : public ::testing::Environment {
   void (*const part_)();
 };
 
-// This test program again, in the role.
+// Starts this test program again in the role.
 [[nodiscard]] inline Process play(const char* role) {
   struct Asked {
     explicit Asked(const char* name) { EXPECT_EQ(::setenv(kRoleVariable, name, 1), 0); }

@@ -1,4 +1,4 @@
-// A TCP client with blocking calls that end: for tests that play a module or an engineer's client.
+// A blocking TCP client with timeouts: for tests that simulate a module or an engineer's client.
 #pragma once
 
 #include <arpa/inet.h>
@@ -18,8 +18,7 @@
 
 namespace fieldcast::test {
 
-// A port that nobody listens at just now, below those that the kernel assigns to connections, so
-// that nobody else gets it meanwhile.
+// Returns an unused port below the kernel's ephemeral range, so that no other connection gets it.
 [[nodiscard]] inline std::uint16_t free_port() {
   constexpr unsigned kLowest = 20000, kCount = 12000, kStep = 7;
   static unsigned asked = 0;
@@ -40,7 +39,7 @@ namespace fieldcast::test {
 
 class TcpClient {
  public:
-  // `source`: an address of the loopback to come from.
+  // `source`: the loopback address to connect from.
   explicit TcpClient(std::uint16_t port, const char* source = "127.0.0.1")
       : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     sockaddr_in address{};
@@ -57,7 +56,7 @@ class TcpClient {
   void send(ByteView bytes) const {
     while (!bytes.empty()) {
       const ssize_t sent = ::send(fd_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
-      if (sent <= 0) return;  // the peer is gone: what follows tells
+      if (sent <= 0) return;  // the peer has closed; reading reports it
       bytes = bytes.subspan(static_cast<std::size_t>(sent));
     }
   }
@@ -65,7 +64,7 @@ class TcpClient {
     send({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   }
 
-  // Everything up to and with `end`; what came until the limit or the peer's close, else.
+  // Returns the data up to and including `end`, or what arrived until the limit or the close.
   [[nodiscard]] std::string receive(std::string_view end,
                                     std::chrono::milliseconds limit = std::chrono::seconds{10}) {
     const auto deadline = std::chrono::steady_clock::now() + limit;
@@ -89,7 +88,7 @@ class TcpClient {
     received_.erase(0, out.size());
     return out;
   }
-  // The peer closed the connection.
+  // Returns whether the peer has closed the connection.
   [[nodiscard]] bool is_closed(std::chrono::milliseconds limit = std::chrono::seconds{10}) {
     const auto deadline = std::chrono::steady_clock::now() + limit;
     while (!closed_ && std::chrono::steady_clock::now() < deadline) read_some();

@@ -1,7 +1,7 @@
-// A Modbus TCP device that takes many connections, and knows which request came over which: what a
-// device of two bridges sees. Every read of register 0 gives a greater value.
+// A Modbus TCP device for many connections, as used by two bridges. It records the connection of
+// each request. Every read of register 0 returns a greater value.
 //
-// Serves on a thread of its own; the functions are for the thread of the test.
+// Serves on its own thread; the functions are for the thread of the test.
 #pragma once
 
 #include <netinet/in.h>
@@ -55,7 +55,7 @@ class TcpDevice {
     const std::lock_guard lock(mutex_);
     return requests_;
   }
-  // How often each value was written.
+  // Returns how often each value was written.
   [[nodiscard]] std::map<std::uint16_t, int> writes() {
     const std::lock_guard lock(mutex_);
     std::map<std::uint16_t, int> count;
@@ -64,7 +64,7 @@ class TcpDevice {
     }
     return count;
   }
-  // Before a write is answered.
+  // Delays the responses to writes.
   void answer_writes_after(std::chrono::milliseconds time) { write_delay_ = time; }
 
  private:
@@ -110,7 +110,7 @@ class TcpDevice {
   void answer(const Connection& from, const std::string& request) {
     const auto function = static_cast<std::uint8_t>(request[7]);
     const std::uint16_t address = word(request, 8);
-    // Of a write of several registers (16) the first one.
+    // For a write of several registers (16), the first one.
     const std::uint16_t value = word(request, function == 16 ? 13 : 10);
     {
       const std::lock_guard lock(mutex_);

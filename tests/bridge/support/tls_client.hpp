@@ -1,4 +1,4 @@
-// A TLS client with blocking calls that end: for tests that play a module or an engineer.
+// A blocking TLS client with timeouts: for tests that simulate a module or an engineer.
 #pragma once
 
 #include <openssl/err.h>
@@ -14,8 +14,8 @@ namespace fieldcast::test {
 
 class SecureClient {
  public:
-  // `identity`: NAME of NAME.pem and NAME.key, or empty: it shows no certificate. It takes whatever
-  // certificate the server has.
+  // `identity`: NAME of NAME.pem and NAME.key, or empty for no certificate. Accepts any server
+  // certificate.
   SecureClient(std::uint16_t port, const std::string& identity)
       : context_(SSL_CTX_new(TLS_client_method()), &SSL_CTX_free),
         tcp_(port),
@@ -25,7 +25,7 @@ class SecureClient {
       EXPECT_EQ(SSL_use_PrivateKey_file(tls_.get(), (identity + ".key").c_str(), SSL_FILETYPE_PEM),
                 1);
     }
-    std::signal(SIGPIPE, SIG_IGN);  // OpenSSL writes to a peer that is gone
+    std::signal(SIGPIPE, SIG_IGN);  // OpenSSL may write to a closed connection
     const timeval limit{10, 0};
     ::setsockopt(tcp_.fd(), SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
     SSL_set_fd(tls_.get(), tcp_.fd());
@@ -35,7 +35,7 @@ class SecureClient {
   void send(std::string_view text) {
     if (connected_) (void)SSL_write(tls_.get(), text.data(), static_cast<int>(text.size()));
   }
-  // Everything up to and with `end`; what came until the peer's close, else.
+  // Returns the data up to and including `end`, or what arrived until the close.
   [[nodiscard]] std::string receive(std::string_view end) {
     char c = 0;
     std::string text;
@@ -48,7 +48,7 @@ class SecureClient {
     }
     return text;
   }
-  // The server has closed, or never let it in.
+  // Returns whether the server has closed or refused the connection.
   [[nodiscard]] bool is_closed() {
     (void)receive("\n\n\n");
     return !connected_;

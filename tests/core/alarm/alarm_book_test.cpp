@@ -1,5 +1,5 @@
-// The alarms of a bridge as a transcript: what happens, and what people then see. The text is input
-// and expectation in one; replaying what happens must give back the text itself.
+// Tests the alarms of a bridge with transcripts of events and of the visible alarms. The text is
+// both input and expectation: replaying its events must produce the same text.
 #include "core/alarm/alarm_book.hpp"
 
 #include <gtest/gtest.h>
@@ -298,8 +298,8 @@ TEST(AlarmBook, ANewPriorityHoldsAtOnce) {
   EXPECT_TRUE(book.take_news().changed.contains(alarm));
 }
 
-// A long day of everything that can happen, from one seed: whatever comes, each alarm is in a state
-// that the standard has, and a restart at any moment changes none.
+// Random events from one seed: after each event, every alarm has a state of the standard, and a
+// restart changes no alarm.
 TEST(AlarmBook, EveryDayKeepsItsRules) {
   std::mt19937 random(13);
   const auto pick = [&](std::uint32_t below) { return random() % below; };
@@ -362,7 +362,7 @@ TEST(AlarmBook, EveryDayKeepsItsRules) {
     ASSERT_TRUE(restarted->restore(kept, now).empty());
     for (const auto& [each, status] : states) {
       AlarmStatus counted = *book->find(each);
-      counted.occurrences = restarted->find(each)->occurrences;  // they are not kept here
+      counted.occurrences = restarted->find(each)->occurrences;  // this table does not keep them
       counted.chattering = false;
       ASSERT_EQ(*restarted->find(each), counted) << step << ' ' << to_text(each);
     }

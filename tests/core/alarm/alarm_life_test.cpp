@@ -1,4 +1,4 @@
-// Every transition of the state diagram of ISA-18.2, and every pair that is none.
+// Tests every transition of the state diagram of ISA-18.2 and every pair of states without one.
 #include "core/alarm/alarm_life.hpp"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ constexpr IsaInput kInputs[] = {kOccurs,
                                 kReturnToServiceNormal,
                                 kReturnToServiceShelved};
 
-// The diagram once more, written apart from the table: state by state, what leaves it.
+// A second copy of the diagram, written independently of the table: for each state, its exits.
 TEST(AlarmLife, HasTheTransitionsOfTheStandardAndNoOther) {
   const std::map<std::pair<IsaState, IsaInput>, IsaState> expected = {
       {{kNormal, kOccurs}, kUnacknowledged},
@@ -64,7 +64,8 @@ TEST(AlarmLife, HasTheTransitionsOfTheStandardAndNoOther) {
 constexpr UtcTime utc(Duration since_begin) { return {1'000'000'000'000 + since_begin.count()}; }
 AlarmPause pause(Duration begin, Duration end) { return {"bert", "wait", utc(begin), utc(end)}; }
 
-// An alarm in each state that it can be in, reached as in life; active or not where both can be.
+// An alarm in each possible state, reached by normal transitions; active or not where both are
+// possible.
 struct Case {
   const char* name;
   IsaState state;
@@ -172,11 +173,11 @@ TEST(AlarmLife, MaintenanceEndsIntoAShelvingThatGoesOn) {
   life.shelve(pause(1s, 1h));
   life.suppress(pause(2s, 2h));
   EXPECT_EQ(life.state(), kOutOfService);
-  life.suppress(pause(2s, 3h));  // longer than was said first
+  life.suppress(pause(2s, 3h));  // longer than the first time
   life.end_suppression();
   EXPECT_EQ(life.state(), kShelved);
   life.suppress(pause(2s, 2h));
-  EXPECT_TRUE(life.unshelve());  // by time, say
+  EXPECT_TRUE(life.unshelve());  // for example by time
   EXPECT_EQ(life.state(), kOutOfService);
   life.end_suppression();
   EXPECT_EQ(life.state(), kUnacknowledged);
@@ -193,7 +194,7 @@ TEST(AlarmLife, ChattersFromFiveOccurrencesOnUntilTwoAreLeft) {
   EXPECT_FALSE(life.status().chattering);
   occurs(4min);
   EXPECT_TRUE(life.status().chattering);
-  EXPECT_TRUE(life.count(utc(11min)));  // those of minute 0 and 1 are too old
+  EXPECT_TRUE(life.count(utc(11min)));  // occurrences of minutes 0 and 1 are too old
   EXPECT_EQ(life.status().occurrences, 3u);
   EXPECT_TRUE(life.status().chattering);
   EXPECT_FALSE(life.count(utc(11min + 1s)));

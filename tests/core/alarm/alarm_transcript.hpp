@@ -1,4 +1,4 @@
-// Two buses with alarms, and a transcript: what happens to their alarms, and what people then see.
+// Two buses with alarms, and a transcript of events and of the visible alarms.
 #pragma once
 
 #include <sstream>
@@ -13,7 +13,7 @@ namespace fieldcast::alarm_transcript {
 inline constexpr std::int64_t kBegin = 1'000'000'000'000'000;
 constexpr UtcTime after(Duration since_begin) { return {kBegin + since_begin.count()}; }
 
-// Two buses; press-1 and press-2 have a level with four limits each, valve one of its own priority.
+// Two buses. press-1 and press-2 have a level with four limits each; valve has its own priority.
 inline std::vector<BusSpec> two_buses() {
   std::vector<BusSpec> buses(2);
   for (std::size_t bus = 0; bus < 2; ++bus) {
@@ -70,7 +70,7 @@ class Transcript {
     (void)book_.configure(two_buses());
     std::istringstream lines(text);
     for (std::string line; std::getline(lines, line);) {
-      if (line.starts_with("  ")) continue;  // what was seen
+      if (line.starts_with("  ")) continue;  // expected output
       out_ << line << '\n';
       if (line.empty() || line.starts_with('#')) continue;
       happen(line);
@@ -80,7 +80,7 @@ class Transcript {
   }
 
  private:
-  // "5s anna acknowledges shop/press-1/level high"; "9s raise shop/press-1/level high 95"
+  // Examples: "5s anna acknowledges shop/press-1/level high"; "9s raise shop/press-1/level high 95"
   void happen(const std::string& line) {
     std::istringstream words(line);
     std::string when, who, what, path, limit;

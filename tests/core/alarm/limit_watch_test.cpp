@@ -13,8 +13,8 @@ using std::chrono::seconds;
 
 Instant at(int second) { return Instant{seconds{1000 + second}}; }
 
-// One value each second; 'R' raised, 'C' cleared, '.' nothing. NaN stands for a value that is not
-// good.
+// Feeds one value per second. Returns 'R' for raised, 'C' for cleared, '.' for no change. NaN means
+// a value that is not good.
 std::string told(LimitWatch& watch, const std::vector<double>& values, int from = 0) {
   std::string changes;
   for (const double value : values) {
@@ -75,7 +75,7 @@ TEST(LimitWatch, WhatIsRestoredLateHeedsTheValuesThatCameBefore) {
   EXPECT_EQ(inside.state(), AlarmState::kClear);
   EXPECT_EQ(inside.value(), 70);
   EXPECT_EQ(inside.since(), at(0));
-  EXPECT_EQ(told(near, {89}), ".");  // within the hysteresis: it has not ended
+  EXPECT_EQ(told(near, {89}), ".");  // within the hysteresis: the alarm has not ended
   near.restore(93, at(-500));
   EXPECT_EQ(near.state(), AlarmState::kActive);
   EXPECT_EQ(told(raised, {91, 92}), "R.");

@@ -17,7 +17,7 @@ class FrameGathererTest : public testing::Test {
   void take_text(Kind kind, std::int64_t at, const std::string& text = {}) {
     gatherer_.take({kind, ms(at), 0, {}, text}, frames_);
   }
-  // "0 > 01 03 [what for]", a text line each.
+  // Returns one line per frame, for example "0 > 01 03 [comment]".
   [[nodiscard]] std::string frames() const {
     std::string text;
     for (const CapturedFrame& frame : frames_)

@@ -1,5 +1,5 @@
-// What the writer writes the reader reads; what is no capture, or is cut, is named. Wireshark reads
-// it in tests/tools/e2e_capture.py.
+// Tests that the reader reads what the writer writes, and that an invalid or truncated capture is
+// reported. tests/tools/e2e_capture.py reads captures with Wireshark.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -80,7 +80,7 @@ TEST(Pcapng, NoByteCanMakeItReadBeyondAnEnd) {
   }
 }
 
-// A section of another machine: big-endian, nanoseconds, an unknown block, an unknown option.
+// A section of another machine: big-endian, nanoseconds, an unknown block and an unknown option.
 TEST(Pcapng, TheOtherByteOrderIsRead) {
   const auto file = from_hex(
       "0A0D0D0A 0000001C 1A2B3C4D 00010000 FFFFFFFF FFFFFFFF 0000001C"

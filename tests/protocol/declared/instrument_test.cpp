@@ -1,4 +1,4 @@
-// The instrument of the example, its frames written out by hand.
+// Tests the instrument of the example with hand-written frames.
 #include <gtest/gtest.h>
 
 #include "core/codec/value_codec.hpp"
@@ -13,8 +13,8 @@ using test::drive;
 
 Device instrument() { return test::declared_device("instrument", 7); }
 
-// header, status 3, analog 23.5 (41BC0000h), unit 2, inputs 0101b with outputs 1001b above them,
-// tail
+// header, status 3, analog 23.5 (41BC0000h), unit 2, inputs 0101b with outputs 1001b in the upper
+// bits, tail
 const Bytes kAnswer = *from_hex("AA 03 41 BC 00 00 02 95 55");
 
 Value value_at(const Device& device, std::string_view at, ValueType type) {
@@ -83,7 +83,7 @@ TEST(Instrument, WhatItsFieldsCannotHoldIsNotSent) {
 
 TEST(Instrument, TheMatrixHolds) {
   const Device device = instrument();
-  // The answer has no check: a flipped bit of a value cannot be seen.
+  // The response has no check, so a flipped bit of a value cannot be detected.
   test::expect_matrix({.begin = [&] { return device.begin(device.read("status", 6)); },
                        .answers = {kAnswer},
                        .checked = false});

@@ -1,4 +1,4 @@
-// Modbus RTU as a declaration against the built-in one: two implementations that share nothing but
+// Compares Modbus RTU as a declaration with the built-in one. The two implementations share only
 // the Protocol interface. Seeded.
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ const Device& built_in() {
   return device;
 }
 
-// With limits broken now and then.
+// Generates requests, some of them beyond the limits.
 class Requests {
  public:
   explicit Requests(unsigned seed) : random_(seed) {}
@@ -55,7 +55,7 @@ void append_crc(Bytes& frame) {
   frame.push_back(static_cast<std::uint8_t>(crc >> 8));
 }
 
-// A right answer to a request, from the bytes of the request alone.
+// Returns a correct response, built from the bytes of the request alone.
 Bytes answer_to(const Bytes& request, std::mt19937& random) {
   Bytes answer(request.begin(), request.begin() + 2);
   if (request[1] <= 4) {

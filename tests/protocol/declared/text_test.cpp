@@ -1,5 +1,5 @@
-// Declarations of texts: hexadecimal digits, LRC over the bytes they mean, texts that end at a
-// mark; and the checksums by their names.
+// Tests declarations of text protocols: hexadecimal digits, LRC over the decoded bytes, texts that
+// end at a mark, and the named checksums.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ Device declared_by(std::string_view text, std::uint16_t address) {
   return Device(std::move(*declared::make(loaded->value, {.address = address})));
 }
 
-// (Modbus over Serial Line V1.02, 2.5.2)
+// Source: Modbus over Serial Line V1.02, 2.5.2.
 constexpr std::string_view kModbusAscii = R"(
 summary: registers by Modbus ASCII
 addresses: { from: 1, to: 247 }
@@ -119,7 +119,7 @@ TEST(DeclaredText, ATextEndsAtItsMark) {
   EXPECT_EQ(drive(*scale.begin(request), text("w0412")).cause, Cause::kTruncated);
 }
 
-// Nothing of a frame reaches a terminal or a JSON line as it came.
+// No byte of a frame reaches a terminal or a JSON line unescaped.
 TEST(DeclaredText, IsExplainedInPrintableUtf8) {
   const auto loaded = config::load_declaration_text(kScale, "test.yaml");
   ASSERT_TRUE(loaded);
@@ -129,7 +129,7 @@ TEST(DeclaredText, IsExplainedInPrintableUtf8) {
       fields, [](const FrameField& field) { return field.value == "\\xE4\\x1B[2J"; }));
 }
 
-// The answers to "123456789" in the catalogue of parametrised CRC algorithms.
+// Check values for "123456789" from the catalogue of parametrised CRC algorithms.
 TEST(DeclaredCheck, CrcsGiveTheirPublishedCheckValues) {
   const std::string_view digits = "123456789";
   const Bytes bytes(digits.begin(), digits.end());

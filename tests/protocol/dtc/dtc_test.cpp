@@ -23,7 +23,7 @@ Device plc(std::map<std::string, std::string> options = {{"threshold", "65535"}}
   return {"dtc", 5, std::move(options)};
 }
 
-// Three types in one request, and the answer to it: 0102 0304 | 1,0,1,1,0,0,0,0,1 | 1.5
+// Three types in one request, and its response: 0102 0304 | 1,0,1,1,0,0,0,0,1 | 1.5
 Request mixed(const Device& device) {
   return ReadRequest{
       {device.range("int16:100", 2), device.range("bit:65527", 9), device.range("float32:0")}};
@@ -31,7 +31,7 @@ Request mixed(const Device& device) {
 const Bytes kMixed = dtc_message("05 00 01020304 0D01 3FC00000");
 const Bytes kRefused = dtc_plain(dtc_message("05 80 02"));
 
-// Forty registers of which few differ: what compression is for.
+// Forty registers with few distinct values, as compression expects.
 Request many(const Device& device) { return device.read("int16:0", 40); }
 Bytes many_message() {
   std::string data = "05 00";
@@ -118,7 +118,8 @@ TEST(DtcExchange, OthersAreForeignAndThenTheAnswerIsStillTaken) {
   }
 }
 
-// Five bytes of data are as long as a group: the echo of such a request has the form of its answer.
+// Five bytes of data are as long as a group: the echo of such a request has the form of its
+// response.
 TEST(DtcExchange, TheEchoOfARequestIsNotItsAnswer) {
   const Device device = plc();
   const Request request = device.read("bit:0", 40);
@@ -138,12 +139,12 @@ TEST(DtcExchange, CausesAreTold) {
   wrong.back() ^= 1;
   EXPECT_EQ(cause(wrong), Cause::kChecksum);
   EXPECT_EQ(cause(dtc_plain(dtc_message("05 00 0A0B0C0D"))),
-            Cause::kMalformed);  // two values where one was asked
+            Cause::kMalformed);  // two values instead of one
   EXPECT_EQ(cause(dtc_plain(dtc_message("05 80"))), Cause::kMalformed);  // a refusal without a code
   EXPECT_EQ(cause(*from_hex("77 77 77")), Cause::kMalformed);
   EXPECT_EQ(cause(Bytes(2000, 0x55)), Cause::kOverlong);
   EXPECT_EQ(cause(*from_hex("01 0005 0006 3FC000")),
-            Cause::kMalformed);  // a code that is not defined
+            Cause::kMalformed);  // an undefined code
 }
 
 TEST(DtcExchange, LengthsThatLieAreNoise) {
@@ -295,7 +296,8 @@ TEST(DtcExplain, SaysWhatIsInThePacket) {
   }
 }
 
-// FFFF as the first variable and a count of 2 reach beyond the last one: this is an answer's data.
+// FFFF as the first variable with a count of 2 exceeds the last variable, so these bytes are the
+// data of a response.
 TEST(DtcExplain, DataThatLookLikeGroupsThatCannotBeAreData) {
   Bytes message{5, 0x00, 0xFF, 0xFF, 0x01, 0x00, 0x02};
   const std::uint16_t crc = crc16_modbus(message);

@@ -1,4 +1,4 @@
-// DTC written apart from the codec: what tests put into packets and expect in them.
+// DTC implemented independently of the codec: tests build packets and expectations with it.
 #pragma once
 
 #include <string_view>
@@ -7,13 +7,13 @@
 
 namespace fieldcast::test {
 
-// Address, command and data with their CRC.
+// Returns address, command and data with their CRC.
 [[nodiscard]] Bytes dtc_message(std::string_view hex_without_crc);
-// In a plain envelope.
+// Packs a message into a plain envelope.
 [[nodiscard]] Bytes dtc_plain(const Bytes& message);
-// In a compressed one, whether that is shorter or not.
+// Packs a message into a compressed envelope, even if that is longer.
 [[nodiscard]] Bytes dtc_compressed(const Bytes& message);
-// The message of a packet, either way. Empty: there is none.
+// Returns the message of a plain or compressed packet, empty if there is none.
 [[nodiscard]] Bytes dtc_unpacked(const Bytes& packet);
 
 }  // namespace fieldcast::test

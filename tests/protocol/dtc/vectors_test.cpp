@@ -1,4 +1,4 @@
-// The golden packets of DTC in both directions.
+// Tests the golden packets of DTC in both directions.
 #include "tests/support/vectors.hpp"
 
 #include <gtest/gtest.h>
@@ -23,10 +23,10 @@ constexpr std::array<std::size_t, 5> kBits{1, 16, 32, 32, 64};
 
 struct Group {
   Range range;
-  Bytes data;  // as on the wire; empty in a read
+  Bytes data;  // as on the wire; empty for a read
 };
 
-// Read without the codec.
+// Parses without the codec.
 std::vector<Group> groups_of(const Bytes& packet) {
   const Bytes message = test::dtc_unpacked(packet);
   std::vector<Group> groups;
@@ -58,8 +58,7 @@ bool has_fault(const std::vector<FrameField>& fields) {
                      [](const FrameField& field) { return !field.fault.empty(); });
 }
 
-// The values of a vector as the JSON has them, against images: the reading of numbers is checked
-// too.
+// Compares the values of a vector in JSON with the response, to check the parsing of numbers too.
 void expect_values(const nlohmann::json& groups, const Reply& reply) {
   ASSERT_EQ(reply.size(), groups.size());
   for (std::size_t g = 0; g < reply.size(); ++g) {
@@ -119,8 +118,7 @@ TEST(DtcVectors, ReadsAreAskedAndAnsweredAsPrinted) {
   EXPECT_GE(seen, 24);
 }
 
-// A WriteRequest has one range; a message of several groups is its parts, each in a message
-// of its own.
+// A WriteRequest has one range, so a message of several groups is sent as one message per group.
 TEST(DtcVectors, WritesAreMadeOfThePrintedGroups) {
   int whole = 0, parts = 0;
   for (const GoldenVector& vector : test::load_vectors("dtc")) {

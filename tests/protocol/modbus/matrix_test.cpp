@@ -1,4 +1,4 @@
-// Every Modbus decoder through the matrix, in each framing.
+// Runs every Modbus decoder through the matrix, in each framing.
 #include "tests/support/matrix.hpp"
 
 #include <gtest/gtest.h>

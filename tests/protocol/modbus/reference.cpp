@@ -18,7 +18,7 @@ Bytes copy(ByteView bytes) { return {bytes.begin(), bytes.end()}; }
 
 std::optional<Opened> open(const std::string& framing, ByteView frame) {
   if (framing == "rtu") {
-    // A CRC over a frame with its own CRC behind it is 0.
+    // The CRC over a frame including its own CRC is 0.
     if (frame.size() < 4 || crc16_modbus(frame) != 0) return std::nullopt;
     return Opened{frame[0], 0, copy(frame.subspan(1, frame.size() - 3))};
   }

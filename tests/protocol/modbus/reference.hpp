@@ -1,4 +1,4 @@
-// A second, independent reading of Modbus frames for the tests: nothing of the core but checksums
+// A second, independent parser of Modbus frames for the tests. It uses only the core's checksums
 // and the value types of protocol.hpp.
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace fieldcast::modbus::reference {
 
-// What stands inside one whole frame; nothing when its marks, lengths or checksum are wrong.
+// Content of one whole frame; `std::nullopt` if its marks, lengths or checksum are wrong.
 struct Opened {
   std::uint8_t unit = 0;
   std::uint16_t transaction = 0;
@@ -18,18 +18,18 @@ struct Opened {
 };
 [[nodiscard]] std::optional<Opened> open(const std::string& framing, ByteView frame);
 
-// The request that a master must have meant, and the options under which Fieldcast sends it so;
-// nothing for functions that it does not send, or quantities that the standard forbids.
+// The request that a frame means, and the options with which Fieldcast sends it. `std::nullopt` for
+// functions that Fieldcast does not send and for quantities that the standard forbids.
 struct Meant {
   Request request;
   Options options;
 };
 [[nodiscard]] std::optional<Meant> request_of(ByteView pdu);
 
-// A request whose answer `pdu` would be: as many items as it brings, from address 0.
+// Returns a request that `answer` fits: the same number of items, from address 0.
 [[nodiscard]] std::optional<Meant> request_for(ByteView answer);
 
-// The items of an answer to `request`.
+// Returns the items of a response to `request`.
 [[nodiscard]] Bytes items_of(ByteView answer, const Request& request);
 
 }  // namespace fieldcast::modbus::reference

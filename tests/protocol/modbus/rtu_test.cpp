@@ -1,4 +1,4 @@
-// RTU reception: what is taken, what is skipped, what is waited for, and why an exchange fails.
+// Tests RTU reception: which bytes are accepted, skipped or awaited, and why an exchange fails.
 #include <gtest/gtest.h>
 
 #include "core/codec/checksum.hpp"
@@ -32,7 +32,7 @@ Request read(Table table, std::uint32_t first, std::uint32_t count) {
 ModbusExchange rtu(std::uint8_t unit, const Request& request, Options options = {}) {
   return {rtu_framing(), Header{unit, 0}, request, options};
 }
-// Unit 17 reads holding 107..109: the classic example of the protocol's guides.
+// Unit 17 reads holding 107..109: the standard example of protocol guides.
 ModbusExchange classic() { return rtu(17, read(Table::kHolding, 107, 3)); }
 const Bytes kAnswer = hex("1103 06 AE41 5652 4340 49AD");
 const Bytes kItems = hex("AE41 5652 4340");

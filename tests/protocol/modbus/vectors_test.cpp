@@ -1,4 +1,4 @@
-// The golden frames of Modbus, in both directions.
+// Tests the golden frames of Modbus in both directions.
 #include "tests/support/vectors.hpp"
 
 #include <gtest/gtest.h>
@@ -42,8 +42,8 @@ class ModbusVectors : public testing::TestWithParam<GoldenVector> {
  protected:
   const GoldenVector& vector() const { return GetParam(); }
 
-  // What the vector's answer belongs to: its request, or, where it has none that
-  // may be sent, from the answer.
+  // The request of the vector, or a request derived from its response if it has none that may be
+  // sent.
   struct Asked {
     Meant meant;
     Header header;
@@ -77,8 +77,8 @@ TEST_P(ModbusVectors, OurRequestIsTheirs) {
                           meant->request, meant->options);
   Bytes ours;
   (void)exchange.start(ours);
-  if (vector().name == "rtu_fc15_rodbus") {  // it sets bits beyond the quantity; the standard pads
-                                             // with zeros, and so do we
+  if (vector().name == "rtu_fc15_rodbus") {  // it sets bits beyond the quantity; the standard and
+                                             // Fieldcast pad with zeros
     const auto again = reference::open("rtu", ours);
     ASSERT_TRUE(again.has_value());
     EXPECT_EQ(to_hex(again->pdu), "0F 00 10 00 0A 02 12 00");
@@ -91,7 +91,7 @@ TEST_P(ModbusVectors, TheirAnswerIsRead) {
   const auto answer = reference::open(vector().framing, vector().response);
   if (vector().kind != "ok" || !answer || is_unused_function(answer->pdu)) return;
   if (vector().name == "tcp_split_fc02_pymodbus")
-    return;  // a request's shape in an answer's place: see AMalformedAnswerIsNoValue
+    return;  // has the form of a request: see AMalformedAnswerIsNoValue
   const auto request = asked(vector().response);
   ASSERT_TRUE(request.has_value());
   const Outcome result = outcome(*request, vector().response);
@@ -126,7 +126,7 @@ TEST_P(ModbusVectors, AMalformedAnswerIsNoValue) {
       vector().expect == "resync_optional")
     return;
   auto request = asked(vector().response);
-  if (!request) {  // the vector has no request: one holding register
+  if (!request) {  // the vector has no request: assume one holding register
     request = Asked{{ReadRequest{{{2, 0, 1}}}, {}}, {vector().response[0], 0}};
   }
   const Outcome result = outcome(*request, vector().response);
@@ -135,7 +135,7 @@ TEST_P(ModbusVectors, AMalformedAnswerIsNoValue) {
       {"crc_error", {Cause::kChecksum}},
       {"lrc_error", {Cause::kChecksum}},
       {"mismatched_function",
-       {Cause::kForeign, Cause::kChecksum}},  // a length-driven reader sees another end
+       {Cause::kForeign, Cause::kChecksum}},  // a length-driven parser finds another end
       {"wrong_unit", {Cause::kForeign}},
       {"pdu_length_error", {Cause::kMalformed, Cause::kForeign}},
       {"protocol_id", {Cause::kMalformed}},
@@ -162,7 +162,7 @@ TEST_P(ModbusVectors, TheExplanationFindsAFaultWhereThereIsOne) {
       "frame_ok_pdu_short", "resync_optional"};
   if (vector().kind != "malformed" || !inner.contains(vector().expect)) return;
   if (vector().name == "tcp_fc05like_pymodbus" || vector().name == "tcp_fc03like_pymodbus")
-    return;  // faultless as requests
+    return;  // valid as requests
   const Bytes& frame = vector().response.empty() ? vector().request : vector().response;
   EXPECT_NE(fault_in(explain(frame)), "") << to_hex(frame);
 }
@@ -206,8 +206,8 @@ TEST(ModbusVector, AGoodFrameBehindABadOneIsRead) {
 }
 
 TEST(ModbusVector, AMaskWriteIsTheStandardsExampleForOneBit) {
-  // Application Protocol V1.1b3, 6.16 writes several bits at once; Fieldcast writes one: the masks
-  // differ, the frame does not.
+  // The example of Application Protocol V1.1b3, 6.16 writes several bits; Fieldcast writes one. The
+  // masks differ, the frame does not.
   ModbusExchange exchange(tcp_framing(), Header{17, 0x1501},
                           WriteRequest{.range = {2, 4, 1}, .items = {0, 0x20}, .bit = 5},
                           {.mask_write = true});

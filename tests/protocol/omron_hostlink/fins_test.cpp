@@ -1,5 +1,5 @@
-// FINS in Host Link frames: published frames in both directions, scattered reads, bit writes, the
-// matrix.
+// Tests FINS in Host Link frames: published frames in both directions, scattered reads, bit writes,
+// and the matrix.
 #include <gtest/gtest.h>
 
 #include "core/codec/checksum.hpp"
@@ -41,8 +41,8 @@ unsigned number(const std::string& digits) {
   return static_cast<unsigned>(std::stoul(digits, nullptr, 16));
 }
 
-// What a published direct request means, read without the codec: memory area reads and writes of
-// words, and writes of one bit.
+// Parses a published direct request without the codec: memory area reads and writes of words, and
+// writes of one bit.
 struct Meant {
   Device device;
   Request request;
@@ -56,7 +56,7 @@ std::optional<Meant> meant(const std::string& q) {
   if (command != "0101" && command != "0102") return std::nullopt;
   const auto area = areas.find(number(q.substr(18, 2)));
   if (area == areas.end() || q.substr(24, 2) != "00")
-    return std::nullopt;  // bits of several words have no request of ours
+    return std::nullopt;  // Fieldcast has no request for bits of several words
   Device device = plc({{"wait", std::to_string(number(q.substr(5, 1)))},
                        {"unit", std::to_string(number(q.substr(8, 2)))}});
   const std::string at = area->second + std::to_string(number(q.substr(20, 4)));
@@ -104,8 +104,8 @@ TEST(FinsVectors, EndCodesAreTheDevicesErrors) {
     const Outcome outcome = drive(*exchange, vector.response);
     const bool host_link_level = answer.substr(5, 2) != "00";
     EXPECT_EQ(outcome.code, number(host_link_level ? answer.substr(5, 2) : answer.substr(19, 4)));
-    // An FCS that was wrong on arrival is the line's doing, to be tried again. The mode of the CPU,
-    // its errors, a busy or silent destination are states of the moment.
+    // A wrong FCS is a line error, so the request is retried. The CPU mode and errors, and a busy
+    // or silent destination, are temporary states.
     static const std::set<int> kMoment{0x01,   0x02,   0x0B,   0x21,   0x0204, 0x0205,
                                        0x2201, 0x2203, 0x2206, 0x2502, 0x3001, 0x4001};
     EXPECT_EQ(outcome.cause, outcome.code == 0x13             ? Cause::kChecksum

@@ -1,4 +1,4 @@
-// C-mode: published frames in both directions, transfers in several frames, the matrix.
+// Tests C-mode: published frames in both directions, transfers in several frames, and the matrix.
 #include <gtest/gtest.h>
 
 #include "core/codec/checksum.hpp"
@@ -17,7 +17,7 @@ using test::GoldenVector;
 using test::Outcome;
 
 std::string text(ByteView bytes) { return {bytes.begin(), bytes.end()}; }
-// "@00RD.." with FCS and the end of a last or an unfinished frame.
+// Returns "@00RD.." with FCS and the end mark of a last or a continued frame.
 Bytes framed(const std::string& body, bool last = true) {
   Bytes frame(body.begin(), body.end());
   const std::uint8_t fcs = xor8(frame);
@@ -36,8 +36,8 @@ std::vector<FrameField> explain(const Bytes& frame) {
   return find_protocol("omron-hostlink")->explain(frame);
 }
 
-// What a published C-mode request means, read without the codec; nothing for commands that
-// Fieldcast does not send.
+// Parses a published C-mode request without the codec; `std::nullopt` for commands that Fieldcast
+// does not send.
 struct Meant {
   std::uint16_t unit;
   Request request;
@@ -87,7 +87,7 @@ TEST(HostLinkVectors, TheirAnswersAreRead) {
     test::expect_matrix(
         {.begin = [&] { return device.begin(request->request); }, .answers = answers});
     if (std::holds_alternative<WriteRequest>(request->request)) continue;
-    // The data of all frames: behind "@uuHHee", and before FCS and end.
+    // The data of all frames, between "@uuHHee" and the FCS.
     std::string digits;
     for (std::size_t i = 0; i < answers.size(); ++i) {
       const std::string frame = text(answers[i]);
@@ -115,8 +115,8 @@ TEST(HostLinkVectors, EndCodesAreTheDevicesErrors) {
     const auto exchange =
         device.begin(answer[3] == 'W' ? device.write("DM0", "0001") : device.read("DM0"));
     const Outcome outcome = drive(*exchange, vector.response);
-    // An FCS that was wrong on arrival is the line's doing, to be tried again. The mode of the CPU
-    // and its errors are states of the moment.
+    // A wrong FCS is a line error, so the request is retried. The mode of the CPU and its errors
+    // are temporary states.
     static const std::set<std::string> kLine{"13", "A3"}, kMoment{"01", "02", "0B", "21"};
     const std::string end = answer[3] == 'I' ? "" : answer.substr(5, 2);
     EXPECT_EQ(outcome.cause, kLine.contains(end)     ? Cause::kChecksum
@@ -141,7 +141,7 @@ TEST(HostLinkVectors, ExplanationsFindTheFaults) {
         }
       }
     }
-    // Another unit's frame and an unfinished one are right in themselves.
+    // A frame of another unit and an incomplete frame have no fault by themselves.
     if (vector.kind == "malformed" && vector.expect != "wrong_node" && vector.expect != "format") {
       EXPECT_TRUE(has_fault(explain(vector.request)));
     }
@@ -187,7 +187,7 @@ TEST(HostLink, ALongWriteWaitsForEachDelimiter) {
   const Outcome outcome = drive(*exchange, answers);
   ASSERT_TRUE(outcome.done()) << to_text(outcome);
   ASSERT_EQ(outcome.sent.size(), 3u);
-  EXPECT_EQ(outcome.sent[0].size(), 128u);  // 29 words and no `*`
+  EXPECT_EQ(outcome.sent[0].size(), 128u);  // 29 words without `*`
   EXPECT_EQ(outcome.sent[1].size(), 127u);
   EXPECT_EQ(text(outcome.sent[2]).substr(0, 40), words.substr(0, 40));
   std::size_t sent = 0;
@@ -224,7 +224,7 @@ TEST(HostLink, FramesOfOthersArePassedOver) {
   const auto exchange = device.begin(device.read("DM0"));
   Bytes stream = framed("@02RD001111");
   append(stream, framed("@01RR001111"));
-  append(stream, framed("@01RD0011112222"));  // an answer of another length
+  append(stream, framed("@01RD0011112222"));  // a response of another length
   append(stream, framed("@01RD00ABCD"));
   const Outcome outcome = drive(*exchange, stream);
   ASSERT_TRUE(outcome.done()) << to_text(outcome);
@@ -294,7 +294,7 @@ TEST(HostLinkAddress, FaultsSayWhatWasMeant) {
   EXPECT_EQ(device.protocol().parse_address("COI5").error().suggestion, "CIO5");
 }
 
-// Answers of commands that Fieldcast does not send are right all the same.
+// Responses to commands that Fieldcast does not send are valid too.
 TEST(HostLinkExplain, OtherCommandsAnswersAreNoFaults) {
   for (const auto* right : {"@00R#00CNT 1234", "@00R$00TIM 0001", "@00W#00", "@00RP00ABCD",
                             "@00WP00", "@00MI00", "@00ST", "@00QQMR00", "@00IC", "@00MS00A800"}) {

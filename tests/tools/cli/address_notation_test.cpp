@@ -9,14 +9,14 @@
 namespace fieldcast::cli {
 namespace {
 
-// In a protocol that is known; "?" where --type is asked for.
+// Returns the type under a known protocol; "?" if --type is required.
 std::string type_in(const char* protocol, std::string_view at,
                     std::map<std::string, std::string> options = {}) {
   const auto made = find_protocol(protocol)->make({.options = std::move(options)});
   return type_at(at, {}, **made).value_or("?");
 }
 
-// Of a device that is known by its channels; "?" with the reason.
+// Returns the type for a device with known channels; "?" with the reason.
 std::string type_among(std::vector<KnownChannel> channels, std::string_view at) {
   const auto type = type_at(at, {}, channels);
   return type ? *type : "? " + type.error();

@@ -1,5 +1,5 @@
-// Reading and writing without a configuration: what is said on the command line, what items mean,
-// and the commands themselves on a pseudo-terminal with a device behind it.
+// Tests reads and writes without a configuration: command line, item meanings, and the commands on
+// a pseudo-terminal with a device.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>
@@ -188,7 +188,7 @@ TEST(LineOptions, SetTakesOneWordEach) {
   EXPECT_EQ(addresses, (std::vector<std::string>{"DM110=1e10", "DM111=1"}));
 }
 
-// A device whose answer is one record of values of several widths.
+// A device that responds with one record of values of several widths.
 struct RecordTest : DirectTest {
   RecordTest() {
     std::filesystem::create_directory(folder);
@@ -300,7 +300,7 @@ TEST_F(DirectTest, ScanFindsTheDeviceAndWritesNothingToIt) {
   EXPECT_EQ(device.writes(), 0u);
   const auto loaded = config::load_file(file);
   EXPECT_TRUE(loaded);
-  // Never over a file that is there.
+  // An existing file is never overwritten.
   EXPECT_EQ(scan({.port = pty.path(),
                   .baud = 115200,
                   .format = "8N1",
@@ -318,7 +318,7 @@ TEST_F(DirectTest, ScanSaysWhichProtocolWasMeant) {
   EXPECT_THAT(ended.err, HasSubstr("protocol 'modbus-rtz' is unknown; did you mean modbus-rtu?"));
 }
 
-// A line on which every byte comes back, and nobody answers.
+// A line that echoes every byte and has no device.
 struct EchoTest : DirectTest {
   EchoTest() {
     device.stop();
@@ -348,8 +348,8 @@ TEST_F(EchoTest, AScanSaysThatWhatWasSentComesBack) {
   EXPECT_THAT(ended.err, Not(HasSubstr("another master")));
 }
 
-// Two devices with address 1: each request brings an answer of the right length with a wrong CRC,
-// and of a longer one.
+// Two devices with address 1: each request gets a response of the right length with a wrong CRC,
+// and a longer one.
 struct CollisionTest : DirectTest {
   CollisionTest() { device.stop(); }
   Ended scan_with(const Bytes& answer) {
@@ -359,7 +359,7 @@ struct CollisionTest : DirectTest {
         pollfd wait{pty.master(), POLLIN, 0};
         if (::poll(&wait, 1, 5) <= 0) continue;
         Bytes all = answer;
-        all[1] = pty.take()[1];  // the function
+        all[1] = pty.take()[1];  // function code
         pty.send(all);
       }
     });

@@ -1,5 +1,5 @@
-// What `fieldcast doctor` makes of a machine: the facts judged, and the command on a folder that
-// stands for a machine.
+// Tests `fieldcast doctor`: the judgement of facts, and the command on a directory that simulates a
+// machine.
 #include "tools/cli/command/doctor.hpp"
 
 #include <gmock/gmock.h>
@@ -132,7 +132,7 @@ TEST(DoctorView, ARemedyStandsBelowItsFinding) {
                           "prevents  serial port (/dev/a): forbidden", "          -> do it"));
 }
 
-// A folder that stands for a machine.
+// A directory that simulates a machine.
 class Machine {
  public:
   Machine() { fs::create_directories(root_); }

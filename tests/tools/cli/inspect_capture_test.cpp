@@ -1,4 +1,4 @@
-// Captures and traces in `fieldcast inspect`.
+// Tests captures and traces in `fieldcast inspect`.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -202,8 +202,6 @@ TEST_F(InspectCapture, WithoutAProtocolItAsksForOne) {
   EXPECT_THAT(run({.config = config_}, "01 03").err, HasSubstr("the protocol must be named"));
 }
 
-// ---- values
-
 class Decoding : public testing::Test {
  protected:
   Decoding() : plant_(*config::load_text(kPlant, "plant.yaml", {})) {}
@@ -227,7 +225,7 @@ TEST_F(Decoding, TransactionNumbersOfModbusTcpAreFound) {
   }
 }
 
-// Several ranges and rounds: the comment says which.
+// With several ranges and rounds, the comment names the one that the frame belongs to.
 TEST_F(Decoding, SeveralRangesAndRoundsByTheComment) {
   const DeviceSpec& plc = plant_.buses[2].devices[0];
   const auto protocol = *make_protocol(plc, {});
@@ -244,7 +242,7 @@ TEST_F(Decoding, SeveralRangesAndRoundsByTheComment) {
   EXPECT_THAT(decoder.take(Direction::kReceived, received, {}), IsEmpty());
   EXPECT_THAT(decoder.take(Direction::kSent, poll, "plc: read V:100..101, M:0 (count, on)"),
               IsEmpty());
-  // An S7 answer with two items: 0x1234, and the byte 02.
+  // An S7 response with two items: 0x1234 and the byte 02.
   Bytes answer = *from_hex(
       "68 1E 1E 68 00 02 08 32 03 00 00 00 07 00 02 00 0B 00 00 04 02 FF 04 00 10 12 34 FF 04 00 "
       "08 02");

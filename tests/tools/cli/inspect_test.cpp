@@ -27,7 +27,7 @@ Inspected run(InspectOptions options, const std::string& input = {}) {
   return {code, out.str(), err.str()};
 }
 
-// unit 42 reads input registers 0x10..0x12: stepfunc/rodbus, rodbus/src/serial/frame.rs
+// unit 42 reads input registers 0x10..0x12; source: stepfunc/rodbus, rodbus/src/serial/frame.rs
 constexpr const char* kReadInputs = "2A0400100003B7D5";
 
 TEST(Inspect, WholeFrameHasNoFault) {
@@ -58,7 +58,7 @@ TEST(Inspect, UnknownProtocolIsAnsweredWithTheListAndASuggestion) {
   EXPECT_THAT(inspected.err, HasSubstr("\n  modbus-tcp"));
 }
 
-// A configuration beside the folder would find it by its name.
+// A configuration next to the directory would resolve the name.
 TEST(Inspect, OfADeclarationTheFileIsNamed) {
   const auto before = std::filesystem::current_path();
   const auto folder = std::filesystem::path(testing::TempDir()) / "fieldcast-inspect";

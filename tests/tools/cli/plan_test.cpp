@@ -123,8 +123,8 @@ TEST(PlanView, PlanWithoutATimetableHasNoSlotsAndNoPeriods) {
 }
 
 TEST(PlanView, InfeasiblePlanSaysWhatWouldHelp) {
-  const auto bus = line(
-      {channel("a", 0, 20ms), channel("b", 4000, 20ms)});  // one read alone takes more at 9600 baud
+  const auto bus = line({channel("a", 0, 20ms),
+                         channel("b", 4000, 20ms)});  // a single read takes longer at 9600 baud
   const auto plan = make_plan(bus, 5ms);
   ASSERT_FALSE(plan.prediction.feasible);
   EXPECT_FALSE(advice(plan).empty());
@@ -133,7 +133,7 @@ TEST(PlanView, InfeasiblePlanSaysWhatWouldHelp) {
 }
 
 TEST(PlanView, ChannelsToSlowDownAreOneWayAndLoadIsToldInWires) {
-  // 16 characters and 5 ms: 25 ms each at 9600 baud, asked for every 10 ms and every 15 ms.
+  // 16 characters and 5 ms: 25 ms each at 9600 baud, with refreshes of 10 ms and 15 ms.
   const auto bus =
       line({channel("a", 0, 10ms), channel("b", 4000, 10ms), channel("c", 8000, 15ms)});
   const auto plan = make_plan(bus, 5ms);

@@ -92,7 +92,7 @@ TEST(RecordView, AuditSaysWhoWhatWhereHowMuchAndWhatBecameOfIt) {
   EXPECT_EQ(record_json(entry)["bytes_to_device"], 1000);
   const Json command =
       record_json(AuditEntry{.at = kAt, .who = "panel", .what = "write 5", .result = "done"});
-  EXPECT_FALSE(command.contains("bytes_to_device"));  // it is not counted, which is not 0
+  EXPECT_FALSE(command.contains("bytes_to_device"));  // not counted, which differs from 0
   EXPECT_FALSE(command.contains("bytes_from_device"));
   EXPECT_EQ(audit_line({.at = kAt, .who = "eve\n", .what = "login", .result = "refused"}),
             "2023-11-14T22:13:20.000Z  eve\\n  login  refused");

@@ -108,7 +108,7 @@ TEST(Age, ChoosesItsUnit) {
   EXPECT_EQ(age(42), "42 s");
   EXPECT_EQ(age(180), "3.00 min");
   EXPECT_EQ(age(36000), "10 h");
-  EXPECT_EQ(age(-5), "0.00 s");  // a clock ahead of ours
+  EXPECT_EQ(age(-5), "0.00 s");  // the sender's clock is ahead
   EXPECT_EQ(age_text({}, UtcTime{1}), "-");
 }
 

@@ -1,5 +1,5 @@
-// A scan: what is asked and in which order, what a device says of itself, and the whole of it on a
-// pseudo-terminal with a device that answers at one setting only.
+// Tests a scan: requests and their order, device identification, and a whole scan on a
+// pseudo-terminal with a device that responds at one setting only.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// `fieldcast secure`: an authority and its members, from the command line.
+// Tests `fieldcast secure`: an authority and its members, from the command line.
 #include "tools/cli/command/secure.hpp"
 
 #include <gmock/gmock.h>

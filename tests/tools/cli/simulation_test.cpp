@@ -1,5 +1,5 @@
-// A bus of a configuration in virtual time: what was predicted happens, what goes wrong has a
-// cause, and one seed is one run.
+// Tests the simulation of a configured bus in virtual time: predictions hold, each miss has a
+// cause, and a seed determines the run.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -67,8 +67,8 @@ TEST(BusSimulation, AModuleThatDialsInHasALineBehindIt) {
   EXPECT_GT(simulation.channels[0].readings, 100u);
 }
 
-// 300 registers with refreshes from 100 ms to 10 s, at half of the load that any master could
-// sustain at most.
+// 300 registers with refreshes from 100 ms to 10 s, with half of the highest load that any master
+// could sustain.
 TEST(BusSimulation, PlanPredictionAndMeasurementAgreeOverTheMaps) {
   for (const int number : {11, 12, 13, 14}) {
     const test::Map map = test::read_map(std::string(FIELDCAST_SOURCE) + "/tests/maps/map" +
@@ -87,10 +87,10 @@ TEST(BusSimulation, PlanPredictionAndMeasurementAgreeOverTheMaps) {
   }
 }
 
-constexpr Duration kSilence = 2'005'208ns;  // 3.5 characters at 19200 baud, 11 bits each
+constexpr Duration kSilence = 2'005'208ns;  // 3.5 characters of 11 bits at 19200 baud
 
-// The plan is made for an assumed answer time and follows what is learned. What `plan` shows is
-// what the bus then does.
+// The plan starts from an assumed response time and then uses the learned one. The bus must do what
+// `plan` shows.
 TEST(BusSimulation, Map15KeepsAtFastAnswersWhatItsPlanForetells) {
   const test::Map map = test::read_map(std::string(FIELDCAST_SOURCE) + "/tests/maps/map15.csv");
   for (const Duration answer : {Duration{1us}, Duration{1ms}, kSilence, Duration{2500us}}) {
@@ -136,8 +136,8 @@ TEST(BusSimulation, EveryMissHasItsCauseAndItsChannel) {
   std::uint64_t sum = 0;
   for (const ChannelReport& channel : simulation.channels) sum += channel.missed;
   EXPECT_EQ(sum, simulation.bus.deadline_misses);
-  // Its neighbour is dead for half a minute; it misses only what the port's absence takes: 10 s at
-  // 200 ms.
+  // The other device is dead for half a minute. This one only misses refreshes while the port is
+  // closed: 10 s at 200 ms.
   EXPECT_NEAR(static_cast<double>(simulation.channels[0].missed), 50, 2);
   EXPECT_EQ(simulation.channels[0].last_miss, Cause::kPortClosed);
   const Json json = simulation_json(simulation);
@@ -160,7 +160,7 @@ TEST(BusSimulation, OneSeedIsOneRunToTheLetter) {
   EXPECT_NE(run(7), run(8));
 }
 
-// A protocol that the file declares: its device reads the declaration.
+// For a protocol declared in a file, the simulated device uses the declaration.
 TEST(BusSimulation, DeclaredDevicesTakeTheirTimeOnTheWire) {
   auto loaded = config::load_file(std::string(FIELDCAST_SOURCE) + "/tests/tools/cli/declared.yaml");
   ASSERT_TRUE(loaded) << config::to_text(loaded.error());

@@ -48,7 +48,7 @@ TEST(WatchModel, AwaitsChannelsThatPromiseSamplesOnly) {
   EXPECT_EQ(model.awaited(), 1u);
   EXPECT_EQ(model.awaited(true), 2u);
   model.on_sample(sample("d", "promised", false, Quality::kBadNoAnswer),
-                  kStart);  // a bad value counts as well
+                  kStart);  // a bad value counts too
   EXPECT_EQ(model.awaited(), 0u);
 }
 

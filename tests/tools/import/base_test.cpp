@@ -1,4 +1,4 @@
-// From which number addresses count, open ranges, and bits that a list inverts.
+// Tests the base of addresses, open ranges, and bits that a list inverts.
 #include "tests/tools/import/support.hpp"
 
 namespace fieldcast::importing {

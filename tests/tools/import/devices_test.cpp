@@ -1,5 +1,4 @@
-// Templates and projects of wb-mqtt-serial, EPICS and Neuron: what their channels, records and tags
-// become.
+// Tests the conversion of templates and projects of wb-mqtt-serial, EPICS and Neuron.
 #include "tests/tools/import/support.hpp"
 #include "tools/import/formats/epics_files.hpp"
 #include "tools/import/formats/wb_condition.hpp"

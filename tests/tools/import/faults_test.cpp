@@ -1,4 +1,4 @@
-// A faulty device, bus or option: what is told, and that the rest moves.
+// Tests a faulty device, bus or option: it is reported, and the rest is imported.
 #include "tests/tools/import/support.hpp"
 
 namespace fieldcast::importing {

@@ -1,9 +1,10 @@
-"""`fieldcast import` as a whole: lists of real devices in the format of each program, against devices with those registers; and
-what people do wrong.
+"""Tests `fieldcast import` end to end: lists of real devices in the format of each program, read
+from devices with these registers; and user errors.
 
 usage: import_test.py BIN_DIR SOURCE_DIR
 
-The lists are in lists/, written for this test; lists/values.txt has the registers of their devices, and every value that has to come.
+The lists in lists/ were written for this test. lists/values.txt has the registers of the devices
+and every expected value.
 """
 
 import json
@@ -41,7 +42,8 @@ class Imports(InAFolder):
 
 
 def excel(path, table):
-    """The least workbook that Excel reads: texts are shared, as its own are; the second row of the sheet stays empty."""
+    """Writes a minimal workbook that Excel reads, with shared texts as in its own files. The
+    second row of the sheet is empty."""
     texts = sorted({cell for row in table for cell in row if not re.fullmatch(r"[\d.]*", cell)})
 
     def cell(column, row, text):
@@ -62,7 +64,7 @@ def excel(path, table):
 
 class RealDevices(Imports):
     def lists(self, port):
-        """The lists, with the port of the devices where theirs name one."""
+        """Returns the lists, with the port of the devices inserted."""
         files = []
         for name in sorted(os.listdir(LISTS)):
             if name in ("values.txt", "makers"):
@@ -93,7 +95,8 @@ class RealDevices(Imports):
             self.assertLess({"scale": 0.001, "word_order": "big-endian", "access": "read-only"}.items(),
                             next(row for row in rows if row["name"] == "Wirkleistung gesamt").items())
             self.assertEqual([row for row in rows if row["fate"] == "refused"], [])
-            self.assertEqual(len({row["file"] for row in rows}), 13)  # the script has no values of its own
+            # the script has no values of its own
+            self.assertEqual(len({row["file"] for row in rows}), 13)
             channels = {tuple(row["channel"].split("/")[1:]) for row in rows}
             with open(config, encoding="utf-8") as file:
                 text = file.read()
@@ -116,7 +119,7 @@ class RealDevices(Imports):
 
     @staticmethod
     def wrong(config, expected):
-        """{(device, channel): (sample, what it should be)} of those that are not GOOD, or another value."""
+        """Returns {(device, channel): (sample, expected)} for each wrong or not GOOD sample."""
         done = run("fieldcast", "watch", "--json", "--once", "--config", config)
         samples = {(s["device"], s["channel"]): s for s in map(json.loads, done.stdout.splitlines())}
 
@@ -132,11 +135,12 @@ class RealDevices(Imports):
 
 
 class MakersTables(Imports):
-    """Rows of seven makers' tables; makers/README.md names the documents, makers/expected.txt has what they mean."""
+    """Tests rows of seven makers' tables. makers/README.md lists the documents,
+    makers/expected.txt the expected meanings."""
 
     @staticmethod
     def expected():
-        """{list: (options, rows)}"""
+        """Returns {list: (options, rows)}."""
         lists, rows = {}, None
         with open(os.path.join(MAKERS, "expected.txt"), encoding="utf-8") as file:
             for line in filter(None, map(str.strip, file)):
@@ -196,7 +200,7 @@ class Output(Imports):
         self.assertEqual(run("fieldcast", "import", made, "--out", out, "--bridge", "x", "--force").returncode, 1)
         with open(out, encoding="utf-8") as file:
             self.assertIn("bridge: x\n", file.read())
-        # Of two files the second one exists: the first one is not written either.
+        # The second of two files exists, so neither is written.
         os.mkdir(self.path("folder"))
         self.file("folder/bus-1-list.csv", "mine")
         self.assertIn("bus-1-list.csv is there already", self.fault(made, "--out", self.path("folder/")))
@@ -211,7 +215,7 @@ class Output(Imports):
 class Words(Imports):
     def test_are_clear_for_what_is_no_list(self):
         with open(self.path("huge"), "wb") as file:
-            file.truncate(1 << 30)  # 1 GiB of holes
+            file.truncate(1 << 30)  # 1 GiB, sparse
         with open(self.path("random"), "wb") as file:
             file.write(bytes(range(256)) * 20)
         for path, words in [(self.path("huge"), "1024 MiB; lists of at most 16 MiB are read"), (self.folder, "a folder; name the files"),
@@ -226,7 +230,7 @@ class Words(Imports):
                 self.assertIn(words, done.stdout + done.stderr)
 
     def test_are_clear_for_a_workbook_that_unpacks_to_too_much_or_is_damaged(self):
-        excel(self.path("bomb.xlsx"), [["x" * 30000] * 200] * 10)  # 2000 cells name one text
+        excel(self.path("bomb.xlsx"), [["x" * 30000] * 200] * 10)  # 2000 cells refer to one text
         self.assertIn("more than 32 MiB of text", self.fault(self.path("bomb.xlsx")))
         with zipfile.ZipFile(self.path("half.xlsx"), "w") as book:
             book.writestr("xl/worksheets/sheet1.xml", "<worksheet><sheetData/></worksheet>")
@@ -242,7 +246,8 @@ class Words(Imports):
         self.assertIn("baud", self.fault(made, "--baud", "115000"))
 
     def test_tell_of_a_template_that_does_not_fit_its_device(self):
-        """A register that the device does not have: the import cannot know it, the bridge says it."""
+        """Tests a register that the device lacks: the import cannot detect it, but the bridge
+        reports it."""
         made = self.file("list.csv", "Address,Name,Type\n70000,far,U16\n65535,wide,U32\n0,good,U16\n")
         done = run("fieldcast", "import", made, "--template", "--out", self.path("devices/"))
         self.assertEqual(done.returncode, 1)

@@ -1,5 +1,5 @@
-// What a list does not say of its line and its device: what the program that wrote it takes, and
-// what is told of it.
+// Tests the defaults for lists without line and device settings: those of the program that wrote
+// the list, with a note.
 #include "tests/tools/import/support.hpp"
 
 namespace fieldcast::importing {
@@ -11,7 +11,7 @@ using testing::Not;
 
 constexpr const char* kList = "Address,Name,Type\n1,a,U16\n";
 
-// The port as it stands in the configuration.
+// Returns the port line of the configuration.
 std::string port_of(const tl::expected<Outcome, std::string>& outcome) {
   if (!outcome) return outcome.error();
   if (outcome->files.empty()) return "nothing is written";

@@ -1,4 +1,5 @@
-// Lists of makers and of people: what is not understood is never guessed without a word.
+// Tests lists of makers and users: the import reports what it does not understand and never guesses
+// silently.
 #include "tests/tools/import/support.hpp"
 #include "tools/import/formats/list_address.hpp"
 #include "tools/import/formats/list_factor.hpp"
@@ -11,7 +12,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-// The place of a value, "no: .." if it was refused.
+// Returns the address of a point, "no: .." if it was refused.
 std::string place_of(const Outcome& outcome, const std::string& name) {
   const auto row = std::ranges::find(outcome.rows, name, &PointFate::name);
   if (row == outcome.rows.end()) return "not in the list";
@@ -103,7 +104,7 @@ TEST(ImportList, NumbersWithZerosInFrontAreNoCoils) {
   EXPECT_EQ(place_of(*outcome, "B"), "holding:102");
 }
 
-// "uint16", "no: .." if it was refused.
+// Returns the type, for example "uint16", or "no: .." if the point was refused.
 std::string type_of(const Outcome& outcome, const std::string& name) {
   const auto row = std::ranges::find(outcome.rows, name, &PointFate::name);
   if (row == outcome.rows.end()) return "not in the list";

@@ -1,5 +1,5 @@
-// What the tables of makers write in their own way: a scale in the unit or in the remarks, the
-// address under the title of an offset, access by a command.
+// Tests particular notations of makers: a scale in the unit or in the remarks, an address titled
+// offset, access by command.
 #include "tests/tools/import/support.hpp"
 
 namespace fieldcast::importing {

@@ -1,4 +1,4 @@
-// What other programs' files say beyond what moves is named in notes, once for each key.
+// Tests that each unsupported key of other programs' files is named in a note, once.
 #include "tests/tools/import/support.hpp"
 
 namespace fieldcast::importing {

@@ -1,4 +1,5 @@
-// Configurations of other programs: what their keys, orders of bytes and expressions become.
+// Tests configurations of other programs: the conversion of their keys, byte orders and
+// expressions.
 #include <fmt/format.h>
 
 #include "tests/tools/import/support.hpp"
@@ -152,10 +153,10 @@ TEST(ImportTelegraf, BrokenTomlNamesItsLine) {
       import_text("telegraf.conf", "[[inputs.modbus]]\n  name = \"x\"\n  slave_id = = 1\n");
   ASSERT_FALSE(outcome);
   EXPECT_THAT(outcome.error(), HasSubstr("telegraf.conf: line 3: no TOML"));
-  // toml++ 3.3.0 asserts here.
+  // toml++ 3.3.0 fails an assertion here.
   EXPECT_THAT(import_text("telegraf.conf", "[[inputs.modbus]]\n[.a]\n").error(),
               HasSubstr("telegraf.conf: no TOML: a key or a value that is none"));
-  // What toml++ 3.3.0 does here is undefined.
+  // toml++ 3.3.0 has undefined behaviour here.
   EXPECT_THAT(import_text("telegraf.conf", "[[inputs.modbus]]\n  slav\u00F2e_id = 1\n").error(),
               HasSubstr("telegraf.conf: line 2: no TOML"));
 }

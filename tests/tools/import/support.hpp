@@ -1,4 +1,3 @@
-// Imports of texts, for tests.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -18,7 +17,7 @@ inline tl::expected<Outcome, std::string> import_text(const std::string& file,
   return run_import({{file, text}}, options);
 }
 
-// The text of the one channel with this name, as it stands in the configuration.
+// Returns the configuration line of the only channel with this name.
 inline std::string channel_line(const Outcome& outcome, const std::string& name) {
   for (const WrittenFile& file : outcome.files) {
     const std::string begin = "- { name: " + name + ",";
@@ -29,7 +28,7 @@ inline std::string channel_line(const Outcome& outcome, const std::string& name)
   return {};
 }
 
-// "ok", the changes, or "no: " and the reason.
+// Returns "ok", the changes, or "no: " and the reason.
 inline std::string fate_of(const Outcome& outcome, const std::string& name) {
   const auto row = std::ranges::find(outcome.rows, name, &PointFate::name);
   if (row == outcome.rows.end()) return "not in the list";

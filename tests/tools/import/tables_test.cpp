@@ -1,4 +1,4 @@
-// Lists of spreadsheets: what Excel does to them, Kepware's tags, and lists of vendors.
+// Tests spreadsheet lists: the effects of Excel, Kepware's tags, and vendors' lists.
 #include "tests/tools/import/support.hpp"
 #include "tools/import/address.hpp"
 #include "tools/import/table.hpp"
@@ -241,7 +241,7 @@ TEST(ImportList, DecimalCommasAndColumnsInAnyOrder) {
 }
 
 TEST(ImportList, FunctionCodesDecideWhereDigitsAreAmbiguous) {
-  // 32016 is a holding register of an inverter here, no reference of an input register.
+  // Here 32016 is a holding register of an inverter, not a reference to an input register.
   const auto outcome = import_text("inverter.csv",
                                    "Signal Name,Address,Type,Gain,Unit,Function\n"
                                    "PV1 voltage,32016,I16,10,V,03\n"
@@ -295,7 +295,7 @@ TEST(ImportedConfiguration, OfTooManyValuesGetsAClearWord) {
   ASSERT_FALSE(outcome);
   EXPECT_EQ(outcome.error(),
             "100001 values; a bridge has at most 100000 channels: split the lists");
-  // A few rows may make as many.
+  // A few rows may expand to as many points.
   const auto arrays = import_text(
       "a.csv", kKepware + [] {
         std::string rows;

@@ -1,5 +1,5 @@
-// fieldcast-port as a process beside a programming server in this one, and its virtual port opened
-// as programming software does.
+// Runs fieldcast-port as a process with a programming server in this process, and opens its virtual
+// port as programming software does.
 #pragma once
 
 #include <fcntl.h>
@@ -13,7 +13,7 @@
 
 namespace fieldcast::test {
 
-// The virtual port, opened raw. Closed with the object.
+// The virtual port, opened raw. Closed by the destructor.
 class SerialSoftware {
  public:
   explicit SerialSoftware(const std::string& path, speed_t speed = B9600, tcflag_t stop = 0)
@@ -66,11 +66,11 @@ struct PortFixture : ServerFixture {
     all.insert(all.end(), more.begin(), more.end());
     return all;
   }
-  // The module's registration has reached the server: who asks for it is told so.
+  // Waits until the module is registered, so that an engineer can pair with it.
   void wait_for_module() const {
     TcpClient client = engineer();
     EXPECT_EQ(pair(client, "17"), "@@0000FEFF");
-    client.send("@@EDFEFF@@nobody1FEFF");  // whose refusal comes when the device is free again
+    client.send("@@EDFEFF@@nobody1FEFF");  // the refusal arrives when the device is free again
     EXPECT_EQ(client.receive("FEFF"), "@@0001FEFF");
   }
 

@@ -1,4 +1,4 @@
-// The engineer's side as its user sees it.
+// Tests fieldcast-port from the view of its user.
 #include <fstream>
 
 #include "tests/tools/program-port/port_support.hpp"
@@ -107,8 +107,8 @@ TEST_F(Port, AFileOfOthersIsNeverReplaced) {
   EXPECT_EQ(content, "mine");
 }
 
-// To a module there is no line to set; that the settings arrive there is LeaseTest's. Here: they
-// are seen.
+// A module has no line to set; LeaseTest checks that the settings arrive. This test checks that
+// they are detected.
 TEST_F(Port, TheSpeedThatTheSoftwareSetsIsSeen) {
   start();
   TcpClient module = this->module("17\n");
@@ -121,7 +121,7 @@ TEST_F(Port, TheSpeedThatTheSoftwareSetsIsSeen) {
   EXPECT_EQ(module.receive("here"), "still here");
 }
 
-// A new terminal of Linux has this rate; to set it is a request all the same.
+// This is the default rate of a Linux terminal, but setting it must still be detected.
 TEST_F(Port, TheSpeedOfANewTerminalIsSeenWhenItIsSet) {
   start();
   TcpClient module = this->module("17\n");

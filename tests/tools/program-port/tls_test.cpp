@@ -1,4 +1,4 @@
-// Engineers over TLS, with a certificate made for the test.
+// Tests engineers over TLS, with a generated certificate.
 #include <fstream>
 
 #include "tests/tools/program-port/port_support.hpp"
@@ -36,8 +36,8 @@ struct Tls : test::PortFixture {
 TEST_F(Tls, ARightLoginPairsAndCarriesBytes) {
   start();
   TcpClient module = this->module("17\n");
-  // Without a client in the clear there is no way to ask whether the module is registered: it is
-  // tried again.
+  // Without plain-text clients the test cannot query whether the module is registered, so it
+  // retries.
   for (int attempt = 0; attempt < 50; ++attempt) {
     Process port(FIELDCAST_PORT, secure("right"));
     if (port.said("paired").find("17: paired") == std::string::npos) {

@@ -1,5 +1,5 @@
-// The whole matrix of every protocol, built in and declared: nothing fails, nothing is left
-// untried, and what is wrong is found.
+// Tests the whole matrix of every protocol, built in and declared: no check fails or is skipped,
+// and faults are found.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -74,7 +74,7 @@ Subject declared_as(const std::string& text) {
   return subjects_of(*declaration).front();
 }
 
-// A record of two texts, one of odd length, one that ends where a constant stands; one address.
+// A record of two texts, one of odd length and one that ends at a constant; one address.
 constexpr const char* kTexts = R"(summary: A scale that says two texts
 addresses: { from: 1, to: 1 }
 areas:
@@ -96,7 +96,7 @@ TEST(SimCheck, TextsOfOddLengthARecordWithoutANumberAndOneAddressAreNoFault) {
   expect_all_pass({declared_as(kTexts)});
 }
 
-// A text that is written, and no frame by which the device could refuse it.
+// A writable text, without a frame for a refusal of the device.
 constexpr const char* kWrittenText = R"(summary: A scale whose limit is a text
 addresses: { from: 1, to: 9 }
 areas:
@@ -123,7 +123,7 @@ TEST(SimCheck, ATextThatTheDeviceRefusesIsNotWritten) {
   expect_all_pass({declared_as(kWrittenText)});
 }
 
-// Numbers with a sign, of three digits, of four bytes.
+// Numbers with a sign, with three digits, with four bytes.
 constexpr const char* kNumbers = R"(summary: A meter with numbers of all kinds
 addresses: { from: 1, to: 9 }
 areas:
@@ -143,7 +143,7 @@ operations:
 
 TEST(SimCheck, NumbersWithASignOrInDigitsAreNoFault) { expect_all_pass({declared_as(kNumbers)}); }
 
-// Areas whose numbers are hexadecimal, of bytes and of words.
+// Areas of bytes and of words with hexadecimal numbers.
 constexpr const char* kAreas = R"(summary: A controller with bytes and words
 addresses: { from: 1, to: 9 }
 areas:

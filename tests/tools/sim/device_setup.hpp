@@ -1,4 +1,3 @@
-// What the tests of the simulated devices make them of.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
-// The simulated DTC device: as the device of the golden packets, and against the bridge's own
-// master, which was written apart from it.
+// Tests the simulated DTC device with the golden packets and with the bridge's own, independent
+// master.
 #include "tools/sim/device/dtc_device.hpp"
 
 #include <gtest/gtest.h>
@@ -57,7 +57,7 @@ std::uint8_t type_of(const json& group) {
       std::ranges::find(kDtcAreaNames, group["type"].get<std::string>()) - kDtcAreaNames.begin());
 }
 
-// The bits of a printed value in its type.
+// Returns the bits of a printed value of this type.
 std::uint64_t bits_of(const json& value, std::uint8_t type) {
   switch (type) {
     case 1: return static_cast<std::uint16_t>(value.get<std::int16_t>());
@@ -111,8 +111,8 @@ TEST(DtcDeviceVectors, RefusesAsPrinted) {
   }
   EXPECT_EQ(refusal(device, "07 00 FFFF 01 0002"), printed.at("refusal_2"));
   EXPECT_EQ(refusal(device, "07 00 0000 05 0001"), printed.at("refusal_3"));
-  EXPECT_EQ(refusal(device, "07 00 0000 01 0400"), printed.at("refusal_4"));  // an answer of 2 KiB
-  EXPECT_EQ(refusal(device, "07 00 0000 01"), printed.at("refusal_4"));  // a group that is cut off
+  EXPECT_EQ(refusal(device, "07 00 0000 01 0400"), printed.at("refusal_4"));  // a response of 2 KiB
+  EXPECT_EQ(refusal(device, "07 00 0000 01"), printed.at("refusal_4"));       // a truncated group
   EXPECT_EQ(refusal(device, "07 00 0000 01 0000"), printed.at("refusal_5"));
   EXPECT_EQ(refusal(device, "07 02").substr(6, 6), "078201");
   EXPECT_EQ(device.statistics().exceptions.at(4), 2u);
@@ -195,7 +195,7 @@ TEST(DtcDevice, AddressesAreReadAndChannelsLive) {
   EXPECT_FALSE(make_dtc_device(made).has_value());
 }
 
-// What random masters write and read, over packets of either kind, is what the device holds.
+// Random reads and writes of masters, in packets of both kinds, match the content of the device.
 TEST(DtcDevice, AgreesWithTheMasterOfTheBridge) {
   std::mt19937 random(8);
   int compressed = 0;

@@ -1,5 +1,4 @@
-// The simulated freeport station: as the station of the golden frames, and beside other stations on
-// its line.
+// Tests the simulated freeport station with the golden frames and with other stations on its line.
 #include "tools/sim/device/freeport_device.hpp"
 
 #include <gtest/gtest.h>
@@ -21,7 +20,7 @@ std::string said(FreeportDevice& device, const std::string& request) {
   return {answer.begin(), answer.end()};
 }
 
-// q .. FC FC Q around a text.
+// Frames a text: q .. FC FC Q.
 std::string framed(const std::string& text) {
   Bytes frame;
   append_hex(frame, xor8(test::bytes(text)), 2);
@@ -61,7 +60,7 @@ TEST(FreeportDeviceVectors, RefusesAsPrinted) {
   EXPECT_EQ(said(device, "qW05040000000000Q"), printed.at("refusal_check"));
   EXPECT_EQ(said(device, framed("W0505"
                                 "00000000")),
-            printed.at("refusal_length"));  // LE beyond four
+            printed.at("refusal_length"));  // LE above four
   EXPECT_EQ(said(device, framed("W0504"
                                 "0000000000")),
             printed.at("refusal_length"));
@@ -79,7 +78,8 @@ TEST(FreeportDevice, OtherStationsAndTheirAnswersGetSilence) {
   EXPECT_EQ(said(device, framed("W0604"
                                 "00000000")),
             "");
-  EXPECT_EQ(said(device, framed("05040000")), "");  // an answer that begins like a request to it
+  // a response that begins like a request to this station
+  EXPECT_EQ(said(device, framed("05040000")), "");
   EXPECT_EQ(said(device, framed("E05")), "");
   EXPECT_EQ(said(device, "W05040000000056Q"), "");
 }
@@ -105,7 +105,8 @@ TEST(FreeportDevice, SwappedLettersMeanTheOtherThing) {
             framed("12340000"));
 }
 
-// The write window starts as zeros; a read-only channel stays alive whatever is written beside it.
+// The write window starts with zeros. A read-only channel keeps changing, whatever is written next
+// to it.
 TEST(FreeportDevice, WhatIsWrittenShowsInTheReadWindowButNotOverReadOnlyChannels) {
   DeviceSetup setup = device_setup(5);
   setup.spec.channels = {test::channel("level", "window:0", ValueType::kUint16),

@@ -1,4 +1,4 @@
-// The simulated FX: as the PLC of the golden frames.
+// Tests the simulated FX with the golden frames.
 #include "tools/sim/device/fx_device.hpp"
 
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ std::size_t area(std::string_view name) {
   return static_cast<std::size_t>(std::ranges::find(kFxAreaNames, name) - kFxAreaNames.begin());
 }
 
-// A read's memory is made by writing what the answer shows to where the request reads it.
+// Writes what the response shows to the address that the request reads.
 TEST(FxDeviceVectors, AnswersAsPrinted) {
   int seen = 0;
   for (const GoldenVector& vector : fieldcast::test::load_vectors("fx")) {

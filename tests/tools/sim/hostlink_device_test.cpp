@@ -1,4 +1,4 @@
-// The simulated Omron PLC: as the PLC of the golden frames in C-mode and FINS, and its transfers in
+// Tests the simulated Omron PLC with the golden frames in C-mode and FINS, and its transfers in
 // several frames.
 #include "tools/sim/device/hostlink_device.hpp"
 
@@ -34,7 +34,7 @@ std::size_t area_of(char letter) {
                                   kOmronAreas.begin());
 }
 
-// Gives the device the memory from which the data of a C-mode answer must follow.
+// Fills the memory so that a C-mode response has this data.
 void prepare(ItemMemory& memory, const std::string& request, const std::string& data) {
   const std::size_t each = request[4] == 'G' ? 1 : 4,
                     area = request[4] == 'G' ? 9 : area_of(request[4]);
@@ -46,8 +46,8 @@ void prepare(ItemMemory& memory, const std::string& request, const std::string& 
 }
 
 TEST(HostLinkDeviceVectors, CModeIsAnsweredAsPrinted) {
-  // What the plant cannot be in: another PLC model, another state, or the frame shows only the form
-  // of an answer.
+  // Cases that the simulator cannot produce: another PLC model or state, or frames that only show
+  // the form of a response.
   const std::set<std::string> elsewhere{"end_01",  "end_02", "end_04",     "end_18",
                                         "end_19",  "end_21", "ms_program", "ms_fatal",
                                         "ms_fals", "kshr",   "krhr",       "multi_abort_a3"};
@@ -102,8 +102,8 @@ TEST(HostLinkDeviceVectors, FinsIsAnsweredAsPrinted) {
     const bool form_only =
         vector.has("note") && vector.texts.at("note").find("does not follow") != std::string::npos;
     if (vector.framing != "hostlink" || request.empty() || answer.empty() || form_only) continue;
-    // Programs, cycle times and the CPU's own faults are not simulated; one answer shows a code for
-    // a right request.
+    // Programs, cycle times and CPU faults are not simulated; one response shows a code for a valid
+    // request.
     const std::set<std::string> elsewhere{"fa_cycle_time_0620", "fa_program_read_last",
                                           "fa_program_write_0307", "fa_end_0040_masked",
                                           "fa_hostlink_endcode_13"};
@@ -115,8 +115,7 @@ TEST(HostLinkDeviceVectors, FinsIsAnsweredAsPrinted) {
     const Bytes asked = *from_hex(request.substr(6 + head, request.size() - 4 - 6 - head));
     const Bytes shown = *from_hex(answer.substr(7 + head, answer.size() - 4 - 7 - head));
     if (asked[0] == 0x01 &&
-        asked[1] ==
-            0x01) {  // a read: what it shows is written first, by the same area, address and count
+        asked[1] == 0x01) {  // for a read, its data is written first to the same area and address
       Bytes write{0x01, 0x02};
       append(write, ByteView(asked).subspan(2));
       append(write, ByteView(shown).subspan(4));
@@ -145,7 +144,7 @@ TEST(HostLinkDevice, WordsLieWhereTheCommandsSay) {
   EXPECT_EQ(said(device, framed("@00WE0100070042")), framed("@00WE00"));
   EXPECT_EQ(device.memory().read(kOmronEm, kEmBankWords + 7, test::kBegin), 0x42u);
   EXPECT_EQ(said(device, framed("@00WC20550100")),
-            framed("@00WC00"));  // counters stand behind 2048 timers
+            framed("@00WC00"));  // counters are located after 2048 timers
   EXPECT_EQ(device.memory().read(8, 7, test::kBegin), 0x100u);
   EXPECT_EQ(said(device, framed("@00FA0000000000101898007000001")),
             framed("@00FA0040000000010100000100"));
@@ -165,7 +164,7 @@ TEST(HostLinkDevice, AWriteOfSeveralFramesIsTakenFrameByFrame) {
   EXPECT_EQ(device.statistics().write_requests, 0u);
   EXPECT_EQ(said(device, framed(data.substr(116))), framed("@00WD00"));
   EXPECT_EQ(device.memory().read(5, 39, test::kBegin), 39u);
-  // A later frame with a wrong check ends it all; XZ gives up.
+  // A later frame with a wrong check ends the transfer; XZ aborts it.
   EXPECT_EQ(said(device, framed("@00WD0000FFFF", false)), "\r");
   EXPECT_EQ(said(device, "FFFF77*\r"), framed("@00WDA3"));
   EXPECT_EQ(said(device, framed("@00WD0000FFFF", false)), "\r");
@@ -177,10 +176,10 @@ TEST(HostLinkDevice, AWriteOfSeveralFramesIsTakenFrameByFrame) {
 TEST(HostLinkDevice, AReplyOfSeveralFramesWaitsForItsDelimiters) {
   HostLinkDevice device(test::device_setup(0));
   EXPECT_EQ(said(device, framed("@00RD00000060")).back(), '\r');
-  EXPECT_EQ(said(device, framed("@00MS")).size(), 124u);  // any command counts as one
+  EXPECT_EQ(said(device, framed("@00MS")).size(), 124u);  // any command counts as a delimiter
   EXPECT_EQ(said(device, "\r"), "");
   EXPECT_EQ(said(device, framed("@00RD00000060")).size(), 130u);
-  EXPECT_EQ(said(device, framed("@12RD00000001")), "");  // to another unit: the transfer is over
+  EXPECT_EQ(said(device, framed("@12RD00000001")), "");  // to another unit: ends the transfer
   EXPECT_EQ(said(device, "\r"), "");
 }
 

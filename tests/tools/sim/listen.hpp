@@ -1,4 +1,4 @@
-// Gives a receiver bytes at the speed of a line, and then a long silence.
+// Feeds bytes to a receiver at the speed of a line, followed by a long silence.
 #pragma once
 
 #include "core/base/bytes.hpp"
@@ -10,7 +10,7 @@ namespace fieldcast::sim::test {
 inline constexpr LineFormat kLine{19200, 8, Parity::kEven, 1};
 inline constexpr Instant kBegin{Duration{1'000'000'000}};
 
-// What the device does about all of it. REQUIRES: it answers once at most.
+// Returns the reaction of the device. REQUIRES: it responds at most once.
 inline Reaction listen(Receiver& receiver, ByteView bytes, Instant start = kBegin,
                        bool then_silence = true) {
   Reaction all;

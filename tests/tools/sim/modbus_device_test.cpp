@@ -62,7 +62,7 @@ TEST(RtuReceiver, AfterABrokenFrameOnlySilenceHelps) {
   const Bytes good = rtu({1, 3, 0, 0, 0, 1});
   const Instant next = test::kBegin + test::kLine.characters(8);
   EXPECT_TRUE(test::listen(receiver, broken, test::kBegin, false).answer.empty());
-  EXPECT_TRUE(test::listen(receiver, good, next, false).answer.empty());  // hard upon it
+  EXPECT_TRUE(test::listen(receiver, good, next, false).answer.empty());  // immediately after it
   EXPECT_FALSE(
       test::listen(receiver, good, next + test::kLine.characters(13), false).answer.empty());
 }
@@ -107,9 +107,9 @@ TEST(ModbusUnit, ChecksInTheOrderOfTheStandard) {
   ModbusUnit unit(1, test::kBegin);
   unit.refuse({{"holding", 107, 109, 2}, {"coil", 0, 0, 6}});
   const auto code = [&](const Bytes& pdu) { return unit.execute(pdu, test::kBegin).at(1); };
-  EXPECT_EQ(code({0x03, 0, 107, 0, 0}), 3);      // the quantity first
+  EXPECT_EQ(code({0x03, 0, 107, 0, 0}), 3);      // the quantity is checked first
   EXPECT_EQ(code({0x03, 0, 106, 0, 2}), 2);      // touches 107
-  EXPECT_EQ(code({0x03, 0, 105, 0, 2}), 4);      // a good answer: its byte count
+  EXPECT_EQ(code({0x03, 0, 105, 0, 2}), 4);      // a good response: its byte count
   EXPECT_EQ(code({0x03, 0xFF, 0xFF, 0, 2}), 2);  // beyond the area
   EXPECT_EQ(code({0x01, 0, 0, 0, 1}), 6);
   EXPECT_EQ(code({0x63, 0, 0, 0, 1}), 1);

@@ -1,5 +1,5 @@
-// The simulated device against the golden frames: as the slave of every vector whose request is
-// printed.
+// Tests the simulated device with the golden frames, as the slave of every vector with a printed
+// request.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ std::vector<Vector> vectors() {
   return all;
 }
 
-// Unit and PDU of a good frame.
+// Returns unit and PDU of a good frame.
 Bytes content(const Vector& vector, const Bytes& frame) {
   if (vector.framing == "rtu") return {frame.begin(), frame.end() - 2};
   if (vector.framing == "tcp") return {frame.begin() + 6, frame.end()};
@@ -55,7 +55,7 @@ std::vector<std::uint16_t> bits(ByteView bytes, std::size_t count) {
   return values;
 }
 
-// Gives the device the memory from which the vector's answer must follow.
+// Fills the memory so that the device must give the vector's response.
 void prepare(ModbusUnit& unit, ByteView request, ByteView answer) {
   const std::uint8_t function = request[1];
   ModbusMemory& memory = unit.memory();
@@ -85,7 +85,7 @@ void prepare(ModbusUnit& unit, ByteView request, ByteView answer) {
   }
 }
 
-// Refuses what the vector's exception is about, unless the request itself is wrong.
+// Refuses the range of the vector's exception, unless the request itself is wrong.
 void prepare_exception(ModbusUnit& unit, std::uint8_t code) {
   std::vector<RefusedRange> ranges;
   if (code == 3) return;
@@ -93,7 +93,7 @@ void prepare_exception(ModbusUnit& unit, std::uint8_t code) {
   unit.refuse(ranges);
 }
 
-// File records and FIFO queues: this device has none.
+// The device has no file records or FIFO queues.
 bool unsupported(std::uint8_t function) {
   return function == 0x14 || function == 0x15 || function == 0x18;
 }
@@ -177,7 +177,7 @@ TEST(ModbusVectors, MalformedRequestsDoNoHarm) {
     ASSERT_NE(found, all.end());
     const Bytes& stream = found->request.empty()
                               ? found->response
-                              : found->request;  // requests are printed on either side
+                              : found->request;  // requests are printed on both sides
     const bool tcp = found->framing == "tcp";
     ModbusUnit unit(tcp ? stream[6] : 0x11, test::kBegin);
     const Reaction reaction = test::listen(*receiver_for(*found, unit), stream);

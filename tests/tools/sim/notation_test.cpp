@@ -1,5 +1,5 @@
-// Every form of every protocol's addresses, in a configuration: the bridge loads it, the simulated
-// plant takes it, and the engine reads what the plant shows.
+// Tests every address notation of every protocol in a configuration: the loader accepts it, the
+// simulated plant serves it, and the engine reads its values.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// A bus with one device and a channel for each notation, as its user would write it.
+// Returns a bus with one device and a channel for each notation, as a user would write it.
 std::string configuration(const Subject& subject) {
   const auto protocol = subject.protocol();
   const bool tcp = std::holds_alternative<TcpPortSpec>(subject.port);
@@ -82,7 +82,7 @@ TEST(Notation, OfADeclarationIsUnderstoodByTheLoaderThePlantAndTheEngine) {
   }
 }
 
-// Each area of each protocol is reached by some notation: a new area needs a new line.
+// Each area of each protocol needs a notation: a new area needs a new line.
 TEST(Notation, ReachesEveryArea) {
   for (const ProtocolEntry& entry : protocols()) {
     for (const Subject& subject : subjects_of(entry.name)) {

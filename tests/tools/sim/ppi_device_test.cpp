@@ -1,4 +1,4 @@
-// The simulated S7-200: as the slave of the golden telegrams, and its link layer.
+// Tests the simulated S7-200: the golden telegrams, and its link layer.
 #include "tools/sim/device/ppi_device.hpp"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ std::string asked(PpiDevice& device, std::string_view hex) {
   return to_hex(said(device, *from_hex(hex)), '\0');
 }
 
-// Gives the device the memory from which a read's answer must follow.
+// Fills the memory so that a read gives this response.
 void prepare(ItemMemory& memory, ByteView request, ByteView answer) {
   ByteView data = answer.subspan(4 + 3 + 12 + 2);
   for (std::size_t item = 4 + 3 + 10 + 2; item + 12 <= request.size() - 2; item += 12) {
@@ -45,8 +45,8 @@ void prepare(ItemMemory& memory, ByteView request, ByteView answer) {
   }
 }
 
-// Ours may leave a timer's status byte out of account: it is 0, where a running timer of a capture
-// shows its own.
+// The status byte of a timer may differ: it is 0 here, but a running timer of a capture has a
+// status.
 TEST(PpiDeviceVectors, AnswersAsPrinted) {
   int seen = 0;
   for (const GoldenVector& vector : fieldcast::test::load_vectors("ppi")) {
@@ -102,7 +102,7 @@ constexpr std::string_view kReadVb0 =
 
 TEST(PpiDevice, APollBringsTheAnswerOnceAndTheSamePollItAgain) {
   PpiDevice device(test::device_setup(2));
-  EXPECT_EQ(asked(device, "1002005C5E16"), "100002090B16");  // nothing queued
+  EXPECT_EQ(asked(device, "1002005C5E16"), "100002090B16");  // empty queue
   EXPECT_EQ(asked(device, kReadVb0), "E5");
   const std::string answer = asked(device, "1002005C5E16");
   EXPECT_EQ(answer.substr(0, 2), "68");
@@ -118,7 +118,8 @@ TEST(PpiDevice, OthersGetSilenceAndTelegramsAreFoundInNoise) {
   EXPECT_EQ(asked(device, other), "");
   EXPECT_EQ(asked(device, "1003005C5F16"), "");
   EXPECT_EQ(asked(device, "00FF6868" + std::string(kReadVb0)), "E5");
-  const auto receiver = device.open_receiver();  // after a silence a cut telegram is forgotten
+  // after a silence, an incomplete telegram is dropped
+  const auto receiver = device.open_receiver();
   EXPECT_TRUE(test::listen(*receiver, *from_hex("681B1B68")).answer.empty());
   EXPECT_EQ(
       to_hex(test::listen(*receiver, *from_hex(kReadVb0), test::kBegin + Duration{100'000'000})

@@ -1,4 +1,4 @@
-// A whole simulated bus in virtual time.
+// Tests a whole simulated bus in virtual time.
 #include "tools/sim/bus/sim_bus.hpp"
 
 #include <gtest/gtest.h>
@@ -39,12 +39,12 @@ BusSpec two_presses() {
   return bus;
 }
 
-// A master that asks and waits, in virtual time.
+// A master that sends requests and waits, in virtual time.
 struct Master {
   explicit Master(const BusFaults& faults = {}, const BusSpec& spec = two_presses())
       : bus(std::move(SimBus::make(spec, faults, 1, kBegin).value())), line(bus->open_line()) {}
 
-  // What came until `patience` after the request's arrival.
+  // Returns the bytes that arrived until `patience` after the request.
   Bytes ask(const Bytes& request, Duration patience = 200ms) {
     line->receive(request, now);
     const Instant until = now + patience;
@@ -115,7 +115,7 @@ TEST(SimBus, ALateAnswerComesLateAndItsDeviceIsDeafUntilThen) {
   faults.devices["press-1"].late = 300ms;
   Master master(faults);
   EXPECT_TRUE(master.ask(kRead1, 200ms).empty());
-  EXPECT_EQ(master.ask(kRead1, 200ms).size(), 25u);  // the answer to the first
+  EXPECT_EQ(master.ask(kRead1, 200ms).size(), 25u);  // the response to the first request
   EXPECT_EQ(master.bus->members()[0].device->statistics().requests.at("03"), 1u);
 }
 
@@ -149,7 +149,7 @@ TEST(SimBus, NoiseIsTheSameForTheSameSeed) {
   };
   const Bytes one = day();
   EXPECT_EQ(one, day());
-  EXPECT_LT(one.size(), 50u * 25u);  // some requests were not understood
+  EXPECT_LT(one.size(), 50u * 25u);  // some requests were garbled
 }
 
 TEST(SimBus, EchoPrecedesTheAnswer) {

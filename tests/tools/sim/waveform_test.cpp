@@ -1,4 +1,4 @@
-// The simulator's own encoding against the bridge's codec, which was written apart from it.
+// Tests the simulator's own encoding with the bridge's codec, which is independent of it.
 #include "tools/sim/device/waveform.hpp"
 
 #include <gtest/gtest.h>

@@ -13,16 +13,16 @@ constexpr Instant kBegin{1s};
 
 WireOptions at_9600() {
   WireOptions options;
-  options.line = {9600, 8, Parity::kNone, 1};  // ten bits: 1041666 ns each character
+  options.line = {9600, 8, Parity::kNone, 1};  // ten bits: 1041666 ns per character
   return options;
 }
 
 struct Arrived {
   Bytes bytes;
-  std::vector<std::pair<Instant, std::size_t>> pieces;  // when, and how many by then
+  std::vector<std::pair<Instant, std::size_t>> pieces;  // time and number of bytes by then
 };
 
-// Runs the wire to its rest, waking exactly when it asks.
+// Runs the wire until it is idle and wakes it at its requested times.
 Arrived run(Wire& wire, Sender from) {
   Arrived arrived;
   while (wire.next_due() != kNever) {
@@ -79,7 +79,7 @@ TEST(Wire, ALateWakeUpDoesNotMoveWhatFollows) {
 TEST(Wire, TalkingIntoAnAnswerGarblesBoth) {
   Wire wire(at_9600());
   wire.from_device(0, Bytes(10, 0x11), kBegin);
-  wire.from_master(Bytes(4, 0x22), kBegin + 5200us);  // from the sixth character on, into the ninth
+  wire.from_master(Bytes(4, 0x22), kBegin + 5200us);  // from the sixth to the ninth character
   Bytes from_device, from_master;
   while (wire.next_due() != kNever) {
     while (const auto passed = wire.advance(wire.next_due()))
@@ -135,7 +135,7 @@ TEST(BitNoise, FlipsAsManyBitsAsItsRateSays) {
   constexpr std::size_t kCharacters = 100'000;
   for (std::size_t i = 0; i < kCharacters; ++i) changed += noise.pass(0) != 0 ? 1 : 0;
   EXPECT_NEAR(static_cast<double>(changed), kCharacters * 0.00996,
-              120.0);  // 1 - 0.999^10; four deviations
+              120.0);  // 1 - 0.999^10; four standard deviations
   BitNoise none(0, 10, 42), all(1, 10, 42);
   EXPECT_EQ(none.pass(0x5A), 0x5A);
   for (int i = 0; i < 100; ++i) EXPECT_NE(none.garble(0x5A), 0x5A);

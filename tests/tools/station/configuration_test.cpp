@@ -162,7 +162,7 @@ TEST(StationConfiguration, TheDocumentHasEveryKeyAsTheProgramKnowsIt) {
   std::ostringstream text;
   text << file.rdbuf();
   for (const DocumentedKey& key : documented_keys()) {
-    if (key.name == "web") continue;  // its keys stand there
+    if (key.name == "web") continue;  // its keys are described there
     const std::string row =
         "| `" + key.name + "` | " + key.fallback + (key.fallback.empty() ? "| " : " | ") + key.text;
     EXPECT_THAT(text.str(), HasSubstr(row));

@@ -1,4 +1,4 @@
-// Buckets and tiers without a database.
+// Tests buckets and tiers without a database.
 #include "bridge/store/tiers/bucket.hpp"
 
 #include <gtest/gtest.h>
@@ -59,13 +59,14 @@ TEST(Bucket, TakesBooleansAndIntegersAsNumbersAndNoTexts) {
   EXPECT_EQ(bucket.first, 1.0);
 }
 
-// Minutes that are appended are the hour, wherever the cuts are.
+// The merged minutes equal the hour, for any partition.
 TEST(Bucket, OfPartsIsTheBucketOfTheWhole) {
   std::mt19937 random(7);
   for (int round = 0; round < 200; ++round) {
     Bucket whole, appended, part;
     for (int i = 0; i < 50; ++i) {
-      const auto value = static_cast<std::int64_t>(random() % 100) - 50;  // whole: sums are exact
+      // integers, so that sums are exact
+      const auto value = static_cast<std::int64_t>(random() % 100) - 50;
       const Quality quality = random() % 4 == 0 ? Quality::kBadNoAnswer : Quality::kGood;
       whole.add(quality, value);
       part.add(quality, value);
@@ -103,7 +104,7 @@ TEST(Tier, OfSoManyPointsHasNoMoreAndNotFarLess) {
   for (const Duration span : {Duration{1s}, Duration{1h}, Duration{24h}, Duration{24h * 3650}}) {
     for (const std::uint32_t points : {1u, 2u, 10u, 1000u, 100'000u}) {
       const Duration width = width_for(span, points);
-      const std::int64_t touched = span / width + 1;  // where the span begins within a bucket
+      const std::int64_t touched = span / width + 1;  // if the span begins within a bucket
       EXPECT_LE(touched, std::max(points, 2u)) << to_seconds(span) << " s in " << points;
       if (width == Duration{1ms}) continue;
       EXPECT_GE(touched, points / 3) << to_seconds(span) << " s in " << points;

@@ -1,4 +1,4 @@
-// Buckets as people ask for them: the same from whichever tier they come.
+// Tests that buckets are the same from every tier.
 #include "bridge/store/tiers/tier_history.hpp"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
-// Tiers in SQLite and in PostgreSQL: written as minutes close, whatever comes late, and for stores
-// of older versions.
+// Tests tiers in SQLite and in PostgreSQL: as minutes close, with late samples, and for stores of
+// older versions.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ std::vector<Bucket> rows(SqlConnection& connection, const Tier& tier, std::int64
   return found;
 }
 
-// A store without threads: what its writer does, in virtual time.
+// A store without threads: the work of its writer, in virtual time.
 class Recorder {
  public:
   explicit Recorder(const StoreAddress& address)
@@ -61,7 +61,7 @@ class Recorder {
                      .value = std::move(value),
                      .is_text = is_text}});
   }
-  // How many steps it took.
+  // Returns the number of steps.
   int write_tiers(UtcTime now) {
     int steps = 0;
     while (tiers_.step(*connection_, now)) {
@@ -120,7 +120,7 @@ void has_none_for_texts_and_no_numbers_for_bad_samples(const StoreAddress& addre
               ElementsAre(Bucket{.channel = bad, .start = at_second(0), .bad = 1}));
 }
 
-// Samples in random order and batches, restarts in between: the tiers are those of all samples.
+// Samples in random order and batches with restarts: the tiers must match all samples.
 void agrees_with_a_count_of_all_samples(const StoreAddress& address) {
   Recorder recorder(address);
   const std::int64_t channels[] = {recorder.channel("random-1"), recorder.channel("random-2")};
@@ -194,7 +194,7 @@ void keeps_each_tier_as_long_as_it_is_said(const StoreAddress& address) {
       << "what comes for a minute whose samples are gone does not take its row away";
 }
 
-// Version 4 had no tiers. Its samples get theirs in pieces.
+// Version 4 had no tiers. They are created for its samples in parts.
 void an_older_store_gets_its_tiers(const StoreAddress& address) {
   constexpr std::int64_t kMany = 2 * TierWriter::kSamplesAtOnce + 100;
   std::int64_t channel = 0, dense = 0, text = 0;
@@ -211,7 +211,7 @@ void an_older_store_gets_its_tiers(const StoreAddress& address) {
                          .sequence = sequence,
                          .quality = Quality::kGood,
                          .value = static_cast<double>(i)});
-      // All within one minute: more than a piece.
+      // All within one minute: more than a part.
       samples.push_back({.channel = dense,
                          .published_at = {at_second(0).nanoseconds + i},
                          .sequence = sequence,
@@ -225,7 +225,7 @@ void an_older_store_gets_its_tiers(const StoreAddress& address) {
     test::back_to_version(recorder.connection(), 4);
   }
   Recorder recorder(address);
-  recorder.store(channel, kMany, 0.0);  // the bridge goes on meanwhile
+  recorder.store(channel, kMany, 0.0);  // the bridge continues meanwhile
   const UtcTime now = at_second(kMany + 1);
   EXPECT_TRUE(TierTable(recorder.connection()).is_untiered(channel));
   EXPECT_GE(recorder.write_tiers(now), 5) << "in pieces";

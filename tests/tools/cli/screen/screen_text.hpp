@@ -1,4 +1,3 @@
-// A frame as text, for tests.
 #pragma once
 
 #include <string>
@@ -14,7 +13,7 @@ namespace fieldcast::cli {
   return text;
 }
 
-// Each line with its end.
+// Returns the lines of a frame, each with a line end.
 [[nodiscard]] inline std::string text_of(const Frame& frame) {
   std::string text;
   for (const FrameLine& line : frame.lines) text += text_of(line) + '\n';

@@ -102,17 +102,17 @@ TEST_F(WatchScreenTest, FilterTakesWordsOfPathQualityAndUnit) {
 
 TEST_F(WatchScreenTest, SortsByEachColumn) {
   (void)press(text_key("t"));
-  (void)press(text_key("s"));  // name
+  (void)press(text_key("s"));  // by name
   std::string text = draw();
   EXPECT_LT(text.find("a-line/d/level"), text.find("press/p2/count"));
-  (void)press(function_key(6));  // value, the greatest first
+  (void)press(function_key(6));  // by value, descending
   text = draw();
   EXPECT_LT(text.find("setpoint"), text.find("pressure"));
   EXPECT_LT(text.find("count"), text.find("level"));
   (void)press(text_key("i"));
   text = draw();
   EXPECT_LT(text.find("level"), text.find("count"));
-  (void)press({Key::Kind::kClick, {}, 0, 2, 3});  // the head of the names
+  (void)press({Key::Kind::kClick, {}, 0, 2, 3});  // header of the name column
   text = draw();
   EXPECT_THAT(text, HasSubstr("sort: name"));
 }
@@ -214,7 +214,7 @@ TEST_F(WatchScreenTest, AClickSelectsAndASecondOneFolds) {
   EXPECT_THAT(draw(), HasSubstr("press/p2")) << "the details of the device";
   (void)press({Key::Kind::kClick, {}, 0, 4, 3});
   EXPECT_THAT(draw(), HasSubstr("+ p2"));
-  (void)press({Key::Kind::kClick, {}, 0, 23, 0});  // F1 of the bottom line
+  (void)press({Key::Kind::kClick, {}, 0, 23, 0});  // F1 in the bottom line
   EXPECT_THAT(draw(), HasSubstr("any other key: back"));
 }
 

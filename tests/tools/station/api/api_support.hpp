@@ -1,7 +1,7 @@
-// A table of routes that is asked without a server: what the io thread would run is run by whoever
-// waits for the answer.
+// A table of routes without a server: the waiting test runs the work that is posted to the io
+// thread.
 //
-// One thread, that of the test; post() may be called from any.
+// Runs on the thread of the test; post() may be called from any thread.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ class FakeIo {
       arrived_.notify_one();
     };
   }
-  // Runs what was posted until `done` says so; false after 30 s.
+  // Runs posted work until `done` returns true. Returns false after 30 s.
   [[nodiscard]] bool run_until(const std::function<bool()>& done) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds{30};
     while (!done()) {
@@ -91,16 +91,15 @@ inline std::string unzipped(const std::string& bytes) {
 // A store, a database over it, and a table for the routes of the test.
 class ApiTest : public testing::Test {
  protected:
-  // The station's clock.
+  // Time of the station's clock.
   static constexpr std::int64_t kNow = 100'000;  // seconds of utc()
   [[nodiscard]] static std::function<UtcTime()> now() {
     return [] { return utc(kNow); };
   }
 
   [[nodiscard]] StoreAddress address() const { return StoreAddress(scratch_.path("api.db")); }
-  // Fills the store.
   void store(const std::function<void(Store&)>& fill) {
-    (void)open_store(address(), IfMissing::kCreate);  // a store that gets nothing makes no file
+    (void)open_store(address(), IfMissing::kCreate);  // a store without content creates no file
     Store store(forever(address()));
     fill(store);
     EXPECT_TRUE(store.flush(std::chrono::seconds{30}));
@@ -124,7 +123,7 @@ class ApiTest : public testing::Test {
     EXPECT_EQ(response.status, 200u) << response.body;
     return Json::parse(response.body, nullptr, false);
   }
-  // The whole body of a stream, and how many pieces it had.
+  // Returns the whole body of a stream and the number of its pieces.
   [[nodiscard]] std::pair<std::string, int> all_of(const HttpResponse& response) {
     std::string body;
     int pieces = 0;

@@ -7,7 +7,7 @@ namespace {
 
 using test::Json;
 
-// Takes what it is given, and answers when the test says so.
+// Accepts commands and responds when the test requests it.
 class FakeCommands final : public CommandSink {
  public:
   Submitted submit(const Caller& caller, StationCommand command, Done) override {

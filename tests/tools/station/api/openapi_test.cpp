@@ -1,4 +1,4 @@
-// tools/station/openapi.yaml against the table of routes and against what the resources answer.
+// Compares tools/station/openapi.yaml with the table of routes and with actual responses.
 #include "tools/station/api/openapi.hpp"
 
 #include <set>
@@ -134,7 +134,7 @@ TEST_F(OpenApiTest, WhatIsPublicIsSaidSo) {
   }
 }
 
-// What the document says that this is answered with.
+// Returns the documented schema of this response.
 const Plain& schema_of(const std::string& path, const char* method, const char* status) {
   const Plain* response = &document().at("paths").at(path).at(method).at("responses").at(status);
   if (response->contains("$ref"))
@@ -166,7 +166,7 @@ TEST_F(OpenApiTest, AnswersAreAsTheDocumentSays) {
     const Plain answer = Plain::parse(response.body);
     const std::string path = target.substr(0, target.find('?'));
     EXPECT_EQ(config::misfit(answer, schema_of(path, "get", "200"), document()), "") << target;
-    // A list that is empty fits anything.
+    // An empty list would fit any schema.
     EXPECT_TRUE(!answer.is_array() || !answer.empty()) << target;
   }
   EXPECT_EQ(ask("/api/openapi.yaml").shared_body->substr(0, 8), "openapi:");
@@ -182,7 +182,7 @@ TEST_F(OpenApiTest, ExamplesFitTheirSchemasAndAreTaken) {
     for (const auto& [key, example] : content.at("examples").items()) {
       ++examples;
       EXPECT_EQ(config::misfit(example.at("value"), content.at("schema"), document()), "") << key;
-      if (path == "/api/login" || path == "/api/commands") continue;  // a channel that is none
+      if (path == "/api/login" || path == "/api/commands") continue;  // an invalid channel
       HttpRequest request = test::request_of(path, Method::kPost);
       request.body = example.at("value").dump();
       const HttpResponse response = ask(request);

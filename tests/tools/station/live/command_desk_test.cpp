@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// A bridge that answers at once, or never, or is not there.
+// A bridge that responds immediately, never, or is absent.
 struct FakePort : CommandPort {
   std::uint64_t reserve_request_id() override { return ++last; }
   tl::expected<std::uint64_t, StationFault> send(StationCommand command) override {
@@ -33,7 +33,7 @@ struct FakePort : CommandPort {
   }
 
   std::atomic<std::uint64_t> last = 0;
-  std::shared_future<void> gate;  // valid: sending waits for it
+  std::shared_future<void> gate;  // if valid, sending waits for it
   bool bridge = true;
   std::function<void(const StationCommand&)> answer;
   std::mutex mutex;
@@ -48,7 +48,7 @@ struct FakeAudit : Audit {
 };
 
 struct CommandDeskTest : ::testing::Test {
-  // Runs the io context until that is so, for 10 s at most.
+  // Runs the io context until `condition` is true, for at most 10 s.
   template <class Condition>
   bool run_until(Condition condition) {
     const auto end = std::chrono::steady_clock::now() + 10s;

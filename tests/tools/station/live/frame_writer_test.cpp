@@ -54,7 +54,7 @@ TEST_F(FrameWriter, NobodyChanged) {
 
 TEST_F(FrameWriter, WhatWasNeverAcquiredHasNoAgeAndNoValue) {
   add("a", 0.0, 0, Quality::kNotYetRead);
-  add("b", 1.0, 5'000'000'000);  // "a" would be older than 49 days, too
+  add("b", 1.0, 5'000'000'000);  // "a" would be older than 49 days as well
   const std::string frame = binary_frame(all());
   EXPECT_TRUE(std::isnan(at<double>(frame, 16)));
   EXPECT_EQ(at<std::uint32_t>(frame, 40), kNoAge);

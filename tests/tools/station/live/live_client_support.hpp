@@ -1,4 +1,4 @@
-// A client of /live in a test: its peer, its commands and a virtual clock.
+// A client of /live for tests: its peer, its commands and a virtual clock.
 #pragma once
 
 #include <cstring>
@@ -17,7 +17,7 @@ class FakePeer : public LivePeer {
     if (closed.empty()) texts.push_back(std::move(message));
   }
   void send_binary(std::shared_ptr<const std::string> frame) override {
-    if (under_way) std::abort();  // the contract of the seam
+    if (under_way) std::abort();  // one frame at a time: contract of the interface
     under_way = true;
     frames.push_back(std::move(frame));
   }
@@ -57,7 +57,7 @@ inline std::uint32_t channels_in(const std::string& frame) {
   return n;
 }
 
-// A model, the hub, and the clock that they see.
+// A model, the hub, and their clock.
 struct FakeDomain {
   void announce(const std::string& name, const std::string& type = "float32") {
     model.on_channel(channel_of(name, type));
@@ -80,33 +80,33 @@ struct FakeDomain {
   Instant now{std::chrono::seconds{10}};
 };
 
-// One client whose socket takes what it is given when the test says so.
+// One client; the test decides when its socket accepts data.
 struct LivePerson {
   LivePerson(FakeDomain& in, const std::string& user, Role role)
       : domain(in), client(in.hub.make({user, role, "10.0.0.7"}, peer)) {
     client->on_open(domain.now);
   }
   void say(std::string_view message) { client->on_text(message, domain.now); }
-  // The kernel took the last frame.
+  // Simulates that the kernel accepted the last frame.
   void take() {
     peer.under_way = false;
     client->on_taken(domain.now);
   }
-  // Time passes until then; the peer wakes its client when it wished so.
+  // Advances the time; the peer wakes its client at the requested time.
   void wait(Duration time) {
     domain.now += time;
     if (peer.wake > domain.now) return;
     peer.wake = kNever;
     client->on_wake(domain.now);
   }
-  // Takes and waits until nothing comes any more.
+  // Accepts and waits until no more frame is sent.
   void settle() {
     do {
       if (peer.under_way) take();
       wait(LiveClient::kPeriod);
     } while (peer.under_way);
   }
-  // What came since the last call.
+  // Returns what was received since the last call.
   std::vector<std::string> texts() { return std::exchange(peer.texts, {}); }
   std::vector<std::shared_ptr<const std::string>> frames() {
     return std::exchange(peer.frames, {});

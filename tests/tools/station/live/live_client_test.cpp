@@ -23,8 +23,6 @@ struct LiveClientTest : ::testing::Test {
   LivePerson anna{domain, "anna", Role::kOperator};
 };
 
-// ---- the beginning
-
 TEST_F(LiveClientTest, IsGreetedOnce) {
   EXPECT_THAT(anna.texts(),
               ElementsAre(R"({"kind":"hello","version":"1.2.3","user":"anna","role":"operator",)"
@@ -39,8 +37,6 @@ TEST_F(LiveClientTest, IsToldOfWhatIsThereWithoutAsking) {
               ElementsAre(HasSubstr("hello"), HasSubstr(R"({"kind":"bus","bus":"shop")")));
   ASSERT_THAT(ben.frames(), SizeIs(1)) << "an empty frame behind texts tells when they are taken";
 }
-
-// ---- values
 
 TEST_F(LiveClientTest, GetsNoValueBeforeItSubscribes) {
   domain.announce("oil");
@@ -195,8 +191,6 @@ TEST_F(LiveClientTest, UnsubscribedChannelsComeNoMore) {
   EXPECT_THAT(anna.texts(), ElementsAre(HasSubstr("there is no such subscription")));
 }
 
-// ---- interests
-
 TEST_F(LiveClientTest, InterestsAreCountedAndTheShortestRefreshIsDeclared) {
   LivePerson ben{domain, "ben", Role::kViewer};
   anna.say(R"({"subscribe": "shop/press/oil", "refresh_ms": 500})");
@@ -226,8 +220,6 @@ TEST_F(LiveClientTest, AnInterestIsForOneDevice) {
                                               HasSubstr("for the channels of one device"))));
   EXPECT_THAT(domain.declared, IsEmpty());
 }
-
-// ---- commands
 
 TEST_F(LiveClientTest, AWriteGoesOutAndItsResultComesBack) {
   domain.announce("oil");
@@ -299,8 +291,6 @@ TEST_F(LiveClientTest, AResultOfARequestByHttpIsToldToItsUser) {
   EXPECT_THAT(anna.texts(), ElementsAre(HasSubstr(R"({"kind":"result","request_id":9)")));
   EXPECT_THAT(ben.texts(), IsEmpty());
 }
-
-// ---- limits
 
 TEST_F(LiveClientTest, APingIsAnswered) {
   anna.texts();

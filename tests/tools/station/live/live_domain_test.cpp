@@ -1,4 +1,4 @@
-// A bridge's link, the station's end of the domain, and a client of /live, over real DDS on
+// Tests the link of a bridge, the DDS side of the station, and a client of /live, over real DDS on
 // loopback.
 #include "tools/station/live/live_domain.hpp"
 
@@ -21,7 +21,7 @@ using namespace std::chrono_literals;
 using nlohmann::json;
 using web::LivePeer;
 
-// Takes what it is given at once.
+// Accepts all data immediately.
 class Page : public LivePeer {
  public:
   explicit Page(boost::asio::io_context& io) : io_(io), timer_(io) {}
@@ -44,7 +44,7 @@ class Page : public LivePeer {
   }
   void close(std::string_view) override {}
 
-  // The first text of this kind; null: none came.
+  // Returns the first text of this kind, null if there is none.
   [[nodiscard]] json first(const std::string& kind) const {
     for (const json& text : texts) {
       if (text["kind"] == kind) return text;

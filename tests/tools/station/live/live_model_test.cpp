@@ -146,7 +146,7 @@ TEST(LiveModel, AChannelThatIsGoneForAMinuteIsForgotten) {
   frames.expire(Instant{seconds{101}});
   EXPECT_EQ(frames.kept(), 0u);
   const std::uint32_t id = model.find(path_of("c7"))->id;
-  model.on_channel(channel_of("c7"));  // is back in time
+  model.on_channel(channel_of("c7"));  // returns in time
   model.expire(Instant{seconds{160}});
   EXPECT_EQ(model.remembered(), 5'001u);
   model.expire(Instant{seconds{161}});

@@ -1,4 +1,4 @@
-// Channels, samples and reports of an invented plant, for the tests of tools/station/live.
+// Channels, samples and reports of a fictitious plant, for the tests of tools/station/live.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Debian's chromium for the tests, and what they all check of a page.
+// Starts Debian's chromium for the tests, and has the checks that all pages share.
 
 import assert from 'node:assert/strict';
 import { existsSync, readFileSync } from 'node:fs';
@@ -8,14 +8,15 @@ import { join, resolve } from 'node:path';
 const programs = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
 export const chromiumPath = () => programs.find((path) => existsSync(path));
 
-// {open(path, options), close()}; `modules`: the node_modules of the tests.
+// Returns {open(path, options), close()}. `modules`: the node_modules of the tests.
 export async function startBrowser(modules, address) {
   const { chromium } = createRequire(join(resolve(modules), 'x'))('playwright-core');
   const axeSource = readFileSync(join(resolve(modules), 'axe-core/axe.min.js'), 'utf8');
   const browser = await chromium.launch({ executablePath: chromiumPath(), args: ['--no-sandbox', '--disable-gpu'] });
   const faults = [];
 
-  // A page of its own context: no cookie and no choice of another one. Everything that the console calls an error is kept.
+  // Opens a page in its own context, without cookies or settings of others. Keeps all errors of the
+  // console.
   async function open(hash, { width = 1280, height = 760, dark = false, language = 'en', base = address, ignore = /$^/ } = {}) {
     const context = await browser.newContext({ viewport: { width, height }, colorScheme: dark ? 'dark' : 'light', locale: language });
     const page = await context.newPage();
@@ -32,7 +33,7 @@ export async function startBrowser(modules, address) {
     return page;
   }
 
-  // Rules of WCAG 2 A and AA, and good practice.
+  // Checks the rules of WCAG 2 A and AA and of good practice.
   async function axe(page) {
     await page.evaluate(`if (!window.axe) { ${axeSource} }`);
     const { violations } = await page.evaluate(() => window.axe.run(document, {
@@ -43,7 +44,8 @@ export async function startBrowser(modules, address) {
   return { open, axe, faults, close: () => browser.close() };
 }
 
-// Text that is cut off: what axe does not see. Elements that scroll on purpose say so by data-scroll; what has a title shows all there.
+// Finds truncated text, which axe does not check. Elements that scroll on purpose have data-scroll;
+// a title shows the whole text.
 export const clipped = (page) => page.evaluate(() => {
   const found = [];
   if (document.documentElement.scrollWidth > innerWidth) found.push('the page is wider than the window');
@@ -58,7 +60,7 @@ export const clipped = (page) => page.evaluate(() => {
   return found;
 });
 
-// Waits in this process: no polling of the page by sleeping.
+// Waits in this process, without polling the page by sleeping.
 export async function until(condition, what, within_ms = 10_000) {
   const end = Date.now() + within_ms;
   for (;;) {

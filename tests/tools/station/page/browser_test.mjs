@@ -1,5 +1,5 @@
-// The page in chromium, with an invented station: every page at every width, in both languages and colours; keys, logins, writes, a
-// connection that is lost. With the real programs: e2e_station.mjs.
+// Tests the page in chromium with a mock station: every page at every width, in both languages and
+// colours; keys, logins, writes, and a lost connection. e2e_station.mjs uses the real programs.
 //
 //   node browser_test.mjs PAGE_FILES NODE_MODULES [SCREENSHOTS]
 
@@ -29,7 +29,7 @@ after(async () => {
 
 const live = (page) => page.waitForSelector('html[data-connection="open"]');
 const address = (station) => `http://127.0.0.1:${station.port}`;
-// A page that is shown, and whose own requests are answered.
+// Waits until a page is shown and its requests have responses.
 const settled = async (page) => {
   await live(page);
   await page.waitForFunction(() => document.querySelector('main .page')?.textContent.trim() !== '');

@@ -1,4 +1,4 @@
-// Looks at a real station in chromium; e2e_station.py starts it, its bridge and its plant.
+// Checks a real station in chromium; e2e_station.py starts it with its bridge and plant.
 //
 //   node e2e_station.mjs ADDRESS NODE_MODULES STATION_PID [SCREENSHOTS]
 
@@ -128,7 +128,8 @@ test('pictures for the README', { skip: !screenshots }, async () => {
     await page.setViewportSize({ width: width ?? 1120, height: width ? 720 : ({ channel: 660, live: 440, overview: 540 })[name] ?? 640 });
     await page.emulateMedia({ colorScheme: dark ? 'dark' : 'light' });
     await go(hash);
-    await page.waitForTimeout(name === 'channel' ? 20_000 : 7000);  // a trend to look at; notes of the tests have gone
+    // fills the trend; the tests' notices have expired
+    await page.waitForTimeout(name === 'channel' ? 20_000 : 7000);
     await page.screenshot({ path: `${screenshots}/station-${name}.png` });
   }
 });

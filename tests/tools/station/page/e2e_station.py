@@ -1,8 +1,10 @@
-"""The station's page with the real programs: a simulated plant, its bridge, fieldcast-station with a store and users, chromium.
+"""Tests the station's page with the real programs: a simulated plant, its bridge,
+fieldcast-station with a store and users, and chromium.
 
 usage: e2e_station.py BIN_DIR NODE NODE_MODULES [SCREENSHOTS]
 
-Starts everything, then lets e2e_station.mjs look at it. SCREENSHOTS: a folder for the pictures of the README.
+Starts the programs, then e2e_station.mjs checks the page. SCREENSHOTS: a directory for the README's
+pictures.
 """
 
 import os
@@ -94,7 +96,7 @@ record: { patterns: ["*"] }
 
 
 class Station:
-    """fieldcast-station beside a plant, with users in its store."""
+    """fieldcast-station of a plant, with users in its store."""
 
     def __init__(self, bin_dir, plant):
         self.address = f"http://127.0.0.1:{free_port()}"

@@ -1,8 +1,11 @@
-// A station that is none: speaks its HTTP and its socket with an invented plant, so that the page can be worked on and tested alone.
+// A mock station: HTTP and WebSocket with a fictitious plant, for development and tests of the page
+// alone.
 //
-//   node mock_station.mjs --files FOLDER --modules NODE_MODULES [--port 8090] [--channels 10000] [--login] [--quiet]
+//   node mock_station.mjs --files FOLDER --modules NODE_MODULES [--port 8090] [--channels 10000]
+//   [--login] [--quiet]
 //
-// FOLDER: the built page (build/station-page/files). --login: users anna (operator) and vera (viewer), password `secret secret`.
+// FOLDER: the built page (build/station-page/files). --login: users anna (operator) and vera
+// (viewer), password `secret secret`.
 
 import { createServer } from 'node:http';
 import { randomBytes } from 'node:crypto';
@@ -24,7 +27,7 @@ const users = { anna: 'operator', vera: 'viewer' };
 const password = 'secret secret';
 const busNames = ['boiler-house', 'press-shop', 'utilities', 'water-works'];
 
-// The plant: values by id, moved by `step`.
+// The plant: values by id, changed by `step`.
 export class InventedPlant {
   constructor(channels) {
     const now = Date.now();
@@ -85,7 +88,7 @@ export class InventedPlant {
       { at_ms: now - 600_000, who: 'mallory (10.0.0.66:5000)', what: 'login', target: '', bytes_to_device: 0, bytes_from_device: 0, result: 'refused: wrong password' }];
   }
 
-  // Moves the channels of one slice of `slices`; gives those that changed.
+  // Changes the channels of one slice of `slices`; returns the changed ones.
   step(slice, slices) {
     const now = Date.now(), changed = [];
     for (let index = slice; index < this.channels.length; index += slices) {
@@ -101,7 +104,7 @@ export class InventedPlant {
     return changed;
   }
 
-  // What happened to each alarm, the newest last.
+  // Returns the events of each alarm, newest last.
   alarmEvents() {
     const events = [];
     for (const { bus, device, channel, limit, value, since_ms, active, acknowledged_ms, acknowledged_by, note, shelved_until_ms, shelved_by } of this.alarms) {
@@ -157,7 +160,8 @@ function history(url) {
   return { from_ms: from, to_ms: to, series };
 }
 
-// A timetable of eight slots: fast points in every slot, slow ones in turn; and a group that is read when it is due.
+// A timetable of eight slots: fast points in every slot, slow ones in turn; and a group that is
+// read when it is due.
 function planOf(bus, load = 0.46) {
   const slot_ms = 94, slots = 8;
   const point = (area, first, count, names, every, phase_ms) => ({
@@ -175,7 +179,8 @@ function planOf(bus, load = 0.46) {
   return { bus, in_force_since_ms: Date.now() - 3_600_000, load, stretch: 1, slot_ms, hyperperiod_ms: slots * slot_ms, groups };
 }
 
-// Gives {port, plant, close(), dropClients(), changePlan(bus, load), refuse}. `refuse`: new sockets are turned away while it is true.
+// Returns {port, plant, close(), dropClients(), changePlan(bus, load), refuse}. While `refuse` is
+// true, new sockets are rejected.
 export async function startMock({ files, modules, port = 0, channels = 10_000, login = false, slices = 20 }) {
   const { WebSocketServer } = createRequire(join(resolve(modules), 'x'))('ws');
   const plant = new InventedPlant(channels);

@@ -1,4 +1,4 @@
-// The page's parts without a browser.
+// Tests the parts of the page without a browser.
 //
 //   node page_test.mjs PAGE_FOLDER NODE_MODULES
 
@@ -14,7 +14,7 @@ const [folder, modules] = process.argv.slice(2).map((path) => resolve(path));
 const source = join(folder, 'src');
 globalThis.localStorage = { getItem: (key) => (key === 'fieldcast.language' ? 'en' : null), setItem: () => {} };
 
-// The modules by one bundle, so that they share what they share in the page.
+// Bundles the modules together, so that they share state as in the page.
 const { buildSync } = createRequire(join(modules, 'x'))('esbuild');
 const names = ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock', 'alarm_rows', 'csv', 'plan_picture', 'device_health', 'port_command', 'printable'];
 const made = mkdtempSync(join(tmpdir(), 'fieldcast-page-'));
@@ -268,7 +268,7 @@ test('marks of an axis are round', () => {
 test('the clock of the station is taken from its most punctual message', () => {
   let own = 1_000_000;
   const station = new clock.StationClock(() => own);
-  station.observe(own + 500 - 80);  // 80 ms under way
+  station.observe(own + 500 - 80);  // 80 ms in transit
   own += 1000;
   station.observe(own + 500 - 2);
   own += 1000;

@@ -1,4 +1,5 @@
-// What people do on the pages for alarms, devices, programming, the plan and the audit, in chromium with an invented station.
+// Tests user actions on the pages for alarms, devices, programming, the plan and the audit, in
+// chromium with a mock station.
 //
 //   node pages_test.mjs PAGE_FILES NODE_MODULES
 
@@ -217,7 +218,8 @@ test('a viewer sees alarms and cannot act on them, and has no audit', { skip }, 
   await page.fill('#password', 'secret secret');
   await page.press('#password', 'Enter');
   await settled(page);
-  assert.equal(await page.getByRole('button', { name: /^Acknowledge/ }).count(), 1);  // the choice of a section, not the action
+  // the selection of a section, not the action
+  assert.equal(await page.getByRole('button', { name: /^Acknowledge/ }).count(), 1);
   assert.equal(await page.locator('.acts').count(), 0);
   await page.keyboard.press('a');
   assert.equal(await page.locator('dialog').count(), 0);

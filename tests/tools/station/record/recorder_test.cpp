@@ -1,4 +1,4 @@
-// The recorder with a real store: what DDS tells becomes history.
+// Tests the recorder with a real store: DDS samples become history.
 #include "tools/station/record/recorder.hpp"
 
 #include <gmock/gmock.h>
@@ -109,7 +109,7 @@ TEST_F(RecorderTest, ARestartedRecorderKnowsWhatItsStoreHas) {
   recorder_->on_sample(stale, utc(9));
   stop();
   start();
-  recorder_->on_sample(stale, utc(30));  // has another arrival
+  recorder_->on_sample(stale, utc(30));  // has another arrival time
   recorder_->on_sample(sample_of("east", "p", 31, 43), utc(31));
   stop();
   EXPECT_THAT(sequences("east"), ElementsAre(41, 42, 43));
@@ -183,7 +183,7 @@ TEST_F(RecorderTest, ADeviceIsStoredWhenItsStateChanges) {
   recorder_->on_device_status(status(DeviceState::kOffline, 4));
   stop();
   start();
-  recorder_->on_device_status(status(DeviceState::kOffline, 9));  // nothing has changed
+  recorder_->on_device_status(status(DeviceState::kOffline, 9));  // no change
   stop();
   const auto connection = open_store(address_, IfMissing::kFail);
   const auto devices = EventTable(*connection).devices();

@@ -67,7 +67,7 @@ TEST(SampleStamp, AClockThatIsWrongIsNotBelieved) {
   EXPECT_EQ(stamp.next(reading(-5000, 3), at(3), 0ns, false), at(3)) << "from the past";
 }
 
-// Anybody in the domain can publish such times.
+// Any participant in the domain can publish such times.
 TEST(SampleStamp, TimesAtTheEndsOf64BitsAreNotBelieved) {
   for (const std::int64_t end : {INT64_MIN, INT64_MAX}) {
     SampleStamp stamp;

@@ -16,7 +16,7 @@ class ConnectionTableTest : public testing::Test {
                                   Phase phase = Phase::kWaiting) {
     return table_.open(++last_, {group, logged_in}, phase, now());
   }
-  // The id of a connection of `group` that works.
+  // Returns the id of an active connection of `group`.
   ConnectionTable::Id working(const std::string& group, bool logged_in = false) {
     EXPECT_TRUE(open(group).admitted);
     const ConnectionTable::Id id = last_;
@@ -42,7 +42,7 @@ TEST_F(ConnectionTableTest, OneAddressHasItsShareAndItsOldestWaitingOneLeaves) {
 TEST_F(ConnectionTableTest, BeyondTheTotalTheOldestWaitingOneLeaves) {
   for (const char* group : {"a", "b", "c", "d", "e", "f", "g", "h"})
     EXPECT_FALSE(open(group).evicted);
-  table_.wait(1, now());  // "a" has had a response
+  table_.wait(1, now());  // "a" has received a response
   EXPECT_THAT(open("i").evicted, Optional(2u));
   EXPECT_EQ(table_.size(), 8u);
 }
@@ -65,7 +65,7 @@ TEST_F(ConnectionTableTest, OnlyLoginsWorkInTheReserve) {
   EXPECT_TRUE(table_.work(last_, true).admitted);
   ASSERT_TRUE(open("g").admitted);
   EXPECT_FALSE(table_.work(last_, false).admitted);
-  EXPECT_THAT(open("h").evicted, Optional(8u));  // the one that was refused waits
+  EXPECT_THAT(open("h").evicted, Optional(8u));  // the refused one waits
   EXPECT_TRUE(table_.work(last_, true).admitted);
 }
 
@@ -116,7 +116,7 @@ TEST_F(ConnectionTableTest, WhatLeftTheTableHasNoEffect) {
   EXPECT_EQ(table_.size(), 0u);
 }
 
-// As WebSockets are: they work from the start, and none makes way.
+// WebSockets are active from the start and are never evicted.
 TEST_F(ConnectionTableTest, ConnectionsThatWorkFromTheStartAreRefusedBeyondTheLimit) {
   for (int i = 0; i < 3; ++i) EXPECT_TRUE(open("a", false, Phase::kWorking).admitted);
   EXPECT_FALSE(open("a", false, Phase::kWorking).admitted);

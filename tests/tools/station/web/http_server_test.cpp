@@ -19,7 +19,7 @@ using namespace std::chrono_literals;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-// Says what it is told; sends a large frame again and again when it is asked to.
+// Echoes messages; sends a large frame repeatedly on request.
 class EchoProtocol final : public LiveProtocol {
  public:
   EchoProtocol(const Caller& caller, LivePeer& peer, std::atomic<int>& open)
@@ -120,7 +120,7 @@ class HttpServerTest : public testing::Test {
     run([&] { found = server_->counters(); });
     return found;
   }
-  // Open, with the greeting read.
+  // Returns an open connection with the greeting already read.
   RawClient live(const std::string& more = {}) {
     RawClient client(port_);
     client.send(RawClient::upgrade(port_, more));
@@ -287,7 +287,7 @@ TEST_F(HttpServerTest, AClientThatStopsReadingHoldsUpNobody) {
     EXPECT_EQ(other.next_frame()->second, "you said quick");
     std::this_thread::sleep_for(5ms);
   }
-  // What the two kernels hold, and one frame.
+  // The buffers of the two kernels and one frame.
   const int frames = EchoProtocol::frames;
   EXPECT_LT(frames, 12);
   std::this_thread::sleep_for(100ms);
@@ -310,7 +310,7 @@ TEST_F(HttpServerTest, AClientWithoutASignOfLifeIsClosed) {
   limits.socket.idle = 400ms;
   restart(limits);
   RawClient silent = live();
-  EXPECT_EQ(silent.next_frame()->first, 0x89);  // a ping, and no answer
+  EXPECT_EQ(silent.next_frame()->first, 0x89);  // a ping without a response
   EXPECT_TRUE(silent.ends());
 }
 

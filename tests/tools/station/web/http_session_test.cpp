@@ -53,7 +53,7 @@ class HttpSessionTest : public testing::Test {
     server_.accept(std::make_unique<MemoryStream>(io_, link), "127.0.0.1");
     return link;
   }
-  // Everything that can happen without time passing.
+  // Runs all work that is ready without waiting.
   void settle() {
     io_.restart();
     io_.poll();
@@ -264,7 +264,7 @@ TEST_F(HttpSessionTest, ARequestThatTakesTooLongIsRefused) {
   const auto began = std::chrono::steady_clock::now();
   auto next = began;
   send(link, "GET /hello HTTP/1.1\r\nA: ");
-  wait_until([&] {  // one byte after the other, without an end
+  wait_until([&] {  // byte by byte, without an end
     if (std::chrono::steady_clock::now() >= next) link->to_station += 'a';
     next = std::chrono::steady_clock::now() + 20ms;
     link->wake();
@@ -324,7 +324,7 @@ TEST_F(HttpSessionTest, AnAnswerMayComeLaterAndOnce) {
   EXPECT_EQ(count(link->to_client, "HTTP/1.1"), 1u);
   EXPECT_THAT(link->to_client, EndsWith("\r\n\r\nnow"));
   send(link, get("/later"));
-  reply(response);  // that of the first request
+  reply(response);  // of the first request
   settle();
   EXPECT_EQ(link->to_client, "");
 }
@@ -391,7 +391,7 @@ TEST_F(HttpSessionTest, TheConnectionThatWasIdleForLongestMakesWay) {
     links.push_back(connect());
     send(links.back(), get("/hello"));
   }
-  send(links[0], get("/hello"));  // not the oldest any more
+  send(links[0], get("/hello"));  // no longer the oldest
   const auto more = connect();
   EXPECT_TRUE(links[1]->station_closed);
   EXPECT_FALSE(links[0]->station_closed);

@@ -1,4 +1,4 @@
-// A stream without a socket: the test is the client. One thread, the one that runs the io_context.
+// A stream without a socket; the test is the client. Runs on the thread of the io_context.
 #pragma once
 
 #include <boost/asio/error.hpp>
@@ -13,11 +13,11 @@
 
 namespace fieldcast::web {
 
-// What client and station share of a connection.
+// State of a connection that client and station share.
 struct MemoryLink {
-  std::string to_station;    // not read yet
-  std::string to_client;     // everything that was sent
-  std::size_t takes = ~0ul;  // bytes that the client still takes
+  std::string to_station;    // not yet read
+  std::string to_client;     // all bytes sent
+  std::size_t takes = ~0ul;  // bytes that the client still accepts
   bool client_gone = false, station_ended = false, station_closed = false;
   std::size_t most_of_a_read = ~0ul;
   std::function<void()> wake = [] {};

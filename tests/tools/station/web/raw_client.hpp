@@ -1,4 +1,4 @@
-// A blocking client of sockets for tests: what it sends is what the test wrote, byte by byte.
+// A blocking socket client for tests that sends exactly the given bytes.
 #pragma once
 
 #include <arpa/inet.h>
@@ -17,9 +17,9 @@ namespace fieldcast::web {
 
 class RawClient {
  public:
-  static constexpr int kPatience = 5000;  // ms, for everything
+  static constexpr int kPatience = 5000;  // ms, for each operation
 
-  // `receive_buffer`: bytes that the kernel keeps for this client; 0: as many as it likes.
+  // `receive_buffer`: size of the kernel's buffer in bytes; 0 for its default.
   explicit RawClient(std::uint16_t port, int receive_buffer = 0)
       : fd_(::socket(AF_INET, SOCK_STREAM, 0)) {
     if (receive_buffer > 0)
@@ -44,7 +44,7 @@ class RawClient {
     return ::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL) ==
            static_cast<ssize_t>(bytes.size());
   }
-  // Everything up to the mark, or what came until the end or for too long.
+  // Returns all bytes up to the mark, or what was received until the end or the timeout.
   std::string read_until(const std::string& mark) {
     while (received_.find(mark) == std::string::npos && more()) {}
     const std::size_t at = received_.find(mark);
@@ -59,13 +59,13 @@ class RawClient {
     received_.erase(0, bytes.size());
     return bytes;
   }
-  // The station closes the connection in time; what it sends before is read.
+  // Returns whether the station closes the connection in time; reads what it sends before.
   bool ends() {
     while (more()) {}
     return ended_;
   }
 
-  // The header of a request to become a WebSocket, from a page of the station's own.
+  // Returns the header of a WebSocket upgrade from a page of the station.
   static std::string upgrade(std::uint16_t port, const std::string& more = {},
                              const std::string& origin = {}) {
     const std::string host = "127.0.0.1:" + std::to_string(port);
@@ -76,7 +76,7 @@ class RawClient {
            "fieldcast.1\r\n" +
            more + "\r\n";
   }
-  // A short frame of a client, masked with zeros (RFC 6455, 5.2).
+  // Returns a short client frame, masked with zeros (RFC 6455, 5.2).
   static std::string frame(std::uint8_t opcode, const std::string& payload) {
     std::string bytes{static_cast<char>(0x80 | opcode)};
     if (payload.size() < 126) {
@@ -88,7 +88,7 @@ class RawClient {
     }
     return bytes + std::string(4, '\0') + payload;
   }
-  // The next frame of the station: its first byte and its payload.
+  // Returns the first byte and the payload of the station's next frame.
   std::optional<std::pair<std::uint8_t, std::string>> next_frame() {
     const std::string head = read(2);
     if (head.size() < 2) return std::nullopt;
