@@ -11,6 +11,9 @@
 
 namespace fieldcast {
 
+// The items of the value alone, without those of its exponent.
+[[nodiscard]] std::uint32_t value_items(const Encoding& encoding, unsigned item_bits);
+
 // The bits of a numeric value, right-aligned. kRange: an item wider than the value holds more than
 // the value's type can. With Encoding::bit the item holds more than the value, and only its byte
 // counts.
@@ -20,11 +23,12 @@ namespace fieldcast {
 // The reverse; items wider than the value are filled with its sign (signed types) or zeros.
 [[nodiscard]] Bytes spread_bits(const Encoding& encoding, unsigned item_bits, std::uint64_t bits);
 
-// The raw number of a value, its scale undone, as the bits of its type; and back.
+// The raw number of a value, its scale undone, as the bits of its type; and back, with a decimal
+// exponent of the raw number.
 [[nodiscard]] tl::expected<std::uint64_t, Cause> bits_of_value(const Encoding& encoding,
                                                                const Value& value);
-[[nodiscard]] tl::expected<Value, Cause> value_of_bits(const Encoding& encoding,
-                                                       std::uint64_t bits);
+[[nodiscard]] tl::expected<Value, Cause> value_of_bits(const Encoding& encoding, std::uint64_t bits,
+                                                       int exponent = 0);
 
 // Whether these bits mean "no value" by Encoding::not_available.
 [[nodiscard]] bool is_not_available(const Encoding& encoding, std::uint64_t bits);

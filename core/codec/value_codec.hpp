@@ -67,7 +67,8 @@ struct Encoding {
   // Inside an item wider than the value: of a bool its bit, of an 8-bit type the lowest of its
   // eight bits (a multiple of 8). 0 is the least significant.
   std::optional<std::uint8_t> bit;
-  // value = raw * scale + offset; anything but 1 and 0 makes the value a double.
+  // value = raw * 10^exponent * scale + offset; a scale, an offset or an exponent makes the value a
+  // double.
   double scale = 1.0;
   double offset = 0.0;
   TextNumber text_number = {};       // a number that stands as text; not for bool, BCD and kString
@@ -75,8 +76,13 @@ struct Encoding {
   // Raw values that mean "no value", before scale and offset, as the bits of the type. A NaN stands
   // for every NaN. Not for bool and kString.
   std::vector<std::uint64_t> not_available{};
+  // Items from the value's first one to the one that holds its decimal exponent; negative where the
+  // exponent is before the value. 0: no exponent. Only for integers and BCD in items of 16 bits.
+  std::int32_t exponent_distance = 0;
   [[nodiscard]] bool is_text() const { return type == ValueType::kString || text_number; }
-  [[nodiscard]] bool scaled() const { return scale != 1.0 || offset != 0.0; }
+  [[nodiscard]] bool scaled() const {
+    return scale != 1.0 || offset != 0.0 || exponent_distance != 0;
+  }
   friend bool operator==(const Encoding&, const Encoding&) = default;
 };
 
@@ -86,11 +92,16 @@ struct Encoding {
 // characters, 1 for bool.
 [[nodiscard]] unsigned width_bits(const Encoding& encoding);
 
-// Items of item_bits each that hold one value. A bool is one item; int32 in 16-bit items is two.
+// The largest decimal exponent of a value, and the negative of the smallest one.
+inline constexpr int kMaxExponent = 10;
+
+// Items of item_bits each that are read for one value: those of the value, those of its exponent,
+// and those between. A bool is one item; int32 in 16-bit items is two.
 [[nodiscard]] std::uint32_t item_count(const Encoding& encoding, unsigned item_bits);
 
-// The value. kNotAvailable: one of Encoding::not_available; kRange: a NaN or infinite float, a BCD
-// digit above 9, a scaled value that is not finite, a text that spells no number of the type.
+// The value. kNotAvailable: one of Encoding::not_available, or the exponent is 0x8000 (SunSpec's
+// "not implemented"); kRange: a NaN or infinite float, a BCD digit above 9, a scaled value that is
+// not finite, a text that spells no number of the type, an exponent beyond kMaxExponent.
 // REQUIRES: items holds item_count() items of item_bits.
 // A string comes as printable UTF-8, by the codec.
 [[nodiscard]] tl::expected<Value, Cause> decode_value(const Encoding& encoding, unsigned item_bits,
@@ -100,8 +111,8 @@ struct Encoding {
 // The items of a value. kWrongType: a text for a number, a fraction for an unscaled integer, a
 // string for a bool; kRange: does not fit the type after the scale is undone (rounded to nearest),
 // is one of Encoding::not_available, a string or the text of a number is too long, a text has
-// characters that the channel's character set lacks. With `bit` the item holds zeros beside that
-// bit, or that byte: see merge_bit().
+// characters that the channel's character set lacks; kReadOnly: the value has an exponent. With
+// `bit` the item holds zeros beside that bit, or that byte: see merge_bit().
 [[nodiscard]] tl::expected<Bytes, Cause> encode_value(const Encoding& encoding, unsigned item_bits,
                                                       const Value& value,
                                                       TextCodec& codec = plain_text_codec());

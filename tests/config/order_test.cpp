@@ -95,6 +95,20 @@ TEST(Overlap, PartsOfAWordOtherNamesAndNeighboursAreNone) {
           .empty());
 }
 
+TEST(Overlap, ChannelsShareTheRegisterOfTheirExponent) {
+  EXPECT_TRUE(
+      warnings("          - { name: a, at: \"holding:100\", type: uint16, exponent-from: 40104 }\n"
+               "          - { name: b, at: \"holding:101\", type: uint16, exponent-from: 40104 }\n"
+               "          - { name: c, at: \"holding:104\", type: uint32, exponent-from: 40104 }\n"
+               "          - { name: exponent, at: \"holding:103\", type: int16 }\n")
+          .empty());
+  EXPECT_EQ(
+      warnings("          - { name: a, at: \"holding:100\", type: uint32, exponent-from: 40104 }\n"
+               "          - { name: b, at: \"holding:101\", type: uint16, exponent-from: 40104 }\n")
+          .size(),
+      1u);
+}
+
 // "unit" of the instrument is one byte without a sign, "analog" has four.
 std::string faults_of_instrument(const std::string& channel) {
   const std::string text =

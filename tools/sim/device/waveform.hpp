@@ -17,7 +17,7 @@ enum class Shape : std::uint8_t { kSine, kRamp, kCounter, kWalk, kSquare, kConst
 
 struct Waveform {
   Shape shape = Shape::kSine;
-  double low = 0, high = 1000;  // of the raw number, before scale and offset
+  double low = 0, high = 1000;  // of the raw number, before exponent, scale and offset
   Duration period = std::chrono::seconds{10};
   std::uint64_t seed = 1;
   // The raw number at a time since the plant's start; within low .. high.
@@ -26,6 +26,12 @@ struct Waveform {
 
 // A shape that suits the channel's type and limits; the same seed gives the same plant.
 [[nodiscard]] Waveform waveform_for(const ChannelSpec& channel, std::uint64_t seed);
+
+// The decimal exponent in every register that a channel's `exponent-from` names: constant, so that
+// channels may share it.
+inline constexpr int kSimulatedExponent = -1;
+[[nodiscard]] Waveform exponent_waveform();
+[[nodiscard]] Encoding exponent_encoding(const ChannelSpec& channel);
 
 // Registers that a value of this encoding takes.
 [[nodiscard]] std::uint32_t waveform_registers(const Encoding& encoding);
