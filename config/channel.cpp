@@ -5,6 +5,7 @@
 #include <array>
 
 #include "config/channel_limits.hpp"
+#include "config/exponent.hpp"
 #include "config/keys/channel_keys.hpp"
 #include "config/limits.hpp"
 #include "config/not_available.hpp"
@@ -156,7 +157,10 @@ void set_range(MapReader& map, const ChannelContext& context, Draft& draft) {
   if (!draft.address || !draft.typed) return;
   const auto& area = *draft.area;
   auto& range = draft.spec.range;
-  range = {draft.address->area, draft.address->first,
+  const std::int32_t distance = draft.spec.encoding.exponent_distance;
+  range = {draft.address->area,
+           distance < 0 ? draft.address->first - static_cast<std::uint32_t>(-distance)
+                        : draft.address->first,
            item_count(draft.spec.encoding, area.item_bits)};
   const std::string count = std::to_string(range.count);
   if (range.first >= area.items || range.count > area.items - range.first) {
@@ -167,11 +171,16 @@ void set_range(MapReader& map, const ChannelContext& context, Draft& draft) {
   }
   const std::uint32_t block =
       context.max_block == 0 ? area.max_read : std::min(area.max_read, context.max_block);
-  if (range.count > block) {
-    map.faults().add(
-        map.position_of(map.has("type") ? "type" : "at"),
-        fmt::format("'{}' needs {} items in one read", draft.spec.at, count),
-        fmt::format("at most {}{}", block, block < area.max_read ? " (max-block)" : ""));
+  const std::string allowed =
+      fmt::format("at most {}{}", block, block < area.max_read ? " (max-block)" : "");
+  if (distance != 0 && (range.count > block || !in_one_bank(area, range.first, range.end()))) {
+    map.faults().add(map.position_of(kExponentKey),
+                     fmt::format("'{}' and its exponent at '{}' need {} items in one read",
+                                 draft.spec.at, draft.spec.exponent_from, count),
+                     range.count > block ? allowed : "a register of the same bank");
+  } else if (range.count > block) {
+    map.faults().add(map.position_of(map.has("type") ? "type" : "at"),
+                     fmt::format("'{}' needs {} items in one read", draft.spec.at, count), allowed);
   }
 }
 
@@ -194,6 +203,16 @@ void check_byte_write(MapReader& map, Draft& draft) {
 
 void check_access(MapReader& map, Draft& draft) {
   auto& access = draft.spec.access;
+  if (draft.spec.encoding.exponent_distance != 0 && access != Access::kReadOnly) {
+    if (map.has("access")) {
+      map.faults().add(map.position_of("access"),
+                       fmt::format("a channel with '{}' cannot be written: its exponent belongs to "
+                                   "the device",
+                                   kExponentKey),
+                       "read-only; to write, a second channel of the raw number");
+    }
+    access = Access::kReadOnly;
+  }
   if (draft.area != nullptr && !draft.area->writable && access != Access::kReadOnly) {
     if (map.has("access")) {
       map.faults().add(map.position_of("access"),
@@ -289,6 +308,8 @@ ChannelSpec read_channel(const Node& node, const ChannelContext& context, FaultL
                "a channel of type string(n)");
 
   check_type(map, draft);
+  read_exponent(map, context.protocol, draft.address && draft.typed ? &*draft.address : nullptr,
+                spec);
   set_range(map, context, draft);
   check_access(map, draft);
   check_numbers(map, draft);

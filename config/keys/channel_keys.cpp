@@ -1,6 +1,7 @@
 #include "config/keys/channel_keys.hpp"
 
 #include "config/channel.hpp"
+#include "config/exponent.hpp"
 #include "config/limits.hpp"
 #include "config/not_available.hpp"
 #include "config/scalars.hpp"
@@ -115,6 +116,14 @@ std::vector<ChannelRow> channel_fields() {
                   &Encoding::scale, NumberRule{}),
       channel_row({.name = "offset", .fallback = "0", .text = "value = raw × scale + offset"},
                   &Encoding::offset, NumberRule{}),
+      {{.name = kExponentKey,
+        .fallback = "none",
+        .text = "the register that holds the decimal exponent of the value, as in SunSpec "
+                "(`_SF`): value = raw × 10^exponent × scale + offset. An int16 from -10 "
+                "to 10; any other is BAD_RANGE, 0x8000 the reason `not available`. For "
+                "integer and BCD types in 16-bit registers. One request reads the value, "
+                "the exponent and the registers between; the channel is read-only",
+        .schema = R"({ "type": ["string", "number"] })"}},
       channel_row(
           {.name = "word-order",
            .fallback = "the family's own",

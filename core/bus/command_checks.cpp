@@ -113,9 +113,12 @@ tl::expected<void, CommandFault> CommandJob::find_channels(const DeviceSpec& dev
     const bool readable = channel.access != Access::kWriteOnly;
     if (name.empty() ? readable : channel.name == name) {
       if (write && channel.access == Access::kReadOnly)
-        return fault(Cause::kReadOnly, "channel '" + channel.name +
-                                           "' is read-only; its configuration would have to say "
-                                           "access: read-write");
+        return fault(Cause::kReadOnly,
+                     "channel '" + channel.name +
+                         (channel.exponent_from.empty()
+                              ? "' is read-only; its configuration would have to say access: "
+                                "read-write"
+                              : "' has an exponent of the device and cannot be written"));
       if (!write && !readable)
         return fault(Cause::kUnsupported, "channel '" + channel.name +
                                               "' is write-only; its configuration would have to "

@@ -167,6 +167,7 @@ tl::expected<std::uint64_t, Cause> bits_of_value(const Encoding& encoding, const
 
 tl::expected<Bytes, Cause> encode_value(const Encoding& encoding, unsigned item_bits,
                                         const Value& value, TextCodec& codec) {
+  if (encoding.exponent_distance != 0) return tl::unexpected(Cause::kReadOnly);
   if (encoding.type == ValueType::kBool) return encode_bool(encoding, item_bits, value);
   if (encoding.type == ValueType::kString) return encode_string(encoding, item_bits, value, codec);
   const Bits bits = bits_of_value(encoding, value);

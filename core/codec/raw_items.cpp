@@ -43,8 +43,8 @@ std::uint8_t filler(const Encoding& encoding, std::uint64_t bits) {
 
 tl::expected<std::uint64_t, Cause> gather_bits(const Encoding& encoding, unsigned item_bits,
                                                ByteView items) {
-  const std::uint32_t count = item_count(encoding, item_bits);
-  // See REQUIRES of decode_value().
+  const std::uint32_t count = value_items(encoding, item_bits);
+  // REQUIRES of decode_value.
   if (items.size() < (item_bits <= 8 ? count : count * (item_bits / 8))) std::abort();
   if (item_bits == 1) return from_bit_items(items, count);
 
@@ -65,7 +65,7 @@ tl::expected<std::uint64_t, Cause> gather_bits(const Encoding& encoding, unsigne
 }
 
 Bytes spread_bits(const Encoding& encoding, unsigned item_bits, std::uint64_t bits) {
-  const std::uint32_t count = item_count(encoding, item_bits);
+  const std::uint32_t count = value_items(encoding, item_bits);
   if (item_bits == 1) {
     Bytes items(count);
     for (std::uint32_t i = 0; i < count; ++i) items[i] = static_cast<std::uint8_t>(bits >> i & 1u);
@@ -101,7 +101,7 @@ Bytes string_bytes_of(const Encoding& encoding, unsigned item_bits, ByteView ite
 }
 
 Bytes items_of_string(const Encoding& encoding, unsigned item_bits, ByteView text) {
-  const std::uint32_t count = item_count(encoding, item_bits);
+  const std::uint32_t count = value_items(encoding, item_bits);
   Bytes bytes(text.begin(), text.end());
   bytes.resize(item_bits == 1 ? count / 8 : count * (item_bits / 8), 0);
   swap_pairs(encoding, bytes);

@@ -10,7 +10,12 @@
 
 namespace fieldcast {
 
-// Right-aligned. kRange: an item wider than the value exceeds its type, except with Encoding::bit.
+// The items of the value alone, without those of its exponent.
+[[nodiscard]] std::uint32_t value_items(const Encoding& encoding, unsigned item_bits);
+
+// The bits of a numeric value, right-aligned. kRange: an item wider than the value holds more than
+// the value's type can. With Encoding::bit the item holds more than the value, and only its byte
+// counts.
 [[nodiscard]] tl::expected<std::uint64_t, Cause> gather_bits(const Encoding& encoding,
                                                              unsigned item_bits, ByteView items);
 
@@ -20,8 +25,8 @@ namespace fieldcast {
 // Converts between a value and its raw number, without the scale, as the bits of its type.
 [[nodiscard]] tl::expected<std::uint64_t, Cause> bits_of_value(const Encoding& encoding,
                                                                const Value& value);
-[[nodiscard]] tl::expected<Value, Cause> value_of_bits(const Encoding& encoding,
-                                                       std::uint64_t bits);
+[[nodiscard]] tl::expected<Value, Cause> value_of_bits(const Encoding& encoding, std::uint64_t bits,
+                                                       int exponent = 0);
 
 [[nodiscard]] bool is_not_available(const Encoding& encoding, std::uint64_t bits);
 

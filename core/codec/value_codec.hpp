@@ -71,8 +71,13 @@ struct Encoding {
   // Raw values that mean "no value", as bits of the type. A NaN matches every NaN. Not for bool and
   // kString.
   std::vector<std::uint64_t> not_available{};
+  // Items from the value's first one to the one that holds its decimal exponent; negative where the
+  // exponent is before the value. 0: no exponent. Only for integers and BCD in items of 16 bits.
+  std::int32_t exponent_distance = 0;
   [[nodiscard]] bool is_text() const { return type == ValueType::kString || text_number; }
-  [[nodiscard]] bool scaled() const { return scale != 1.0 || offset != 0.0; }
+  [[nodiscard]] bool scaled() const {
+    return scale != 1.0 || offset != 0.0 || exponent_distance != 0;
+  }
   friend bool operator==(const Encoding&, const Encoding&) = default;
 };
 
@@ -81,13 +86,16 @@ struct Encoding {
 // 16 for int16, 8 * n for string(n) and for a number as text of n characters, 1 for bool.
 [[nodiscard]] unsigned width_bits(const Encoding& encoding);
 
-// A bool is one item; an int32 in 16-bit items is two.
+// The largest decimal exponent of a value, and the negative of the smallest one.
+inline constexpr int kMaxExponent = 10;
+
+// Items of item_bits each that are read for one value: those of the value, those of its exponent,
+// and those between. A bool is one item; int32 in 16-bit items is two.
 [[nodiscard]] std::uint32_t item_count(const Encoding& encoding, unsigned item_bits);
 
-// Decodes a value; a string becomes printable UTF-8. Fails with kNotAvailable for
-// Encoding::not_available, with kRange for
-//   - a NaN, or a float or scaled value that is not finite,
-//   - a BCD digit above 9, or a text that is not a number of the type.
+// The value. kNotAvailable: one of Encoding::not_available, or the exponent is 0x8000 (SunSpec's
+// "not implemented"); kRange: a NaN or infinite float, a BCD digit above 9, a scaled value that is
+// not finite, a text that spells no number of the type, an exponent beyond kMaxExponent.
 // REQUIRES: items holds item_count() items of item_bits.
 [[nodiscard]] tl::expected<Value, Cause> decode_value(const Encoding& encoding, unsigned item_bits,
                                                       ByteView items,

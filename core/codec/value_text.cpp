@@ -150,9 +150,16 @@ unsigned width_bits(const Encoding& encoding) {
   return kTypes[static_cast<std::size_t>(encoding.type)].width;
 }
 
-std::uint32_t item_count(const Encoding& encoding, unsigned item_bits) {
+std::uint32_t value_items(const Encoding& encoding, unsigned item_bits) {
   if (encoding.type == ValueType::kBool) return 1;
   return (width_bits(encoding) + item_bits - 1) / item_bits;
+}
+
+std::uint32_t item_count(const Encoding& encoding, unsigned item_bits) {
+  const std::uint32_t own = value_items(encoding, item_bits);
+  const std::int64_t distance = encoding.exponent_distance;
+  if (distance < 0) return own + static_cast<std::uint32_t>(-distance);
+  return std::max(own, static_cast<std::uint32_t>(distance) + 1);
 }
 
 tl::expected<Value, Cause> parse_value(const Encoding& encoding, std::string_view text) {

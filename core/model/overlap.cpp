@@ -2,22 +2,39 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 namespace fieldcast {
 namespace {
 
-bool same_value(const ChannelSpec& a, const ChannelSpec& b) {
-  return a.range == b.range && a.encoding.type == b.encoding.type;
+// A channel and the items of its value, without the item of its exponent, which several share.
+struct Whole {
+  const ChannelSpec* channel;
+  Range range;
+};
+
+Whole whole_of(const ChannelSpec& channel) {
+  Range range = channel.range;
+  Encoding plain = channel.encoding;
+  if (const std::int32_t distance = std::exchange(plain.exponent_distance, 0); distance != 0) {
+    if (distance < 0) range.first += static_cast<std::uint32_t>(-distance);
+    range.count = item_count(plain, 16);
+  }
+  return {&channel, range};
 }
 
-std::vector<const ChannelSpec*> whole_values(const DeviceSpec& device) {
-  std::vector<const ChannelSpec*> channels;
+bool same_value(const Whole& a, const Whole& b) {
+  return a.range == b.range && a.channel->encoding.type == b.channel->encoding.type;
+}
+
+std::vector<Whole> whole_values(const DeviceSpec& device) {
+  std::vector<Whole> channels;
   for (const ChannelSpec& channel : device.channels) {
-    if (!channel.encoding.bit) channels.push_back(&channel);
+    if (!channel.encoding.bit) channels.push_back(whole_of(channel));
   }
-  std::stable_sort(channels.begin(), channels.end(), [](const auto* a, const auto* b) {
-    return std::tuple(a->range.area, a->range.first, a->range.end()) <
-           std::tuple(b->range.area, b->range.first, b->range.end());
+  std::stable_sort(channels.begin(), channels.end(), [](const Whole& a, const Whole& b) {
+    return std::tuple(a.range.area, a.range.first, a.range.end()) <
+           std::tuple(b.range.area, b.range.first, b.range.end());
   });
   return channels;
 }
@@ -32,20 +49,21 @@ std::string described(const DeviceSpec& device, const ChannelSpec& channel) {
 std::vector<Overlap> overlaps_of(const BusSpec& bus) {
   std::vector<Overlap> found;
   for (const DeviceSpec& device : bus.devices) {
-    const ChannelSpec* reaching = nullptr;  // the previous channel that ends last
-    const ChannelSpec* before = nullptr;
-    for (const ChannelSpec* channel : whole_values(device)) {
-      for (const ChannelSpec* other : {reaching, before}) {
-        if (other == nullptr || other->range.area != channel->range.area ||
-            other->range.end() <= channel->range.first || same_value(*other, *channel))
+    const Whole* reaching = nullptr;  // of those before, the one that ends last
+    const Whole* before = nullptr;
+    const std::vector<Whole> channels = whole_values(device);
+    for (const Whole& channel : channels) {
+      for (const Whole* other : {reaching, before}) {
+        if (other == nullptr || other->range.area != channel.range.area ||
+            other->range.end() <= channel.range.first || same_value(*other, channel))
           continue;
-        found.push_back({&device, other, channel});
+        found.push_back({&device, other->channel, channel.channel});
         break;
       }
-      if (reaching == nullptr || reaching->range.area != channel->range.area ||
-          channel->range.end() > reaching->range.end())
-        reaching = channel;
-      before = channel;
+      if (reaching == nullptr || reaching->range.area != channel.range.area ||
+          channel.range.end() > reaching->range.end())
+        reaching = &channel;
+      before = &channel;
     }
   }
   return found;

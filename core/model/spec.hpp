@@ -56,8 +56,9 @@ struct Limits {
 
 struct ChannelSpec {
   std::string name;
-  std::string at;  // as written: "holding:100"
-  Range range;     // as parsed
+  std::string at;             // as written: "holding:100"
+  std::string exponent_from;  // as written, the item of the decimal exponent; empty: none
+  Range range;                // as understood, with the item of the exponent
   Encoding encoding;
   Duration refresh = std::chrono::seconds{1};
   Mode mode = Mode::kScheduled;

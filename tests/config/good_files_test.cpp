@@ -257,7 +257,7 @@ TEST_F(Everything, ADeviceOverridesItsTemplateAndTheTemplateItsBus) {
   EXPECT_EQ(device.max_block, 32);
   EXPECT_EQ(device.max_gap, 5);
 
-  ASSERT_EQ(device.channels.size(), 6u);
+  ASSERT_EQ(device.channels.size(), 8u);
   ChannelSpec coil;
   coil.name = "from-template";
   coil.at = "coil:5";
@@ -299,6 +299,20 @@ TEST_F(Everything, AChannelListSaysTheSameAsYaml) {
   EXPECT_EQ(channels[3].encoding.text_number,
             spec.buses[0].devices[1].channels.at(4).encoding.text_number);
   EXPECT_EQ(channels[4].encoding.charset, Charset::kGbk);
+}
+
+TEST_F(Everything, AnExponentWidensTheRangeOfItsChannel) {
+  const auto& channels = spec.buses[0].devices[1].channels;
+  const auto behind = std::ranges::find(channels, "behind", &ChannelSpec::name);
+  ASSERT_NE(behind, channels.end());
+  EXPECT_EQ(behind->range, (Range{2, 40, 6}));
+  EXPECT_EQ(behind->encoding.exponent_distance, 5);
+  EXPECT_EQ(behind->exponent_from, "holding:45");
+  EXPECT_EQ(behind->access, Access::kReadOnly) << "a default from above holds where it can";
+  const auto before = std::ranges::find(channels, "before", &ChannelSpec::name);
+  ASSERT_NE(before, channels.end());
+  EXPECT_EQ(before->range, (Range{2, 45, 3}));
+  EXPECT_EQ(before->encoding.exponent_distance, -1);
 }
 
 TEST_F(Everything, ADeviceMaySpeakAnotherProtocolThanItsBus) {

@@ -332,6 +332,67 @@ TEST(NotAvailable, IsTypedAsBitsOrAsANumberOfTheType) {
   EXPECT_EQ(parse_not_available(of(ValueType::kUint16), "").error(), Cause::kWrongType);
 }
 
+// The encoding of a type whose exponent is in the item at `distance` from the value.
+Encoding with_exponent(ValueType type, std::int32_t distance) {
+  return {.type = type, .exponent_distance = distance};
+}
+
+TEST(Exponent, IsReadFromAnItemBeforeOrBehindTheValue) {
+  const Encoding behind = with_exponent(ValueType::kUint16, 1);
+  EXPECT_EQ(item_count(behind, 16), 2u);
+  EXPECT_EQ(decode_value(behind, 16, hex("04D2 FFFE")), Value{12.34});
+  const Encoding far = with_exponent(ValueType::kInt32, 4);
+  EXPECT_EQ(item_count(far, 16), 5u);
+  EXPECT_EQ(decode_value(far, 16, hex("FFFF FFFB AAAA BBBB 0003")), Value{-5000.0});
+  const Encoding before = with_exponent(ValueType::kUint32, -2);
+  EXPECT_EQ(item_count(before, 16), 4u);
+  EXPECT_EQ(decode_value(before, 16, hex("FFFF 1234 0000 000F")), Value{1.5});
+  EXPECT_EQ(decode_value(with_exponent(ValueType::kBcd16, 1), 16, hex("1234 FFFF")), Value{123.4});
+}
+
+// 1234 * 0.01 is 12.340000000000002, and 3 * 0.1 is 0.30000000000000004.
+TEST(Exponent, NegativeOnesDivide) {
+  const Encoding encoding = with_exponent(ValueType::kInt16, 1);
+  EXPECT_EQ(decode_value(encoding, 16, hex("0003 FFFF")), Value{0.3});
+  EXPECT_EQ(decode_value(encoding, 16, hex("0001 FFF6")), Value{1e-10});
+  EXPECT_EQ(decode_value(encoding, 16, hex("0001 000A")), Value{1e10});
+  EXPECT_EQ(decode_value(encoding, 16, hex("8001 0000")), Value{-32767.0}) << "a double always";
+}
+
+TEST(Exponent, GoesBeforeScaleAndOffset) {
+  Encoding encoding = with_exponent(ValueType::kInt16, 1);
+  encoding.scale = 0.1;
+  encoding.offset = -40.2;
+  EXPECT_EQ(decode_value(encoding, 16, hex("04D2 FFFE")), Value{-38.966});
+  EXPECT_EQ(decode_value(encoding, 16, hex("04D2 0001")), Value{1193.8});
+  encoding.scale = 1.0 / 3;
+  EXPECT_EQ(decode_value(encoding, 16, hex("0384 FFFE")), Value{3.0 - 40.2});
+}
+
+TEST(Exponent, HasTheByteOrderOfItsValueAndNotItsWordOrder) {
+  Encoding encoding = ordered(ValueType::kUint32, kLow, kSwapped);
+  encoding.exponent_distance = 2;
+  EXPECT_EQ(decode_value(encoding, 16, hex("D204 0000 FEFF")), Value{12.34});
+}
+
+TEST(Exponent, OneThatIsNotAvailableOrTooLargeMakesTheValueBad) {
+  const auto none = tl::unexpected(Cause::kNotAvailable);
+  const auto range = tl::unexpected(Cause::kRange);
+  const Encoding encoding = without(with_exponent(ValueType::kInt16, 1), {"0x8000"});
+  EXPECT_EQ(decode_value(encoding, 16, hex("04D2 8000")), none);
+  EXPECT_EQ(decode_value(encoding, 16, hex("04D2 000B")), range);
+  EXPECT_EQ(decode_value(encoding, 16, hex("04D2 FFF5")), range);
+  EXPECT_EQ(decode_value(encoding, 16, hex("04D2 7FFF")), range);
+  EXPECT_EQ(decode_value(encoding, 16, hex("04D2 8001")), range);
+  EXPECT_EQ(decode_value(encoding, 16, hex("8000 FFFE")), none) << "the value itself";
+  EXPECT_EQ(decode_value(encoding, 16, hex("8000 7FFF")), none) << "the value goes first";
+}
+
+TEST(Exponent, AValueWithOneIsNotWritten) {
+  EXPECT_EQ(encode_value(with_exponent(ValueType::kInt16, 1), 16, Value{12.34}),
+            tl::unexpected(Cause::kReadOnly));
+}
+
 TEST(ValueText, NamesOfTypesLeadBack) {
   for (int type = 0; type <= static_cast<int>(ValueType::kBcd8); ++type) {
     EXPECT_EQ(value_type_from(to_text(static_cast<ValueType>(type))), static_cast<ValueType>(type));

@@ -1,15 +1,34 @@
 // Fuzz target of what `fieldcast scan` reads of a device's identity, which no plan asks for: any
-// bytes as its answers. What is done has a text that fits.
+// bytes as its answers. What is done has a text that fits. The same bytes are the registers behind
+// the mark of SunSpec models: the walk over them ends.
 //
 // Input: form(1), a cut(1), then the answer.
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 
 #include "tests/support/drive.hpp"
 #include "tools/cli/scan/identity.hpp"
+#include "tools/cli/scan/sunspec_channels.hpp"
+#include "tools/cli/scan/sunspec_walk.hpp"
 
 namespace fieldcast::cli {
 namespace {
+
+void run_walk(ByteView data) {
+  constexpr std::array<std::uint8_t, 4> kMark{'S', 'u', 'n', 'S'};
+  constexpr std::size_t kMostReads = 2 * SunSpecWalk::kMostModels + 2;
+  SunSpecWalk walk;
+  walk.answered(kMark);
+  for (std::size_t reads = 0; const auto read = walk.next(); ++reads) {
+    if (reads > kMostReads || read->first + read->count > 65536) std::abort();
+    const std::size_t size = std::min(data.size(), 2 * std::size_t{read->count});
+    walk.answered(data.first(size));
+    data = data.subspan(size);
+    if (data.empty()) walk.failed(Cause::kDeviceError);
+  }
+  (void)sunspec_channels(walk.map().value());
+}
 
 void run_scan(ByteView data) {
   constexpr std::array kForms{"modbus-rtu", "modbus-ascii", "modbus-tcp", "omron-hostlink"};
@@ -28,5 +47,6 @@ void run_scan(ByteView data) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   fieldcast::cli::run_scan({data, size});
+  fieldcast::cli::run_walk({data, size});
   return 0;
 }

@@ -3,27 +3,30 @@
 usage: pymodbus_server.py rtu PATH [BAUD [UNIT]]     8N1; default 115200 baud, unit 1
        pymodbus_server.py ascii PATH [BAUD [UNIT]]
        pymodbus_server.py tcp PORT [UNIT]            127.0.0.1
+       --registers FILE     JSON of {"first holding register": [values]}; all others are refused
 
 Prints READY when it serves, ends with SIGTERM. Memory, all areas 0..499, the same as in libmodbus_server.cpp:
   coil n = (n % 3 == 0)   input n = (n % 2 == 1)   holding n = 1000 + n   input-register n = 2000 + n
 """
 
 import asyncio
+import json
 import signal
 import sys
 
-from pymodbus.datastore import ModbusSequentialDataBlock, ModbusServerContext, ModbusSlaveContext
+from pymodbus.datastore import ModbusSequentialDataBlock, ModbusServerContext, ModbusSlaveContext, ModbusSparseDataBlock
 from pymodbus.server.async_io import ModbusSerialServer, ModbusTcpServer
 from pymodbus.transaction import ModbusAsciiFramer, ModbusRtuFramer, ModbusSocketFramer
 
 ITEMS = range(500)
+REGISTERS = None  # holding registers of a file
 
 
 def memory(unit):
     device = ModbusSlaveContext(
         co=ModbusSequentialDataBlock(0, [n % 3 == 0 for n in ITEMS]),
         di=ModbusSequentialDataBlock(0, [n % 2 == 1 for n in ITEMS]),
-        hr=ModbusSequentialDataBlock(0, [1000 + n for n in ITEMS]),
+        hr=ModbusSparseDataBlock(REGISTERS) if REGISTERS else ModbusSequentialDataBlock(0, [1000 + n for n in ITEMS]),
         ir=ModbusSequentialDataBlock(0, [2000 + n for n in ITEMS]),
         zero_mode=True,
     )
@@ -53,7 +56,17 @@ async def serve(kind, place, numbers):
     running.cancel()
 
 
+def registers_of(path):
+    with open(path, encoding="utf-8") as file:
+        return {int(first) + i: value for first, values in json.load(file).items() for i, value in enumerate(values)}
+
+
 def main():
+    global REGISTERS
+    if "--registers" in sys.argv:
+        at = sys.argv.index("--registers")
+        REGISTERS = registers_of(sys.argv[at + 1])
+        del sys.argv[at:at + 2]
     if len(sys.argv) < 3 or sys.argv[1] not in ("rtu", "ascii", "tcp"):
         sys.exit(__doc__)
     asyncio.run(serve(sys.argv[1], sys.argv[2], [int(n) for n in sys.argv[3:]]))

@@ -53,11 +53,12 @@ TEST(Partition, EqualsTheBestOfAllPartitionsOnRandomLists) {
     std::uint32_t first = static_cast<std::uint32_t>(random() % 20);
     const std::size_t size = 1 + random() % 11;
     for (std::size_t i = 0; i < size; ++i) {
-      wanted.push_back(
-          {first, first + 1 + static_cast<std::uint32_t>(random() % 4), random() % 12 == 0});
+      // A value with its exponent is wide and holds others: {100, 104} and {101, 104}.
+      const std::uint64_t length = random() % 5 == 0 ? 4 + random() % 12 : 1 + random() % 4;
+      wanted.push_back({first, first + static_cast<std::uint32_t>(length), random() % 12 == 0});
       first += static_cast<std::uint32_t>(random() % 16);
     }
-    const ReadCost cost(device, area, kEvenLine, 2ms, wanted.back().end + 8);
+    const ReadCost cost(device, area, kEvenLine, 2ms, wanted.back().end + 24);
     const auto slices = optimal_partition(wanted, cost);
     std::uint32_t expected = 0;
     for (const Slice slice : slices) {

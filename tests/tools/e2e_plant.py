@@ -32,6 +32,8 @@ buses:
           - { name: setpoint, at: "holding:200", type: int16, access: read-write, write: { min: -100, max: 1000 } }
           - { name: speed, at: "holding:210", type: uint16, scale: 0.1, unit: rpm, access: read-write }
           - { name: energy, at: "holding:220", type: uint64, access: read-write }
+          - { name: power, at: "holding:230", type: int16, exponent-from: "holding:232", unit: W, limits: { low: 900, high: 1100 } }
+          - { name: current, at: "holding:231", type: uint16, exponent-from: "holding:232", unit: A }
           - { name: running, at: "coil:3", type: bool, access: read-write }
           - { name: article, at: "holding:310", type: uint16, acquire: on-interest }
           - { name: batch, at: "holding:320", type: uint16, acquire: on-interest }
@@ -46,7 +48,7 @@ buses:
           - { name: voltage, at: "holding:0", type: float32, unit: V }
           - { name: counts, at: "holding:10", type: int32 }
 """
-CHANNELS = {"fast/press/" + name for name in ("temperature", "level", "setpoint", "speed", "energy", "running", "article", "batch", "label")}
+CHANNELS = {"fast/press/" + name for name in ("temperature", "level", "setpoint", "speed", "energy", "power", "current", "running", "article", "batch", "label")}
 CHANNELS |= {"slow/meter/voltage", "slow/meter/counts"}
 # read only while a station is interested
 WANTED, NEVER_WANTED = "fast/press/article", "fast/press/batch"
@@ -80,6 +82,11 @@ class Watch(unittest.TestCase):
         self.assertIsNone(samples.pop(NEVER_WANTED)["value"])
         samples.pop(WANTED)  # from another test
         self.assertIsInstance(samples["fast/press/running"]["value"], bool)
+        for name, low, high in (("power", 900, 1100), ("current", 0, 100)):  # with the exponent -1 of the simulator
+            value = samples["fast/press/" + name]["value"]
+            self.assertIsInstance(value, float)
+            self.assertTrue(low <= value <= high, value)
+            self.assertAlmostEqual(value * 10, round(value * 10), places=9)
         self.assertIsInstance(samples["fast/press/level"]["value"], int)
         self.assertIsInstance(samples["fast/press/temperature"]["value"], float)
         self.assertIsInstance(samples["fast/press/label"]["value"], str)

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/codec/value_codec.hpp"
+#include "tests/tools/sim/device_setup.hpp"
 
 namespace fieldcast::sim {
 namespace {
@@ -76,6 +77,42 @@ TEST(Waveform, StaysInsideItsChannelsLimits) {
       ASSERT_LE(value, 20 + 1e-9) << seed;
     }
   }
+}
+
+// A channel whose exponent is in another register, which is a channel too.
+DeviceSetup with_exponent(const std::string& protocol, const std::string& at,
+                          const std::string& exponent) {
+  DeviceSetup setup = test::device_setup(1);
+  setup.spec.protocol = protocol;
+  setup.only_configured = true;
+  ChannelSpec value = test::channel("voltage", at, ValueType::kUint16);
+  value.exponent_from = exponent;
+  value.encoding.exponent_distance = 3;
+  value.limits.low = 210;
+  value.limits.high = 250;
+  setup.spec.channels = {test::channel("exponent", exponent, ValueType::kInt16), value};
+  return setup;
+}
+
+TEST(Waveform, AnExponentIsConstantAndItsValueStaysInsideItsLimits) {
+  struct Case {
+    const char *protocol, *at, *exponent, *area;
+  };
+  for (const Case& each : {Case{"modbus-rtu", "holding:100", "40104", "holding"},
+                           Case{"omron-hostlink", "DM100", "DM103", "DM"}}) {
+    const auto device =
+        find_device_kind(each.protocol)->make(with_exponent(each.protocol, each.at, each.exponent));
+    ASSERT_TRUE(device) << device.error();
+    for (int s = 0; s < 60; ++s) {
+      const Instant now = test::kBegin + std::chrono::milliseconds{s * 333};
+      ASSERT_EQ((*device)->peek(each.area, 103, now), 0xFFFFu) << each.protocol;
+      const double value = static_cast<double>((*device)->peek(each.area, 100, now).value()) / 10;
+      ASSERT_GE(value, 210) << each.protocol;
+      ASSERT_LE(value, 250) << each.protocol;
+    }
+  }
+  EXPECT_FALSE(
+      find_device_kind("modbus-rtu")->make(with_exponent("modbus-rtu", "holding:100", "coil:3")));
 }
 
 TEST(Waveform, TheSameSeedIsTheSamePlant) {

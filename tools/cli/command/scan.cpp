@@ -13,6 +13,7 @@
 #include "tools/cli/scan/identity.hpp"
 #include "tools/cli/scan/scan_view.hpp"
 #include "tools/cli/scan/scanner.hpp"
+#include "tools/cli/scan/sunspec_view.hpp"
 #include "tools/cli/view/sample_text.hpp"
 #include "tools/progress/progress_line.hpp"
 
@@ -126,8 +127,10 @@ class Scan {
       if (!answer) return tl::unexpected(answer.error());
       scanner_.answered(*answer);
     }
-    for (; named_ < scanner_.found().size() && !interrupt_.raised(); ++named_)
+    for (; named_ < scanner_.found().size() && !interrupt_.raised(); ++named_) {
       scanner_.set_identity(named_, identity_of(scanner_.found()[named_]));
+      walk_sunspec(named_);
+    }
     return {};
   }
 
@@ -202,6 +205,30 @@ class Scan {
     std::uint64_t number = 0;
     for (const std::uint8_t byte : heard->reply.front().items) number = number << 8 | byte;
     return fmt::format("{} {} ({} is {})", type->label, number, type->at, number);
+  }
+
+  // At most one timeout for a device without SunSpec models.
+  void walk_sunspec(std::size_t index) {
+    const ScanFound& found = scanner_.found()[index];
+    if (!turn_to(found.line)) return;
+    const auto protocol = device(found.address);
+    if (!protocol || !may_have_sunspec(scanner_.lines()[found.line].protocol.name())) return;
+    const auto area = protocol->parse_address("holding:0");
+    SunSpecWalk walk;
+    for (auto read = walk.next(); read && area && !interrupt_.raised(); read = walk.next()) {
+      const auto heard = talk(
+          protocol->begin(ReadRequest{{{area->area, read->first, read->count}}}, {++sequence_}),
+          found.address, fmt::format("reads holding:{}", read->first));
+      if (!heard) break;
+      const Cause cause = heard->cause != Cause::kNone || heard->reply.empty()
+                              ? heard->cause
+                              : heard->reply.front().cause;
+      if (cause == Cause::kNone && !heard->reply.empty())
+        walk.answered(heard->reply.front().items);
+      else
+        walk.failed(cause);
+    }
+    if (walk.map() && !walk.next()) scanner_.set_sunspec(index, *walk.map());
   }
 
   const ScanOptions& options_;

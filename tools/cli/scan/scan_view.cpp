@@ -6,6 +6,8 @@
 
 #include "core/protocol/device_code.hpp"
 #include "tools/cli/model/address_notation.hpp"
+#include "tools/cli/scan/sunspec_channels.hpp"
+#include "tools/cli/scan/sunspec_view.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -30,6 +32,11 @@ std::string comment_text(std::string_view text) {
     if (c == '\n' || c == '\r') c = ' ';
   }
   return line;
+}
+
+std::string identity_text(const ScanFound& found) {
+  return found.identity.empty() && found.sunspec ? sunspec_identity(*found.sunspec)
+                                                 : found.identity;
 }
 
 std::string type_of(const Protocol& protocol, const ScanQuestion& question) {
@@ -67,9 +74,15 @@ std::vector<std::string> found_lines(const Scanner& scanner, bool serial, const 
                    {answer_text(line, found.answer),
                     found.answer.cause == Cause::kNone ? Tone::kGood : Tone::kPlain},
                    {fmt::format("{:.1f} ms", to_seconds(found.answer.took) * 1e3)},
-                   {comment_text(found.identity)}});
+                   {comment_text(identity_text(found))}});
   }
-  return table.render(screen);
+  std::vector<std::string> lines = table.render(screen);
+  for (const ScanFound& found : scanner.found()) {
+    if (!found.sunspec) continue;
+    for (const std::string& line : sunspec_lines(found.address, *found.sunspec))
+      lines.push_back(comment_text(line));
+  }
+  return lines;
 }
 
 Json found_json(const std::string& port, const ScanLine& line, const ScanFound& found,
@@ -84,6 +97,7 @@ Json found_json(const std::string& port, const ScanLine& line, const ScanFound& 
   json["device_code"] = found.answer.device_code;
   json["answer_time"] = found.answer.took.count();
   json["identity"] = found.identity;
+  if (found.sunspec) json["sunspec"] = sunspec_json(*found.sunspec);
   return json;
 }
 
@@ -110,14 +124,23 @@ std::string configuration_text(const std::string& port, bool serial, const Scann
     const ScanQuestion& asked = questions[std::min(found.question, questions.size() - 1)];
     text +=
         fmt::format("      - name: device-{}\n        address: {}\n", found.address, found.address);
-    if (!found.identity.empty())
-      text += fmt::format("        # it says: {}\n", comment_text(found.identity));
+    if (const std::string identity = identity_text(found); !identity.empty())
+      text += fmt::format("        # it says: {}\n", comment_text(identity));
     if (found.answer.cause != Cause::kNone)
       text += fmt::format("        # it answers, but {} {}\n", answer_text(line, found.answer),
                           asked.at);
-    text += fmt::format(
-        "        channels:\n          - {{ name: first, at: \"{}\", type: {}, refresh: 1s }}\n",
-        asked.at, type_of(*protocol, asked));
+    std::vector<std::string> channels;
+    if (found.sunspec) {
+      text += sunspec_comment(*found.sunspec);
+      channels = sunspec_channels(*found.sunspec);
+    }
+    if (channels.empty())
+      channels = {fmt::format("{{ name: first, at: \"{}\", type: {}, refresh: 1s }}", asked.at,
+                              type_of(*protocol, asked))};
+    else
+      text += "        refresh: 2s\n";
+    text += "        channels:\n";
+    for (const std::string& channel : channels) text += "          - " + channel + '\n';
   }
   return text;
 }

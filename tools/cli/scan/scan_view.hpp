@@ -23,11 +23,13 @@ namespace fieldcast::cli {
 [[nodiscard]] std::vector<std::string> found_lines(const Scanner& scanner, bool serial,
                                                    const Screen& screen);
 // {"port", "protocol", "baud", "format", "address", "answer", "device_code", "answer_time",
-// "identity"}; answer_time in nanoseconds.
+// "identity", "sunspec" (only if it has SunSpec models: sunspec_json())}; answer_time in
+// nanoseconds.
 [[nodiscard]] Json found_json(const std::string& port, const ScanLine& line, const ScanFound& found,
                               bool serial);
 
-// A configuration for fieldcast-bridge: one bus, each device with the one channel that was asked.
+// A configuration for fieldcast-bridge: one bus, each device with the points of its SunSpec models,
+// or else with the one channel that was asked.
 // REQUIRES: something was found.
 [[nodiscard]] std::string configuration_text(const std::string& port, bool serial,
                                              const Scanner& scanner);

@@ -12,6 +12,7 @@
 #include "core/base/time.hpp"
 #include "core/bus/garbage.hpp"
 #include "tools/cli/scan/scan_plan.hpp"
+#include "tools/cli/scan/sunspec_walk.hpp"
 
 namespace fieldcast::cli {
 
@@ -36,7 +37,8 @@ struct ScanFound {
   std::uint16_t address = 1;
   std::size_t question = 0;
   ScanAnswer answer;
-  std::string identity;  // what the device says of itself; empty: nothing
+  std::string identity;               // what the device says of itself; empty: nothing
+  std::optional<SunSpecMap> sunspec;  // its SunSpec models
 };
 
 // An address with invalid responses that start like valid ones: the settings of the line are
@@ -67,6 +69,7 @@ class Scanner {
   void set_identity(std::size_t found, std::string identity) {
     found_[found].identity = std::move(identity);
   }
+  void set_sunspec(std::size_t found, SunSpecMap map) { found_[found].sunspec = std::move(map); }
   [[nodiscard]] std::size_t asked() const { return asked_; }
   // Remaining requests if no device responds.
   [[nodiscard]] std::size_t left() const;

@@ -78,6 +78,16 @@ tl::expected<void, std::string> ItemMemory::add_channels(
       return tl::unexpected(fmt::format("{}/{}: '{}' is not an address for its type",
                                         setup.spec.name, channel.name, channel.at));
     }
+    if (channel.exponent_from.empty()) continue;
+    const auto exponent = parse(channel.exponent_from);
+    const Encoding encoding = exponent_encoding(channel);
+    if (!exponent || !add_channel(*exponent, encoding, exponent_waveform())) {
+      return tl::unexpected(fmt::format("{}/{}: '{}' is not an address of an exponent",
+                                        setup.spec.name, channel.name, channel.exponent_from));
+    }
+    // An exponent that is a channel too has the value of the exponent.
+    write(exponent->area, exponent->first,
+          waveform_items(exponent_waveform(), encoding, Duration{}).front());
   }
   return {};
 }

@@ -77,6 +77,16 @@ tl::expected<std::unique_ptr<SimDevice>, std::string> make(const DeviceSetup& se
                                         channel.name, channel.at));
     }
   }
+  // Behind the channels: an exponent that is a channel too has the value of the exponent.
+  for (const ChannelSpec& channel : spec.channels) {
+    if (channel.exponent_from.empty()) continue;
+    const auto at = parse_modbus_address(channel.exponent_from);
+    if (!at || !device->unit().memory().add_channel(*at, exponent_encoding(channel),
+                                                    exponent_waveform())) {
+      return tl::unexpected(fmt::format("{}/{}: '{}' is not an address of an exponent", spec.name,
+                                        channel.name, channel.exponent_from));
+    }
+  }
   return device;
 }
 

@@ -175,8 +175,9 @@ Waveform waveform_for(const ChannelSpec& channel, std::uint64_t seed) {
                     : channel.limits.high ? channel.limits.high
                                           : channel.limits.high_high;
   if (low && high && *low < *high && encoding.scale != 0) {
-    const double a = (*low - encoding.offset) / encoding.scale,
-                 b = (*high - encoding.offset) / encoding.scale;
+    const double power = channel.exponent_from.empty() ? 1 : std::pow(10.0, kSimulatedExponent);
+    const double a = (*low - encoding.offset) / encoding.scale / power,
+                 b = (*high - encoding.offset) / encoding.scale / power;
     wave.low = std::clamp(std::min(a, b), type.low, type.high);
     wave.high = std::clamp(std::max(a, b), type.low, type.high);
   }
@@ -186,6 +187,14 @@ Waveform waveform_for(const ChannelSpec& channel, std::uint64_t seed) {
     wave.low = std::clamp(wave.low, -std::floor(most / 10), wave.high);
   }
   return wave;
+}
+
+Waveform exponent_waveform() {
+  return {.shape = Shape::kConstant, .low = kSimulatedExponent, .high = kSimulatedExponent};
+}
+
+Encoding exponent_encoding(const ChannelSpec& channel) {
+  return {.type = ValueType::kInt16, .byte_order = channel.encoding.byte_order};
 }
 
 std::uint32_t waveform_bits(const Encoding& encoding) {
