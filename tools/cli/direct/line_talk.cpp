@@ -14,6 +14,8 @@ constexpr std::chrono::milliseconds kTalkCheck{50};
 constexpr std::chrono::seconds kOpenLimit{5};
 // Silence inside an answer that ends it: adapters deliver in pieces.
 constexpr std::chrono::milliseconds kGapAllowance{30};
+// What is compared with the bytes that were sent; a longer text is no echo.
+constexpr std::size_t kMostHeard = 4096;
 // A line that never falls silent is asked all the same.
 constexpr std::chrono::milliseconds kLongestStray{300};
 
@@ -27,6 +29,7 @@ struct LineTalk::State final : PortListener {
   void on_received(ByteView bytes, Instant arrival) override {
     last_byte = arrival;
     strays += bytes.size();
+    if (heard.size() < kMostHeard) append(heard, bytes);
     record(CaptureRecord::Kind::kReceived, bytes, {}, arrival);
     if (!driver || !driver->active()) return;
     Bytes out;
@@ -44,12 +47,16 @@ struct LineTalk::State final : PortListener {
   }
   void write(const Bytes& bytes, const LineNote& note) {
     device = note.device;
+    if (said.size() < kMostHeard) append(said, bytes);
     record(CaptureRecord::Kind::kSent, bytes, note.text, steady_now());
     port->write(bytes);
   }
   void record(CaptureRecord::Kind kind, ByteView bytes, const std::string& text, Instant at) const {
     if (tap && tap->wanted())
       tap->put({kind, read_clocks().to_utc(at), device, Bytes(bytes.begin(), bytes.end()), text});
+  }
+  [[nodiscard]] bool heard_others() const {
+    return heard.size() > said.size() || !std::equal(heard.begin(), heard.end(), said.begin());
   }
   // How the exchange ended, for the capture.
   void record_end(const LineTalk::Answer& answer) const {
@@ -73,6 +80,7 @@ struct LineTalk::State final : PortListener {
   std::optional<std::string> closed;
   Instant last_byte = kLongAgo;
   std::size_t strays = 0;  // since the last request
+  Bytes heard, said;       // since listen_again()
   ExchangeDriver::Outcome outcome = ExchangeDriver::Outcome::kWaiting;
   Bytes again;  // the next request of the exchange
 };
@@ -84,6 +92,11 @@ LineTalk::~LineTalk() { close(); }
 
 void LineTalk::while_waiting(std::function<void()> meanwhile) {
   state_->meanwhile = std::move(meanwhile);
+}
+
+void LineTalk::listen_again() {
+  state_->heard.clear();
+  state_->said.clear();
 }
 
 void LineTalk::close() {
@@ -105,6 +118,7 @@ tl::expected<void, std::string> LineTalk::open(const PortSpec& spec) {
   state.closed.reset();
   state.last_byte = kLongAgo;
   state.silence = silence_of(StandardSilence{}, line_of(spec));
+  listen_again();
   state.driver.emplace(line_of(spec), kGapAllowance, Echo::kUnknown);
   state.port = make_port(state.io, spec);
   state.port->open(state);
@@ -159,6 +173,7 @@ tl::expected<LineTalk::Answer, std::string> LineTalk::ask(std::unique_ptr<Exchan
   }
   Answer answer;
   answer.bytes = state.strays;
+  answer.heard = state.heard_others();
   if (state.outcome == Outcome::kDone) {
     answer.took = state.driver->answer_time();
     answer.reply = state.driver->exchange().reply();

@@ -35,6 +35,7 @@ class LineTalk {
     Duration took{};                          // the device's own time before its answer
     std::size_t bytes = 0;                    // that came
     bool echo_alone = false;                  // they are exactly those that were sent
+    bool heard = false;                       // see listen_again()
     AnswerShape shape = AnswerShape::kOther;  // of bytes that are not a valid answer
   };
 
@@ -51,6 +52,9 @@ class LineTalk {
   // first byte. The error as of open(): the port is gone. REQUIRES: open() was successful.
   [[nodiscard]] tl::expected<Answer, std::string> ask(std::unique_ptr<Exchange> exchange,
                                                       Duration timeout, const LineNote& note = {});
+  // From here on Answer::heard says whether bytes were received, at any time, that are not the echo
+  // of what was sent.
+  void listen_again();
   // Called several times a second while it waits: for the progress.
   void while_waiting(std::function<void()> meanwhile);
   // Leaves the line alone for so long; less when the interrupt is raised. REQUIRES: as ask().

@@ -22,12 +22,20 @@ namespace fieldcast::cli {
 
 [[nodiscard]] std::vector<std::string> found_lines(const Scanner& scanner, bool serial,
                                                    const Screen& screen);
+// "address 3: template: siemens-pac3200", and how a template is used; empty if none fits.
+[[nodiscard]] std::vector<std::string> template_lines(const Scanner& scanner);
+// After a quick search without one received byte: what was probed, what to check, and how long a
+// search with --all lasts, which waits `timeout` for each response.
+[[nodiscard]] std::vector<std::string> silence_lines(const std::string& port,
+                                                     const Scanner& scanner, bool serial,
+                                                     Duration timeout);
 // {"port", "protocol", "baud", "format", "address", "answer", "device_code", "answer_time",
-// "identity"}; answer_time in nanoseconds.
+// "identity", "templates"}; answer_time in nanoseconds.
 [[nodiscard]] Json found_json(const std::string& port, const ScanLine& line, const ScanFound& found,
                               bool serial);
 
-// A configuration for fieldcast-bridge: one bus, each device with the one channel that was asked.
+// A configuration for fieldcast-bridge: one bus, each device with its template, or with the one
+// channel that was asked if not exactly one template fits.
 // REQUIRES: something was found.
 [[nodiscard]] std::string configuration_text(const std::string& port, bool serial,
                                              const Scanner& scanner);
