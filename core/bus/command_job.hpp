@@ -47,6 +47,9 @@ class CommandJob {
   // them the device refuses.
   void go_alone() { alone_ = true; }
   void answered(const Reply& reply);
+  // Whether the device did not carry out the request that failed so. A momentary code may leave it
+  // open whether a write took effect (may_have_written() in device_code.hpp).
+  [[nodiscard]] bool refuses(Cause cause, std::uint16_t device_code) const;
   // `seen`: what came in place of an answer, for the reason.
   void failed(Cause cause, std::uint16_t device_code, std::string_view seen = {});
   // A line that may echo cannot confirm a write whose answer equals its request.
@@ -124,7 +127,9 @@ class CommandJob {
   bool merge_needed_ = false;        // read, change the bit, write
   bool distinct_ = false;
   bool alone_ = false;
-  bool in_doubt_ = false;  // a write went unanswered: reading back tells whether it took effect
+  // It is open whether a write took effect: reading back shows it. cause_ and device_code_ are those
+  // of the write.
+  bool in_doubt_ = false;
   unsigned rewrites_ = 0;
   unsigned max_rewrites_ = 0;
   std::vector<Range> reads_;       // of an acquisition

@@ -18,10 +18,16 @@ struct DeviceCode {
   // after a while. kDeviceBusy: a state of the moment, handled like a missed answer. kChecksum: the
   // line garbled the request.
   Cause cause = Cause::kDeviceError;
+  // With kDeviceBusy: a write may have taken effect although it brought this code.
+  bool may_have_written = false;
 };
 
 // The cause of the code's row; kDeviceError for a code that the table does not know.
 [[nodiscard]] Cause device_code_cause(std::span<const DeviceCode> codes, std::uint16_t code);
+
+// Whether a write that brought this momentary code may have taken effect. 0: the device gave no
+// code.
+[[nodiscard]] bool may_have_written(std::span<const DeviceCode> codes, std::uint16_t code);
 
 // "illegal data address", or nothing for a code that the table does not know.
 [[nodiscard]] std::string_view device_code_text(std::span<const DeviceCode> codes,
