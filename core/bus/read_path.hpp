@@ -41,6 +41,9 @@ class ReadPath {
   // such answer, up to the shortest refresh in the block.
   static constexpr Duration kFirstBusyPause = std::chrono::milliseconds{100};
   static constexpr Duration kLongestBusyPause = std::chrono::seconds{30};
+  // So many such answers to a block, while the device answers other requests, start the search for
+  // the address that causes them. It is then requested alone.
+  static constexpr unsigned kBusyToSearch = 3;
 
   // A read for the wire. `longer`: the request asks for more items than the block needs, so that
   // its answer differs from those that are owed.
@@ -74,6 +77,8 @@ class ReadPath {
   // The read of a block failed. `longer`: as in Read.
   void failed(const Block& block, bool longer, Cause cause, std::uint16_t code, Instant now,
               ActionSink& sink);
+  // The device answered a probe: what it cannot read at the moment concerns single blocks.
+  void probe_answered(DeviceIndex device) { others_answered(device); }
   // A block was given up from outside; it is due again.
   void broken_off(const Block& block, Instant now) { scheduler_->failed(block, now, now); }
 
@@ -112,14 +117,21 @@ class ReadPath {
     Block block;
     Instant until{};
   };
+  // A block that the device cannot read at the moment.
+  struct Busy {
+    Duration pause{};  // the last one
+    unsigned times = 0;
+    bool others_answered = false;  // the device answered another request since the first time
+  };
   // Of one device.
   struct Learned {
     std::vector<BlockLearning> areas;
     bool refused_longer = false;                  // reads are not made longer any more
     std::map<PointIndex, std::uint16_t> refused;  // points refused now, with the device's code
     std::set<PointIndex> doubted;                 // points whose refusal was not believed at once
-    // The last pause of each block that the device cannot read at the moment, by its first point.
-    std::map<PointIndex, Duration> busy;
+    std::map<PointIndex, Busy> busy;              // by the first point of the block
+    std::set<PointIndex> searched;    // points of blocks that are searched for a busy address
+    std::set<PointIndex> busy_alone;  // what was found: points that are requested alone
   };
   // Points of a block that one answer refused.
   struct RefusedPart {
@@ -134,7 +146,8 @@ class ReadPath {
   void refused(const Block& block, Cause cause, std::uint16_t code, Instant now,
                std::vector<Sample>& samples, ActionSink& sink);
   // The device cannot read the block at the moment: it is requested again after a pause.
-  void busy(const Block& block, std::uint16_t code, Instant now);
+  void busy(const Block& block, std::uint16_t code, Instant now, ActionSink& sink);
+  void others_answered(DeviceIndex device);
   // Whether a refusal of these points is to be heard a second time before it is believed.
   [[nodiscard]] bool doubts(const Block& block);
   void point_refused(PointIndex point, Cause cause, std::uint16_t code, Instant now,
