@@ -132,11 +132,18 @@ void CommandJob::verify(const Bytes& items) {
 
 // The items show whether an unanswered write took effect.
 void CommandJob::resolve_doubt(const Bytes& items) {
+  const bool responded = cause_ == Cause::kDeviceBusy;
+  const std::string what = responded ? error_text(cause_, device_code_, protocol_->traits()) : "";
   if (reads_back_same(items)) {
     read_back_ = items;
     if (command_.verify) return finish(CommandState::kVerified);
     return finish(CommandState::kDone, Cause::kNone, 0,
-                  "the answer was lost; reading back shows the value");
+                  (responded ? what : "the answer was lost") + "; reading back shows the value");
+  }
+  if (responded) {
+    read_back_ = items;
+    return finish(CommandState::kFailed, cause_, device_code_,
+                  what + "; reading back shows another value");
   }
   if (rewrites_ < max_rewrites_) {  // `items` is the value before the rewrite, so it is not kept
     ++rewrites_;
@@ -149,9 +156,15 @@ void CommandJob::resolve_doubt(const Bytes& items) {
          "no answer, and reading back shows another value");
 }
 
+bool CommandJob::refuses(Cause cause, std::uint16_t device_code) const {
+  return cause == Cause::kDeviceError ||
+         (cause == Cause::kDeviceBusy &&
+          (phase_ != Phase::kWrite || !may_have_written(protocol_->traits().codes, device_code)));
+}
+
 void CommandJob::failed(Cause cause, std::uint16_t device_code, std::string_view seen) {
   asked_ = true;
-  const bool refused = cause == Cause::kDeviceError || cause == Cause::kDeviceBusy;
+  const bool refused = refuses(cause, device_code);
   if (cause == Cause::kDeviceError && has_plainer_form()) {
     distinct_ = false;
     return;
@@ -160,6 +173,8 @@ void CommandJob::failed(Cause cause, std::uint16_t device_code, std::string_view
       subjects_.front().readable) {
     // A write is not repeated without reading back: the first may have taken effect.
     in_doubt_ = true;
+    cause_ = cause;
+    device_code_ = device_code;
     phase_ = Phase::kReadBack;
     return;
   }

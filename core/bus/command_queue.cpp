@@ -202,9 +202,8 @@ void CommandQueue::answered(std::size_t batch, const Reply& reply, Instant acqui
 
 void CommandQueue::failed(std::size_t batch, Cause cause, std::uint16_t code, Instant acquired,
                           Instant now, ActionSink& sink, std::string_view seen) {
-  const bool refused =
-      cause == Cause::kDeviceError || cause == Cause::kDeviceBusy || cause == Cause::kUnsupported;
   for (std::size_t i = 0; i < batch; ++i) {
+    const bool refused = cause == Cause::kUnsupported || waiting_[i].job.refuses(cause, code);
     if (batch > 1 && refused)
       waiting_[i].job.go_alone();
     else

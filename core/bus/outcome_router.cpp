@@ -100,7 +100,9 @@ void OutcomeRouter::deliver(const Flight& flight, const Wire::Ended& ended, Inst
                               wire_.driver().echo_alone() && !setup_.spec().echo
                                   ? "what was sent comes back, and nothing else"
                                   : "");
-    case Flight::Kind::kProbe: return;
+    case Flight::Kind::kProbe:
+      if (ended.done) reads_.probe_answered(flight.asked.device);
+      return;
   }
 }
 

@@ -129,12 +129,15 @@ void ReadPath::answered(const Block& block, const Reply& reply, Instant acquired
                                  std::to_string(items_of(block)) + " items, " +
                                  std::to_string(samples.size()) + " samples");
   sink.publish(std::move(samples));
-  if (!good.empty()) scheduler_->acquired(part_of(block, std::move(good)), acquired);
+  if (!good.empty()) {
+    others_answered(block.device);
+    scheduler_->acquired(part_of(block, std::move(good)), acquired);
+  }
   std::vector<Sample> bad_samples;
   for (RefusedPart& part : bad) {
     const RangeReply answer = part.range == kNowhere ? RangeReply{} : reply[part.range];
     if (answer.cause == Cause::kDeviceBusy) {
-      busy(part_of(block, std::move(part.points)), answer.device_code, now);
+      busy(part_of(block, std::move(part.points)), answer.device_code, now, sink);
       continue;
     }
     refused(part_of(block, std::move(part.points)), answer.cause, answer.device_code, now,
@@ -150,9 +153,11 @@ void ReadPath::accept(PointIndex point, const Range& answered, ByteView items, I
   const unsigned bits = setup_.area(read.device, read.range.area).item_bits;
   const ByteView own = items.subspan(image_bytes(bits, read.range.first - answered.first),
                                      image_bytes(bits, read.range.count));
-  learned_[read.device].doubted.erase(point);
-  learned_[read.device].busy.erase(point);
-  if (learned_[read.device].refused.erase(point))
+  Learned& learned = learned_[read.device];
+  learned.doubted.erase(point);
+  learned.busy.erase(point);
+  learned.searched.erase(point);
+  if (learned.refused.erase(point) + learned.busy_alone.erase(point) > 0)
     sink.notice(Notice::Kind::kAddressRefused, read.device, Cause::kNone,
                 text(point) + " is answered again");
   for (const ChannelIndex channel : map_.channels_of[point])
@@ -205,7 +210,7 @@ void ReadPath::inherit(DeviceIndex device, const DeviceReport& learned, Instant 
 
 void ReadPath::failed(const Block& block, bool longer, Cause cause, std::uint16_t code, Instant now,
                       ActionSink& sink) {
-  if (cause == Cause::kDeviceBusy) return busy(block, code, now);
+  if (cause == Cause::kDeviceBusy) return busy(block, code, now, sink);
   if (cause != Cause::kDeviceError && cause != Cause::kUnsupported) {
     for (const PointIndex point : block.points) {
       for (const ChannelIndex channel : map_.channels_of[point])
@@ -222,16 +227,41 @@ void ReadPath::failed(const Block& block, bool longer, Cause cause, std::uint16_
   sink.publish(std::move(samples));
 }
 
-void ReadPath::busy(const Block& block, std::uint16_t code, Instant now) {
+// As with refused addresses, the scheduler halves a block until the busy points stand alone.
+void ReadPath::busy(const Block& block, std::uint16_t code, Instant now, ActionSink& sink) {
   Duration longest = kLongestBusyPause;
   for (const PointIndex point : block.points) {
     longest = std::min(longest, map_.points[point].refresh);
     for (const ChannelIndex channel : map_.channels_of[point])
       channels_.failing(channel, Cause::kDeviceBusy, now, code);
   }
-  Duration& pause = learned_[block.device].busy[block.points.front()];
-  pause = std::min(pause == Duration::zero() ? kFirstBusyPause : pause * 2, longest);
-  scheduler_->failed(block, now, now + pause);
+  Learned& learned = learned_[block.device];
+  const PointIndex first = block.points.front();
+  const bool alone = block.points.size() == 1 && learned.searched.contains(first);
+  Busy& busy = learned.busy[first];
+  busy.pause = std::min(busy.pause == Duration::zero() ? kFirstBusyPause : busy.pause * 2,
+                        alone ? kLongestBusyPause : longest);
+  ++busy.times;
+  const bool search =
+      block.points.size() > 1 &&
+      (learned.searched.contains(first) || (busy.times >= kBusyToSearch && busy.others_answered));
+  if (search) {
+    learned.searched.insert(block.points.begin(), block.points.end());
+    (void)scheduler_->refused(block, now, kForgetRefused);
+  } else if (alone) {
+    (void)scheduler_->refused(block, now, busy.pause);
+    if (learned.busy_alone.insert(first).second)
+      sink.notice(Notice::Kind::kAddressRefused, block.device, Cause::kDeviceBusy,
+                  text(first) + " cannot be read at the moment" +
+                      device_code_note(setup_.protocol(block.device).traits().codes, code) +
+                      ", others can; it is requested alone, ever more rarely");
+  } else {
+    scheduler_->failed(block, now, now + busy.pause);
+  }
+}
+
+void ReadPath::others_answered(DeviceIndex device) {
+  for (auto& [first, busy] : learned_[device].busy) busy.others_answered = true;
 }
 
 // The scheduler halves the block until bad points are isolated; those are reported immediately.
@@ -277,7 +307,7 @@ void ReadPath::forget(DeviceIndex device) {
   Learned& learned = learned_[device];
   learned.refused_longer = false;
   learned.doubted.clear();
-  learned.busy.clear();
+  learned.searched.clear();
   for (AreaIndex area = 0; area < learned.areas.size(); ++area) {
     if (learned.areas[area].forget()) scheduler_->set_longest(device, area, 0);
   }

@@ -40,6 +40,9 @@ class ReadPath {
   // Pause after a busy response. It doubles each time, up to the block's shortest refresh.
   static constexpr Duration kFirstBusyPause = std::chrono::milliseconds{100};
   static constexpr Duration kLongestBusyPause = std::chrono::seconds{30};
+  // So many such answers to a block, while the device answers other requests, start the search for
+  // the address that causes them. It is then requested alone.
+  static constexpr unsigned kBusyToSearch = 3;
 
   // `longer`: requests more items than needed, to distinguish its response from pending ones.
   struct Read {
@@ -68,6 +71,9 @@ class ReadPath {
   // `longer`: as in Read.
   void failed(const Block& block, bool longer, Cause cause, std::uint16_t code, Instant now,
               ActionSink& sink);
+  // The device answered a probe: what it cannot read at the moment concerns single blocks.
+  void probe_answered(DeviceIndex device) { others_answered(device); }
+  // A block was given up from outside; it is due again.
   void broken_off(const Block& block, Instant now) { scheduler_->failed(block, now, now); }
 
   // The device may have been replaced.
@@ -102,13 +108,21 @@ class ReadPath {
     Block block;
     Instant until{};
   };
+  // A block that the device cannot read at the moment.
+  struct Busy {
+    Duration pause{};  // the last one
+    unsigned times = 0;
+    bool others_answered = false;  // the device answered another request since the first time
+  };
+  // Of one device.
   struct Learned {
     std::vector<BlockLearning> areas;
-    bool refused_longer = false;                  // reads are no longer lengthened
-    std::map<PointIndex, std::uint16_t> refused;  // points currently refused, with the device code
-    std::set<PointIndex> doubted;                 // points whose refusal must be confirmed
-    // Last pause of each busy block, by its first point.
-    std::map<PointIndex, Duration> busy;
+    bool refused_longer = false;                  // reads are not made longer any more
+    std::map<PointIndex, std::uint16_t> refused;  // points refused now, with the device's code
+    std::set<PointIndex> doubted;                 // points whose refusal was not believed at once
+    std::map<PointIndex, Busy> busy;              // by the first point of the block
+    std::set<PointIndex> searched;    // points of blocks that are searched for a busy address
+    std::set<PointIndex> busy_alone;  // what was found: points that are requested alone
   };
   struct RefusedPart {
     std::size_t range = 0;  // index in the block's ranges
@@ -121,8 +135,10 @@ class ReadPath {
               std::vector<Sample>& samples, ActionSink& sink);
   void refused(const Block& block, Cause cause, std::uint16_t code, Instant now,
                std::vector<Sample>& samples, ActionSink& sink);
-  void busy(const Block& block, std::uint16_t code, Instant now);
-  // Returns true if a refusal of these points must be confirmed by a second one.
+  // The device cannot read the block at the moment: it is requested again after a pause.
+  void busy(const Block& block, std::uint16_t code, Instant now, ActionSink& sink);
+  void others_answered(DeviceIndex device);
+  // Whether a refusal of these points is to be heard a second time before it is believed.
   [[nodiscard]] bool doubts(const Block& block);
   void point_refused(PointIndex point, Cause cause, std::uint16_t code, Instant now,
                      std::vector<Sample>& samples, ActionSink& sink);

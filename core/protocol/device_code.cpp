@@ -21,6 +21,11 @@ Cause device_code_cause(std::span<const DeviceCode> codes, std::uint16_t code) {
   return row == nullptr ? Cause::kDeviceError : row->cause;
 }
 
+bool may_have_written(std::span<const DeviceCode> codes, std::uint16_t code) {
+  const DeviceCode* row = row_of_code(codes, code);
+  return code == 0 || (row != nullptr && row->may_have_written);
+}
+
 std::string_view device_code_text(std::span<const DeviceCode> codes, std::uint16_t code) {
   const DeviceCode* row = row_of_code(codes, code);
   return row == nullptr ? std::string_view{} : row->text;

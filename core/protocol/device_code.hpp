@@ -17,12 +17,18 @@ struct DeviceCode {
   // after a while. kDeviceBusy: temporary, handled like a missing response. kChecksum: the request
   // was damaged on the line.
   Cause cause = Cause::kDeviceError;
+  // With kDeviceBusy: a write may have taken effect although it brought this code.
+  bool may_have_written = false;
 };
 
 // kDeviceError for a code without a row.
 [[nodiscard]] Cause device_code_cause(std::span<const DeviceCode> codes, std::uint16_t code);
 
-// "illegal data address"; empty for an unknown code.
+// Whether a write that brought this momentary code may have taken effect. 0: the device gave no
+// code.
+[[nodiscard]] bool may_have_written(std::span<const DeviceCode> codes, std::uint16_t code);
+
+// "illegal data address", or nothing for a code that the table does not know.
 [[nodiscard]] std::string_view device_code_text(std::span<const DeviceCode> codes,
                                                 std::uint16_t code);
 

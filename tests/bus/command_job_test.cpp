@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "core/protocol/registry.hpp"
 
 namespace fieldcast {
@@ -127,6 +129,51 @@ TEST_F(CommandJobTest, RefusedWriteIsNotRepeated) {
   EXPECT_FALSE(job->next());
   EXPECT_EQ(result(*job).cause, Cause::kDeviceError);
   EXPECT_EQ(result(*job).device_code, 4);
+}
+
+TEST_F(CommandJobTest, AMomentaryCodeAfterWhichAWriteMayHaveTakenEffectIsReadBack) {
+  for (const auto code : std::array<std::uint16_t, 3>{0x04, 0x05, 0x0B}) {
+    for (const bool same : {true, false}) {
+      auto job = make(write("setpoint", std::uint64_t{500}));
+      job->failed(Cause::kDeviceBusy, code);
+      const auto request = job->next();
+      ASSERT_TRUE(request && std::holds_alternative<ReadRequest>(*request)) << code;
+      job->answered(items(same ? Bytes{0x01, 0xF4} : Bytes{0x00, 0x01}));
+      EXPECT_FALSE(job->next()) << "it is not written again";
+      const auto ended = result(*job);
+      EXPECT_EQ(ended.state, same ? CommandState::kDone : CommandState::kFailed);
+      EXPECT_EQ(ended.device_code, same ? 0 : code);
+      EXPECT_NE(ended.reason.find(same ? "; reading back shows the value"
+                                       : "; reading back shows another value"),
+                std::string::npos)
+          << ended.reason;
+    }
+  }
+}
+
+TEST_F(CommandJobTest, AMomentaryCodeBeforeTheWriteFailsAtOnce) {
+  for (const auto code : std::array<std::uint16_t, 2>{0x06, 0x0A}) {
+    auto job = make(write("setpoint", std::uint64_t{500}));
+    job->failed(Cause::kDeviceBusy, code);
+    EXPECT_FALSE(job->next());
+    const auto ended = result(*job);
+    EXPECT_EQ(ended.state, CommandState::kFailed);
+    EXPECT_EQ(ended.cause, Cause::kDeviceBusy);
+    EXPECT_EQ(ended.reason.find("effect"), std::string::npos) << ended.reason;
+  }
+}
+
+TEST_F(CommandJobTest, AMomentaryCodeToAWriteThatCannotBeReadBackLeavesItOpen) {
+  device_.channels[0].access = Access::kWriteOnly;
+  auto job = make(write("setpoint", std::uint64_t{500}));
+  ASSERT_TRUE(job);
+  job->failed(Cause::kDeviceBusy, 0x0B);
+  EXPECT_FALSE(job->next());
+  const auto ended = result(*job);
+  EXPECT_EQ(ended.state, CommandState::kFailed);
+  EXPECT_EQ(ended.device_code, 0x0B);
+  EXPECT_NE(ended.reason.find("unknown whether the write took effect"), std::string::npos)
+      << ended.reason;
 }
 
 TEST_F(CommandJobTest, BitOfAWordKeepsTheOtherBits) {

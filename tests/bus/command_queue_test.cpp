@@ -231,6 +231,23 @@ TEST_F(CommandQueueTest, ARefusedBatchGoesAloneAndACommandThatHasBegunStaysFirst
   EXPECT_EQ(all[0].device_code, 2);
 }
 
+// A gateway lost the response: each command of the batch may have taken effect.
+TEST_F(CommandQueueTest, ABatchThatMayHaveTakenEffectIsReadBackAndNotWrittenAgain) {
+  accept(write("r0", 10));
+  accept(write("r1", 11));
+  const auto sent = next();
+  ASSERT_EQ(sent->batch, 2u);
+  queue_.failed(sent->batch, Cause::kDeviceBusy, 0x0B, Instant{}, Instant{}, sink_);
+  for (const auto value : Bytes{10, 11}) {
+    const auto read = next();
+    ASSERT_TRUE(read && std::holds_alternative<ReadRequest>(read->request));
+    queue_.answered(1, test::items({0, value}), Instant{}, Instant{}, sink_);
+    const auto all = results();
+    ASSERT_EQ(all.size(), 1u);
+    EXPECT_EQ(all.back().state, CommandState::kDone);
+  }
+}
+
 TEST_F(CommandQueueTest, TheFirstWhoseDeviceMayBeAskedGoes) {
   accept(write("r0", 1));
   accept(write("r0", 2, "unit-2"));

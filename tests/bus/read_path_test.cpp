@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "tests/bus/rtu_bus.hpp"
 
 namespace fieldcast {
@@ -114,7 +116,84 @@ TEST_F(ReadPathTest, ARefusedAddressIsFoundAndTheOthersAreRead) {
   EXPECT_EQ(report.refused, std::vector<std::string>{"holding:102"});
 }
 
-// The refusal may be caused by a garbled request.
+// One register always brings exception 04, and takes its block along.
+TEST_F(ReadPathTest, AnAddressThatIsAlwaysBusyIsFoundAndRequestedAlone) {
+  reads_.set_interest(kOnInterest, 100ms, Instant{}, sink_);  // another block, which is answered
+  Instant now{};
+  std::vector<Instant> alone;
+  while (now < Instant{60s}) {
+    auto decision = reads_.next(now, at_once_);
+    if (const auto* rest = std::get_if<Rest>(&decision)) {
+      now = std::max(rest->until, now + 1ms);
+      continue;
+    }
+    const Read& read = std::get<Read>(decision);
+    const Range& range = read.block.ranges[0];
+    if (range.first <= 102 && 102 < range.end()) {
+      if (range.count == 1) alone.push_back(now);
+      reads_.failed(read.block, read.longer, Cause::kDeviceBusy, 4, now, sink_);
+    } else {
+      answer(read, test::items(Bytes(2 * range.count)), now);
+    }
+    now += 20ms;
+  }
+  std::map<ChannelIndex, unsigned> good;
+  for (const Sample& sample : samples()) good[sample.channel] += sample.quality == Quality::kGood;
+  EXPECT_EQ(good[2], 0u);
+  for (const ChannelIndex channel : {0u, 1u, 3u}) EXPECT_GT(good[channel], 50u) << channel;
+  EXPECT_EQ(notices(), std::vector<std::string>{
+                           "holding:102 cannot be read at the moment (04 server device failure), "
+                           "others can; it is requested alone, ever more rarely"});
+  ASSERT_GE(alone.size(), 5u);
+  EXPECT_LE(alone.size(), 15u) << "up to 30 s lie between two requests";
+
+  // It can be read again.
+  actions_.clear();
+  const Instant until = now + 40s;
+  while (now < until) {
+    auto decision = reads_.next(now, at_once_);
+    if (const auto* rest = std::get_if<Rest>(&decision)) {
+      now = std::max(rest->until, now + 1ms);
+      continue;
+    }
+    const Read& read = std::get<Read>(decision);
+    answer(read, test::items(Bytes(2 * read.block.ranges[0].count)), now);
+    now += 20ms;
+  }
+  EXPECT_EQ(notices(), std::vector<std::string>{"holding:102 is answered again"});
+  Read read = next(now + 2s);
+  if (read.block.ranges[0].first == 200) {
+    answer(read, test::items({0, 0}), now + 2s);
+    read = next(now + 2s);
+  }
+  EXPECT_EQ(read.block.ranges, (std::vector<Range>{{kHolding, 100, 4}}));
+}
+
+TEST_F(ReadPathTest, ADeviceThatIsBusyAsAWholeIsNotSearched) {
+  Instant now{};
+  unsigned reads = 0;
+  while (now < Instant{20s}) {
+    auto decision = reads_.next(now, at_once_);
+    if (const auto* rest = std::get_if<Rest>(&decision)) {
+      now = std::max(rest->until, now + 1ms);
+      continue;
+    }
+    const Read& read = std::get<Read>(decision);
+    EXPECT_EQ(read.block.ranges, (std::vector<Range>{{kHolding, 100, 4}}));
+    reads_.failed(read.block, read.longer, Cause::kDeviceBusy, 0x0B, now, sink_);
+    ++reads;
+    now += 20ms;
+  }
+  EXPECT_GT(reads, 5u);
+  EXPECT_TRUE(notices().empty());
+  // A probe of one address is answered: the block itself is what the device cannot read.
+  reads_.probe_answered(0);
+  const Read whole = next(now + 30s);
+  reads_.failed(whole.block, whole.longer, Cause::kDeviceBusy, 0x0B, now + 30s, sink_);
+  EXPECT_EQ(next(now + 31s).block.ranges[0].count, 2u);
+}
+
+// The line may have garbled the request into one that the device refuses.
 TEST_F(ReadPathTest, AnAddressThatWasReadIsAskedOnceMoreBeforeItsRefusalIsBelieved) {
   reads_.set_interest(kOnInterest, 100ms, Instant{}, sink_);
   const auto alone = [&](Instant now) {

@@ -29,18 +29,19 @@ inline constexpr std::size_t kMaxPdu = 253;
 // "read coils"; "unknown function".
 [[nodiscard]] std::string_view function_text(std::uint8_t function);
 
-// Modbus Application Protocol V1.1b3, 7.
+// Modbus Application Protocol V1.1b3, 7. A device fails (04) while it carries out a request, 05 says
+// that it carries it out, and behind a gateway (0B) it may have: only its response was lost.
 inline constexpr std::array kExceptions{
     DeviceCode{0x01, "illegal function"},
     DeviceCode{0x02, "illegal data address"},
     DeviceCode{0x03, "illegal data value"},
-    DeviceCode{0x04, "server device failure", Cause::kDeviceBusy},
-    DeviceCode{0x05, "acknowledge: still at work", Cause::kDeviceBusy},
+    DeviceCode{0x04, "server device failure", Cause::kDeviceBusy, true},
+    DeviceCode{0x05, "acknowledge: still at work", Cause::kDeviceBusy, true},
     DeviceCode{0x06, "server device busy", Cause::kDeviceBusy},
     DeviceCode{0x07, "negative acknowledgement"},  // PI-MBUS-300; older devices still send it
     DeviceCode{0x08, "memory parity error", Cause::kDeviceBusy},
     DeviceCode{0x0A, "gateway path unavailable", Cause::kDeviceBusy},
-    DeviceCode{0x0B, "gateway target did not respond", Cause::kDeviceBusy},
+    DeviceCode{0x0B, "gateway target did not respond", Cause::kDeviceBusy, true},
 };
 // "illegal data address"; "unknown exception".
 [[nodiscard]] std::string_view exception_text(std::uint8_t code);

@@ -46,7 +46,7 @@ inline constexpr auto kFinsCodes = [] {
       DeviceCode{0x0100, "error of the local node", Cause::kDeviceBusy},
       DeviceCode{0x0200, "destination cannot be reached", Cause::kDeviceBusy},
       DeviceCode{0x0204, "destination busy", Cause::kDeviceBusy},
-      DeviceCode{0x0205, "destination did not respond", Cause::kDeviceBusy},
+      DeviceCode{0x0205, "destination did not respond", Cause::kDeviceBusy, true},
       DeviceCode{0x0300, "error of the controller or the CPU unit", Cause::kDeviceBusy},
       DeviceCode{0x0401, "undefined command"},
       DeviceCode{0x0402, "not supported by this model"},
@@ -73,7 +73,7 @@ inline constexpr auto kFinsCodes = [] {
       DeviceCode{0x2502, "checksum error in memory", Cause::kDeviceBusy},
       DeviceCode{0x2600, "protected"},
       DeviceCode{0x3001, "no access right", Cause::kDeviceBusy},
-      DeviceCode{0x4001, "aborted", Cause::kDeviceBusy},
+      DeviceCode{0x4001, "aborted", Cause::kDeviceBusy, true},
   };
   std::array<DeviceCode, kEndCodes.size() + kOwn.size()> all{};
   std::ranges::copy(kEndCodes, all.begin());

@@ -43,7 +43,7 @@ struct Judgement {
 
 // Return codes of items and of the link, then class and code of a unit's header.
 inline constexpr std::array kErrorCodes{
-    DeviceCode{0x01, "hardware fault", Cause::kDeviceBusy},
+    DeviceCode{0x01, "hardware fault", Cause::kDeviceBusy, true},
     DeviceCode{0x02, "no resource", Cause::kDeviceBusy},  // of the link, as 09
     DeviceCode{0x03, "object not accessible"},
     DeviceCode{0x05, "address out of range"},

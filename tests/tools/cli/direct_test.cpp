@@ -432,7 +432,7 @@ TEST_F(DirectTest, ScanSaysThatNobodyAnswers) {
                            .addresses = "1",
                            .timeout = std::chrono::milliseconds{20}});
   EXPECT_EQ(ended.code, ExitCode::kNothing);
-  EXPECT_THAT(ended.err, HasSubstr("no device answered 2 questions"));
+  EXPECT_THAT(ended.err, HasSubstr("no device responded to 2 requests"));
   EXPECT_EQ(ended.out, "");
 }
 

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <numeric>
 #include <set>
 
+#include "config/loader.hpp"
 #include "core/codec/checksum.hpp"
 #include "core/protocol/omron_hostlink/hostlink.hpp"
 #include "tests/tools/sim/device_setup.hpp"
@@ -15,6 +17,7 @@
 #include "tools/cli/scan/scan_plan.hpp"
 #include "tools/cli/scan/scan_view.hpp"
 #include "tools/cli/scan/scanner.hpp"
+#include "tools/cli/scan/template_match.hpp"
 #include "tools/sim/device/hostlink_device.hpp"
 
 namespace fieldcast::cli {
@@ -81,6 +84,110 @@ TEST(ScanPlan, AddressesThatTheProtocolHasNotAreLeftOut) {
   ASSERT_EQ(lines.size(), 1u);
   EXPECT_THAT(lines.front().addresses, ElementsAre(1, 247));
   EXPECT_THAT(scan_lines(rtu(), {LineFormat{}}, {300}), IsEmpty());
+}
+
+std::vector<ScanLine> probed_lines(std::size_t formats, std::vector<std::uint16_t> addresses) {
+  auto lines = lines_of(formats, std::move(addresses));
+  plan_probes(lines);
+  return lines;
+}
+
+TEST(ScanPlan, AllUsualSettingsAreProbedWithinTheQuickScan) {
+  std::vector<std::uint16_t> addresses(32);
+  std::iota(addresses.begin(), addresses.end(), std::uint16_t{1});
+  const auto lines = probed_lines(12, addresses);
+  EXPECT_GT(silent_scan_time(lines, std::chrono::milliseconds{200}), std::chrono::seconds{150});
+  Duration time{};
+  for (const ScanLine& line : lines) {
+    EXPECT_GE(line.probes.size(), 12u) << to_text(line.format);
+    EXPECT_EQ(line.probes.back(), 1) << "the most probable address has the longest wait";
+    EXPECT_GE(line.probe_wait, std::chrono::milliseconds{10});
+    // Each request is 8 characters.
+    time += static_cast<std::int64_t>(line.probes.size()) * line.format.characters(8) +
+            static_cast<std::int64_t>(line.probes.size() - 1) * line.probe_wait +
+            line.last_probe_wait;
+  }
+  EXPECT_LT(time, kQuickScan - std::chrono::seconds{1}) << "opening the port takes time, too";
+}
+
+TEST(ScanPlan, AKnownSettingIsProbedWithLongWaits) {
+  const auto lines = probed_lines(1, {1, 2, 3, 4});
+  EXPECT_THAT(lines.front().probes, ElementsAre(2, 3, 4, 1));
+  EXPECT_GE(lines.front().probe_wait, std::chrono::milliseconds{150});
+}
+
+TEST(Scanner, ASilentLineIsProbedOnce) {
+  Scanner scanner(probed_lines(3, {1, 2}));
+  std::size_t left = scanner.left();
+  while (const auto ask = scanner.next()) {
+    EXPECT_EQ(scanner.left(), left--);
+    EXPECT_TRUE(ask->wait);
+    EXPECT_EQ(ask->first, ask->address == 2);
+    scanner.answered(silence());
+  }
+  EXPECT_EQ(scanner.asked(), 6u);
+  EXPECT_TRUE(scanner.silent());
+  const auto text = silence_lines("/dev/ttyUSB0", scanner, true, std::chrono::milliseconds{200});
+  ASSERT_EQ(text.size(), 4u);
+  EXPECT_EQ(text[0], "no byte was received on /dev/ttyUSB0");
+  EXPECT_EQ(text[1],
+            "  2 addresses from 1 to 2 were probed: modbus-rtu 19200 8E1, modbus-rtu 9600 8N1, "
+            "modbus-rtu 9600 8E1");
+  EXPECT_THAT(text[2], HasSubstr("A and B"));
+  EXPECT_THAT(text[3], HasSubstr("--all requests every address twice"));
+  EXPECT_THAT(text[3], HasSubstr("it takes about 7s"));
+}
+
+TEST(Scanner, ALineOnWhichBytesAreReceivedTwiceIsSearched) {
+  Scanner scanner(probed_lines(4, {1, 2, 3}));
+  std::vector<std::string> asked;
+  while (const auto ask = scanner.next()) {
+    asked.push_back(std::to_string(ask->line) + (ask->wait ? '?' : ':') +
+                    std::to_string(ask->address));
+    const bool there = ask->line == 1 && ask->address == 2;
+    // The response to a probe is late: it is received while address 3 is probed.
+    const bool late = ask->line == 1 && ask->address == 3 && ask->wait.has_value();
+    ScanAnswer answer = there && !ask->wait ? value() : silence();
+    answer.heard = late;
+    scanner.answered(answer);
+  }
+  EXPECT_THAT(asked, ElementsAre("0?2", "0?3", "0?1", "1?2", "1?3", "1?2", "1?3", "1:1", "1:2",
+                                 "1:3", "1:1", "1:3"));
+  ASSERT_EQ(scanner.found().size(), 1u);
+  EXPECT_EQ(scanner.found()[0].address, 2);
+  EXPECT_FALSE(scanner.silent());
+}
+
+TEST(Scanner, AByteThatIsReceivedOnceStartsNoSearch) {
+  Scanner scanner(probed_lines(3, {1, 2, 3}));
+  std::map<std::size_t, unsigned> asked;
+  while (const auto ask = scanner.next()) {
+    ASSERT_TRUE(ask->wait);
+    ScanAnswer answer = silence();
+    answer.heard = asked[ask->line]++ == 0;
+    scanner.answered(answer);
+  }
+  EXPECT_EQ(asked[0], 4u);
+  EXPECT_TRUE(scanner.silent());
+}
+
+TEST(Scanner, AfterALineWithBytesButNoDeviceTheNextIsProbed) {
+  Scanner scanner(probed_lines(2, {1, 2}));
+  std::set<std::size_t> searched;
+  unsigned probes = 0;
+  while (const auto ask = scanner.next()) {
+    if (ask->wait)
+      ++probes;
+    else
+      searched.insert(ask->line);
+    const bool there = ask->line == 1 && ask->address == 2;
+    ScanAnswer answer = there ? value() : ask->line == 0 ? noise() : silence();
+    answer.heard = ask->line == 0;
+    scanner.answered(answer);
+  }
+  EXPECT_EQ(probes, 3u) << "two of line 0, one of line 1, which brought a value";
+  EXPECT_THAT(searched, ElementsAre(0, 1));
+  EXPECT_EQ(scanner.found().size(), 1u);
 }
 
 TEST(Scanner, AsksEveryLineTwiceWhenNobodyAnswers) {
@@ -285,6 +392,54 @@ TEST(ScanIdentity, TheModelStaysWhereFinsIsNotAnswered) {
   Bytes out;
   (void)refused->start(out);
   EXPECT_EQ(refused->on_bytes(bytes_of(hostlink_frame("@00MM21")), out).device_code, 0x21);
+}
+
+TEST(ScanTemplates, TheIdentityOfADeviceChoosesThem) {
+  const auto heads = template_heads(config::disk_reader(), config::default_options());
+  EXPECT_GT(heads.size(), 40u);
+  const auto of = [&](std::string_view identity, std::string_view protocol = "modbus-rtu") {
+    return matching_templates(identity, protocol, heads);
+  };
+  EXPECT_THAT(of("Siemens AG, SENTRON PAC3200, 2.1"), ElementsAre("siemens-pac3200"));
+  EXPECT_THAT(of("Schneider Electric, PM5340, V1.05"), ElementsAre("schneider-pm5000"));
+  EXPECT_THAT(of("CARLO GAVAZZI, EM24DINAV93XISX"), ElementsAre("carlo-gavazzi-em24"));
+  EXPECT_THAT(of("Carlo Gavazzi, EM24DINAV23XE1", "modbus-tcp"),
+              ElementsAre("carlo-gavazzi-em24-ethernet"));
+  EXPECT_THAT(of("Huawei, SUN2000"), ElementsAre("huawei-sun2000", "huawei-sun2000-storage"));
+  EXPECT_THAT(of("Siemens AG, PAC3200", "s7-ppi"), IsEmpty())
+      << "the template has no such protocol";
+  EXPECT_THAT(of("Other, PM5340"), IsEmpty()) << "another maker";
+  EXPECT_THAT(of("Siemens AG, S7-1200"), IsEmpty()) << "the maker alone";
+  EXPECT_THAT(of("Chint, DTSU666H"), ElementsAre("chint-dtsu666"));
+  EXPECT_THAT(of(""), IsEmpty());
+}
+
+TEST(ScanTemplates, AHeadIsReadFromTheText) {
+  const auto head = template_head("x",
+                                  "# Device:  Acme X100; not the Y200\r\ndescription: A meter\n"
+                                  "protocols: [modbus-rtu, s7-ppi]\n");
+  EXPECT_EQ(head.device, "Acme X100; not the Y200");
+  EXPECT_EQ(head.description, "A meter");
+  EXPECT_THAT(head.protocols, ElementsAre("modbus-rtu", "s7-ppi"));
+  EXPECT_THAT(matching_templates("Acme Y200", "modbus-rtu", {head}), IsEmpty());
+}
+
+TEST(ScanTemplates, AreWrittenIntoTheConfiguration) {
+  Scanner scanner(lines_of(1, {1, 2, 3}));
+  for (int i = 0; i < 3; ++i) scanner.answered(value());
+  scanner.set_templates(0, {"siemens-pac3200"});
+  scanner.set_templates(1, {"huawei-sun2000", "huawei-sun2000-storage"});
+  const std::string text = configuration_text("/dev/ttyUSB0", true, scanner);
+  EXPECT_THAT(text, HasSubstr("address: 1\n        template: siemens-pac3200\n      - name"));
+  EXPECT_THAT(text, HasSubstr("in place of the channels: template: huawei-sun2000-storage\n"));
+  const auto loaded =
+      config::load_text(text, "found.yaml", config::disk_reader(), config::default_options());
+  ASSERT_TRUE(loaded) << config::to_text(loaded.error().front());
+  EXPECT_GT(loaded->buses.front().devices.front().channels.size(), 10u);
+  EXPECT_THAT(template_lines(scanner),
+              ElementsAre("address 1: template: siemens-pac3200",
+                          "address 2: template: huawei-sun2000 or huawei-sun2000-storage",
+                          HasSubstr("--out FILE")));
 }
 
 TEST(ScanView, WhatDevicesSayStaysAComment) {

@@ -13,16 +13,14 @@
 #include "tools/cli/scan/identity.hpp"
 #include "tools/cli/scan/scan_view.hpp"
 #include "tools/cli/scan/scanner.hpp"
-#include "tools/cli/scan/sunspec_view.hpp"
+#include "tools/cli/scan/template_match.hpp"
 #include "tools/cli/view/sample_text.hpp"
 #include "tools/progress/progress_line.hpp"
 
 namespace fieldcast::cli {
 namespace {
 
-// Devices that tell messages apart by half a second of silence (libmodbus does) drop what they took
-// for one at the speed before.
-constexpr std::chrono::milliseconds kForgotten{600};
+constexpr std::chrono::milliseconds kUsualTimeout{200};  // to the first byte of a response
 
 bool is_serial(const ScanOptions& options) { return options.port.find('/') != std::string::npos; }
 
@@ -57,6 +55,8 @@ tl::expected<std::vector<ScanLine>, std::string> lines_of(
   if (lines.empty())
     return tl::unexpected(
         fmt::format("the protocol has none of the addresses {}", options.addresses));
+  if (!options.all && !options.timeout && silent_scan_time(lines, kUsualTimeout) > kQuickScan)
+    plan_probes(lines);
   return lines;
 }
 
@@ -118,6 +118,11 @@ class Scan {
         if (interrupt_.raised()) return {};
         return ready;
       }
+      if (ask->first) {
+        if (asked_line_ == ask->line) talk_.rest(kScanRest);
+        talk_.listen_again();
+      }
+      asked_line_ = ask->line;
       if (questions_.empty()) {
         scanner_.skip_line();
         continue;
@@ -127,9 +132,13 @@ class Scan {
       if (!answer) return tl::unexpected(answer.error());
       scanner_.answered(*answer);
     }
+    const auto heads = template_heads(config::disk_reader(), config::default_options());
     for (; named_ < scanner_.found().size() && !interrupt_.raised(); ++named_) {
-      scanner_.set_identity(named_, identity_of(scanner_.found()[named_]));
-      walk_sunspec(named_);
+      const ScanFound& found = scanner_.found()[named_];
+      std::string identity = identity_of(found);
+      const std::string_view protocol = scanner_.lines()[found.line].protocol.name();
+      scanner_.set_templates(named_, matching_templates(identity, protocol, heads));
+      scanner_.set_identity(named_, std::move(identity));
     }
     return {};
   }
@@ -141,7 +150,8 @@ class Scan {
     if (!line_ || serial_) {
       if (auto opened = talk_.open(port_with(port_, next.format)); !opened) return opened;
     }
-    if (line_ && serial_) talk_.rest(kForgotten);
+    // A quick search has no time for it: it would find such a device at the first line only.
+    if (line_ && serial_ && next.probes.empty()) talk_.rest(kScanRest);
     line_ = line;
     protocol_ = scan_protocol(next.protocol);
     questions_ = questions_of(next.protocol, *protocol_);
@@ -156,14 +166,16 @@ class Scan {
     const auto protocol = device(ask.address);
     if (!protocol) return ScanAnswer{};
     const ScanQuestion& asked = questions_[std::min(ask.question, questions_.size() - 1)];
+    const Duration timeout = ask.wait.value_or(options_.timeout.value_or(kUsualTimeout));
     auto heard = talk(protocol->begin(ReadRequest{{asked.range}}, {++sequence_}), ask.address,
-                      "reads " + asked.at);
+                      "reads " + asked.at, timeout);
     if (!heard) return tl::unexpected(std::move(heard.error()));
     ScanAnswer answer{.cause = heard->cause,
                       .device_code = heard->device_code,
                       .took = heard->took,
                       .bytes = heard->bytes,
                       .echo_alone = heard->echo_alone,
+                      .heard = heard->heard,
                       .shape = heard->shape};
     if (answer.cause == Cause::kNone && !heard->reply.empty()) {
       answer.cause = heard->reply.front().cause;
@@ -176,9 +188,10 @@ class Scan {
   }
 
   tl::expected<LineTalk::Answer, std::string> talk(std::unique_ptr<Exchange> exchange,
-                                                   std::uint16_t address, const std::string& what) {
+                                                   std::uint16_t address, const std::string& what,
+                                                   Duration timeout) {
     auto heard = talk_.ask(
-        std::move(exchange), options_.timeout,
+        std::move(exchange), timeout,
         {protocol_index(scanner_.lines(), *line_), fmt::format("address {}: {}", address, what)});
     if (capture_ != nullptr) capture_->write();
     return heard;
@@ -187,8 +200,9 @@ class Scan {
   std::string identity_of(const ScanFound& found) {
     if (!turn_to(found.line)) return {};
     const ScanLine& line = scanner_.lines()[found.line];
+    const Duration timeout = options_.timeout.value_or(kUsualTimeout);
     if (auto exchange = identity_exchange(line.protocol.name(), found.address)) {
-      const auto heard = talk(std::move(exchange), found.address, "asks who it is");
+      const auto heard = talk(std::move(exchange), found.address, "asks who it is", timeout);
       if (!heard || heard->cause != Cause::kNone) return {};
       const Bytes& text = heard->reply.front().items;
       return {text.begin(), text.end()};
@@ -199,7 +213,7 @@ class Scan {
     const auto at = protocol->parse_address(type->at);
     if (!at) return {};
     const auto heard = talk(protocol->begin(ReadRequest{{{at->area, at->first, 1}}}, {++sequence_}),
-                            found.address, "reads " + std::string(type->at));
+                            found.address, "reads " + std::string(type->at), timeout);
     if (!heard || heard->cause != Cause::kNone || heard->reply.front().cause != Cause::kNone)
       return {};
     std::uint64_t number = 0;
@@ -239,8 +253,9 @@ class Scan {
   ProgressLine progress_;
   LineTalk talk_;
   const Interrupt& interrupt_;
-  std::size_t named_ = 0;            // devices that were asked who they are
-  std::optional<std::size_t> line_;  // that the port has
+  std::size_t named_ = 0;                  // devices that were asked who they are
+  std::optional<std::size_t> line_;        // that the port has
+  std::optional<std::size_t> asked_line_;  // of the last request
   std::unique_ptr<Protocol> protocol_;
   std::vector<ScanQuestion> questions_;
   std::uint16_t sequence_ = 0;
@@ -254,20 +269,24 @@ void explain_broken(const Scanner& scanner, bool serial, std::ostream& err) {
 
 void explain_nothing(const ScanOptions& options, const Scanner& scanner, bool serial,
                      std::ostream& err) {
-  err << "no device answered " << scanner.asked() << " questions on " << printable(options.port)
+  if (scanner.silent() && !scanner.echoed()) {
+    for (const std::string& line : silence_lines(options.port, scanner, serial, kUsualTimeout))
+      err << line << '\n';
+    return;
+  }
+  err << "no device responded to " << scanner.asked() << " requests on " << printable(options.port)
       << '\n';
   if (!scanner.broken().empty()) return explain_broken(scanner, serial, err);
   for (const std::size_t line : scanner.noisy_lines())
     err << "  bytes came that are no answer: " << line_text(scanner.lines()[line], serial) << '\n';
   if (scanner.echoed())
     err << "  what was sent comes back, and nothing else: the adapter gives back what it sends, "
-           "and "
-           "no device answers\n";
+           "and no device answers\n";
   if (!scanner.noisy_lines().empty())
     err << "another master may speak there, or the settings are others\n";
   else if (serial)
     err << "look at A and B (D+ and D-) of the line, its termination and the supply of the device; "
-           "try --protocol, --addresses 1-247, or a longer --timeout\n";
+           "try --protocol, --addresses 1-247, --all, or a longer --timeout\n";
 }
 
 void show(const ScanOptions& options, const Scanner& scanner, std::ostream& out,
@@ -278,6 +297,7 @@ void show(const ScanOptions& options, const Scanner& scanner, std::ostream& out,
       out << to_line(found_json(options.port, scanner.lines()[found.line], found, serial)) << '\n';
   } else {
     for (const auto& line : found_lines(scanner, serial, screen)) out << line << '\n';
+    for (const auto& line : template_lines(scanner)) out << line << '\n';
   }
   out.flush();
 }
@@ -352,7 +372,9 @@ class ScanCommand final : public CommandWith<ScanOptions> {
     line.text("--format", options_.format, "Only this format: 8N1, 8E1, .. (the usual ones)");
     line.text("--addresses", options_.addresses, "Of devices: 1-32, 1,2,10-12 (1-32)");
     line.duration("--timeout", options_.timeout, CommandLine::kShortest,
-                  "To the first byte of an answer (200ms)");
+                  "To the first byte of a response of each address (200ms); implies --all");
+    line.flag("--all", options_.all,
+              "Request each address at each setting, also on a line that seems silent");
     line.text("--out", options_.out, "Write a first configuration there; the file must not exist");
     line.text("--capture", options_.capture, kCaptureHelp);
     line.flag("--json", options_.json, "JSON lines");

@@ -20,9 +20,10 @@ struct ScanOptions {
   std::optional<std::uint32_t> baud;
   std::string format;
   std::string addresses = "1-32";
-  Duration timeout = std::chrono::milliseconds{200};
-  std::string out;      // a configuration is written there; it must not exist
-  std::string capture;  // a new file for what passes on the line; empty: none
+  std::optional<Duration> timeout;  // of each request, without a quick search
+  bool all = false;                 // searches every line, without a quick search
+  std::string out;                  // a configuration is written there; it must not exist
+  std::string capture;              // a new file for what passes on the line; empty: none
   bool json = false;
 };
 

@@ -13,7 +13,9 @@ constexpr std::chrono::milliseconds kTalkCheck{50};
 constexpr std::chrono::seconds kOpenLimit{5};
 // A silence that ends a response; longer than gaps between the pieces of adapters.
 constexpr std::chrono::milliseconds kGapAllowance{30};
-// After this time the request is sent even if the line is not silent.
+// What is compared with the bytes that were sent; a longer text is no echo.
+constexpr std::size_t kMostHeard = 4096;
+// A line that never falls silent is asked all the same.
 constexpr std::chrono::milliseconds kLongestStray{300};
 
 }  // namespace
@@ -26,6 +28,7 @@ struct LineTalk::State final : PortListener {
   void on_received(ByteView bytes, Instant arrival) override {
     last_byte = arrival;
     strays += bytes.size();
+    if (heard.size() < kMostHeard) append(heard, bytes);
     record(CaptureRecord::Kind::kReceived, bytes, {}, arrival);
     if (!driver || !driver->active()) return;
     Bytes out;
@@ -43,6 +46,7 @@ struct LineTalk::State final : PortListener {
   }
   void write(const Bytes& bytes, const LineNote& note) {
     device = note.device;
+    if (said.size() < kMostHeard) append(said, bytes);
     record(CaptureRecord::Kind::kSent, bytes, note.text, steady_now());
     port->write(bytes);
   }
@@ -50,6 +54,10 @@ struct LineTalk::State final : PortListener {
     if (tap && tap->wanted())
       tap->put({kind, read_clocks().to_utc(at), device, Bytes(bytes.begin(), bytes.end()), text});
   }
+  [[nodiscard]] bool heard_others() const {
+    return heard.size() > said.size() || !std::equal(heard.begin(), heard.end(), said.begin());
+  }
+  // How the exchange ended, for the capture.
   void record_end(const LineTalk::Answer& answer) const {
     if (answer.cause != Cause::kNone)
       record(CaptureRecord::Kind::kRemark, {}, std::string(to_text(answer.cause)), steady_now());
@@ -70,7 +78,8 @@ struct LineTalk::State final : PortListener {
   bool opened = false;
   std::optional<std::string> closed;
   Instant last_byte = kLongAgo;
-  std::size_t strays = 0;  // bytes since the last request
+  std::size_t strays = 0;  // since the last request
+  Bytes heard, said;       // since listen_again()
   ExchangeDriver::Outcome outcome = ExchangeDriver::Outcome::kWaiting;
   Bytes again;  // next request of the exchange
 };
@@ -82,6 +91,11 @@ LineTalk::~LineTalk() { close(); }
 
 void LineTalk::while_waiting(std::function<void()> meanwhile) {
   state_->meanwhile = std::move(meanwhile);
+}
+
+void LineTalk::listen_again() {
+  state_->heard.clear();
+  state_->said.clear();
 }
 
 void LineTalk::close() {
@@ -103,6 +117,7 @@ tl::expected<void, std::string> LineTalk::open(const PortSpec& spec) {
   state.closed.reset();
   state.last_byte = kLongAgo;
   state.silence = silence_of(StandardSilence{}, line_of(spec));
+  listen_again();
   state.driver.emplace(line_of(spec), kGapAllowance, Echo::kUnknown);
   state.port = make_port(state.io, spec);
   state.port->open(state);
@@ -157,6 +172,7 @@ tl::expected<LineTalk::Answer, std::string> LineTalk::ask(std::unique_ptr<Exchan
   }
   Answer answer;
   answer.bytes = state.strays;
+  answer.heard = state.heard_others();
   if (state.outcome == Outcome::kDone) {
     answer.took = state.driver->answer_time();
     answer.reply = state.driver->exchange().reply();

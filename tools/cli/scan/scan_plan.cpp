@@ -14,6 +14,11 @@ namespace {
 
 constexpr std::size_t kMostQuestions = 2;
 
+constexpr Duration kProbing = std::chrono::milliseconds{8300};    // of all lines of a protocol
+constexpr Duration kLeastShare = std::chrono::milliseconds{700};  // of one line
+constexpr Duration kLeastWindow = std::chrono::milliseconds{10};  // for the begin of a response
+constexpr Duration kLastWindow = std::chrono::milliseconds{150};  // of the last probe
+
 // Of devices on site, by what their manuals name as delivered and as usual, the commonest first.
 constexpr std::array<LineFormat, 12> kByteFormats{{{9600, 8, Parity::kNone, 1},
                                                    {19200, 8, Parity::kEven, 1},
@@ -53,6 +58,17 @@ std::optional<std::string> first_of(const NamedProtocol& named, const Protocol& 
     if (parsed && parsed->area == index && parsed->first == 0 && !parsed->bit) return name + end;
   }
   return std::nullopt;
+}
+
+// Time on the wire of the request to one address, without the response.
+Duration request_time(const ScanLine& line) {
+  const auto protocol = scan_protocol(line.protocol, line.addresses.front());
+  if (!protocol) return {};
+  const auto questions = questions_of(line.protocol, *protocol);
+  if (questions.empty()) return {};
+  Bytes request;
+  (void)protocol->begin(ReadRequest{{questions.front().range}}, {})->start(request);
+  return line.format.characters(static_cast<double>(request.size()));
 }
 
 }  // namespace
@@ -159,6 +175,47 @@ std::vector<ScanQuestion> questions_of(const NamedProtocol& named, const Protoco
   add(true);
   if (questions.empty()) add(false);
   return questions;
+}
+
+Duration silent_scan_time(const std::vector<ScanLine>& lines, Duration timeout) {
+  Duration time{};
+  for (const ScanLine& line : lines) {
+    const auto questions = static_cast<std::int64_t>(kMostQuestions * line.addresses.size());
+    time += static_cast<std::int64_t>(kMostQuestions) * kScanRest +
+            questions * (request_time(line) + timeout);
+  }
+  return time;
+}
+
+void plan_probes(std::vector<ScanLine>& lines) {
+  std::vector<Duration> cycles;  // of each line: a request and the shortest silence behind it
+  Duration cycle_sum{};
+  std::int64_t probes = 0;
+  std::set<std::string_view> protocols;
+  for (const ScanLine& line : lines) {
+    const auto more = static_cast<std::int64_t>(line.addresses.size()) - 1;
+    cycles.push_back(request_time(line) + silence_of(StandardSilence{}, line.format));
+    cycle_sum += more * cycles.back();
+    probes += more;
+    protocols.insert(line.protocol.name());
+  }
+  const auto count = static_cast<std::int64_t>(lines.size());
+  const Duration probing =
+      static_cast<std::int64_t>(protocols.size()) * kProbing - count * kLastWindow;
+  const Duration window = std::clamp((probing - cycle_sum) / std::max<std::int64_t>(1, probes),
+                                     kLeastWindow, kLastWindow);
+  const Duration share = std::max(kLeastShare, probing / std::max<std::int64_t>(1, count));
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    ScanLine& line = lines[i];
+    const auto fitting = static_cast<std::size_t>(share / (cycles[i] + window));
+    const auto first = line.addresses.begin();
+    const auto end =
+        first + static_cast<std::ptrdiff_t>(std::min(fitting + 1, line.addresses.size()));
+    line.probes.assign(first + 1, end);
+    line.probes.push_back(*first);
+    line.probe_wait = silence_of(StandardSilence{}, line.format) + window;
+    line.last_probe_wait = kLastWindow;
+  }
 }
 
 }  // namespace fieldcast::cli

@@ -10,6 +10,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
+#include "core/base/time.hpp"
 #include "core/frame/line.hpp"
 #include "tools/cli/model/named_protocol.hpp"
 
@@ -21,10 +22,14 @@ struct ScanQuestion {
   Range range;
 };
 
+// The probes of the quick search wait `probe_wait` for the first byte of a response, the last one
+// `last_probe_wait`. A response that arrives while the next address is probed counts for the line.
 struct ScanLine {
   NamedProtocol protocol;
   LineFormat format{};
   std::vector<std::uint16_t> addresses;
+  std::vector<std::uint16_t> probes{};  // empty: the line is searched at once
+  Duration probe_wait{}, last_probe_wait{};
 };
 
 // The protocol for a device at `address`; null if it has no such address.
@@ -53,5 +58,20 @@ struct ScanLine {
 // A declared record is read completely.
 [[nodiscard]] std::vector<ScanQuestion> questions_of(const NamedProtocol& named,
                                                      const Protocol& protocol);
+
+// A silent line is given up within this time by default, for each protocol.
+inline constexpr Duration kQuickScan = std::chrono::seconds{10};
+
+// A device that tells messages apart by half a second of silence, as libmodbus does, drops what it
+// took for one at the speed before. The search of a line begins after this rest.
+inline constexpr Duration kScanRest = std::chrono::milliseconds{600};
+
+// How long a search of all lines lasts if no device responds.
+[[nodiscard]] Duration silent_scan_time(const std::vector<ScanLine>& lines, Duration timeout);
+
+// Chooses the probes of each line so that all lines are probed within kQuickScan for each protocol:
+// as many addresses as fit, at least 10 ms for each response, and the first address last, since it
+// is the most probable one and the last probe waits longest.
+void plan_probes(std::vector<ScanLine>& lines);
 
 }  // namespace fieldcast::cli

@@ -85,6 +85,47 @@ std::vector<std::string> found_lines(const Scanner& scanner, bool serial, const 
   return lines;
 }
 
+std::vector<std::string> template_lines(const Scanner& scanner) {
+  std::vector<std::string> lines;
+  for (const ScanFound& found : scanner.found()) {
+    if (found.templates.empty()) continue;
+    lines.push_back(
+        fmt::format("address {}: template: {}", found.address, fmt::join(found.templates, " or ")));
+  }
+  if (!lines.empty())
+    lines.emplace_back(
+        "write `template: NAME` at the device in the configuration, or use --out FILE; then "
+        "compare "
+        "the values with the display");
+  return lines;
+}
+
+std::vector<std::string> silence_lines(const std::string& port, const Scanner& scanner, bool serial,
+                                       Duration timeout) {
+  std::vector<std::pair<std::string, std::string>> rows;  // addresses, settings
+  for (const ScanLine& line : scanner.lines()) {
+    const auto [least, most] = std::ranges::minmax(line.probes);
+    const std::string addresses =
+        fmt::format("{} addresses from {} to {}", line.probes.size(), least, most);
+    auto row = std::ranges::find(rows, addresses, [](const auto& each) { return each.first; });
+    if (row == rows.end()) row = rows.insert(row, {addresses, ""});
+    row->second += (row->second.empty() ? "" : ", ") + line_text(line, serial);
+  }
+  std::vector<std::string> lines{fmt::format("no byte was received on {}", printable(port))};
+  for (const auto& [addresses, settings] : rows)
+    lines.push_back(fmt::format("  {} were probed: {}", addresses, settings));
+  lines.emplace_back(serial ? "check A and B (D+ and D-) of the line, its termination, the supply "
+                              "of the device, its baud rate and format, and --protocol"
+                            : "check the device behind the port, its address, and --protocol");
+  lines.push_back(fmt::format(
+      "--all requests every address twice at each setting and waits {:.0f} ms for each "
+      "response; it takes about {}",
+      to_seconds(timeout) * 1e3,
+      to_text(
+          std::chrono::ceil<std::chrono::seconds>(silent_scan_time(scanner.lines(), timeout)))));
+  return lines;
+}
+
 Json found_json(const std::string& port, const ScanLine& line, const ScanFound& found,
                 bool serial) {
   Json json{{"port", port}, {"protocol", line.protocol.name()}};
@@ -97,7 +138,7 @@ Json found_json(const std::string& port, const ScanLine& line, const ScanFound& 
   json["device_code"] = found.answer.device_code;
   json["answer_time"] = found.answer.took.count();
   json["identity"] = found.identity;
-  if (found.sunspec) json["sunspec"] = sunspec_json(*found.sunspec);
+  json["templates"] = found.templates;
   return json;
 }
 
@@ -129,18 +170,15 @@ std::string configuration_text(const std::string& port, bool serial, const Scann
     if (found.answer.cause != Cause::kNone)
       text += fmt::format("        # it answers, but {} {}\n", answer_text(line, found.answer),
                           asked.at);
-    std::vector<std::string> channels;
-    if (found.sunspec) {
-      text += sunspec_comment(*found.sunspec);
-      channels = sunspec_channels(*found.sunspec);
+    if (found.templates.size() == 1) {
+      text += fmt::format("        template: {}\n", found.templates.front());
+      continue;
     }
-    if (channels.empty())
-      channels = {fmt::format("{{ name: first, at: \"{}\", type: {}, refresh: 1s }}", asked.at,
-                              type_of(*protocol, asked))};
-    else
-      text += "        refresh: 2s\n";
-    text += "        channels:\n";
-    for (const std::string& channel : channels) text += "          - " + channel + '\n';
+    for (const std::string& name : found.templates)
+      text += fmt::format("        # may fit, in place of the channels: template: {}\n", name);
+    text += fmt::format(
+        "        channels:\n          - {{ name: first, at: \"{}\", type: {}, refresh: 1s }}\n",
+        asked.at, type_of(*protocol, asked));
   }
   return text;
 }

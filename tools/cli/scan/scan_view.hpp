@@ -22,6 +22,13 @@ namespace fieldcast::cli {
 
 [[nodiscard]] std::vector<std::string> found_lines(const Scanner& scanner, bool serial,
                                                    const Screen& screen);
+// "address 3: template: siemens-pac3200", and how a template is used; empty if none fits.
+[[nodiscard]] std::vector<std::string> template_lines(const Scanner& scanner);
+// After a quick search without one received byte: what was probed, what to check, and how long a
+// search with --all lasts, which waits `timeout` for each response.
+[[nodiscard]] std::vector<std::string> silence_lines(const std::string& port,
+                                                     const Scanner& scanner, bool serial,
+                                                     Duration timeout);
 // {"port", "protocol", "baud", "format", "address", "answer", "device_code", "answer_time",
 // "identity", "sunspec" (only if it has SunSpec models: sunspec_json())}; answer_time in
 // nanoseconds.

@@ -6,15 +6,22 @@ namespace fieldcast::cli {
 
 Scanner::Scanner(std::vector<ScanLine> lines) : lines_(std::move(lines)) {
   if (lines_.empty()) pass_ = kPasses;
+  quick_ = probing_ = !lines_.empty() && !lines_.front().probes.empty();
 }
 
 std::optional<ScanAsk> Scanner::next() const {
   if (over()) return std::nullopt;
-  return ScanAsk{line_, lines_[line_].addresses[index_], pass_};
+  const ScanLine& line = lines_[line_];
+  const bool first = quick_ && index_ == 0 && pass_ == 0;
+  if (!probing_) return ScanAsk{line_, line.addresses[index_], pass_, {}, first};
+  const bool last = index_ + 1 == line.probes.size();
+  return ScanAsk{line_, line.probes[index_], 0, last ? line.last_probe_wait : line.probe_wait,
+                 first};
 }
 
 void Scanner::answered(const ScanAnswer& answer) {
   ++asked_;
+  if (probing_) return probed(answer);
   if (answer.device) {
     settled_ = line_;
     found_.push_back({line_, lines_[line_].addresses[index_], pass_, answer, {}});
@@ -37,6 +44,21 @@ void Scanner::answered(const ScanAnswer& answer) {
     return next_line();
   }
   advance();
+}
+
+void Scanner::probed(const ScanAnswer& answer) {
+  echoed_ = echoed_ || answer.echo_alone;
+  const bool heard = answer.heard || answer.device;
+  if (heard && (heard_once_ || answer.device)) {
+    heard_any_ = true;
+    probing_ = heard_once_ = false;
+    index_ = 0;
+  } else if (heard) {
+    heard_once_ = true;
+    index_ = 0;
+  } else if (++index_ == lines_[line_].probes.size()) {
+    next_line();
+  }
 }
 
 std::vector<ScanBroken> Scanner::broken() const {
@@ -76,6 +98,8 @@ void Scanner::next_line() {
   if (settled_) {
     line_ = *settled_;
     ++pass_;
+  } else if (quick_) {
+    return search_or_probe_next();
   } else if (++line_ == lines_.size()) {
     line_ = 0;
     ++pass_;
@@ -93,8 +117,28 @@ void Scanner::next_line() {
   index_ = static_cast<std::size_t>(first - addresses.begin());
 }
 
+// No device responded on this line so far.
+void Scanner::search_or_probe_next() {
+  const bool left = std::find(babbling_.begin(), babbling_.end(), line_) != babbling_.end();
+  if (!probing_ && pass_ == 0 && !left) {
+    ++pass_;
+    return;
+  }
+  probing_ = true;
+  heard_once_ = false;
+  pass_ = ++line_ == lines_.size() ? kPasses : 0;
+}
+
 std::size_t Scanner::left() const {
   if (over()) return 0;
+  if (quick_) {
+    const ScanLine& now = lines_[line_];
+    std::size_t left =
+        probing_ ? now.probes.size() - index_ : (kPasses - pass_) * now.addresses.size() - index_;
+    for (std::size_t line = line_ + 1; line < lines_.size() && !settled_; ++line)
+      left += lines_[line].probes.size();
+    return left;
+  }
   std::size_t left = lines_[line_].addresses.size() - index_;
   if (settled_) return left + (pass_ + 1 < kPasses ? lines_[line_].addresses.size() : 0);
   std::size_t all = 0;

@@ -1,6 +1,10 @@
-// The course of a scan, as a state machine: next() says what to ask, answered() what came of it.
-// The first line on which a device answers is the line; the others are not asked any more. Whoever
-// was silent there is asked once more, with another question. Pure; one owner.
+// The course of a scan, as a state machine: next() returns the next request, answered() takes its
+// outcome. The first line on which a device responds is the line; no other line is searched. Each
+// address that was silent there gets a second, different request.
+//
+// Lines with probes are searched quickly: each line is probed, and searched only if a byte was
+// received on it. Bytes that are not a valid response must be received twice, since some adapters
+// deliver one when they change the baud rate. Pure; one owner.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +23,9 @@ namespace fieldcast::cli {
 struct ScanAsk {
   std::size_t line = 0;  // index in the lines
   std::uint16_t address = 1;
-  std::size_t question = 0;  // index in questions_of(); the last one where there are fewer
+  std::size_t question = 0;        // index in questions_of(); the last one where there are fewer
+  std::optional<Duration> wait{};  // for the response to a probe; empty: the usual timeout
+  bool first = false;              // of a line's probes or search: the line must be quiet before
 };
 
 struct ScanAnswer {
@@ -29,6 +35,7 @@ struct ScanAnswer {
   Duration took{};
   std::size_t bytes = 0;    // received
   bool echo_alone = false;  // they are those that were sent: the adapter's, nobody else speaks
+  bool heard = false;       // since the first probe of the line: bytes other than the echo
   AnswerShape shape = AnswerShape::kOther;  // of a broken answer
 };
 
@@ -37,8 +44,8 @@ struct ScanFound {
   std::uint16_t address = 1;
   std::size_t question = 0;
   ScanAnswer answer;
-  std::string identity;               // what the device says of itself; empty: nothing
-  std::optional<SunSpecMap> sunspec;  // its SunSpec models
+  std::string identity;                  // what the device says of itself; empty: nothing
+  std::vector<std::string> templates{};  // that fit the identity; more than one: all of them may
 };
 
 // An address with invalid responses that start like valid ones: the settings of the line are
@@ -69,7 +76,9 @@ class Scanner {
   void set_identity(std::size_t found, std::string identity) {
     found_[found].identity = std::move(identity);
   }
-  void set_sunspec(std::size_t found, SunSpecMap map) { found_[found].sunspec = std::move(map); }
+  void set_templates(std::size_t found, std::vector<std::string> templates) {
+    found_[found].templates = std::move(templates);
+  }
   [[nodiscard]] std::size_t asked() const { return asked_; }
   // Remaining requests if no device responds.
   [[nodiscard]] std::size_t left() const;
@@ -79,10 +88,14 @@ class Scanner {
   [[nodiscard]] std::vector<ScanBroken> broken() const;
   // All received bytes were an echo.
   [[nodiscard]] bool echoed() const { return echoed_; }
+  // Every line was probed, and no byte of another sender was received on any of them.
+  [[nodiscard]] bool silent() const { return quick_ && over() && !heard_any_; }
 
  private:
   void advance();
   void next_line();
+  void probed(const ScanAnswer& answer);
+  void search_or_probe_next();
   [[nodiscard]] bool babbles() const;
   [[nodiscard]] bool over() const { return pass_ == kPasses; }
 
@@ -96,6 +109,10 @@ class Scanner {
   std::size_t pass_ = 0, line_ = 0, index_ = 0, asked_ = 0;
   unsigned babble_ = 0;
   bool echoed_ = false;
+  bool quick_ = false;       // lines have probes
+  bool probing_ = false;     // as opposed to searching
+  bool heard_once_ = false;  // on the line that is probed
+  bool heard_any_ = false;
 };
 
 }  // namespace fieldcast::cli
