@@ -5,6 +5,7 @@
 // says nothing about.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 namespace fieldcast {
 
 struct CaptureRemark {
+  std::size_t index = 0;  // of the bus in the configuration
   std::string bus;
   std::string folder;
   std::string what;    // "no such folder: .."

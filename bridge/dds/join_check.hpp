@@ -13,7 +13,8 @@ namespace fieldcast {
 
 struct JoinRemark {
   std::string of;    // "security" or "dds"
-  std::string text;  // for people, with the remedy
+  std::string text;  // human-readable, with the remedy
+  std::string key;   // of `dds:` in the configuration, to which it belongs
 };
 [[nodiscard]] std::string to_text(const JoinRemark& remark);  // "security: .."
 

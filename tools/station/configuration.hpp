@@ -36,12 +36,15 @@ struct StationSpec {
 
 using LoadedStation = tl::expected<StationSpec, std::vector<config::Fault>>;
 
-// `listen` goes before that of the file. All faults at once, in the order of the text.
+// `listen` goes before that of the file. All faults at once, in the order of the text. `places`
+// receives the positions of the keys; may be null.
 [[nodiscard]] LoadedStation load_station(const std::string& path,
-                                         const std::optional<ListenSpec>& listen = {});
+                                         const std::optional<ListenSpec>& listen = {},
+                                         config::Places* places = nullptr);
 [[nodiscard]] LoadedStation load_station_text(std::string_view text, const std::string& file_name,
                                               const config::FileReader& reader,
-                                              const std::optional<ListenSpec>& listen = {});
+                                              const std::optional<ListenSpec>& listen = {},
+                                              config::Places* places = nullptr);
 
 // Why a station must not be reached as this one would be, and how to mend it: off the loopback it
 // needs TLS and a login, and never a role for everybody.
