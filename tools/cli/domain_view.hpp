@@ -32,16 +32,19 @@ struct AlarmGone {
 struct AlarmStatusGone {
   StationAlarmStatus last;
 };
+struct BridgeGone {
+  std::string bridge;
+};
 using DomainEvent =
     std::variant<StationChannel, StationSample, ChannelGone, StationBusStatus, StationDeviceStatus,
                  StationResult, ProgramSessionReport, StationAlarm, AlarmGone, StationAlarmStatus,
-                 AlarmStatusGone, BusGone, DeviceGone>;
+                 AlarmStatusGone, BusGone, DeviceGone, StationBridge, BridgeGone>;
 
 // What it is about; empty: no bus, or none that it names.
 [[nodiscard]] std::string_view bus_of(const DomainEvent& event);
 
-// Puts the status of a bus or a device into the model, or takes out what is gone. True when it
-// names one for the first time.
+// Puts the status of a bus or a device and the claims of a bridge into the model, or removes them.
+// Returns true when a bus or a device is named for the first time.
 bool update(StatusModel& model, const DomainEvent& event);
 
 class DomainView {
