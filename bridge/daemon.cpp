@@ -111,7 +111,7 @@ void log_fences(const BridgeSpec& spec) {
 
 // What is wrong with how the bridge would join, or will be soon.
 JoinCheck check_joining(const BridgeSpec& spec) {
-  return check_joining(spec.dds, true, read_clocks().utc);
+  return check_joining(spec.dds, spec.name, read_clocks().utc);
 }
 
 // Who may enter by the programming port.

@@ -4,12 +4,13 @@
 
 #include "bridge/dds/discovery_server.hpp"
 #include "bridge/security/authority.hpp"
+#include "bridge/security/member_folder.hpp"
 
 namespace fieldcast {
 
 std::string to_text(const JoinRemark& remark) { return remark.of + ": " + remark.text; }
 
-JoinCheck check_joining(const DdsSpec& spec, bool is_bridge, UtcTime now) {
+JoinCheck check_joining(const DdsSpec& spec, const std::string& bridge, UtcTime now) {
   JoinCheck check;
   if (const auto fault = server_fault(spec)) check.faults.push_back({"dds", *fault, "interfaces"});
   if (!spec.security) return check;
@@ -25,11 +26,22 @@ JoinCheck check_joining(const DdsSpec& spec, bool is_bridge, UtcTime now) {
                             "it; members find each other by multicast",
                             "security"});
   }
-  const security::MemberCheck identity = security::check_program(*spec.security, is_bridge, now);
+  const security::MemberCheck identity =
+      security::check_program(*spec.security, !bridge.empty(), now);
   for (const std::string& line : identity.faults)
     check.faults.push_back({"security", line, "security"});
   for (const std::string& line : identity.warnings)
     check.warnings.push_back({"security", line, "security"});
+  const auto member = security::read_member(*spec.security);
+  if (member && member->role == security::MemberRole::kBridge && !bridge.empty() &&
+      member->name != bridge) {
+    check.faults.push_back(
+        {"security",
+         fmt::format("{} is the identity of bridge {}, and this bridge is named {}: others would "
+                     "ignore its claims on buses; name it {}, or fieldcast secure add bridge NAME",
+                     *spec.security, member->name, bridge, member->name),
+         "security"});
+  }
   return check;
 }
 

@@ -22,7 +22,9 @@ struct JoinCheck {
   std::vector<JoinRemark> faults;    // it cannot join, or will not be let in
   std::vector<JoinRemark> warnings;  // it will soon not be let in
 };
-// A bridge needs the identity of a bridge, and all others need another one.
-[[nodiscard]] JoinCheck check_joining(const DdsSpec& spec, bool is_bridge, UtcTime now);
+// `bridge`: the name of the bridge; empty for other programs. A bridge needs the identity of a
+// bridge of its name, since others ignore its claims on buses without it (bridge_presence.hpp). All
+// other programs need another identity.
+[[nodiscard]] JoinCheck check_joining(const DdsSpec& spec, const std::string& bridge, UtcTime now);
 
 }  // namespace fieldcast

@@ -122,7 +122,15 @@ TEST_F(DaemonIdentity, ThatIsOfNoUseHasAPlaceInTheCheck) {
          fs::remove_all(folder);
          fs::copy(wall, folder, fs::copy_options::recursive);
        },
-       folder + ": a station is no bridge; fieldcast secure add bridge NAME"}};
+       folder + ": a station is no bridge; fieldcast secure add bridge NAME"},
+      {[&] {
+         fs::remove_all(folder);
+         fs::copy(authority_.add({security::MemberRole::kBridge, "other", {}}, now()), folder,
+                  fs::copy_options::recursive);
+       },
+       folder +
+           " is the identity of bridge other, and this bridge is named test: others would ignore "
+           "its claims on buses; name it other, or fieldcast secure add bridge NAME"}};
   for (const Fault& fault : faults) {
     fault.make();
     test::Process check(FIELDCAST_BRIDGE, {file, "--check"});
@@ -138,7 +146,7 @@ TEST_F(DaemonIdentity, WhoseCertificateEndsHasAPlaceInTheCheck) {
     const std::string folder =
         authority_.add({security::MemberRole::kBridge, name, {}}, now(), life);
     test::Process check(FIELDCAST_BRIDGE, {configure(folder, 5), "--check"});
-    (void)check.exit_code();
+    EXPECT_EQ(check.exit_code(), static_cast<int>(ExitCode::kBadConfiguration));  // of another name
     return check.output();
   };
   const std::string place = scratch_.path("plant.yaml") + ":2:29: ";

@@ -38,7 +38,7 @@ namespace {
 // Why nothing would be received, in words of ours instead of the library's.
 std::string fault_of_joining(const DdsSpec& spec) {
   std::string text;
-  for (const JoinRemark& fault : check_joining(spec, false, utc_now()).faults)
+  for (const JoinRemark& fault : check_joining(spec, {}, utc_now()).faults)
     text += (text.empty() ? "" : "\n") + to_text(fault);
   return text;
 }

@@ -110,7 +110,7 @@ ExitCode check_joining(const StationSpec& spec, const Origin& origin) {
   bool good = true;
   for (std::size_t i = 0; i < spec.sites.size(); ++i) {
     const fieldcast::DdsSite& site = spec.sites[i];
-    const auto check = fieldcast::check_joining(site.dds, false, fieldcast::read_clocks().utc);
+    const auto check = fieldcast::check_joining(site.dds, {}, fieldcast::read_clocks().utc);
     const std::string name = site.name.empty() ? "" : site.name + ": ";
     const auto say = [&](const fieldcast::JoinRemark& remark, const char* severity) {
       std::fputs(fmt::format("{}{}{}{}\n", origin.of_dds(spec, i, remark.key), severity, name,
@@ -169,7 +169,7 @@ class SiteIdentities {
 bool log_joining(const StationSpec& spec) {
   bool good = true;
   for (const fieldcast::DdsSite& site : spec.sites) {
-    const auto check = fieldcast::check_joining(site.dds, false, fieldcast::read_clocks().utc);
+    const auto check = fieldcast::check_joining(site.dds, {}, fieldcast::read_clocks().utc);
     for (const auto& fault : check.faults) fieldcast::log_error(fault.of, fault.text);
     for (const auto& warning : check.warnings) fieldcast::log_warning(warning.of, warning.text);
     if (site.dds.without_security) fieldcast::log_warning("dds", kOpen);
