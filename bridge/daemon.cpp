@@ -110,7 +110,7 @@ void log_fences(const BridgeSpec& spec) {
 }
 
 JoinCheck check_joining(const BridgeSpec& spec) {
-  return check_joining(spec.dds, true, read_clocks().utc);
+  return check_joining(spec.dds, spec.name, read_clocks().utc);
 }
 
 template <typename Tell>
@@ -285,10 +285,33 @@ ExitCode serve(Signals& signals, const BridgeSpec& spec, const DaemonOptions& op
   }
 }
 
+// What the configuration names and this machine does not have as it should be: each with its place
+// in the file.
+ExitCode check_machine(const BridgeSpec& spec, const config::Places& places) {
+  const auto say = [&places](const std::string& key, const std::string& text) {
+    std::fputs(fmt::format("{}: {}\n", places.at(key), text).c_str(), stderr);
+  };
+  for (const CaptureRemark& remark : capture_remarks(spec)) {
+    say(fmt::format("buses.{}.capture.folder", remark.index),
+        fmt::format("warning: {}: capture: {}: {}; {}", remark.bus, remark.folder, remark.what,
+                    remark.remedy));
+  }
+  const JoinCheck joining = check_joining(spec);
+  for (const JoinRemark& remark : joining.warnings)
+    say("dds." + remark.key, "warning: " + to_text(remark));
+  for (const JoinRemark& remark : joining.faults) say("dds." + remark.key, to_text(remark));
+  const auto file = program::check_files(spec.program);
+  if (file) say("program." + file->key, "program: " + file->text);
+  return joining.faults.empty() && !file ? ExitCode::kOk : ExitCode::kBadConfiguration;
+}
+
 }  // namespace
 
 ExitCode check_configuration(const std::string& path) {
-  const config::Loaded loaded = config::load_file(path);
+  config::Places places;
+  config::LoadOptions options = config::default_options();
+  options.places = &places;
+  const config::Loaded loaded = config::load_file(path, options);
   if (!loaded) {
     std::fputs(config::to_text(loaded.error()).c_str(), stderr);
     return ExitCode::kBadConfiguration;
@@ -307,17 +330,9 @@ ExitCode check_configuration(const std::string& path) {
         std::fputs(fmt::format("{}: {}\n", bus, text).c_str(), stdout);
       },
       warn);
-  for (const CaptureRemark& remark : capture_remarks(*loaded))
-    warn(remark.bus, fmt::format("capture: {}: {}; {}", remark.folder, remark.what, remark.remedy));
   if (const auto small = rate_remark(*loaded)) warn("dds", *small);
-  const JoinCheck joining = check_joining(*loaded);
   if (loaded->dds.without_security) warn("dds", kOpen);
-  for (const JoinRemark& remark : joining.warnings) warn(remark.of, remark.text);
-  for (const JoinRemark& remark : joining.faults)
-    std::fputs(fmt::format("{}\n", to_text(remark)).c_str(), stderr);
-  const auto files = program::check_files(loaded->program);
-  if (!files) std::fputs(fmt::format("program: {}\n", files.error()).c_str(), stderr);
-  return joining.faults.empty() && files ? ExitCode::kOk : ExitCode::kBadConfiguration;
+  return check_machine(*loaded, places);
 }
 
 ExitCode run_daemon(const DaemonOptions& options) {

@@ -36,6 +36,13 @@ std::string hex_byte(unsigned char byte) {
 
 }  // namespace
 
+unsigned column_of(const Position& position) {
+  unsigned column = 1;
+  for (const char c : position.source->line(position.line).substr(0, position.column))
+    column += (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+  return column;
+}
+
 bool check_text(Source& source, FaultList& faults) {
   if (source.text.starts_with("\xEF\xBB\xBF")) source.text.erase(0, 3);
   Position position{&source, 0, 0};

@@ -29,6 +29,9 @@ struct Position {
   std::uint32_t column = 0;  // from 0, in bytes
 };
 
+// The column as editors count: from 1, in characters.
+[[nodiscard]] unsigned column_of(const Position& position);
+
 enum class Kind : std::uint8_t { kNull, kScalar, kList, kMap };
 
 // Empty in most nodes: one pointer instead of three.

@@ -11,15 +11,7 @@ namespace {
 
 constexpr std::size_t kLongestShown = 400;  // of a text quoted in a fault
 
-// Characters before a byte of a line, as editors count characters.
-unsigned characters_before(const Position& position) {
-  unsigned count = 0;
-  for (const char c : position.source->line(position.line).substr(0, position.column))
-    count += (static_cast<unsigned char>(c) & 0xC0) != 0x80;
-  return count;
-}
-
-// The text of a file may contain line breaks and escape codes.
+// What a file says may hold line breaks and escape codes; a fault is one line for a terminal.
 void make_presentable(std::string& text) {
   for (char& c : text) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
@@ -58,9 +50,8 @@ void FaultList::add(const Position& position, std::string what, std::string allo
   if (entries_.size() == kMaxFaults)
     what = "more faults follow; they are shown when these are gone", allowed = suggestion = {};
   entries_.push_back(
-      {position.source->order,
-       Fault{position.source->file, position.line + 1, characters_before(position) + 1,
-             std::move(what), std::move(allowed), std::move(suggestion)}});
+      {position.source->order, Fault{position.source->file, position.line + 1, column_of(position),
+                                     std::move(what), std::move(allowed), std::move(suggestion)}});
 }
 
 std::vector<Fault> FaultList::take() {

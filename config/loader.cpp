@@ -131,7 +131,8 @@ Loaded load_text(std::string_view text, const std::string& file_name, const File
                                      "a map with " + joined(bridge_rows().keys)));
   }
   FaultList faults;
-  const auto document = parse_yaml(Source{file_name, std::string(text), 0}, faults);
+  const std::shared_ptr<const Document> document =
+      parse_yaml(Source{file_name, std::string(text), 0}, faults);
   BridgeSpec spec;
   if (document->root != nullptr) {
     Library library(reader, options, faults, text.size());
@@ -143,6 +144,7 @@ Loaded load_text(std::string_view text, const std::string& file_name, const File
         whole_file(file_name, "the file is empty", "a map with " + joined(bridge_rows().keys)));
   }
   if (!faults.empty()) return tl::unexpected(faults.take());
+  if (options.places != nullptr) *options.places = Places(document);
   return spec;
 }
 

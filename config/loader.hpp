@@ -4,9 +4,11 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
+#include <utility>
 #include <vector>
 
 #include "config/fault.hpp"
@@ -14,6 +16,26 @@
 
 namespace fieldcast::config {
 
+struct Document;
+
+// The positions of the keys of a configuration, for faults that only the machine shows: a folder
+// that is missing, a certificate that has expired. Keeps the text of the main file. Copies share
+// it; any thread.
+class Places {
+ public:
+  Places() = default;
+  explicit Places(std::shared_ptr<const Document> document) : document_(std::move(document)) {}
+
+  // "plant.yaml:7:5": the position of the value at a path of keys, with numbers for the items of a
+  // list: "buses.0.capture.folder". An absent key has the position of the map that it belongs to.
+  // Empty if no file was loaded.
+  [[nodiscard]] std::string at(std::string_view path) const;
+
+ private:
+  std::shared_ptr<const Document> document_;
+};
+
+// What can go wrong with a file that a configuration names.
 enum class FileError { kMissing, kUnreadable, kTooLarge };
 [[nodiscard]] std::string_view to_text(FileError error);
 
@@ -33,6 +55,8 @@ struct LoadOptions {
   std::vector<std::string> protocol_directories;
   // A bus that cannot carry its channels is a fault (core/schedule/overload.hpp).
   bool refuse_hopeless = true;
+  // Receives the positions of what was loaded; null: they are not kept.
+  Places* places = nullptr;
 };
 
 // Those of the source tree or the installation.

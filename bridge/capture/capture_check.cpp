@@ -49,7 +49,7 @@ std::optional<CaptureRemark> room_remark(const BusSpec& bus, dev_t disk, Room& r
   left->second -= std::min(left->second, wanted);
   if (fits) return std::nullopt;
   return CaptureRemark{
-      bus.name, capture.folder,
+      0, bus.name, capture.folder,
       fmt::format("its files may take {} MB more, and {} MB are free: the capture stops when {} MB "
                   "are left",
                   megabytes(wanted), had / kMegabyte, CaptureRing::kLeastFree / kMegabyte),
@@ -61,7 +61,7 @@ std::optional<CaptureRemark> remark_of(const BusSpec& bus, Room& room) {
   struct stat about {};
   if (::stat(folder.c_str(), &about) != 0) {
     const int error = errno;
-    return CaptureRemark{bus.name, folder,
+    return CaptureRemark{0, bus.name, folder,
                          errno_text(error) + ": the bus runs, and nothing is captured",
                          error == ENOENT ? fmt::format("mkdir {}, with the user that runs the "
                                                        "bridge as its owner",
@@ -69,12 +69,12 @@ std::optional<CaptureRemark> remark_of(const BusSpec& bus, Room& room) {
                                          : "name another folder"};
   }
   if (!S_ISDIR(about.st_mode))
-    return CaptureRemark{bus.name, folder, "this is no folder: the bus runs, nothing is captured",
-                         "name a folder"};
+    return CaptureRemark{0, bus.name, folder,
+                         "this is no folder: the bus runs, nothing is captured", "name a folder"};
   if (::faccessat(AT_FDCWD, folder.c_str(), W_OK | X_OK, AT_EACCESS) != 0) {
     const int error = errno;
     return CaptureRemark{
-        bus.name, folder,
+        0, bus.name, folder,
         errno_text(error) + ": a bridge of the user that asks here captures nothing",
         fmt::format("{}; the service may write below /var/lib/fieldcast only",
                     error == EROFS ? "name a folder that can be written"
@@ -88,9 +88,12 @@ std::optional<CaptureRemark> remark_of(const BusSpec& bus, Room& room) {
 std::vector<CaptureRemark> capture_remarks(const BridgeSpec& spec) {
   std::vector<CaptureRemark> remarks;
   Room room;
-  for (const BusSpec& bus : spec.buses) {
-    if (!bus.capture) continue;
-    if (auto remark = remark_of(bus, room)) remarks.push_back(*std::move(remark));
+  for (std::size_t i = 0; i < spec.buses.size(); ++i) {
+    if (!spec.buses[i].capture) continue;
+    auto remark = remark_of(spec.buses[i], room);
+    if (!remark) continue;
+    remark->index = i;
+    remarks.push_back(*std::move(remark));
   }
   return remarks;
 }

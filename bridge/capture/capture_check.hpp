@@ -4,6 +4,7 @@
 // Reads the file system of this machine; any thread. A check that cannot be done gives no remark.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 namespace fieldcast {
 
 struct CaptureRemark {
+  std::size_t index = 0;  // of the bus in the configuration
   std::string bus;
   std::string folder;
   std::string what;  // "no such folder: .."

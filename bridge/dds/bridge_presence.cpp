@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 
+#include "bridge/security/subject.hpp"
+
 namespace fieldcast {
 
 namespace {
@@ -17,10 +19,13 @@ std::string text_of(const dds::InstanceHandle_t& writer) {
 
 }  // namespace
 
-BridgePresence::BridgePresence(Domain& domain, const std::string& label,
-                               DdsLink::BridgeHandlers handlers)
+BridgePresence::BridgePresence(Domain& domain, const RequestWriters& identities,
+                               const std::string& label, DdsLink::BridgeHandlers handlers,
+                               std::function<void(std::string)> on_problem)
     : domain_(domain),
+      identities_(identities),
       handlers_(std::move(handlers)),
+      on_problem_(std::move(on_problem)),
       writer_(domain.writer(kBridgeTopic, label)),
       reader_(domain.reader(kBridgeTopic, this,
                             dds::StatusMask::data_available()
@@ -49,11 +54,27 @@ void BridgePresence::on_data_available(dds::DataReader* reader) {
   while (reader->take_next_sample(&received, &info) == ReturnCode_t::RETCODE_OK) {
     if (!info.valid_data || is_own(info.publication_handle)) continue;
     const BridgeClaims claims = from_idl(received);
+    const std::string subject =
+        identities_.subject_of(domain_, rtps::iHandle2GUID(info.publication_handle));
     const std::lock_guard lock(mutex_);
+    if (!subject.empty() &&
+        subject != security::Subject{security::MemberRole::kBridge, claims.bridge}.text()) {
+      refuse(info.publication_handle, claims.bridge, subject);
+      continue;
+    }
     lost_.forget(info.publication_handle, info.publication_handle);
     known_[info.publication_handle] = claims;
     handlers_.received(text_of(info.publication_handle), claims);
   }
+}
+
+void BridgePresence::refuse(const Handle& writer, const std::string& bridge,
+                            const std::string& subject) {
+  known_.erase(writer);
+  lost_.forget(writer, writer);
+  handlers_.lost(text_of(writer));
+  on_problem_("a claim on buses under the name of bridge '" + bridge +
+              "' was ignored: its writer has the identity of " + subject);
 }
 
 void BridgePresence::on_subscription_matched(dds::DataReader*,

@@ -13,7 +13,8 @@ namespace fieldcast {
 
 struct JoinRemark {
   std::string of;    // "security" or "dds"
-  std::string text;  // for people, with the remedy
+  std::string text;  // human-readable, with the remedy
+  std::string key;   // of `dds:` in the configuration, to which it belongs
 };
 [[nodiscard]] std::string to_text(const JoinRemark& remark);  // "security: .."
 
@@ -21,7 +22,9 @@ struct JoinCheck {
   std::vector<JoinRemark> faults;    // it cannot join, or will not be let in
   std::vector<JoinRemark> warnings;  // it will soon not be let in
 };
-// A bridge needs the identity of a bridge, and all others need another one.
-[[nodiscard]] JoinCheck check_joining(const DdsSpec& spec, bool is_bridge, UtcTime now);
+// `bridge`: the name of the bridge; empty for other programs. A bridge needs the identity of a
+// bridge of its name, since others ignore its claims on buses without it (bridge_presence.hpp). All
+// other programs need another identity.
+[[nodiscard]] JoinCheck check_joining(const DdsSpec& spec, const std::string& bridge, UtcTime now);
 
 }  // namespace fieldcast

@@ -38,12 +38,15 @@ Duration RequestWriters::lifespan_of(const Guid& writer) const {
   return found == lifespans_.end() ? kDefault : found->second;
 }
 
+std::string RequestWriters::subject_of(const Domain& domain, const Guid& writer) const {
+  return domain.member() ? requesters_.subject_of(writer.guidPrefix) : std::string();
+}
+
 std::optional<std::string> RequestWriters::subject_of(const Domain& domain,
                                                       const std::string& requester,
                                                       const Guid& writer) const {
-  if (!domain.member()) return std::string();
-  std::string subject = requesters_.subject_of(writer.guidPrefix);
-  if (!requesters_.bind(requester, subject)) return std::nullopt;
+  std::string subject = subject_of(domain, writer);
+  if (!subject.empty() && !requesters_.bind(requester, subject)) return std::nullopt;
   return subject;
 }
 

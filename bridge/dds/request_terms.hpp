@@ -25,6 +25,9 @@ class RequestWriters : public DiscoveryListener {
   static constexpr std::size_t kMaxWriters = 4096;  // those beyond it get the default
 
   [[nodiscard]] Duration lifespan_of(const Guid& writer) const;
+  // The subject of the participant of a writer, "bridge line-7", or RequesterBook::kUnknown. Empty
+  // without DDS Security.
+  [[nodiscard]] std::string subject_of(const Domain& domain, const Guid& writer) const;
   // Who asks: "" without DDS Security, and nothing if the requester's name belongs to another
   // subject. A result under that name would go to its owner: there is none then.
   [[nodiscard]] std::optional<std::string> subject_of(const Domain& domain,

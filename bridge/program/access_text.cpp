@@ -40,6 +40,21 @@ std::string login_text(const EngineersSpec& engineers) {
              : "a login with the password of a user";
 }
 
+// `why` begins with the path of the file.
+AccessFault fault_of(const std::string& part, const TlsSpec& tls, const std::string& secrets,
+                     const std::string& why) {
+  const std::pair<const char*, const std::string&> files[] = {{".certificate", tls.certificate},
+                                                              {".key", tls.key},
+                                                              {".authority", tls.authority},
+                                                              {".revoked", tls.revoked},
+                                                              {".secrets", secrets}};
+  AccessFault fault{part, fmt::format("{}: {}", part, why)};
+  for (const auto& [key, path] : files) {
+    if (!path.empty() && why.starts_with(path + ':')) fault.key = part + key;
+  }
+  return fault;
+}
+
 }  // namespace
 
 std::string to_text(const ModulesSpec& modules) {
@@ -64,16 +79,17 @@ std::string to_text(const EngineersSpec& engineers) {
                      tls_of(engineers), login_text(engineers));
 }
 
-tl::expected<void, std::string> check_files(const ProgramSpec& program) {
-  if (program.modules) {
-    if (const auto gate = ModuleGate::make(*program.modules); !gate)
-      return tl::unexpected("modules: " + gate.error());
+std::optional<AccessFault> check_files(const ProgramSpec& program) {
+  if (const auto& modules = program.modules) {
+    if (const auto gate = ModuleGate::make(*modules); !gate)
+      return fault_of("modules", modules->tls, modules->secrets, gate.error());
   }
-  if (program.engineers && !program.engineers->tls.certificate.empty()) {
-    if (const auto tls = TlsServer::make(program.engineers->tls); !tls)
-      return tl::unexpected("engineers: " + tls.error());
+  const auto& engineers = program.engineers;
+  if (engineers && !engineers->tls.certificate.empty()) {
+    if (const auto tls = TlsServer::make(engineers->tls); !tls)
+      return fault_of("engineers", engineers->tls, {}, tls.error());
   }
-  return {};
+  return std::nullopt;
 }
 
 }  // namespace fieldcast::program

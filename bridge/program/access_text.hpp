@@ -2,8 +2,8 @@
 // start and by --check. Values only; any thread.
 #pragma once
 
+#include <optional>
 #include <string>
-#include <tl/expected.hpp>
 
 #include "core/model/spec.hpp"
 
@@ -15,7 +15,11 @@ namespace fieldcast::program {
 // "engineers connect at 0.0.0.0:4950: TLS, a login with the password of a user"
 [[nodiscard]] std::string to_text(const EngineersSpec& engineers);
 
-// Whether every file that is named can be used; the error is one line.
-[[nodiscard]] tl::expected<void, std::string> check_files(const ProgramSpec& program);
+// The first file that is named and cannot be used.
+struct AccessFault {
+  std::string key;   // of `program:` in the configuration: "modules.secrets"
+  std::string text;  // one line
+};
+[[nodiscard]] std::optional<AccessFault> check_files(const ProgramSpec& program);
 
 }  // namespace fieldcast::program

@@ -91,6 +91,73 @@ TEST_F(DaemonIdentity, ThatIsBrokenIsRefusedAtAReloadAsAtTheStart) {
   EXPECT_EQ(bridge.exit_code(), 0) << bridge.output();
 }
 
+TEST_F(DaemonIdentity, ThatIsOfNoUseHasAPlaceInTheCheck) {
+  const std::string folder = authority_.add({security::MemberRole::kBridge, "test", {}}, now());
+  const std::string wall = scratch_.path("ca/members/wall");
+  const std::string good = scratch_.path("good");
+  fs::copy(folder, good, fs::copy_options::recursive);
+  const std::string file = configure(folder, domain_.number());
+  const auto column = 28 + std::to_string(domain_.number()).size();
+  const std::string place = file + ":2:" + std::to_string(column) + ": ";
+  struct Fault {
+    std::function<void()> make;
+    std::string said;
+  };
+  const Fault faults[] = {
+      {[&] { fs::remove_all(folder); },
+       "there is no folder " + folder + "; fieldcast secure add makes one for each member"},
+      {[&] { fs::remove(folder + "/governance.p7s"); },
+       folder + " is no folder of a member: governance.p7s is missing"},
+      {[&] { fs::permissions(folder, fs::perms(0777)); },
+       folder + ": others may change it; chmod go-w " + folder},
+      {[&] { fs::permissions(folder + "/identity.key", fs::perms(0644)); },
+       folder + "/identity.key is open to others than its owner; chmod 600 " + folder +
+           "/identity.key"},
+      {[&] {
+         security::replace(folder + "/identity.key", security::read_file(wall + "/identity.key"),
+                           security::kOwnerOnly);
+       },
+       folder + ": the key is of another certificate"},
+      {[&] {
+         fs::remove_all(folder);
+         fs::copy(wall, folder, fs::copy_options::recursive);
+       },
+       folder + ": a station is no bridge; fieldcast secure add bridge NAME"},
+      {[&] {
+         fs::remove_all(folder);
+         fs::copy(authority_.add({security::MemberRole::kBridge, "other", {}}, now()), folder,
+                  fs::copy_options::recursive);
+       },
+       folder +
+           " is the identity of bridge other, and this bridge is named test: others would ignore "
+           "its claims on buses; name it other, or fieldcast secure add bridge NAME"}};
+  for (const Fault& fault : faults) {
+    fault.make();
+    test::Process check(FIELDCAST_BRIDGE, {file, "--check"});
+    EXPECT_EQ(check.exit_code(), static_cast<int>(ExitCode::kBadConfiguration));
+    EXPECT_THAT(check.output(), HasSubstr(place + "security: " + fault.said + '\n'));
+    fs::remove_all(folder);
+    fs::copy(good, folder, fs::copy_options::recursive);
+  }
+}
+
+TEST_F(DaemonIdentity, WhoseCertificateEndsHasAPlaceInTheCheck) {
+  const auto checked = [&](const std::string& name, Duration life) {
+    const std::string folder =
+        authority_.add({security::MemberRole::kBridge, name, {}}, now(), life);
+    test::Process check(FIELDCAST_BRIDGE, {configure(folder, 5), "--check"});
+    EXPECT_EQ(check.exit_code(), static_cast<int>(ExitCode::kBadConfiguration));  // of another name
+    return check.output();
+  };
+  const std::string place = scratch_.path("plant.yaml") + ":2:29: ";
+  EXPECT_THAT(checked("soon", std::chrono::hours{24}),
+              HasSubstr(place + "warning: security: " + scratch_.path("ca/members/soon") +
+                        ": the certificate ends on "));
+  EXPECT_THAT(checked("late", -seconds{1}),
+              HasSubstr(place + "security: " + scratch_.path("ca/members/late") +
+                        ": the certificate ended on "));
+}
+
 TEST_F(DaemonIdentity, ThatEndsWhileItRunsIsAnErrorOfTheLog) {
   const std::string folder =
       authority_.add({security::MemberRole::kBridge, "test", {}}, now(), seconds{15});

@@ -243,16 +243,35 @@ TEST_F(DaemonTest, CheckTellsWhatAFileConfigures) {
   EXPECT_THAT(bridge.output(), HasSubstr("1 device, 1 channel"));
 }
 
-TEST_F(DaemonTest, CheckWarnsOfACaptureThatHasNoFolder) {
+TEST_F(DaemonTest, CheckPlacesEachFaultOfACaptureFolder) {
+  std::ofstream(folder / "file") << "x";
   std::ofstream(file, std::ios::app)
       << "  - name: kept\n    port: { serial: /dev/none }\n    protocol: modbus-rtu\n"
          "    capture: { folder: /no/such/folder }\n"
-         "    devices: [ { name: plc, address: 1, channels: [ { name: a, at: \"holding:1\", type: "
-         "int16 } ] } ]\n";
+         "    devices: [ { name: plc, address: 1, allow: [raw-read] } ]\n"
+         "  - name: wrong\n    port: { serial: /dev/other }\n    protocol: modbus-rtu\n"
+         "    devices: [ { name: plc, address: 1, allow: [raw-read] } ]\n"
+         "    capture:\n      folder: file\n";
   Process check({file, "--check"});
   EXPECT_EQ(check.exit_code(), static_cast<int>(ExitCode::kOk));
-  EXPECT_THAT(check.output(),
-              HasSubstr("warning: kept: capture: /no/such/folder: No such file or directory"));
+  EXPECT_THAT(
+      check.output(),
+      AllOf(HasSubstr(file + ":23:24: warning: kept: capture: /no/such/folder: No such file or "
+                             "directory: the bus runs, and nothing is captured; mkdir "
+                             "/no/such/folder, with the user that runs the bridge as its owner\n"),
+            HasSubstr(file + ":30:15: warning: wrong: capture: " + (folder / "file").string() +
+                      ": this is no folder: the bus runs, nothing is captured; name a folder\n")));
+}
+
+TEST_F(DaemonTest, CheckPlacesAFileOfTheProgrammingPort) {
+  std::ofstream(file, std::ios::app)
+      << "program:\n  modules: { listen: 127.0.0.1:1, secrets: words }\n";
+  std::ofstream(folder / "words") << "# none\n";
+  std::filesystem::permissions(folder / "words", std::filesystem::perms(0600));
+  Process check({file, "--check"});
+  EXPECT_EQ(check.exit_code(), static_cast<int>(ExitCode::kBadConfiguration));
+  EXPECT_THAT(check.output(), HasSubstr(file + ":21:44: program: modules: " +
+                                        (folder / "words").string() + ": no secret is in it\n"));
 }
 
 TEST_F(DaemonTest, CheckWarnsOfChannelsThatLieOnEachOther) {

@@ -123,6 +123,29 @@ TEST(Files, SmallWindowsHabitsAreTolerated) {
   EXPECT_EQ(faults_of(load_text(crlf, "plant.yaml", {})), "");
 }
 
+TEST(Places, AreThoseOfTheValueOrOfTheMapWithoutTheKey) {
+  Places places;
+  EXPECT_EQ(places.at("dds.security"), "");
+  LoadOptions options;
+  options.places = &places;
+  const std::string text =
+      "bridge: b\n"
+      "dds: { domain: 3, security: ca }\n"
+      "buses:\n"
+      "  - name: bus\n"
+      "    port: { serial: /dev/ttyS0 }\n"
+      "    protocol: modbus-rtu\n"
+      "    devices: [ { name: d, address: 1, allow: [raw-read] } ]\n"
+      "    capture: { folder: \"\xc3\xa4\", files: 2 }\n";
+  ASSERT_EQ(faults_of(load_text(text, "plant.yaml", {}, options)), "");
+  EXPECT_EQ(places.at("dds.security"), "plant.yaml:2:29");
+  EXPECT_EQ(places.at("dds.interfaces"), "plant.yaml:2:6");
+  EXPECT_EQ(places.at("buses.0.capture.folder"), "plant.yaml:8:24");
+  EXPECT_EQ(places.at("buses.0.capture.files"), "plant.yaml:8:36");
+  EXPECT_EQ(places.at("buses.1.capture.folder"), "plant.yaml:4:3");
+  EXPECT_EQ(places.at("program.modules"), "plant.yaml:1:1");
+}
+
 TEST(Faults, SpeakInOneLine) {
   EXPECT_EQ(to_text(Fault{"a.yaml", 3, 7, "what", "this, that", "this"}),
             "a.yaml:3:7: what; allowed: this, that; did you mean this?");

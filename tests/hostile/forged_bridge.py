@@ -56,6 +56,14 @@ def longest_gap(plant):
     return gap if count else float("inf")
 
 
+def shown_wrongly(plant, key):
+    """`fieldcast status` names the forger, as the bridge that contests the bus or that is refused it."""
+    status = [line for line in plant.cli("status", "--json").json_lines() if line["topic"] == "BusStatus"]
+    if [line.get(key) for line in status] == [[{"bridge": "forger", "host": "elsewhere"}]]:
+        return []
+    return [f"{key} is not the forger: {status}"]
+
+
 def log_lines(plant):
     with open(os.path.join(plant.run, "fieldcast-bridge.log"), encoding="utf-8") as log:
         return log.readlines()
@@ -69,6 +77,8 @@ def attack_running(bin_dir, faults):
             with forger(bin_dir, plant.domain, what):
                 if (gap := longest_gap(plant)) > LONGEST_GAP:
                     faults.append(f"{what}: no sample for {gap:.1f} s")
+                if what != "both":
+                    faults.extend(shown_wrongly(plant, "contested_by" if what == "serving" else "waiting_bridges"))
                 written = plant.cli("write", f"{CHANNEL}=7")
                 if written.code != 0:
                     faults.append(f"{what}: a write fails: {written}")

@@ -51,7 +51,7 @@ def setUpModule():
           "certificate: cert.pem, key: key } }\n" + BUSES)
     write("secrets.yaml", "bridge: b\nprogram: { engineers: { listen: 127.0.0.1:4950 }, modules: { listen: 127.0.0.1:4951, "
           "secrets: secrets } }\n" + BUSES)
-    write("dds.yaml", "bridge: b\nprogram: { engineers: { listen: 127.0.0.1:4950 } }\ndds: { security: plant/members/line }\n" + BUSES)
+    write("dds.yaml", "bridge: line\nprogram: { engineers: { listen: 127.0.0.1:4950 } }\ndds: { security: plant/members/line }\n" + BUSES)
     write("web.yaml", "web: { listen: 127.0.0.1:8090, certificate: cert.pem, key: key }\n")
 
 

@@ -232,6 +232,23 @@ class Secured(unittest.TestCase):
             self.assertIn(told, done.stderr)
             self.assertEqual(done.stderr == "", told == "", done.stderr)
 
+    def test_the_check_of_a_station_places_its_faults(self):
+        path = os.path.join(self.folder, "station.yaml")
+        bridge = self.member("line-7")
+        fault = f"{bridge} makes this program the bridge line-7, which neither reads nor commands; name the folder of a station or a plant\n"
+        for text, place in ((f"station: page\ndds: {{ domain: 3, security: {bridge} }}\n", f"{path}:2:29: security: "),
+                            (f"station: page\nsites:\n  - {{ name: north, dds: {{ domain: 3 }} }}\n  - name: south\n    dds:\n"
+                             f"      domain: 4\n      security: {bridge}\n", f"{path}:7:17: south: security: ")):
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(text)
+            check = [os.path.join(BIN_DIR, "fieldcast-station"), "--config", path, "--check"]
+            done = subprocess.run(check, capture_output=True, text=True, timeout=30)
+            self.assertEqual((done.returncode, done.stderr), (3, place + fault))
+        with open(path, "w", encoding="utf-8") as file:
+            file.write("station: page\n")
+        done = subprocess.run([*check, "--security", bridge], capture_output=True, text=True, timeout=30)
+        self.assertEqual((done.returncode, done.stderr), (3, "--security: security: " + fault))
+
     def test_keys_are_for_their_owner_alone(self):
         for path, _, names in os.walk(self.authority):
             for name in names:

@@ -38,7 +38,7 @@ namespace {
 // Checks the spec before joining, because the library's messages are not useful to the user.
 std::string fault_of_joining(const DdsSpec& spec) {
   std::string text;
-  for (const JoinRemark& fault : check_joining(spec, false, utc_now()).faults)
+  for (const JoinRemark& fault : check_joining(spec, {}, utc_now()).faults)
     text += (text.empty() ? "" : "\n") + to_text(fault);
   return text;
 }

@@ -5,6 +5,8 @@ namespace {
 
 struct BusOf {
   std::string_view operator()(const StationResult&) const { return {}; }
+  std::string_view operator()(const StationBridge&) const { return {}; }
+  std::string_view operator()(const BridgeGone&) const { return {}; }
   std::string_view operator()(const ChannelGone& gone) const { return gone.path.bus; }
   std::string_view operator()(const AlarmGone& gone) const { return gone.last.bus; }
   std::string_view operator()(const StationAlarmStatus& one) const { return one.alarm.bus; }
@@ -27,6 +29,9 @@ bool update(StatusModel& model, const DomainEvent& event) {
   if (const auto* bus = std::get_if<BusGone>(&event)) model.buses.erase(bus->bus);
   if (const auto* device = std::get_if<DeviceGone>(&event))
     model.devices.erase({device->bus, device->device});
+  if (const auto* bridge = std::get_if<StationBridge>(&event))
+    model.bridges.insert_or_assign(bridge->bridge, *bridge);
+  if (const auto* bridge = std::get_if<BridgeGone>(&event)) model.bridges.erase(bridge->bridge);
   return false;
 }
 
@@ -60,6 +65,9 @@ void DomainView::subscribe_status() {
       [this](const StationDeviceStatus& last) {
         inbox_.put_newest(DeviceGone{last.bus, last.device});
       });
+  station_.subscribe_bridges(
+      [this](const StationBridge& bridge) { inbox_.put_newest(bridge); },
+      [this](const StationBridge& last) { inbox_.put_newest(BridgeGone{last.bridge}); });
 }
 
 void DomainView::subscribe_alarms() {

@@ -30,10 +30,13 @@ struct AlarmGone {
 struct AlarmStatusGone {
   StationAlarmStatus last;
 };
+struct BridgeGone {
+  std::string bridge;
+};
 using DomainEvent =
     std::variant<StationChannel, StationSample, ChannelGone, StationBusStatus, StationDeviceStatus,
                  StationResult, ProgramSessionReport, StationAlarm, AlarmGone, StationAlarmStatus,
-                 AlarmStatusGone, BusGone, DeviceGone>;
+                 AlarmStatusGone, BusGone, DeviceGone, StationBridge, BridgeGone>;
 
 // Bus of the event; empty if it has none.
 [[nodiscard]] std::string_view bus_of(const DomainEvent& event);

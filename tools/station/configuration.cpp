@@ -232,12 +232,13 @@ std::vector<Exposure> exposures_of(const StationSpec& spec) {
 
 LoadedStation load_station_text(std::string_view text, const std::string& file_name,
                                 const config::FileReader& reader,
-                                const std::optional<ListenSpec>& listen) {
+                                const std::optional<ListenSpec>& listen, config::Places* places) {
   if (!config::is_empty(text) &&
       !config::has_top_key(text, {"station", "dds", "log", "web", "store", "record", "sites"}))
     return tl::make_unexpected(whole_file(file_name, "this is no configuration of a station"));
   FaultList faults;
-  const auto document = config::parse_yaml(config::Source{file_name, std::string(text), 0}, faults);
+  const std::shared_ptr<const config::Document> document =
+      config::parse_yaml(config::Source{file_name, std::string(text), 0}, faults);
   StationSpec spec;
   if (document->root != nullptr) {
     const config::LoadOptions options = config::default_options();
@@ -253,16 +254,18 @@ LoadedStation load_station_text(std::string_view text, const std::string& file_n
     return tl::make_unexpected(whole_file(file_name, "the file is empty"));
   }
   if (!faults.empty()) return tl::make_unexpected(faults.take());
+  if (places != nullptr) *places = config::Places(document);
   return spec;
 }
 
-LoadedStation load_station(const std::string& path, const std::optional<ListenSpec>& listen) {
+LoadedStation load_station(const std::string& path, const std::optional<ListenSpec>& listen,
+                           config::Places* places) {
   const config::FileReader reader = config::disk_reader();
   const auto text = reader.read(path);
   if (!text)
     return tl::make_unexpected(
         whole_file(path, fmt::format("the file {}", config::to_text(text.error()))));
-  return load_station_text(*text, path, reader, listen);
+  return load_station_text(*text, path, reader, listen, places);
 }
 
 std::optional<ListenSpec> listen_from(const std::string& text) {

@@ -38,10 +38,12 @@ using LoadedStation = tl::expected<StationSpec, std::vector<config::Fault>>;
 
 // `listen` overrides the file. Returns all faults in the order of the text.
 [[nodiscard]] LoadedStation load_station(const std::string& path,
-                                         const std::optional<ListenSpec>& listen = {});
+                                         const std::optional<ListenSpec>& listen = {},
+                                         config::Places* places = nullptr);
 [[nodiscard]] LoadedStation load_station_text(std::string_view text, const std::string& file_name,
                                               const config::FileReader& reader,
-                                              const std::optional<ListenSpec>& listen = {});
+                                              const std::optional<ListenSpec>& listen = {},
+                                              config::Places* places = nullptr);
 
 // A fault of the listen address, with the fix. Outside the loopback interface a station needs TLS
 // and logins, and no role for clients without a login.

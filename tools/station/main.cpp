@@ -51,11 +51,11 @@ void log_library(bool error, std::string_view kind, std::string_view text) {
                          "Fast DDS", fmt::format("messages of {}", kind), text);
 }
 
-// Empty if the options or the configuration are invalid; all faults are printed to stderr.
-std::optional<StationSpec> spec_of(const Options& options) {
+// Empty: every fault is on stderr.
+std::optional<StationSpec> spec_of(const Options& options, fieldcast::config::Places& places) {
   StationSpec spec;
   if (!options.config.empty()) {
-    auto loaded = load_station(options.config, options.listen);
+    auto loaded = load_station(options.config, options.listen, &places);
     if (!loaded) {
       std::fputs(fieldcast::config::to_text(loaded.error()).c_str(), stderr);
       return std::nullopt;
@@ -84,17 +84,42 @@ std::optional<StationSpec> spec_of(const Options& options) {
   return spec;
 }
 
-ExitCode check_joining(const StationSpec& spec) {
+// Where the faults of an identity are: in the file, or on the command line.
+class Origin {
+ public:
+  Origin(const Options& options, const fieldcast::config::Places& places)
+      : options_(options), places_(places) {}
+  // `site`: its number among `sites`.
+  [[nodiscard]] std::string of_dds(const StationSpec& spec, std::size_t site,
+                                   const std::string& key) const {
+    if (key == "security" && !options_.security.empty()) return "--security: ";
+    const bool several = !spec.sites[site].name.empty();
+    return of(several ? fmt::format("sites.{}.dds.{}", site, key) : "dds." + key);
+  }
+  [[nodiscard]] std::string of(const std::string& path) const {
+    const std::string place = places_.at(path);
+    return place.empty() ? "" : place + ": ";
+  }
+
+ private:
+  const Options& options_;
+  const fieldcast::config::Places& places_;
+};
+
+ExitCode check_joining(const StationSpec& spec, const Origin& origin) {
   bool good = true;
-  for (const fieldcast::DdsSite& site : spec.sites) {
-    const auto check = fieldcast::check_joining(site.dds, false, fieldcast::read_clocks().utc);
-    for (const auto& remarks : {check.faults, check.warnings}) {
-      for (const fieldcast::JoinRemark& remark : remarks)
-        std::fputs(fmt::format("{}{}{}\n", site.name, site.name.empty() ? "" : ": ",
-                               fieldcast::to_text(remark))
-                       .c_str(),
-                   stderr);
-    }
+  for (std::size_t i = 0; i < spec.sites.size(); ++i) {
+    const fieldcast::DdsSite& site = spec.sites[i];
+    const auto check = fieldcast::check_joining(site.dds, {}, fieldcast::read_clocks().utc);
+    const std::string name = site.name.empty() ? "" : site.name + ": ";
+    const auto say = [&](const fieldcast::JoinRemark& remark, const char* severity) {
+      std::fputs(fmt::format("{}{}{}{}\n", origin.of_dds(spec, i, remark.key), severity, name,
+                             fieldcast::to_text(remark))
+                     .c_str(),
+                 stderr);
+    };
+    for (const fieldcast::JoinRemark& fault : check.faults) say(fault, "");
+    for (const fieldcast::JoinRemark& warning : check.warnings) say(warning, "warning: ");
     good = good && check.faults.empty();
   }
   return good ? ExitCode::kOk : ExitCode::kBadConfiguration;
@@ -141,7 +166,7 @@ class SiteIdentities {
 bool log_joining(const StationSpec& spec) {
   bool good = true;
   for (const fieldcast::DdsSite& site : spec.sites) {
-    const auto check = fieldcast::check_joining(site.dds, false, fieldcast::read_clocks().utc);
+    const auto check = fieldcast::check_joining(site.dds, {}, fieldcast::read_clocks().utc);
     for (const auto& fault : check.faults) fieldcast::log_error(fault.of, fault.text);
     for (const auto& warning : check.warnings) fieldcast::log_warning(warning.of, warning.text);
     if (site.dds.without_security) fieldcast::log_warning("dds", kOpen);
@@ -186,19 +211,19 @@ ExitCode serve(fieldcast::Signals& signals, const StationSpec& spec) {
   }
 }
 
-// Checks that the key file is not readable by others; the loader has checked the rest.
-ExitCode check_key(const StationSpec& spec) {
+// What a file says is good by now; whether the key that it names is one for a service is seen here.
+ExitCode check_key(const StationSpec& spec, const Origin& origin) {
   if (spec.web.key.empty()) return ExitCode::kOk;
   const auto closed =
       fieldcast::check_secret_file(spec.web.key, fieldcast::Readers::kOwnerAndGroup);
   if (closed) return ExitCode::kOk;
-  std::fputs(fmt::format("web: {}\n", closed.error()).c_str(), stderr);
+  std::fputs(fmt::format("{}web: {}\n", origin.of("web.key"), closed.error()).c_str(), stderr);
   return ExitCode::kBadConfiguration;
 }
 
-// Also prints successful checks, so that an empty output is never a success.
-ExitCode check(const StationSpec& spec) {
-  const ExitCode joining = check_joining(spec), key = check_key(spec);
+// What is good is said too: silence could be a program that looked at nothing.
+ExitCode check(const StationSpec& spec, const Origin& origin) {
+  const ExitCode joining = check_joining(spec, origin), key = check_key(spec, origin);
   for (const fieldcast::DdsSite& site : spec.sites) {
     if (site.dds.without_security)
       std::fputs(
@@ -250,9 +275,10 @@ ExitCode run(int argc, char** argv) {
     return ended->fault ? ExitCode::kUsage : ExitCode::kOk;
   }
   fieldcast::Signals signals;
-  const auto spec = spec_of(options);
+  fieldcast::config::Places places;
+  const auto spec = spec_of(options, places);
   if (!spec) return ExitCode::kBadConfiguration;
-  if (options.check) return check(*spec);
+  if (options.check) return check(*spec, Origin(options, places));
   fieldcast::open_log(spec->log.level);
   fieldcast::set_library_lines(log_library);
   ExitCode code = ExitCode::kCannotStart;

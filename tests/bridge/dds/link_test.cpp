@@ -88,7 +88,9 @@ TEST(DdsLink, TheChannelsOfABridgeAreThereWhenAnotherOneOfALaterEpochHasLeft) {
 TEST(BridgePresence, HearsOfBridgesThatAreThereBeforeIt) {
   const DdsSpec spec = loopback();
   Domain there(spec, "there", nullptr), here(spec, "here", nullptr);
-  BridgePresence first(there, "first", unheard());
+  const RequestWriters without_security;
+  const auto no_problem = [](const std::string& text) { ADD_FAILURE() << text; };
+  BridgePresence first(there, without_security, "first", unheard(), no_problem);
   first.announce({.bridge = "first"});
   std::atomic<bool> known = false;
   const Subscription<idl::BridgePubSubType> watching(
@@ -98,7 +100,7 @@ TEST(BridgePresence, HearsOfBridgesThatAreThereBeforeIt) {
   DdsLink::BridgeHandlers handlers = unheard();
   handlers.found = [&](const std::string& id) { found.add(id); };
   handlers.received = [&](const std::string& id, const BridgeClaims&) { said.add(id); };
-  BridgePresence second(here, "second", handlers);
+  BridgePresence second(here, without_security, "second", handlers, no_problem);
   EXPECT_EQ(found.all(), std::vector<std::string>{first.id()});
   EXPECT_TRUE(eventually([&] { return said.size() == 1; }));
   second.close();

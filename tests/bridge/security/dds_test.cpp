@@ -417,6 +417,40 @@ TEST_F(DdsSecurity, ARequesterBelongsToTheSubjectThatUsedItFirst) {
   EXPECT_EQ(bridge.received.commands.size(), 1U);
 }
 
+TEST_F(DdsSecurity, AClaimUnderTheNameOfAnotherBridgeIsIgnored) {
+  Received received;
+  Collected<BridgeClaims> claims;
+  Collected<std::string> found, lost;
+  auto handlers = received.handlers();
+  handlers.bridges.received = [&](const std::string&, const BridgeClaims& one) { claims.add(one); };
+  handlers.bridges.found = [&](const std::string& id) { found.add(id); };
+  handlers.bridges.lost = [&](const std::string& id) { lost.add(id); };
+  const DdsLink watching(as_new({kBridge, "line-9", {}}), "line-9", handlers);
+  Domain other(as_new({kBridge, "line-8", {}}), "line-7", nullptr);
+  dds::DataWriterQos qos = writer_qos(kBridgeTopic);
+  qos.resource_limits().max_instances = 2;
+  qos.resource_limits().max_samples = 2;
+  dds::DataWriter* const writer = other.writer(kBridgeTopic, qos, "fieldcast-bridge line-7");
+  const auto claim = [&](const std::string& name) {
+    idl::Bridge message;
+    to_idl(BridgeClaims{name, "host", "", UtcTime{1}, {{"press-1", {UtcTime{1}, true}}}}, message);
+    writer->write(&message);
+  };
+  claim("line-7");
+  ASSERT_TRUE(eventually([&] { return received.problems.size() > 0; }));
+  EXPECT_EQ(received.problems.all().front(),
+            "a claim on buses under the name of bridge 'line-7' was ignored: its writer has the "
+            "identity of bridge line-8");
+  EXPECT_EQ(claims.size(), 0U);
+  EXPECT_EQ(lost.all(), found.all());  // nobody waits for it
+  claim("line-8");
+  ASSERT_TRUE(eventually([&] { return claims.size() > 0; }));
+  EXPECT_EQ(claims.all().front().bridge, "line-8");
+  claim("line-7");
+  EXPECT_TRUE(eventually([&] { return lost.size() == 2; }));
+  EXPECT_EQ(claims.size(), 1U);
+}
+
 TEST_F(DdsSecurity, WhatIsWrongWithAFolderIsSaid) {
   const auto fault = [](const DdsSpec& spec) -> std::string {
     try {

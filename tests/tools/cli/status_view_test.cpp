@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tools/cli/view/claims_view.hpp"
+
 namespace fieldcast::cli {
 namespace {
 
@@ -49,6 +51,65 @@ TEST(StatusView, EachNumberHasItsNameAndItsUnit) {
             "  refused   addresses, which are left out of blocks: holding:107\n"
             "  gaps      unused addresses between channels that it refuses to read, so that\n"
             "            no block runs across them: holding:110..115\n");
+}
+
+StationBridge bridge_of(const std::string& name, bool serving, const std::string& group = "") {
+  StationBridge bridge;
+  bridge.bridge = name;
+  bridge.host = "host-of-" + name;
+  bridge.standby_group = group;
+  bridge.buses = {{"press-shop", {}, serving}};
+  return bridge;
+}
+
+TEST(StatusView, BridgesThatClaimTheSameBusAreNamed) {
+  StatusModel model = plant();
+  const StationBusStatus& bus = model.buses.at("press-shop");
+  const auto put = [&](const StationBridge& bridge) { model.bridges[bridge.bridge] = bridge; };
+  put(bridge_of("line-7", true));
+  EXPECT_TRUE(claim_facts(model, bus).empty());
+  put(bridge_of("line-8", true));
+  put(bridge_of("line-9", false));
+  EXPECT_THAT(
+      joined(status_lines(model, UtcTime{1'500'000'000}, {})),
+      HasSubstr(
+          "  claims    contested: bridge line-8 on host host-of-line-8 also claims to serve\n"));
+  const auto facts = claim_facts(model, bus);
+  ASSERT_EQ(facts.size(), 2U);
+  EXPECT_EQ(facts[0].text,
+            "contested: bridge line-8 on host host-of-line-8 also claims to serve bus press-shop, "
+            "whose name "
+            "must be unique in the DDS domain; stop or rename one of them");
+  EXPECT_EQ(
+      facts[1].text,
+      "refused: bridge line-9 on host host-of-line-9 has a bus of this name and does not serve it, "
+      "because bridge line-7 does; rename one of the buses");
+  Json line = status_json(bus);
+  add_claims(line, model, bus);
+  EXPECT_EQ(line["contested_by"],
+            (Json::array({{{"bridge", "line-8"}, {"host", "host-of-line-8"}}})));
+  EXPECT_EQ(line["waiting_bridges"],
+            (Json::array({{{"bridge", "line-9"}, {"host", "host-of-line-9"}}})));
+}
+
+TEST(StatusView, MembersOfAStandbyGroupDoNotContestItsBuses) {
+  StatusModel model = plant();
+  for (const char* name : {"line-7", "line-8"})
+    model.bridges[name] = bridge_of(name, name == std::string("line-7"), "pair");
+  EXPECT_TRUE(claim_facts(model, model.buses.at("press-shop")).empty());
+  Json line;
+  add_claims(line, model, model.buses.at("press-shop"));
+  EXPECT_TRUE(line.empty());
+}
+
+TEST(StatusView, ManyClaimantsAreCounted) {
+  StatusModel model = plant();
+  for (int i = 0; i < 50; ++i) {
+    const auto bridge = bridge_of("forger-" + std::to_string(100 + i), true);
+    model.bridges[bridge.bridge] = bridge;
+  }
+  EXPECT_THAT(claim_facts(model, model.buses.at("press-shop")).at(0).text,
+              HasSubstr("bridge forger-102 on host host-of-forger-102 and 47 more also claims"));
 }
 
 TEST(StatusView, EightyColumnsAreEnough) {

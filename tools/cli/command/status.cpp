@@ -13,6 +13,7 @@
 #include "tools/cli/listening.hpp"
 #include "tools/cli/standby_watch.hpp"
 #include "tools/cli/terminal.hpp"
+#include "tools/cli/view/claims_view.hpp"
 #include "tools/cli/view/json.hpp"
 #include "tools/cli/view/standby_view.hpp"
 #include "tools/cli/view/status_view.hpp"
@@ -22,8 +23,14 @@ namespace {
 
 constexpr Duration kLook = std::chrono::milliseconds{500};
 
+Json bus_json(const StatusModel& model, const StationBusStatus& bus) {
+  Json line = status_json(bus);
+  add_claims(line, model, bus);
+  return line;
+}
+
 void print_json(const StatusModel& model, std::ostream& out) {
-  for (const auto& [name, bus] : model.buses) out << to_line(status_json(bus)) << '\n';
+  for (const auto& [name, bus] : model.buses) out << to_line(bus_json(model, bus)) << '\n';
   for (const auto& [key, device] : model.devices) out << to_line(status_json(device)) << '\n';
 }
 
@@ -38,9 +45,9 @@ void print_members(const StandbyModel& model, std::ostream& out) {
   for (const auto& line : standby_lines(model, output_screen())) out << line << '\n';
 }
 
-void print_event(const DomainEvent& event, std::ostream& out) {
+void print_event(const StatusModel& model, const DomainEvent& event, std::ostream& out) {
   if (const auto* bus = std::get_if<StationBusStatus>(&event))
-    out << to_line(status_json(*bus)) << '\n';
+    out << to_line(bus_json(model, *bus)) << '\n';
   if (const auto* device = std::get_if<StationDeviceStatus>(&event))
     out << to_line(status_json(*device)) << '\n';
 }
@@ -76,7 +83,7 @@ ExitCode status(const StatusOptions& options, const Connection& connection, Inte
     const auto wake = options.time ? now + kLook : listening.over_at();
     for (const auto& event : domain.inbox().take_all(to_steady(std::min(end, wake)))) {
       if (update(model, event)) listening.news(bus_of(event), instant_now());
-      if (options.time && options.json) print_event(event, out);
+      if (options.time && options.json) print_event(model, event, out);
     }
     out.flush();
   }

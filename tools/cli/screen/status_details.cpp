@@ -7,6 +7,7 @@
 #include "tools/cli/screen/cell_text.hpp"
 #include "tools/cli/screen/list_control.hpp"
 #include "tools/cli/screen/status_rows.hpp"
+#include "tools/cli/view/claims_view.hpp"
 #include "tools/cli/view/sample_text.hpp"
 #include "tools/cli/view/standby_facts.hpp"
 
@@ -58,6 +59,8 @@ std::vector<FrameLine> standby_details(const StatusModel& model, const ChannelPa
 Span group_state(const StatusModel& model, const ChannelPath& id) {
   if (id.device.empty()) {
     const auto* bus = bus_of(model, id);
+    if (bus != nullptr && !claimants_of(model, *bus).serving.empty())
+      return {"contested", Tone::kBad};
     if (bus == nullptr || (bus->report.state == BusState::kRunning && bus->report.stretch <= 1))
       return {};
     return bus->report.state == BusState::kRunning
@@ -89,6 +92,9 @@ std::vector<FrameLine> status_details(const StatusModel& model, const ChannelPat
   }
   for (const StatusFact& fact : device != nullptr ? device_facts(*device, bus) : bus_facts(*bus))
     add_fact(lines, fact, columns);
+  if (device == nullptr) {
+    for (const StatusFact& fact : claim_facts(model, *bus)) add_fact(lines, fact, columns);
+  }
   return lines;
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "tools/cli/screen/channel_rows.hpp"
+#include "tools/cli/view/claims_view.hpp"
 #include "tools/cli/view/standby_facts.hpp"
 
 namespace fieldcast::cli {
@@ -121,9 +122,12 @@ const StandbyMessage* member_of(const StatusModel& model, const ChannelPath& id)
 
 ListRows status_rows(const StatusModel& model, const StatusChoice& choice, const RowList& list) {
   StatusGroups groups(choice);
-  for (const auto& [name, bus] : model.buses)
-    groups.add_head({name, {}, {}}, rank_of(bus),
-                    searched(name, to_text(bus.report.state), bus.causes));
+  for (const auto& [name, bus] : model.buses) {
+    const bool contested = !claimants_of(model, bus).serving.empty();
+    groups.add_head(
+        {name, {}, {}}, contested ? Rank::kBad : rank_of(bus),
+        searched(name, to_text(bus.report.state), bus.causes) + (contested ? " contested" : ""));
+  }
   for (const auto& [key, device] : model.devices)
     groups.add_member(
         {key.first, key.second, {}}, rank_of(device),

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "tools/cli/screen/cell_text.hpp"
+#include "tools/cli/view/claims_view.hpp"
 #include "tools/cli/view/sample_text.hpp"
 
 namespace fieldcast::cli {
@@ -104,6 +105,7 @@ std::vector<std::string> status_lines(const StatusModel& model, UtcTime now, con
           fmt::format("  bridge {}, reported {} ago", bus->bridge, age_text(bus->reported_at, now));
     lines.push_back(painted(shown(head), Tone::kTitle, screen.colour));
     if (bus != nullptr) add_facts(lines, bus_facts(*bus), screen);
+    if (bus != nullptr) add_facts(lines, claim_facts(model, *bus), screen);
     add_devices(lines, model, name, bus, screen);
   }
   return lines;

@@ -61,6 +61,19 @@ for (const [name, options] of [['on a phone', { width: 390, height: 800 }], ['in
     assert.deepEqual(faults, []);
   });
 
+test('the overview names bridges that claim a bus of another bridge', { skip }, async () => {
+  const [bus] = mock.plant.buses;
+  const claim = (bridge, serving) => ({ ...mock.plant.bridges[0], bridge, host: `host-${bridge}`, buses: [{ bus: bus.bus, since_ms: 1, serving }] });
+  mock.plant.bridges.push(claim('east', true), claim('west', false));
+  const page = await open('#/overview');
+  const card = page.locator('.card.bus', { hasText: 'east' });
+  assert.equal(await card.count(), 1);
+  assert.match(await card.textContent(), /Contested: east \(host-east\) also claims to serve/);
+  assert.match(await card.textContent(), /west \(host-west\) has a bus of this name and does not serve it/);
+  mock.plant.bridges.splice(-2);
+  await page.context().close();
+});
+
 test('alarms that want somebody come first and are counted in the head and in the tab', { skip }, async () => {
   const page = await open('#/alarms');
   assert.match(await page.title(), /^\(2\) Alarms/);

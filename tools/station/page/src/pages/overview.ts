@@ -9,7 +9,7 @@ import { t, word } from '../i18n';
 import { html, svg } from '../markup';
 import type { Load, Tally } from '../plant';
 import { link } from '../router';
-import type { Bus, Counts, Device } from '../types';
+import type { Bridge, Bus, Counts, Device } from '../types';
 import { badge, bar, empty, makeElement, stateBadge } from '../view';
 
 const trendFor_ms = 300_000;
@@ -46,11 +46,21 @@ const causes = (counts: Counts): TemplateResult | string => {
   return rows.length ? html`${rows.map(([cause, n]) => html`<span class="cause">${word('cause', cause)} <b>${count(n)}</b></span>`)}` : t('overview.no-misses');
 };
 
+// Bridges beside the one that reports the bus, and beside its standby group: those that say that they serve it, too, and those that do not.
+function claims(bridges: ReadonlyMap<string, Bridge>, bus: Bus): { serving: string; waiting: string } {
+  const group = bridges.get(bus.bridge)?.standby_group;
+  const others = [...bridges.values()].filter((each) => each.bridge !== bus.bridge && !(group && each.standby_group === group));
+  const named = (serving: boolean): string => others.filter((each) => each.buses.some((claim) => claim.bus === bus.bus && claim.serving === serving))
+    .map((each) => `${each.bridge} (${each.host})`).slice(0, 4).join(', ');
+  return { serving: named(true), waiting: named(false) };
+}
+
 function card(context: Context, bus: Bus, tally: Tally | undefined): TemplateResult {
   const { plant } = context;
   const reportAge_ms = context.now() - bus.reported_ms;
   const loads = plant.loads.get(bus.bus) ?? [];
   const device = slowest(plant.devices.values(), bus.bus);
+  const { serving, waiting } = claims(plant.bridges, bus);
   const recent = grown(loads, 'misses', minute_ms);
   const rate = grown(loads, 'exchanges', 10_000);
   const alarms = [...plant.alarms.values()].filter((alarm) => alarm.bus === bus.bus && alarm.active).length;
@@ -60,6 +70,8 @@ function card(context: Context, bus: Bus, tally: Tally | undefined): TemplateRes
     <header><h2><a href=${link('live', [], { q: `${bus.bus}/*` })}>${bus.bus}</a></h2>${stateBadge(bus.state)}</header>
     <p class="muted sub">${bus.bridge}${bus.closed_because ? ` · ${t('overview.because', { cause: word('cause', bus.closed_because) })}` : ''}
       <span class="space"></span>${t('overview.report-age')} ${age(reportAge_ms)}</p>
+    ${serving ? html`<p class="sub bad-text" role="alert">${t('overview.contested', { bridge: serving })}</p>` : nothing}
+    ${waiting ? html`<p class="sub warn">${t('overview.refused', { bridge: waiting })}</p>` : nothing}
     ${bar('planned', t('overview.planned'), bus.planned_load, t('overview.planned-hint'))}
     ${bar('measured', t('overview.measured'), bus.measured_load, t('overview.measured-hint'))}
     ${bar('used', t('overview.used'), bus.utilisation, t('overview.used-hint'))}
