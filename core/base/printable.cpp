@@ -8,15 +8,6 @@ namespace {
 constexpr std::string_view kDigits = "0123456789ABCDEF";
 constexpr std::string_view kCut = "...";
 
-// REQUIRES: `character` is one character of UTF-8.
-char32_t code_point(std::string_view character) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(character[i]); };
-  char32_t code = byte(0);
-  if (character.size() > 1) code &= 0xFFu >> (character.size() + 1);
-  for (std::size_t i = 1; i < character.size(); ++i) code = code << 6 | (byte(i) & 0x3Fu);
-  return code;
-}
-
 std::string spelled(char32_t code) {
   switch (code) {
     case '\n': return "\\n";
@@ -31,6 +22,14 @@ std::string spelled(char32_t code) {
 }
 
 }  // namespace
+
+char32_t code_point(std::string_view character) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(character[i]); };
+  char32_t code = byte(0);
+  if (character.size() > 1) code &= 0xFFu >> (character.size() + 1);
+  for (std::size_t i = 1; i < character.size(); ++i) code = code << 6 | (byte(i) & 0x3Fu);
+  return code;
+}
 
 // Controls of ASCII and of Latin-1 (some terminals obey U+009B as they do ESC [), ends of lines and
 // paragraphs, and the marks that turn the direction of text (Unicode 15, 23.2 and UAX #9).

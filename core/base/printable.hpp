@@ -10,6 +10,9 @@ namespace fieldcast {
 
 constexpr std::size_t kMaxPrintable = 4096;  // bytes of a line of the log
 
+// The code point of the character. REQUIRES: one character of valid UTF-8.
+[[nodiscard]] char32_t code_point(std::string_view character);
+
 // False for a control character, an end of line or paragraph, a mark without width and a mark that
 // turns the writing direction. REQUIRES: one character of valid UTF-8.
 [[nodiscard]] bool is_printable(std::string_view character);

@@ -6,9 +6,9 @@
 #include <map>
 #include <ostream>
 
+#include "core/base/json.hpp"
 #include "tools/cli/clock.hpp"
 #include "tools/cli/listening.hpp"
-#include "tools/cli/view/json.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -205,7 +205,7 @@ ExitCode CommandRun::execute(std::vector<Errand> errands) {
 
 void CommandRun::print(const Outcome& outcome) {
   if (options_.json) {
-    out_ << to_line(outcome_json(outcome)) << '\n' << std::flush;
+    out_ << outcome_json(outcome).text() << '\n' << std::flush;
   } else {
     (exit_code_of(outcome) == ExitCode::kOk ? out_ : err_) << outcome_line(outcome) << '\n'
                                                            << std::flush;

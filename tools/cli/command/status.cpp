@@ -4,6 +4,7 @@
 #include <memory>
 #include <ostream>
 
+#include "core/base/json.hpp"
 #include "tools/cli/clock.hpp"
 #include "tools/cli/command/command.hpp"
 #include "tools/cli/command/in_domain.hpp"
@@ -13,7 +14,6 @@
 #include "tools/cli/listening.hpp"
 #include "tools/cli/standby_watch.hpp"
 #include "tools/cli/terminal.hpp"
-#include "tools/cli/view/json.hpp"
 #include "tools/cli/view/standby_view.hpp"
 #include "tools/cli/view/status_view.hpp"
 
@@ -23,8 +23,8 @@ namespace {
 constexpr Duration kLook = std::chrono::milliseconds{500};
 
 void print_json(const StatusModel& model, std::ostream& out) {
-  for (const auto& [name, bus] : model.buses) out << to_line(status_json(bus)) << '\n';
-  for (const auto& [key, device] : model.devices) out << to_line(status_json(device)) << '\n';
+  for (const auto& [name, bus] : model.buses) out << status_json(bus).text() << '\n';
+  for (const auto& [key, device] : model.devices) out << status_json(device).text() << '\n';
 }
 
 void print_table(const StatusModel& model, std::ostream& out) {
@@ -41,9 +41,9 @@ void print_members(const StandbyModel& model, std::ostream& out) {
 
 void print_event(const DomainEvent& event, std::ostream& out) {
   if (const auto* bus = std::get_if<StationBusStatus>(&event))
-    out << to_line(status_json(*bus)) << '\n';
+    out << status_json(*bus).text() << '\n';
   if (const auto* device = std::get_if<StationDeviceStatus>(&event))
-    out << to_line(status_json(*device)) << '\n';
+    out << status_json(*device).text() << '\n';
 }
 
 // A terminal that cannot show a screen gets text, and is told why.
@@ -93,7 +93,7 @@ ExitCode status(const StatusOptions& options, const Connection& connection, Inte
     print_members(members.model(), out);
   } else if (!options.time) {
     print_json(model, out);
-    for (const auto& [key, member] : members.model()) out << to_line(standby_json(member)) << '\n';
+    for (const auto& [key, member] : members.model()) out << standby_json(member).text() << '\n';
   }
   out.flush();
   return out ? ExitCode::kOk : ExitCode::kTrouble;

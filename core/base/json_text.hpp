@@ -1,4 +1,5 @@
-// JSON texts, appended piece by piece: what is sent often needs no tree in memory. Pure.
+// The writer of all JSON: texts, numbers and objects are appended to a string, without a tree in
+// memory. core/base/json.hpp makes values of it. Pure functions.
 #pragma once
 
 #include <concepts>
@@ -9,7 +10,7 @@
 #include "core/base/time.hpp"
 #include "core/base/value.hpp"
 
-namespace fieldcast::web {
+namespace fieldcast {
 
 // The greatest integer up to which every integer is a double of its own (IEEE 754): what a browser
 // reads exactly.
@@ -17,11 +18,14 @@ inline constexpr std::uint64_t kMaxExact = std::uint64_t{1} << 53;
 
 // With its quotes. Bytes that are not UTF-8 become U+FFFD; a character that is not
 // is_printable() (core/base/printable.hpp) is written as \u202e.
-void append_text(std::string& out, std::string_view text);
+void append_json_text(std::string& out, std::string_view text);
+// The character as \n, \u202e or, above U+FFFF, two of these (RFC 8259, 7). REQUIRES: one character
+// of valid UTF-8.
+void append_json_escape(std::string& out, std::string_view character);
 // The fewest digits that read back as the same number; null for NaN and infinities.
-void append_number(std::string& out, double number);
-// Integers beyond kMaxExact and bytes that are no UTF-8 (as \xE4) as texts.
-void append_value(std::string& out, const Value& value);
+void append_json_number(std::string& out, double number);
+// For browsers: integers beyond kMaxExact are texts. Bytes that are not UTF-8 are written as \xE4.
+void append_json_value(std::string& out, const Value& value);
 // Unix time in milliseconds, with a fraction; 0 for no such time.
 [[nodiscard]] double unix_ms(UtcTime time);
 [[nodiscard]] double milliseconds(Duration duration);
@@ -31,14 +35,14 @@ void append_value(std::string& out, const Value& value);
 class JsonObject {
  public:
   JsonObject& add(std::string_view name, std::string_view text) {
-    append_text(begin(name), text);
+    append_json_text(begin(name), text);
     return *this;
   }
   JsonObject& add(std::string_view name, const char* text) {
     return add(name, std::string_view(text));
   }
   JsonObject& add(std::string_view name, double number) {
-    append_number(begin(name), number);
+    append_json_number(begin(name), number);
     return *this;
   }
   JsonObject& add(std::string_view name, std::integral auto number) {
@@ -55,7 +59,7 @@ class JsonObject {
     return add(name, unix_ms(time));
   }
   JsonObject& add_value(std::string_view name, const Value& value) {
-    append_value(begin(name), value);
+    append_json_value(begin(name), value);
     return *this;
   }
   // `json` is JSON already.
@@ -74,6 +78,9 @@ class JsonObject {
   std::string text_ = "{";
 };
 
+// The fields of two objects in one.
+[[nodiscard]] std::string json_joined(std::string object, std::string_view more);
+
 // "[1,2]" of anything that `append(out, item)` appends.
 template <class Items, class Append>
 [[nodiscard]] std::string json_array(const Items& items, Append append) {
@@ -85,4 +92,4 @@ template <class Items, class Append>
   return text + ']';
 }
 
-}  // namespace fieldcast::web
+}  // namespace fieldcast
