@@ -54,6 +54,12 @@ CommandClient::CommandClient(Domain& domain, const std::string& name, const std:
 }
 
 CommandClient::~CommandClient() {
+  {
+    const std::lock_guard lock(mutex_);
+    closing_ = true;
+    changed_.notify_all();
+  }
+  if (resender_.joinable()) resender_.join();
   for (auto& [lifespan, writer] : writers_) domain_.remove(writer->entity);
   if (actions_) domain_.remove(actions_->entity);
   domain_.remove(results_);
@@ -92,19 +98,87 @@ void CommandClient::ResultListener::on_data_available(dds::DataReader* reader) {
   dds::SampleInfo info;
   while (reader->take_next_sample(&sample, &info) == ReturnCode_t::RETCODE_OK) {
     if (!info.valid_data || !client->is_ours(sample.requester().c_str())) continue;
-    StationResult result = from_idl(sample);
-    std::function<void(const StationResult&)> handler;
-    {
-      const std::lock_guard lock(client->mutex_);
-      handler = client->handler_;
-      const auto found = client->awaited_.find(result.request_id);
-      if (found != client->awaited_.end() && !found->second) {
-        found->second = result;
-        client->changed_.notify_all();
+    client->on_result(from_idl(sample));
+  }
+}
+
+void CommandClient::on_result(StationResult result) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (auto found = kept_.extract(result.request_id)) {
+      Kept& kept = found.mapped();
+      result.request_id = kept.first_id;
+      if (was_not_run(result) && kept.attempts < kMostAttempts && !closing_) {
+        kept.refusal = std::move(result);
+        kept.next = std::chrono::steady_clock::now() + kTry * (1 << (kept.attempts - 1));
+        again_.push_back(std::move(kept));
+        if (!resender_.joinable()) resender_ = std::thread([this] { send_again(); });
+        return changed_.notify_all();
       }
     }
-    if (handler) handler(result);
   }
+  deliver(result);
+}
+
+void CommandClient::deliver(const StationResult& result) {
+  std::function<void(const StationResult&)> handler;
+  {
+    const std::lock_guard lock(mutex_);
+    handler = handler_;
+    const auto found = awaited_.find(result.request_id);
+    if (found != awaited_.end() && !found->second) {
+      found->second = result;
+      changed_.notify_all();
+    }
+  }
+  if (handler) handler(result);
+}
+
+void CommandClient::send_again() {
+  const auto put_back = [this](Kept kept) {
+    const std::lock_guard lock(mutex_);
+    again_.push_back(std::move(kept));
+  };
+  std::unique_lock lock(mutex_);
+  while (!closing_) {
+    changed_.wait(lock, [this] { return closing_ || !again_.empty(); });
+    std::vector<Kept> waiting = std::exchange(again_, {});
+    lock.unlock();
+    for (Kept& kept : waiting) {
+      const auto now = std::chrono::steady_clock::now();
+      if (now < kept.next) {
+        put_back(std::move(kept));
+        continue;
+      }
+      // In whole seconds: each lifespan has its writer. A new id, as bridges remember the old one.
+      const Duration left = kept.ends - now;
+      kept.command.lifespan = std::chrono::floor<std::chrono::seconds>(left);
+      kept.command.command.request_id = 0;
+      tl::expected<std::uint64_t, StationFault> sent = tl::unexpected(StationFault::kNotSent);
+      if (kept.command.lifespan > Duration::zero()) {
+        Kept next = kept;
+        ++next.attempts;
+        sent = send(std::move(next), Duration::zero(), false);
+      }
+      if (sent) continue;
+      if (sent.error() != StationFault::kNoBridge) {
+        deliver(kept.refusal);
+        continue;
+      }
+      put_back(std::move(kept));
+    }
+    lock.lock();
+    if (!again_.empty()) changed_.wait_for(lock, kTry, [this] { return closing_; });
+  }
+}
+
+void CommandClient::keep(std::uint64_t request_id, Kept kept) {
+  const auto now = std::chrono::steady_clock::now();
+  if (kept_.size() >= kMaxKept)
+    std::erase_if(kept_, [&](const auto& entry) { return entry.second.ends < now; });
+  if (kept_.size() >= kMaxKept) return;
+  if (kept.first_id == 0) kept.first_id = request_id;
+  kept_.insert_or_assign(request_id, std::move(kept));
 }
 
 bool CommandClient::is_ours(std::string_view requester) const {
@@ -169,11 +243,11 @@ bool CommandClient::reaches(const std::string& bus, const Matches& writer) const
   return any && all;
 }
 
-template <class Message>
-tl::expected<std::uint64_t, StationFault> CommandClient::send(Message& message,
-                                                              Writer<Message>& writer,
-                                                              Duration wait_for_bridge,
-                                                              bool awaited) {
+template <class Message, class Note>
+tl::expected<std::uint64_t, StationFault> CommandClient::write(Message& message,
+                                                               Writer<Message>& writer,
+                                                               Duration wait_for_bridge,
+                                                               Note note) {
   std::uint64_t id = 0;
   {
     std::unique_lock lock(mutex_);
@@ -183,11 +257,12 @@ tl::expected<std::uint64_t, StationFault> CommandClient::send(Message& message,
     if (message.request_id() >= next_id_) return tl::unexpected(StationFault::kNotSent);
     id = message.request_id() != 0 ? message.request_id() : next_id_++;
     message.request_id(id);
-    if (awaited) awaited_[id];
+    note(id);
   }
   if (!writer.write(message)) {
     const std::lock_guard lock(mutex_);
     awaited_.erase(id);
+    kept_.erase(id);
     return tl::unexpected(StationFault::kNotSent);
   }
   return id;
@@ -199,9 +274,21 @@ tl::expected<std::uint64_t, StationFault> CommandClient::send(StationCommand com
   if (!command.person.empty() && !is_person(command.person))
     return tl::unexpected(StationFault::kNoPerson);
   command.command.requester = command.person.empty() ? requester_ : of_persons_ + command.person;
+  Kept kept;
+  kept.command = std::move(command);
+  return send(std::move(kept), wait_for_bridge, awaited);
+}
+
+tl::expected<std::uint64_t, StationFault> CommandClient::send(Kept kept, Duration wait_for_bridge,
+                                                              bool awaited) {
+  const StationCommand& command = kept.command;
   idl::Command out;
   if (!to_idl(command.bus, command.command, out)) return tl::unexpected(StationFault::kNotSent);
-  return send(out, writer_for(command.lifespan), wait_for_bridge, awaited);
+  return write(out, writer_for(command.lifespan), wait_for_bridge, [&](std::uint64_t id) {
+    if (awaited) awaited_[id];
+    if (kept.attempts == 1) kept.ends = std::chrono::steady_clock::now() + kept.command.lifespan;
+    keep(id, std::move(kept));
+  });
 }
 
 tl::expected<std::uint64_t, StationFault> CommandClient::send(AlarmAction action,
@@ -210,26 +297,17 @@ tl::expected<std::uint64_t, StationFault> CommandClient::send(AlarmAction action
   action.requester = requester_;
   idl::AlarmAction out;
   if (!to_idl(action, out)) return tl::unexpected(StationFault::kNotSent);
-  return send(out, action_writer(), wait_for_bridge, awaited);
+  return write(out, action_writer(), wait_for_bridge, [&](std::uint64_t id) {
+    if (awaited) awaited_[id];
+  });
 }
 
 StationOutcome CommandClient::execute(StationCommand command, Duration wait_for_bridge,
                                       Duration wait_for_result) {
-  const auto began = std::chrono::steady_clock::now();
-  const Duration lifespan = command.lifespan;
-  tl::expected<StationResult, StationFault> outcome = tl::unexpected(StationFault::kNotSent);
-  for (int attempt = 1;; ++attempt) {
-    const auto id = send(command, wait_for_bridge, true);
-    if (!id) return attempt == 1 ? tl::unexpected(id.error()) : outcome;
-    outcome = await(*id, command.lifespan + wait_for_result);
-    if (!outcome || !was_not_run(*outcome) || attempt == kMostAttempts) return outcome;
-    // In whole seconds: each lifespan has its writer. A new id, as bridges remember the old one.
-    const Duration spent = std::chrono::steady_clock::now() - began;
-    command.lifespan = std::chrono::floor<std::chrono::seconds>(lifespan - spent);
-    if (command.lifespan <= Duration::zero()) return outcome;
-    command.command.request_id = 0;
-    wait_for_bridge = std::min(wait_for_bridge, command.lifespan);
-  }
+  const Duration longest = command.lifespan + wait_for_result;
+  const auto id = send(std::move(command), wait_for_bridge, true);
+  if (!id) return tl::unexpected(id.error());
+  return await(*id, longest);
 }
 
 tl::expected<StationResult, StationFault> CommandClient::await(std::uint64_t request_id,

@@ -1,5 +1,8 @@
 // A station's side of commands: writes Command and AlarmAction, matches CommandResult to them. Any
 // thread.
+//
+// A command that was_not_run() is sent again under a new request_id, by a thread that starts with
+// the first such command. The caller sees one command, one request_id and one result.
 #pragma once
 
 #include <atomic>
@@ -10,6 +13,8 @@
 #include <mutex>
 #include <set>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include "bridge/dds/domain.hpp"
 #include "bridge/dds/topics/conversion.hpp"
@@ -33,7 +38,7 @@ class CommandClient {
   [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(AlarmAction action,
                                                                Duration wait_for_bridge,
                                                                bool awaited);
-  // send() and await(); while its lifespan lasts, a command that was_not_run() is sent again.
+  // send() and await().
   [[nodiscard]] StationOutcome execute(StationCommand command, Duration wait_for_bridge,
                                        Duration wait_for_result);
   [[nodiscard]] tl::expected<StationResult, StationFault> await(std::uint64_t request_id,
@@ -42,7 +47,13 @@ class CommandClient {
  private:
   CommandClient(Domain& domain, const std::string& name, const std::string& identity);
 
-  static constexpr int kMostAttempts = 4;  // of one command
+  // Of one command, with pauses of kTry, twice that, and so on: a bridge that releases a bus may
+  // still be the one that is found.
+  static constexpr int kMostAttempts = 6;
+  // Commands that are kept until their result is received. Beyond that, a command has one attempt.
+  static constexpr std::size_t kMaxKept = 1024;
+  // How often a command that waits for another bridge is tried again.
+  static constexpr Duration kTry = std::chrono::milliseconds{50};
 
   // A bridge that takes no commands so long after it claimed a bus keeps no command back that
   // another bridge takes: a claim can be forged.
@@ -90,6 +101,16 @@ class CommandClient {
     CommandClient* client = nullptr;
   };
 
+  // A command that was sent and can be sent again.
+  struct Kept {
+    StationCommand command;
+    std::uint64_t first_id = 0;  // the caller's
+    std::chrono::steady_clock::time_point ends;
+    int attempts = 1;
+    std::chrono::steady_clock::time_point next;
+    StationResult refusal;  // of the last attempt
+  };
+
   // LIFESPAN is a writer's: one writer for each that is asked for.
   CommandWriter& writer_for(Duration lifespan);
   ActionWriter& action_writer();
@@ -99,12 +120,20 @@ class CommandClient {
   // but for those that had kLongestMatch for it. REQUIRES: mutex_ held.
   [[nodiscard]] bool reaches(const std::string& bus, const Matches& writer) const;
   // Waits for the bridge of the bus, then writes; gives the request_id, which is filled in here
-  // unless it was reserved.
-  template <class Message>
-  [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(Message& message,
-                                                               Writer<Message>& writer,
-                                                               Duration wait_for_bridge,
+  // unless it was reserved. `note(id)` is called before the message is written, with mutex_ held.
+  template <class Message, class Note>
+  [[nodiscard]] tl::expected<std::uint64_t, StationFault> write(Message& message,
+                                                                Writer<Message>& writer,
+                                                                Duration wait_for_bridge,
+                                                                Note note);
+  [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(Kept kept, Duration wait_for_bridge,
                                                                bool awaited);
+  // REQUIRES: mutex_ held.
+  void keep(std::uint64_t request_id, Kept kept);
+  void on_result(StationResult result);
+  void deliver(const StationResult& result);
+  // The thread that sends commands again, until closing_.
+  void send_again();
 
   Domain& domain_;
   const std::string requester_;
@@ -120,6 +149,10 @@ class CommandClient {
   std::uint64_t next_id_ = 1;
   std::map<std::uint64_t, std::optional<StationResult>> awaited_;
   std::function<void(const StationResult&)> handler_;
+  std::map<std::uint64_t, Kept> kept_;  // by the request_id of the last attempt
+  std::vector<Kept> again_;             // those that wait for a bridge
+  bool closing_ = false;
+  std::thread resender_;
   BusServers servers_;  // last: it calls what is above
 };
 

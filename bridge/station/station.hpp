@@ -109,8 +109,9 @@ class Station {
   void withdraw_interest(const std::string& pattern);
 
   // Writes the command once the bridge that serves the bus is found (at most wait_for_bridge) and
-  // blocks for its one result, at most lifespan + wait_for_result. One that was_not_run() is sent
-  // again while its lifespan lasts. request_id and requester are set here. kNoRight: as all below.
+  // blocks for its one result, at most lifespan + wait_for_result. A command that was_not_run() is
+  // sent again while its lifespan lasts, here and in send(); the caller sees one command with one
+  // request_id and one result. request_id and requester are set here. kNoRight: as all below.
   [[nodiscard]] StationOutcome execute(StationCommand command,
                                        Duration wait_for_bridge = std::chrono::seconds{3},
                                        Duration wait_for_result = std::chrono::seconds{5});
@@ -120,7 +121,7 @@ class Station {
   [[nodiscard]] StationOutcome write(std::string_view path, Value value, bool verify = false);
 
   // Does not wait for the result: gives the request_id (on_result, set before the first call, is
-  // told on a DDS thread).
+  // called with the result on a thread of the station or of DDS).
   [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(
       StationCommand command, Duration wait_for_bridge = std::chrono::seconds{3});
   void on_result(std::function<void(const StationResult&)> handler);

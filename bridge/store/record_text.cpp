@@ -3,34 +3,30 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
-#include "core/base/escaped.hpp"
+#include "core/base/json.hpp"
 #include "core/base/number_text.hpp"
 
 namespace fieldcast {
 namespace {
 
-using RecordFields = nlohmann::ordered_json;
+Json json_text(const std::string& text) { return Value(text); }
 
-std::string json_text(const std::string& text) { return is_utf8(text) ? text : escaped(text); }
-
-RecordFields json_value(const Value& value) {
-  if (const auto* text = std::get_if<std::string>(&value)) return json_text(*text);
+Json json_value(const Value& value) {
   if (const auto* real = std::get_if<double>(&value); real != nullptr && !std::isfinite(*real))
     return number_text(*real);
-  return std::visit([](const auto& plain) { return RecordFields(plain); }, value);
+  return value;
 }
 
-RecordFields alarm_fields(const AlarmKey& alarm) {
+Json alarm_fields(const AlarmKey& alarm) {
   return {{"bus", json_text(alarm.bus)},
           {"device", json_text(alarm.device)},
           {"channel", json_text(alarm.channel)},
           {"limit_kind", to_text(alarm.limit)}};
 }
 
-RecordJson record_json(const char* table, const RecordFields& fields) {
-  return {table, fields.dump(-1, ' ', true, RecordFields::error_handler_t::replace)};
+RecordJson record_json(const char* table, const Json& fields) {
+  return {table, ascii_json(fields)};
 }
 
 }  // namespace
@@ -78,19 +74,19 @@ RecordJson json_of(const AlarmRecord& alarm) {
 
 RecordJson json_of(const KeptAlarm& kept) {
   const AlarmStatus& status = kept.status;
-  RecordFields fields = alarm_fields(kept.alarm);
-  fields.update(RecordFields{{"stage", to_text(status.stage)},
-                             {"active", status.active},
-                             {"value", json_value(status.value)},
-                             {"raised_at", status.raised_at.nanoseconds},
-                             {"cleared_at", status.cleared_at.nanoseconds},
-                             {"acknowledged_by", json_text(status.acknowledged.by)},
-                             {"acknowledged_at", status.acknowledged.at.nanoseconds},
-                             {"acknowledged_note", json_text(status.acknowledged.note)},
-                             {"shelved_by", json_text(status.shelved.by)},
-                             {"shelved_at", status.shelved.since.nanoseconds},
-                             {"shelved_until", status.shelved.until.nanoseconds},
-                             {"shelved_note", json_text(status.shelved.note)}});
+  Json fields = alarm_fields(kept.alarm);
+  fields.add("stage", to_text(status.stage))
+      .add("active", status.active)
+      .add("value", json_value(status.value))
+      .add("raised_at", status.raised_at.nanoseconds)
+      .add("cleared_at", status.cleared_at.nanoseconds)
+      .add("acknowledged_by", json_text(status.acknowledged.by))
+      .add("acknowledged_at", status.acknowledged.at.nanoseconds)
+      .add("acknowledged_note", json_text(status.acknowledged.note))
+      .add("shelved_by", json_text(status.shelved.by))
+      .add("shelved_at", status.shelved.since.nanoseconds)
+      .add("shelved_until", status.shelved.until.nanoseconds)
+      .add("shelved_note", json_text(status.shelved.note));
   return record_json("alarm_states", fields);
 }
 
@@ -105,12 +101,12 @@ RecordJson json_of(const KeptMaintenance& maintenance) {
 }
 
 RecordJson json_of(const AlarmEvent& event) {
-  RecordFields fields = alarm_fields(event.alarm);
-  fields.update(RecordFields{{"at", event.at.nanoseconds},
-                             {"event", to_text(event.kind)},
-                             {"who", json_text(event.by)},
-                             {"note", json_text(event.note)},
-                             {"until", event.until.nanoseconds}});
+  Json fields = alarm_fields(event.alarm);
+  fields.add("at", event.at.nanoseconds)
+      .add("event", to_text(event.kind))
+      .add("who", json_text(event.by))
+      .add("note", json_text(event.note))
+      .add("until", event.until.nanoseconds);
   return record_json("alarm_events", fields);
 }
 

@@ -8,15 +8,6 @@ namespace {
 constexpr std::string_view kDigits = "0123456789ABCDEF";
 constexpr std::string_view kCut = "...";
 
-// REQUIRES: `character` is one UTF-8 character.
-char32_t code_point(std::string_view character) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(character[i]); };
-  char32_t code = byte(0);
-  if (character.size() > 1) code &= 0xFFu >> (character.size() + 1);
-  for (std::size_t i = 1; i < character.size(); ++i) code = code << 6 | (byte(i) & 0x3Fu);
-  return code;
-}
-
 std::string spelled(char32_t code) {
   switch (code) {
     case '\n': return "\\n";
@@ -32,8 +23,16 @@ std::string spelled(char32_t code) {
 
 }  // namespace
 
-// Excludes controls (some terminals treat U+009B as ESC [), line and paragraph separators, and
-// bidirectional controls (Unicode 15, 23.2 and UAX #9).
+char32_t code_point(std::string_view character) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(character[i]); };
+  char32_t code = byte(0);
+  if (character.size() > 1) code &= 0xFFu >> (character.size() + 1);
+  for (std::size_t i = 1; i < character.size(); ++i) code = code << 6 | (byte(i) & 0x3Fu);
+  return code;
+}
+
+// Controls of ASCII and of Latin-1 (some terminals obey U+009B as they do ESC [), ends of lines and
+// paragraphs, and the marks that turn the direction of text (Unicode 15, 23.2 and UAX #9).
 bool is_printable(std::string_view character) {
   const char32_t code = code_point(character);
   if (code < 0x20 || (code >= 0x7F && code < 0xA0)) return false;

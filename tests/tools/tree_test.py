@@ -111,6 +111,23 @@ def sources():
 NOT_BY_CLANG = re.compile(r"std::(views\b|ranges::(views\b|(search|search_n|find_end|equal_range|unique|remove|remove_if|partition|rotate|subrange)\b))")
 
 
+# All JSON is written by core/base/json.hpp and json_text.hpp, which escape what the network sends. What looks like JSON made by hand:
+# a literal that begins an object or ends a name, and the output of nlohmann's library, which is for reading only.
+JSON_BY_HAND = re.compile(r"""\{\\+"|\\":[^ ]|R"\w*\(\s*\{\s*"|\bdump\(""")
+# Constant texts: JSON schemas, and hints that show a client what it should have sent.
+JSON_BY_HAND_IN = {
+    "tools/station/configuration.cpp", "tools/station/api/alarm_request.cpp", "tools/station/api/commands.cpp",
+    "tools/station/live/client_message.cpp", "tools/station/web/login_routes.cpp",
+}
+
+
+def json_by_hand(path, text):
+    """The numbers of the lines of the file `path` (from the root) that make JSON without the writer."""
+    if path in JSON_BY_HAND_IN or path.startswith("tools/bench/") or not path.startswith(("bridge/", "core/", "tools/")):
+        return []
+    return [number for number, line in enumerate(text.splitlines(), 1) if JSON_BY_HAND.search(line.split("//")[0])]
+
+
 def too_long(text):
     """Returns the numbers of C++ lines with more than 100 columns; SQL in raw strings is exempt."""
     faults, raw = [], False
@@ -150,6 +167,14 @@ class Rules(unittest.TestCase):
         self.assertIsNotNone(station_fault("bridge/bridge.cpp", "bridge/station/station.hpp"))
         self.assertIsNotNone(station_fault("bridge/dds/topics/conversion.hpp", "bridge/station/station.hpp"))
         self.assertIsNotNone(station_fault("bridge/station/station.cpp", "bridge/log/log.hpp"))
+
+    def test_json_that_is_made_by_hand_is_found(self):
+        for line in ['out = "{\\"kind\\":" + text;', 'text += "\\"id\\":" + id;', 'R"({"kind":"result",)"', 'R"x( { "a": 1})x"',
+                     "line.dump()", 'fmt::format("{{\\"a\\": {}}}", a)']:
+            self.assertEqual(json_by_hand("tools/cli/x.cpp", line), [1], line)
+            self.assertEqual(json_by_hand("tools/bench/x.cpp", line), [])
+        for line in ['Json{{"a", 1}}', '// sends {"a": 1}', 'fmt::format("{}=\\"{}\\"", a, b)', 'json.add("id", id);']:
+            self.assertEqual(json_by_hand("bridge/x.cpp", line), [], line)
 
     def test_includes_are_seen_in_every_spelling(self):
         self.assertEqual(includes_of('#include <a>\n  # include "b/c.hpp"\n// #include <d>\n'), ["a", "b/c.hpp"])
@@ -227,6 +252,14 @@ class Tree(unittest.TestCase):
             with open(path, encoding="utf-8") as file:
                 faults += [f"{path}:{number}" for number in too_long(file.read())]
         self.assertEqual(faults, [], "\n" + "\n".join(faults))
+
+    def test_no_json_is_made_by_hand(self):
+        faults = []
+        for path in sorted(sources()):
+            with open(path, encoding="utf-8") as file:
+                name = os.path.relpath(path, SOURCE_DIR)
+                faults += [f"{name}:{number}" for number in json_by_hand(name, file.read())]
+        self.assertEqual(faults, [], "use core/base/json.hpp\n" + "\n".join(faults))
 
     def test_clang_compiles_what_is_fuzzed(self):
         faults = []

@@ -6,26 +6,20 @@
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
-#include <nlohmann/json.hpp>
 
 #include "bridge/log/line_writer.hpp"
+#include "core/base/json.hpp"
 #include "core/base/printable.hpp"
 
 namespace fieldcast::port {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-// A separate writer, so that the port works while nobody reads standard output.
+// The port serves its program also while nobody reads its standard output.
 LineWriter& output() {
   static auto& lines = *new LineWriter(STDOUT_FILENO, [](std::uint64_t lost) {
     return fmt::format("({} lines are missing here)\n", lost);
   });
   return lines;
-}
-
-std::string to_line(const Json& line) {
-  return line.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 constexpr Duration kLastWords = std::chrono::milliseconds{300};
@@ -59,18 +53,18 @@ PortReport::~PortReport() { (void)output().flush(kLastWords); }
 void PortReport::state(const std::string& state, const std::string& text) {
   if (json_)
     return print(
-        to_line(Json{{"device", device_}, {"link", link_}, {"state", state}, {"text", text}}));
+        Json{{"device", device_}, {"link", link_}, {"state", state}, {"text", text}}.text());
   print(fmt::format("{}: {}", device_, text));
 }
 
 void PortReport::dropped(const std::string& text) {
-  if (json_) return print(to_line(Json{{"device", device_}, {"dropped", text}}));
+  if (json_) return print(Json{{"device", device_}, {"dropped", text}}.text());
   print(fmt::format("{}: {}", device_, text));
 }
 
 void PortReport::line(std::uint32_t baud, unsigned stop_bits) {
   if (json_)
-    return print(to_line(Json{{"device", device_}, {"baud", baud}, {"stop_bits", stop_bits}}));
+    return print(Json{{"device", device_}, {"baud", baud}, {"stop_bits", stop_bits}}.text());
   print(fmt::format("{}: the program sets {} baud, {} stop bits", device_, baud, stop_bits));
 }
 
@@ -84,12 +78,14 @@ void PortReport::traffic(std::uint64_t sent, std::uint64_t received, Instant now
   sent_ = sent;
   received_ = received;
   if (json_) {
-    return print(to_line(Json{{"device", device_},
-                              {"bytes_to_device", sent},
-                              {"bytes_from_device", received},
-                              {"rate_to_device", out},
-                              {"rate_from_device", in},
-                              {"seconds", seconds}}));
+    return print(Json{
+        {"device", device_},
+        {"bytes_to_device", sent},
+        {"bytes_from_device", received},
+        {"rate_to_device", out},
+        {"rate_from_device", in},
+        {"seconds",
+         seconds}}.text());
   }
   print(fmt::format("{}: {} bytes sent ({}), {} received ({}){}", device_, sent, rate_text(out),
                     received, rate_text(in), last ? fmt::format(", in {:f} s", seconds) : ""));

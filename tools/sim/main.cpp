@@ -9,6 +9,7 @@
 #include "bridge/write_faults.hpp"
 #include "config/loader.hpp"
 #include "core/base/duration_text.hpp"
+#include "core/base/json.hpp"
 #include "tools/sim/bus/fault_file.hpp"
 #include "tools/sim/plant_loop.hpp"
 #include "tools/sim/report.hpp"
@@ -57,7 +58,7 @@ void say(const Arguments& given, const std::vector<std::unique_ptr<sim::SimBus>>
                   to_text(spec.port).c_str());
     }
   }
-  std::puts(given.json ? "{\"ready\":true}" : "READY");
+  std::puts(given.json ? Json{{"ready", true}}.text().c_str() : "READY");
   std::fflush(stdout);
 }
 

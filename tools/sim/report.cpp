@@ -2,17 +2,16 @@
 
 #include <cstdio>
 #include <fstream>
-#include <nlohmann/json.hpp>
+
+#include "core/base/json.hpp"
 
 namespace fieldcast::sim {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 Json device_report(const SimBus::Member& member) {
   const DeviceStatistics& counted = member.device->statistics();
   Json exceptions = Json::object();
-  for (const auto& [code, count] : counted.exceptions) exceptions[std::to_string(code)] = count;
+  for (const auto& [code, count] : counted.exceptions) exceptions.add(std::to_string(code), count);
   std::uint64_t requests = 0;
   for (const auto& [function, count] : counted.requests) requests += count;
   return {{"name", member.name},
@@ -30,20 +29,19 @@ Json device_report(const SimBus::Member& member) {
 
 Json bus_report(const SimBus& bus) {
   const LineStatistics& line = bus.statistics();
-  Json report{{"name", bus.spec().name},
-              {"port", to_text(bus.spec().port)},
-              {"bytes_heard", line.bytes_received},
-              {"bytes_said", line.bytes_sent},
-              {"lost_characters", line.lost},
-              {"collisions", line.collisions},
-              {"connections", line.connections},
-              {"shortest_rest_us", nullptr},
-              {"devices", Json::array()}};
-  if (line.shortest_rest)
-    report["shortest_rest_us"] = static_cast<double>(line.shortest_rest->count()) / 1000.0;
-  for (const SimBus::Member& member : bus.members())
-    report["devices"].push_back(device_report(member));
-  return report;
+  Json devices = Json::array();
+  for (const SimBus::Member& member : bus.members()) devices.push_back(device_report(member));
+  std::optional<double> rest_us;
+  if (line.shortest_rest) rest_us = static_cast<double>(line.shortest_rest->count()) / 1000.0;
+  return {{"name", bus.spec().name},
+          {"port", to_text(bus.spec().port)},
+          {"bytes_heard", line.bytes_received},
+          {"bytes_said", line.bytes_sent},
+          {"lost_characters", line.lost},
+          {"collisions", line.collisions},
+          {"connections", line.connections},
+          {"shortest_rest_us", rest_us},
+          {"devices", devices}};
 }
 
 }  // namespace
@@ -53,13 +51,13 @@ std::string location_line(const BusSpec& bus, const std::string& location) {
                   {"place", location},
                   {"port", to_text(bus.port)},
                   {"devices", bus.devices.size()}};
-  return line.dump();
+  return line.text();
 }
 
 std::string report_of(std::span<const std::unique_ptr<SimBus>> buses, Duration running) {
-  Json report{{"seconds", to_seconds(running)}, {"buses", Json::array()}};
-  for (const auto& bus : buses) report["buses"].push_back(bus_report(*bus));
-  return report.dump(2) + "\n";
+  Json list = Json::array();
+  for (const auto& bus : buses) list.push_back(bus_report(*bus));
+  return Json{{"seconds", to_seconds(running)}, {"buses", list}}.text() + "\n";
 }
 
 bool write_report(const std::string& path, const std::string& report) {

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/tools/cli/parsed_json.hpp"
+
 namespace fieldcast::cli {
 namespace {
 
@@ -57,7 +59,7 @@ TEST(AlarmView, JsonHasWhatBothTopicsSay) {
   KnownAlarm known = raised(AlarmStage::kAcknowledged);
   known.status->acknowledged = {"anna", "seen", {5}};
   known.status->suppressed = {"chen", "", {6}, {7}};
-  const Json json = alarm_json(key_of("c"), known);
+  const auto json = parsed(alarm_json(key_of("c"), known));
   EXPECT_EQ(json["state"], "active");
   EXPECT_EQ(json["stage"], "acknowledged");
   EXPECT_EQ(json["priority"], "high");
@@ -65,7 +67,7 @@ TEST(AlarmView, JsonHasWhatBothTopicsSay) {
   EXPECT_EQ(json["suppressed_until"], 7);
   EXPECT_FALSE(json.contains("shelved_by"));
   const StationAlarm older{"b", "d", "c", LimitKind::kLow, AlarmState::kClear, 5, {9}};
-  EXPECT_EQ(to_line(alarm_json({"b", "d", "c", LimitKind::kLow}, {older, {}})),
+  EXPECT_EQ(alarm_json({"b", "d", "c", LimitKind::kLow}, {older, {}}).text(),
             R"({"bus":"b","device":"d","channel":"c","limit":"low","state":"clear",)"
             R"("value":5.0,"since":9})");
 }
@@ -73,14 +75,14 @@ TEST(AlarmView, JsonHasWhatBothTopicsSay) {
 TEST(AlarmView, TheHistorySaysWhoAndUntilWhen) {
   AlarmLogEntry entry{"b", "d", "c", "high", "raised", 91.5, "", "", kRaisedAt, {}};
   EXPECT_EQ(alarm_line(entry), "2023-11-14T22:13:20.000Z  b/d/c  high raised  91.5");
-  EXPECT_EQ(record_json(entry)["state"], "active");
+  EXPECT_EQ(parsed(record_json(entry))["state"], "active");
   entry = {"b", "d",    "",    "",        "maintenance",
            {},  "anna", "oil", kRaisedAt, later(std::chrono::minutes{1})};
   EXPECT_EQ(
       alarm_line(entry),
       "2023-11-14T22:13:20.000Z  b/d  maintenance by anna until 2023-11-14T22:14:20.000Z: oil");
-  EXPECT_EQ(record_json(entry)["who"], "anna");
-  EXPECT_FALSE(record_json(entry).contains("state"));
+  EXPECT_EQ(parsed(record_json(entry))["who"], "anna");
+  EXPECT_FALSE(parsed(record_json(entry)).contains("state"));
 }
 
 }  // namespace

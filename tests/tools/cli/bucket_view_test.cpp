@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/tools/cli/parsed_json.hpp"
+
 namespace fieldcast::cli {
 namespace {
 
@@ -31,10 +33,10 @@ TEST(BucketView, CsvHasEveryDigitAndNothingWhereNothingWasGood) {
 }
 
 TEST(BucketView, JsonHasNullWhereNothingWasGood) {
-  EXPECT_EQ(to_line(bucket_json(kChannel, kNothingGood)),
+  EXPECT_EQ(bucket_json(kChannel, kNothingGood).text(),
             R"({"bus":"press-shop","device":"press-1","channel":"oil","time":1699999980000000000,)"
             R"("min":null,"max":null,"average":null,"count":0,"bad":60})");
-  EXPECT_EQ(bucket_json(kChannel, kMinute)["max"], 2.0);
+  EXPECT_EQ(parsed(bucket_json(kChannel, kMinute))["max"], 2.0);
 }
 
 }  // namespace

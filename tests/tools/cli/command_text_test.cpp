@@ -5,6 +5,8 @@
 
 #include <limits>
 
+#include "tests/tools/cli/parsed_json.hpp"
+
 namespace fieldcast::cli {
 namespace {
 
@@ -117,13 +119,13 @@ TEST(Outcomes, LineSaysWhatCameOfIt) {
 TEST(Outcomes, JsonHasTheFieldsOfTheResult) {
   auto verified = outcome(CommandState::kVerified);
   verified.result.values = {std::int64_t{5}, true};
-  const auto json = outcome_json(verified);
+  const auto json = parsed(outcome_json(verified));
   EXPECT_EQ(json["request_id"], 9);
   EXPECT_EQ(json["state"], "verified");
-  EXPECT_EQ(to_line(json["values"]), "[5,true]");
+  EXPECT_EQ(json["values"].dump(), "[5,true]");
   auto silent = verified;
   silent.state = Outcome::State::kNoResult;
-  EXPECT_EQ(outcome_json(silent)["state"], "no-answer");
+  EXPECT_EQ(parsed(outcome_json(silent))["state"], "no-answer");
 }
 
 }  // namespace

@@ -11,9 +11,9 @@
 #include "core/capture/pcapng_writer.hpp"
 #include "core/capture/upper_pdu.hpp"
 #include "core/model/make_protocol.hpp"
+#include "tests/tools/cli/parsed_json.hpp"
 #include "tools/cli/command/inspect.hpp"
 #include "tools/cli/inspect/value_decoder.hpp"
-#include "tools/cli/view/json.hpp"
 #include "tools/cli/view/sample_text.hpp"
 
 namespace fieldcast::cli {
@@ -191,10 +191,10 @@ TEST_F(InspectCapture, JsonHasDirectionCommentAndValues) {
   std::string first, second;
   std::getline(lines, first);
   std::getline(lines, second);
-  EXPECT_EQ(Json::parse(first)["direction"], "sent");
-  EXPECT_EQ(Json::parse(first)["comment"], "why");
-  EXPECT_EQ(Json::parse(second)["values"][0]["channel"], "voltage");
-  EXPECT_EQ(Json::parse(second)["values"][0]["value"], 230.1);
+  EXPECT_EQ(parsed(first)["direction"], "sent");
+  EXPECT_EQ(parsed(first)["comment"], "why");
+  EXPECT_EQ(parsed(second)["values"][0]["channel"], "voltage");
+  EXPECT_EQ(parsed(second)["values"][0]["value"], 230.1);
 }
 
 TEST_F(InspectCapture, WithoutAProtocolItAsksForOne) {

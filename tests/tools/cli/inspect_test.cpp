@@ -7,7 +7,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "tools/cli/view/json.hpp"
+#include "tests/tools/cli/parsed_json.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -46,7 +46,7 @@ TEST(Inspect, WrongChecksumIsFound) {
 TEST(Inspect, ReadsStandardInputWhenThereIsNoArgument) {
   const auto inspected = run({"modbus-rtu", {}, true}, std::string(kReadInputs) + "\n");
   EXPECT_EQ(inspected.code, ExitCode::kOk);
-  const auto json = Json::parse(inspected.out);
+  const auto json = parsed(inspected.out);
   EXPECT_EQ(json["frame"], kReadInputs);
   EXPECT_EQ(json["faults"], 0);
 }

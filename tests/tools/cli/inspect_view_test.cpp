@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/tools/cli/parsed_json.hpp"
+
 namespace fieldcast::cli {
 namespace {
 
@@ -34,7 +36,7 @@ TEST(InspectView, FieldBeyondTheFrameShowsNoBytes) {
 }
 
 TEST(InspectView, JsonCountsFaults) {
-  const auto json = inspect_json("modbus-rtu", kFrame, kFields);
+  const auto json = parsed(inspect_json("modbus-rtu", kFrame, kFields));
   EXPECT_EQ(json["frame"], "01030064000285D5");
   EXPECT_EQ(json["faults"], 1);
   EXPECT_EQ(json["fields"][2]["depth"], 1);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "core/protocol/registry.hpp"
+#include "tests/tools/cli/parsed_json.hpp"
 #include "tools/cli/model/bus_plan.hpp"
 #include "tools/cli/view/plan_view.hpp"
 
@@ -73,7 +74,8 @@ TEST(PlanView, ShowsTheOrderOfWideValuesAndTexts) {
   EXPECT_THAT(plan_lines(plan, {}),
               testing::AllOf(testing::Contains(HasSubstr("int32, low word first")),
                              testing::Contains(HasSubstr("string(4), low byte first"))));
-  for (const auto& row : plan_json(plan)["channels"]) {
+  const auto json = parsed(plan_json(plan));
+  for (const auto& row : json["channels"]) {
     EXPECT_EQ(row["word_order"], row["channel"] == "a" ? "little-endian" : "big-endian");
     EXPECT_EQ(row["byte_order"], row["channel"] == "b" ? "little-endian" : "big-endian");
     EXPECT_FALSE(row["type"].get<std::string>().empty());
@@ -85,7 +87,7 @@ TEST(PlanView, FeasiblePlanNeedsNoAdvice) {
   const auto plan = make_plan(bus, 5ms);
   ASSERT_TRUE(plan.prediction.feasible);
   EXPECT_TRUE(advice(plan).empty());
-  const auto json = plan_json(plan);
+  const auto json = parsed(plan_json(plan));
   EXPECT_EQ(json["feasible"], true);
   EXPECT_EQ(json["channels"].size(), 2u);
   EXPECT_LE(json["channels"][0]["worst_gap"], json["channels"][0]["refresh"]);
@@ -98,7 +100,7 @@ TEST(PlanView, JsonHoldsThePlanThatTheSchedulerFollows) {
       line({channel("fast", 0, 200ms), channel("slow", 1, 1s), channel("far", 4000, 1s)});
   const auto plan = make_plan(bus, 5ms);
   const ReadPlan& followed = plan.prediction.plan;
-  const auto json = plan_json(plan)["plan"];
+  const auto json = parsed(plan_json(plan))["plan"];
   EXPECT_EQ(json["load"], followed.planned_load());
   EXPECT_EQ(json["slot"], followed.slot().count());
   EXPECT_EQ(json["hyperperiod"], followed.hyperperiod().count());
@@ -116,7 +118,7 @@ TEST(PlanView, JsonHoldsThePlanThatTheSchedulerFollows) {
 TEST(PlanView, PlanWithoutATimetableHasNoSlotsAndNoPeriods) {
   auto bus = line({channel("a", 0, 1s)});
   bus.planner = Planner::kDynamicBlocks;
-  const auto json = plan_json(make_plan(bus, 5ms))["plan"];
+  const auto json = parsed(plan_json(make_plan(bus, 5ms)))["plan"];
   EXPECT_TRUE(json["slot"].is_null());
   EXPECT_TRUE(json["groups"][0]["points"][0]["worst_gap"].is_null());
   EXPECT_GT(json["groups"][0]["load"], 0);
@@ -172,7 +174,7 @@ TEST(PlanView, ANetworkIsNotAdvisedABaudRate) {
 TEST(PlanView, TightestChannelComesFirst) {
   const auto bus =
       line({channel("slow", 0, 5s), channel("fast", 4000, 100ms), channel("other", 9000, 700ms)});
-  const auto json = plan_json(make_plan(bus, 5ms));
+  const auto json = parsed(plan_json(make_plan(bus, 5ms)));
   ASSERT_EQ(json["channels"].size(), 3u);
   double before = 1e9;
   for (const auto& row : json["channels"]) {

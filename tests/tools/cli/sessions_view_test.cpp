@@ -29,7 +29,7 @@ TEST(SessionsView, JsonHasTheFieldsOfTheIdl) {
   static constexpr std::string_view kLine =
       R"j({"bus":"press-shop","device":"press-1","state":"open","who":"anna (10.0.0.7:51000)",)j"
       R"("bytes_to_device":1234,"bytes_from_device":56789,"since":1000000000})";
-  EXPECT_EQ(to_line(session_json(kSession)), kLine);
+  EXPECT_EQ(session_json(kSession).text(), kLine);
 }
 
 }  // namespace

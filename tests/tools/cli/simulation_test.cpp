@@ -5,6 +5,7 @@
 
 #include "config/loader.hpp"
 #include "tests/plan/maps.hpp"
+#include "tests/tools/cli/parsed_json.hpp"
 #include "tools/cli/model/bus_simulation.hpp"
 #include "tools/cli/view/simulation_view.hpp"
 
@@ -53,7 +54,7 @@ TEST(BusSimulation, WhatIsPredictedHappens) {
   }
   EXPECT_EQ(simulation.channels[2].readings, 0u) << "nobody asked";
   EXPECT_THAT(simulation_lines(simulation, {}).front(), HasSubstr("10min simulated, seed 1: "));
-  EXPECT_EQ(simulation_json(simulation)["channels"].size(), 4u);
+  EXPECT_EQ(parsed(simulation_json(simulation))["channels"].size(), 4u);
 }
 
 TEST(BusSimulation, AModuleThatDialsInHasALineBehindIt) {
@@ -140,7 +141,7 @@ TEST(BusSimulation, EveryMissHasItsCauseAndItsChannel) {
   // closed: 10 s at 200 ms.
   EXPECT_NEAR(static_cast<double>(simulation.channels[0].missed), 50, 2);
   EXPECT_EQ(simulation.channels[0].last_miss, Cause::kPortClosed);
-  const Json json = simulation_json(simulation);
+  const auto json = parsed(simulation_json(simulation));
   EXPECT_EQ(json["causes"]["NO_ANSWER"], simulation.bus.misses[Cause::kNoAnswer]);
   EXPECT_GE(json["channels"][0]["missed"], json["channels"][1]["missed"])
       << "the worst comes first";
@@ -154,7 +155,7 @@ TEST(BusSimulation, OneSeedIsOneRunToTheLetter) {
   faults.devices["a"].loss = 0.05;
   faults.devices["a"].delay.spread = 3ms;
   const auto run = [&](std::uint64_t seed) {
-    return to_line(simulation_json(simulate(plan, faults, {2min, seed})));
+    return simulation_json(simulate(plan, faults, {2min, seed})).text();
   };
   EXPECT_EQ(run(7), run(7));
   EXPECT_NE(run(7), run(8));

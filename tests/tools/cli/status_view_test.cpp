@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tools/cli/view/claims_view.hpp"
+#include "tests/tools/cli/parsed_json.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -141,13 +141,13 @@ TEST(StatusView, ADeviceThatIsOfflineSaysWhy) {
 
 TEST(StatusView, JsonHasTheFieldsOfTheIdl) {
   const auto model = plant();
-  const auto bus = status_json(model.buses.at("press-shop"));
+  const auto bus = parsed(status_json(model.buses.at("press-shop")));
   EXPECT_EQ(bus["bus"], "press-shop");
   EXPECT_EQ(bus["causes"]["NO_ANSWER"], 12);
   EXPECT_EQ(bus["utilisation"], 0.731);
-  const auto device = status_json(model.devices.begin()->second);
+  const auto device = parsed(status_json(model.devices.begin()->second));
   EXPECT_EQ(device["answer_time"], 2'150'000);
-  EXPECT_EQ(to_line(device["refused"]), R"(["holding:107"])");
+  EXPECT_EQ(device["refused"].dump(), R"(["holding:107"])");
   EXPECT_EQ(device["areas"][0]["longest_block"], 64);
 }
 
@@ -158,10 +158,10 @@ TEST(StatusView, AClosedBusSaysWhy) {
   report.closed_because = Cause::kPortMissing;
   EXPECT_THAT(joined(status_lines(model, UtcTime{1'500'000'000}, {})),
               HasSubstr("closed: no such device file; look whether the adapter is plugged in"));
-  EXPECT_EQ(status_json(model.buses.at("press-shop"))["closed_because"], "PORT_MISSING");
+  EXPECT_EQ(parsed(status_json(model.buses.at("press-shop")))["closed_because"], "PORT_MISSING");
   report.state = BusState::kRunning;
   report.closed_because = Cause::kNone;
-  EXPECT_FALSE(status_json(model.buses.at("press-shop")).contains("closed_because"));
+  EXPECT_FALSE(parsed(status_json(model.buses.at("press-shop"))).contains("closed_because"));
 }
 
 TEST(StatusView, BytesThatAreNoAnswersComeWithWhatToTry) {

@@ -130,7 +130,7 @@ TEST(WatchView, AStationThatIsTooSlowSaysSoInItsLastLine) {
 }
 
 TEST(WatchView, TheEventOfAStationThatIsTooSlowIsNoSample) {
-  EXPECT_EQ(to_line(lag_json({.blocks = 100, .missing = 12, .requests = 3})),
+  EXPECT_EQ(lag_json({.blocks = 100, .missing = 12, .requests = 3}).text(),
             R"({"event":"too_slow","blocks_missed":12,"last_values_requests":3})");
 }
 

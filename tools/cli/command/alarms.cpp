@@ -84,7 +84,7 @@ ExitCode alarms(const AlarmsOptions& options, const Connection& connection, Inte
   const Told told = listen(domain, connection);
   if (const auto code = trouble(domain, told, connection, err)) return *code;
   if (options.json) {
-    for (const auto& [key, known] : told.alarms) out << to_line(alarm_json(key, known)) << '\n';
+    for (const auto& [key, known] : told.alarms) out << alarm_json(key, known).text() << '\n';
   } else {
     const auto lines = alarm_lines(told.alarms, utc_now(), {0, 0, output_screen().colour});
     if (lines.size() > 1) {  // more than the titles
@@ -159,12 +159,12 @@ Json outcome_json(const AlarmAction& action, const StationOutcome& outcome) {
   Json json = {
       {"action", to_text(action.kind)}, {"bus", action.alarm.bus}, {"device", action.alarm.device}};
   if (!is_of_device(action.kind)) {
-    json["channel"] = action.alarm.channel;
-    json["limit"] = to_text(action.alarm.limit);
+    json.add("channel", action.alarm.channel);
+    json.add("limit", to_text(action.alarm.limit));
   }
-  json["state"] = outcome ? to_text(outcome->state) : "failed";
-  json["cause"] = outcome ? outcome->cause : "NO_ANSWER";
-  json["reason"] = outcome ? outcome->reason : std::string(to_text(outcome.error()));
+  json.add("state", outcome ? to_text(outcome->state) : "failed");
+  json.add("cause", outcome ? outcome->cause : "NO_ANSWER");
+  json.add("reason", outcome ? outcome->reason : std::string(to_text(outcome.error())));
   return json;
 }
 
@@ -188,7 +188,7 @@ ExitCode act_on_alarms(const AlarmsOptions& options, const std::string& by,
     const StationOutcome outcome = domain.station().execute(action);
     worst = std::max(worst, code_of(outcome));
     if (options.json) {
-      out << to_line(outcome_json(action, outcome)) << '\n';
+      out << outcome_json(action, outcome).text() << '\n';
     } else {
       out << printable(fmt::format("{}: {}", to_text(action.alarm), to_text(outcome))) << '\n';
     }
@@ -208,7 +208,7 @@ ExitCode stored_alarms(const AlarmsOptions& options, std::ostream& out, std::ost
   AlarmLifeTable(*connection)
       .log(options.span->from, options.span->to, [&](const AlarmLogEntry& entry) {
         ++count;
-        out << (options.json ? to_line(record_json(entry)) : alarm_line(entry)) << '\n';
+        out << (options.json ? record_json(entry).text() : alarm_line(entry)) << '\n';
         return out.good();
       });
   out.flush();

@@ -6,19 +6,16 @@
 #include <map>
 #include <ostream>
 
+#include "core/base/json.hpp"
 #include "tools/cli/clock.hpp"
 #include "tools/cli/listening.hpp"
-#include "tools/cli/view/json.hpp"
 
 namespace fieldcast::cli {
 namespace {
 
-constexpr int kMostAttempts = 4;  // of one command
-
 struct Waiting {
   std::size_t errand = 0;
   Instant until{};
-  int attempts = 1;
 };
 
 }  // namespace
@@ -152,7 +149,7 @@ ExitCode CommandRun::execute(std::vector<Errand> errands) {
       auto& errand = errands[next];
       if (errand.to_be_sent() && send(errand, options_.timeout, kBridgeWait)) {
         waiting[errand.outcome.result.request_id] = {
-            next, instant_now() + options_.timeout + kResultGrace, 1};
+            next, instant_now() + options_.timeout + kResultGrace};
       } else {
         finish(errand);
       }
@@ -166,19 +163,8 @@ ExitCode CommandRun::execute(std::vector<Errand> errands) {
       const auto* result = std::get_if<StationResult>(&event);
       const auto found = result == nullptr ? waiting.end() : waiting.find(result->request_id);
       if (found == waiting.end()) continue;
-      Waiting was = found->second;
+      Errand& errand = errands[found->second.errand];
       waiting.erase(found);
-      Errand& errand = errands[was.errand];
-      // Remaining time in whole seconds, because each lifespan needs its own writer.
-      const Duration left =
-          std::chrono::floor<std::chrono::seconds>(was.until - kResultGrace - instant_now());
-      if (was_not_run(*result) && left > Duration::zero() && was.attempts++ < kMostAttempts) {
-        if (send(errand, left, left)) {
-          waiting[errand.outcome.result.request_id] = was;
-          continue;
-        }
-        errand.outcome.state = Outcome::State::kResult;
-      }
       errand.outcome.result = *result;
       finish(errand);
     }
@@ -205,7 +191,7 @@ ExitCode CommandRun::execute(std::vector<Errand> errands) {
 
 void CommandRun::print(const Outcome& outcome) {
   if (options_.json) {
-    out_ << to_line(outcome_json(outcome)) << '\n' << std::flush;
+    out_ << outcome_json(outcome).text() << '\n' << std::flush;
   } else {
     (exit_code_of(outcome) == ExitCode::kOk ? out_ : err_) << outcome_line(outcome) << '\n'
                                                            << std::flush;

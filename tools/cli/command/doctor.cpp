@@ -24,7 +24,7 @@ ExitCode doctor(const DoctorOptions& options, std::ostream& out, std::ostream& e
   }
   const auto findings = findings_of(gather_facts(options.root, spec ? &*spec : nullptr));
   if (options.json) {
-    for (const Finding& finding : findings) out << to_line(finding_json(finding)) << '\n';
+    for (const Finding& finding : findings) out << finding_json(finding).text() << '\n';
   } else {
     for (const auto& line : doctor_lines(findings, screen)) out << line << '\n';
   }

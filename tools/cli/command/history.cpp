@@ -72,7 +72,7 @@ class Printer {
     if (options_.csv) out_ << history_csv_head() << '\n';
     const auto print = [&](const StoredSample& sample) {
       share_.reached(sample, sample.published_at);
-      return line(options_.json  ? to_line(record_json(sample))
+      return line(options_.json  ? record_json(sample).text()
                   : options_.csv ? history_csv(sample, options_.zone)
                                  : history_line(sample, options_.zone));
     };
@@ -88,7 +88,7 @@ class Printer {
     for (const StoredChannel& channel : channels) {
       const auto print = [&](const Bucket& bucket) {
         share_.reached(channel, bucket.start);
-        return line(options_.json  ? to_line(bucket_json(channel, bucket))
+        return line(options_.json  ? bucket_json(channel, bucket).text()
                     : options_.csv ? bucket_csv(channel, bucket, options_.zone)
                                    : bucket_line(channel, bucket, options_.zone));
       };

@@ -97,7 +97,7 @@ class ImportRun {
  private:
   void show(const Outcome& outcome) {
     if (options_.json) {
-      for (const auto& row : outcome.rows) out_ << to_line(fate_json(row)) << '\n';
+      for (const auto& row : outcome.rows) out_ << fate_json(row).text() << '\n';
     } else {
       for (const std::string& line : outcome.recognised) out_ << printable(line) << '\n';
       for (const std::string& line : import_lines(outcome, options_.all, screen_))

@@ -10,11 +10,11 @@
 #include "bridge/base/errno_text.hpp"
 #include "config/loader.hpp"
 #include "core/base/bytes.hpp"
+#include "core/base/json.hpp"
 #include "core/capture/trace_text.hpp"
 #include "tools/cli/command/command.hpp"
 #include "tools/cli/inspect/capture_input.hpp"
 #include "tools/cli/view/inspect_view.hpp"
-#include "tools/cli/view/json.hpp"
 #include "tools/cli/view/sample_text.hpp"
 
 namespace fieldcast::cli {
@@ -49,7 +49,7 @@ ExitCode inspect_hex(const NamedProtocol& protocol, const std::string& hex,
                           : declared::explain(*protocol.declaration.value, *frame);
   const std::string_view name = protocol.name();
   if (options.json) {
-    out << to_line(inspect_json(name, *frame, fields)) << '\n';
+    out << inspect_json(name, *frame, fields).text() << '\n';
   } else {
     for (const auto& line : inspect_lines(name, *frame, fields, screen)) out << line << '\n';
   }

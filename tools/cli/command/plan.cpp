@@ -55,7 +55,7 @@ ExitCode simulate_all(const BridgeSpec& spec, const PlanOptions& options, std::o
     const Duration took = std::chrono::steady_clock::now() - began;
     if (simulation.bus.deadline_misses != 0) verdict = ExitCode::kFound;
     if (options.json) {
-      out << to_line(simulation_json(simulation)) << '\n';
+      out << simulation_json(simulation).text() << '\n';
     } else {
       if (!std::exchange(first, false)) out << '\n';
       for (const auto& line : simulation_lines(simulation, screen)) out << line << '\n';
@@ -84,7 +84,7 @@ ExitCode plan(const PlanOptions& options, std::ostream& out, std::ostream& err,
     const auto plan = make_plan(bus, options.answer_time);
     if (!plan.prediction.feasible) verdict = ExitCode::kFound;
     if (options.json) {
-      out << to_line(plan_json(plan)) << '\n';
+      out << plan_json(plan).text() << '\n';
       continue;
     }
     if (!std::exchange(first, false)) out << '\n';

@@ -63,9 +63,8 @@ void show(const PokeOptions& options, const Write& write, const CommandResult& r
               {"cause", to_name(result.cause)},
               {"device_code", result.device_code},
               {"reason", result.reason},
-              {"values", Json::array()}};
-    for (const Value& value : result.values) json["values"].push_back(to_json(value));
-    out << to_line(json) << '\n';
+              {"values", result.values}};
+    out << json.text() << '\n';
   }
   std::string line = fmt::format("{} = {}: {}", write.at, values_text(write.values, write.type),
                                  to_text(result.state));

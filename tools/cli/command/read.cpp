@@ -85,9 +85,7 @@ tl::expected<Wanted, std::string> wanted_at(const ReadOptions& options, const Pr
 }
 
 Json values_json(const Wanted& wanted, const std::vector<Value>& values) {
-  Json json{{"address", wanted.at}, {"type", wanted.type}, {"values", Json::array()}};
-  for (const Value& value : values) json["values"].push_back(to_json(value));
-  return json;
+  return {{"address", wanted.at}, {"type", wanted.type}, {"values", values}};
 }
 
 class Reading {
@@ -113,7 +111,7 @@ class Reading {
     if (!meanings.empty())
       show_meanings(wanted, values, meanings, screen);
     else if (options_.json)
-      out_ << to_line(values_json(wanted, values)) << '\n';
+      out_ << values_json(wanted, values).text() << '\n';
     else
       show(wanted, values);
     out_.flush();
@@ -123,10 +121,11 @@ class Reading {
  private:
   ExitCode failed(const Part& part, const CommandResult& result) {
     if (options_.json) {
-      out_ << to_line(Json{{"address", part.at},
-                           {"cause", to_name(result.cause)},
-                           {"device_code", result.device_code},
-                           {"reason", result.reason}})
+      out_ << Json{{"address", part.at},
+                   {"cause", to_name(result.cause)},
+                   {"device_code", result.device_code},
+                   {"reason", result.reason}}
+                  .text()
            << '\n';
       out_.flush();
     }

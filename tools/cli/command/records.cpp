@@ -31,7 +31,7 @@ ExitCode devices(const DevicesOptions& options, std::ostream& out, std::ostream&
   const auto connection = open_store(*address, IfMissing::kFail);
   const auto found = EventTable(*connection).devices();
   if (options.json) {
-    for (const DeviceRecord& device : found) out << to_line(record_json(device)) << '\n';
+    for (const DeviceRecord& device : found) out << record_json(device).text() << '\n';
   } else if (!found.empty()) {
     for (const auto& line : device_lines(found, utc_now(), {0, 0, output_screen().colour}))
       out << line << '\n';
@@ -49,7 +49,7 @@ ExitCode audit(const AuditOptions& options, std::ostream& out, std::ostream& err
   std::size_t entries = 0;
   EventTable(*connection).audit(options.span.from, options.span.to, [&](const AuditEntry& entry) {
     ++entries;
-    out << (options.json ? to_line(record_json(entry)) : audit_line(entry)) << '\n';
+    out << (options.json ? record_json(entry).text() : audit_line(entry)) << '\n';
     return out.good();
   });
   return ended(out, err, entries, "nothing was done in that time; --from and --to choose another");

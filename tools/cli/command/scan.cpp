@@ -294,7 +294,7 @@ void show(const ScanOptions& options, const Scanner& scanner, std::ostream& out,
   const bool serial = is_serial(options);
   if (options.json) {
     for (const ScanFound& found : scanner.found())
-      out << to_line(found_json(options.port, scanner.lines()[found.line], found, serial)) << '\n';
+      out << found_json(options.port, scanner.lines()[found.line], found, serial).text() << '\n';
   } else {
     for (const auto& line : found_lines(scanner, serial, screen)) out << line << '\n';
     for (const auto& line : template_lines(scanner)) out << line << '\n';

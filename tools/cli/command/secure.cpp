@@ -5,14 +5,13 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <ostream>
 
 #include "bridge/security/member_folder.hpp"
+#include "core/base/json.hpp"
 #include "tools/cli/clock.hpp"
 #include "tools/cli/command/command.hpp"
 #include "tools/cli/interrupt.hpp"
-#include "tools/cli/view/json.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -96,7 +95,7 @@ ExitCode show(const SecureOptions& options, UtcTime now, std::ostream& out, std:
   const security::MemberList all = Authority(options.folder).members();
   for (const MemberState& state : all.members) {
     if (options.json) {
-      out << to_line(state_json(state)) << '\n';
+      out << state_json(state).text() << '\n';
       continue;
     }
     const std::string end = security::date_text(state.certificate.not_after);

@@ -31,7 +31,7 @@ ExitCode sessions(const SessionsOptions& options, const Connection& connection,
       const auto* report = std::get_if<ProgramSessionReport>(&event);
       if (report == nullptr) continue;
       model.insert_or_assign({report->bus, report->device}, *report);
-      if (options.time && options.json) out << to_line(session_json(*report)) << '\n';
+      if (options.time && options.json) out << session_json(*report).text() << '\n';
       if (options.time && !options.json) {
         for (const auto& line :
              sessions_lines({{{report->bus, report->device}, *report}}, utc_now(), {}))
@@ -48,7 +48,7 @@ ExitCode sessions(const SessionsOptions& options, const Connection& connection,
   if (const std::string silent = listening.silent_text(); !silent.empty())
     err << "fieldcast sessions: " << silent << '\n';
   if (!options.time && options.json) {
-    for (const auto& [key, report] : model) out << to_line(session_json(report)) << '\n';
+    for (const auto& [key, report] : model) out << session_json(report).text() << '\n';
   } else if (!options.time) {
     for (const auto& line : sessions_lines(model, utc_now(), {0, 0, output_screen().colour}))
       out << line << '\n';

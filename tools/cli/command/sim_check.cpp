@@ -17,9 +17,11 @@ Json check_json(std::string_view protocol, const sim::CheckRow& row) {
   Json line{{"protocol", protocol},  {"options", row.variant}, {"check", row.check},
             {"of", row.where},       {"tried", row.tried},     {"passed", row.passed},
             {"failed", row.failed()}};
-  if (!row.note.empty()) line["note"] = row.note;
+  if (!row.note.empty()) line.add("note", row.note);
+  Json failures = Json::array();
   for (const auto& failure : row.failures)
-    line["failures"].push_back({{"what", failure.what}, {"frame", failure.frame}});
+    failures.push_back({{"what", failure.what}, {"frame", failure.frame}});
+  if (!row.failures.empty()) line.add("failures", failures);
   return line;
 }
 
@@ -78,7 +80,7 @@ ExitCode sim_check(const SimCheckOptions& options, std::ostream& out, std::ostre
     auto rows = sim::sim_check(subjects[i], show);
     progress.clear();
     for (auto& row : rows) {
-      if (options.json) out << to_line(check_json(protocol->name(), row)) << '\n';
+      if (options.json) out << check_json(protocol->name(), row).text() << '\n';
       all.push_back(std::move(row));
     }
     out.flush();

@@ -5,8 +5,8 @@
 #include <iosfwd>
 #include <string>
 
+#include "core/base/json.hpp"
 #include "tools/cli/exit_code.hpp"
-#include "tools/cli/view/json.hpp"
 #include "tools/cli/view/text_table.hpp"
 #include "tools/sim/check/check_report.hpp"
 

@@ -108,7 +108,7 @@ ExitCode standby(const StandbyOptions& options, const Connection& connection, In
   }
   if (options.take) return take(options, members, give_up, out, err);
   if (options.json) {
-    for (const auto& [key, member] : model) out << to_line(standby_json(member)) << '\n';
+    for (const auto& [key, member] : model) out << standby_json(member).text() << '\n';
   } else {
     for (const auto& line : standby_lines(model, {})) out << line << '\n';
   }

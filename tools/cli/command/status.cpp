@@ -4,6 +4,7 @@
 #include <memory>
 #include <ostream>
 
+#include "core/base/json.hpp"
 #include "tools/cli/clock.hpp"
 #include "tools/cli/command/command.hpp"
 #include "tools/cli/command/in_domain.hpp"
@@ -13,8 +14,6 @@
 #include "tools/cli/listening.hpp"
 #include "tools/cli/standby_watch.hpp"
 #include "tools/cli/terminal.hpp"
-#include "tools/cli/view/claims_view.hpp"
-#include "tools/cli/view/json.hpp"
 #include "tools/cli/view/standby_view.hpp"
 #include "tools/cli/view/status_view.hpp"
 
@@ -30,8 +29,8 @@ Json bus_json(const StatusModel& model, const StationBusStatus& bus) {
 }
 
 void print_json(const StatusModel& model, std::ostream& out) {
-  for (const auto& [name, bus] : model.buses) out << to_line(bus_json(model, bus)) << '\n';
-  for (const auto& [key, device] : model.devices) out << to_line(status_json(device)) << '\n';
+  for (const auto& [name, bus] : model.buses) out << status_json(bus).text() << '\n';
+  for (const auto& [key, device] : model.devices) out << status_json(device).text() << '\n';
 }
 
 void print_table(const StatusModel& model, std::ostream& out) {
@@ -47,9 +46,9 @@ void print_members(const StandbyModel& model, std::ostream& out) {
 
 void print_event(const StatusModel& model, const DomainEvent& event, std::ostream& out) {
   if (const auto* bus = std::get_if<StationBusStatus>(&event))
-    out << to_line(bus_json(model, *bus)) << '\n';
+    out << status_json(*bus).text() << '\n';
   if (const auto* device = std::get_if<StationDeviceStatus>(&event))
-    out << to_line(status_json(*device)) << '\n';
+    out << status_json(*device).text() << '\n';
 }
 
 // Prints the reason if the terminal cannot show a screen.
@@ -99,7 +98,7 @@ ExitCode status(const StatusOptions& options, const Connection& connection, Inte
     print_members(members.model(), out);
   } else if (!options.time) {
     print_json(model, out);
-    for (const auto& [key, member] : members.model()) out << to_line(standby_json(member)) << '\n';
+    for (const auto& [key, member] : members.model()) out << standby_json(member).text() << '\n';
   }
   out.flush();
   return out ? ExitCode::kOk : ExitCode::kTrouble;

@@ -66,7 +66,7 @@ ExitCode list_tokens(const TokenOptions& options, SqlConnection& connection, std
                      std::ostream& err) {
   const auto tokens = TokenTable(connection).list();
   if (options.json) {
-    for (const Token& token : tokens) out << to_line(record_json(token)) << '\n';
+    for (const Token& token : tokens) out << record_json(token).text() << '\n';
   } else if (!tokens.empty()) {
     for (const auto& line : token_lines(tokens, utc_now(), {0, 0, output_screen().colour}))
       out << line << '\n';

@@ -58,7 +58,7 @@ ExitCode list(const UserOptions& options, SqlConnection& connection, std::ostrea
               std::ostream& err) {
   const auto users = UserTable(connection).list();
   if (options.json) {
-    for (const User& user : users) out << to_line(record_json(user)) << '\n';
+    for (const User& user : users) out << record_json(user).text() << '\n';
   } else if (!users.empty()) {
     for (const auto& line : user_lines(users, {0, 0, output_screen().colour})) out << line << '\n';
   }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "bridge/dds/receive_buffer.hpp"
+#include "core/base/json.hpp"
 #include "tools/cli/clock.hpp"
 #include "tools/cli/command/command.hpp"
 #include "tools/cli/command/in_domain.hpp"
@@ -18,7 +19,6 @@
 #include "tools/cli/listening.hpp"
 #include "tools/cli/model/watch_model.hpp"
 #include "tools/cli/terminal.hpp"
-#include "tools/cli/view/json.hpp"
 #include "tools/cli/view/sample_text.hpp"
 #include "tools/cli/view/watch_view.hpp"
 
@@ -154,7 +154,7 @@ void Watch::tell_lag(Instant now) {
     return;
   missing_told_ = counters.missing;
   lag_told_ = now;
-  out_ << to_line(lag_json(counters)) << '\n';
+  out_ << lag_json(counters).text() << '\n';
 }
 
 // Prints the reason if the terminal cannot show a screen.
@@ -186,7 +186,7 @@ void Watch::print_table(const Screen& screen) {
 
 void Watch::print(const StationSample& sample) {
   if (options_.json) {
-    out_ << to_line(sample_json(sample)) << '\n';
+    out_ << sample_json(sample).text() << '\n';
   } else {
     out_ << sample_line(sample,
                         model_.catalogue().find({sample.bus, sample.device, sample.channel}))

@@ -69,14 +69,14 @@ Json fate_json(const PointFate& row) {
                {"why", row.words},
                {"file", row.origin.file},
                {"line", row.origin.line}};
-  if (row.origin.column > 0) json["column"] = row.origin.column;
+  if (row.origin.column > 0) json.add("column", row.origin.column);
   if (row.fate == Fate::kRefused) return json;
   const auto order = [](bool little) { return little ? "little-endian" : "big-endian"; };
-  json["scale"] = row.scale;
-  json["offset"] = row.offset;
-  json["word_order"] = order(row.word_order == WordOrder::kLittleEndian);
-  json["byte_order"] = order(row.byte_order == ByteOrder::kLittleEndian);
-  json["access"] = to_text(row.access);
+  json.add("scale", row.scale);
+  json.add("offset", row.offset);
+  json.add("word_order", order(row.word_order == WordOrder::kLittleEndian));
+  json.add("byte_order", order(row.byte_order == ByteOrder::kLittleEndian));
+  json.add("access", to_text(row.access));
   return json;
 }
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/cli/view/json.hpp"
+#include "core/base/json.hpp"
 #include "tools/cli/view/text_table.hpp"
 #include "tools/import/importer.hpp"
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <ostream>
 
+#include "core/base/json.hpp"
 #include "core/protocol/registry.hpp"
 #include "tools/cli/view/inspect_view.hpp"
-#include "tools/cli/view/json.hpp"
 #include "tools/cli/view/sample_text.hpp"
 
 namespace fieldcast::cli {
@@ -114,19 +114,20 @@ void FrameReport::show_lines(const SeenFrame& frame, const Explained& explained,
 void FrameReport::show_json(const SeenFrame& frame, const Explained& explained,
                             const std::vector<DecodedValue>& values) {
   Json json = inspect_json(explained.protocol, frame.bytes, explained.fields);
-  json["time"] = frame.time;
-  json["bus"] = frame.bus;
-  json["direction"] = !frame.direction                       ? ""
-                      : *frame.direction == Direction::kSent ? "sent"
-                                                             : "received";
-  json["comment"] = frame.comment;
-  json["values"] = Json::array();
+  json.add("time", frame.time);
+  json.add("bus", frame.bus);
+  json.add("direction", !frame.direction                       ? ""
+                        : *frame.direction == Direction::kSent ? "sent"
+                                                               : "received");
+  json.add("comment", frame.comment);
+  Json list = Json::array();
   for (const DecodedValue& value : values)
-    json["values"].push_back({{"device", value.device},
-                              {"channel", value.channel},
-                              {"value", to_json(value.value)},
-                              {"unit", value.unit}});
-  out_ << to_line(json) << '\n';
+    list.push_back({{"device", value.device},
+                    {"channel", value.channel},
+                    {"value", value.value},
+                    {"unit", value.unit}});
+  json.add("values", list);
+  out_ << json.text() << '\n';
 }
 
 }  // namespace fieldcast::cli

@@ -130,15 +130,14 @@ Json found_json(const std::string& port, const ScanLine& line, const ScanFound& 
                 bool serial) {
   Json json{{"port", port}, {"protocol", line.protocol.name()}};
   if (serial) {
-    json["baud"] = line.format.baud;
-    json["format"] = format_text(line.format);
+    json.add("baud", line.format.baud);
+    json.add("format", format_text(line.format));
   }
-  json["address"] = found.address;
-  json["answer"] = found.answer.cause == Cause::kNone ? "value" : to_name(found.answer.cause);
-  json["device_code"] = found.answer.device_code;
-  json["answer_time"] = found.answer.took.count();
-  json["identity"] = found.identity;
-  json["templates"] = found.templates;
+  json.add("address", found.address);
+  json.add("answer", found.answer.cause == Cause::kNone ? "value" : to_name(found.answer.cause));
+  json.add("device_code", found.answer.device_code);
+  json.add("answer_time", found.answer.took.count());
+  json.add("identity", found.identity);
   return json;
 }
 

@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/json.hpp"
 #include "core/model/port_spec.hpp"
 #include "tools/cli/scan/scanner.hpp"
-#include "tools/cli/view/json.hpp"
 #include "tools/cli/view/text_table.hpp"
 #include "tools/progress/progress_text.hpp"
 

@@ -60,10 +60,10 @@ std::string people(const KnownAlarm& known) {
 
 void add_pause(Json& json, const std::string& name, const AlarmPause& pause) {
   if (!pause.is_set()) return;
-  json[name + "_by"] = pause.by;
-  json[name + "_note"] = pause.note;
-  json[name + "_since"] = pause.since.nanoseconds;
-  json[name + "_until"] = pause.until.nanoseconds;
+  json.add(name + "_by", pause.by);
+  json.add(name + "_note", pause.note);
+  json.add(name + "_since", pause.since.nanoseconds);
+  json.add(name + "_until", pause.until.nanoseconds);
 }
 
 std::string path_of(const AlarmKey& key) {
@@ -122,16 +122,16 @@ Json alarm_json(const AlarmKey& key, const KnownAlarm& known) {
       {"since", known.status ? known.status->since().nanoseconds : known.alarm->since.nanoseconds}};
   if (!known.status) return json;
   const AlarmStatus& status = *known.status;
-  json["priority"] = to_text(status.priority);
-  json["stage"] = to_text(status.stage);
-  json["raised_at"] = status.raised_at.nanoseconds;
-  json["cleared_at"] = status.cleared_at.nanoseconds;
-  json["occurrences"] = status.occurrences;
-  json["chattering"] = status.chattering;
+  json.add("priority", to_text(status.priority));
+  json.add("stage", to_text(status.stage));
+  json.add("raised_at", status.raised_at.nanoseconds);
+  json.add("cleared_at", status.cleared_at.nanoseconds);
+  json.add("occurrences", status.occurrences);
+  json.add("chattering", status.chattering);
   if (status.acknowledged.at.nanoseconds != 0) {
-    json["acknowledged_by"] = status.acknowledged.by;
-    json["acknowledged_at"] = status.acknowledged.at.nanoseconds;
-    json["acknowledged_note"] = status.acknowledged.note;
+    json.add("acknowledged_by", status.acknowledged.by);
+    json.add("acknowledged_at", status.acknowledged.at.nanoseconds);
+    json.add("acknowledged_note", status.acknowledged.note);
   }
   add_pause(json, "shelved", status.shelved);
   add_pause(json, "suppressed", status.suppressed);
@@ -153,14 +153,14 @@ Json record_json(const AlarmLogEntry& entry) {
   Json json = {{"bus", entry.bus},     {"device", entry.device}, {"channel", entry.channel},
                {"limit", entry.limit}, {"event", entry.event},   {"at", entry.at.nanoseconds}};
   if (entry.value) {
-    json["state"] = entry.event == "raised" ? "active" : "clear";
-    json["value"] = *entry.value;
-    json["since"] = entry.at.nanoseconds;
+    json.add("state", entry.event == "raised" ? "active" : "clear");
+    json.add("value", *entry.value);
+    json.add("since", entry.at.nanoseconds);
     return json;
   }
-  json["who"] = entry.who;
-  json["note"] = entry.note;
-  if (entry.until.nanoseconds != 0) json["until"] = entry.until.nanoseconds;
+  json.add("who", entry.who);
+  json.add("note", entry.note);
+  if (entry.until.nanoseconds != 0) json.add("until", entry.until.nanoseconds);
   return json;
 }
 

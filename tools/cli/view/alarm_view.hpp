@@ -8,7 +8,7 @@
 
 #include "bridge/dds/topics/topic_values.hpp"
 #include "bridge/store/records.hpp"
-#include "tools/cli/view/json.hpp"
+#include "core/base/json.hpp"
 #include "tools/cli/view/text_table.hpp"
 
 namespace fieldcast::cli {

@@ -56,7 +56,7 @@ std::string bucket_csv(const StoredChannel& channel, const Bucket& bucket, Zone 
 }
 
 Json bucket_json(const StoredChannel& channel, const Bucket& bucket) {
-  const auto number = [&](double value) { return bucket.count == 0 ? Json() : to_json(value); };
+  const auto number = [&](double value) { return bucket.count == 0 ? Json() : Json(value); };
   return {{"bus", channel.bus},
           {"device", channel.device},
           {"channel", channel.channel},

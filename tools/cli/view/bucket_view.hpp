@@ -5,7 +5,7 @@
 
 #include "bridge/store/sample_table.hpp"
 #include "bridge/store/tiers/bucket.hpp"
-#include "tools/cli/view/json.hpp"
+#include "core/base/json.hpp"
 #include "tools/cli/view/time_text.hpp"
 
 namespace fieldcast::cli {

@@ -166,16 +166,18 @@ std::string outcome_line(const Outcome& outcome) {
 
 Json outcome_json(const Outcome& outcome) {
   const auto& result = outcome.result;
-  Json json{{"request_id", result.request_id}, {"bus", outcome.bus},
-            {"device", outcome.device},        {"target", outcome.target},
-            {"state", state_text(outcome)},    {"cause", result.cause},
-            {"reason", result.reason},         {"device_code", result.device_code},
-            {"values", Json::array()}};
-  for (const auto& value : result.values) json["values"].push_back(to_json(value));
-  json["received_at"] = result.received_at.nanoseconds;
-  json["started_at"] = result.started_at.nanoseconds;
-  json["completed_at"] = result.completed_at.nanoseconds;
-  return json;
+  return {{"request_id", result.request_id},
+          {"bus", outcome.bus},
+          {"device", outcome.device},
+          {"target", outcome.target},
+          {"state", state_text(outcome)},
+          {"cause", result.cause},
+          {"reason", result.reason},
+          {"device_code", result.device_code},
+          {"values", result.values},
+          {"received_at", result.received_at.nanoseconds},
+          {"started_at", result.started_at.nanoseconds},
+          {"completed_at", result.completed_at.nanoseconds}};
 }
 
 }  // namespace fieldcast::cli

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "bridge/station/station.hpp"
+#include "core/base/json.hpp"
 #include "tools/cli/exit_code.hpp"
 #include "tools/cli/model/catalogue.hpp"
-#include "tools/cli/view/json.hpp"
 
 namespace fieldcast::cli {
 

@@ -45,17 +45,19 @@ std::vector<std::string> inspect_lines(std::string_view protocol, ByteView frame
 }
 
 Json inspect_json(std::string_view protocol, ByteView frame, std::span<const FrameField> fields) {
-  Json json{{"protocol", protocol}, {"frame", to_hex(frame, '\0')}, {"fields", Json::array()}};
+  Json list = Json::array();
   for (const auto& field : fields) {
-    json["fields"].push_back({{"depth", field.depth},
-                              {"offset", field.offset},
-                              {"length", field.length},
-                              {"name", field.name},
-                              {"value", field.value},
-                              {"fault", field.fault}});
+    list.push_back({{"depth", field.depth},
+                    {"offset", field.offset},
+                    {"length", field.length},
+                    {"name", field.name},
+                    {"value", field.value},
+                    {"fault", field.fault}});
   }
-  json["faults"] = count_faults(fields);
-  return json;
+  return {{"protocol", protocol},
+          {"frame", to_hex(frame, '\0')},
+          {"fields", list},
+          {"faults", count_faults(fields)}};
 }
 
 }  // namespace fieldcast::cli

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/base/bytes.hpp"
+#include "core/base/json.hpp"
 #include "core/protocol/protocol.hpp"
-#include "tools/cli/view/json.hpp"
 #include "tools/cli/view/text_table.hpp"
 
 namespace fieldcast::cli {

@@ -209,31 +209,19 @@ std::vector<std::string> plan_lines(const BusPlan& plan, const Screen& screen) {
 
 Json plan_json(const BusPlan& plan) {
   const auto& prediction = plan.prediction;
-  Json json{{"bus", plan.bus->name},
-            {"feasible", prediction.feasible},
-            {"load", prediction.load},
-            {"planned_load", prediction.planned_load},
-            {"stretch", prediction.stretch},
-            {"horizon", prediction.horizon.count()},
-            {"reads", prediction.reads},
-            {"missed", prediction.missed},
-            {"answer_time", plan.answer_time.count()},
-            {"channels", Json::array()},
-            {"blocks", Json::array()},
-            {"plan", read_plan_json(plan)},
-            {"advice", advice(plan)}};
+  Json channels = Json::array(), blocks = Json::array();
   constexpr auto kLowWord = WordOrder::kLittleEndian;
   constexpr auto kLowByte = ByteOrder::kLittleEndian;
   for (const auto& row : rows_of(plan)) {
     const Encoding& encoding = row.channel->encoding;
-    json["channels"].push_back({{"device", row.device->name},
-                                {"channel", row.channel->name},
-                                {"type", to_text(encoding)},
-                                {"word_order", order_text(encoding.word_order == kLowWord)},
-                                {"byte_order", order_text(encoding.byte_order == kLowByte)},
-                                {"refresh", row.channel->refresh.count()},
-                                {"worst_gap", row.forecast->worst_gap.count()},
-                                {"reads", row.forecast->reads}});
+    channels.push_back({{"device", row.device->name},
+                        {"channel", row.channel->name},
+                        {"type", to_text(encoding)},
+                        {"word_order", order_text(encoding.word_order == kLowWord)},
+                        {"byte_order", order_text(encoding.byte_order == kLowByte)},
+                        {"refresh", row.channel->refresh.count()},
+                        {"worst_gap", row.forecast->worst_gap.count()},
+                        {"reads", row.forecast->reads}});
   }
   for (const auto& block : blocks_of(plan)) {
     auto ranges = Json::array();
@@ -242,13 +230,25 @@ Json plan_json(const BusPlan& plan) {
                         {"first", range.first},
                         {"count", range.count}});
     }
-    json["blocks"].push_back({{"device", plan.bus->devices[block.device].name},
-                              {"ranges", std::move(ranges)},
-                              {"points", block.points},
-                              {"cost", block.cost.count()},
-                              {"per_second", block.per_second}});
+    blocks.push_back({{"device", plan.bus->devices[block.device].name},
+                      {"ranges", ranges},
+                      {"points", block.points},
+                      {"cost", block.cost.count()},
+                      {"per_second", block.per_second}});
   }
-  return json;
+  return {{"bus", plan.bus->name},
+          {"feasible", prediction.feasible},
+          {"load", prediction.load},
+          {"planned_load", prediction.planned_load},
+          {"stretch", prediction.stretch},
+          {"horizon", prediction.horizon.count()},
+          {"reads", prediction.reads},
+          {"missed", prediction.missed},
+          {"answer_time", plan.answer_time.count()},
+          {"channels", channels},
+          {"blocks", blocks},
+          {"plan", read_plan_json(plan)},
+          {"advice", advice(plan)}};
 }
 
 }  // namespace fieldcast::cli

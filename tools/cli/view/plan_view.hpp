@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "core/base/json.hpp"
 #include "tools/cli/model/bus_plan.hpp"
-#include "tools/cli/view/json.hpp"
 #include "tools/cli/view/text_table.hpp"
 
 namespace fieldcast::cli {

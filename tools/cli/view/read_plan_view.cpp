@@ -42,19 +42,19 @@ Json to_json(const PlanReport::Group& group) {
           {"phase", in_cycle(group.period, group.phase)},
           {"slack", in_cycle(group.period, group.slack)},
           {"load", group.load},
-          {"points", std::move(points)}};
+          {"points", points}};
 }
 
 }  // namespace
 
 Json read_plan_json(const PlanReport& plan) {
-  Json json{{"load", plan.load},
-            {"stretch", plan.stretch},
-            {"slot", in_cycle(plan.slot, plan.slot)},
-            {"hyperperiod", in_cycle(plan.slot, plan.hyperperiod)},
-            {"groups", Json::array()}};
-  for (const PlanReport::Group& group : plan.groups) json["groups"].push_back(to_json(group));
-  return json;
+  auto groups = Json::array();
+  for (const PlanReport::Group& group : plan.groups) groups.push_back(to_json(group));
+  return {{"load", plan.load},
+          {"stretch", plan.stretch},
+          {"slot", in_cycle(plan.slot, plan.slot)},
+          {"hyperperiod", in_cycle(plan.slot, plan.hyperperiod)},
+          {"groups", groups}};
 }
 
 Json read_plan_json(const BusPlan& bus) {

@@ -1,9 +1,9 @@
 // Formats the schedule of a bus (core/plan/read_plan.hpp) as JSON. Pure functions.
 #pragma once
 
+#include "core/base/json.hpp"
 #include "core/plan/plan_report.hpp"
 #include "tools/cli/model/bus_plan.hpp"
-#include "tools/cli/view/json.hpp"
 
 namespace fieldcast::cli {
 

@@ -42,7 +42,7 @@ std::string csv_field(const std::string& raw) {
 
 Json record_json(const StoredSample& sample) {
   Json json = sample_json(as_sample(sample));
-  json["published_at"] = sample.published_at.nanoseconds;
+  json.add("published_at", sample.published_at.nanoseconds);
   return json;
 }
 
@@ -52,10 +52,10 @@ Json record_json(const AuditEntry& entry) {
                {"what", entry.what},
                {"target", entry.target}};
   if (entry.what == kTransmission) {
-    json["bytes_to_device"] = entry.bytes_to_device;
-    json["bytes_from_device"] = entry.bytes_from_device;
+    json.add("bytes_to_device", entry.bytes_to_device);
+    json.add("bytes_from_device", entry.bytes_from_device);
   }
-  json["result"] = entry.result;
+  json.add("result", entry.result);
   return json;
 }
 

@@ -7,7 +7,7 @@
 #include "bridge/store/records.hpp"
 #include "bridge/store/token_table.hpp"
 #include "bridge/store/user_table.hpp"
-#include "tools/cli/view/json.hpp"
+#include "core/base/json.hpp"
 #include "tools/cli/view/text_table.hpp"
 #include "tools/cli/view/time_text.hpp"
 

@@ -26,11 +26,11 @@ Json sample_json(const StationSample& sample) {
   Json json{{"bus", sample.bus},
             {"device", sample.device},
             {"channel", sample.channel},
-            {"value", sample.acquired_at.nanoseconds == 0 ? Json() : to_json(sample.value)},
+            {"value", sample.acquired_at.nanoseconds == 0 ? Json() : Json(sample.value)},
             {"quality", to_text(sample.quality)},
             {"acquired_at", sample.acquired_at.nanoseconds},
             {"sequence", sample.sequence}};
-  if (sample.device_code != 0) json["device_code"] = sample.device_code;
+  if (sample.device_code != 0) json.add("device_code", sample.device_code);
   return json;
 }
 

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "bridge/station/station.hpp"
-#include "tools/cli/view/json.hpp"
+#include "core/base/json.hpp"
 #include "tools/cli/view/text_table.hpp"
 
 namespace fieldcast::cli {

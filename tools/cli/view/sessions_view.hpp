@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/json.hpp"
 #include "core/model/status.hpp"
-#include "tools/cli/view/json.hpp"
 #include "tools/cli/view/text_table.hpp"
 
 namespace fieldcast::cli {

@@ -70,9 +70,8 @@ std::string causes_text(const CauseCounters& counters) {
 
 Json causes_json(const CauseCounters& counters) {
   Json json = Json::object();
-  for_each_cause(counters, [&](Cause cause, std::uint64_t count) {
-    json[std::string(to_name(cause))] = count;
-  });
+  for_each_cause(counters,
+                 [&](Cause cause, std::uint64_t count) { json.add(to_name(cause), count); });
   return json;
 }
 
@@ -127,23 +126,9 @@ std::vector<std::string> simulation_lines(const BusSimulation& simulation, const
 Json simulation_json(const BusSimulation& simulation) {
   const auto rows = rows_of(simulation);
   const BusReport& bus = simulation.bus;
-  Json json{{"bus", simulation.plan->bus->name},
-            {"simulated", simulation.options.length.count()},
-            {"seed", simulation.options.seed},
-            {"refreshes", refreshes_of(rows)},
-            {"missed", bus.deadline_misses},
-            {"causes", causes_json(bus.misses)},
-            {"failures", causes_json(bus.causes)},
-            {"exchanges", bus.exchanges},
-            {"stretch", bus.stretch},
-            {"planned_load", bus.planned_load},
-            {"predicted_load", simulation.plan->prediction.load},
-            {"measured_load", bus.measured_load},
-            {"channels", Json::array()},
-            {"devices", Json::array()},
-            {"fingerprint", std::to_string(simulation.fingerprint)}};
+  Json channels = Json::array(), devices = Json::array();
   for (const Row& row : rows) {
-    json["channels"].push_back(
+    channels.push_back(
         {{"device", row.device->name},
          {"channel", row.channel->name},
          {"refresh", row.channel->refresh.count()},
@@ -155,15 +140,29 @@ Json simulation_json(const BusSimulation& simulation) {
   }
   for (std::size_t i = 0; i < simulation.devices.size(); ++i) {
     const DeviceReport& device = simulation.devices[i];
-    json["devices"].push_back({{"device", simulation.plan->bus->devices[i].name},
-                               {"state", to_text(device.state)},
-                               {"exchanges", device.exchanges},
-                               {"failures", device.failures},
-                               {"retries", device.retries},
-                               {"answer_time", device.answer_time.count()},
-                               {"answer_spread", device.answer_spread.count()}});
+    devices.push_back({{"device", simulation.plan->bus->devices[i].name},
+                       {"state", to_text(device.state)},
+                       {"exchanges", device.exchanges},
+                       {"failures", device.failures},
+                       {"retries", device.retries},
+                       {"answer_time", device.answer_time.count()},
+                       {"answer_spread", device.answer_spread.count()}});
   }
-  return json;
+  return {{"bus", simulation.plan->bus->name},
+          {"simulated", simulation.options.length.count()},
+          {"seed", simulation.options.seed},
+          {"refreshes", refreshes_of(rows)},
+          {"missed", bus.deadline_misses},
+          {"causes", causes_json(bus.misses)},
+          {"failures", causes_json(bus.causes)},
+          {"exchanges", bus.exchanges},
+          {"stretch", bus.stretch},
+          {"planned_load", bus.planned_load},
+          {"predicted_load", simulation.plan->prediction.load},
+          {"measured_load", bus.measured_load},
+          {"channels", channels},
+          {"devices", devices},
+          {"fingerprint", std::to_string(simulation.fingerprint)}};
 }
 
 }  // namespace fieldcast::cli

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bridge/standby/standby_values.hpp"
-#include "tools/cli/view/json.hpp"
+#include "core/base/json.hpp"
 #include "tools/cli/view/text_table.hpp"
 
 namespace fieldcast::cli {

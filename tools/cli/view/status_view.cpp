@@ -129,11 +129,11 @@ Json status_json(const StationBusStatus& status) {
             {"bytes_received", report.bytes_received},
             {"reopened", report.reopened},
             {"dds_deadline_misses", status.dds_deadline_misses},
-            {"causes", Json(status.causes)},
-            {"misses", Json(status.misses)},
+            {"causes", status.causes},
+            {"misses", status.misses},
             {"reported_at", status.reported_at.nanoseconds}};
   if (report.closed_because != Cause::kNone)
-    line["closed_because"] = to_name(report.closed_because);
+    line.add("closed_because", to_name(report.closed_because));
   return line;
 }
 
@@ -158,10 +158,10 @@ Json status_json(const StationDeviceStatus& status) {
           {"answer_spread", report.answer_spread.count()},
           {"timeout", report.timeout.count()},
           {"pause", report.pause.count()},
-          {"areas", std::move(areas)},
+          {"areas", areas},
           {"refused", report.refused},
           {"refused_gaps", report.refused_gaps},
-          {"causes", Json(status.causes)},
+          {"causes", status.causes},
           {"reported_at", status.reported_at.nanoseconds}};
 }
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bridge/station/station.hpp"
-#include "tools/cli/view/json.hpp"
+#include "core/base/json.hpp"
 #include "tools/cli/view/status_facts.hpp"
 #include "tools/cli/view/text_table.hpp"
 

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "core/base/json.hpp"
 #include "tools/cli/model/watch_model.hpp"
-#include "tools/cli/view/json.hpp"
 #include "tools/cli/view/text_table.hpp"
 
 namespace fieldcast::cli {

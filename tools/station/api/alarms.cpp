@@ -1,9 +1,9 @@
 #include "tools/station/api/alarms.hpp"
 
 #include "bridge/store/alarm_life_table.hpp"
+#include "core/base/json_text.hpp"
 #include "tools/station/api/parameters.hpp"
 #include "tools/station/api/response.hpp"
-#include "tools/station/live/json_text.hpp"
 #include "tools/station/live/live_json.hpp"
 
 namespace fieldcast::web {

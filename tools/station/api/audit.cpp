@@ -2,9 +2,9 @@
 
 #include "bridge/store/event_table.hpp"
 #include "bridge/store/user_table.hpp"
+#include "core/base/json_text.hpp"
 #include "tools/station/api/parameters.hpp"
 #include "tools/station/api/response.hpp"
-#include "tools/station/live/json_text.hpp"
 
 namespace fieldcast::web {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <charconv>
 
+#include "core/base/json_text.hpp"
 #include "tools/station/api/parameters.hpp"
 #include "tools/station/api/response.hpp"
-#include "tools/station/live/json_text.hpp"
 #include "tools/station/live/live_json.hpp"
 #include "tools/station/web/gzip.hpp"
 

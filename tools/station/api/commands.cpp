@@ -3,9 +3,9 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
+#include "core/base/json_text.hpp"
 #include "tools/station/api/alarm_request.hpp"
 #include "tools/station/api/response.hpp"
-#include "tools/station/live/json_text.hpp"
 #include "tools/station/web/json_body.hpp"
 
 namespace fieldcast::web {
@@ -29,7 +29,7 @@ HttpResponse accepted(const std::vector<std::uint64_t>& ids) {
 void write_value(const LiveModel& model, CommandSink& commands, const HttpRequest& request,
                  const Caller& caller, const Reply& reply) {
   if (auto body = body_of(request); !body) return reply(std::move(body.error()));
-  const auto parsed = parse_client_message("{\"write\":" + request.body + '}');
+  const auto parsed = parse_client_message(JsonObject().add_json("write", request.body).take());
   if (!parsed) return reply(refused(400, parsed.error().refusal));
   const auto* write = std::get_if<WriteChannel>(&parsed->what);
   if (write == nullptr)

@@ -1,6 +1,7 @@
 #include "tools/station/api/exporter.hpp"
 
 #include "bridge/store/tiers/tier_history.hpp"
+#include "core/base/json_text.hpp"
 #include "tools/cli/view/bucket_view.hpp"
 #include "tools/cli/view/record_view.hpp"
 
@@ -32,8 +33,9 @@ std::optional<std::string> Exporter::next(SqlConnection& connection) {
 
 std::string Exporter::broken_off() {
   ended_ = true;
-  text_ += question_.json_lines ? "{\"error\": \"broken off: the database does not answer\"}\n"
-                                : "broken off: the database does not answer\n";
+  const std::string_view broken = "broken off: the database does not answer";
+  text_ += question_.json_lines ? JsonObject().add("error", broken).take() : broken;
+  text_ += '\n';
   return take(true);
 }
 
@@ -50,9 +52,8 @@ bool Exporter::add_samples(SqlConnection& connection) {
   const auto count = SampleTable(connection)
                          .part(channels_[channel_], after_, question_.to, kSamplesAtOnce,
                                [this](const StoredSample& sample) {
-                                 text_ += question_.json_lines
-                                              ? cli::to_line(cli::record_json(sample))
-                                              : cli::history_csv(sample);
+                                 text_ += question_.json_lines ? cli::record_json(sample).text()
+                                                               : cli::history_csv(sample);
                                  text_ += '\n';
                                });
   return count < kSamplesAtOnce;
@@ -68,7 +69,7 @@ bool Exporter::add_buckets(SqlConnection& connection) {
                           ? UtcTime{first.nanoseconds + span}
                           : question_.to;
   TierHistory(connection, every).read(channel, bucket_, end, [&](const Bucket& bucket) {
-    text_ += question_.json_lines ? cli::to_line(cli::bucket_json(channel, bucket))
+    text_ += question_.json_lines ? cli::bucket_json(channel, bucket).text()
                                   : cli::bucket_csv(channel, bucket, cli::Zone::kUtc);
     text_ += '\n';
     return true;

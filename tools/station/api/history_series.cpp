@@ -1,7 +1,7 @@
 #include "tools/station/api/history_series.hpp"
 
+#include "core/base/json_text.hpp"
 #include "core/base/quality.hpp"
-#include "tools/station/live/json_text.hpp"
 
 namespace fieldcast::web {
 namespace {
@@ -17,18 +17,18 @@ auto number(double Bucket::*member) {
     if (bucket.count == 0)
       out += "null";
     else
-      append_number(out, bucket.*member);
+      append_json_number(out, bucket.*member);
   };
 }
 
 void add_numbers(JsonObject& object, const std::vector<Bucket>& rows) {
   column(object, "t", rows,
-         [](std::string& out, const Bucket& row) { append_number(out, unix_ms(row.start)); });
+         [](std::string& out, const Bucket& row) { append_json_number(out, unix_ms(row.start)); });
   column(object, "min", rows, number(&Bucket::min));
   column(object, "max", rows, number(&Bucket::max));
   column(object, "average", rows, [](std::string& out, const Bucket& row) {
     if (const auto average = row.average())
-      append_number(out, *average);
+      append_json_number(out, *average);
     else
       out += "null";
   });
@@ -42,11 +42,11 @@ void add_numbers(JsonObject& object, const std::vector<Bucket>& rows) {
 void add_texts(JsonObject& object, const HistorySeries& series) {
   using Text = HistorySeries::Text;
   column(object, "t", series.texts,
-         [](std::string& out, const Text& row) { append_number(out, unix_ms(row.at)); });
+         [](std::string& out, const Text& row) { append_json_number(out, unix_ms(row.at)); });
   column(object, "text", series.texts,
-         [](std::string& out, const Text& row) { append_text(out, row.text); });
+         [](std::string& out, const Text& row) { append_json_text(out, row.text); });
   column(object, "quality", series.texts,
-         [](std::string& out, const Text& row) { append_text(out, to_text(row.quality)); });
+         [](std::string& out, const Text& row) { append_json_text(out, to_text(row.quality)); });
   object.add("cut", series.cut);
 }
 

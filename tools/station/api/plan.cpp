@@ -1,8 +1,8 @@
 #include "tools/station/api/plan.hpp"
 
+#include "core/base/json_text.hpp"
 #include "tools/station/api/parameters.hpp"
 #include "tools/station/api/response.hpp"
-#include "tools/station/live/json_text.hpp"
 #include "tools/station/live/live_json.hpp"
 
 namespace fieldcast::web {

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "core/base/escaped.hpp"
+#include "core/base/json_text.hpp"
 #include "core/base/printable.hpp"
 #include "core/codec/value_codec.hpp"
-#include "tools/station/live/json_text.hpp"
 
 namespace fieldcast::web {
 namespace {

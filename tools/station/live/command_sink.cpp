@@ -1,6 +1,6 @@
 #include "tools/station/live/command_sink.hpp"
 
-#include "tools/station/live/json_text.hpp"
+#include "core/base/json_text.hpp"
 
 namespace fieldcast::web {
 
@@ -18,7 +18,7 @@ std::string outcome_json(const CommandOutcome& outcome) {
   }
   if (outcome.values.size() > 1)
     json.add_json("values", json_array(outcome.values, [](std::string& out, const Value& value) {
-                    append_value(out, value);
+                    append_json_value(out, value);
                   }));
   return json.add("completed_ms", outcome.completed_at).take();
 }

@@ -7,7 +7,7 @@
 #include <variant>
 
 #include "core/base/escaped.hpp"
-#include "tools/station/live/json_text.hpp"
+#include "core/base/json_text.hpp"
 
 namespace fieldcast::web {
 namespace {
@@ -80,13 +80,18 @@ std::string values_message(const Channels& channels) {
       for (std::string* list : {&ids, &values, &times, &qualities}) *list += ',';
     }
     ids += std::to_string(channel->id);
-    append_value(values, last.value);
-    append_number(times, static_cast<double>(acquired_ms(*channel)));
+    append_json_value(values, last.value);
+    append_json_number(times, static_cast<double>(acquired_ms(*channel)));
     qualities += std::to_string(static_cast<unsigned>(last.quality));
   }
   if (ids.empty()) return {};
-  return "{\"kind\":\"values\",\"id\":[" + ids + "],\"value\":[" + values + "],\"acquired_ms\":[" +
-         times + "],\"quality\":[" + qualities + "]}";
+  return JsonObject()
+      .add("kind", "values")
+      .add_json("id", '[' + ids + ']')
+      .add_json("value", '[' + values + ']')
+      .add_json("acquired_ms", '[' + times + ']')
+      .add_json("quality", '[' + qualities + ']')
+      .take();
 }
 
 }  // namespace fieldcast::web

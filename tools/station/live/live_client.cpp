@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/json_text.hpp"
 #include "core/base/printable.hpp"
 #include "tools/station/live/frame_writer.hpp"
-#include "tools/station/live/json_text.hpp"
 #include "tools/station/live/live_json.hpp"
 
 namespace fieldcast::web {
@@ -15,9 +15,10 @@ namespace {
 constexpr Duration kLag = std::chrono::milliseconds{250};
 
 std::string result_message(std::optional<std::uint64_t> id, const CommandOutcome& outcome) {
-  std::string text = R"({"kind":"result",)";
-  if (id) text += "\"id\":" + std::to_string(*id) + ',';
-  return text.append(outcome_json(outcome), 1);
+  JsonObject head;
+  head.add("kind", "result");
+  if (id) head.add("id", *id);
+  return json_joined(head.take(), outcome_json(outcome));
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "core/base/cause.hpp"
-#include "tools/station/live/json_text.hpp"
+#include "core/base/json_text.hpp"
 
 namespace fieldcast::web {
 namespace {
@@ -16,7 +16,7 @@ std::string counts_json(const CauseCounts& counts) {
 
 std::string texts_json(const std::vector<std::string>& texts) {
   return json_array(texts,
-                    [](std::string& out, const std::string& text) { append_text(out, text); });
+                    [](std::string& out, const std::string& text) { append_json_text(out, text); });
 }
 
 std::string areas_json(const std::vector<AreaReport>& areas) {
@@ -49,7 +49,7 @@ void append_row(std::string& out, const LiveChannel& live) {
   const StationChannel& channel = live.channel;
   const auto text = [&out](std::string_view part) {
     out += ',';
-    append_text(out, part);
+    append_json_text(out, part);
   };
   out += '[';
   out += std::to_string(live.id);
@@ -60,7 +60,7 @@ void append_row(std::string& out, const LiveChannel& live) {
   text(to_text(channel.access));
   text(to_text(channel.mode));
   out += ',';
-  append_number(out, milliseconds(channel.refresh));
+  append_json_number(out, milliseconds(channel.refresh));
   out += ',';
   out += limits_json(channel);
   text(channel.description);
@@ -244,11 +244,7 @@ std::string names_json(std::initializer_list<std::pair<std::string_view, std::st
 }
 
 std::string kind_message(std::string_view kind, const std::string& object) {
-  std::string text = "{\"kind\":\"";
-  text += kind;
-  text += object == "{}" ? "\"" : "\",";
-  text.append(object, 1);
-  return text;
+  return json_joined(JsonObject().add("kind", kind).take(), object);
 }
 
 std::string catalogue_json(const LiveModel& model, std::uint64_t after) {

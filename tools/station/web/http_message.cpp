@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <nlohmann/json.hpp>
+
+#include "core/base/json_text.hpp"
 
 namespace fieldcast::web {
 namespace {
@@ -70,8 +71,7 @@ std::vector<std::string> HttpRequest::parameters(std::string_view name) const {
 HttpResponse error_response(unsigned status, std::string_view error, std::string_view hint) {
   HttpResponse response;
   response.status = status;
-  response.body = nlohmann::ordered_json{{"error", error}, {"hint", hint}}.dump(
-      -1, ' ', false, nlohmann::json::error_handler_t::replace);
+  response.body = JsonObject().add("error", error).add("hint", hint).take();
   return response;
 }
 

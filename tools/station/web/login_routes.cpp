@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/base/json.hpp"
 #include "tools/station/web/json_body.hpp"
 #include "tools/station/web/site.hpp"
 
@@ -11,11 +12,11 @@ namespace {
 
 constexpr std::size_t kMaxTokenBytes = 256;
 
-double unix_ms(UtcTime at) { return static_cast<double>(at.nanoseconds / 1'000'000); }
+double whole_ms(UtcTime at) { return static_cast<double>(at.nanoseconds / 1'000'000); }
 
-HttpResponse json_response(const nlohmann::ordered_json& json) {
+HttpResponse json_response(const Json& json) {
   HttpResponse response;
-  response.body = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  response.body = json.text();
   return response;
 }
 
@@ -73,24 +74,28 @@ void Site::add_own_routes() {
 }
 
 HttpResponse Site::me(const HttpRequest& request) {
-  nlohmann::ordered_json json{
-      {"user", nullptr}, {"role", nullptr}, {"login", "required"}, {"expires_ms", nullptr}};
+  std::optional<std::string_view> user, role;
+  std::string_view login_kind = "required";
+  std::optional<double> expires_ms;
   const Instant now = clock_.now();
   const UtcTime utc = clock_.utc();
   if (const Login* login = book_.find(request.login, now)) {
-    json["user"] = login->user;
-    json["role"] = to_text(login->role);
-    json["login"] = login->by_token ? "token" : "session";
-    json["expires_ms"] = unix_ms({utc.nanoseconds + (login->ends - now).count()});
+    user = login->user;
+    role = to_text(login->role);
+    login_kind = login->by_token ? "token" : "session";
+    expires_ms = whole_ms({utc.nanoseconds + (login->ends - now).count()});
   } else if (local_role_) {
-    json["user"] = "local";
-    json["role"] = to_text(*local_role_);
-    json["login"] = "none";
+    user = "local";
+    role = to_text(*local_role_);
+    login_kind = "none";
   }
-  json["version"] = spec_.version;
-  json["store"] = spec_.store;
-  json["now_ms"] = unix_ms(utc);
-  return json_response(json);
+  return json_response({{"user", user},
+                        {"role", role},
+                        {"login", login_kind},
+                        {"expires_ms", expires_ms},
+                        {"version", spec_.version},
+                        {"store", spec_.store},
+                        {"now_ms", whole_ms(utc)}});
 }
 
 void Site::log_in(const HttpRequest& request, const Caller& caller, const Reply& reply) {
@@ -127,7 +132,7 @@ void Site::finish_login(const std::string& old_cookie, const Reply& reply, Login
   HttpResponse response =
       json_response({{"user", verdict->user},
                      {"role", to_text(verdict->role)},
-                     {"expires_ms", unix_ms({utc.nanoseconds + left.count()})}});
+                     {"expires_ms", whole_ms({utc.nanoseconds + left.count()})}});
   response.headers.emplace_back("set-cookie", cookie_header(secret, left));
   reply(std::move(response));
 }

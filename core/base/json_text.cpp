@@ -1,4 +1,4 @@
-#include "tools/station/live/json_text.hpp"
+#include "core/base/json_text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,23 +10,12 @@
 #include "core/base/number_text.hpp"
 #include "core/base/printable.hpp"
 
-namespace fieldcast::web {
+namespace fieldcast {
 namespace {
 
-// REQUIRES: a character up to U+FFFF.
-void append_code(std::string& out, std::string_view character) {
-  switch (character.front()) {
-    case '\n': out += "\\n"; return;
-    case '\r': out += "\\r"; return;
-    case '\t': out += "\\t"; return;
-    default: break;
-  }
-  unsigned code = static_cast<unsigned char>(character.front());
-  if (character.size() == 2) code &= 0x1Fu;
-  if (character.size() == 3) code &= 0x0Fu;
-  for (const char c : character.substr(1)) code = code << 6 | (static_cast<unsigned>(c) & 0x3Fu);
+void append_unit(std::string& out, std::uint16_t unit) {
   std::array<char, 8> text{};
-  std::snprintf(text.data(), text.size(), "\\u%04x", code);
+  std::snprintf(text.data(), text.size(), "\\u%04x", unit);
   out += text.data();
 }
 
@@ -37,7 +26,20 @@ bool is_plain(char c) {
 
 }  // namespace
 
-void append_text(std::string& out, std::string_view text) {
+void append_json_escape(std::string& out, std::string_view character) {
+  switch (character.front()) {
+    case '\n': out += "\\n"; return;
+    case '\r': out += "\\r"; return;
+    case '\t': out += "\\t"; return;
+    default: break;
+  }
+  const char32_t code = code_point(character);
+  if (code <= 0xFFFF) return append_unit(out, static_cast<std::uint16_t>(code));
+  append_unit(out, static_cast<std::uint16_t>(0xD800u | (code - 0x10000u) >> 10));
+  append_unit(out, static_cast<std::uint16_t>(0xDC00u | ((code - 0x10000u) & 0x3FFu)));
+}
+
+void append_json_text(std::string& out, std::string_view text) {
   out += '"';
   while (!text.empty()) {
     const auto special = std::find_if_not(text.begin(), text.end(), is_plain);
@@ -53,7 +55,7 @@ void append_text(std::string& out, std::string_view text) {
     } else if (const std::size_t length = utf8_length(text); length != 0) {
       const std::string_view character = text.substr(0, length);
       if (!is_printable(character)) {
-        append_code(out, character);
+        append_json_escape(out, character);
       } else {
         out += character;
       }
@@ -66,15 +68,15 @@ void append_text(std::string& out, std::string_view text) {
   out += '"';
 }
 
-void append_number(std::string& out, double number) {
+void append_json_number(std::string& out, double number) {
   out += std::isfinite(number) ? number_text(number) : "null";
 }
 
-void append_value(std::string& out, const Value& value) {
+void append_json_value(std::string& out, const Value& value) {
   if (const auto* text = std::get_if<std::string>(&value)) {
-    append_text(out, is_utf8(*text) ? *text : escaped(*text));
+    append_json_text(out, is_utf8(*text) ? *text : escaped(*text));
   } else if (const auto* real = std::get_if<double>(&value)) {
-    append_number(out, *real);
+    append_json_number(out, *real);
   } else if (const auto* whole = std::get_if<std::uint64_t>(&value)) {
     const bool exact = *whole <= kMaxExact;
     out += exact ? std::to_string(*whole) : '"' + std::to_string(*whole) + '"';
@@ -91,10 +93,16 @@ double unix_ms(UtcTime time) { return static_cast<double>(time.nanoseconds) / 1e
 
 double milliseconds(Duration duration) { return static_cast<double>(duration.count()) / 1e6; }
 
+std::string json_joined(std::string object, std::string_view more) {
+  if (more == "{}") return object;
+  object.back() = ',';
+  return object.append(more, 1);
+}
+
 std::string& JsonObject::begin(std::string_view name) {
   if (text_.size() > 1) text_ += ',';
-  append_text(text_, name);
+  append_json_text(text_, name);
   return text_ += ':';
 }
 
-}  // namespace fieldcast::web
+}  // namespace fieldcast

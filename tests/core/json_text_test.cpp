@@ -1,20 +1,20 @@
-#include "tools/station/live/json_text.hpp"
+#include "core/base/json_text.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace fieldcast::web {
+namespace fieldcast {
 namespace {
 
 std::string text_of(std::string_view text) {
   std::string out;
-  append_text(out, text);
+  append_json_text(out, text);
   return out;
 }
 std::string value_of(const Value& value) {
   std::string out;
-  append_value(out, value);
+  append_json_value(out, value);
   return out;
 }
 
@@ -51,4 +51,4 @@ TEST(JsonText, AnObjectSetsItsCommas) {
 }
 
 }  // namespace
-}  // namespace fieldcast::web
+}  // namespace fieldcast

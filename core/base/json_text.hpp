@@ -9,19 +9,22 @@
 #include "core/base/time.hpp"
 #include "core/base/value.hpp"
 
-namespace fieldcast::web {
+namespace fieldcast {
 
 // 2^53: up to here a double (IEEE 754) and so a browser represents every integer exactly.
 inline constexpr std::uint64_t kMaxExact = std::uint64_t{1} << 53;
 
-// Appends a quoted string. Invalid UTF-8 becomes U+FFFD; other characters than is_printable()
-// (core/base/printable.hpp) are escaped, for example \u202e.
-void append_text(std::string& out, std::string_view text);
-// Appends the fewest digits that read back as the same number; null for NaN and infinities.
-void append_number(std::string& out, double number);
-// Integers beyond kMaxExact become strings; invalid UTF-8 becomes an escape such as \xE4.
-void append_value(std::string& out, const Value& value);
-// Unix time in milliseconds with a fraction; 0 for an unset time.
+// With its quotes. Bytes that are not UTF-8 become U+FFFD; a character that is not
+// is_printable() (core/base/printable.hpp) is written as \u202e.
+void append_json_text(std::string& out, std::string_view text);
+// The character as \n, \u202e or, above U+FFFF, two of these (RFC 8259, 7). REQUIRES: one character
+// of valid UTF-8.
+void append_json_escape(std::string& out, std::string_view character);
+// The fewest digits that read back as the same number; null for NaN and infinities.
+void append_json_number(std::string& out, double number);
+// For browsers: integers beyond kMaxExact are texts. Bytes that are not UTF-8 are written as \xE4.
+void append_json_value(std::string& out, const Value& value);
+// Unix time in milliseconds, with a fraction; 0 for no such time.
 [[nodiscard]] double unix_ms(UtcTime time);
 [[nodiscard]] double milliseconds(Duration duration);
 
@@ -29,14 +32,14 @@ void append_value(std::string& out, const Value& value);
 class JsonObject {
  public:
   JsonObject& add(std::string_view name, std::string_view text) {
-    append_text(begin(name), text);
+    append_json_text(begin(name), text);
     return *this;
   }
   JsonObject& add(std::string_view name, const char* text) {
     return add(name, std::string_view(text));
   }
   JsonObject& add(std::string_view name, double number) {
-    append_number(begin(name), number);
+    append_json_number(begin(name), number);
     return *this;
   }
   JsonObject& add(std::string_view name, std::integral auto number) {
@@ -53,7 +56,7 @@ class JsonObject {
     return add(name, unix_ms(time));
   }
   JsonObject& add_value(std::string_view name, const Value& value) {
-    append_value(begin(name), value);
+    append_json_value(begin(name), value);
     return *this;
   }
   // `json` is encoded already.
@@ -72,7 +75,10 @@ class JsonObject {
   std::string text_ = "{";
 };
 
-// Returns "[1,2]"; `append(out, item)` encodes an item.
+// The fields of two objects in one.
+[[nodiscard]] std::string json_joined(std::string object, std::string_view more);
+
+// "[1,2]" of anything that `append(out, item)` appends.
 template <class Items, class Append>
 [[nodiscard]] std::string json_array(const Items& items, Append append) {
   std::string text = "[";
@@ -83,4 +89,4 @@ template <class Items, class Append>
   return text + ']';
 }
 
-}  // namespace fieldcast::web
+}  // namespace fieldcast
