@@ -34,16 +34,9 @@ class RtpsAttack : public ::testing::Test {
   }
   static void TearDownTestSuite() { attacked.reset(); }
 
-  // In the name of the matched writer, to its reader.
-  static Datagram forged(Datagram one) {
-    one = testing::from(attacked->forged_sender(), std::move(one));
-    const auto replace = [&](const EntityBytes& from, const EntityBytes& to) {
-      const auto at = std::search(one.begin(), one.end(), from.begin(), from.end());
-      if (at != one.end()) std::copy(to.begin(), to.end(), at);
-    };
-    replace(testing::kSamplesReader, attacked->reader_entity());
-    replace(testing::kSamplesWriter, attacked->forged_entity());
-    return one;
+  static Datagram forged(const Datagram& one) {
+    return testing::in_name_of(attacked->forged_sender(), attacked->forged_entity(),
+                               attacked->reader_entity(), one);
   }
   // Sends each to the port of samples and to that of discovery.
   static void survives(const std::vector<Datagram>& attacks, bool are_refused) {
@@ -87,16 +80,10 @@ TEST_F(RtpsAttack, AHeartbeatFarAhead) {
 
 // CVE-2026-49863, CVE-2026-22591: the library would parse these values. It gets none of them.
 TEST_F(RtpsAttack, DescriptionsWhoseLengthsAreNotThere) {
-  const ParticipantPrefix sender = attacked->forged_sender();
   std::vector<Datagram> all;
   for (const int id : {0x0035, 0x0069, 0x0072, 0x0075}) {
-    all.push_back(testing::discovery(
-        kPublicationsWriter,
-        {{0x0050, testing::guid_of(sender, testing::kParticipant)},
-         {0x005a, testing::guid_of(sender, {0, 9, static_cast<std::uint8_t>(id), 3})},
-         {0x0005, testing::text("fieldcast/Sample")},
-         {0x0007, testing::text("fieldcast::Sample")},
-         {static_cast<std::uint16_t>(id), testing::words({0xfffffff8, 0xffffffff, 0x7fffffff})}}));
+    all.push_back(testing::listing(kPublicationsWriter, static_cast<std::uint16_t>(id),
+                                   testing::words({0xfffffff8, 0xffffffff, 0x7fffffff})));
   }
   survives(all, false);
 }

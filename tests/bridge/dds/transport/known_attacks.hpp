@@ -2,16 +2,20 @@
 // public description.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "tests/bridge/dds/transport/rtps_datagrams.hpp"
 
 namespace fieldcast::testing {
 
-// DATA of discovery whose list is this one parameter.
+// DATA of discovery whose list has this parameter behind the GUID that the library looks for first.
 inline Datagram listing(const EntityBytes& writer, std::uint16_t id, const Datagram& value,
                         std::uint16_t to_qos = 16, bool with_end = true) {
-  return discovery(writer, {{id, value}}, to_qos, with_end);
+  const bool is_participant = writer == kParticipantWriter;
+  const Parameter guid{static_cast<std::uint16_t>(is_participant ? 0x0050 : 0x005a),
+                       guid_of(kSender, is_participant ? kParticipant : EntityBytes{0, 9, 9, 3})};
+  return discovery(writer, {guid, {id, value}}, to_qos, with_end);
 }
 inline Datagram name_of_length(std::uint32_t length) {
   Datagram all;
@@ -167,6 +171,26 @@ inline std::vector<Attack> known_attacks() {
        listing(sedp, 0x0029, words({0xffffffff, 0xfffffffc, 0})),
        {}},
   };
+}
+
+// In the name of a matched writer, to its reader, and with a number above those that the reader has
+// received: it ignores others.
+inline Datagram in_name_of(const ParticipantPrefix& sender, const EntityBytes& writer,
+                           const EntityBytes& reader, Datagram attack) {
+  const auto replace = [&](const auto& from, const auto& to) {
+    for (auto at = attack.begin();;) {
+      at = std::search(at, attack.end(), from.begin(), from.end());
+      if (at == attack.end()) return;
+      at = std::copy(to.begin(), to.end(), at);
+    }
+  };
+  replace(kSender, sender);  // in GUIDs too
+  replace(kSamplesReader, reader);
+  replace(kSamplesWriter, writer);
+  constexpr std::size_t kNumberAt = kMessageHeader + kSubmessageHeader + 16;  // its lower half
+  const auto kind = static_cast<Submessage>(attack[kMessageHeader]);
+  if (kind == Submessage::kData || kind == Submessage::kDataFrag) attack[kNumberAt + 1] |= 4;
+  return attack;
 }
 
 }  // namespace fieldcast::testing
