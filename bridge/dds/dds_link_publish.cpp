@@ -49,7 +49,7 @@ void DdsLink::complete(std::string_view bus, const CommandResult& result,
 
 namespace {
 
-// They belong to the whole bridge: each of its buses shows them.
+// They belong to the whole bridge: its first bus shows them.
 void add_refused_datagrams(std::vector<idl::CauseCount>& causes) {
   const RtpsFaultCounts counts = refused_datagrams();
   for (std::size_t i = 0; i < counts.size(); ++i) {
@@ -67,7 +67,7 @@ void DdsLink::report(std::string_view name, const BusReport& report, UtcTime at)
   LinkedBus* bus = state_->find(name);
   if (bus == nullptr) return;
   to_idl(state_->bridge, name, report, at, bus->status);
-  add_refused_datagrams(bus->status.causes());
+  if (bus == state_->buses.begin()->second.get()) add_refused_datagrams(bus->status.causes());
   bus->status.dds_deadline_misses(bus->samples.counters().deadline_misses);
   bus->reported = true;
   bus->samples.tidy(state_->handlers.clock().instant);

@@ -21,6 +21,28 @@
 
 namespace fieldcast::testing {
 
+// The port at which the participant of this reader receives samples; 0 if there is none.
+inline std::uint32_t samples_port(dds::DataReader& reader) {
+  constexpr std::uint8_t kFirstMulticast = 224;
+  eprosima::fastdds::rtps::LocatorList locators;
+  reader.get_listening_locators(locators);
+  for (const auto& one : locators)
+    if (one.kind == LOCATOR_KIND_UDPv4 && one.address[12] < kFirstMulticast) return one.port;
+  return 0;
+}
+
+// Sends to the port at which the participant of the reader receives samples, or to that of
+// discovery (RTPS 2.2, 9.6.1.1: the one before).
+inline void send_to(dds::DataReader& reader, int socket, std::span<const std::uint8_t> datagram,
+                    bool to_discovery) {
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(static_cast<std::uint16_t>(samples_port(reader) - (to_discovery ? 1 : 0)));
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  (void)::sendto(socket, datagram.data(), datagram.size(), 0,
+                 reinterpret_cast<const sockaddr*>(&to), sizeof to);
+}
+
 struct AttackedDomain {
   explicit AttackedDomain(const DdsSpec& of) : spec(of) {
     socket.reset(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
@@ -44,24 +66,8 @@ struct AttackedDomain {
   [[nodiscard]] EntityBytes forged_entity() const { return entity(forged_writer->guid()); }
   [[nodiscard]] EntityBytes reader_entity() const { return entity(reader->guid()); }
 
-  // To the port at which the participant receives samples, or to that of discovery (RTPS 2.2,
-  // 9.6.1.1: the one before).
   void send(std::span<const std::uint8_t> datagram, bool to_discovery) const {
-    sockaddr_in to{};
-    to.sin_family = AF_INET;
-    to.sin_port = htons(static_cast<std::uint16_t>(samples_port() - (to_discovery ? 1 : 0)));
-    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    (void)::sendto(socket.get(), datagram.data(), datagram.size(), 0,
-                   reinterpret_cast<const sockaddr*>(&to), sizeof to);
-  }
-
-  [[nodiscard]] std::uint32_t samples_port() const {
-    constexpr std::uint8_t kFirstMulticast = 224;
-    eprosima::fastdds::rtps::LocatorList locators;
-    reader->get_listening_locators(locators);
-    for (const auto& one : locators)
-      if (one.kind == LOCATOR_KIND_UDPv4 && one.address[12] < kFirstMulticast) return one.port;
-    return 0;
+    send_to(*reader, socket.get(), datagram, to_discovery);
   }
 
   DdsSpec spec;

@@ -10,6 +10,8 @@ namespace {
 
 constexpr std::size_t kPrefixAt = 8;  // in the header of a message
 constexpr std::size_t kMostWriters = 65'536, kMostAddresses = 1024, kMostFragmented = 1024;
+constexpr std::size_t kBehind = 8;         // bytes that the library may read behind a last fragment
+constexpr std::size_t kSampleSizeAt = 32;  // in DATA_FRAG
 constexpr Duration kGrace = std::chrono::seconds{10};  // beyond the lease of a participant
 constexpr double kFragmentSeconds = 10;
 // The numbers of a writer that is not heard go on at this rate at most.
@@ -17,18 +19,26 @@ constexpr double kNumbersPerSecond = 100'000, kCreditSeconds = 60;
 // The number of our own message that a participant has left: above those of its writer, and below
 // the ones with which DDS Security refuses a participant (incoming_filter.cpp).
 constexpr std::uint64_t kOurNumber = std::uint64_t{0x20000000} << 32;
-constexpr std::uint8_t kFinal = 2;  // the flag of a HEARTBEAT
+constexpr std::uint8_t kFinal = 2;                 // the flag of a HEARTBEAT
+constexpr std::size_t kFirstAt = 12;               // in HEARTBEAT and GAP
+constexpr std::size_t kMostOfOneParticipant = 16;  // addresses
 
 void put(std::span<std::uint8_t> to, std::uint32_t value, bool little) {
   for (std::size_t i = 0; i < 4; ++i)
     to[i] = static_cast<std::uint8_t>(value >> 8 * (little ? i : 3 - i));
 }
+bool is_loopback(const DatagramGuard::Address& address) { return address[12] == 127; }
 void put_number(std::span<std::uint8_t> to, std::int64_t number, bool little) {
   put(to, static_cast<std::uint32_t>(number >> 32), little);
   put(to.subspan(4), static_cast<std::uint32_t>(number), little);
 }
 
 }  // namespace
+
+DatagramGuard::DatagramGuard(const RtpsLimits& limits) : limits_(limits) {
+  fragment_bytes_.tokens = limits.fragment_bytes;
+  counts_.tokens = static_cast<double>(kStep);
+}
 
 std::size_t DatagramGuard::Hash::operator()(const Guid& guid) const {
   std::uint64_t upper = 0, lower = 0;
@@ -45,20 +55,17 @@ DatagramGuard::Verdict DatagramGuard::check(std::span<const std::uint8_t> datagr
   scratch_ = &scratch;
   has_fragments_ = is_changed_ = false;
   before_.clear();
-  if (const auto fault = fault_of(datagram, limits_, this)) {
-    ++refused_[static_cast<std::size_t>(*fault)];
-    return {fault, {}, std::move(before_)};
-  }
+  if (const auto fault = fault_of(datagram, limits_, this)) return {fault, {}, std::move(before_)};
   // The library copies the last fragment by the size of the first one that it has of the sample
   // (CacheChange.h), which another datagram may have named: behind the datagram it must find
   // memory of ours.
   if (has_fragments_) {
-    scratch.reserve(datagram.size() + limits_.sample_bytes);
+    scratch.reserve(datagram.size() + limits_.sample_bytes + kBehind);
     copy();
+    scratch.resize(datagram.size() + kBehind);
   }
-  const std::span<const std::uint8_t> bytes =
-      is_changed_ ? std::span<const std::uint8_t>(scratch) : datagram;
-  return {std::nullopt, bytes, std::move(before_)};
+  const std::span<const std::uint8_t> bytes = is_changed_ ? scratch : datagram;
+  return {std::nullopt, bytes.first(datagram.size()), std::move(before_)};
 }
 
 std::span<std::uint8_t> DatagramGuard::copy() {
@@ -67,7 +74,24 @@ std::span<std::uint8_t> DatagramGuard::copy() {
   return *scratch_;
 }
 
+// False if the event is of discovery and names a participant that speaks from other addresses.
+bool DatagramGuard::is_of_sender(const RtpsEvent& event) {
+  if (limits_.relayed || (event.writer[3] & kBuiltIn) != kBuiltIn || is_loopback(from_))
+    return true;
+  ParticipantPrefix sender{};
+  std::copy_n(datagram_.begin() + kPrefixAt, sender.size(), sender.begin());
+  const auto found = participants_.find(sender);
+  if (found == participants_.end()) return true;
+  Participant& of = found->second;
+  if (std::ranges::count(of.addresses, from_) != 0) return true;
+  // Its address has changed, if it no longer speaks from the one before.
+  if (now_ - of.seen <= of.lease + kGrace) return false;
+  of.addresses.assign(1, from_);
+  return true;
+}
+
 std::optional<RtpsFault> DatagramGuard::on_event(const RtpsEvent& event) {
+  if (!is_of_sender(event)) return RtpsFault::kSender;
   switch (event.kind) {
     case Submessage::kHeartbeat: return on_heartbeat(event);
     case Submessage::kGap: return on_gap(event);
@@ -88,18 +112,34 @@ std::optional<RtpsFault> DatagramGuard::on_participant(const RtpsEvent& event) {
   ParticipantPrefix prefix{};
   std::copy_n(guid.begin(), prefix.size(), prefix.begin());
   if (facts.status != 0) {
+    // The library would remember the number of a participant that it does not know, and later
+    // ignore its announcements with lower numbers (StatelessReader.cpp).
+    if (!limits_.relayed && !participants_.contains(prefix))
+      copy()[event.at] = static_cast<std::uint8_t>(Submessage::kPad);
     forget(prefix);
     return std::nullopt;
   }
   if (const auto found = participants_.find(prefix); found != participants_.end()) {
     found->second.seen = now_;
+    add_addresses(found->second, facts);
     return std::nullopt;
   }
   if (!may_join()) return RtpsFault::kJoinRate;
   if (participants_.size() >= limits_.participants && !make_room(false))
     return RtpsFault::kParticipants;
-  participants_[prefix] = {now_, std::chrono::seconds{facts.lease_seconds}, ++joined_, {}};
+  Participant& joined = participants_[prefix];
+  joined = {now_, std::chrono::seconds{facts.lease_seconds}, ++joined_, {}, {from_}};
+  add_addresses(joined, facts);
   return std::nullopt;
+}
+
+void DatagramGuard::add_addresses(Participant& of, const ParameterFacts& facts) {
+  for (const auto& bytes : facts.addresses) {
+    Address address{};
+    std::ranges::copy(bytes, address.begin());
+    if (of.addresses.size() < kMostOfOneParticipant && !std::ranges::count(of.addresses, address))
+      of.addresses.push_back(address);
+  }
 }
 
 // A token for each new participant of an address.
@@ -166,6 +206,7 @@ std::optional<RtpsFault> DatagramGuard::on_endpoint(const RtpsEvent& event) {
   }
   endpoints.insert(guid);
   ++endpoints_;
+  writers_.erase(guid);  // the library has counted nothing of it
   return std::nullopt;
 }
 
@@ -192,7 +233,6 @@ DatagramGuard::Writer& DatagramGuard::writer_of(const RtpsEvent& event) {
 // False if the writer has no credit to move on to this number.
 bool DatagramGuard::may_reach(Writer& writer, std::int64_t number) const {
   if (writer.last < 0) {
-    if (number > kFirstJump) return false;
     writer.seen = now_;
     writer.last = number;
     return true;
@@ -207,13 +247,32 @@ bool DatagramGuard::may_reach(Writer& writer, std::int64_t number) const {
 
 std::optional<RtpsFault> DatagramGuard::on_heartbeat(const RtpsEvent& event) {
   Writer& writer = writer_of(event);
-  const bool is_newer =
-      writer.last < 0 || static_cast<std::int32_t>(event.count - writer.count) > 0;
-  if (!may_reach(writer, event.base - 1)) return RtpsFault::kSequenceNumber;
+  const bool is_newer = event.count > writer.count;  // as WriterProxy::process_heartbeat()
+  if (event.first > kFarthest || !may_reach(writer, event.base - 1))
+    return RtpsFault::kSequenceNumber;
   if (!is_newer) return std::nullopt;  // the library ignores it
   writer.count = event.count;
   if (event.first >= writer.gap_end) writer.gapped = 0;
+  limit_count(event, writer, event.first);
   return std::nullopt;
+}
+
+// Bounds how far the library counts because of a HEARTBEAT with this first number. If that is too
+// far, the HEARTBEAT announces the farthest number that is allowed, and no sample.
+void DatagramGuard::limit_count(const RtpsEvent& event, Writer& writer, std::int64_t first) {
+  counts_.tokens = std::min(static_cast<double>(kStep),
+                            counts_.tokens + to_seconds(now_ - counts_.filled) * kCountsPerSecond);
+  counts_.filled = now_;
+  const std::int64_t further = first - 1 - writer.counted;
+  if (further <= 0) return;
+  const std::int64_t allowed = std::min(further, static_cast<std::int64_t>(counts_.tokens));
+  counts_.tokens -= static_cast<double>(allowed);
+  writer.counted += allowed;
+  if (allowed == further) return;
+  const auto part = copy().subspan(event.at);
+  part[1] |= kFinal;
+  put_number(part.subspan(kFirstAt), writer.counted + 1, event.little);
+  put_number(part.subspan(kFirstAt + 8), writer.counted, event.little);
 }
 
 std::optional<RtpsFault> DatagramGuard::on_gap(const RtpsEvent& event) {
@@ -228,20 +287,21 @@ std::optional<RtpsFault> DatagramGuard::on_gap(const RtpsEvent& event) {
   const auto part = copy().subspan(event.at);
   part[0] = static_cast<std::uint8_t>(Submessage::kHeartbeat);
   part[1] = static_cast<std::uint8_t>((event.little ? kLittleEndianFlag : 0) | kFinal);
-  const auto body = part.subspan(kSubmessageHeader);
-  put_number(body.subspan(8), event.base, event.little);
-  put_number(body.subspan(16), writer.last, event.little);
-  put(body.subspan(24), ++writer.count, event.little);
+  put_number(part.subspan(kFirstAt), event.base, event.little);
+  put_number(part.subspan(kFirstAt + 8), writer.last, event.little);
+  put(part.subspan(kFirstAt + 16), ++writer.count, event.little);
+  limit_count(event, writer, event.base);
   return std::nullopt;
 }
 
 // A sample that begins costs its size; the sum is forgiven within kFragmentSeconds.
 std::optional<RtpsFault> DatagramGuard::on_fragment(const RtpsEvent& event) {
   has_fragments_ = true;
+  if (event.buffer_size != event.sample_size)
+    put(copy().subspan(event.at + kSampleSizeAt), event.buffer_size, event.little);
   const std::pair<Guid, std::int64_t> sample{guid_of(event.writer), event.first};
   if (std::ranges::count(fragmented_, sample) != 0) return std::nullopt;
   Bucket& bucket = fragment_bytes_;
-  if (bucket.filled == Instant{}) bucket.tokens = limits_.fragment_bytes;
   bucket.tokens = std::min<double>(
       limits_.fragment_bytes,
       bucket.tokens + to_seconds(now_ - bucket.filled) * limits_.fragment_bytes / kFragmentSeconds);

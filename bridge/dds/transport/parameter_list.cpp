@@ -139,6 +139,7 @@ const ParameterRow* row_of(std::uint16_t id) {
 
 void note(std::uint16_t id, Bytes value, bool little, ParameterFacts& facts) {
   if (id == 0x0002) facts.lease_seconds = RtpsCursor(value, little).u32();
+  if (id == 0x0031 || id == 0x0032) facts.addresses.push_back(value.subspan(8));
   if (id == 0x0050) facts.participant_guid = value;
   if (id == 0x005a) facts.endpoint_guid = value;
   if (id == 0x0070) facts.key_hash = value;

@@ -17,8 +17,10 @@ struct ParameterFacts {
   std::span<const std::uint8_t> endpoint_guid;     // 16 bytes, or empty
   std::span<const std::uint8_t> key_hash;          // 16 bytes, or empty
   std::uint32_t lease_seconds = 0;                 // of a participant
-  std::uint8_t status = 0;                         // of PID_STATUS_INFO: 1 disposed, 2 unregistered
-  std::size_t size = 0;                            // bytes of the list with its sentinel
+  // The addresses (16 bytes) at which a participant receives.
+  std::vector<std::span<const std::uint8_t>> addresses;
+  std::uint8_t status = 0;  // of PID_STATUS_INFO: 1 disposed, 2 unregistered
+  std::size_t size = 0;     // bytes of the list with its sentinel
   // Offsets in the list of parameters that the library must not parse: descriptions of types and
   // content filters. Fieldcast needs neither; their parsers are the library's weakest.
   std::vector<std::size_t> hidden;

@@ -16,6 +16,7 @@ std::string_view to_text(RtpsFault fault) {
     case RtpsFault::kParameter: return "PARAMETER";
     case RtpsFault::kEncapsulation: return "ENCAPSULATION";
     case RtpsFault::kService: return "SERVICE";
+    case RtpsFault::kSender: return "SENDER";
     case RtpsFault::kParticipants: return "PARTICIPANTS";
     case RtpsFault::kJoinRate: return "JOIN_RATE";
     case RtpsFault::kEndpoints: return "ENDPOINTS";

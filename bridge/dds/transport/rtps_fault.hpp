@@ -22,12 +22,13 @@ enum class RtpsFault : std::uint8_t {
   kParameter,       // a parameter whose content contradicts its length, or is above a limit
   kEncapsulation,   // an unknown form of the payload
   kService,         // a built-in service of the library that Fieldcast does not use
+  kSender,          // discovery in the name of a participant from an address of another one
   kParticipants,    // more participants than the limit
   kJoinRate,        // more new participants a second than the limit
   kEndpoints,       // more endpoints of a participant, or in all, than the limit
   kFragmentMemory,  // more bytes of unfinished samples than the limit
 };
-inline constexpr std::size_t kRtpsFaults = 16;
+inline constexpr std::size_t kRtpsFaults = 17;
 using RtpsFaultCounts = std::array<std::uint64_t, kRtpsFaults>;
 
 // "HEADER", "SUBMESSAGE", ..: the word for logs, status and metrics.

@@ -19,7 +19,6 @@ constexpr std::uint32_t kLeastFragment = 128;  // bytes
 constexpr std::uint16_t kToInlineQosOfData = 16, kToInlineQosOfFragment = 28;
 constexpr std::uint16_t kPlCdrBig = 0x0002, kPlCdrLittle = 0x0003;
 constexpr std::uint16_t kLastEncapsulation = 0x000b;  // DDS-XTypes 1.2, 7.6.2.1.2
-constexpr std::uint8_t kBuiltIn = 0xc0;               // of the kind of an entity
 constexpr std::uint32_t kMostReceivers = 64;          // with a code of their own
 
 // RTPS 2.2, 9.3.1.2; DDS Security 1.1, 7.3.7; DDS-XTypes 1.2, 7.6.3.3.
@@ -313,9 +312,8 @@ class Validator {
     if (size < kLeastFragment || sample < 4) return RtpsFault::kFragment;
     const std::uint64_t fragments = (sample + size - 1) / size, last = start + count - 1;
     if (start < 1 || count < 1 || last > fragments) return RtpsFault::kFragment;
-    // The library links missing fragments by 4 bytes at the beginning of each one, rounded up to a
-    // multiple of 4: a shorter last fragment would be overrun (CacheChange.h).
-    if (((fragments - 1) * size + 3) / 4 * 4 + 4 > sample) return RtpsFault::kFragment;
+    event_.buffer_size =
+        static_cast<std::uint32_t>(std::max(sample, ((fragments - 1) * size + 3) / 4 * 4 + 4));
     if ((flags_ & kInlineQos) != 0) {
       if (const Fault fault = check_inline_qos(in, body)) return fault;
     }

@@ -29,6 +29,9 @@ struct RtpsEvent {
   std::int64_t base = 0;    // of GAP: the first number behind the range
   std::uint32_t count = 0;  // of HEARTBEAT
   std::uint32_t sample_size = 0;  // of DATA_FRAG
+  // Of DATA_FRAG: the bytes that the library needs for the sample. It keeps its list of missing
+  // fragments in 4 bytes of each one (CacheChange.h), which exceed a last fragment of 1 to 3 bytes.
+  std::uint32_t buffer_size = 0;
   std::size_t parameters_at = 0;  // of discovery DATA: the offset of its list in the datagram
   ParameterFacts parameters;      // of discovery DATA and of inline QoS
 };
@@ -47,6 +50,7 @@ class RtpsEvents {
                                                 RtpsEvents* events = nullptr);
 
 // Built-in entities (RTPS 2.2, 9.3.1.2).
+inline constexpr std::uint8_t kBuiltIn = 0xc0;  // in the last byte, the kind
 inline constexpr EntityBytes kPublicationsWriter{0x00, 0x00, 0x03, 0xc2};
 inline constexpr EntityBytes kSubscriptionsWriter{0x00, 0x00, 0x04, 0xc2};
 

@@ -113,6 +113,14 @@ def join(plant, way, every):
     return counts
 
 
+def refuses_nothing(plant):
+    """The guard of the bridge refused no datagram of Cyclone DDS."""
+    lines = [line for line in plant.cli("status", "--json").json_lines() if line["topic"] == "BusStatus"]
+    refused = {cause: count for line in lines for cause, count in line["causes"].items() if cause.startswith("DATAGRAM_")}
+    if not lines or refused:
+        raise AssertionError(f"{len(lines)} buses; refused datagrams: {refused}")
+
+
 def environment():
     return {**os.environ, "CYCLONEDDS_URI": LOOPBACK}
 
@@ -128,6 +136,7 @@ class CycloneStations(unittest.TestCase):
         cls.plant = Plant(BIN_DIR, CONFIG)
         cls.plant.__enter__()
         cls.addClassCleanup(cls.plant.__exit__, None, None, None)
+        cls.addClassCleanup(refuses_nothing, cls.plant)
 
     def test_every_channel_arrives_with_its_kind_of_value(self):
         every = {path for path, *_ in CHANNELS} | {SETPOINT}

@@ -65,6 +65,7 @@ class SecuredCyclone(unittest.TestCase):
         cls.plant = Plant(BIN_DIR, CONFIG, dds=f", security: {cls.member('line-7')}", joins=["--security", cls.member("mes")])
         cls.plant.__enter__()
         cls.addClassCleanup(cls.plant.__exit__, None, None, None)
+        cls.addClassCleanup(cyclone_test.refuses_nothing, cls.plant)
         # It waits for a bridge that does not come, for longer than all the others take.
         cls.outsider = subprocess.Popen([os.path.join(BIN_DIR, "cyclone-write"), str(cls.plant.domain), "press-1", "device", "c9", "666"],
                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=cyclone_test.environment())

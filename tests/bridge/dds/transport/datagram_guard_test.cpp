@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "bridge/dds/transport/shared_guard.hpp"
 #include "tests/bridge/dds/transport/rtps_datagrams.hpp"
 
 namespace fieldcast {
@@ -40,7 +41,6 @@ TEST(DatagramGuard, WhatIsValidReachesTheLibraryAsItCame) {
     if (std::string(valid.name) == "endpoint") continue;  // the next test
     EXPECT_EQ(one.bytes, valid.bytes) << valid.name;
   }
-  EXPECT_EQ(one.guard.refused(), RtpsFaultCounts{});
 }
 
 TEST(DatagramGuard, TheDescriptionOfATypeReachesTheLibraryAsPadding) {
@@ -57,13 +57,16 @@ TEST(DatagramGuard, TheDescriptionOfATypeReachesTheLibraryAsPadding) {
   EXPECT_EQ(one.cause_of(one.bytes), "none") << "it is a valid datagram still";
 }
 
-TEST(DatagramGuard, RefusedDatagramsAreCountedByCause) {
-  Checked one;
-  EXPECT_EQ(one.cause_of(sample(0)), "SEQUENCE_NUMBER");
-  EXPECT_EQ(one.cause_of(sample(0)), "SEQUENCE_NUMBER");
-  EXPECT_EQ(one.cause_of({}), "HEADER");
-  EXPECT_EQ(one.guard.refused()[static_cast<std::size_t>(RtpsFault::kSequenceNumber)], 2U);
-  EXPECT_EQ(one.guard.refused()[static_cast<std::size_t>(RtpsFault::kHeader)], 1U);
+TEST(SharedGuard, CountsRefusedDatagramsByCause) {
+  SharedGuard guard{RtpsLimits{}};
+  Datagram scratch;
+  const RtpsFaultCounts before = refused_datagrams();
+  for (const Datagram& one : {sample(0), sample(0), Datagram{}, sample(1)})
+    (void)guard.check(one, {}, scratch);
+  RtpsFaultCounts expected = before;
+  expected[static_cast<std::size_t>(RtpsFault::kSequenceNumber)] += 2;
+  expected[static_cast<std::size_t>(RtpsFault::kHeader)] += 1;
+  EXPECT_EQ(refused_datagrams(), expected);
 }
 
 // A plant of 200 participants after a power cut: all start at once, at one address.
@@ -78,7 +81,6 @@ TEST(DatagramGuard, APlantThatStartsAtOnceIsNotRefused) {
     ASSERT_EQ(one.cause_of(announcement(numbered(i))), "none") << i << " again";
   EXPECT_EQ(one.guard.participants(), 200U);
   EXPECT_EQ(one.guard.endpoints(), 20'000U);
-  EXPECT_EQ(one.guard.refused(), RtpsFaultCounts{});
 }
 
 TEST(DatagramGuard, NewParticipantsOfAnAddressAreBoundedInRate) {
@@ -181,9 +183,9 @@ TEST(DatagramGuard, BehindAFragmentIsMemoryForAWholeSample) {
 
 // CVE-2025-65016: the library counts up to the first number of a HEARTBEAT, one by one.
 TEST(DatagramGuard, AHeartbeatThatJumpsFarIsRefused) {
-  constexpr auto kFirst = DatagramGuard::kFirstJump, kJump = DatagramGuard::kJump;
+  constexpr auto kFarthest = DatagramGuard::kFarthest, kJump = DatagramGuard::kJump;
   Checked one;
-  EXPECT_EQ(one.cause_of(heartbeat(kFirst, kFirst + 1, 1)), "SEQUENCE_NUMBER");
+  EXPECT_EQ(one.cause_of(heartbeat(kFarthest + 1, kFarthest + 1, 1)), "SEQUENCE_NUMBER");
   EXPECT_EQ(one.cause_of(heartbeat(1, 100, 1)), "none");
   EXPECT_EQ(one.cause_of(heartbeat(1, 100 + kJump, 2)), "none");
   EXPECT_EQ(one.cause_of(heartbeat(1, 101 + 2 * kJump, 3)), "SEQUENCE_NUMBER");
@@ -209,6 +211,119 @@ TEST(DatagramGuard, AFastWriterRegainsItsCredit) {
   for (std::uint32_t i = 1; i < 10'000; ++i) {
     one.wait(std::chrono::microseconds{50});
     ASSERT_EQ(one.cause_of(heartbeat(1, 1 + DatagramGuard::kJump + i, 2 + i)), "none");
+  }
+}
+
+// A writer that has run for days begins far ahead. The library counts to its first number in steps.
+TEST(DatagramGuard, AFarFirstNumberReachesTheLibraryInSteps) {
+  constexpr auto kStep = DatagramGuard::kStep, kMore = DatagramGuard::kCountsPerSecond;
+  Checked one;
+  const std::int64_t first = kStep + 2 * kMore, last = first + 10;
+  const auto step_to = [](std::int64_t number, std::uint32_t count) {
+    Datagram step = heartbeat(number + 1, number, count);
+    step[21] = 3;  // final: no response
+    return step;
+  };
+  ASSERT_EQ(one.cause_of(heartbeat(first, last, 1)), "none");
+  EXPECT_EQ(one.bytes, step_to(kStep, 1));
+  EXPECT_FALSE(fault_of(one.bytes, {}).has_value());
+  ASSERT_EQ(one.cause_of(heartbeat(first, last, 2)), "none");
+  EXPECT_EQ(one.bytes, step_to(kStep, 2)) << "no step is left";
+  one.wait(std::chrono::seconds{1});
+  ASSERT_EQ(one.cause_of(heartbeat(first, last, 3)), "none");
+  EXPECT_EQ(one.bytes, step_to(kStep + kMore, 3));
+  one.wait(std::chrono::seconds{1});
+  const Datagram whole = heartbeat(first, last, 4);
+  ASSERT_EQ(one.cause_of(whole), "none");
+  EXPECT_EQ(one.bytes, whole);
+}
+
+// The library begins to count when it learns of the writer, and ignores a HEARTBEAT whose count is
+// not above the last one.
+TEST(DatagramGuard, StepsBeginWithTheAnnouncementOfTheWriter) {
+  constexpr auto kStep = DatagramGuard::kStep;
+  Checked one;
+  const std::uint32_t number = kSamplesWriter[2];
+  ASSERT_EQ(one.cause_of(announcement()), "none");
+  ASSERT_EQ(one.cause_of(heartbeat(kStep, kStep, 1)), "none");
+  one.wait(std::chrono::seconds{5});
+  ASSERT_EQ(one.cause_of(endpoint(number)), "none");
+  ASSERT_EQ(one.cause_of(heartbeat(2 * kStep + 1, 2 * kStep + 1, 0)), "none") << "ignored";
+  ASSERT_EQ(one.cause_of(heartbeat(2 * kStep + 1, 2 * kStep + 1, 2)), "none");
+  Datagram expected = heartbeat(kStep + 1, kStep, 2);
+  expected[21] = 3;
+  EXPECT_EQ(one.bytes, expected);
+}
+
+// CVE-2023-50257: the library believes each "has left", and each new address of a participant.
+TEST(DatagramGuard, DiscoveryOfAParticipantComesFromItsAddress) {
+  Checked one;
+  ASSERT_EQ(one.cause_of(announcement(), 1), "none");
+  ASSERT_EQ(one.cause_of(endpoint(1), 1), "none");
+  Datagram disposal =
+      data(kPublicationsWriter, 2,
+           list_of({{0x0070, guid_of(kSender, {0, 0, 1, 3})}, {0x0071, {0, 0, 0, 3}}}), {});
+  Datagram far = from(kSender, heartbeat(90, 90, 9));
+  std::copy(kPublicationsWriter.begin(), kPublicationsWriter.end(), far.begin() + 28);
+  for (const Datagram& forged : {goodbye(kSender), announcement(), endpoint(2), disposal, far})
+    EXPECT_EQ(one.cause_of(forged, 2), "SENDER");
+  EXPECT_EQ(one.guard.participants(), 1U);
+  EXPECT_EQ(one.guard.endpoints(), 1U);
+  EXPECT_EQ(one.cause_of(heartbeat(1, 9, 1), 2), "none") << "not of discovery";
+  EXPECT_EQ(one.cause_of(disposal, 1), "none");
+  EXPECT_EQ(one.guard.endpoints(), 0U);
+  EXPECT_EQ(one.cause_of(goodbye(kSender), 1), "none");
+  EXPECT_EQ(one.guard.participants(), 0U);
+}
+
+TEST(DatagramGuard, AParticipantSpeaksFromEachAddressAtWhichItReceives) {
+  Checked one;
+  const DatagramGuard::Address listed{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 192, 168, 0, 7};
+  Datagram announced = announcement();
+  const Datagram loopback{127, 0, 0, 1};
+  const auto at =
+      std::search(announced.begin() + 120, announced.end(), loopback.begin(), loopback.end());
+  std::copy(listed.end() - 4, listed.end(), at);
+  ASSERT_EQ(one.cause_of(announced, 1), "none");
+  EXPECT_FALSE(one.guard.check(goodbye(kSender), listed, one.now, one.scratch).fault);
+  EXPECT_EQ(one.guard.participants(), 0U);
+}
+
+// Its lease is 20 s, and the guard waits 10 s more.
+TEST(DatagramGuard, AParticipantWhoseAddressChangesIsHeardAgain) {
+  Checked one;
+  ASSERT_EQ(one.cause_of(announcement(), 1), "none");
+  one.wait(std::chrono::seconds{30});
+  EXPECT_EQ(one.cause_of(announcement(), 2), "SENDER");
+  one.wait(std::chrono::seconds{1});
+  EXPECT_EQ(one.cause_of(announcement(), 2), "none");
+  EXPECT_EQ(one.cause_of(goodbye(kSender), 1), "SENDER") << "the address of before";
+}
+
+TEST(DatagramGuard, ARelayedAnnouncementComesFromAnyAddress) {
+  Checked one({.relayed = true});
+  ASSERT_EQ(one.cause_of(announcement(), 1), "none");
+  EXPECT_EQ(one.cause_of(goodbye(kSender), 2), "none");
+}
+
+// The library would remember the number of the message, and ignore the announcements that follow.
+TEST(DatagramGuard, TheLibraryDoesNotReadThatAnUnknownParticipantHasLeft) {
+  Checked one;
+  Datagram expected = goodbye(kSender);
+  EXPECT_EQ(one.cause_of(expected), "none");
+  expected[20] = 1;  // PAD
+  EXPECT_EQ(one.bytes, expected);
+}
+
+// The library keeps its list of missing fragments in 4 bytes of each one.
+TEST(DatagramGuard, AShortLastFragmentHasRoomForTheListOfTheLibrary) {
+  Checked one;
+  for (std::uint32_t rest = 1; rest <= 3; ++rest) {
+    ASSERT_EQ(one.cause_of(data_frag(1, 1, 1022, 1022 + rest, 1022)), "none");
+    EXPECT_EQ(one.bytes, data_frag(1, 1, 1022, 1028, 1022)) << "the list is at 1024";
+    ASSERT_EQ(one.cause_of(data_frag(2, 1, 1024, 1024 + rest, rest)), "none");
+    EXPECT_EQ(one.bytes, data_frag(2, 1, 1024, 1028, rest));
+    EXPECT_EQ(one.scratch.size(), one.bytes.size() + 8) << "zeros that the library reads";
   }
 }
 

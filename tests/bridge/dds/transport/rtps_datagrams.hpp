@@ -183,6 +183,8 @@ inline Datagram guid_of(const ParticipantPrefix& prefix, const EntityBytes& enti
   put_all(all, entity);
   return all;
 }
+// Of the announced locators: a real participant must not send to a port of another domain.
+inline constexpr std::uint32_t kNoPort = 9;
 inline Datagram locator(std::uint32_t port) {
   Datagram all = words({1, port, 0, 0, 0});
   put(all, {127, 0, 0, 1});
@@ -202,9 +204,9 @@ inline Datagram announcement(const ParticipantPrefix& prefix = kSender) {
                                 {{0x0015, {2, 2, 0, 0}},
                                  {0x0016, {1, 15, 0, 0}},
                                  {0x0050, guid_of(prefix, kParticipant)},
-                                 {0x0033, locator(7400)},
-                                 {0x0032, locator(7412)},
-                                 {0x0031, locator(7413)},
+                                 {0x0033, locator(kNoPort)},
+                                 {0x0032, locator(kNoPort)},
+                                 {0x0031, locator(kNoPort)},
                                  {0x0002, words({20, 0})},
                                  {0x0058, words({0xc3f})},
                                  {0x0062, text("fieldcast-bridge one")},
@@ -215,7 +217,7 @@ inline Datagram endpoint(std::uint32_t number, const ParticipantPrefix& prefix =
   const EntityBytes entity{static_cast<std::uint8_t>(number >> 16),
                            static_cast<std::uint8_t>(number >> 8),
                            static_cast<std::uint8_t>(number), 3};
-  return from(prefix, discovery(kPublicationsWriter, {{0x002f, locator(7413)},
+  return from(prefix, discovery(kPublicationsWriter, {{0x002f, locator(kNoPort)},
                                                       {0x0050, guid_of(prefix, kParticipant)},
                                                       {0x005a, guid_of(prefix, entity)},
                                                       {0x0005, text("fieldcast/SampleBlock")},
