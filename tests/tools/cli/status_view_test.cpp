@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/tools/cli/parsed_json.hpp"
+#include "tools/cli/view/claims_view.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -84,12 +85,11 @@ TEST(StatusView, BridgesThatClaimTheSameBusAreNamed) {
       facts[1].text,
       "refused: bridge line-9 on host host-of-line-9 has a bus of this name and does not serve it, "
       "because bridge line-7 does; rename one of the buses");
-  Json line = status_json(bus);
-  add_claims(line, model, bus);
-  EXPECT_EQ(line["contested_by"],
-            (Json::array({{{"bridge", "line-8"}, {"host", "host-of-line-8"}}})));
-  EXPECT_EQ(line["waiting_bridges"],
-            (Json::array({{{"bridge", "line-9"}, {"host", "host-of-line-9"}}})));
+  Json written = status_json(bus);
+  add_claims(written, model, bus);
+  const auto line = parsed(written);
+  EXPECT_EQ(line["contested_by"].dump(), R"([{"bridge":"line-8","host":"host-of-line-8"}])");
+  EXPECT_EQ(line["waiting_bridges"].dump(), R"([{"bridge":"line-9","host":"host-of-line-9"}])");
 }
 
 TEST(StatusView, MembersOfAStandbyGroupDoNotContestItsBuses) {

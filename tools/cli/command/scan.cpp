@@ -13,6 +13,7 @@
 #include "tools/cli/scan/identity.hpp"
 #include "tools/cli/scan/scan_view.hpp"
 #include "tools/cli/scan/scanner.hpp"
+#include "tools/cli/scan/sunspec_view.hpp"
 #include "tools/cli/scan/template_match.hpp"
 #include "tools/cli/view/sample_text.hpp"
 #include "tools/progress/progress_line.hpp"
@@ -60,7 +61,7 @@ tl::expected<std::vector<ScanLine>, std::string> lines_of(
   return lines;
 }
 
-// The line in a capture: one device for each tried protocol.
+// The line as a capture has it: a device stands for each protocol that is tried.
 BusSpec captured_bus(const PortSpec& port, const std::vector<ScanLine>& lines) {
   BusSpec bus;
   bus.name = "line";
@@ -73,7 +74,7 @@ BusSpec captured_bus(const PortSpec& port, const std::vector<ScanLine>& lines) {
   }
   return bus;
 }
-// Index of the device that represents a line's protocol.
+// Which of these devices stands for the protocol of a line.
 std::size_t protocol_index(const std::vector<ScanLine>& lines, std::size_t line) {
   std::size_t index = 0;
   for (std::size_t i = 1; i <= line; ++i)
@@ -98,7 +99,7 @@ class Scan {
         [this] { progress_.show([this](Duration elapsed) { return progress(elapsed); }); });
   }
 
-  // Runs to the end or an interrupt. Fails if the port does not open.
+  // Until it is over or interrupted. The error: the port does not open.
   tl::expected<void, std::string> run() {
     auto done = ask_all();
     progress_.clear();
@@ -139,11 +140,12 @@ class Scan {
       const std::string_view protocol = scanner_.lines()[found.line].protocol.name();
       scanner_.set_templates(named_, matching_templates(identity, protocol, heads));
       scanner_.set_identity(named_, std::move(identity));
+      walk_sunspec(named_);
     }
     return {};
   }
 
-  // Opens the port with the line's format and creates its protocol.
+  // The port and the protocol as the line has them.
   tl::expected<void, std::string> turn_to(std::size_t line) {
     if (line_ == line) return {};
     const ScanLine& next = scanner_.lines()[line];

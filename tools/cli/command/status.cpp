@@ -14,6 +14,7 @@
 #include "tools/cli/listening.hpp"
 #include "tools/cli/standby_watch.hpp"
 #include "tools/cli/terminal.hpp"
+#include "tools/cli/view/claims_view.hpp"
 #include "tools/cli/view/standby_view.hpp"
 #include "tools/cli/view/status_view.hpp"
 
@@ -29,7 +30,7 @@ Json bus_json(const StatusModel& model, const StationBusStatus& bus) {
 }
 
 void print_json(const StatusModel& model, std::ostream& out) {
-  for (const auto& [name, bus] : model.buses) out << status_json(bus).text() << '\n';
+  for (const auto& [name, bus] : model.buses) out << bus_json(model, bus).text() << '\n';
   for (const auto& [key, device] : model.devices) out << status_json(device).text() << '\n';
 }
 
@@ -38,6 +39,7 @@ void print_table(const StatusModel& model, std::ostream& out) {
   for (const auto& line : status_lines(model, utc_now(), screen)) out << line << '\n';
 }
 
+// Of bridges that stand by for each other: nothing without them.
 void print_members(const StandbyModel& model, std::ostream& out) {
   if (model.empty()) return;
   out << '\n';
@@ -46,12 +48,12 @@ void print_members(const StandbyModel& model, std::ostream& out) {
 
 void print_event(const StatusModel& model, const DomainEvent& event, std::ostream& out) {
   if (const auto* bus = std::get_if<StationBusStatus>(&event))
-    out << status_json(*bus).text() << '\n';
+    out << bus_json(model, *bus).text() << '\n';
   if (const auto* device = std::get_if<StationDeviceStatus>(&event))
     out << status_json(*device).text() << '\n';
 }
 
-// Prints the reason if the terminal cannot show a screen.
+// A terminal that cannot show a screen gets text, and is told why.
 bool screen_wanted(const StatusOptions& options, std::ostream& err) {
   if (!options.screen || options.json || !output_is_terminal()) return false;
   const std::string reason = no_screen_reason();

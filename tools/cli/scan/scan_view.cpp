@@ -25,7 +25,7 @@ std::string answer_text(const ScanLine& line, const ScanAnswer& answer) {
   return std::string(to_text(answer.cause));
 }
 
-// Makes a device's text a single line.
+// Whatever a device says of itself, on one line.
 std::string comment_text(std::string_view text) {
   std::string line = printable(text);
   for (char& c : line) {
@@ -138,6 +138,8 @@ Json found_json(const std::string& port, const ScanLine& line, const ScanFound& 
   json.add("device_code", found.answer.device_code);
   json.add("answer_time", found.answer.took.count());
   json.add("identity", found.identity);
+  json.add("templates", found.templates);
+  if (found.sunspec) json.add("sunspec", sunspec_json(*found.sunspec));
   return json;
 }
 
@@ -175,9 +177,18 @@ std::string configuration_text(const std::string& port, bool serial, const Scann
     }
     for (const std::string& name : found.templates)
       text += fmt::format("        # may fit, in place of the channels: template: {}\n", name);
-    text += fmt::format(
-        "        channels:\n          - {{ name: first, at: \"{}\", type: {}, refresh: 1s }}\n",
-        asked.at, type_of(*protocol, asked));
+    std::vector<std::string> channels;
+    if (found.sunspec) {
+      text += sunspec_comment(*found.sunspec);
+      channels = sunspec_channels(*found.sunspec);
+    }
+    if (channels.empty())
+      channels = {fmt::format("{{ name: first, at: \"{}\", type: {}, refresh: 1s }}", asked.at,
+                              type_of(*protocol, asked))};
+    else
+      text += "        refresh: 2s\n";
+    text += "        channels:\n";
+    for (const std::string& channel : channels) text += "          - " + channel + '\n';
   }
   return text;
 }

@@ -29,11 +29,11 @@ struct ScanAsk {
 };
 
 struct ScanAnswer {
-  bool device = false;            // a device responded with a value or an error
-  Cause cause = Cause::kNone;     // of an error or a missing response
-  std::uint16_t device_code = 0;  // of an error
+  bool device = false;            // a device answered: with a value, or by refusing
+  Cause cause = Cause::kNone;     // of a refusal; of no answer
+  std::uint16_t device_code = 0;  // of a refusal
   Duration took{};
-  std::size_t bytes = 0;    // received
+  std::size_t bytes = 0;    // that came at all
   bool echo_alone = false;  // they are those that were sent: the adapter's, nobody else speaks
   bool heard = false;       // since the first probe of the line: bytes other than the echo
   AnswerShape shape = AnswerShape::kOther;  // of a broken answer
@@ -46,10 +46,11 @@ struct ScanFound {
   ScanAnswer answer;
   std::string identity;                  // what the device says of itself; empty: nothing
   std::vector<std::string> templates{};  // that fit the identity; more than one: all of them may
+  std::optional<SunSpecMap> sunspec{};   // its SunSpec models
 };
 
-// An address with invalid responses that start like valid ones: the settings of the line are
-// probably correct.
+// An address from which broken answers come that begin like valid ones: the settings of the line
+// are probably right.
 struct ScanBroken {
   std::size_t line = 0;
   std::uint16_t address = 1;
@@ -58,17 +59,17 @@ struct ScanBroken {
 
 class Scanner {
  public:
-  // Consecutive requests with bytes but no valid response: the line has other traffic. The second
-  // pass leaves the line immediately.
+  // So many questions in a row that brought bytes and no answer: somebody else speaks there. Once
+  // more in the second pass, and the line is left at once.
   static constexpr unsigned kBabble = 8;
 
   explicit Scanner(std::vector<ScanLine> lines);
 
-  // Empty at the end of the scan.
+  // Nothing: the scan is over.
   [[nodiscard]] std::optional<ScanAsk> next() const;
-  // Result of the request of next().
+  // To what next() said.
   void answered(const ScanAnswer& answer);
-  // Skips the line of next(), because its port does not accept the settings.
+  // The line of next() cannot be asked (its port does not take the settings): it is left out.
   void skip_line();
 
   [[nodiscard]] const std::vector<ScanLine>& lines() const { return lines_; }
@@ -76,17 +77,18 @@ class Scanner {
   void set_identity(std::size_t found, std::string identity) {
     found_[found].identity = std::move(identity);
   }
+  void set_sunspec(std::size_t found, SunSpecMap map) { found_[found].sunspec = std::move(map); }
   void set_templates(std::size_t found, std::vector<std::string> templates) {
     found_[found].templates = std::move(templates);
   }
   [[nodiscard]] std::size_t asked() const { return asked_; }
-  // Remaining requests if no device responds.
+  // That are still to be asked, unless a device answers.
   [[nodiscard]] std::size_t left() const;
-  // Lines with bytes that were not a valid response.
+  // The lines on which bytes came that were no answer.
   [[nodiscard]] const std::vector<std::size_t>& noisy_lines() const { return noisy_; }
-  // Addresses with only invalid responses, without those with a valid one to the second request.
+  // Addresses whose answers are broken, without those that answered another question.
   [[nodiscard]] std::vector<ScanBroken> broken() const;
-  // All received bytes were an echo.
+  // What was sent came back, and nothing else.
   [[nodiscard]] bool echoed() const { return echoed_; }
   // Every line was probed, and no byte of another sender was received on any of them.
   [[nodiscard]] bool silent() const { return quick_ && over() && !heard_any_; }
@@ -105,7 +107,7 @@ class Scanner {
   std::vector<std::size_t> noisy_;
   std::vector<ScanBroken> broken_;
   std::vector<std::size_t> babbling_;   // left in the first pass
-  std::optional<std::size_t> settled_;  // line with a response
+  std::optional<std::size_t> settled_;  // the line on which a device answered
   std::size_t pass_ = 0, line_ = 0, index_ = 0, asked_ = 0;
   unsigned babble_ = 0;
   bool echoed_ = false;

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/json.hpp"
 #include "tools/cli/scan/sunspec_walk.hpp"
-#include "tools/cli/view/json.hpp"
 
 namespace fieldcast::cli {
 

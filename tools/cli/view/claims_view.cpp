@@ -65,8 +65,8 @@ std::vector<StatusFact> claim_facts(const StatusModel& model, const StationBusSt
 
 void add_claims(Json& line, const StatusModel& model, const StationBusStatus& bus) {
   const BusClaimants others = claimants_of(model, bus);
-  if (!others.serving.empty()) line["contested_by"] = claimants_json(others.serving);
-  if (!others.waiting.empty()) line["waiting_bridges"] = claimants_json(others.waiting);
+  if (!others.serving.empty()) line.add("contested_by", claimants_json(others.serving));
+  if (!others.waiting.empty()) line.add("waiting_bridges", claimants_json(others.waiting));
 }
 
 }  // namespace fieldcast::cli

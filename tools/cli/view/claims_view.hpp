@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/cli/view/json.hpp"
+#include "core/base/json.hpp"
 #include "tools/cli/view/status_facts.hpp"
 
 namespace fieldcast::cli {
