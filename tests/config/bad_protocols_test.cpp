@@ -1,5 +1,5 @@
-// One broken declaration for each fault in tests/config/bad_protocols: its head says, line for
-// line, what the loader must say of it.
+// Each file in tests/config/bad_protocols has one fault; its head comment lists the expected
+// messages, one per line.
 #include <gtest/gtest.h>
 
 #include <sstream>

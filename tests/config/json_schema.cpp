@@ -29,7 +29,7 @@ std::string misfit_types(const json& value, const json& types) {
   return "is none of " + types.dump();
 }
 
-// How many of the alternatives fit.
+// Returns the number of alternatives that fit.
 std::size_t fitting(const json& value, const json& alternatives, const json& root,
                     const std::string& path) {
   std::size_t count = 0;
@@ -57,7 +57,7 @@ std::string misfit_properties(const json& value, const json& schema, const json&
   return "";
 }
 
-// One keyword on one value; the reason without its path.
+// Checks one keyword; returns the reason without its path.
 std::string misfit_keyword(const std::string& keyword, const json& rule, const json& value) {
   if (keyword == "type") return misfit_types(value, rule);
   if (keyword == "enum")

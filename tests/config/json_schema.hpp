@@ -1,5 +1,5 @@
-// As much of JSON Schema (draft 2020-12) as config/fieldcast.schema.json uses. A keyword that this
-// does not know is a failure, so that the schema cannot say what no test reads.
+// The part of JSON Schema (draft 2020-12) that config/fieldcast.schema.json uses. An unsupported
+// keyword is a failure, so that every part of the schema is tested.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -9,11 +9,10 @@
 
 namespace fieldcast::config {
 
-// The value that a JSON-minded reader sees in YAML (YAML 1.2 core schema: plain true, false, null
-// and numbers are not texts).
+// Converts YAML to JSON (YAML 1.2 core schema: plain true, false, null and numbers are not texts).
 [[nodiscard]] nlohmann::json json_of(const Node& node);
 
-// Nothing when the value fits, else the first reason: "/buses/0: unknown key 'x'".
+// Returns the first reason, for example "/buses/0: unknown key 'x'"; empty if the value fits.
 [[nodiscard]] std::string misfit(const nlohmann::json& value, const nlohmann::json& schema,
                                  const nlohmann::json& root, const std::string& path = "");
 

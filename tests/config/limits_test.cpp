@@ -1,4 +1,4 @@
-// What a configuration may hold: at the limit it loads, beyond it a fault says so.
+// Tests the limits of a configuration: at the limit it loads, beyond it a fault is reported.
 #include "config/limits.hpp"
 
 #include <gmock/gmock.h>

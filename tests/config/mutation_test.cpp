@@ -1,5 +1,4 @@
-// Hostile text: whatever the bytes, the loader comes back with a model or with faults that have a
-// place. Seeded, so that a failure can be repeated.
+// Tests hostile text: for any bytes, the loader returns a model or faults with a place. Seeded.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -9,7 +8,7 @@
 namespace fieldcast::config {
 namespace {
 
-// Loads, and checks what holds for every text.
+// Loads the text and checks the properties that hold for every text.
 void check(const std::string& text, const FileReader& reader, const std::string& what) {
   const auto loaded = load_text(text, "mutant.yaml", reader);
   if (loaded) {

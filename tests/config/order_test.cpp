@@ -1,4 +1,4 @@
-// The order in which each family keeps wide values and texts, and channels that lie on each other.
+// Tests the word order of wide values and texts in each family, and channels that overlap.
 #include <gtest/gtest.h>
 
 #include "core/model/overlap.hpp"
@@ -76,7 +76,7 @@ TEST(Overlap, AnotherTypeAtOnePlaceIsToldOf) {
                      "          - { name: b, at: \"holding:100\", type: uint16 }\n")
                 .size(),
             1u);
-  // A text over many: each of those behind it is told of once.
+  // A text that overlaps many channels: each of them is reported once.
   EXPECT_EQ(warnings("          - { name: a, at: \"holding:100\", type: string(20) }\n"
                      "          - { name: b, at: \"holding:102\", type: uint16 }\n"
                      "          - { name: c, at: \"holding:105\", type: uint16 }\n")
@@ -95,7 +95,7 @@ TEST(Overlap, PartsOfAWordOtherNamesAndNeighboursAreNone) {
           .empty());
 }
 
-// "unit" of the instrument is one byte without a sign, "analog" has four.
+// "unit" of the instrument is one unsigned byte, "analog" has four bytes.
 std::string faults_of_instrument(const std::string& channel) {
   const std::string text =
       "bridge: b\nbuses:\n  - name: bus\n    port: { serial: /dev/ttyS0 }\n"

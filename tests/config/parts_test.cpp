@@ -1,5 +1,5 @@
-// The small parts: spellings of numbers, durations and ports, suggestions, and where files are
-// looked for.
+// Tests the parsing of numbers, durations and ports, the suggestions, and the search paths of
+// files.
 #include <gtest/gtest.h>
 
 #include "config/port.hpp"

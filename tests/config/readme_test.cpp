@@ -1,4 +1,4 @@
-// What config/README.md teaches is true: its example loads, and it explains every key.
+// Tests config/README.md: its example loads, and it explains every key.
 #include <gtest/gtest.h>
 
 #include "config/keys/documents.hpp"

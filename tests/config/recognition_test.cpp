@@ -1,4 +1,4 @@
-// Files that are none of ours are not quoted, whatever stands in them and however they are named.
+// Tests that foreign files are never quoted, whatever their content and name.
 #include "config/recognition.hpp"
 
 #include <gmock/gmock.h>
@@ -11,7 +11,7 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-// What must not be told, in files of different kinds. None of these is a secret of anybody.
+// Contents of different kinds that must not be quoted. None of them is a real secret.
 const std::map<std::string, std::string>& strangers() {
   static const std::map<std::string, std::string> all{
       {"shadow", "root:$6$hidden$hidden:19000:0:99999:7:::\nbridge:$6$hidden:19000::::::\n"},
@@ -37,7 +37,7 @@ const std::map<std::string, std::string>& strangers() {
   return all;
 }
 
-// Reads one file of the given text, whatever the name.
+// Returns this text for every file name.
 FileReader with(const std::string& text) {
   return {[text](const std::string&) -> tl::expected<std::string, FileError> { return text; },
           [](const std::string&) { return std::vector<std::string>{}; }};

@@ -1,4 +1,4 @@
-// The schema for editors and the loader say the same: the same keys, and every file that loads
+// Checks that the schema for editors equals the loader: the same keys, and every file that loads
 // fits.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ const json& protocol_schema() {
   return text;
 }
 
-// The reason why a YAML file does not fit; "no YAML" when it cannot be parsed.
+// Returns the reason why a YAML file does not fit; "no YAML" if it cannot be parsed.
 std::string misfit_of(const std::filesystem::path& path, const std::string& definition,
                       const json& whole = schema()) {
   FaultList faults;
@@ -88,8 +88,7 @@ TEST(Schema, EveryFileThatLoadsFits) {
     EXPECT_EQ(misfit_of(path, "template"), "") << path;
 }
 
-// What one value alone makes wrong, an editor can underline; rules between keys are the loader's
-// alone.
+// The schema covers faults of single values; only the loader checks rules between keys.
 TEST(Schema, RefusesEveryBadFileWhoseFaultLiesInOneValue) {
   static constexpr std::string_view kSeen[] = {"unknown key",
                                                "'name' is missing",
@@ -142,7 +141,7 @@ TEST(ProtocolSchema, EveryDeclarationThatLoadsFits) {
   EXPECT_GE(seen, 2u);
 }
 
-// The words of every closed set, as the loader lists them when it meets another.
+// The words of every closed set, from the loader's message for an unknown word.
 TEST(ProtocolSchema, KnowsExactlyTheWordsThatTheLoaderKnows) {
   const std::pair<std::string, std::string> choices[] = {
       {"declaration/encoding", "encoding: xx"},
@@ -181,8 +180,8 @@ TEST(ProtocolSchema, KnowsExactlyTheWordsThatTheLoaderKnows) {
   }
 }
 
-// What one value alone makes wrong, and what a map lacks; rules between fields are the loader's
-// alone.
+// The schema covers faults of single values and missing keys; only the loader checks rules between
+// fields.
 TEST(ProtocolSchema, RefusesEveryBadDeclarationWhoseFaultLiesInOneValue) {
   static constexpr std::string_view kSeen[] = {"unknown key",
                                                "'summary' is missing",

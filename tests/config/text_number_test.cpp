@@ -1,4 +1,4 @@
-// Numbers on texts: what a channel and a declaration may say of them.
+// Tests numbers in texts, as set by a channel or by a declaration.
 #include <gtest/gtest.h>
 
 #include "tests/config/support.hpp"

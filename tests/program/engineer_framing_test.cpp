@@ -1,5 +1,5 @@
-// What passes in a pairing, framed by markers and by length: whole instructions, halves, line
-// settings, streams that make no sense.
+// Tests data in a pairing, framed by markers and by length: whole and partial instructions, line
+// settings, invalid streams.
 #include <gmock/gmock.h>
 
 #include "tests/program/engineer_bench.hpp"

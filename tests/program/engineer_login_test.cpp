@@ -1,4 +1,4 @@
-// Logins of a pairing: where one is needed, and what becomes of a wrong one.
+// Tests logins of a pairing: when one is required, and how a wrong one is refused.
 #include <gmock/gmock.h>
 
 #include "tests/program/engineer_bench.hpp"

@@ -1,4 +1,5 @@
-// Marker frames: an instruction arrives as it was, whatever it holds and however the stream is cut.
+// Tests marker frames: an instruction arrives unchanged, whatever it contains and however the
+// stream is cut.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -88,7 +89,7 @@ TEST(MarkerFraming, EverySplitOfTheStreamGivesTheSame) {
   EXPECT_EQ(bytewise.codes.size(), 2u);
 }
 
-// Of an alphabet that makes markers likely.
+// Uses an alphabet that makes markers likely.
 TEST(MarkerFraming, RandomInstructionsComeBackByteForByte) {
   std::mt19937 random(7);
   static constexpr std::string_view kAlphabet = "@@@FFEE\r\rHBD03*\n\x11\xFF";
@@ -114,8 +115,8 @@ TEST(MarkerFraming, RandomInstructionsComeBackByteForByte) {
   }
 }
 
-// The answer to a long Host Link read comes in several frames; all but the first begin with any
-// words, and so do those of a long write.
+// The response to a long Host Link read has several frames. All but the first begin with any words,
+// as do those of a long write.
 TEST(MarkerFraming, AContinuationOfHostLinkMayBeginLikeAControlFrame) {
   for (const Sender sender : {Sender::kClient, Sender::kBridge}) {
     for (const char* code : {"0000", "0001", "0002", "0003", "0004", "ED"}) {
@@ -150,7 +151,7 @@ TEST(MarkerFraming, WhatFollowsACodeTellsWhetherItIsOne) {
            Case{Sender::kClient, "@@EDFEFF@@EDFEFF", {"ED"}, {"ED", "ED"}, ""},
            Case{Sender::kClient, "@@EDFEFF\rFEF", {}, {"ED"}, ""},
            Case{Sender::kClient, "@@EDFEFF\rFEFF", {}, {}, "EDFEFF\r"},
-           Case{Sender::kClient, "@@EDFEFF\r\n", {"ED"}, {"ED"}, ""},  // somebody types
+           Case{Sender::kClient, "@@EDFEFF\r\n", {"ED"}, {"ED"}, ""},  // typed by hand
            Case{Sender::kClient, "@@EDFEFF12", {}, {"ED"}, ""},
            Case{Sender::kClient, "@@HBFEFF", {"HB"}, {"HB"}, ""},
            Case{Sender::kClient, "@@0003FEFF@@", {}, {}, ""},
@@ -263,8 +264,8 @@ TEST(MarkerFraming, WhatFollowsAFrameCanBeTakenOver) {
   EXPECT_FALSE(reader.partial());
 }
 
-// The dialogues of programming software: each side's characters, in one piece and as a module with
-// packets of 64 sends them.
+// The dialogues of programming software: the characters of each side, in one piece and in a
+// module's packets of 64.
 TEST(MarkerFraming, TrafficOfProgrammingSoftwareArrivesAsItWas) {
   int carried = 0;
   for (const auto& vector : test::load_vectors("tunnel")) {

@@ -78,7 +78,7 @@ TEST(Registration, AModuleThatSaysNothingIsGivenUp) {
   EXPECT_TRUE(registration.on_timer(first.wake).fault);
 }
 
-// RD of DM100..103 at unit 00; "17" and blanks as an answer. FCS by the rule of W227: XOR of all
+// RD of DM100..103 at unit 00; "17" and blanks as a response. FCS by the rule of W227: XOR of all
 // characters before it.
 Bytes with_fcs(std::string_view text) {
   Bytes out(text.begin(), text.end());

@@ -2,7 +2,7 @@
 // alone.
 //
 //   node mock_station.mjs --files FOLDER --modules NODE_MODULES [--port 8090] [--channels 10000]
-//   [--login] [--quiet]
+//     [--login] [--quiet]
 //
 // FOLDER: the built page (build/station-page/files). --login: users anna (operator) and vera
 // (viewer), password `secret secret`.
