@@ -1,4 +1,3 @@
-// Tests the whole bridge in this process: pseudo-terminals on one side, a DDS station on the other.
 #include "bridge/bridge.hpp"
 
 #include <gmock/gmock.h>
@@ -81,8 +80,6 @@ TEST_F(BridgeTest, WhileADeviceIsProgrammedItsBusRestsAndTheOthersGoOn) {
   EXPECT_EQ(sessions.last().bus + '/' + sessions.last().device, "one/plc");
 }
 
-// Compares three counts for a silent device: the engine's, its DataWriters' and a station's
-// DataReader's.
 TEST_F(BridgeTest, MissedRefreshesAreTheSameNumberForTheEngineItsWritersAndAStation) {
   ModbusDevice a(first), b(second);
   spec.buses.pop_back();
@@ -134,7 +131,7 @@ TEST_F(BridgeTest, MissedRefreshesAreTheSameNumberForTheEngineItsWritersAndAStat
   const StationBusStatus& status = received.back();
   // Each clock starts when its end receives a sample, so a stall can hide or add one round at one
   // end.
-  constexpr double kRound = 3;  // channels
+  constexpr double kRound = 3;
   const auto misses = static_cast<double>(status.report.deadline_misses);
   EXPECT_NEAR(static_cast<double>(status.dds_deadline_misses), misses, kRound);
   EXPECT_NEAR(static_cast<double>(requested), misses, 2 * kRound);

@@ -9,7 +9,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// A device with one writable register, one read-only, one bit of a register and one coil.
 class CommandJobTest : public testing::Test {
  protected:
   CommandJobTest() {
@@ -187,7 +186,7 @@ TEST_F(CommandJobTest, WholeDeviceIsAcquiredInFewReads) {
   command.target = ChannelTarget{};
   auto job = make(command);
   ASSERT_TRUE(job);
-  job->answered(items({1}));                                   // coil
+  job->answered(items({1}));
   job->answered(items({0x00, 0x05, 0x00, 0x06, 0x00, 0x08}));  // three adjacent registers
   EXPECT_FALSE(job->next());
   EXPECT_EQ(result(*job).values,

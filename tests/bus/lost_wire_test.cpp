@@ -25,7 +25,6 @@ class LostWire : public testing::Test {
   // Longer than one exchange at 19200 baud.
   static constexpr Duration kExchange = 60ms;
   static Bytes bytes_of(std::string_view text) { return {text.begin(), text.end()}; }
-  // Returns the bytes that the engine sends, or `std::nullopt`.
   std::optional<Bytes> feed(const BusEvent& event) {
     std::optional<Bytes> sent;
     Actions actions;
@@ -39,7 +38,6 @@ class LostWire : public testing::Test {
     }
     return sent;
   }
-  // Sends a read request for the four registers of the device.
   Bytes ask() {
     (void)feed(Opened{});
     for (;;) {

@@ -34,7 +34,6 @@ inline BusSpec plant(int devices, int registers, const std::string& defaults) {
   return loaded->buses.front();
 }
 
-// Scattered variables of three types in one DTC device.
 inline BusSpec dtc_plant(const std::string& defaults) {
   std::string text =
       "bridge: test\nbuses:\n  - name: bus\n    port: { serial: /dev/none, baud: 19200, format: "
@@ -52,7 +51,6 @@ inline BusSpec dtc_plant(const std::string& defaults) {
   return loaded->buses.front();
 }
 
-// Returns a different value for each channel.
 inline std::uint64_t value_of(ChannelIndex channel) {
   return (channel * 2654435761u) >> 16 & 0xFFFF;
 }

@@ -24,7 +24,6 @@ class ReadPathTest : public testing::Test {
   }
   static constexpr ChannelIndex kOnInterest = 4;
 
-  // Returns the read that is due at `now`.
   Read next(Instant now, const ReadPath::Gate& gate) {
     auto decision = reads_.next(now, gate);
     EXPECT_TRUE(std::holds_alternative<Read>(decision));

@@ -33,7 +33,6 @@ inline BusSpec rtu_bus(int devices) {
   return bus;
 }
 
-// Returns the response to a read of one range.
 inline Reply items(Bytes bytes) { return {{Cause::kNone, 0, std::move(bytes)}}; }
 
 }  // namespace fieldcast::test

@@ -33,7 +33,6 @@ BusSpec fenced(const StormKind& kind, const std::string& timeout = "200ms") {
   return spec;
 }
 
-// Adapters and instants, random by seed.
 struct Chance {
   explicit Chance(std::uint64_t seed) : random(seed) {}
   Duration up_to(Duration most) {
@@ -71,7 +70,6 @@ TEST_P(SharedLine, ASecondMasterThatBelievesToBeAloneStaysSilentForThirtySeconds
     EXPECT_TRUE(wire.master(1).engine.bus_report(wire.now()).listening);
     EXPECT_EQ(wire.master(0).engine.bus_report(wire.now()).foreign_masters, 0u);
     EXPECT_GT(wire.master(0).good, 100u);
-    // The sender is detected in time.
     wire.close(0);
     const Instant died = wire.now();
     wire.run_until(died + 3s);
@@ -161,7 +159,6 @@ TEST_P(SharedLine, OfTwoWhoseCableIsPluggedInAgainOneGivesWay) {
   RecordProperty("garbled", std::to_string(garbled));
 }
 
-// Returns the number of requests in 30 s from the first one.
 std::uint64_t requests_of(const BusSpec& spec) {
   SharedWire wire(spec, {Adapter{}}, {}, 1);
   wire.open(0);

@@ -1,4 +1,3 @@
-// Tests whole buses in virtual time with more load than their wire carries.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -72,7 +71,6 @@ TEST(Simulation, OverloadEndsWhenDevicesAnswerSooner) {
   EXPECT_EQ(told(enough, Notice::Kind::kOverloadEnded), 1);
 }
 
-// Three times the load that the wire carries.
 TEST(Simulation, WhatAnOverloadedBusHasNotReadYetSaysSo) {
   const BusSpec spec = plant(16, 12, "refresh: 150ms");
   std::vector<bool> read(16 * 12);

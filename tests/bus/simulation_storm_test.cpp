@@ -1,4 +1,3 @@
-// Tests a whole bus in virtual time with all faults at the same time.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -34,7 +33,6 @@ TEST_P(Storm, NoWrongValueNoLostCommandNoStarvation) {
   for (ChannelIndex c = 0; c < bus.channels().size(); ++c) {
     Command command = write_of(spec, c, value_of(c));
     command.verify = true;
-    // An unhealthy device may need several attempts.
     for (int attempt = 0; attempt < 20; ++attempt) {
       bus.command(command);
       bus.run_until(bus.now() + 800ms);

@@ -1,4 +1,3 @@
-// Tests files that load: the examples for users, and their meaning.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -57,7 +56,6 @@ class Everything : public testing::Test {
     ASSERT_EQ(spec.buses[0].devices.size(), 3u);
   }
 
-  // The channel "full", equal in YAML and in CSV.
   static ChannelSpec full() {
     ChannelSpec channel;
     channel.name = "full";

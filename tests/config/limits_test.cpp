@@ -1,4 +1,3 @@
-// Tests the limits of a configuration: at the limit it loads, beyond it a fault is reported.
 #include "config/limits.hpp"
 
 #include <gmock/gmock.h>

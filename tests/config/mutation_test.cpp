@@ -8,7 +8,6 @@
 namespace fieldcast::config {
 namespace {
 
-// Loads the text and checks the properties that hold for every text.
 void check(const std::string& text, const FileReader& reader, const std::string& what) {
   const auto loaded = load_text(text, "mutant.yaml", reader);
   if (loaded) {

@@ -1,4 +1,3 @@
-// Tests the word order of wide values and texts in each family, and channels that overlap.
 #include <gtest/gtest.h>
 
 #include "core/model/overlap.hpp"

@@ -1,5 +1,3 @@
-// Tests the parsing of numbers, durations and ports, the suggestions, and the search paths of
-// files.
 #include <gtest/gtest.h>
 
 #include "config/port.hpp"

@@ -1,4 +1,3 @@
-// Tests config/README.md: its example loads, and it explains every key.
 #include <gtest/gtest.h>
 
 #include "config/keys/documents.hpp"

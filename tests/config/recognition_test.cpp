@@ -11,7 +11,6 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-// Contents of different kinds that must not be quoted. None of them is a real secret.
 const std::map<std::string, std::string>& strangers() {
   static const std::map<std::string, std::string> all{
       {"shadow", "root:$6$hidden$hidden:19000:0:99999:7:::\nbridge:$6$hidden:19000::::::\n"},
@@ -37,7 +36,6 @@ const std::map<std::string, std::string>& strangers() {
   return all;
 }
 
-// Returns this text for every file name.
 FileReader with(const std::string& text) {
   return {[text](const std::string&) -> tl::expected<std::string, FileError> { return text; },
           [](const std::string&) { return std::vector<std::string>{}; }};

@@ -28,7 +28,6 @@ const json& protocol_schema() {
   return text;
 }
 
-// Returns the reason why a YAML file does not fit; "no YAML" if it cannot be parsed.
 std::string misfit_of(const std::filesystem::path& path, const std::string& definition,
                       const json& whole = schema()) {
   FaultList faults;

@@ -1,4 +1,3 @@
-// Shared by the tests of config/: the files of the source tree, and files in memory.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +19,6 @@ inline std::string slurp(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// Returns the files of a directory with this extension, sorted.
 inline std::vector<std::filesystem::path> files_of(const std::filesystem::path& folder,
                                                    const std::string& extension) {
   std::vector<std::filesystem::path> files;
@@ -51,7 +49,6 @@ inline std::string faults_of(const Loaded& loaded) {
   return loaded ? "" : to_text(std::span(loaded.error()));
 }
 
-// Returns a bridge with one device on one bus; `channels` are the lines of its channel list.
 inline std::string plant(const std::string& channels) {
   return "bridge: b\nbuses:\n  - name: bus\n    port: { serial: /dev/ttyS0 }\n    protocol: "
          "modbus-rtu\n    devices:\n"

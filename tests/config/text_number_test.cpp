@@ -1,4 +1,3 @@
-// Tests numbers in texts, as set by a channel or by a declaration.
 #include <gtest/gtest.h>
 
 #include "tests/config/support.hpp"

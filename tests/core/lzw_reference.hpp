@@ -10,7 +10,6 @@
 
 namespace fieldcast::test {
 
-// Returns the codes of the nibbles of `original`.
 [[nodiscard]] std::vector<unsigned> reference_codes(ByteView original);
 
 // Packs codes into bits; the k-th has bit_length(min(15 + k, 4095)) bits; padded to a byte.

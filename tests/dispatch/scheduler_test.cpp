@@ -16,7 +16,6 @@ using test::VirtualWire;
 
 using test::kFakeProtocol;
 
-// Adds `count` points, one for every `step`-th register from `first` on.
 void add_points(ScheduleInput& input, DeviceIndex device, std::uint32_t first, std::uint32_t count,
                 std::uint32_t step, Duration refresh, Mode mode = Mode::kScheduled) {
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -131,7 +130,6 @@ TEST(Scheduler, IntensivePointsOfOneRefreshConvergeToTheOptimalPartition) {
   EXPECT_LE(to_seconds(longest), 1.3 * to_seconds(shortest));
 }
 
-// An ideal wire confirms what the plan predicts for each point.
 TEST(Scheduler, NoGapIsLongerThanThePlanSays) {
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     const test::Map map = test::random_map(seed, 150);

@@ -44,7 +44,6 @@ class VirtualWire {
     for (const auto& seen : seen_) sum += seen.missed;
     return sum;
   }
-  // Returns the number of points that are overdue now or have never been read within their refresh.
   [[nodiscard]] std::size_t overdue() const {
     std::size_t count = 0;
     for (PointIndex point = 0; point < seen_.size(); ++point) {

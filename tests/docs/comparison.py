@@ -7,7 +7,6 @@ NUMBER = re.compile(r"[-+]?\d+(?:[.,:]\d+)*(?:e[-+]?\d+)?")
 
 
 def general(line):
-    """Returns the line with every number as 0 and every run of blanks as one."""
     line = re.sub(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d(?:\.\d+)?Z?", "INSTANT", line)
     return re.sub(r"\s+", " ", NUMBER.sub("0", line)).strip()
 

@@ -8,7 +8,6 @@ The kind of a block follows from its language and the HTML comments on the lines
 import re
 from dataclasses import dataclass, field
 
-# Each marker with the languages that it applies to.
 FILE_LANGUAGES = {"yaml", "yml", "csv", "cpp", "c", "cmake", "ini", "xml", "json", "idl", "python", "text"}
 MARKERS = {
     "file": FILE_LANGUAGES,

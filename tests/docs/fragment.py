@@ -28,7 +28,6 @@ def whole(text, argument):
 
 
 def whole_declaration(text):
-    """Completes a fragment of a declared protocol."""
     return _with(text, {"summary": "A fragment", "addresses": "{ from: 1, to: 99 }", "areas": "[ { name: state, record: true } ]",
                         "operations": "[ { name: read, read: state, command: 1, request: [ { is: address }, { is: command } ], "
                                       "answer: [ { is: address }, { is: command }, { name: a, is: value, bytes: 2 } ] } ]"})
@@ -39,7 +38,6 @@ def _channels(protocol):
 
 
 def _with(text, defaults):
-    """Puts the keys of the text first, to keep its line numbers, then the missing defaults."""
     present = set(re.findall(r"^([\w-]+):", text, re.MULTILINE))
     return text + "".join(f"{key}: {value}\n" for key, value in defaults.items() if key not in present)
 

@@ -32,7 +32,6 @@ def _files(source_dir):
 
 
 def pieces(line):
-    """Returns the pieces that a literal must contain: the line split at its values."""
     words = [piece.strip(" ()'\",;:?") for piece in VALUE.split(line)]
     return [piece for piece in words if re.search(r"[a-z]{2}", piece)]
 

@@ -26,13 +26,11 @@ def read(path):
 
 
 def first_cells(text):
-    """Returns the first cell of each row of a table, without the header and without backticks."""
     cells = [row.split("|")[1].strip(" `") for row in text.splitlines() if row.startswith("| ")]
     return [cell for cell in cells[1:] if set(cell) != {"-"}]
 
 
 def section(path, heading):
-    """Returns the text from a heading to the next one of its level or higher."""
     text = read(path)
     match = re.search(rf"^(#+) {re.escape(heading)}$", text, re.MULTILINE)
     rest = text[match.end():]

@@ -104,7 +104,6 @@ class Sandbox:
             file.write(text)
 
     def run(self, script):
-        """Returns (exit code, output) of a shell script."""
         try:
             done = subprocess.run(["bash", "-euo", "pipefail", "-c", self.inside(script)], cwd=self.work, env=self._environment(),
                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, timeout=COMMAND_SECONDS)

@@ -133,7 +133,6 @@ class Stations(unittest.TestCase):
     def follow(cls, document):
         """Saves the document's files and runs its commands for a machine with a compiler, with its
         environment."""
-        # shared by all documents: each continues after the previous one
         folder = os.path.join(cls.folder, "work")
         with open(os.path.join(SOURCE_DIR, document), encoding="utf-8") as file:
             for block in parse(document, file.read()):

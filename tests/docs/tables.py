@@ -17,7 +17,6 @@ DEVICE_CODE = re.compile(r'DeviceCode\{(0x[0-9A-Fa-f]+|\d+),\s*"([^"]*)"[,}]')
 
 
 def rows(block):
-    """Returns the rows of a table, each as {column: cell}."""
     lines = [[cell.strip() for cell in line.strip().strip("|").split("|")] for line in block.text.splitlines()]
     return [dict(zip(lines[0], cells)) for cells in lines[2:]]
 
@@ -27,8 +26,6 @@ def codes_of(cell):
 
 
 class Configuration:
-    """A configuration with a line for each channel."""
-
     def __init__(self, argument):
         protocol, _, options = argument.partition(",")
         port = PORTS.get(protocol.strip(), "{ serial: /tmp/line }")

@@ -27,7 +27,6 @@ Request request_of(const Protocol& protocol, ByteView choices) {
   return read;
 }
 
-// A completed exchange has an item image for each requested range.
 void check_reply(const Protocol& protocol, const Request& request, const Reply& reply) {
   const auto* read = std::get_if<ReadRequest>(&request);
   if (read == nullptr) return;

@@ -34,7 +34,6 @@ class CountingCommands final : public CommandSink {
   std::uint64_t count = 0;
 };
 
-// A station without a store, with two channels, a device, a bus and its plan.
 struct Api {
   Api() {
     for (const char* name : {"oil", "speed"}) {
@@ -63,7 +62,6 @@ void check(const HttpResponse& response) {
     require(nlohmann::json::accept(response.body));
 }
 
-// Reads parameters that no route without a store uses.
 void read_parameters(const HttpRequest& request) {
   const Parameters parameters(request, {"from", "to", "channel", "points", "bus", "every"});
   const UtcTime now{1'000'000'000'000};

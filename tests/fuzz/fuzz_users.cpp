@@ -31,7 +31,6 @@ bool is_line(const std::string& text) {
   return !text.empty() && text.find('\n') == std::string::npos;
 }
 
-// Reads the first line of a private file.
 void read_password_file(const std::string& text) {
   static const int fd = ::memfd_create("password", MFD_CLOEXEC);
   require(fd >= 0 && ::fchmod(fd, 0600) == 0 && ::ftruncate(fd, 0) == 0 &&
@@ -59,7 +58,6 @@ void read_hash(const std::string& text) {
   if (limits->kibibytes <= 64 && limits->passes == 1) (void)password_fits(text, "wrong password");
 }
 
-// A directory for the store, removed at exit.
 struct Folder {
   Folder() { require(::mkdtemp(path.data()) != nullptr); }
   ~Folder() {

@@ -43,7 +43,7 @@ void mutate(std::vector<std::uint8_t>& input, std::mt19937& random) {
 }
 
 struct Arguments {
-  int mutations = 2000;             // of each file
+  int mutations = 2000;
   std::chrono::seconds duration{};  // 0: once
   std::vector<std::filesystem::path> folders;
 };

@@ -46,7 +46,6 @@ class BridgePeersTest(unittest.TestCase):
         return subprocess.run([os.path.join(BIN, "fieldcast"), *arguments, "--config", self.file], capture_output=True, text=True, timeout=DEADLINE)
 
     def samples(self):
-        """Returns the last sample of every channel, as the command line prints it."""
         done = self.cli("watch", "--json", "--once")
         return {(s["bus"], s["channel"]): s for s in map(json.loads, done.stdout.splitlines())}
 

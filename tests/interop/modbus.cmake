@@ -1,4 +1,3 @@
-# Modbus devices and masters of other authors.
 find_path(MODBUS_INCLUDE_DIR modbus/modbus.h REQUIRED)
 find_library(MODBUS_LIBRARY modbus REQUIRED)
 set(python /usr/bin/python3)  # Debian's Python: it has pymodbus

@@ -18,8 +18,6 @@ DEADLINE = 30  # seconds; far above any normal duration, so that only a fault re
 
 
 class Program:
-    """A program under test, ended with this object."""
-
     def __init__(self, *command):
         self.command = [str(word) for word in command]
         self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
@@ -41,7 +39,6 @@ class Program:
         self.process.send_signal(number)
 
     def stop(self):
-        """Sends SIGTERM and returns the exit code."""
         self.process.terminate()
         return self.wait()
 
@@ -130,7 +127,7 @@ class SerialCable(Cable):
                 time.sleep(len(data) * 11 / settings[0])
                 if self._settings(other) != settings:
                     data = bytes(byte ^ 0x6B for byte in data)
-                with contextlib.suppress(BlockingIOError):  # no reader
+                with contextlib.suppress(BlockingIOError):
                     os.write(other, data)
 
 

@@ -18,18 +18,16 @@ from peers import Mbpoll, Program, SerialCable
 FIELDCAST = LIBMODBUS = ""
 WHOLE = False
 PYMODBUS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "pymodbus_server.py")
-HARMLESS = {1, 2, 3, 4, 0x2B}  # read functions of Modbus
+HARMLESS = {1, 2, 3, 4, 0x2B}
 
 
 def run(*words, limit=60):
-    """Returns exit code, output and error output."""
     done = subprocess.run([FIELDCAST, *(str(word) for word in words)], capture_output=True, text=True, timeout=limit)
     return done.returncode, done.stdout, done.stderr
 
 
 class ScanTest(unittest.TestCase):
     def scan(self, server, baud, unit, *words, limit=60):
-        """Returns what a scan finds, and its duration in seconds."""
         with SerialCable() as cable, Program(*server, "rtu", cable.right, baud, unit) as device:
             device.wait_ready()
             began = time.monotonic()

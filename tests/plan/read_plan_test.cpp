@@ -1,4 +1,3 @@
-// Tests the groups, periods and phases of a plan.
 #include "core/plan/read_plan.hpp"
 
 #include <gmock/gmock.h>

@@ -38,7 +38,6 @@ struct EngineerBench {
   }
   void sends(std::string_view text) { tell(FromClient{as_bytes(text)}); }
   void answers(std::string_view text) { tell(FromDevice{as_bytes(text)}); }
-  // Advances the time and fires due timers.
   void pass(Duration time) {
     const Instant until = now + time;
     while (wake <= until) {

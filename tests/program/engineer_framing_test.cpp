@@ -1,5 +1,3 @@
-// Tests data in a pairing, framed by markers and by length: whole and partial instructions, line
-// settings, invalid streams.
 #include <gmock/gmock.h>
 
 #include "tests/program/engineer_bench.hpp"

@@ -1,4 +1,3 @@
-// Tests logins of a pairing: when one is required, and how a wrong one is refused.
 #include <gmock/gmock.h>
 
 #include "tests/program/engineer_bench.hpp"

@@ -1,4 +1,3 @@
-// Tests the bridge's end of a pairing in virtual time: replies, and every loss of a side.
 #include "core/program/engineer.hpp"
 
 #include <gmock/gmock.h>

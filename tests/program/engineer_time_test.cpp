@@ -1,4 +1,3 @@
-// Tests the times of a pairing in virtual time: heartbeats, idle time, slow and silent sides.
 #include <gmock/gmock.h>
 
 #include "tests/program/engineer_bench.hpp"

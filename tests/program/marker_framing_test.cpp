@@ -1,5 +1,3 @@
-// Tests marker frames: an instruction arrives unchanged, whatever it contains and however the
-// stream is cut.
 #include <gtest/gtest.h>
 
 #include <random>

@@ -1,4 +1,3 @@
-// Tests the client's end alone, and both ends with each other over a stream that is cut at random.
 #include "core/program/port_client.hpp"
 
 #include <gmock/gmock.h>
@@ -234,7 +233,6 @@ TEST(PortClient, WhileTheProgramTakesNothingNoHeartbeatIsMissed) {
   EXPECT_TRUE(b.end);
 }
 
-// Removes a random piece from the front.
 Bytes piece(Bytes& stream, std::mt19937& random) {
   const std::size_t count = std::min<std::size_t>(stream.size(), 1 + random() % 50);
   Bytes out(stream.begin(), stream.begin() + static_cast<std::ptrdiff_t>(count));

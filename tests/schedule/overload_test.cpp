@@ -9,7 +9,6 @@ using namespace std::chrono_literals;
 using testing::HasSubstr;
 using testing::Not;
 
-// Registers of one Modbus device, far apart from each other.
 BusSpec bus_of(std::uint32_t registers, Duration refresh, std::uint32_t baud) {
   BusSpec bus;
   bus.name = "one";

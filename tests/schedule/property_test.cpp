@@ -1,4 +1,3 @@
-// Tests properties that hold for any map, with many seeds.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -220,7 +219,6 @@ TEST(Overload, WireThatIsSlowerThanPlannedStretchesToo) {
     point.refresh = from_seconds(to_seconds(point.refresh) * planned / 0.5);
   const auto scheduler = make_scheduler(input);
   Instant now{1s};
-  // Every response takes three times as long as planned.
   while (now < Instant{300s}) {
     const Decision decision = scheduler->next(now);
     if (const auto* rest = std::get_if<Rest>(&decision)) {

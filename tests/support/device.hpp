@@ -1,4 +1,3 @@
-// A registered protocol for one device of a test, with requests in its own notation.
 #pragma once
 
 #include <map>
@@ -27,7 +26,6 @@ class Device {
   [[nodiscard]] Request write_bit(std::string_view at, bool on) const;
   [[nodiscard]] std::unique_ptr<Exchange> begin(const Request& request,
                                                 std::uint16_t sequence = 0) const;
-  // Returns the first request of an exchange.
   [[nodiscard]] Bytes request_bytes(const Request& request, std::uint16_t sequence = 0) const;
 
  private:

@@ -13,10 +13,10 @@ struct Outcome {
   Step::Kind kind = Step::Kind::kFailed;  // kDone or kFailed
   Cause cause = Cause::kNone;
   std::uint16_t code = 0;
-  Reply reply;              // after kDone
-  std::size_t used = 0;     // bytes received when it ended
-  bool waited = false;      // ended by silence
-  std::vector<Bytes> sent;  // all requests
+  Reply reply;           // after kDone
+  std::size_t used = 0;  // bytes received when it ended
+  bool waited = false;   // ended by silence
+  std::vector<Bytes> sent;
   [[nodiscard]] bool done() const { return kind == Step::Kind::kDone; }
 };
 
@@ -29,6 +29,6 @@ struct Outcome {
 
 [[nodiscard]] Outcome drive_bytewise(Exchange& exchange, std::span<const Bytes> answers);
 
-[[nodiscard]] std::string to_text(const Outcome& outcome);  // for failure messages
+[[nodiscard]] std::string to_text(const Outcome& outcome);
 
 }  // namespace fieldcast::test

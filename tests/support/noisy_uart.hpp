@@ -15,7 +15,7 @@
 
 namespace fieldcast::test {
 
-inline constexpr std::size_t kBitsOfCharacter = 10;  // 8N1
+inline constexpr std::size_t kBitsOfCharacter = 10;
 
 // Returns the levels of `characters` sent back to back, with one idle character before and after.
 [[nodiscard]] std::vector<bool> line_levels(ByteView characters);

@@ -92,7 +92,6 @@ class Fence(unittest.TestCase):
         self.assertEqual(self.frames(1), 0, self.log_of(second))
         self.assertGreater(self.frames(0) - before, 8 * SECONDS, "the one that sends is heard at least each 100 ms")
         self.expect_no_garbled_frame()
-        # The first bridge dies, and the second one detects the silence.
         first.kill()
         first.wait()
         died = self.line.counts()["last frame"][0]

@@ -45,7 +45,6 @@ def package(name):
 
 
 def copied(path):
-    """Copies a file of this machine into the root."""
     inside = "/tmp/" + os.path.basename(path)
     with open(path, "rb") as source, open(root.path(inside), "wb") as target:
         target.write(source.read())
@@ -53,7 +52,6 @@ def copied(path):
 
 
 def newer(name, version):
-    """Builds the package again with a later version."""
     folder = f"/tmp/{name}-{version}"
     root.run("dpkg-deb", "-R", "/tmp/" + os.path.basename(package(name)), folder)
     root.run("sed", "-i", f"s/^Version:.*/Version: {version}/", f"{folder}/DEBIAN/control")
@@ -113,14 +111,12 @@ def good_sample():
 
 
 def stored():
-    """Returns the number of stored samples of a channel."""
     said = root.run("runuser", "-u", "fieldcast", "--", "fieldcast", "history", f"{BUS}/conveyor/speed", "--json", "--store",
                     "/var/lib/fieldcast/demo.db", check=False).stdout
     return len(said.splitlines())
 
 
 def state():
-    """Describes the state, for a failure message."""
     said = root.run("fieldcast", "status", check=False).stdout
     return "no value\n" + "\n".join(messages()[-40:]) + "\n" + said + root.run("ps", "-ef").stdout
 
@@ -142,7 +138,6 @@ def setUpModule():
 
     began = time.monotonic()
     root.run("dpkg", "-i", *packages)
-    # before the service has started
     root.run("sh", "-c", "test $(stat -c %U /var/lib/fieldcast) = fieldcast")
     root.run("sh", "-c", f"sed s,/tmp/fieldcast-demo,{SIMULATOR}, /usr/share/fieldcast/examples/demo.yaml >/etc/fieldcast/demo.yaml")
     with open(root.path("/etc/fieldcast/demo.yaml"), "a", encoding="utf-8") as file:

@@ -89,7 +89,6 @@ class OtherPlant(Plant):
         wait_until(lambda: words in self.said(), SECONDS, lambda: f"no '{words}' in\n{self.said()}")
 
     def samples(self):
-        """Returns the number of samples that the bus has published."""
         status = self.cli("status", "--json").json_lines()
         return next(line["samples"] for line in status if line["topic"] == "BusStatus")
 
@@ -117,7 +116,6 @@ class FullDisk(unittest.TestCase):
             with open(filler, "wb", buffering=0) as file, contextlib.suppress(OSError):
                 while file.write(bytes(4096)):
                     pass
-            # enables the wire trace: one line per frame in the same file
             here.bridge.send_signal(signal.SIGUSR1)
             here.await_more_samples()
             here.bridge.send_signal(signal.SIGUSR1)

@@ -93,7 +93,6 @@ def audit():
 
 
 def row(what, result, who=""):
-    """Waits for the newest audit row with these texts and returns it."""
     def found():
         return next((entry for entry in reversed(audit())
                      if entry["what"] == what and result in entry["result"] and entry["who"].startswith(who)), None)

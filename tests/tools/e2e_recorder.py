@@ -49,8 +49,6 @@ first = second = None
 
 
 class SecondPlant(Plant):
-    """A plant in the domain of another one."""
-
     def __init__(self, bin_dir, config, other):
         super().__init__(bin_dir, config)
         self._claim.close()

@@ -67,7 +67,6 @@ def claim_domain():
 
 
 def udp_ports():
-    """Returns the UDP ports in use on this machine."""
     found = set()
     for table in ("/proc/net/udp", "/proc/net/udp6"):
         if os.path.exists(table):
@@ -115,8 +114,6 @@ def running_bridge(bin_dir, config, log):
 
 
 class InAFolder(unittest.TestCase):
-    """A test with its own directory, which is removed afterwards."""
-
     def setUp(self):
         folder = tempfile.TemporaryDirectory(prefix="fieldcast-test-")
         self.addCleanup(folder.cleanup)

@@ -67,7 +67,7 @@ class OnASteadyMachine:
             last = unittest.TestResult()
             super(OnASteadyMachine, self).run(last)
             if not last.wasSuccessful():
-                told = (last.failures + last.errors)[0][1].splitlines()[1:]  # after "Traceback .."
+                told = (last.failures + last.errors)[0][1].splitlines()[1:]
                 raise Failed(next(line for line in told if line and not line.startswith(" ")))
 
         result.startTest(self)

@@ -100,7 +100,6 @@ def core_files():
 
 
 def sources():
-    """Returns all C and C++ files of the tree."""
     for folder in ["bridge", "config", "core", "idl", "tests", "tools"]:
         for path, _, names in os.walk(os.path.join(SOURCE_DIR, folder)):
             yield from (os.path.join(path, name) for name in names if name.endswith((".cpp", ".hpp", ".c", ".h")))
@@ -181,8 +180,6 @@ class Rules(unittest.TestCase):
 
 
 class Tree(unittest.TestCase):
-    """The tree follows the rules."""
-
     def test_core_includes_only_what_its_layer_may(self):
         faults, seen = [], 0
         for path in core_files():

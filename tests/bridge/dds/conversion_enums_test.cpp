@@ -16,7 +16,6 @@ struct Row {
   int number;  // on the wire
 };
 
-// Checks that the rows are complete and that each converts there and back.
 template <typename Core, typename Topic, std::size_t Count>
 void expect_all(const Row<Core, Topic> (&rows)[Count]) {
   for (std::size_t i = 0; i < Count; ++i) {

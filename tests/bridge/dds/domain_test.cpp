@@ -1,4 +1,3 @@
-// Tests that a domain can be left and a writer removed during any activity of the library.
 #include "bridge/dds/domain.hpp"
 
 #include <future>

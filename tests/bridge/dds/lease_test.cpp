@@ -1,4 +1,3 @@
-// Tests leases: interests of silent stations and writers that are no longer needed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -47,7 +46,6 @@ void play_patient_station() {
   idl::Interest interest;
   interest.station() = "patient";
   interest.pattern() = kPattern;
-  // Several times, so that its writer is known to be alive when the process stops.
   for (int seconds = 1; seconds <= kRounds; ++seconds) {
     interest.refresh(1'000'000'000LL * seconds);
     ASSERT_TRUE(is_taken(writer->write(&interest)));

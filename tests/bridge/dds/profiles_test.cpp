@@ -33,7 +33,6 @@ void expect_same(const Qos& profile, const Qos& ours) {
 
 class Profiles : public ::testing::Test {
  protected:
-  // A station as its author would write it, with the library's interface and the generated types.
   void SetUp() override {
     prepare_library();
     ASSERT_EQ(factory_->load_XML_profiles_file(FIELDCAST_PROFILES "/fieldcast-station.xml"),

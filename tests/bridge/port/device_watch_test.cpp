@@ -1,4 +1,3 @@
-// Tests device files that disappear and reappear, with their directories and through links.
 #include "bridge/port/device_watch.hpp"
 
 #include <gmock/gmock.h>

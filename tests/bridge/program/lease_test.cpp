@@ -1,4 +1,3 @@
-// Tests buses on a serial line while their devices are programmed.
 #include <termios.h>
 
 #include "bridge/port/serial_line.hpp"

@@ -1,5 +1,3 @@
-// Tests noise, incomplete messages, silence and floods from modules and engineers, over real
-// sockets on the loopback.
 #include "tests/bridge/program/program_support.hpp"
 
 namespace fieldcast {
@@ -112,7 +110,6 @@ TEST_F(ProgramServer, AClientThatNeverReadsIsFreed) {
   EXPECT_EQ(paired(server.engineers_port(), "17", next), "@@0000FEFF");
 }
 
-// From one address and from many, including that of the engineer.
 TEST_F(ProgramServer, SixHundredSilentConnectionsLockNobodyOut) {
   start();
   TcpClient module = this->module("17\n");

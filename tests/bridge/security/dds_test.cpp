@@ -107,7 +107,6 @@ class DdsSecurity : public ::testing::Test {
       Authority::create(scratch_.path("ca"), security::Protection::kEncrypt, now());
 };
 
-// Collects the samples of a station.
 class Watching {
  public:
   explicit Watching(const DdsSpec& spec, const std::string& name = "watching")
@@ -127,7 +126,6 @@ void publish(DdsLink& link, const std::string& bus, std::int64_t value) {
   link.publish(bus, samples, both_clocks());
 }
 
-// Sends an unprotected message of this writer to all participants of the domain on this machine.
 void send_in_clear(std::uint32_t domain, const rtps::GUID_t& writer, std::uint8_t sequence,
                    const idl::BusStatus& status) {
   TopicType<idl::BusStatusPubSubType> type;
@@ -388,7 +386,6 @@ TEST_F(DdsSecurity, SamplesAndResultsOfAForgingStationAreRefusedByTheStations) {
   EXPECT_EQ(forged.commands.size(), 0U) << "a command came to one that is no bridge";
   for (const StationSample& sample : mes.samples.all())
     EXPECT_EQ(sample.value, Value{std::int64_t{42}});
-  // A forged result would arrive first.
   bridge.complete("press-1", done(asked), both_clocks());
   EXPECT_TRUE(eventually([&] { return results > 0; }));
   std::this_thread::sleep_for(kLongEnough / 3);

@@ -15,7 +15,6 @@ namespace {
 
 using namespace takeover;
 
-// A member that sends what the test sets and writes samples as a master.
 class Third {
  public:
   explicit Third(std::uint32_t domain) : outside_(Watch::spec(domain), "third", nullptr) {
@@ -26,13 +25,11 @@ class Third {
   }
   ~Third() { stop_writing(); }
 
-  // Applies until the next term is set.
   void tell(StandbyTerm term) {
     told_.member.term = term;
     ++told_.member.beat;
     channel_.tell(told_);
   }
-  // Writes good values of both channels with the epoch of the master.
   void write(std::uint64_t sequence) {
     if (blocks_ == nullptr) blocks_ = outside_.writer(kSampleBlockTopic, "third");
     if (epoch_ == 0) return;

@@ -35,7 +35,6 @@ class Pty {
     EXPECT_EQ(::write(master_.get(), bytes.data(), bytes.size()),
               static_cast<ssize_t>(bytes.size()));
   }
-  // Returns the bytes received so far, without waiting.
   [[nodiscard]] Bytes take() const {
     Bytes bytes(4096);
     const ssize_t size = ::read(master_.get(), bytes.data(), bytes.size());

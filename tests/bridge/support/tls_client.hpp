@@ -48,7 +48,6 @@ class SecureClient {
     }
     return text;
   }
-  // Returns whether the server has closed or refused the connection.
   [[nodiscard]] bool is_closed() {
     (void)receive("\n\n\n");
     return !connected_;

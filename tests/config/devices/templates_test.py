@@ -20,7 +20,6 @@ from modbus_devices import Devices, read_examples
 from plant import claim_domain, running_bridge, wait_until
 
 BIN_DIR, SOURCE_DIR = "", ""
-# of every header, in this order
 KEYS = ["Device", "Source", "Checked", "Line", "Words", "Reading", "Traps"]
 SECONDS = 30
 
@@ -35,7 +34,6 @@ class Template:
         self.channels = {re.search(r"name: ([\w.-]+)", entry)[1]: entry for entry in entries}
 
     def header(self):
-        """Returns {key: text} of the head comment."""
         lines = [line[2:] for line in self.text.splitlines()[1:] if line.startswith("# ")]
         found = {}
         for line in lines:
@@ -57,7 +55,6 @@ def templates():
 
 
 def examples():
-    """Returns {template: [(function, first, items, {channel: value})]}."""
     return read_examples(os.path.join(HERE, "examples.txt"))
 
 
@@ -84,7 +81,6 @@ class InAFolder(unittest.TestCase):
         return path
 
     def lines(self, names):
-        """Returns a configuration with a line of 9600 baud for each template."""
         text = "bridge: templates\nbuses:\n"
         for name in names:
             text += bus(name, f"serial: {self.folder}/{name}, baud: 9600, format: 8N1", "modbus-rtu")
@@ -167,7 +163,6 @@ class Values(InAFolder):
         os.unlink(os.path.join(self.folder, "devices"))
         os.mkdir(os.path.join(self.folder, "devices"))
         for template in known:
-            # this test reads all channels
             text, on_demand = re.subn("mode: on-demand", "refresh: 1min", template.text)
             self.file(f"devices/{template.name}.yaml", text)
             self.assertEqual(on_demand, len(template.channels.keys() - template.scheduled()))

@@ -1,5 +1,3 @@
-// Tests the alarms of a bridge with transcripts of events and of the visible alarms. The text is
-// both input and expectation: replaying its events must produce the same text.
 #include "core/alarm/alarm_book.hpp"
 
 #include <gtest/gtest.h>

@@ -53,8 +53,6 @@ CONFIG = "bridge: cyclone\nbuses:\n" + bus_text("one") + bus_text(
 
 
 class Watch:
-    """A running cyclone-watch with its latest output for each channel."""
-
     def __init__(self, plant, *deadline_ms):
         self.entries, self.samples, self.gone, self.strange = {}, {}, set(), []
         self.process = subprocess.Popen([os.path.join(BIN_DIR, "cyclone-watch"), str(plant.domain), *map(str, deadline_ms)],

@@ -1,4 +1,3 @@
-// Tests the instrument of the example with hand-written frames.
 #include <gtest/gtest.h>
 
 #include "core/codec/value_codec.hpp"

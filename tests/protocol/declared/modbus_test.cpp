@@ -26,7 +26,6 @@ const Device& built_in() {
   return device;
 }
 
-// Generates requests, some of them beyond the limits.
 class Requests {
  public:
   explicit Requests(unsigned seed) : random_(seed) {}

@@ -31,7 +31,6 @@ Request mixed(const Device& device) {
 const Bytes kMixed = dtc_message("05 00 01020304 0D01 3FC00000");
 const Bytes kRefused = dtc_plain(dtc_message("05 80 02"));
 
-// Forty registers with few distinct values, as compression expects.
 Request many(const Device& device) { return device.read("int16:0", 40); }
 Bytes many_message() {
   std::string data = "05 00";

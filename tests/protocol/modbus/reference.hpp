@@ -29,7 +29,6 @@ struct Meant {
 // Returns a request that `answer` fits: the same number of items, from address 0.
 [[nodiscard]] std::optional<Meant> request_for(ByteView answer);
 
-// Returns the items of a response to `request`.
 [[nodiscard]] Bytes items_of(ByteView answer, const Request& request);
 
 }  // namespace fieldcast::modbus::reference

@@ -1,4 +1,3 @@
-// Tests the golden frames of Modbus in both directions.
 #include "tests/support/vectors.hpp"
 
 #include <gtest/gtest.h>

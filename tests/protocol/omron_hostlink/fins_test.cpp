@@ -1,5 +1,3 @@
-// Tests FINS in Host Link frames: published frames in both directions, scattered reads, bit writes,
-// and the matrix.
 #include <gtest/gtest.h>
 
 #include "core/codec/checksum.hpp"

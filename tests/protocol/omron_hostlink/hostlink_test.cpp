@@ -1,4 +1,3 @@
-// Tests C-mode: published frames in both directions, transfers in several frames, and the matrix.
 #include <gtest/gtest.h>
 
 #include "core/codec/checksum.hpp"
@@ -87,7 +86,6 @@ TEST(HostLinkVectors, TheirAnswersAreRead) {
     test::expect_matrix(
         {.begin = [&] { return device.begin(request->request); }, .answers = answers});
     if (std::holds_alternative<WriteRequest>(request->request)) continue;
-    // The data of all frames, between "@uuHHee" and the FCS.
     std::string digits;
     for (std::size_t i = 0; i < answers.size(); ++i) {
       const std::string frame = text(answers[i]);

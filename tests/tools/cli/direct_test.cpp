@@ -1,5 +1,3 @@
-// Tests reads and writes without a configuration: command line, item meanings, and the commands on
-// a pseudo-terminal with a device.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>

@@ -1,5 +1,3 @@
-// Tests the simulation of a configured bus in virtual time: predictions hold, each miss has a
-// cause, and a seed determines the run.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -64,7 +64,6 @@ def excel(path, table):
 
 class RealDevices(Imports):
     def lists(self, port):
-        """Returns the lists, with the port of the devices inserted."""
         files = []
         for name in sorted(os.listdir(LISTS)):
             if name in ("values.txt", "makers"):
@@ -77,7 +76,6 @@ class RealDevices(Imports):
                 data = data.replace(old, new % port)
             with open(self.path(name), "wb") as file:
                 file.write(data)
-        # Neuron's page exports a workbook.
         with open(os.path.join(LISTS, "neuron-gx.csv"), encoding="utf-8") as file:
             excel(self.path("neuron-gx.xlsx"), [line.split(",") for line in file.read().splitlines()])
         files[files.index(self.path("neuron-gx.csv"))] = self.path("neuron-gx.xlsx")

@@ -11,7 +11,6 @@ using testing::Not;
 
 constexpr const char* kList = "Address,Name,Type\n1,a,U16\n";
 
-// Returns the port line of the configuration.
 std::string port_of(const tl::expected<Outcome, std::string>& outcome) {
   if (!outcome) return outcome.error();
   if (outcome->files.empty()) return "nothing is written";

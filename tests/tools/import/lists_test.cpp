@@ -12,7 +12,6 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-// Returns the address of a point, "no: .." if it was refused.
 std::string place_of(const Outcome& outcome, const std::string& name) {
   const auto row = std::ranges::find(outcome.rows, name, &PointFate::name);
   if (row == outcome.rows.end()) return "not in the list";

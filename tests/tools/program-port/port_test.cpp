@@ -1,4 +1,3 @@
-// Tests fieldcast-port from the view of its user.
 #include <fstream>
 
 #include "tests/tools/program-port/port_support.hpp"

@@ -1,4 +1,3 @@
-// Tests engineers over TLS, with a generated certificate.
 #include <fstream>
 
 #include "tests/tools/program-port/port_support.hpp"

@@ -1,5 +1,3 @@
-// Tests the simulated Omron PLC with the golden frames in C-mode and FINS, and its transfers in
-// several frames.
 #include "tools/sim/device/hostlink_device.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,3 @@
-// Tests the simulated S7-200: the golden telegrams, and its link layer.
 #include "tools/sim/device/ppi_device.hpp"
 
 #include <gtest/gtest.h>

@@ -27,7 +27,6 @@ const users = { anna: 'operator', vera: 'viewer' };
 const password = 'secret secret';
 const busNames = ['boiler-house', 'press-shop', 'utilities', 'water-works'];
 
-// The plant: values by id, changed by `step`.
 export class InventedPlant {
   constructor(channels) {
     const now = Date.now();
@@ -88,7 +87,6 @@ export class InventedPlant {
       { at_ms: now - 600_000, who: 'mallory (10.0.0.66:5000)', what: 'login', target: '', bytes_to_device: 0, bytes_from_device: 0, result: 'refused: wrong password' }];
   }
 
-  // Changes the channels of one slice of `slices`; returns the changed ones.
   step(slice, slices) {
     const now = Date.now(), changed = [];
     for (let index = slice; index < this.channels.length; index += slices) {
@@ -104,7 +102,6 @@ export class InventedPlant {
     return changed;
   }
 
-  // Returns the events of each alarm, newest last.
   alarmEvents() {
     const events = [];
     for (const { bus, device, channel, limit, value, since_ms, active, acknowledged_ms, acknowledged_by, note, shelved_until_ms, shelved_by } of this.alarms) {
