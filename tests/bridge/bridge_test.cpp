@@ -129,8 +129,7 @@ TEST_F(BridgeTest, MissedRefreshesAreTheSameNumberForTheEngineItsWritersAndAStat
   ASSERT_TRUE(reached([&] { return received.size() >= 2; }));
   const std::lock_guard lock(mutex);
   const StationBusStatus& status = received.back();
-  // Each clock starts when its end receives a sample, so a stall can hide or add one round at one
-  // end.
+  // A stall can hide or add one round at one end, because each end starts its own clock.
   constexpr double kRound = 3;
   const auto misses = static_cast<double>(status.report.deadline_misses);
   EXPECT_NEAR(static_cast<double>(status.dds_deadline_misses), misses, kRound);
@@ -161,8 +160,7 @@ TEST_F(BridgeTest, StoppingAnswersWhatWaitsAndEndsInTime) {
     ASSERT_TRUE(id) << to_text(id.error());
     sent.push_back(*id);
   }
-  // Commands of one writer arrive in order: the result of a later one shows that the bridge has
-  // all.
+  // Commands of one writer arrive in order: the last result shows that the bridge has all.
   ASSERT_TRUE(receiver.station.execute(write_to("two", "r0", 1), seconds{10}));
   const auto before = std::chrono::steady_clock::now();
   bridge.stop();

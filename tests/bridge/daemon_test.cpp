@@ -54,8 +54,7 @@ struct DaemonTest : testing::Test {
   }
   ~DaemonTest() override { std::filesystem::remove_all(folder); }
 
-  // Bus one is on the pseudo-terminal; bus two has a port that does not exist and a channel at
-  // `at`.
+  // Bus one uses the pseudo-terminal; bus two has a missing port and a channel at `at`.
   void write(const std::string& at, const std::string& interface = "127.0.0.1") const {
     std::ofstream(file) << "bridge: test\n"
                         << "dds: { domain: " << domain.number() << ", interfaces: ["

@@ -241,8 +241,7 @@ TEST_F(RestartTest, OfTwoBridgesOfOneBusTheFirstServesUntilItEnds) {
   });
 }
 
-// The lease lasts seconds more, but on the same host the end of the process is detected
-// immediately.
+// The lease lasts longer, but on the same host the end of the process is detected immediately.
 TEST_F(RestartTest, OfTwoBridgesOfOneBusTheFirstServesUntilItIsKilled) {
   of_two_one_serves([](std::unique_ptr<test::Process>& first) { first.reset(); });
 }

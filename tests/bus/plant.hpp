@@ -13,8 +13,7 @@
 
 namespace fieldcast::test {
 
-// Creates `devices` devices with `registers` writable holding registers at every second address.
-// fill() writes value_of() of each channel.
+// Registers are at every second address and writable. fill() writes value_of() each channel.
 inline BusSpec plant(int devices, int registers, const std::string& defaults) {
   std::string text =
       "bridge: test\nbuses:\n  - name: bus\n    port: { serial: /dev/none, baud: 19200, format: "

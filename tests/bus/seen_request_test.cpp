@@ -1,5 +1,4 @@
-// Checks that every protocol recognises each request of its own codec when another master sends it,
-// and never mistakes a response of its simulated device for a request.
+// Tests that every protocol recognises the requests of another master, but no responses.
 #include <gtest/gtest.h>
 
 #include "config/loader.hpp"

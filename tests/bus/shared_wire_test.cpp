@@ -125,14 +125,12 @@ TEST_P(SharedLine, NoiseAndLateAnswersMakeNobodySendIntoAnother) {
     wire.run_until(Instant{4s + chance.up_to(1s)});
     wire.open(1);
     wire.run_until(wire.now() + 20s);
-    // A bridge sends nothing while all its devices are lost or a response is late. Then the second
-    // bridge may start after the silence.
+    // A bridge with lost devices or a late response is silent, so the second one may start.
     if (wire.counts().turns > 0) { EXPECT_GE(wire.counts().shortest_turn, times_.listen); }
   }
 }
 
-// A disconnected master receives nothing and listens before each request. After it is reconnected,
-// one of the two yields.
+// A disconnected master listens before each request. After it is reconnected, one yields.
 TEST_P(SharedLine, OfTwoWhoseCableIsPluggedInAgainOneGivesWay) {
   std::uint64_t garbled = 0;
   for (std::uint64_t seed = 1; seed <= seeds(); ++seed) {

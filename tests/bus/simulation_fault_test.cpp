@@ -152,8 +152,7 @@ TEST(Simulation, RefusedRangesOfAListLeaveTheOthersAlone) {
             (std::vector<std::string>{"int16:100", "int32:581"}));
 }
 
-// The engine learns from refusals which gaps the device accepts and reports them. It forgets them
-// when the device may have been replaced.
+// Gaps that the device accepts are learned, and forgotten when the device may be replaced.
 TEST(Simulation, LearnsGapsAndForgetsThemWithTheDevice) {
   const BusSpec spec = plant(1, 6, "refresh: 1s, timeout: 100ms");
   sim::BusFaults faults;

@@ -10,8 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// An overload by configured refreshes is reported at load time; one by station interests is
-// reported while it lasts.
+// The loader reports an overload by configuration; the engine reports one by interests.
 TEST(Simulation, OverloadIsToldWhenItBeginsAndWhenItEnds) {
   BusSpec spec = plant(1, 200, "refresh: 1s");
   auto& channels = spec.devices[0].channels;
@@ -41,8 +40,7 @@ int told(const VirtualBus& bus, Notice::Kind kind) {
   return static_cast<int>(std::ranges::count(bus.notices(), kind, &Notice::kind));
 }
 
-// The loader reports an overload by configuration, assuming devices that respond after 5 ms. The
-// engine does not.
+// The loader reports overloads by configuration and assumes responses after 5 ms.
 TEST(Simulation, OverloadIsToldOnceWhenDevicesAreSlowerThanAssumed) {
   sim::BusFaults faults;
   for (int d = 1; d <= 16; ++d) faults.devices["unit-" + std::to_string(d)].delay.base = 20ms;

@@ -9,8 +9,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Noise, loss, late responses, silences, an unplugged port and a stream of commands, for many
-// seeds.
+// Noise, loss, late responses, silences, an unplugged port and commands, for many seeds.
 class Storm : public testing::TestWithParam<int> {};
 
 TEST_P(Storm, NoWrongValueNoLostCommandNoStarvation) {

@@ -1,5 +1,4 @@
-// Each file in tests/config/bad_protocols has one fault; its head comment lists the expected
-// messages, one per line.
+// Each file has one fault; its head comment lists the expected messages, one per line.
 #include <gtest/gtest.h>
 
 #include <sstream>

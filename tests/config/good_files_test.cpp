@@ -330,8 +330,7 @@ TEST(GoodFiles, TheDemoHasAHundredModbusChannelsOnSixDevicesAndABusForEachFamily
   EXPECT_EQ(shared.size(), 3u);
 }
 
-// Assumes devices that respond after 5 ms. The scheduler computes the load; this test keeps the
-// examples realistic.
+// Assumes responses after 5 ms, to keep the examples realistic.
 TEST(GoodFiles, ExamplesNeedLessThanHalfOfEachWire) {
   for (const auto& path : files_of(source_dir() / "config/examples", ".yaml")) {
     const auto loaded = load_file(path.string());

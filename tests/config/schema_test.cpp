@@ -1,5 +1,4 @@
-// Checks that the schema for editors equals the loader: the same keys, and every file that loads
-// fits.
+// Tests that the schema for editors has the loader's keys and fits every file that loads.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -179,8 +178,7 @@ TEST(ProtocolSchema, KnowsExactlyTheWordsThatTheLoaderKnows) {
   }
 }
 
-// The schema covers faults of single values and missing keys; only the loader checks rules between
-// fields.
+// The schema covers single values and missing keys; only the loader checks rules between fields.
 TEST(ProtocolSchema, RefusesEveryBadDeclarationWhoseFaultLiesInOneValue) {
   static constexpr std::string_view kSeen[] = {"unknown key",
                                                "'summary' is missing",

@@ -1,5 +1,4 @@
-// Simulates an ideal half-duplex line in virtual time with a scheduler as its master. Every read
-// takes its cost, and gaps are measured.
+// Simulates an ideal half-duplex line in virtual time with a scheduler as its master.
 #pragma once
 
 #include <algorithm>

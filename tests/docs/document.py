@@ -66,8 +66,7 @@ def marker_of(words):
 
 
 def parse(path, text):
-    """Returns the blocks of a document in order; a lone <!-- stop --> is a block of the language
-    "stop"."""
+    """Returns the blocks in order; a lone <!-- stop --> has the language "stop"."""
     blocks, markers, lines, number = [], {}, text.splitlines(), 0
     in_list = False
     while number < len(lines):
@@ -145,8 +144,7 @@ def is_configuration(block):
 
 
 def inline_commands(path, text, programs):
-    """Returns (place, command) for each `program ...` in the running text with one of the programs
-    and arguments."""
+    """Returns (place, command) for each `program ...` in the running text."""
     found, fenced = [], False
     for number, line in enumerate(text.splitlines(), 1):
         if line.lstrip().startswith("```"):

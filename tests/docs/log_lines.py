@@ -19,8 +19,7 @@ SUBJECT = re.compile(r"^[\w./-]+: ")
 
 @functools.lru_cache(maxsize=None)
 def _files(source_dir):
-    """Returns the text of the literals of each source file: adjacent ones joined as the compiler
-    does, one per line."""
+    """Returns the joined literals of each source file, one per line."""
     found = {}
     for folder in FOLDERS:
         for path, _, names in os.walk(os.path.join(source_dir, folder)):

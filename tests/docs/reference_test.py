@@ -138,8 +138,7 @@ class Protocols(unittest.TestCase):
 
     @staticmethod
     def form(at):
-        """Returns the form of an address without its numbers and their base: "VW100" and "VW7" are
-        equal."""
+        """Returns the address without numbers and base: "VW100" and "VW7" are equal."""
         return re.sub(r"\d+", "0", re.sub(r"0[xX][0-9A-Fa-f]+", "0", at))
 
 

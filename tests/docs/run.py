@@ -187,8 +187,7 @@ class Runner:
             self.count["log lines found in the sources"] += bool(line.strip())
 
     def check_options(self, command, fault):
-        """Checks for one of our programs that the subcommand exists and that --help lists each
-        option."""
+        """Checks the subcommand and each option of our programs with --help."""
         words = command.split()
         if not words or words[0] not in PROGRAMS:
             return

@@ -60,8 +60,8 @@ class Sandbox:
             shutil.rmtree(self.folder, ignore_errors=True)
 
     def wait_for_turn(self):
-        """Waits for the machine-wide lock of sandboxes: `fieldcast capture` queries every bridge
-        of the machine."""
+        """Waits for the lock of sandboxes: `fieldcast capture` queries every bridge of the
+        machine."""
         self._turn, end = socket.socket(socket.AF_UNIX), time.monotonic() + TURN_SECONDS
         while True:
             try:
@@ -113,8 +113,8 @@ class Sandbox:
             return f"none within {COMMAND_SECONDS} s; if it runs until stopped, mark it so", said
 
     def start(self, command, ready=None):
-        """Starts a command that runs until stop(), and waits until it is ready; RuntimeError with
-        the reason if it fails."""
+        """Starts a command and waits until it is ready; RuntimeError with the reason if it fails.
+        """
         program = command.split()[0]
         if ready is None and program not in READY:
             raise RuntimeError(f"when is {program} at work? Write <!-- runs until stopped: WORDS THAT IT SAYS THEN -->")
@@ -133,8 +133,7 @@ class Sandbox:
         return started
 
     def stop(self):
-        """Ends the running commands, newest first, as Ctrl-C does. Returns one message for each
-        wrong end."""
+        """Ends the commands, newest first, as Ctrl-C does. Returns the faults of their ends."""
         faults = []
         while self.running:
             started = self.running.pop()

@@ -75,8 +75,7 @@ class Station:
         return wait_until(found, SECONDS, lambda: f"never said '{pattern}':\n" + "\n".join(self.lines[-40:]))
 
     def keeps(self, channel):
-        """Waits for two seconds in which the channel is received without a miss of its deadline of
-        one second."""
+        """Waits for two seconds in which no deadline of the channel (one second) is missed."""
         begin, after = time.monotonic(), len(self.lines)
 
         def kept():
@@ -131,8 +130,7 @@ class Stations(unittest.TestCase):
 
     @classmethod
     def follow(cls, document):
-        """Saves the document's files and runs its commands for a machine with a compiler, with its
-        environment."""
+        """Saves the document's files and runs its commands for a machine with a compiler."""
         folder = os.path.join(cls.folder, "work")
         with open(os.path.join(SOURCE_DIR, document), encoding="utf-8") as file:
             for block in parse(document, file.read()):

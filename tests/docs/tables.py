@@ -53,8 +53,7 @@ def channels(row):
 
 
 def check_addresses(block, sandbox):
-    """Checks that all channels are accepted, and read-only ones not as writable. Returns the
-    number of channels."""
+    """Checks that `write` is right for each channel. Returns the number of channels."""
     good, bad = Configuration(block.markers["addresses"]), Configuration(block.markers["addresses"])
     for row in rows(block):
         writable = row.get("write", "").split(",")[0].split(" ")[0]

@@ -14,8 +14,7 @@ inline void check_explanation(const std::vector<FrameField>& fields, std::size_t
   }
 }
 
-// Returns whether the input is also explained: one in eight, because an explanation is slower to
-// create and has less to find.
+// Explains one input in eight, because an explanation is slow and has less to find.
 inline bool is_explained(ByteView data) {
   unsigned sum = 0;
   for (const std::uint8_t byte : data) sum += byte;

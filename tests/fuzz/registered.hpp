@@ -1,5 +1,4 @@
-// Runs any registered protocol as a fuzz target. The header has few dependencies, because a program
-// for each protocol includes it.
+// Has few dependencies, because a program for each protocol includes it.
 #pragma once
 
 #include <cstddef>

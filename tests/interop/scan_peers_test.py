@@ -47,8 +47,7 @@ class ScanTest(unittest.TestCase):
         self.scan([sys.executable, PYMODBUS], 9600, 17, "--addresses", "16-18", "--timeout", "150ms")
 
     def test_finds_libmodbus_at_unknown_settings(self):
-        # For half a second after a request to another unit, libmodbus treats received data as the
-        # response of that unit.
+        # For half a second, libmodbus treats data as the response of the unit polled before.
         self.scan([LIBMODBUS], 9600, 17, "--addresses", "16-18", "--timeout", "600ms")
 
     def test_known_settings_units_1_to_32(self):

@@ -27,8 +27,7 @@ using Map = std::vector<MapRow>;
                                      std::uint32_t baud = 19200, Duration delay = {},
                                      double stretch = 1);
 
-// How a protocol writes the register of a map: "holding:" and its number, or "VW" and twice the
-// number.
+// How a protocol writes a register: "holding:" and its number, or "VW" and twice of it.
 struct Notation {
   const char* protocol = "modbus-rtu";
   const char* area = "holding:";

@@ -113,8 +113,7 @@ TEST(MarkerFraming, RandomInstructionsComeBackByteForByte) {
   }
 }
 
-// The response to a long Host Link read has several frames. All but the first begin with any words,
-// as do those of a long write.
+// All frames of a long Host Link transfer but the first begin with any words.
 TEST(MarkerFraming, AContinuationOfHostLinkMayBeginLikeAControlFrame) {
   for (const Sender sender : {Sender::kClient, Sender::kBridge}) {
     for (const char* code : {"0000", "0001", "0002", "0003", "0004", "ED"}) {
@@ -262,8 +261,7 @@ TEST(MarkerFraming, WhatFollowsAFrameCanBeTakenOver) {
   EXPECT_FALSE(reader.partial());
 }
 
-// The dialogues of programming software: the characters of each side, in one piece and in a
-// module's packets of 64.
+// Dialogues of programming software, in one piece and in a module's packets of 64.
 TEST(MarkerFraming, TrafficOfProgrammingSoftwareArrivesAsItWas) {
   int carried = 0;
   for (const auto& vector : test::load_vectors("tunnel")) {

@@ -240,8 +240,7 @@ Bytes piece(Bytes& stream, std::mt19937& random) {
   return out;
 }
 
-// A client and the bridge's end, connected by two streams; the device sends its own data without an
-// echo.
+// A client and the bridge's end, connected by two streams; the device does not echo.
 TEST(PortClient, BothEndsCarryEveryByteBothWaysHoweverTheStreamIsCut) {
   for (unsigned seed = 0; seed < 40; ++seed) {
     std::mt19937 random(seed);

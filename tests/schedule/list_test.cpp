@@ -215,8 +215,7 @@ TEST(Lists, DeviceThatTakesFewerRangesIsAskedForFewer) {
   EXPECT_EQ(wire.missed(), 0u);
 }
 
-// A line behind a converter or a pseudo-terminal may carry characters faster than its rate. A read
-// that ends long before it is due still counts as that read.
+// A converter or pseudo-terminal may be faster than the rate. An early read still counts.
 TEST(Lists, ALineThatIsFasterThanItsRateIsNotReadMoreOften) {
   for (const std::uint32_t baud : {9600u, 19200u}) {
     for (const double pace : {0.01, 0.3, 0.8, 1.0}) {

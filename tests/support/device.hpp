@@ -17,8 +17,7 @@ class Device {
   explicit Device(std::unique_ptr<Protocol> protocol) : protocol_(std::move(protocol)) {}
 
   [[nodiscard]] const Protocol& protocol() const { return *protocol_; }
-  // Returns `count` items from an address such as "holding:100"; adds a gtest failure for an
-  // invalid address.
+  // Returns `count` items from "holding:100"; a gtest failure for an invalid address.
   [[nodiscard]] Range range(std::string_view at, std::uint32_t count = 1) const;
   [[nodiscard]] Request read(std::string_view at, std::uint32_t count = 1) const;
   [[nodiscard]] Request write(std::string_view at, std::string_view items_hex) const;

@@ -19,8 +19,7 @@ bool same(const Outcome& a, const Outcome& b) {
                     });
 }
 
-// A refusal of a device is a distinct outcome: a disturbed response must not become one, or another
-// value.
+// A refusal is a distinct outcome: a disturbed response must not become one.
 bool says_something(const Outcome& outcome) {
   return outcome.done() || outcome.cause == Cause::kDeviceError ||
          outcome.cause == Cause::kDeviceBusy;

@@ -14,15 +14,13 @@ struct MatrixCase {
   // Creates a new exchange for the same request at each call.
   std::function<std::unique_ptr<Exchange>()> begin;
   std::vector<Bytes> answers;  // one for each round
-  // Every flipped bit is detected (a checksum covers everything). Modbus TCP relies on TCP for
-  // that.
+  // Every flipped bit is detected by a checksum. Modbus TCP leaves this to TCP.
   bool checked = true;
   // Characters before the first response do not prevent its reception.
   bool noise_recovers = true;
 };
 
-// Adds a gtest failure for each cell with another value than the undisturbed run, or with a value
-// where none is allowed.
+// A gtest failure for each cell with a value that the undisturbed run does not have.
 void expect_matrix(const MatrixCase& matrix);
 
 // Feeds `rounds` random texts from one seed, some built from pieces of the responses. A crash, a

@@ -1,5 +1,4 @@
-// Golden frames from published sources: tests/vectors/<family>.json, one object for each frame or
-// dialogue.
+// Golden frames from published sources: tests/vectors/<family>.json.
 #pragma once
 
 #include <iosfwd>

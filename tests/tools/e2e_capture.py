@@ -131,8 +131,7 @@ def setUpModule():
 
 
 def captured(buses, trial):
-    """Captures all buses at the same time during a write and returns tshark's results. Removes the
-    captures of an earlier trial."""
+    """Captures all buses during a write, without files of an earlier trial; tshark's results."""
     paths = {bus: os.path.join(plant.run, bus + ".pcapng") for bus in buses}
     if trial > 0:
         for path in paths.values():
@@ -260,8 +259,7 @@ class Wireshark(unittest.TestCase):
 
 
 class Compressed(unittest.TestCase):
-    """Checks that the Lua file decompresses DTC packets as the vectors of the bridge's codec
-    require."""
+    """Checks that the Lua file decompresses the vectors of the codec."""
 
     def packet(self, codes, length):
         codes = length.to_bytes(2, "big") + codes

@@ -101,8 +101,7 @@ class Fence(unittest.TestCase):
               f"{self.line.counts()['garbled']} garbled; taken over {silence:.3f} s after the last frame", flush=True)
         self.assertLess(silence, 1.5, f"died at {died}")
         wait_until(lambda: "this bridge sends again" in self.log_of(second), START, lambda: self.log_of(second))
-        # The bridge is suspended, another one takes over the wire, and the first one resumes. It
-        # must not send into the other's frames.
+        # The bridge is suspended while another takes over; it must not send into its frames.
         third = self.start(0)
         wait_until(lambda: "another master speaks on the wire" in self.log_of(third), START, lambda: self.log_of(third))
         taken = self.frames(0)

@@ -122,8 +122,7 @@ def state():
 
 
 def this_machine():
-    """Returns what must not change. Tests that run in parallel create network namespaces
-    (/run/netns)."""
+    """Returns what must not change; parallel tests create namespaces (/run/netns)."""
     mounts = [line for line in read("/proc/self/mounts").splitlines() if " /run/netns" not in line]
     return mounts, sorted(user.pw_name for user in pwd.getpwall()), sorted(os.listdir("/etc"))
 
@@ -152,8 +151,7 @@ def setUpModule():
 
 
 def close_root():
-    """Checks that no process, mount, user or file remains on this machine. Removing the root's
-    cgroup proves that no process remains."""
+    """Checks that nothing remains; the root's cgroup can only be removed without processes."""
     root.close()
     if before != (after := this_machine()):
         raise AssertionError(f"left behind: {before} {after}")
@@ -269,8 +267,7 @@ class Adapter(unittest.TestCase):
         cls.tree = copied(os.path.join(HERE, "usb_serial_tree.sh"))
 
     def plugged(self, driver, serial):
-        """Plugs an adapter in. Returns (content of /dev/fieldcast, latency timer of the adapter,
-        output of udev)."""
+        """Returns (content of /dev/fieldcast, latency timer, output of udev)."""
         said = root.run("unshare", "--mount", "sh", "-euc", f'''
             sh {self.tree} {driver} "{serial}"
             rm -rf /dev/fieldcast /dev/ttyUSB0

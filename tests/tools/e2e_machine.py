@@ -43,8 +43,7 @@ def system(*command):
 
 
 class OtherPlant(Plant):
-    """A plant whose bridge runs inside a command (`around`), or with a small disk at the directory
-    `disk`, also for its log (`log_on_disk`)."""
+    """Its bridge runs inside `around`, or with a small `disk`, also for its log (`log_on_disk`)."""
 
     def __init__(self, config, around=(), disk=None, log_on_disk=False):
         super().__init__(BIN_DIR, config)

@@ -324,8 +324,7 @@ class Inside(Plant):
 
 
 class Tunnel(unittest.TestCase):
-    """A bridge behind a firewall that allows TCP connections to one port. DDS uses an OpenVPN
-    tunnel with TLS."""
+    """A bridge behind a firewall with one open port. DDS uses an OpenVPN tunnel with TLS."""
 
     PORT = 1194
     INSIDE, OUTSIDE = "10.88.0.1", "10.88.0.2"

@@ -1,6 +1,5 @@
 #!/bin/sh
-# Used by private_root.py: creates a private root over the root of this machine and starts its first
-# process.
+# Used by private_root.py: creates a private root and starts its first process.
 # REQUIRES: root, in new namespaces of mounts, processes, network, names and cgroups (unshare).
 # private_root.sh FOLDER COMMAND [ARGUMENT ..]
 #

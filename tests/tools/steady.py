@@ -35,8 +35,7 @@ class Stillness:
 
 
 def steadily(measure, excuses, stillness=None, now=time.monotonic):
-    """Returns the result of measure(). If it raises one of `excuses` during a stall, it is called
-    again."""
+    """Returns measure(); repeats it if it raises one of `excuses` during a stall."""
     stillness = stillness or Stillness()
     for left in range(TRIES - 1, -1, -1):
         began = now()

@@ -1,6 +1,5 @@
 #!/bin/sh
-# Creates a /sys with one USB serial adapter, as the kernel shows it, to test udev rules without
-# hardware.
+# Creates a /sys with one USB serial adapter, to test udev rules without hardware.
 # REQUIRES: a mount namespace of its own; /sys is replaced in it.
 # usb_serial_tree.sh DRIVER SERIAL_NUMBER     empty if the adapter has no number
 #

@@ -1,5 +1,4 @@
-// Checks every enumerator on both sides with its number on the wire: stations of other vendors and
-// of older versions are compiled with it.
+// Checks the wire number of every enumerator: other and older stations are compiled with it.
 #include "bridge/dds/topics/conversion_enums.hpp"
 
 #include <gtest/gtest.h>

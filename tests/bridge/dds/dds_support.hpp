@@ -1,5 +1,4 @@
-// Shared by the DDS tests: a domain for each process, a bus to publish, and waits with a deadline
-// and a reason.
+// Shared by the DDS tests: a domain per process, a bus to publish, and waits with a deadline.
 #pragma once
 
 #include <unistd.h>
@@ -17,8 +16,7 @@
 
 namespace fieldcast::testing {
 
-// Each test process claims its domain until it ends, so parallel processes do not receive from each
-// other.
+// Each test process claims its own domain, so parallel processes do not interfere.
 inline DdsSpec loopback() {
   static const test::ClaimedDomain domain;
   DdsSpec spec;

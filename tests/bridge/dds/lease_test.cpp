@@ -23,8 +23,7 @@ constexpr const char* kDomainOfStation = "FIELDCAST_TEST_STATION_DOMAIN";
 constexpr const char* kPattern = "patient/*/*";
 constexpr int kRounds = 30;
 
-// A foreign station with an interest, in a process that the next test stops. Its participant
-// expires after a minute.
+// A foreign station with an interest. The next test stops its process; its lease is a minute.
 void play_patient_station() {
   prepare_library();
   auto* factory = dds::DomainParticipantFactory::get_instance();

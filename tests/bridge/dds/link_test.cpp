@@ -221,8 +221,7 @@ TEST(DdsLink, NothingIsMissedBeforeTheFirstSample) {
   BusSpec spec = bus_of(bus, 2, [](std::size_t i) { return i == 0 ? 20ms : 10s; });
   spec.devices[0].channels[0].name = "silent";
   link.add_bus(spec);
-  // The other class serves as the clock: when its deadline was missed, ten refreshes of the first
-  // have passed.
+  // The other class serves as the clock: its deadline is ten refreshes of the first.
   BusSpec other = bus_of(bus + "x", 1, [](std::size_t) { return 200ms; });
   link.add_bus(other);
   link.publish(bus + "x", one_of_each(1), both_clocks());

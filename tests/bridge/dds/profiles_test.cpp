@@ -1,5 +1,4 @@
-// Tests the QoS profiles for stations on Fast DDS: they load, equal those of the bridge's own
-// stations, and receive every channel.
+// Compares the QoS profiles for stations on Fast DDS with those of the bridge's own stations.
 #include <gtest/gtest.h>
 
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>

@@ -34,8 +34,7 @@ Bytes heartbeat(std::uint8_t last, std::uint8_t count) {
                       0,    0, 0,  0, last, 0, 0, 0,    count, 0, 0, 0});
 }
 
-// The server acknowledges data of our writers, or of our readers: 06 flags length | reader writer
-// base bits count
+// Of our writers, or of our readers: 06 flags length | reader writer base bits count
 Bytes acknowledgement(std::uint8_t base, std::uint8_t count, std::uint8_t entity = 3) {
   return from_server({0x06, 1, 24, 0, 0,     0, entity, 0xc7, 0, 0, entity, 0xc2,  //
                       0,    0, 0,  0, base,  0, 0,      0,                         //

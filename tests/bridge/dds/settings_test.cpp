@@ -226,8 +226,7 @@ TEST(DdsSettings, DiscoveryServerThatIsNoAddressIsAnError) {
   }
 }
 
-// The library's own statistics, enabled by its environment variable: latencies, throughput, machine
-// and process of each participant.
+// The library's statistics, enabled by its environment variable.
 TEST(DdsSettings, StatisticsOfTheLibraryArePublishedWhenAskedFor) {
   Discoveries discoveries(loopback());
   setenv("FASTDDS_STATISTICS", "HISTORY_LATENCY_TOPIC;PHYSICAL_DATA_TOPIC", 1);

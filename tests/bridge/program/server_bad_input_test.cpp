@@ -86,8 +86,7 @@ TEST_F(ProgramServer, ARequestIsReadBehindALittleGarbage) {
   EXPECT_TRUE(audited("dropped: bytes outside of any frame"));
 }
 
-// The server's buffer for the client is limited; then it disconnects the client and frees the
-// device.
+// The server limits the buffer of the client, then disconnects it and frees the device.
 TEST_F(ProgramServer, AClientThatNeverReadsIsFreed) {
   spec.engineers->heartbeat = seconds{1};  // the client does not send either
   start();

@@ -44,8 +44,7 @@ Collected<std::string>& said() {
   return lines;
 }
 
-// Returns whether an admitted end was refused this by the other end, for example "writer",
-// "fieldcast/Command".
+// Returns whether the other end refused this, for example "writer", "fieldcast/Command".
 bool refused_remote(const std::string& kind, const std::string& topic_or_partition) {
   return eventually([&] {
     for (const std::string& line : said().all()) {
@@ -74,8 +73,7 @@ class DdsSecurity : public ::testing::Test {
   DdsSpec as_new(const Member& member) { return as(authority_.add(member, now())); }
   DdsSpec unsigned_one() const { return as(""); }
 
-  // Returns a participant with the rights of `member` here, but whose own library allows those of
-  // `claimed`.
+  // Returns a participant with the rights of `member`, but its library allows those of `claimed`.
   DdsSpec forger(const Member& member, const Member& claimed) {
     const std::string folder = authority_.add(member, now());
     const std::string ca = scratch_.path("ca/");

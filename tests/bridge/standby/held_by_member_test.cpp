@@ -1,5 +1,4 @@
-// Tests a command that only reached a standby member that does not become master. One member is a
-// real bridge, the test simulates the second.
+// Tests a command that only reached a standby. One member is a real bridge, one is simulated.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

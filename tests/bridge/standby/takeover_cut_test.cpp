@@ -69,8 +69,7 @@ class Third {
   dds::DataWriter* blocks_ = nullptr;
 };
 
-// After the cut, a third member reports a term without a master. A former master has published
-// higher numbers.
+// After the cut, a term without a master is reported; its master published higher numbers.
 TEST_F(TakeoverTest, AMasterThatRemainsAfterACutCountsAboveTheOneThatLeft) {
   start_both();
   Third third(domain.number());
@@ -89,8 +88,7 @@ TEST_F(TakeoverTest, AMasterThatRemainsAfterACutCountsAboveTheOneThatLeft) {
   expect_one_master();
 }
 
-// A member was master unseen by the master and has left permanently. Only the station has its
-// count.
+// A master unknown to the present one has left; only the station has its count.
 TEST_F(TakeoverTest, AMasterCountsAboveOneThatOnlyStationsHaveHeard) {
   start_both();
   Third third(domain.number());

@@ -25,8 +25,7 @@ class Certificates {
   Certificates(const Certificates&) = delete;
   Certificates& operator=(const Certificates&) = delete;
 
-  // Creates NAME.pem and NAME.key with this common name, signed by the authority or by the owner of
-  // another certificate.
+  // Creates NAME.pem and NAME.key, signed by the authority or with another certificate.
   void issue(const std::string& name, const std::string& common_name,
              const std::string& signer = "ca") const {
     make(name, "/CN=" + common_name, "-addext subjectAltName=IP:127.0.0.1",

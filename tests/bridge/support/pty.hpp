@@ -1,5 +1,4 @@
-// A pseudo-terminal pair: a SerialPort opens the slave, and the test holds the master as the device
-// at the other end.
+// A pseudo-terminal pair: a SerialPort opens the slave, and the test holds the master.
 #pragma once
 
 #include <fcntl.h>

@@ -1,5 +1,4 @@
-"""Simulates Modbus TCP devices with known registers behind one port, independently of our codecs.
-Other registers hold 0."""
+"""Simulates Modbus TCP devices behind one port. Unlisted registers hold 0."""
 
 import contextlib
 import json
@@ -12,8 +11,7 @@ BITS, REGISTERS = (1, 2), (3, 4)
 
 
 def read_examples(path):
-    """Returns {name: [(function, first, items, {channel: value})]} of a file such as examples.txt,
-    whose head describes the format."""
+    """Returns {name: [(function, first, items, {channel: value})]}; see the file's head."""
     with open(path, encoding="utf-8") as file:
         lines = file.read().replace("\\\n", " ").splitlines()
     found = {}
@@ -33,8 +31,7 @@ def read_examples(path):
 
 
 class Devices:
-    """Serves memory, {(unit, function, address): word or bit}, on 127.0.0.1 inside a `with` block;
-    `port` is the port."""
+    """Serves {(unit, function, address): word or bit} on 127.0.0.1:`port` inside `with`."""
 
     def __init__(self, memory):
         devices = self

@@ -131,8 +131,7 @@ class Loading(InAFolder):
 
 class Simulation(InAFolder):
     def test_every_channel_is_read_in_time_from_a_simulated_device(self):
-        """Runs in virtual time. If blocks bridge no gaps, the device has no register that the
-        template does not name."""
+        """If blocks bridge no gaps, the device has only the registers that the template names."""
         known = {template.name: template for template in templates()}
         strict = [name for name, template in known.items() if "max-gap: 0" in template.text]
         self.assertGreater(len(strict), 10)
@@ -180,8 +179,7 @@ class Values(InAFolder):
 
     @staticmethod
     def wrong(config, expected, channels):
-        """Returns {(device, channel): sample} of those that differ from the example or are not
-        GOOD (BAD_RANGE for null)."""
+        """Returns {(device, channel): sample} of wrong samples; null means BAD_RANGE."""
         done = run("fieldcast", "watch", "--json", "--once", "--config", config)
         samples = {(s["device"], s["channel"]): s for s in map(json.loads, done.stdout.splitlines())}
 

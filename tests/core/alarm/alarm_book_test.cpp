@@ -296,8 +296,7 @@ TEST(AlarmBook, ANewPriorityHoldsAtOnce) {
   EXPECT_TRUE(book.take_news().changed.contains(alarm));
 }
 
-// Random events from one seed: after each event, every alarm has a state of the standard, and a
-// restart changes no alarm.
+// After random events, every alarm has a state of the standard; a restart changes none.
 TEST(AlarmBook, EveryDayKeepsItsRules) {
   std::mt19937 random(13);
   const auto pick = [&](std::uint32_t below) { return random() % below; };

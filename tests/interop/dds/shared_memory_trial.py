@@ -39,8 +39,7 @@ class Trial:
         print(f"{self.transport}: {text}", flush=True)
 
     def writer_share(self):
-        """Returns the CPU cores used by the writer: a writer that waits for a dead reader uses a
-        whole one."""
+        """Returns the CPU use of the writer; one that waits for a dead reader uses a whole core."""
         def seconds():
             with open(f"/proc/{self.writer.pid}/stat", encoding="ascii") as stat:
                 fields = stat.read().rpartition(")")[2].split()

@@ -117,8 +117,7 @@ TEST(DtcExchange, OthersAreForeignAndThenTheAnswerIsStillTaken) {
   }
 }
 
-// Five bytes of data are as long as a group: the echo of such a request has the form of its
-// response.
+// With five bytes of data, the echo of a request has the form of its response.
 TEST(DtcExchange, TheEchoOfARequestIsNotItsAnswer) {
   const Device device = plc();
   const Request request = device.read("bit:0", 40);
@@ -295,8 +294,7 @@ TEST(DtcExplain, SaysWhatIsInThePacket) {
   }
 }
 
-// FFFF as the first variable with a count of 2 exceeds the last variable, so these bytes are the
-// data of a response.
+// FFFF with a count of 2 exceeds the last variable, so these bytes are response data.
 TEST(DtcExplain, DataThatLookLikeGroupsThatCannotBeAreData) {
   Bytes message{5, 0x00, 0xFF, 0xFF, 0x01, 0x00, 0x02};
   const std::uint16_t crc = crc16_modbus(message);

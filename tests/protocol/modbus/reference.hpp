@@ -1,5 +1,4 @@
-// A second, independent parser of Modbus frames for the tests. It uses only the core's checksums
-// and the value types of protocol.hpp.
+// A parser of Modbus frames for the tests, independent of the core except checksums.
 #pragma once
 
 #include <optional>

@@ -65,8 +65,7 @@ TEST(BusSimulation, AModuleThatDialsInHasALineBehindIt) {
   EXPECT_GT(simulation.channels[0].readings, 100u);
 }
 
-// 300 registers with refreshes from 100 ms to 10 s, with half of the highest load that any master
-// could sustain.
+// 300 registers from 100 ms to 10 s, with half of the highest load of any master.
 TEST(BusSimulation, PlanPredictionAndMeasurementAgreeOverTheMaps) {
   for (const int number : {11, 12, 13, 14}) {
     const test::Map map = test::read_map(std::string(FIELDCAST_SOURCE) + "/tests/maps/map" +
@@ -87,8 +86,7 @@ TEST(BusSimulation, PlanPredictionAndMeasurementAgreeOverTheMaps) {
 
 constexpr Duration kSilence = 2'005'208ns;  // 3.5 characters of 11 bits at 19200 baud
 
-// The plan starts from an assumed response time and then uses the learned one. The bus must do what
-// `plan` shows.
+// The plan starts from an assumed response time; the bus must do what `plan` shows.
 TEST(BusSimulation, Map15KeepsAtFastAnswersWhatItsPlanForetells) {
   const test::Map map = test::read_map(std::string(FIELDCAST_SOURCE) + "/tests/maps/map15.csv");
   for (const Duration answer : {Duration{1us}, Duration{1ms}, kSilence, Duration{2500us}}) {
@@ -134,8 +132,7 @@ TEST(BusSimulation, EveryMissHasItsCauseAndItsChannel) {
   std::uint64_t sum = 0;
   for (const ChannelReport& channel : simulation.channels) sum += channel.missed;
   EXPECT_EQ(sum, simulation.bus.deadline_misses);
-  // The other device is dead for half a minute. This one only misses refreshes while the port is
-  // closed: 10 s at 200 ms.
+  // Only the closed port causes misses here: 10 s at 200 ms.
   EXPECT_NEAR(static_cast<double>(simulation.channels[0].missed), 50, 2);
   EXPECT_EQ(simulation.channels[0].last_miss, Cause::kPortClosed);
   const Json json = simulation_json(simulation);

@@ -1,5 +1,4 @@
-// Tests the defaults for lists without line and device settings: those of the program that wrote
-// the list, with a note.
+// Tests defaults for missing line and device settings: those of the program, with a note.
 #include "tests/tools/import/support.hpp"
 
 namespace fieldcast::importing {

@@ -1,5 +1,4 @@
-// Tests lists of makers and users: the import reports what it does not understand and never guesses
-// silently.
+// Tests that the import reports what it does not understand and never guesses silently.
 #include "tests/tools/import/support.hpp"
 #include "tools/import/formats/list_address.hpp"
 #include "tools/import/formats/list_factor.hpp"

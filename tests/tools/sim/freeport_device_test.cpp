@@ -103,8 +103,7 @@ TEST(FreeportDevice, SwappedLettersMeanTheOtherThing) {
             framed("12340000"));
 }
 
-// The write window starts with zeros. A read-only channel keeps changing, whatever is written next
-// to it.
+// The write window starts with zeros. A read-only channel keeps changing.
 TEST(FreeportDevice, WhatIsWrittenShowsInTheReadWindowButNotOverReadOnlyChannels) {
   DeviceSetup setup = device_setup(5);
   setup.spec.channels = {test::channel("level", "window:0", ValueType::kUint16),

@@ -44,8 +44,7 @@ void prepare(ItemMemory& memory, ByteView request, ByteView answer) {
   }
 }
 
-// The status byte of a timer may differ: it is 0 here, but a running timer of a capture has a
-// status.
+// A timer's status byte may differ: it is 0 here.
 TEST(PpiDeviceVectors, AnswersAsPrinted) {
   int seen = 0;
   for (const GoldenVector& vector : fieldcast::test::load_vectors("ppi")) {

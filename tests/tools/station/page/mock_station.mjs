@@ -157,8 +157,7 @@ function history(url) {
   return { from_ms: from, to_ms: to, series };
 }
 
-// A timetable of eight slots: fast points in every slot, slow ones in turn; and a group that is
-// read when it is due.
+// Eight slots: fast points in every slot, slow ones in turn; and a group read when due.
 function planOf(bus, load = 0.46) {
   const slot_ms = 94, slots = 8;
   const point = (area, first, count, names, every, phase_ms) => ({
