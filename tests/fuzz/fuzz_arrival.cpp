@@ -1,7 +1,6 @@
-// Fuzzes the peers of programming connections: any bytes as the registration of a module that dials
-// in, by text or by words of its PLC, and as data of a bridge to `fieldcast port`. A number must
-// consist of valid letters, a fault of one line; a registration ends in time, and a client ends
-// once.
+// Fuzzes programming connections: any bytes as a module's registration (text or words of its PLC)
+// and as data of a bridge to `fieldcast port`. A number must consist of valid letters, a fault of
+// one line. A registration must end in time, and a client exactly once.
 //
 // Input: kind and size of a piece(1), then the stream.
 #include <cstdlib>

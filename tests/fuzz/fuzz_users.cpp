@@ -1,6 +1,6 @@
 // Fuzzes login data: password files, names, passwords and tokens of users, and a store with foreign
-// tables of users and tokens. A fault must be one line without a word of the secret, an unknown
-// role prevents the login, and a hash that needs more memory than the machine has is refused.
+// tables of users and tokens. A fault must be one line without a word of the secret. An unknown
+// role must prevent the login. A hash that needs more memory than the machine has must be refused.
 //
 // Input: kind(1), then the text; for a store, values separated by zero bytes.
 #include <sys/mman.h>

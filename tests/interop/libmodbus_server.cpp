@@ -5,7 +5,7 @@
 //
 // Prints READY when it serves, ends with SIGTERM. Memory, all areas 0..499, equal to
 // pymodbus_server.py:
-//   coil n = (n % 3 == 0), input n = (n % 2 == 1), holding n = 1000 + n, input-register n = 2000 + n
+//  coil n = (n % 3 == 0), input n = (n % 2 == 1), holding n = 1000 + n, input-register n = 2000 + n
 #include <modbus/modbus.h>
 #include <unistd.h>
 
