@@ -35,7 +35,8 @@ void add(Sum& sum, const ChannelSpec& channel) {
   sum.add(fmt::format("{} {}", encoding.scale, encoding.offset));
   for (const std::uint64_t pattern : encoding.not_available)
     sum.add(static_cast<std::int64_t>(pattern));
-  sum.add(encoding.exponent_distance);
+  if (encoding.exponent_distance != 0)
+    sum.add(fmt::format("exponent {}", encoding.exponent_distance));
   sum.add(channel.refresh.count());
   sum.add(static_cast<std::int64_t>(channel.mode));
   sum.add(static_cast<std::int64_t>(channel.access));

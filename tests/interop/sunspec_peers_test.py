@@ -109,7 +109,7 @@ class SunSpecTest(unittest.TestCase):
         self.assertEqual(len(found["models"]), 1)
         self.assertIn("a length of 65535 registers", found["incomplete"])
         found = self.scanned({0: MARKER + common()})["sunspec"]  # no end
-        self.assertIn("holding:70 of the next model", found["incomplete"])
+        self.assertIn("the header at holding:70 cannot be read", found["incomplete"])
 
     def test_the_bridge_reads_right_values_with_the_file_of_the_scan(self):
         with contextlib.ExitStack() as stack:

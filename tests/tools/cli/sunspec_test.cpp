@@ -145,7 +145,7 @@ TEST(SunSpecWalk, AResponseThatIsCutEndsTheListWithAReason) {
   }
   ASSERT_TRUE(walk.map());
   EXPECT_EQ(walk.map()->models.size(), 1u);
-  EXPECT_EQ(walk.map()->incomplete, "holding:40070 of the next model: malformed answer");
+  EXPECT_EQ(walk.map()->incomplete, "the header at holding:40070 cannot be read: malformed answer");
 }
 
 TEST(SunSpecWalk, ARefusedModelEndsTheListWithAReason) {
@@ -155,7 +155,7 @@ TEST(SunSpecWalk, ARefusedModelEndsTheListWithAReason) {
   ASSERT_TRUE(map);
   EXPECT_EQ(map->models.size(), 1u) << "without its texts, which are refused too";
   EXPECT_EQ(map->manufacturer, "");
-  EXPECT_THAT(map->incomplete, HasSubstr("holding:70 of the next model: "));
+  EXPECT_THAT(map->incomplete, HasSubstr("the header at holding:70 cannot be read: "));
 }
 
 TEST(SunSpecWalk, ModelsWithoutEndAreLimited) {

@@ -67,7 +67,7 @@ void SunSpecWalk::failed(Cause cause) {
     if (refused) return next_base();
     phase_ = Phase::kOver;
   } else if (phase_ == Phase::kHeader) {
-    end(fmt::format("holding:{} of the next model: {}", header_, to_text(cause)));
+    end(fmt::format("the header at holding:{} cannot be read: {}", header_, to_text(cause)));
   } else if (phase_ == Phase::kCommon) {
     next_header();  // without the names
   }

@@ -44,7 +44,7 @@ class SunSpecWalk {
   };
   // Empty: the walk is over.
   [[nodiscard]] std::optional<Read> next() const;
-  // The registers of next(), two bytes each. Another number of bytes counts as a malformed response.
+  // The registers of next(), two bytes each. Another number of bytes is a malformed response.
   void answered(ByteView registers);
   // A device that refuses the marker is read at the next base. One that is silent then is left, so
   // that the search costs one timeout at most.
