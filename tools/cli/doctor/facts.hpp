@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bridge/capture/capture_check.hpp"
+#include "core/base/time.hpp"
 
 namespace fieldcast::cli {
 
@@ -48,6 +49,13 @@ struct ProfileLimit {
   std::int64_t max_instances = 0;
 };
 
+// The clock of a bridge, as heard in the domain.
+struct ClockFacts {
+  std::string bridge;
+  Duration ahead{};  // this machine's clock minus the bridge's
+  UtcTime here;      // this machine's clock when the bridge was heard last
+};
+
 // Of what cannot be found out nothing is said.
 struct MachineFacts {
   std::uint64_t receive_buffer_asked = 0;             // by each of our sockets, bytes
@@ -64,6 +72,8 @@ struct MachineFacts {
   std::optional<DiskFacts> disk;        // of a store that is a file
   std::vector<CaptureRemark> captures;  // what is wrong with the folders of captures
   std::size_t channels = 0;
+  std::vector<ClockFacts> clocks;  // of bridges in its domain
+  std::string clocks_unknown;      // why the domain could not be joined; empty: it could
 };
 
 }  // namespace fieldcast::cli

@@ -23,6 +23,12 @@ namespace fieldcast::cli {
 // "running", "closed: no such device file. Look at ...": why, and what to do about it.
 [[nodiscard]] std::string bus_words(const StationBusStatus& bus);
 
+// "this machine's clock is 10.0 s ahead of the clock of bridge line-7", with the effect and the
+// remedy if the clocks do not agree.
+[[nodiscard]] std::string clock_words(const std::string& bridge, Duration ahead);
+// Whether they differ by at most kLargestClockOffset.
+[[nodiscard]] bool clocks_agree(Duration ahead);
+
 // "offline: its bus is closed (no such device file)", "offline: it does not answer ...". The bus
 // may be null: unknown.
 [[nodiscard]] std::string device_words(const StationDeviceStatus& device,
