@@ -9,6 +9,7 @@
 #include "bridge/dds/topics/conversion.hpp"
 #include "bridge/dds/topics/received_sample.hpp"
 #include "bridge/station/block_subscription.hpp"
+#include "bridge/station/clock_offsets.hpp"
 #include "bridge/station/command_client.hpp"
 #include "bridge/station/plan_parts.hpp"
 #include "bridge/station/subscription.hpp"
@@ -50,6 +51,7 @@ struct Station::State {
   std::unique_ptr<SampleSubscription> samples;
   std::unique_ptr<BlockSubscription> blocks;
   bool has_channels = false, has_samples = false;
+  ClockOffsets clocks;  // used by the subscription
   std::unique_ptr<Subscription<idl::BusStatusPubSubType>> buses;
   std::unique_ptr<Subscription<idl::DeviceStatusPubSubType>> devices;
   std::unique_ptr<Subscription<idl::BridgePubSubType>> bridges;
@@ -137,8 +139,15 @@ void Station::subscribe_bus_status(std::function<void(const StationBusStatus&)> 
                                    std::function<void(const StationBusStatus&)> gone) {
   FIELDCAST_CHECK(!state_->buses);
   Subscription<idl::BusStatusPubSubType>::Handlers handlers;
-  handlers.sample = [on_status = std::move(on_status)](const idl::BusStatus& status) {
-    on_status(from_idl(status));
+  handlers.sample = [on_status = std::move(on_status),
+                     &clocks = state_->clocks](const idl::BusStatus& received) {
+    StationBusStatus status = from_idl(received);
+    const auto wall = std::chrono::system_clock::now().time_since_epoch();
+    const auto monotonic = std::chrono::steady_clock::now().time_since_epoch();
+    status.clock_ahead =
+        clocks.add(status.bridge, status.bus, status.reported_at,
+                   UtcTime{std::chrono::duration_cast<Duration>(wall).count()}, Instant{monotonic});
+    on_status(status);
   };
   if (gone)
     handlers.gone = [gone = std::move(gone)](const idl::BusStatus& last) { gone(from_idl(last)); };

@@ -1,5 +1,8 @@
 #include "tools/station/routes.hpp"
 
+#include <algorithm>
+#include <chrono>
+
 #include "tools/station/api/api_routes.hpp"
 
 namespace fieldcast::web {
@@ -25,6 +28,11 @@ std::vector<Metric> own_metrics(const LiveDomain& domain, const HttpServer& serv
   add("messages_refused_total", true, "Messages of clients that were refused.",
       live.clients.refused);
   add("interests", false, "Interests declared for clients.", live.interests);
+  Duration offset{};
+  for (const StationBusStatus* bus : domain.model().objects().all<StationBusStatus>())
+    offset = std::max(offset, std::chrono::abs(bus->clock_ahead.value_or(Duration{})));
+  add("largest_clock_offset_seconds", false,
+      "Largest difference between the clocks of this station and of a bridge.", to_seconds(offset));
   const ServerCounters web = server.counters();
   add("connections_total", true, "HTTP connections accepted.", web.connections);
   add("connections", false, "HTTP connections now.", web.open);

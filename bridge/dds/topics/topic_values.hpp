@@ -53,6 +53,8 @@ struct StationBusStatus {
   UtcTime reported_at;
   CauseCounts misses{};
   std::uint64_t dds_deadline_misses = 0;
+  // By how much the clock of the machine that received it is ahead of the bridge's: clock_offsets.
+  std::optional<Duration> clock_ahead{};
 };
 struct StationDeviceStatus {
   std::string bus, device;

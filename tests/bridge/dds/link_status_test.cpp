@@ -36,6 +36,26 @@ TEST(DdsLink, StatusArrivesAndGoesWithItsBus) {
   EXPECT_EQ(devices.all()[0].report.refused, std::vector<std::string>{"holding:7"});
 }
 
+TEST(DdsLink, StatusTellsHowFarTheClockOfTheStationIsAhead) {
+  const std::string bus = bus_name("clock");
+  Received received;
+  DdsLink link(loopback(), "test", received.handlers());
+  link.add_bus(bus_of(bus, 1));
+  Station station(loopback(), "watcher");
+  Collected<StationBusStatus> buses;
+  station.subscribe_bus_status([&](const StationBusStatus& status) { buses.add(status); });
+  const auto report_behind = [&](Duration by) {
+    const std::size_t before = buses.size();
+    link.report(bus, BusReport{}, {both_clocks().utc.nanoseconds - by.count()});
+    return eventually([&] { return buses.size() > before; });
+  };
+  ASSERT_TRUE(report_behind(1h));
+  EXPECT_EQ(buses.all().back().clock_ahead, std::nullopt);
+  ASSERT_TRUE(eventually(
+      [&] { return report_behind(10s) && buses.all().back().clock_ahead.value_or(0s) >= 10s; }));
+  EXPECT_LT(*buses.all().back().clock_ahead, 1h);
+}
+
 TEST(DdsLink, APlanReachesLateStationsAndGoesWithItsBus) {
   const std::string bus = bus_name("plan");
   Received received;

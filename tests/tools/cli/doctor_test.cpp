@@ -54,6 +54,25 @@ TEST(DoctorFindings, AnAdapterThatHoldsAnswersBackIsToldWithItsFile) {
             (Finding{Severity::kOk, "latency timer", "ttyUSB1", "ch341-uart, which has none", ""}));
 }
 
+TEST(DoctorFindings, AClockThatDiffersFromTheClockOfABridgeIsNamedWithBoth) {
+  MachineFacts facts;
+  const UtcTime here{1'763'833'200'000'000'000};
+  facts.clocks = {{"line-7", std::chrono::milliseconds{3}, here}};
+  EXPECT_EQ(only(facts),
+            (Finding{Severity::kOk, "clock", "bridge line-7",
+                     "this machine's clock and that of bridge line-7 differ by 0.003 s", ""}));
+  facts.clocks = {{"line-7", -std::chrono::milliseconds{10'250}, here}};
+  const Finding behind = only(facts);
+  EXPECT_EQ(behind.severity, Severity::kAdvice);
+  EXPECT_EQ(behind.what,
+            "this machine's clock is 10.2 s behind the clock of bridge line-7: ages of samples are "
+            "too small, and commands expire early; synchronize both with NTP (here "
+            "2025-11-22T17:40:00.000Z, there 2025-11-22T17:40:10.250Z)");
+  EXPECT_THAT(behind.remedy, HasSubstr("timedatectl set-ntp true on both machines"));
+  facts.clocks = {{"line-7", std::chrono::seconds{5}, here}};
+  EXPECT_THAT(only(facts).what, HasSubstr("5.0 s ahead of the clock of bridge line-7"));
+}
+
 TEST(DoctorFindings, APortThatIsMissingOrForbiddenPreventsItsBus) {
   MachineFacts facts;
   facts.ports = {{"press-shop", "/dev/ttyUSB0", false, false, ""}};

@@ -5,6 +5,7 @@
 
 #include "config/loader.hpp"
 #include "tools/cli/command/command.hpp"
+#include "tools/cli/doctor/clocks.hpp"
 #include "tools/cli/doctor/findings.hpp"
 #include "tools/cli/doctor/gather.hpp"
 #include "tools/cli/view/doctor_view.hpp"
@@ -22,7 +23,10 @@ ExitCode doctor(const DoctorOptions& options, std::ostream& out, std::ostream& e
     }
     spec = *std::move(loaded);
   }
-  const auto findings = findings_of(gather_facts(options.root, spec ? &*spec : nullptr));
+  MachineFacts facts = gather_facts(options.root, spec ? &*spec : nullptr);
+  if (options.listens)
+    gather_clocks({.config = options.config, .security = options.security}, facts);
+  const auto findings = findings_of(facts);
   if (options.json) {
     for (const Finding& finding : findings) out << finding_json(finding).text() << '\n';
   } else {
@@ -42,8 +46,11 @@ class DoctorCommand final : public CommandWith<DoctorOptions> {
     line.flag("--json", options_.json, "JSON lines");
     line.text("--root", options_.root,
               "Look at /proc, /sys, /run and the ports below this folder (/)");
+    line.text("--security", options_.security,
+              "Join the domain of CONFIG as the member whose folder this is, to compare clocks");
   }
   ExitCode run(const Streams& streams) override {
+    options_.listens = !options_.config.empty() && options_.root == "/";
     return doctor(options_, streams.out, streams.err, streams.wide_screen());
   }
 };

@@ -13,6 +13,8 @@ struct DoctorOptions {
   std::string config;      // empty: checks only the machine
   std::string root = "/";  // root of the file system
   bool json = false;
+  bool listens = false;  // in the domain of the configuration
+  std::string security;  // the folder of a member, to join with; empty: that of the configuration
 };
 
 // Returns kFound if part of the configuration cannot run, kUsage if the file has faults.

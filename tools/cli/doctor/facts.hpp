@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bridge/capture/capture_check.hpp"
+#include "core/base/time.hpp"
 
 namespace fieldcast::cli {
 
@@ -45,7 +46,14 @@ struct ProfileLimit {
   std::int64_t max_instances = 0;
 };
 
-// Facts that cannot be determined are empty.
+// The clock of a bridge, as heard in the domain.
+struct ClockFacts {
+  std::string bridge;
+  Duration ahead{};  // this machine's clock minus the bridge's
+  UtcTime here;      // this machine's clock when the bridge was heard last
+};
+
+// Of what cannot be found out nothing is said.
 struct MachineFacts {
   std::uint64_t receive_buffer_asked = 0;             // requested by each of our sockets, bytes
   std::optional<std::uint64_t> receive_buffer_limit;  // net.core.rmem_max, bytes
@@ -61,6 +69,8 @@ struct MachineFacts {
   std::optional<DiskFacts> disk;        // for a store in a file
   std::vector<CaptureRemark> captures;  // faults of the capture directories
   std::size_t channels = 0;
+  std::vector<ClockFacts> clocks;  // of bridges in its domain
+  std::string clocks_unknown;      // why the domain could not be joined; empty: it could
 };
 
 }  // namespace fieldcast::cli

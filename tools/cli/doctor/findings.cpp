@@ -4,6 +4,9 @@
 
 #include <algorithm>
 
+#include "tools/cli/view/status_words.hpp"
+#include "tools/cli/view/time_text.hpp"
+
 namespace fieldcast::cli {
 
 namespace {
@@ -75,6 +78,24 @@ void look_at_clock(const MachineFacts& facts, Findings& found) {
                "timedatectl set-ntp true, or chrony"};
   }
   found.push_back(finding);
+}
+
+void look_at_bridge_clocks(const MachineFacts& facts, Findings& found) {
+  if (!facts.clocks_unknown.empty())
+    found.push_back(
+        {Severity::kOk, "clock", "", "not compared with bridges: " + facts.clocks_unknown, ""});
+  for (const ClockFacts& clock : facts.clocks) {
+    Finding finding{Severity::kOk, "clock", "bridge " + clock.bridge,
+                    clock_words(clock.bridge, clock.ahead), ""};
+    if (!clocks_agree(clock.ahead)) {
+      const UtcTime there{clock.here.nanoseconds - clock.ahead.count()};
+      finding.severity = Severity::kAdvice;
+      finding.what += fmt::format(" (here {}, there {})", time_text(clock.here, Zone::kUtc),
+                                  time_text(there, Zone::kUtc));
+      finding.remedy = "timedatectl set-ntp true on both machines, or chrony";
+    }
+    found.push_back(finding);
+  }
 }
 
 void look_at_interface(const InterfaceFacts& interface, bool discovery_server, Findings& found) {
@@ -163,6 +184,7 @@ std::vector<Finding> findings_of(const MachineFacts& facts) {
   for (const AdapterFacts& adapter : facts.adapters) look_at_adapter(adapter, found);
   for (const SerialPortFacts& port : facts.ports) look_at_port(port, found);
   look_at_clock(facts, found);
+  look_at_bridge_clocks(facts, found);
   for (const InterfaceFacts& interface : facts.interfaces)
     look_at_interface(interface, facts.discovery_server, found);
   look_at_disk(facts, found);

@@ -78,6 +78,8 @@ std::vector<StatusFact> bus_facts(const StationBusStatus& bus) {
   };
   if (!bus.causes.empty())
     facts.push_back({"failures", "exchanges: " + causes_text(bus.causes), Tone::kWarning});
+  if (bus.clock_ahead && !clocks_agree(*bus.clock_ahead))
+    facts.push_back({"clock", clock_words(bus.bridge, *bus.clock_ahead), Tone::kWarning});
   return facts;
 }
 

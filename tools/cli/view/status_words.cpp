@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
+
+#include "bridge/station/clock_offsets.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -143,6 +146,22 @@ std::string device_words(const StationDeviceStatus& device, const StationBusStat
   if (sorted.empty()) return "offline: it does not answer";
   return fmt::format("offline: {}{}; it is asked ever more rarely until it answers",
                      causes_words(device.causes, 2), sentence_about(sorted.front().cause));
+}
+
+bool clocks_agree(Duration ahead) {
+  return ahead <= kLargestClockOffset && ahead >= -kLargestClockOffset;
+}
+
+std::string clock_words(const std::string& bridge, Duration ahead) {
+  const double seconds = to_seconds(ahead);
+  if (clocks_agree(ahead))
+    return fmt::format("this machine's clock and that of bridge {} differ by {:.3f} s", bridge,
+                       std::abs(seconds));
+  return fmt::format(
+      "this machine's clock is {:.1f} s {} the clock of bridge {}: {}; synchronize both with NTP",
+      std::abs(seconds), seconds > 0 ? "ahead of" : "behind", bridge,
+      seconds > 0 ? "ages of samples are too large, and a command may run after its lifespan"
+                  : "ages of samples are too small, and commands expire early");
 }
 
 }  // namespace fieldcast::cli

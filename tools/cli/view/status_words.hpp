@@ -21,7 +21,14 @@ namespace fieldcast::cli {
 // "running", "closed: no such device file. Look at ...": state, reason and fix.
 [[nodiscard]] std::string bus_words(const StationBusStatus& bus);
 
-// "offline: its bus is closed (no such device file)". `bus` is null if unknown.
+// "this machine's clock is 10.0 s ahead of the clock of bridge line-7", with the effect and the
+// remedy if the clocks do not agree.
+[[nodiscard]] std::string clock_words(const std::string& bridge, Duration ahead);
+// Whether they differ by at most kLargestClockOffset.
+[[nodiscard]] bool clocks_agree(Duration ahead);
+
+// "offline: its bus is closed (no such device file)", "offline: it does not answer ...". The bus
+// may be null: unknown.
 [[nodiscard]] std::string device_words(const StationDeviceStatus& device,
                                        const StationBusStatus* bus);
 

@@ -126,6 +126,7 @@ std::string bus_json(const StationBusStatus& bus) {
       .add("reported_ms", bus.reported_at);
   if (report.closed_because != Cause::kNone)
     json.add("closed_because", to_name(report.closed_because));
+  if (bus.clock_ahead) json.add("clock_ahead_ms", to_seconds(*bus.clock_ahead) * 1e3);
   return json.take();
 }
 

@@ -22,6 +22,9 @@ TEST(LiveJson, ABusHasTheFieldsOfItsTopic) {
   EXPECT_EQ(json["causes"], Json({{"CHECKSUM", 3}}));
   EXPECT_EQ(json["reported_ms"], 1'763'833'200'123.0);
   EXPECT_FALSE(json.contains("closed_because"));
+  EXPECT_FALSE(json.contains("clock_ahead_ms"));
+  bus.clock_ahead = std::chrono::milliseconds{-1500};
+  EXPECT_EQ(Json::parse(bus_json(bus))["clock_ahead_ms"], -1500.0);
 }
 
 // Causes come from the network: a forged one must not add a field to the object.

@@ -61,15 +61,27 @@ for (const [name, options] of [['on a phone', { width: 390, height: 800 }], ['in
     assert.deepEqual(faults, []);
   });
 
+test('the overview names a bridge whose clock differs', { skip }, async () => {
+  const [bus, other] = mock.plant.buses;
+  bus.clock_ahead_ms = -12_000;
+  other.clock_ahead_ms = 3;
+  const page = await open('#/overview');
+  await says(page, '.card.bus', /The clock of this station is 12 s behind the clock of bridge north/);
+  assert.equal(await page.locator('.card.bus', { hasText: 'behind the clock' }).count(), 1);
+  await says(page, '.card.bus', /Clock offset\s*\+3/);
+  delete bus.clock_ahead_ms;
+  delete other.clock_ahead_ms;
+  await page.context().close();
+});
+
 test('the overview names bridges that claim a bus of another bridge', { skip }, async () => {
   const [bus] = mock.plant.buses;
   const claim = (bridge, serving) => ({ ...mock.plant.bridges[0], bridge, host: `host-${bridge}`, buses: [{ bus: bus.bus, since_ms: 1, serving }] });
   mock.plant.bridges.push(claim('east', true), claim('west', false));
   const page = await open('#/overview');
-  const card = page.locator('.card.bus', { hasText: 'east' });
-  assert.equal(await card.count(), 1);
-  assert.match(await card.textContent(), /Contested: east \(host-east\) also claims to serve/);
-  assert.match(await card.textContent(), /west \(host-west\) has a bus of this name and does not serve it/);
+  await says(page, '.card.bus', /Contested: east \(host-east\) also claims to serve/);
+  await says(page, '.card.bus', /west \(host-west\) has a bus of this name and does not serve it/);
+  assert.equal(await page.locator('.card.bus', { hasText: 'east' }).count(), 1);
   mock.plant.bridges.splice(-2);
   await page.context().close();
 });

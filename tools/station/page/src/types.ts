@@ -47,6 +47,7 @@ export interface Bus {
   causes: Counts;
   misses: Counts;
   reported_ms: number;
+  clock_ahead_ms?: number;  // the station's clock minus the bridge's
   closed_because?: string;
 }
 

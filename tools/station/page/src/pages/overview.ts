@@ -14,6 +14,7 @@ import { badge, bar, empty, makeElement, stateBadge } from '../view';
 
 const trendFor_ms = 300_000;
 const minute_ms = 60_000;
+const mostClockOffset_ms = 1000;
 const staleAfter_ms = 5000;  // a bridge reports every second
 
 function slowest(devices: Iterable<Device>, bus: string): Device | undefined {
@@ -60,6 +61,7 @@ function card(context: Context, bus: Bus, tally: Tally | undefined): TemplateRes
   const reportAge_ms = context.now() - bus.reported_ms;
   const loads = plant.loads.get(bus.bus) ?? [];
   const device = slowest(plant.devices.values(), bus.bus);
+  const ahead_ms = bus.clock_ahead_ms;
   const { serving, waiting } = claims(plant.bridges, bus);
   const recent = grown(loads, 'misses', minute_ms);
   const rate = grown(loads, 'exchanges', 10_000);
@@ -72,6 +74,8 @@ function card(context: Context, bus: Bus, tally: Tally | undefined): TemplateRes
       <span class="space"></span>${t('overview.report-age')} ${age(reportAge_ms)}</p>
     ${serving ? html`<p class="sub bad-text" role="alert">${t('overview.contested', { bridge: serving })}</p>` : nothing}
     ${waiting ? html`<p class="sub warn">${t('overview.refused', { bridge: waiting })}</p>` : nothing}
+    ${ahead_ms !== undefined && Math.abs(ahead_ms) > mostClockOffset_ms ? html`<p class="sub warn">${
+      t(ahead_ms > 0 ? 'overview.clock-ahead' : 'overview.clock-behind', { by: duration(Math.abs(ahead_ms)), bridge: bus.bridge })}</p>` : nothing}
     ${bar('planned', t('overview.planned'), bus.planned_load, t('overview.planned-hint'))}
     ${bar('measured', t('overview.measured'), bus.measured_load, t('overview.measured-hint'))}
     ${bar('used', t('overview.used'), bus.utilisation, t('overview.used-hint'))}
@@ -80,6 +84,7 @@ function card(context: Context, bus: Bus, tally: Tally | undefined): TemplateRes
       ${fact(t('overview.channels'), html`${count(tally?.all ?? 0)}${tally?.bad ? html` ${badge('bad', `${count(tally.bad)} ${t('overview.bad')}`)}` : nothing}`)}
       ${fact(t('overview.exchanges'), rate ? (rate.by / rate.in_s).toFixed(1) : '–')}
       ${fact(t('overview.slowest'), device ? html`${device.device} <b>${duration(device.answer_time_ms)}</b>` : '–')}
+      ${ahead_ms === undefined ? nothing : fact(t('overview.clock'), `${ahead_ms < 0 ? '−' : '+'}${duration(Math.abs(ahead_ms))}`)}
       ${fact(t('overview.alarms'), alarms ? html`<a href=${link('alarms')}>${badge('bad', count(alarms))}</a>` : '0')}
       ${fact(t('overview.misses'), html`<b>${count(bus.deadline_misses)}</b>${recent?.by ? html` <span class="warn">${
         t('overview.last-minute', { n: count(recent.by) })}</span>` : nothing} ${bus.deadline_misses ? causes(bus.misses) : nothing}`, true)}

@@ -9,6 +9,9 @@ export const en = {
   'overview.none': 'No bus is known yet.', 'overview.none-hint': 'Buses show up here as soon as a bridge of this domain reports them.',
   'overview.used-trend': 'Used in the last five minutes', 'overview.alarms': 'Alarms', 'overview.reopened': 'Port opened anew',
   'overview.report-age': 'Report', 'overview.causes': 'Failed exchanges', 'overview.because': 'because of {cause}',
+  'overview.clock': 'Clock offset',
+  'overview.clock-ahead': 'The clock of this station is {by} ahead of the clock of bridge {bridge}. Synchronize both with NTP.',
+  'overview.clock-behind': 'The clock of this station is {by} behind the clock of bridge {bridge}. Synchronize both with NTP.',
   'overview.contested': 'Contested: {bridge} also claims to serve a bus of this name. Stop or rename one of them.',
   'overview.refused': '{bridge} has a bus of this name and does not serve it, because this bridge does.',
 };
@@ -23,6 +26,9 @@ export const zh: Record<keyof typeof en, string> = {
   'overview.none': '尚无总线。', 'overview.none-hint': '此域中的网桥一旦上报，总线就会显示在这里。',
   'overview.used-trend': '最近五分钟的占用', 'overview.alarms': '报警', 'overview.reopened': '端口重新打开',
   'overview.report-age': '报告', 'overview.causes': '失败的交换', 'overview.because': '原因：{cause}',
+  'overview.clock': '时钟偏差',
+  'overview.clock-ahead': '本站时钟比网桥 {bridge} 的时钟快 {by}。请用 NTP 同步两者。',
+  'overview.clock-behind': '本站时钟比网桥 {bridge} 的时钟慢 {by}。请用 NTP 同步两者。',
   'overview.contested': '冲突：{bridge} 也声明服务于同名总线。请停止或重命名其中之一。',
   'overview.refused': '{bridge} 有同名总线，但因本网桥正在服务而未服务该总线。',
 };

@@ -1,0 +1,16 @@
+// Listens in a DDS domain for the clocks of its bridges. Joins the domain and leaves it; sends
+// nothing. Main thread.
+#pragma once
+
+#include "tools/cli/connection.hpp"
+#include "tools/cli/doctor/facts.hpp"
+
+namespace fieldcast::cli {
+
+// A bridge writes its time once a second; the second message of each bus is the first that counts.
+inline constexpr Duration kListenForClocks = std::chrono::seconds{4};
+
+// Sets `clocks` or `clocks_unknown` of the facts. Lasts kListenForClocks, less after Ctrl-C.
+void gather_clocks(const ConnectionOptions& options, MachineFacts& facts);
+
+}  // namespace fieldcast::cli
