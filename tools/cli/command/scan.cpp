@@ -235,7 +235,8 @@ class Scan {
     for (auto read = walk.next(); read && area && !interrupt_.raised(); read = walk.next()) {
       const auto heard = talk(
           protocol->begin(ReadRequest{{{area->area, read->first, read->count}}}, {++sequence_}),
-          found.address, fmt::format("reads holding:{}", read->first));
+          found.address, fmt::format("reads holding:{}", read->first),
+          options_.timeout.value_or(kUsualTimeout));
       if (!heard) break;
       const Cause cause = heard->cause != Cause::kNone || heard->reply.empty()
                               ? heard->cause
