@@ -1,5 +1,5 @@
-// Register lists of vendors and users: one row for each value; titles in many forms and any order
-// (modbus_list_columns.cpp).
+// Register lists of vendors and of people: one row for each value, the titles in many words and in
+// any order (modbus_list_columns.cpp).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -26,9 +26,9 @@
 namespace fieldcast::importing {
 namespace {
 
-constexpr unsigned kTitleRows = 20;  // a title may precede the header row
+constexpr unsigned kTitleRows = 20;  // a title may stand above the header row
 
-// The header row: the first row with an address title and three known titles.
+// The row that names the columns: the first one with an address and three names that are known.
 std::optional<std::size_t> header_row(const Table& table) {
   for (std::size_t i = 0; i < std::min<std::size_t>(table.rows.size(), kTitleRows); ++i) {
     const Columns columns = list_columns(table.rows[i]);
@@ -94,16 +94,16 @@ class ListReader {
  private:
   using MayFail = std::optional<std::string>;
 
-  // A row during reading. A row with a fault does not influence decisions about the list.
+  // A row while the list is read. One with a fault takes part in no decision about the others.
   struct Entry {
     const Row* row = nullptr;
     Point point{};
     ListAddress address{};
-    std::optional<ModbusArea> said{};     // from the function or the table
-    std::optional<std::uint16_t> unit{};  // address of its device
+    std::optional<ModbusArea> said{};     // by the function or the table
+    std::optional<std::uint16_t> unit{};  // the address of its device
     ListType type{};
     std::optional<Length> length{};
-    bool no_type = false;  // the cell has no type
+    bool no_type = false;  // the cell names none
     MayFail fault{};
   };
 
@@ -132,7 +132,7 @@ class ListReader {
     return device;
   }
 
-  // Parses the row independently of the other rows.
+  // What the row says by itself.
   MayFail read_cells(Entry& entry) {
     const Row& row = *entry.row;
     const auto address = list_address_from(columns_.cell(row, Field::kAddress),
@@ -156,7 +156,7 @@ class ListReader {
     const auto type = list_type_from(type_cell);
     if (!type) return type.error();
     entry.type = *type;
-    // A cell of the type column may name the table.
+    // One cell of a column of types may name the table.
     if (!entry.said && !type->type && is_area_word(type_cell)) entry.said = area_by_name(type_cell);
     const auto length = length_from(columns_.cell(row, Field::kLength));
     if (!length) return length.error();
@@ -173,7 +173,7 @@ class ListReader {
     return std::nullopt;
   }
 
-  // Decides between words, bytes and bits by all valid rows.
+  // Words, bytes or bits: all rows that are understood tell.
   void decide_lengths() {
     if (length_unit_ || !columns_.has(Field::kLength)) return;
     LengthVote vote;
@@ -181,7 +181,7 @@ class ListReader {
     for (const Entry& entry : entries_) {
       if (entry.fault) continue;
       const bool explicit_width = entry.type.type && !entry.type.open;
-      // The length "1" of a byte may be its register.
+      // Of a byte, "1" may be its register too.
       if (entry.length && explicit_width && bits_of(*entry.type.type) > 8)
         vote.add_type(*entry.length, bits_of(*entry.type.type));
       const std::string where = fmt::format("{}/{}", entry.unit.value_or(0),
@@ -198,13 +198,13 @@ class ListReader {
     length_unit_ = vote.unit();
   }
 
-  // Width of the row apart from its type; empty if it has none.
+  // How many bits the row says besides its type; nothing: it does not.
   std::optional<unsigned> said_bits(Entry& entry) const {
     if (entry.type.bits > 0) return entry.type.bits;
     if (entry.length) {
       const Length& length = *entry.length;
       if (const auto unit = length.unit ? length.unit : length_unit_; unit) {
-        // "64" means bits, even if other rows use a different unit.
+        // "64" among "16 bits" and "32 bits", though other rows count otherwise.
         const bool fits = length.bits(*unit) <= 64 || !entry.type.open;
         if (fits || length.unit || length.number > 64) return length.bits(*unit);
         return length.number;
@@ -222,7 +222,7 @@ class ListReader {
     return std::nullopt;
   }
 
-  // Adapts the type to the width of the row.
+  // The type as wide as the row says.
   MayFail set_width(Entry& entry) {
     auto& type = entry.type.type;
     if (type && type->type == ValueType::kBool) return std::nullopt;
@@ -259,7 +259,7 @@ class ListReader {
   }
   static constexpr const char* kTextLength = "a text without a length of 1 to 125 registers";
 
-  // A blank cell below a filled one was a merged cell in the spreadsheet.
+  // A blank cell below a filled one: a spreadsheet had merged them.
   MayFail read_unit(Entry& entry) {
     const std::string_view cell = columns_.cell(*entry.row, Field::kDevice);
     if (is_blank(cell)) {
@@ -275,7 +275,7 @@ class ListReader {
     return std::nullopt;
   }
 
-  // If other addresses are marked ("0x10", "10h"), an unmarked number is ambiguous.
+  // Of a list whose addresses are marked ("0x10", "10h") a bare number may be of either kind.
   void doubt_bare_numbers() {
     const auto understood = [](const Entry& entry) { return !entry.fault; };
     const auto is_bare = [](const Entry& entry) {
@@ -351,7 +351,7 @@ class ListReader {
                        columns_.cell(*entry.row, Field::kArea));
   }
 
-  // "40001" may be the first holding register or register 40001; the whole list decides.
+  // "40001" may be the first holding register, or register 40001: the whole list tells.
   void decide_references(Found& found) {
     ReferenceVote vote;
     for (const Entry& entry : entries_) {
@@ -372,7 +372,7 @@ class ListReader {
       found.notes.push_back(fmt::format("{}: {}", source_.file, note));
   }
 
-  // Sets the address by the decision for the whole list, and the type that depends on it.
+  // The address as the whole list has it, and the type that depends on it.
   MayFail place(Entry& entry, std::vector<Placed>& placed) {
     const ListAddress& address = entry.address;
     Reference reference;
@@ -449,7 +449,7 @@ class ListReader {
     }
   }
 
-  // "40001.0" of a number is not a bit: a spreadsheet added a decimal to the address.
+  // "40001.0" of a number is no bit: a spreadsheet wrote the address with a decimal.
   MayFail check_bit(const Entry& entry, Reference& reference) const {
     const std::string_view name = columns_.cell(*entry.row, Field::kType);
     const bool number = !entry.no_type && entry.type.type->type != ValueType::kBool;
@@ -554,7 +554,7 @@ class ListReader {
     return std::nullopt;
   }
 
-  // "2" places, or the resolution "0.01".
+  // "2" places, or "0.01", which can only be the resolution.
   static MayFail read_decimals(std::string_view cell, bool scaled, Point& point) {
     double scale = 1;
     if (const auto digits = whole_from(cell);
@@ -584,15 +584,15 @@ class ListReader {
   std::size_t header_;
   const ListColumns list_;
   const Columns& columns_;
-  const std::optional<unsigned> base_;  // of the addresses, from the user or the list
+  const std::optional<unsigned> base_;  // of the addresses, as the user or the list says it
   std::vector<Entry> entries_;
   bool counts_from_one_ = false;
   std::optional<std::uint16_t> last_unit_;
-  bool odd_unit_ = false;           // of the last row with a device address
-  std::optional<unsigned> merged_;  // first line that uses the device address of the row above
+  bool odd_unit_ = false;           // of the last row that has one
+  std::optional<unsigned> merged_;  // the first line that has the unit of the row above
   bool took_holding_ = false;
   bool took_unsigned_ = false;
-  std::optional<LengthUnit> length_unit_;  // of the length column
+  std::optional<LengthUnit> length_unit_;  // of the numbers in the column of lengths
 };
 
 }  // namespace
