@@ -1,5 +1,3 @@
-// Tests user actions on alarms, from a station through the whole bridge into its store, and across
-// a restart.
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -44,7 +42,6 @@ struct BridgeAlarms : test::BridgeTest {
       made.duration = hours{1};
     return made;
   }
-  // Waits until the newest status of the bus's alarm satisfies `wanted`.
   [[nodiscard]] bool becomes(const std::string& bus,
                              const std::function<bool(const AlarmStatus&)>& wanted) {
     return status_of(bus).newest(wanted);
@@ -142,7 +139,6 @@ TEST_F(BridgeAlarms, ABridgeThatTakesOverGoesOnWithWhatPeopleDid) {
   ASSERT_TRUE(waiting.start(other));  // it has read the store
   EXPECT_EQ(done(action(AlarmActionKind::kAcknowledge, "one")), "done");
   ASSERT_TRUE(becomes("one", AlarmStage::kAcknowledged));
-  // Written to the store within a second.
   const auto stored = [&] {
     const auto connection = open_store(StoreAddress(spec.store->address), IfMissing::kFail);
     const KeptAlarms kept = AlarmLifeTable(*connection).kept({});

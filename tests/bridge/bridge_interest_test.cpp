@@ -1,4 +1,3 @@
-// Tests the interests of stations: what the bridge reads and reports.
 #include <gmock/gmock.h>
 
 #include <future>

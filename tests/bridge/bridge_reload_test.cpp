@@ -1,4 +1,3 @@
-// Tests reloads and restarts of the whole bridge: what changes, continues or waits.
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -23,7 +22,6 @@ using test::ModbusDevice;
 using test::Receiver;
 using test::Reports;
 
-// Returns the stored alarm states in their order: "active", "clear".
 std::vector<AlarmRecord> stored_alarms(const std::string& path) {
   std::vector<AlarmRecord> found;
   const auto connection = open_store(StoreAddress(path), IfMissing::kFail);

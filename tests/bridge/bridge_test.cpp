@@ -1,4 +1,3 @@
-// Tests the whole bridge in this process: pseudo-terminals on one side, a DDS station on the other.
 #include "bridge/bridge.hpp"
 
 #include <gmock/gmock.h>
@@ -81,8 +80,6 @@ TEST_F(BridgeTest, WhileADeviceIsProgrammedItsBusRestsAndTheOthersGoOn) {
   EXPECT_EQ(sessions.last().bus + '/' + sessions.last().device, "one/plc");
 }
 
-// Compares three counts for a silent device: the engine's, its DataWriters' and a station's
-// DataReader's.
 TEST_F(BridgeTest, MissedRefreshesAreTheSameNumberForTheEngineItsWritersAndAStation) {
   ModbusDevice a(first), b(second);
   spec.buses.pop_back();
@@ -132,9 +129,8 @@ TEST_F(BridgeTest, MissedRefreshesAreTheSameNumberForTheEngineItsWritersAndAStat
   ASSERT_TRUE(reached([&] { return received.size() >= 2; }));
   const std::lock_guard lock(mutex);
   const StationBusStatus& status = received.back();
-  // Each clock starts when its end receives a sample, so a stall can hide or add one round at one
-  // end.
-  constexpr double kRound = 3;  // channels
+  // A stall can hide or add one round at one end, because each end starts its own clock.
+  constexpr double kRound = 3;
   const auto misses = static_cast<double>(status.report.deadline_misses);
   EXPECT_NEAR(static_cast<double>(status.dds_deadline_misses), misses, kRound);
   EXPECT_NEAR(static_cast<double>(requested), misses, 2 * kRound);
@@ -164,8 +160,7 @@ TEST_F(BridgeTest, StoppingAnswersWhatWaitsAndEndsInTime) {
     ASSERT_TRUE(id) << to_text(id.error());
     sent.push_back(*id);
   }
-  // Commands of one writer arrive in order: the result of a later one shows that the bridge has
-  // all.
+  // Commands of one writer arrive in order: the last result shows that the bridge has all.
   ASSERT_TRUE(receiver.station.execute(write_to("two", "r0", 1), seconds{10}));
   const auto before = std::chrono::steady_clock::now();
   bridge.stop();

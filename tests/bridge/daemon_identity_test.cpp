@@ -1,4 +1,3 @@
-// Tests fieldcast-bridge with a DDS Security identity that becomes invalid or expires at run time.
 #include <gmock/gmock.h>
 #include <signal.h>
 
@@ -29,7 +28,6 @@ class DaemonIdentity : public testing::Test {
   DaemonIdentity() { authority_.add({security::MemberRole::kStation, "wall", {}}, now()); }
   static UtcTime now() { return read_clocks().utc; }
 
-  // Writes a configuration of a bridge with this identity and returns its path.
   std::string configure(const std::string& folder, std::uint32_t domain) const {
     const std::string path = scratch_.path("plant.yaml");
     std::ofstream(path) << "bridge: test\ndds: { domain: " << domain << ", security: " << folder

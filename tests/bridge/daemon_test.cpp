@@ -1,4 +1,3 @@
-// Tests fieldcast-bridge as a process: signals, log lines and exit code.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <signal.h>
@@ -30,7 +29,6 @@ struct Process : test::Process {
       : test::Process(program, arguments) {}
 };
 
-// A full pipe without a reader.
 struct FullPipe {
   FullPipe() {
     int ends[2];
@@ -56,8 +54,7 @@ struct DaemonTest : testing::Test {
   }
   ~DaemonTest() override { std::filesystem::remove_all(folder); }
 
-  // Bus one is on the pseudo-terminal; bus two has a port that does not exist and a channel at
-  // `at`.
+  // Bus one uses the pseudo-terminal; bus two has a missing port and a channel at `at`.
   void write(const std::string& at, const std::string& interface = "127.0.0.1") const {
     std::ofstream(file) << "bridge: test\n"
                         << "dds: { domain: " << domain.number() << ", interfaces: ["
@@ -100,7 +97,6 @@ bool reads_more(const test::ModbusDevice& device, unsigned reads) {
 TEST_F(DaemonTest, AFullPipeBehindItsLogStopsNeitherTheBusNorTheSignals) {
   test::ModbusDevice device(pty);
   const FullPipe full;
-  // Both the frame trace and the log go to the pipe.
   test::Process bridge(FIELDCAST_BRIDGE, {file, "--trace"}, full.write_end.get());
   EXPECT_TRUE(reads_more(device, 30));
   bridge.signal(SIGUSR1);
@@ -170,7 +166,6 @@ TEST_F(DaemonTest, AReloadThatRestartsEverythingSaysSoAndWhy) {
   EXPECT_EQ(bridge.exit_code(), 0) << bridge.output();
 }
 
-// The log and the store reach the file size limit.
 TEST_F(DaemonTest, AFullFileIsAnErrorAndNotTheEnd) {
   test::ModbusDevice device(pty);
   std::ofstream(file, std::ios::app)
@@ -286,7 +281,6 @@ TEST_F(DaemonTest, CheckWarnsOfChannelsThatLieOnEachOther) {
               HasSubstr("warning: slip: plc/a (holding:100, float32) and plc/b (holding:101"));
 }
 
-// Returns a configuration with registers far apart, so that each needs its own request.
 std::string crowd(std::size_t registers, const std::string& baud, const std::string& refresh) {
   std::string text = "  - name: crowd\n    port: { serial: /dev/none, baud: " + baud +
                      " }\n    protocol: modbus-rtu\n" + "    defaults: { refresh: " + refresh +

@@ -33,7 +33,6 @@ bool within(const std::function<bool()>& condition) {
   return true;
 }
 
-// A foreign plant system: commands from one requester, and the results by request_id.
 class PlantSystem {
  public:
   explicit PlantSystem(std::uint32_t domain)
@@ -49,7 +48,6 @@ class PlantSystem {
         commands_(domain_.writer(kCommandTopic, command_writer_qos(seconds{60}), "plant-system",
                                  discovered_.matches(), dds::StatusMask::publication_matched())) {}
 
-  // Waits until exactly this number of bridges receives commands.
   [[nodiscard]] testing::AssertionResult matched_by(int bridges) {
     dds::PublicationMatchedStatus status;
     if (within([&] {
@@ -66,7 +64,6 @@ class PlantSystem {
   }
   // Writes the same command with its old time, as a writer that keeps commands for late joiners.
   void write_again(std::uint64_t id) { write(id, written_.at(id)); }
-  // Waits for the n-th result of a command.
   [[nodiscard]] std::optional<StationResult> result(std::uint64_t id, std::size_t n = 1) {
     std::optional<StationResult> found;
     (void)within([&] {
@@ -122,7 +119,6 @@ struct RestartTest : testing::Test {
   }
   ~RestartTest() override { std::filesystem::remove_all(folder); }
 
-  // Launches a bridge with a bus "one" on this terminal.
   std::unique_ptr<test::Process> launch(const std::string& name, const test::Pty& at,
                                         const std::string& more = "") {
     const std::string file = folder / (name + ".yaml");
@@ -135,7 +131,6 @@ struct RestartTest : testing::Test {
                         << "access: read-write, refresh: 1s }\n";
     return std::make_unique<test::Process>(FIELDCAST_BRIDGE, std::vector<std::string>{file});
   }
-  // Starts a bridge and waits until it reads.
   std::unique_ptr<test::Process> start(test::ModbusDevice& device, const std::string& more = "") {
     const unsigned reads = device.reads();
     auto bridge = launch("test", pty, more);
@@ -246,8 +241,7 @@ TEST_F(RestartTest, OfTwoBridgesOfOneBusTheFirstServesUntilItEnds) {
   });
 }
 
-// The lease lasts seconds more, but on the same host the end of the process is detected
-// immediately.
+// The lease lasts longer, but on the same host the end of the process is detected immediately.
 TEST_F(RestartTest, OfTwoBridgesOfOneBusTheFirstServesUntilItIsKilled) {
   of_two_one_serves([](std::unique_ptr<test::Process>& first) { first.reset(); });
 }

@@ -20,8 +20,7 @@ class ArbiterTest : public testing::Test {
     command.values = {Value{std::uint64_t{7}}};
     parts_.commands.accept(command, {}, Instant{}, sink_);
   }
-  // Returns the kind of the command that is sent at `now`, and withdraws it as if it was never
-  // sent.
+  // Returns the kind of the next command at `now`, and withdraws the command.
   std::optional<Kind> next(Instant now) {
     if (!arbiter_.next(now)) return std::nullopt;
     const Flight flight = *parts_.wire.abort();

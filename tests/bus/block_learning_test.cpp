@@ -127,8 +127,7 @@ struct DeafDevice {
   }
 };
 
-// Simulates retries to a device that is dead for up to a second: no rest of that length gets a
-// response.
+// Simulates a dead device: no rest of up to a second gets a response.
 void learn_a_second(PauseLearning& learning) {
   for (int i = 0; i < 12; ++i) learning.tried(5s, true);
   for (int i = 0; i < 12; ++i) learning.tried(800ms, false);

@@ -219,7 +219,6 @@ TEST(ChannelTable, WhatWasNeverReadIsNotYetReadHoweverLateItIs) {
     EXPECT_EQ(sample.quality, sample.channel == 1 ? Quality::kBadNoAnswer : Quality::kNotYetRead);
     EXPECT_EQ(sample.acquired, kLongAgo);
   }
-  // The reason is published as soon as it is known.
   out.clear();
   table.failing(0, Cause::kNoAnswer, Instant{3s});
   table.expire(Instant{3s}, out);

@@ -233,7 +233,7 @@ TEST_F(CommandJobTest, WholeDeviceIsAcquiredInFewReads) {
   command.target = ChannelTarget{};
   auto job = make(command);
   ASSERT_TRUE(job);
-  job->answered(items({1}));                                   // coil
+  job->answered(items({1}));
   job->answered(items({0x00, 0x05, 0x00, 0x06, 0x00, 0x08}));  // three adjacent registers
   EXPECT_FALSE(job->next());
   EXPECT_EQ(result(*job).values,

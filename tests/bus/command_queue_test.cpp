@@ -35,13 +35,11 @@ class CommandQueueTest : public testing::Test {
     command.requester = std::move(requester);
     return command;
   }
-  // Runs the next exchange and returns the requester whose command ended.
   std::string serve() {
     if (!next()) return "nobody";
     queue_.answered(1, test::items({0x01, 0x02}), Instant{}, Instant{}, sink_);
     return results().front().requester;
   }
-  // Returns the results since the last call.
   std::vector<CommandResult> results() {
     std::vector<CommandResult> all;
     for (const Action& action : actions_) {

@@ -1,5 +1,3 @@
-// Tests a declared device with numbers as text: the whole engine and the simulated device in
-// virtual time.
 #include <gtest/gtest.h>
 
 #include "config/loader.hpp"

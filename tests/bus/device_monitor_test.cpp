@@ -19,7 +19,6 @@ class DeviceMonitorTest : public testing::Test {
   void tried(DeviceIndex device, Cause cause, Instant at, ByteView received = {}) {
     monitor_.tried({device, cause, 1s, at, received, {}}, at, sink_);
   }
-  // Records a failed exchange; returns true if the device went offline.
   bool fail(DeviceIndex device, Cause cause, Instant at) {
     tried(device, cause, at);
     return monitor_.failed(device, cause, at, sink_);
@@ -33,7 +32,6 @@ class DeviceMonitorTest : public testing::Test {
     return monitor_.probe(
         now, [=](DeviceIndex, const Request&) { return gate; }, [=] { return slack; });
   }
-  // Returns the kinds of the notices since the last call.
   std::vector<Notice::Kind> notices() {
     std::vector<Notice::Kind> kinds;
     for (const Action& action : actions_) kinds.push_back(std::get<Notice>(action).kind);

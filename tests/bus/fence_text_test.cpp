@@ -55,8 +55,7 @@ TEST(FenceText, SaysWhichFenceAPortHasAndWhetherOneIsMissing) {
       << text(serial(Fence::kListen)).text;
 }
 
-// A listener that waits this long has received the active sender, however slowly the devices
-// respond.
+// A listener that waits this long has received the sender, however slow the devices are.
 TEST(FenceTimes, TheListenerWaitsLongerThanTheOneThatSendsIsEverSilent) {
   BusSpec bus = bus_with(serial(Fence::kListen), "modbus-rtu");
   bus.devices.front().timeout = 1s;

@@ -33,9 +33,9 @@ class FreeportStations {
 class FreeportBus {
  public:
   struct Counts {
-    std::uint64_t exchanges = 0;         // sent requests
+    std::uint64_t exchanges = 0;
     std::uint64_t right = 0, wrong = 0;  // good samples, by correctness of the value
-    std::uint64_t bad = 0;               // samples of bad quality
+    std::uint64_t bad = 0;
   };
 
   FreeportBus(unsigned stations, double bit_error_rate, std::uint64_t seed, Duration answer_time);
@@ -43,7 +43,6 @@ class FreeportBus {
 
   [[nodiscard]] const Counts& counts() const { return counts_; }
   [[nodiscard]] Duration elapsed() const { return now_ - Instant{}; }
-  // Causes of the failed exchanges.
   [[nodiscard]] CauseCounters causes() { return engine_.bus_report(now_).causes; }
   [[nodiscard]] std::uint64_t flipped() const {
     return to_stations_.flipped() + to_master_.flipped();

@@ -1,5 +1,4 @@
-// Counts how often a noisy line makes S7 freeport publish a wrong value. This is a short, seeded
-// run of tools/bench/freeport_bench.
+// A short, seeded run of tools/bench/freeport_bench.
 #include <gtest/gtest.h>
 
 #include "tests/bus/freeport_bus.hpp"

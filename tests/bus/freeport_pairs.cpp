@@ -48,8 +48,7 @@ void flip_all(const Bytes& sent, const std::function<void(const Bytes&, bool two
   }
 }
 
-// Counts the pairs that keep all characters digits and the check correct but change the data. No
-// receiver can detect them.
+// Counts the pairs that no receiver can detect: still digits, correct check, other data.
 std::uint64_t unseen_pairs(const Bytes& answer) {
   constexpr std::string_view kDigits = "0123456789ABCDEF";
   const auto digit = [&](std::uint8_t c) { return kDigits.find(static_cast<char>(c)); };

@@ -10,13 +10,11 @@ using State = Freshness::State;
 
 class FreshnessTest : public testing::Test {
  protected:
-  // Returns the freshness of a channel whose last sample was at instant 0.
   Freshness read_at_zero() {
     Freshness fresh(1s, 1s);
     fresh.acquired(Instant{}, misses_);
     return fresh;
   }
-  // As read_at_zero(), but with a missed refresh of unknown cause.
   Freshness missed() {
     Freshness fresh = read_at_zero();
     EXPECT_TRUE(fresh.expire(fresh.due(), misses_));

@@ -12,7 +12,6 @@ using namespace std::chrono_literals;
 using Purpose = LateAnswers::Purpose;
 using test::kHolding;
 
-// Returns the response of unit 1 to a read of these registers.
 Bytes frame_of(const std::vector<std::uint16_t>& registers) {
   Bytes frame{0x01, 0x03, static_cast<std::uint8_t>(2 * registers.size())};
   for (const std::uint16_t each : registers) {
@@ -31,7 +30,6 @@ Request read(std::uint32_t first, std::uint32_t count) {
 
 class LateAnswersTest : public testing::Test {
  protected:
-  // Sends a read request.
   Asked ask(Request request, Instant at) {
     Asked asked{0, std::move(request), late_.next_context(0), {}};
     late_.start_anew();
@@ -40,7 +38,6 @@ class LateAnswersTest : public testing::Test {
     asked.sent_until = driver_.sent_until();
     return asked;
   }
-  // Ends the request with a timeout.
   void give_up(Asked asked) {
     Bytes out;
     const Instant now = driver_.deadline();

@@ -18,14 +18,12 @@ std::vector<std::string> numbered(const std::string& prefix, int from, int step,
   return all;
 }
 
-// Ten channels far apart, each read with a different length, and six adjacent ones.
 std::vector<std::string> scattered(const std::string& prefix) {
   auto all = numbered(prefix, 100, 150, 10);
   for (auto& near : numbered(prefix, 2000, 1, 6)) all.push_back(near);
   return all;
 }
 
-// Returns a different number for each item of each device.
 std::uint64_t content(std::size_t device, AreaIndex area, std::uint32_t item) {
   std::uint64_t hash = 0x9E3779B97F4A7C15u * (device * 1000003u + area * 70001u + item + 1);
   hash ^= hash >> 29;
@@ -149,7 +147,6 @@ void LateStorm::run(std::uint64_t exchanges) {
   }
 }
 
-// Sends a command that reads a channel or writes its current value.
 void LateStorm::command() {
   const std::size_t channel = random_() % channels_.size();
   const Holds& holds = channels_[channel];

@@ -18,7 +18,6 @@
 
 namespace fieldcast::test {
 
-// One row for each protocol and each mode that changes how responses are matched.
 struct StormKind {
   std::string name;
   std::string protocol, options;  // as in the configuration

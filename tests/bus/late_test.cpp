@@ -1,4 +1,3 @@
-// Checks that late, duplicate and foreign responses are never matched to another request.
 #include <gtest/gtest.h>
 
 #include <algorithm>

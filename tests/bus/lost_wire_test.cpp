@@ -25,7 +25,6 @@ class LostWire : public testing::Test {
   // Longer than one exchange at 19200 baud.
   static constexpr Duration kExchange = 60ms;
   static Bytes bytes_of(std::string_view text) { return {text.begin(), text.end()}; }
-  // Returns the bytes that the engine sends, or `std::nullopt`.
   std::optional<Bytes> feed(const BusEvent& event) {
     std::optional<Bytes> sent;
     Actions actions;
@@ -39,7 +38,6 @@ class LostWire : public testing::Test {
     }
     return sent;
   }
-  // Sends a read request for the four registers of the device.
   Bytes ask() {
     (void)feed(Opened{});
     for (;;) {
@@ -64,8 +62,7 @@ TEST_F(LostWire, AnAnswerInTimeIsTaken) {
   EXPECT_EQ(good_, 4);
 }
 
-// The process was suspended during an exchange for so long that another master may have started
-// one.
+// The process was suspended so long that another master may have started an exchange.
 TEST_F(LostWire, AnAnswerAfterALongStandstillMayBeAnotherMasters) {
   (void)ask();
   now_ += times_.claim + 50ms;
@@ -98,8 +95,7 @@ TEST_F(LostWire, AnswersThatAlwaysComeTooEarlyAreTakenFromTheSecondOn) {
   EXPECT_EQ(good_, 4);
 }
 
-// Both masters started at the same time. The request of this one was garbled, and the other one
-// continues.
+// Both masters started at the same time, and the request of this one was garbled.
 TEST_F(LostWire, AnAnswerBehindARequestOfAnotherMasterIsNotTaken) {
   (void)ask();
   now_ += 20ms;
@@ -120,8 +116,7 @@ TEST_F(LostWire, AnAnswerBehindNoiseIsTaken) {
   EXPECT_FALSE(engine_.bus_report(now_).listening);
 }
 
-// The exchange has ended and its response is still pending when another master sends the same
-// request.
+// The response is still pending when another master sends the same request.
 TEST_F(LostWire, AnAnswerToAnotherMasterIsNoLateOne) {
   const Bytes request = ask();
   now_ += times_.claim + 50ms;

@@ -12,7 +12,6 @@
 namespace fieldcast::sim {
 namespace {
 
-// Returns the immediate response of the device, empty if there is none.
 Bytes answer_to(SimDevice& device, const Protocol& protocol, const Request& request,
                 std::uint16_t sequence) {
   const auto receiver = device.open_receiver();
@@ -39,7 +38,6 @@ void expect_known(const Subject& subject, std::uint16_t later_sequence, int& tak
   auto device = kind_of(subject.device)->make({.spec = subject.device, .line = subject.line()});
   ASSERT_TRUE(device);
   auto all = requests.examples();
-  // Adds adjacent requests of the same shape, which the examples lack.
   for (std::size_t i = 0, count = all.size(); i < count; ++i) {
     auto* read = std::get_if<ReadRequest>(&all[i].request);
     if (read == nullptr) continue;

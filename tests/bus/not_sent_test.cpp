@@ -120,8 +120,7 @@ TEST_F(NotSentTest, ACommandThatNeverLeftIsRefusedWithoutDoubt) {
   EXPECT_EQ(results_[0].result.cause, Cause::kShutdown);
 }
 
-// The write was sent without a response, and the read-back is withheld. The write must not be
-// repeated before the device was read.
+// The read-back is withheld, so the write must not be repeated before the device was read.
 TEST_F(NotSentTest, AWriteThatLeftIsReadBackBeforeItIsWrittenAgain) {
   wire_.cut(0, true);
   write("r0", 10s);

@@ -26,7 +26,6 @@ class OutcomeRouterTest : public testing::Test {
   }
 
   void ask(Instant now) { ASSERT_TRUE(arbiter_.next(now)); }
-  // Lets the exchange on the wire time out and returns the time of the timeout.
   Instant time_out() {
     const Instant now = parts_.wire.driver().deadline();
     Bytes out;

@@ -7,8 +7,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Reads of one area. Responses of the same device and length cannot be distinguished, as in Modbus
-// RTU.
+// Reads of one area: responses of the same device and length look equal, as in Modbus RTU.
 OwedAnswers alike_by_length() {
   return OwedAnswers([](const Asked& a, const Asked& b) {
     const auto count = [](const Asked& asked) {

@@ -13,8 +13,7 @@
 
 namespace fieldcast::test {
 
-// Creates `devices` devices with `registers` writable holding registers at every second address.
-// fill() writes value_of() of each channel.
+// Registers are at every second address and writable. fill() writes value_of() each channel.
 inline BusSpec plant(int devices, int registers, const std::string& defaults) {
   std::string text =
       "bridge: test\nbuses:\n  - name: bus\n    port: { serial: /dev/none, baud: 19200, format: "
@@ -34,7 +33,6 @@ inline BusSpec plant(int devices, int registers, const std::string& defaults) {
   return loaded->buses.front();
 }
 
-// Scattered variables of three types in one DTC device.
 inline BusSpec dtc_plant(const std::string& defaults) {
   std::string text =
       "bridge: test\nbuses:\n  - name: bus\n    port: { serial: /dev/none, baud: 19200, format: "
@@ -52,7 +50,6 @@ inline BusSpec dtc_plant(const std::string& defaults) {
   return loaded->buses.front();
 }
 
-// Returns a different value for each channel.
 inline std::uint64_t value_of(ChannelIndex channel) {
   return (channel * 2654435761u) >> 16 & 0xFFFF;
 }

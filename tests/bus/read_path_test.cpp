@@ -26,7 +26,6 @@ class ReadPathTest : public testing::Test {
   }
   static constexpr ChannelIndex kOnInterest = 4;
 
-  // Returns the read that is due at `now`.
   Read next(Instant now, const ReadPath::Gate& gate) {
     auto decision = reads_.next(now, gate);
     EXPECT_TRUE(std::holds_alternative<Read>(decision));
@@ -39,8 +38,7 @@ class ReadPathTest : public testing::Test {
   void refuse(const Read& read, Instant at) {
     reads_.failed(read.block, read.longer, Cause::kDeviceError, 2, at, sink_);
   }
-  // The device refuses every read that includes this address and responds to all others, until the
-  // search has ended.
+  // The device refuses every read that includes this address, until the search has ended.
   void refuse_address(std::uint32_t address) {
     Instant now{};
     for (int i = 0; i < 10; ++i, now += 20ms) {
@@ -290,8 +288,7 @@ TEST_F(ReadPathTest, TheFirstRangeOfADeviceIsItsProbe) {
   EXPECT_EQ(reads_.first_ranges(), (std::vector<std::optional<Range>>{Range{kHolding, 100, 1}}));
 }
 
-// Uses what another bridge has learned: the addresses that the device refused there are not
-// requested.
+// Addresses that another bridge reports as refused are not requested.
 TEST_F(ReadPathTest, WhatAnotherBridgeHasLearnedIsNotLearnedAgain) {
   DeviceReport learned;
   learned.refused = {"holding:103"};

@@ -1,5 +1,4 @@
-// A hand-made bus for tests of engine parts: Modbus RTU devices "unit-1", "unit-2", … with four
-// registers each ("r0", … at holding:100, …). "r3" is read-only.
+// Modbus RTU devices "unit-1", … with registers "r0" at holding:100, …; "r3" is read-only.
 #pragma once
 
 #include <string>
@@ -33,7 +32,6 @@ inline BusSpec rtu_bus(int devices) {
   return bus;
 }
 
-// Returns the response to a read of one range.
 inline Reply items(Bytes bytes) { return {{Cause::kNone, 0, std::move(bytes)}}; }
 
 }  // namespace fieldcast::test

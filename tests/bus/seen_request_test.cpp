@@ -1,5 +1,4 @@
-// Checks that every protocol recognises each request of its own codec when another master sends it,
-// and never mistakes a response of its simulated device for a request.
+// Tests that every protocol recognises the requests of another master, but no responses.
 #include <gtest/gtest.h>
 
 #include "config/loader.hpp"
@@ -23,7 +22,6 @@ std::string name_of(const Subject& subject, const std::string& request) {
   return subject.device.protocol + " " + subject.variant + ": " + request;
 }
 
-// The requests of an exchange and the responses to them.
 struct Conversation {
   std::vector<Bytes> sent, answered;
 };
@@ -65,7 +63,6 @@ void expect_seen(const Subject& subject, int& certain) {
       const SeenRequest mistaken = answer.empty() ? SeenRequest{} : seen(answer);
       EXPECT_FALSE(mistaken && mistaken.certain) << name_of(subject, each.name) << to_hex(answer);
     }
-    // Incomplete and broken requests are not recognised.
     for (std::size_t size = 0; size < request.size(); ++size)
       EXPECT_FALSE(seen(ByteView(request).first(size))) << name_of(subject, each.name) << size;
     if (!subject.checked) continue;

@@ -42,7 +42,7 @@ class SharedWire {
     BusEngine engine;
     Adapter adapter;
     bool open = false, cut = false;
-    bool not_sent = false;  // of its last request
+    bool not_sent = false;
     Instant stopped_until = kLongAgo;
     Instant timer = kNever;
     Bytes received;  // delayed in the adapter

@@ -33,7 +33,6 @@ BusSpec fenced(const StormKind& kind, const std::string& timeout = "200ms") {
   return spec;
 }
 
-// Adapters and instants, random by seed.
 struct Chance {
   explicit Chance(std::uint64_t seed) : random(seed) {}
   Duration up_to(Duration most) {
@@ -71,7 +70,6 @@ TEST_P(SharedLine, ASecondMasterThatBelievesToBeAloneStaysSilentForThirtySeconds
     EXPECT_TRUE(wire.master(1).engine.bus_report(wire.now()).listening);
     EXPECT_EQ(wire.master(0).engine.bus_report(wire.now()).foreign_masters, 0u);
     EXPECT_GT(wire.master(0).good, 100u);
-    // The sender is detected in time.
     wire.close(0);
     const Instant died = wire.now();
     wire.run_until(died + 3s);
@@ -127,14 +125,12 @@ TEST_P(SharedLine, NoiseAndLateAnswersMakeNobodySendIntoAnother) {
     wire.run_until(Instant{4s + chance.up_to(1s)});
     wire.open(1);
     wire.run_until(wire.now() + 20s);
-    // A bridge sends nothing while all its devices are lost or a response is late. Then the second
-    // bridge may start after the silence.
+    // A bridge with lost devices or a late response is silent, so the second one may start.
     if (wire.counts().turns > 0) { EXPECT_GE(wire.counts().shortest_turn, times_.listen); }
   }
 }
 
-// A disconnected master receives nothing and listens before each request. After it is reconnected,
-// one of the two yields.
+// A disconnected master listens before each request. After it is reconnected, one yields.
 TEST_P(SharedLine, OfTwoWhoseCableIsPluggedInAgainOneGivesWay) {
   std::uint64_t garbled = 0;
   for (std::uint64_t seed = 1; seed <= seeds(); ++seed) {
@@ -161,7 +157,6 @@ TEST_P(SharedLine, OfTwoWhoseCableIsPluggedInAgainOneGivesWay) {
   RecordProperty("garbled", std::to_string(garbled));
 }
 
-// Returns the number of requests in 30 s from the first one.
 std::uint64_t requests_of(const BusSpec& spec) {
   SharedWire wire(spec, {Adapter{}}, {}, 1);
   wire.open(0);

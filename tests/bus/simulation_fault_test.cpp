@@ -1,4 +1,3 @@
-// Tests whole buses in virtual time with one device that is dead, deaf, noisy or refuses a part.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -63,7 +62,6 @@ TEST(Simulation, DeadDeviceComesBackByItself) {
   for (ChannelIndex c = 5; c < 10; ++c) EXPECT_EQ(bus.channels()[c].quality, Quality::kGood);
 }
 
-// The wire has less spare time for a probe than the device needs.
 TEST(Simulation, ASlowDeviceComesBackOnAWireThatIsBusy) {
   BusSpec spec = plant(2, 1, "refresh: 60ms, timeout: 200ms");
   spec.devices[1].channels[0].refresh = 5s;
@@ -154,8 +152,7 @@ TEST(Simulation, RefusedRangesOfAListLeaveTheOthersAlone) {
             (std::vector<std::string>{"int16:100", "int32:581"}));
 }
 
-// The engine learns from refusals which gaps the device accepts and reports them. It forgets them
-// when the device may have been replaced.
+// Gaps that the device accepts are learned, and forgotten when the device may be replaced.
 TEST(Simulation, LearnsGapsAndForgetsThemWithTheDevice) {
   const BusSpec spec = plant(1, 6, "refresh: 1s, timeout: 100ms");
   sim::BusFaults faults;

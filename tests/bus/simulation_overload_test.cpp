@@ -1,4 +1,3 @@
-// Tests whole buses in virtual time with more load than their wire carries.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,8 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// An overload by configured refreshes is reported at load time; one by station interests is
-// reported while it lasts.
+// The loader reports an overload by configuration; the engine reports one by interests.
 TEST(Simulation, OverloadIsToldWhenItBeginsAndWhenItEnds) {
   BusSpec spec = plant(1, 200, "refresh: 1s");
   auto& channels = spec.devices[0].channels;
@@ -42,8 +40,7 @@ int told(const VirtualBus& bus, Notice::Kind kind) {
   return static_cast<int>(std::ranges::count(bus.notices(), kind, &Notice::kind));
 }
 
-// The loader reports an overload by configuration, assuming devices that respond after 5 ms. The
-// engine does not.
+// The loader reports overloads by configuration and assumes responses after 5 ms.
 TEST(Simulation, OverloadIsToldOnceWhenDevicesAreSlowerThanAssumed) {
   sim::BusFaults faults;
   for (int d = 1; d <= 16; ++d) faults.devices["unit-" + std::to_string(d)].delay.base = 20ms;
@@ -72,7 +69,6 @@ TEST(Simulation, OverloadEndsWhenDevicesAnswerSooner) {
   EXPECT_EQ(told(enough, Notice::Kind::kOverloadEnded), 1);
 }
 
-// Three times the load that the wire carries.
 TEST(Simulation, WhatAnOverloadedBusHasNotReadYetSaysSo) {
   const BusSpec spec = plant(16, 12, "refresh: 150ms");
   std::vector<bool> read(16 * 12);

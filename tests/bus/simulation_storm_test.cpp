@@ -1,4 +1,3 @@
-// Tests a whole bus in virtual time with all faults at the same time.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -10,8 +9,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Noise, loss, late responses, silences, an unplugged port and a stream of commands, for many
-// seeds.
+// Noise, loss, late responses, silences, an unplugged port and commands, for many seeds.
 class Storm : public testing::TestWithParam<int> {};
 
 TEST_P(Storm, NoWrongValueNoLostCommandNoStarvation) {
@@ -34,7 +32,6 @@ TEST_P(Storm, NoWrongValueNoLostCommandNoStarvation) {
   for (ChannelIndex c = 0; c < bus.channels().size(); ++c) {
     Command command = write_of(spec, c, value_of(c));
     command.verify = true;
-    // An unhealthy device may need several attempts.
     for (int attempt = 0; attempt < 20; ++attempt) {
       bus.command(command);
       bus.run_until(bus.now() + 800ms);

@@ -1,4 +1,3 @@
-// Tests whole buses in virtual time: healthy plants and commands to them.
 #include <gtest/gtest.h>
 
 #include "tests/bus/plant.hpp"
@@ -66,7 +65,6 @@ TEST(Simulation, OneSeedReplaysBitForBit) {
   EXPECT_NE(fingerprint(7), fingerprint(8));
 }
 
-// A recipe: many setpoints of one device at the same time.
 TEST(Simulation, WritesToNeighboursTravelTogether) {
   std::string text =
       "bridge: test\nbuses:\n  - name: bus\n    port: { serial: /dev/none, baud: 19200 }\n    "

@@ -1,4 +1,3 @@
-// Tests an engine that takes over a wire: responses to its predecessor may still arrive.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -47,8 +47,7 @@ class Replay {
       feed(TimerFired{}, at);
     }
   }
-  // Returns the base of a time with this many pluses: the start, the next unanswered request, or
-  // the last event.
+  // Base of a time by number of pluses: start, next unanswered request, last event.
   Instant base(unsigned pluses) {
     if (pluses == 0) return Instant{};
     if (pluses == 2) return last_;
@@ -118,8 +117,7 @@ class Replay {
   bool unanswered_ = false;
 };
 
-// Example: "command c1 write press-1/setpoint = 5 verify expires 2s", "command c2 acquire
-// press-1/running"
+// Example: "command c1 write press-1/setpoint = 5 verify expires 2s"
 std::optional<Command> parse_command(const std::vector<std::string>& words, const BusSpec& bus,
                                      Instant now) {
   if (words.size() < 5 || words[2].size() < 2) return std::nullopt;

@@ -1,4 +1,3 @@
-// Replays every file of tests/transcripts.
 #include "tests/bus/transcript.hpp"
 
 #include <gtest/gtest.h>

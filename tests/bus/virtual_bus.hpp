@@ -18,7 +18,6 @@ namespace fieldcast::test {
 
 class VirtualBus {
  public:
-  // Samples of one channel as received by a station.
   struct Watched {
     std::uint64_t good = 0, bad = 0;
     Instant last_good{};
@@ -29,7 +28,6 @@ class VirtualBus {
 
   VirtualBus(const BusSpec& spec, const sim::BusFaults& faults, std::uint64_t seed);
 
-  // Runs until `until`; the start is Instant{}.
   void run_until(Instant until);
   void command(Command command);  // at the current instant; request_id is set here
   void set_interest(ChannelIndex channel, std::optional<Duration> refresh) {

@@ -72,8 +72,7 @@ TEST_F(WireTest, ARepeatedFlightKeepsItsStartAndKnowsThatItWasNotAnswered) {
       << "the wire was free between the tries";
 }
 
-// After the process was suspended, the device must not be charged with that time: a costly device
-// is paused for ten times its cost.
+// The device is not charged for a suspension: it would be paused for ten times its cost.
 TEST_F(WireTest, TimeInWhichTheProcessStoodStillIsNotTheDevices) {
   wire_.launch(read());
   (void)send(Instant{});

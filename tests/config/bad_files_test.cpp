@@ -1,6 +1,6 @@
-// Tests one broken file for each fault in tests/config/bad: its head contains the expected messages
-// of the loader, line for line. {protocols} stands for the names of all protocols, so that a new
-// protocol changes no file.
+// Each file in tests/config/bad has one fault; its head comment lists the expected messages, one
+// per line. {protocols} stands for the names of all protocols, so that a new protocol changes no
+// file.
 #include <gtest/gtest.h>
 
 #include <sstream>

@@ -1,5 +1,4 @@
-// Tests one broken declaration for each fault in tests/config/bad_protocols: its head contains the
-// expected messages of the loader, line for line.
+// Each file has one fault; its head comment lists the expected messages, one per line.
 #include <gtest/gtest.h>
 
 #include <sstream>

@@ -1,4 +1,3 @@
-// Complete valid files: the examples for users, and their meaning.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -57,7 +56,6 @@ class Everything : public testing::Test {
     ASSERT_EQ(spec.buses[0].devices.size(), 3u);
   }
 
-  // The channel "full", the same in YAML and in CSV.
   static ChannelSpec full() {
     ChannelSpec channel;
     channel.name = "full";
@@ -91,7 +89,7 @@ class Everything : public testing::Test {
   BridgeSpec spec;
 };
 
-// Not in everything.yaml, because they cannot be combined with its `security`.
+// Not in everything.yaml, because they exclude its `security`.
 TEST(GoodFiles, DiscoveryServersKeepTheirOrder) {
   const auto folder = source_dir() / "tests/config/good";
   const auto loaded = load_text(slurp(folder / "servers.yaml"), "servers.yaml", within(folder));
@@ -168,7 +166,7 @@ TEST_F(Everything, WhatModulesHaveToShowArrives) {
                                   {"gateway", {"18", "P2"}}, {"hut", {"17"}}}));
   EXPECT_EQ(modules.from, (std::vector<std::string>{"10.0.7.0/24", "fd00::/8"}));
   EXPECT_EQ(modules.second, SecondModule::kReplace);
-  EXPECT_EQ(modules.secrets, "");  // a module that registers with words gets no challenge
+  EXPECT_EQ(modules.secrets, "");  // a module polled for words cannot respond to a challenge
 }
 
 TEST(GoodFile, ModulesOffTheLoopbackNeedOneWordOfSecurity) {
@@ -346,8 +344,7 @@ TEST(GoodFiles, TheDemoHasAHundredModbusChannelsOnSixDevicesAndABusForEachFamily
   EXPECT_EQ(shared.size(), 3u);
 }
 
-// With devices that respond after 5 ms. The scheduler computes the real load; this is a check of
-// the examples.
+// Assumes responses after 5 ms, to keep the examples realistic.
 TEST(GoodFiles, ExamplesNeedLessThanHalfOfEachWire) {
   for (const auto& path : files_of(source_dir() / "config/examples", ".yaml")) {
     const auto loaded = load_file(path.string());

@@ -29,7 +29,6 @@ std::string misfit_types(const json& value, const json& types) {
   return "is none of " + types.dump();
 }
 
-// Returns the number of alternatives that fit.
 std::size_t fitting(const json& value, const json& alternatives, const json& root,
                     const std::string& path) {
   std::size_t count = 0;
@@ -57,7 +56,6 @@ std::string misfit_properties(const json& value, const json& schema, const json&
   return "";
 }
 
-// Checks one keyword on one value; returns the reason without its path.
 std::string misfit_keyword(const std::string& keyword, const json& rule, const json& value) {
   if (keyword == "type") return misfit_types(value, rule);
   if (keyword == "enum")

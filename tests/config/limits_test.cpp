@@ -1,4 +1,3 @@
-// Limits of a configuration: at the limit it loads, beyond it the loader reports a fault.
 #include "config/limits.hpp"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,4 @@
-// Hostile text: for any bytes, the loader returns a model or faults with a place. Seeded, so that a
-// failure can be repeated.
+// Tests hostile text: for any bytes, the loader returns a model or faults with a place. Seeded.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -9,7 +8,6 @@
 namespace fieldcast::config {
 namespace {
 
-// Loads, and checks the properties of every result.
 void check(const std::string& text, const FileReader& reader, const std::string& what) {
   const auto loaded = load_text(text, "mutant.yaml", reader);
   if (loaded) {

@@ -1,4 +1,3 @@
-// Word order of wide values and texts in each family, and overlapping channels.
 #include <gtest/gtest.h>
 
 #include "core/model/overlap.hpp"
@@ -76,7 +75,7 @@ TEST(Overlap, AnotherTypeAtOnePlaceIsToldOf) {
                      "          - { name: b, at: \"holding:100\", type: uint16 }\n")
                 .size(),
             1u);
-  // A text over several channels: each of them is reported once.
+  // A text that overlaps many channels: each of them is reported once.
   EXPECT_EQ(warnings("          - { name: a, at: \"holding:100\", type: string(20) }\n"
                      "          - { name: b, at: \"holding:102\", type: uint16 }\n"
                      "          - { name: c, at: \"holding:105\", type: uint16 }\n")
@@ -95,21 +94,7 @@ TEST(Overlap, PartsOfAWordOtherNamesAndNeighboursAreNone) {
           .empty());
 }
 
-TEST(Overlap, ChannelsShareTheRegisterOfTheirExponent) {
-  EXPECT_TRUE(
-      warnings("          - { name: a, at: \"holding:100\", type: uint16, exponent-from: 40104 }\n"
-               "          - { name: b, at: \"holding:101\", type: uint16, exponent-from: 40104 }\n"
-               "          - { name: c, at: \"holding:104\", type: uint32, exponent-from: 40104 }\n"
-               "          - { name: exponent, at: \"holding:103\", type: int16 }\n")
-          .empty());
-  EXPECT_EQ(
-      warnings("          - { name: a, at: \"holding:100\", type: uint32, exponent-from: 40104 }\n"
-               "          - { name: b, at: \"holding:101\", type: uint16, exponent-from: 40104 }\n")
-          .size(),
-      1u);
-}
-
-// "unit" of the instrument is one byte without a sign, "analog" has four.
+// "unit" of the instrument is one unsigned byte, "analog" has four bytes.
 std::string faults_of_instrument(const std::string& channel) {
   const std::string text =
       "bridge: b\nbuses:\n  - name: bus\n    port: { serial: /dev/ttyS0 }\n"

@@ -1,4 +1,3 @@
-// Small parts: notations of numbers, durations and ports, suggestions, and the search for files.
 #include <gtest/gtest.h>
 
 #include "config/port.hpp"

@@ -1,4 +1,3 @@
-// config/README.md is correct: its example loads, and it explains every key.
 #include <gtest/gtest.h>
 
 #include "config/keys/documents.hpp"

@@ -1,4 +1,4 @@
-// The loader does not quote files of other programs, whatever their contents and name.
+// Tests that foreign files are never quoted, whatever their content and name.
 #include "config/recognition.hpp"
 
 #include <gmock/gmock.h>
@@ -11,7 +11,6 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-// Texts that must not be quoted, in files of different kinds. None of them is a real secret.
 const std::map<std::string, std::string>& strangers() {
   static const std::map<std::string, std::string> all{
       {"shadow", "root:$6$hidden$hidden:19000:0:99999:7:::\nbridge:$6$hidden:19000::::::\n"},
@@ -37,7 +36,6 @@ const std::map<std::string, std::string>& strangers() {
   return all;
 }
 
-// Returns the given text for every file name.
 FileReader with(const std::string& text) {
   return {[text](const std::string&) -> tl::expected<std::string, FileError> { return text; },
           [](const std::string&) { return std::vector<std::string>{}; }};

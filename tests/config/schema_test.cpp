@@ -1,4 +1,4 @@
-// The schema for editors and the loader agree: they have the same keys, and every valid file fits.
+// Tests that the schema for editors has the loader's keys and fits every file that loads.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -27,7 +27,6 @@ const json& protocol_schema() {
   return text;
 }
 
-// Returns why a YAML file does not fit; "no YAML" if it cannot be parsed.
 std::string misfit_of(const std::filesystem::path& path, const std::string& definition,
                       const json& whole = schema()) {
   FaultList faults;
@@ -87,7 +86,7 @@ TEST(Schema, EveryFileThatLoadsFits) {
     EXPECT_EQ(misfit_of(path, "template"), "") << path;
 }
 
-// The schema detects faults in one value; the loader alone checks rules between keys.
+// The schema covers faults of single values; only the loader checks rules between keys.
 TEST(Schema, RefusesEveryBadFileWhoseFaultLiesInOneValue) {
   static constexpr std::string_view kSeen[] = {"unknown key",
                                                "'name' is missing",
@@ -140,7 +139,7 @@ TEST(ProtocolSchema, EveryDeclarationThatLoadsFits) {
   EXPECT_GE(seen, 2u);
 }
 
-// The words of every closed set, as the loader lists them in its error message.
+// The words of every closed set, from the loader's message for an unknown word.
 TEST(ProtocolSchema, KnowsExactlyTheWordsThatTheLoaderKnows) {
   const std::pair<std::string, std::string> choices[] = {
       {"declaration/encoding", "encoding: xx"},
@@ -179,8 +178,7 @@ TEST(ProtocolSchema, KnowsExactlyTheWordsThatTheLoaderKnows) {
   }
 }
 
-// The schema detects faults in one value and missing keys; the loader alone checks rules between
-// fields.
+// The schema covers single values and missing keys; only the loader checks rules between fields.
 TEST(ProtocolSchema, RefusesEveryBadDeclarationWhoseFaultLiesInOneValue) {
   static constexpr std::string_view kSeen[] = {"unknown key",
                                                "'summary' is missing",

@@ -1,4 +1,3 @@
-// Shared by the tests of config/: the files of the source tree, and files in memory.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +19,6 @@ inline std::string slurp(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// Returns the files of a folder with one extension, sorted.
 inline std::vector<std::filesystem::path> files_of(const std::filesystem::path& folder,
                                                    const std::string& extension) {
   std::vector<std::filesystem::path> files;
@@ -31,7 +29,6 @@ inline std::vector<std::filesystem::path> files_of(const std::filesystem::path& 
   return files;
 }
 
-// Files that are texts in memory.
 inline FileReader texts(std::map<std::string, std::string> files) {
   return {[files](const std::string& path) -> tl::expected<std::string, FileError> {
             const auto found = files.find(path);
@@ -41,7 +38,7 @@ inline FileReader texts(std::map<std::string, std::string> files) {
           {}};
 }
 
-// Faults contain file names relative to `folder`.
+// Reads files relative to `folder`, so that faults name them as the files themselves do.
 inline FileReader within(const std::filesystem::path& folder) {
   const auto disk = disk_reader();
   return {[=](const std::string& path) { return disk.read((folder / path).string()); },
@@ -52,7 +49,6 @@ inline std::string faults_of(const Loaded& loaded) {
   return loaded ? "" : to_text(std::span(loaded.error()));
 }
 
-// A bridge of one device on one bus; `channels` are the lines of its channel list.
 inline std::string plant(const std::string& channels) {
   return "bridge: b\nbuses:\n  - name: bus\n    port: { serial: /dev/ttyS0 }\n    protocol: "
          "modbus-rtu\n    devices:\n"

@@ -1,4 +1,3 @@
-// Numbers as texts: the options of a channel and of a declaration.
 #include <gtest/gtest.h>
 
 #include "tests/config/support.hpp"

@@ -43,8 +43,7 @@ TEST(Checksum, BytesAndTheirLrcAddUpToZero) {
 }
 
 TEST(Checksum, XorOfHostLinkText) {
-  // `@00RD0150000351*`: FCS of a published read of D0150 (xamidimura roof_control, Host Link
-  // tests).
+  // `@00RD0150000351*`: a published read of D0150 (xamidimura roof_control, Host Link tests).
   EXPECT_EQ(xor8(text("@00RD01500003")), 0x51);
 }
 

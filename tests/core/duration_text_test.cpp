@@ -1,4 +1,3 @@
-// Tests the grammar of durations and its printer.
 #include "core/base/duration_text.hpp"
 
 #include <gtest/gtest.h>

@@ -10,14 +10,12 @@
 
 namespace fieldcast::test {
 
-// Returns the codes of the nibbles of `original`.
 [[nodiscard]] std::vector<unsigned> reference_codes(ByteView original);
 
 // Packs codes into bits; the k-th has bit_length(min(15 + k, 4095)) bits; padded to a byte.
 [[nodiscard]] Bytes packed(const std::vector<unsigned>& codes);
 
-// Returns `std::nullopt` if the codes end early, a code is undefined, or a string exceeds the
-// length.
+// Returns `std::nullopt` for a missing or undefined code, or a string beyond `length`.
 [[nodiscard]] std::optional<Bytes> reference_decode(ByteView bytes, std::size_t length);
 
 }  // namespace fieldcast::test

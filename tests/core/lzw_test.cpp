@@ -28,8 +28,7 @@ tl::expected<Bytes, LzwFault> decoded(ByteView codes, std::size_t length) {
   return lzw_decode(codes, length, out).map([&] { return out; });
 }
 
-// Returns data between constant and white noise: `symbols` values, each repeated with probability
-// `keep`/16.
+// From a constant to white noise: values repeat with probability `keep`/16.
 Bytes data(std::mt19937& random, std::size_t length, unsigned symbols, unsigned keep) {
   Bytes bytes;
   std::uint8_t last = 0;
@@ -132,8 +131,7 @@ TEST(Lzw, MoreThanTheCodesIsAFault) {
   EXPECT_EQ(decoded(codes, 4097).error(), LzwFault::kTooLong);
 }
 
-// A flipped bit may give other data, which the CRC of the message detects. Both decoders must give
-// the same result.
+// The CRC of the message detects other data. Both decoders must give the same result.
 TEST(Lzw, EveryFlippedBitIsJudgedAsTheReferenceDoes) {
   std::mt19937 random(13);
   const Bytes original = data(random, 150, 7, 10);
@@ -164,8 +162,7 @@ TEST(Lzw, RandomCodesAreBounded) {
   }
 }
 
-// The longest possible expansion: each code is one nibble longer than the last. 103 bytes give
-// exactly 4096 bytes.
+// The longest expansion: each code is one nibble longer. 103 bytes give exactly 4096.
 TEST(Lzw, ABombGivesWhatItSaysOrAFault) {
   const Bytes zeros(4096, 0);
   const Bytes bomb = encoded(zeros);

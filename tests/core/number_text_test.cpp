@@ -1,4 +1,3 @@
-// Tests the printing of floats: shortest exact text, the same on all platforms.
 #include "core/base/number_text.hpp"
 
 #include <gtest/gtest.h>

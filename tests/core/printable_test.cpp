@@ -38,7 +38,6 @@ TEST(Printable, LongTextIsCutBetweenCharacters) {
   EXPECT_EQ(printable(std::string(1'000'000, '\x1b')).size() <= kMaxPrintable, true);
 }
 
-// Every byte, alone and after every lead byte, gives only printable characters.
 TEST(Printable, NothingItReturnsIsObeyed) {
   for (int first = 0; first < 256; ++first) {
     for (int second = 0; second < 256; ++second) {

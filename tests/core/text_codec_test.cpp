@@ -1,4 +1,3 @@
-// Tests the conversion of device texts to printable UTF-8 and back.
 #include "core/codec/text_codec.hpp"
 
 #include <gtest/gtest.h>

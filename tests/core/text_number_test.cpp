@@ -1,4 +1,3 @@
-// Tests the conversion of numbers that devices write as text, in both directions.
 #include "core/codec/text_number.hpp"
 
 #include <gtest/gtest.h>
@@ -18,7 +17,6 @@ Bytes items_of(std::string_view text) {
   return items;
 }
 
-// Reads the characters of 16-bit items as a channel of this form and width.
 tl::expected<Value, Cause> read(ValueType type, TextNumber form, std::string_view text) {
   const Encoding encoding{
       .type = type, .string_bytes = static_cast<std::uint16_t>(text.size()), .text_number = form};

@@ -265,7 +265,6 @@ TEST(ValueCodec, EveryDecodableImageEncodesToItself) {
   }
 }
 
-// Returns the encoding with the values of the key `not-available`.
 Encoding without(Encoding encoding, std::initializer_list<std::string_view> values) {
   for (const auto value : values)
     encoding.not_available.push_back(parse_not_available(encoding, value).value());

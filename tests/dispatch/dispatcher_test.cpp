@@ -1,4 +1,3 @@
-// Tests each dispatcher alone: (plan, state, now) gives a read or a rest.
 #include "core/dispatch/dispatcher.hpp"
 
 #include <gtest/gtest.h>
@@ -14,7 +13,6 @@ using namespace std::chrono_literals;
 using test::kFakeProtocol;
 constexpr Instant kNow{100s};
 
-// Groups of one register each, far apart, with nothing due before `set_due`.
 struct Bench {
   explicit Bench(std::vector<double> refreshes, Planner planner = Planner::kCyclic,
                  Mode mode = Mode::kScheduled)
@@ -22,7 +20,6 @@ struct Bench {
     for (PointState& point : state.points)
       point.allowed_gap = allowed_gap_of(ns(point.refresh), state.wire.lead);
   }
-  // Makes the read of one group due in the way its dispatcher requires.
   template <typename D>
   void set_due(D& dispatcher, GroupIndex group, Instant due, bool eager = false) {
     PointState& point = state.points_of(plan, group).front();

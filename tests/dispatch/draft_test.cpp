@@ -1,4 +1,3 @@
-// Tests plans that are computed while the wire runs.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -51,7 +50,6 @@ TEST(Draft, ItsPlanIsTakenAsItIs) {
   EXPECT_EQ(scheduler->plan(), made);
 }
 
-// The groups of the draft differ from the groups that changed since.
 class ChangingBus : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(ChangingBus, KeepsWhatIsAskedForWhileAPlanIsMade) {

@@ -16,7 +16,6 @@ using test::VirtualWire;
 
 using test::kFakeProtocol;
 
-// Adds `count` points, one for every `step`-th register from `first` on.
 void add_points(ScheduleInput& input, DeviceIndex device, std::uint32_t first, std::uint32_t count,
                 std::uint32_t step, Duration refresh, Mode mode = Mode::kScheduled) {
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -49,8 +48,7 @@ TEST(Scheduler, OnDemandPointsAreNeverRead) {
   EXPECT_EQ(std::get<Rest>(make_scheduler(input)->next(Instant{5s})).until, kNever);
 }
 
-// The rest after a response (silence or pause) is a large part of these reads, but not of the
-// refresh of their points.
+// The rest after a response is a large part of these reads, but not of their refresh.
 TEST(Scheduler, FewLongReadsWithLongRestsAreKeptOnACrowdedWire) {
   for (const Duration pause : {Duration{0}, Duration{200ms}}) {
     ScheduleInput input = plant(1, 300);
@@ -100,8 +98,7 @@ TEST(Scheduler, IntensiveWireNeverRests) {
   EXPECT_GT(wire.load(), 0.999);
 }
 
-// 300 scattered registers in three units at 115200 baud: as fast and as even as a loop over the
-// optimal partition.
+// 300 scattered registers at 115200 baud: as fast as a loop over the optimal partition.
 TEST(Scheduler, IntensivePointsOfOneRefreshConvergeToTheOptimalPartition) {
   ScheduleInput input = test::input_of(test::random_map(7, 300), kFakeProtocol, 115200, 2ms);
   Duration loop{};
@@ -131,7 +128,6 @@ TEST(Scheduler, IntensivePointsOfOneRefreshConvergeToTheOptimalPartition) {
   EXPECT_LE(to_seconds(longest), 1.3 * to_seconds(shortest));
 }
 
-// An ideal wire confirms what the plan predicts for each point.
 TEST(Scheduler, NoGapIsLongerThanThePlanSays) {
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     const test::Map map = test::random_map(seed, 150);

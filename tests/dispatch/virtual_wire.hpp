@@ -1,5 +1,4 @@
-// Simulates an ideal half-duplex line in virtual time with a scheduler as its master. Every read
-// takes its cost, and gaps are measured.
+// Simulates an ideal half-duplex line in virtual time with a scheduler as its master.
 #pragma once
 
 #include <algorithm>
@@ -44,7 +43,6 @@ class VirtualWire {
     for (const auto& seen : seen_) sum += seen.missed;
     return sum;
   }
-  // Returns the number of points that are overdue now or have never been read within their refresh.
   [[nodiscard]] std::size_t overdue() const {
     std::size_t count = 0;
     for (PointIndex point = 0; point < seen_.size(); ++point) {

@@ -1,5 +1,5 @@
-"""Is what a program said what the document shows? Numbers, instants and the width of columns may differ; a line `...` stands for any
-lines, `...` at the end of a line for its rest."""
+"""Compares a program's output with a document. Numbers, instants and column widths may differ; a
+line `...` matches any lines, `...` at the end of a line the rest of it."""
 
 import re
 
@@ -7,7 +7,6 @@ NUMBER = re.compile(r"[-+]?\d+(?:[.,:]\d+)*(?:e[-+]?\d+)?")
 
 
 def general(line):
-    """The line with every number as 0 and every run of blanks as one."""
     line = re.sub(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d(?:\.\d+)?Z?", "INSTANT", line)
     return re.sub(r"\s+", " ", NUMBER.sub("0", line)).strip()
 
@@ -19,7 +18,7 @@ def _same(shown, said):
 
 
 def difference(shown, said, ordered=True):
-    """None, or the first line that the document shows and the program did not say (or said and the document does not show)."""
+    """Returns the first line that only one of document and program has, or None."""
     want = [general(line) for line in shown.splitlines() if line.strip()]
     have = [general(line) for line in said.splitlines() if line.strip()]
     if not ordered:

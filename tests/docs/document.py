@@ -1,13 +1,13 @@
-"""A Markdown document as the blocks that a reader would type, save or compare: a value, made by `parse(path, text)`.
+"""Parses a Markdown document into the blocks that a reader would type, save or compare:
+`parse(path, text)`.
 
-A block's kind follows from its language and from the HTML comments on the lines right before it (README.md lists them). What has no
-kind is a Fault that says where it stands and how to mend it.
+The kind of a block follows from its language and the HTML comments on the lines before it
+(README.md lists them). A block without a kind is a Fault with its place and its fix.
 """
 
 import re
 from dataclasses import dataclass, field
 
-# A marker, and which languages may carry it.
 FILE_LANGUAGES = {"yaml", "yml", "csv", "cpp", "c", "cmake", "ini", "xml", "json", "idl", "python", "text"}
 MARKERS = {
     "file": FILE_LANGUAGES,
@@ -27,16 +27,16 @@ MARKERS = {
     "refused addresses": {"table"},
     "codes": {"table"},
 }
-# Of these a block needs one; an `sh` block needs none.
+# A block needs one of these; an `sh` block needs none.
 KINDS = {"file", "fragment", "output", "log", "database", "picture"}
-STOP = "stop"  # <!-- stop --> stands alone: what runs until stopped ends here
+STOP = "stop"  # <!-- stop --> without a block: stops what runs until stopped
 
 FENCE = re.compile(r"^(\s*)```+\s*([\w+-]*)\s*$")
 COMMENT = re.compile(r"<!--\s*(.*?)\s*-->")
 
 
 class Fault(Exception):
-    """What is wrong with a document: `file:line: what, and how to mend it`."""
+    """A fault of a document: `file:line: what is wrong, and the fix`."""
 
 
 @dataclass
@@ -45,19 +45,19 @@ class Block:
     line: int  # of its first line of text
     language: str
     text: str
-    markers: dict = field(default_factory=dict)  # name -> what stands behind its colon, or ""
+    markers: dict = field(default_factory=dict)  # name -> argument after the colon, or ""
 
     def fault(self, words):
         return Fault(f"{self.path}:{self.line}: {words}")
 
     def commands(self):
-        """Of an `sh` block: its lines without comments, continued ones joined."""
+        """Returns the lines of an `sh` block without comments, with continued lines joined."""
         joined = re.sub(r"\s*\\\n\s*", " ", self.text)
         return [line.strip() for line in joined.splitlines() if line.strip() and not line.strip().startswith("#")]
 
 
 def marker_of(words):
-    """(name, argument) of a comment that is a marker, else None."""
+    """Returns (name, argument) of a comment that is a marker, else None."""
     for name in [*MARKERS, STOP]:
         match = re.fullmatch(rf"{name}(?:[:,]\s*(.*))?", words)
         if match:
@@ -66,7 +66,7 @@ def marker_of(words):
 
 
 def parse(path, text):
-    """The blocks of a document, in order; a lone <!-- stop --> is a block of the language "stop"."""
+    """Returns the blocks in order; a lone <!-- stop --> has the language "stop"."""
     blocks, markers, lines, number = [], {}, text.splitlines(), 0
     in_list = False
     while number < len(lines):
@@ -125,7 +125,7 @@ def _check_kind(block):
 
 
 def unused_files(blocks):
-    """The blocks that save a file which nothing else of the document names: no command, no other file, no fragment."""
+    """Returns the blocks with a file that no command, file or fragment of the document names."""
     found = []
     for block in blocks:
         name = block.markers.get("file")
@@ -139,12 +139,12 @@ def unused_files(blocks):
 
 
 def is_configuration(block):
-    """Of a bridge: `fieldcast-bridge --check` can judge it."""
+    """Returns whether it is a bridge configuration, which `fieldcast-bridge --check` can check."""
     return block.language in ("yaml", "yml") and bool(re.search(r"^bridge:", block.text, re.MULTILINE))
 
 
 def inline_commands(path, text, programs):
-    """(place, command) for each `program ...` in the running text that names one of the programs and more than its name."""
+    """Returns (place, command) for each `program ...` in the running text."""
     found, fenced = [], False
     for number, line in enumerate(text.splitlines(), 1):
         if line.lstrip().startswith("```"):

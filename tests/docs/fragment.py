@@ -1,4 +1,4 @@
-"""A piece of a configuration made whole, so that `fieldcast-bridge --check` can judge it."""
+"""Completes a fragment of a configuration, so that `fieldcast-bridge --check` can check it."""
 
 import re
 
@@ -7,7 +7,8 @@ LEVELS = ["bridge", "bus", "device", "channels"]
 
 
 def whole(text, argument):
-    """`argument`: what stands behind `fragment:`: nothing, `bus`, `device` or `channels`, and a protocol where the text has none."""
+    """`argument`: the text after `fragment:`, which is empty, `bus`, `device` or `channels`, and a
+    protocol if the text has none."""
     words = argument.split()
     level = words[0] if words else "bridge"
     if level not in LEVELS:
@@ -27,7 +28,6 @@ def whole(text, argument):
 
 
 def whole_declaration(text):
-    """A piece of a declared protocol."""
     return _with(text, {"summary": "A fragment", "addresses": "{ from: 1, to: 99 }", "areas": "[ { name: state, record: true } ]",
                         "operations": "[ { name: read, read: state, command: 1, request: [ { is: address }, { is: command } ], "
                                       "answer: [ { is: address }, { is: command }, { name: a, is: value, bytes: 2 } ] } ]"})
@@ -38,7 +38,6 @@ def _channels(protocol):
 
 
 def _with(text, defaults):
-    """The keys of the text first, so that its line numbers stay, then the defaults that it has not."""
     present = set(re.findall(r"^([\w-]+):", text, re.MULTILINE))
     return text + "".join(f"{key}: {value}\n" for key, value in defaults.items() if key not in present)
 

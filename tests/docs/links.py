@@ -1,4 +1,4 @@
-"""Relative links of documents that lead nowhere, in the source tree and where the documents are installed."""
+"""Finds dead relative links of documents, in the source tree and in an installation."""
 
 import os
 import re
@@ -10,7 +10,7 @@ def read(root, path):
 
 
 def anchors(text):
-    """Those that GitHub makes of the headings."""
+    """Returns the anchors that GitHub generates from the headings."""
     headings = re.findall(r"^#+ (.+)$", re.sub(r"```.*?```", "", text, flags=re.DOTALL), re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
@@ -20,7 +20,7 @@ def links(root, path):
 
 
 def dead_links(root, path):
-    """What is wrong with links of the document `path` below `root`, one text for each."""
+    """Returns one message for each dead link of the document `path` below `root`."""
     found = []
     for link in links(root, path):
         file, _, anchor = link.partition("#")

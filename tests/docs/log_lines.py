@@ -1,7 +1,8 @@
-"""Does a source still say the log line that a document quotes?
+"""Checks that a source still contains a log line that a document quotes.
 
-In a document WORDS IN CAPITALS and numbers stand for what the program puts there. The line is cut at them; it is known when the
-literals of the sources have every piece. The subject before the first colon (`press-shop: `) is no part of a literal.
+In a document, WORDS IN CAPITALS and numbers stand for values. The line is split there; it is valid
+if the literals of the sources contain every piece. The subject before the first colon (`press-shop:
+`) is not part of a literal.
 """
 
 import difflib
@@ -11,14 +12,14 @@ import re
 
 FOLDERS = ["bridge", "config", "core", "tools/cli", "tools/sim", "tools/program-port"]
 LITERAL = re.compile(r'"((?:[^"\\\n]|\\.)*)"')
-# What a document puts where the program puts a value: CAPITALS and numbers with their unit.
+# Placeholders for values: CAPITALS, and numbers with their unit.
 VALUE = re.compile(r"\b[A-Z][A-Z0-9_/]*\b|[-+]?\d[\d.,:]*\s?(?:ms|us|s|min|h|d|%|MB|GB|kB|B)?\b|\b\d\w+\b")
 SUBJECT = re.compile(r"^[\w./-]+: ")
 
 
 @functools.lru_cache(maxsize=None)
 def _files(source_dir):
-    """For each source file the text of its literals: neighbours joined as the compiler does, one a line."""
+    """Returns the joined literals of each source file, one per line."""
     found = {}
     for folder in FOLDERS:
         for path, _, names in os.walk(os.path.join(source_dir, folder)):
@@ -30,14 +31,13 @@ def _files(source_dir):
 
 
 def pieces(line):
-    """What must stand in a literal: the line cut at its values."""
     words = [piece.strip(" ()'\",;:?") for piece in VALUE.split(line)]
     return [piece for piece in words if re.search(r"[a-z]{2}", piece)]
 
 
 def known(source_dir, line):
-    """Whether a file has each piece, or each of its parts between colons and commas: one puts `the port is
-    closed: ` before another's reason."""
+    """Returns whether a file has each piece, or each part between colons and commas, because some
+    code puts `the port is closed: ` before another reason."""
     def said(piece):
         return any(piece in text for text in _files(source_dir).values())
 

@@ -1,4 +1,5 @@
-"""What documents list is what the program has: metrics, causes, exit codes, alerts; and every link leads somewhere.
+"""Compares the lists in documents with the program (metrics, causes, exit codes, alerts) and
+checks every link.
 
 usage: reference_test.py SOURCE_DIR DOCUMENT..
 """
@@ -25,13 +26,11 @@ def read(path):
 
 
 def first_cells(text):
-    """The first cell of each row of a table, without its head and without backticks."""
     cells = [row.split("|")[1].strip(" `") for row in text.splitlines() if row.startswith("| ")]
     return [cell for cell in cells[1:] if set(cell) != {"-"}]
 
 
 def section(path, heading):
-    """From a heading to the next one of its level or a higher one."""
     text = read(path)
     match = re.search(rf"^(#+) {re.escape(heading)}$", text, re.MULTILINE)
     rest = text[match.end():]
@@ -101,7 +100,7 @@ class Picture(unittest.TestCase):
         rows = {}
         for text in ElementTree.fromstring(read("docs/images/watch.svg")).iter("{http://www.w3.org/2000/svg}text"):
             rows.setdefault(text.get("y"), []).append((float(text.get("x")), text.text))
-        # Heads with one space between them are one text.
+        # In the picture, heads separated by one space are one text.
         words = [" ".join(text for _, text in sorted(row)).split() for row in rows.values()]
         self.assertIn(heads, words, "tools/screen.py draws it anew")
 
@@ -139,7 +138,7 @@ class Protocols(unittest.TestCase):
 
     @staticmethod
     def form(at):
-        """ "VW100" and "VW7" are of one form: numbers do not count, nor does their base."""
+        """Returns the address without numbers and base: "VW100" and "VW7" are equal."""
         return re.sub(r"\d+", "0", re.sub(r"0[xX][0-9A-Fa-f]+", "0", at))
 
 

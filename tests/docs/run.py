@@ -1,11 +1,14 @@
-"""Runs every command of documents as a reader would, block after block, and compares what they show with what comes.
+"""Runs every command of documents as a reader would, block by block, and compares the outputs with
+those shown.
 
-usage: run.py BIN_DIR SOURCE_DIR DOCUMENT..              in a sandbox; DOCUMENT is a path from SOURCE_DIR
-       run.py --installed ROOT [--systemd] [--packages DIR] SOURCE_DIR DOCUMENT..   the blocks marked `in the installed system`, with chroot in ROOT
-                                                         (`/`: here), as root; those `with systemd` only with --systemd, those
-                                                         `with packages` only with --packages: DIR has them
+usage: run.py BIN_DIR SOURCE_DIR DOCUMENT..
+           runs in a sandbox; DOCUMENT is a path from SOURCE_DIR
+       run.py --installed ROOT [--systemd] [--packages DIR] SOURCE_DIR DOCUMENT..
+           runs the blocks marked `in the installed system` as root, chrooted to ROOT;
+           those `with systemd` need --systemd, those `with packages` need their directory
 
-tests/docs/README.md lists the markers. Nothing is skipped without a word: the last line counts what ran and what did not.
+tests/docs/README.md lists the markers. The last line counts the blocks that ran and those that did
+not.
 """
 
 import argparse
@@ -26,20 +29,18 @@ from steady import steadily  # noqa: E402
 from tables import CHECKS  # noqa: E402
 
 PROGRAMS = ["fieldcast", "fieldcast-bridge", "fieldcast-sim", "fieldcast-port", "fieldcast-station"]
-MATCH_SECONDS = 10  # until what a program says is what the document shows, or ends as it should
+MATCH_SECONDS = 10  # limit until a program prints what the document shows, or ends as expected
 INSTALLED, SOURCE_TREE = "in the installed system", "in the source tree"
-NOWHERE = ("with hardware", "with a compiler", "with a login")  # what stands behind `in the installed system`
+NOWHERE = ("with hardware", "with a compiler", "with a login")
 
 
 class Runner:
-    """One document in one sandbox."""
-
     def __init__(self, sandbox, path):
         self.sandbox, self.path = sandbox, path
         with open(os.path.join(sandbox.source_dir, path), encoding="utf-8") as file:
             self.text = file.read()
-        self.unchecked = []  # configurations that were written and not judged yet
-        self.last = None  # what the last `sh` block said, as a function
+        self.unchecked = []  # configurations that are written but not checked yet
+        self.last = None  # function that returns the output of the last `sh` block
         self.count = {"ran": 0, "only in the installed system": 0, "only in the source tree": 0, "files": 0, "outputs compared": 0, "log lines found in the sources": 0,
                       "rows of tables checked": 0,
                       "inline commands checked against --help": 0}
@@ -186,7 +187,7 @@ class Runner:
             self.count["log lines found in the sources"] += bool(line.strip())
 
     def check_options(self, command, fault):
-        """Of one of our programs: is there the subcommand, and does its --help name each option?"""
+        """Checks the subcommand and each option of our programs with --help."""
         words = command.split()
         if not words or words[0] not in PROGRAMS:
             return
@@ -205,7 +206,8 @@ class Runner:
 
 
 def run_installed(root, with_systemd, packages, source_dir, documents):
-    """Each marked block as root in ROOT, in order, in a folder with the document's files. The number that ran and did not."""
+    """Runs each marked block as root in ROOT, in order, in a directory with the document's files.
+    Returns the numbers of blocks that ran and that did not."""
     ran = left = 0
     for path in documents:
         with open(os.path.join(source_dir, path), encoding="utf-8") as file:
@@ -259,7 +261,7 @@ def main():
 
         for path in documents:
             begin = time.monotonic()
-            # Documents show what a healthy bridge says, which one that could not run for a while does not.
+            # Documents show the output of a healthy bridge; that of a stalled one differs.
             runner = steadily(lambda path=path: run(path), Fault)
             counts = ", ".join(f"{number} {what}" for what, number in runner.count.items() if number)
             print(f"{path}: {counts or 'no command'}; {time.monotonic() - begin:.1f} s")

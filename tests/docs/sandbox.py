@@ -1,7 +1,9 @@
-"""The private place in which a document's commands run: a folder, a DDS domain, TCP ports and a PATH of their own, on the loopback.
+"""Provides a sandbox for the commands of a document: its own directory, DDS domain, TCP ports and
+PATH, on the loopback.
 
-What a document writes for everybody is replaced on the way in, and back on the way out: `/tmp/x` lies in the folder, `domain: 0` is
-the sandbox's domain, `127.0.0.1:9464` a free port. Everything that is started is ended by its pid.
+Public names in a document are replaced in commands and restored in outputs: `/tmp/x` is in the
+directory, `domain: 0` is the sandbox's domain, `127.0.0.1:9464` a free port. All processes are
+ended by process id.
 """
 
 import os
@@ -21,16 +23,16 @@ COMMAND_SECONDS = 60
 READY_SECONDS = 20
 STOP_SECONDS = 10
 TURN_SECONDS = 60
-# What a program that runs until it is stopped says when it is at work.
+# Output of a program that runs until it is stopped, once it is ready.
 READY = {"fieldcast-sim": "READY", "fieldcast-bridge": "running: ", "fieldcast-port": "paired", "fieldcast": ""}
 DDS_COMMANDS = ["watch", "write", "acquire", "status", "sessions", "alarms"]
 
-# `fieldcast watch` joins the domain 0 where nothing else is said: here that of the sandbox.
+# `fieldcast watch` joins the domain 0 by default; this wrapper selects the domain of the sandbox.
 IN_DOMAIN = """#!/bin/bash
 case " {commands} " in *" $1 "*) case " $* " in *" --config "*|*" --domain "*|*" --store "*|*" --help "*) ;; *) set -- "$@" --domain {domain} ;; esac ;; esac
 exec {program} "$@"
 """
-# Only what the sandbox has started has a pid here.
+# Returns only processes that the sandbox has started.
 PIDOF = """#!/bin/bash
 cat "{folder}/pids/$1" 2>/dev/null
 """
@@ -58,7 +60,8 @@ class Sandbox:
             shutil.rmtree(self.folder, ignore_errors=True)
 
     def wait_for_turn(self):
-        """Until no other sandbox of this machine has its turn: `fieldcast capture` asks every bridge of the machine for a bus."""
+        """Waits for the lock of sandboxes: `fieldcast capture` queries every bridge of the
+        machine."""
         self._turn, end = socket.socket(socket.AF_UNIX), time.monotonic() + TURN_SECONDS
         while True:
             try:
@@ -101,7 +104,6 @@ class Sandbox:
             file.write(text)
 
     def run(self, script):
-        """(exit code, what it said) of a shell script."""
         try:
             done = subprocess.run(["bash", "-euo", "pipefail", "-c", self.inside(script)], cwd=self.work, env=self._environment(),
                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, timeout=COMMAND_SECONDS)
@@ -111,7 +113,8 @@ class Sandbox:
             return f"none within {COMMAND_SECONDS} s; if it runs until stopped, mark it so", said
 
     def start(self, command, ready=None):
-        """Runs one command until stop(), and waits until it is at work. RuntimeError says why it is not."""
+        """Starts a command and waits until it is ready; RuntimeError with the reason if it fails.
+        """
         program = command.split()[0]
         if ready is None and program not in READY:
             raise RuntimeError(f"when is {program} at work? Write <!-- runs until stopped: WORDS THAT IT SAYS THEN -->")
@@ -130,7 +133,7 @@ class Sandbox:
         return started
 
     def stop(self):
-        """Ends what runs, the newest first, as Ctrl-C does. What is wrong with how they ended, one text for each."""
+        """Ends the commands, newest first, as Ctrl-C does. Returns the faults of their ends."""
         faults = []
         while self.running:
             started = self.running.pop()
@@ -169,7 +172,7 @@ class Running:
 
 
 def free_port(taken):
-    """Below those that the kernel assigns to connections, so that nobody else gets it meanwhile."""
+    """Returns a port below the kernel's ephemeral range, so that no other connection gets it."""
     for attempt in range(1000):
         port = 20000 + (os.getpid() * 7 + attempt) % 12000
         with socket.socket() as probe:

@@ -1,5 +1,7 @@
-"""The station programs of the documents, saved and compiled as a reader would, outside the tree, against what is installed; and what they
-say of a simulated plant: catalogue, values with quality and age, last values for who comes late, missed deadlines, a write's result.
+"""Tests the station programs of the documents as a reader would: saved and compiled outside the
+tree with the installed library. Checks their output for a simulated plant: catalogue, values
+with quality and age, last values for a late joiner, missed deadlines, and the result of a
+write.
 
 usage: stations_test.py BIN_DIR BUILD_DIR SOURCE_DIR
 """
@@ -23,8 +25,8 @@ from plant import Plant, wait_until  # noqa: E402
 
 BIN_DIR, BUILD_DIR, SOURCE_DIR = "", "", ""
 DOCUMENTS = ["README.md", "docs/stations.md"]
-COMPILED = "with a compiler"  # of the marker `in the installed system`
-SECONDS = 30  # far above what anything takes, so that only a fault reaches it
+COMPILED = "with a compiler"  # argument of the marker `in the installed system`
+SECONDS = 30  # far above any normal duration, so that only a fault reaches it
 AGE = r", \d+ ms old"
 
 PLANT = """
@@ -52,10 +54,10 @@ def run(*command, **options):
 
 
 class Station:
-    """A running program of the documents, and the lines that it said so far."""
+    """A running program of the documents with its output lines."""
 
     def __init__(self, program, domain, environment):
-        # A program that writes to a pipe keeps its lines for itself until they are many.
+        # stdbuf: a program that writes to a pipe would buffer its lines.
         self.process = subprocess.Popen(["stdbuf", "-oL", program, str(domain)], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                         text=True, env=environment)
         self.lines = []
@@ -67,13 +69,13 @@ class Station:
             self.lines.append(line.rstrip("\n"))
 
     def says(self, pattern, after=0):
-        """The first line from the one numbered `after` on that is `pattern`; waits for it."""
+        """Waits for a line that matches `pattern`, from the line number `after` on; returns it."""
         def found():
             return next((line for line in self.lines[after:] if re.fullmatch(pattern, line)), None)
         return wait_until(found, SECONDS, lambda: f"never said '{pattern}':\n" + "\n".join(self.lines[-40:]))
 
     def keeps(self, channel):
-        """Waits for two seconds in which the channel comes and none of its deadlines, of one second, is missed."""
+        """Waits for two seconds in which no deadline of the channel (one second) is missed."""
         begin, after = time.monotonic(), len(self.lines)
 
         def kept():
@@ -128,8 +130,8 @@ class Stations(unittest.TestCase):
 
     @classmethod
     def follow(cls, document):
-        """Saves the files of the document, and runs its commands for a machine with a compiler; what it says for the environment holds."""
-        folder = os.path.join(cls.folder, "work")  # of all documents: one goes on where another ended
+        """Saves the document's files and runs its commands for a machine with a compiler."""
+        folder = os.path.join(cls.folder, "work")
         with open(os.path.join(SOURCE_DIR, document), encoding="utf-8") as file:
             for block in parse(document, file.read()):
                 if "file" in block.markers and block.language != "sh":

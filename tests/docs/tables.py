@@ -1,11 +1,12 @@
-"""Tables of documents that the program judges: addresses that a configuration may use, those that `--check` refuses, and the codes with
-which devices refuse.
+"""Tests the tables of documents: addresses that a configuration may use, those that `--check`
+refuses, and the error codes of devices.
 
-    <!-- addresses: PROTOCOL, OPTION: VALUE, .. -->          columns address, type, write (yes or no), and any others
-    <!-- refused addresses: PROTOCOL, OPTION: VALUE, .. -->  columns address, type, said (words of the fault)
-    <!-- codes: FOLDER of core/protocol -->                  columns code, text: neither more nor fewer than in the source
+    <!-- addresses: PROTOCOL, OPTION: VALUE, .. -->          address, type, write (yes or no)
+    <!-- refused addresses: PROTOCOL, OPTION: VALUE, .. -->  address, type, said (part of the message)
+    <!-- codes: FOLDER of core/protocol -->                  code, text: exactly those in the source
 
-A cell may name several types. An address without a type is one bit.
+A comment names the kind of the table after it; the columns on the right are required. A cell may
+name several types. An address without a type is one bit.
 """
 
 import os
@@ -16,7 +17,6 @@ DEVICE_CODE = re.compile(r'DeviceCode\{(0x[0-9A-Fa-f]+|\d+),\s*"([^"]*)"[,}]')
 
 
 def rows(block):
-    """The rows of a table, each as {column: cell}."""
     lines = [[cell.strip() for cell in line.strip().strip("|").split("|")] for line in block.text.splitlines()]
     return [dict(zip(lines[0], cells)) for cells in lines[2:]]
 
@@ -26,8 +26,6 @@ def codes_of(cell):
 
 
 class Configuration:
-    """A configuration with a line for each channel."""
-
     def __init__(self, argument):
         protocol, _, options = argument.partition(",")
         port = PORTS.get(protocol.strip(), "{ serial: /tmp/line }")
@@ -55,7 +53,7 @@ def channels(row):
 
 
 def check_addresses(block, sandbox):
-    """How many channels were tried: all are accepted, and those that cannot be written only as read-only."""
+    """Checks that `write` is right for each channel. Returns the number of channels."""
     good, bad = Configuration(block.markers["addresses"]), Configuration(block.markers["addresses"])
     for row in rows(block):
         writable = row.get("write", "").split(",")[0].split(" ")[0]

@@ -1,4 +1,4 @@
-"""The tool that runs documents finds planted faults, and every document has its test.
+"""Tests that the tool for documents finds planted faults, and that every document has its test.
 
 usage: tool_test.py SOURCE_DIR DOCUMENT..
 """

@@ -27,7 +27,6 @@ Request request_of(const Protocol& protocol, ByteView choices) {
   return read;
 }
 
-// What a protocol calls done has an item image for each range that was asked.
 void check_reply(const Protocol& protocol, const Request& request, const Reply& reply) {
   const auto* read = std::get_if<ReadRequest>(&request);
   if (read == nullptr) return;

@@ -1,8 +1,8 @@
-// What a fuzz target does with any protocol: bytes as the answers to a request, and into the
-// explainer; the latter for one input in eight.
+// Feeds bytes to any protocol as the response to a request, and for one input in eight to the
+// explainer.
 //
-// Input: area, first, count, kind of request, cut; then for each round length(1) and so many bytes
-// of answer.
+// Input: area, first, count, kind of request, cut; then for each round length(1) and that many
+// response bytes.
 #pragma once
 
 #include <functional>

@@ -1,7 +1,6 @@
-// Fuzz target of address notations, which commands carry from the network: any text for any
-// protocol.
+// Fuzzes address notations, which commands carry from the network: any text for any protocol.
 //
-// Input: one byte that chooses the protocol, then the text.
+// Input: one byte that selects the protocol, then the text.
 #include <cstdlib>
 
 #include "config/loader.hpp"

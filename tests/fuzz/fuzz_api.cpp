@@ -1,8 +1,7 @@
-// Fuzz target of what the resources below /api make of a request, behind the server: any target and
-// any body. Whatever comes: one answer, JSON where it says so, and a command only by POST, with
-// values and a bus.
+// Fuzzes the resources below /api with any target and body. Each request must get one response,
+// valid JSON if declared so, and only a POST with values and a bus may send a command.
 //
-// Input: method(1), the target up to a line's end, then the body.
+// Input: method(1), the target up to a line end, then the body.
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
@@ -35,7 +34,6 @@ class CountingCommands final : public CommandSink {
   std::uint64_t count = 0;
 };
 
-// A station without a store, with two channels, a device, a bus and its plan.
 struct Api {
   Api() {
     for (const char* name : {"oil", "speed"}) {
@@ -64,7 +62,6 @@ void check(const HttpResponse& response) {
     require(nlohmann::json::accept(response.body));
 }
 
-// What no route without a store reads.
 void read_parameters(const HttpRequest& request) {
   const Parameters parameters(request, {"from", "to", "channel", "points", "bus", "every"});
   const UtcTime now{1'000'000'000'000};

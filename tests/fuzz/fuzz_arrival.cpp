@@ -1,7 +1,6 @@
-// Fuzz target of what comes from the other end of a programming connection: any bytes as the
-// registration of a module that dials in, by text or by words of its PLC, and as what a bridge
-// sends to `fieldcast port`. Whatever comes: a number has the letters of one, a fault is one line,
-// a registration ends within its time, and a client ends once.
+// Fuzzes programming connections: any bytes as a module's registration (text or words of its PLC)
+// and as data of a bridge to `fieldcast port`. A number must consist of valid letters, a fault of
+// one line. A registration must end in time, and a client exactly once.
 //
 // Input: kind and size of a piece(1), then the stream.
 #include <cstdlib>

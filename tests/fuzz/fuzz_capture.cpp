@@ -1,7 +1,7 @@
-// Fuzz target of what `fieldcast inspect` reads besides hexadecimal: captures, and pasted lines of
-// a trace, with values by a configuration.
+// Fuzzes `fieldcast inspect` with captures and pasted lines of a trace, with values by a
+// configuration.
 //
-// Input: a capture where the bytes begin as one, else text.
+// Input: a capture if the bytes begin as one, else text.
 #include <cstdlib>
 #include <sstream>
 
@@ -44,7 +44,7 @@ void run_capture_input(ByteView data) {
     } else if (!cli::show_trace(text, report) && report.frames() > 0) {
       std::abort();
     }
-    // Nothing from outside reaches the terminal as a control character.
+    // No control character from outside may reach the terminal.
     for (const char c : out.str() + err.str()) {
       if (static_cast<unsigned char>(c) < 0x20 && c != '\n') std::abort();
     }

@@ -1,7 +1,6 @@
-// Fuzz target of the configuration loader: any texts as a configuration and the files that it may
-// name.
+// Fuzzes the configuration loader: any texts as a configuration and the files that it may name.
 //
-// Input: up to four texts with a zero byte between them: plant.yaml, list.csv, devices/kind.yaml,
+// Input: up to four texts separated by a zero byte: plant.yaml, list.csv, devices/kind.yaml,
 // protocols/mine.yaml.
 #include <algorithm>
 #include <array>
@@ -44,7 +43,7 @@ void run_one(ByteView data) {
   if (loaded->buses.empty()) std::abort();
   for (const BusSpec& bus : loaded->buses) {
     for (const DeviceSpec& device : bus.devices) {
-      // What the engine takes for granted: a protocol for each device.
+      // Assumption of the engine: each device has a protocol.
       const auto made = device.declaration ? declared::make(device.declaration.value, device.link)
                                            : find_protocol(device.protocol)->make(device.link);
       if (!made) std::abort();

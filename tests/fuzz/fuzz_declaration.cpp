@@ -1,4 +1,4 @@
-// Fuzz target of declarations: any text as one, and any bytes against what it declares.
+// Fuzzes declarations: any text as one, and any bytes for the protocol that it declares.
 //
 // Input: the text, a zero byte, then as in any_protocol.hpp.
 #include <algorithm>

@@ -1,5 +1,4 @@
-// Fuzz target of a declared protocol that comes with Fieldcast: input as in any_protocol.hpp.
-// FUZZ_PROTOCOL names it.
+// Fuzzes a declared protocol of Fieldcast, FUZZ_PROTOCOL; input as in any_protocol.hpp.
 #include <cstdlib>
 
 #include "config/loader.hpp"

@@ -1,9 +1,9 @@
-// Fuzz target: any bytes as what a client sends to the station's server, cut as the input says:
-// requests, the handshake of a WebSocket, its frames. Whatever comes: what the station sends is
-// HTTP/1.1, nobody gets what needs a login, no command is taken but from a page of the station's
-// own, a message is never longer than its limit, and nothing stays when the client is gone.
+// Fuzzes the station's server with any bytes of a client, cut as the input says: requests,
+// WebSocket handshake, frames. The station must send HTTP/1.1, require a login for protected data,
+// accept commands only from its own pages, limit messages, and release everything when the client
+// disconnects.
 //
-// Input: size of a piece and whether everybody may do everything (1), then the stream.
+// Input: size of a piece and whether every client has all rights (1), then the stream.
 #include <boost/asio/io_context.hpp>
 #include <cstdlib>
 
@@ -87,7 +87,7 @@ void run_one(ByteView data) {
   link->wake();
   io.poll();
   io.restart();
-  // A farewell from both sides at once may end by its limit only.
+  // If both sides close at the same time, only the time limit may end the close.
   for (int i = 0; i < 100 && !link->station_closed; ++i)
     io.run_one_for(std::chrono::milliseconds{20});
   io.poll();

@@ -1,9 +1,9 @@
-// Fuzz target of `fieldcast import`: any bytes as a list, of the format that they are recognised as
-// or of one that is named, with addresses that count from what is guessed, from 0 or from 1. What
-// cannot be moved has a reason, and a fault is one line.
+// Fuzzes `fieldcast import`: any bytes as a list, in a recognised or selected format, with
+// addresses from a guessed base, 0 or 1. Each refused point must have a reason, and a fault is one
+// line.
 //
-// Input: one byte that chooses the format, the base and whether templates come of it; then the
-// file. One import for each input, which is what the time goes into.
+// Input: one byte that selects format, base and templates; then the file. One import for each
+// input, because an import is slow.
 #include <cstdlib>
 
 #include "core/base/bytes.hpp"

@@ -1,7 +1,7 @@
-// Fuzz target of `fieldcast inspect`: any text as hexadecimal, explained by any protocol, as lines
-// and as JSON.
+// Fuzzes `fieldcast inspect`: any text as hexadecimal, explained by any protocol, as lines and as
+// JSON.
 //
-// Input: one byte that chooses the protocol, then the text.
+// Input: one byte that selects the protocol, then the text.
 #include <cstdlib>
 #include <sstream>
 
@@ -27,7 +27,7 @@ void run_one(ByteView data) {
         cli::inspect({.protocol = names[data[0] % names.size()], .json = json}, in, out, err, {});
     const bool refused = code == cli::ExitCode::kUsage;
     if (refused != out.str().empty() || refused == err.str().empty()) std::abort();
-    // Nothing of a frame reaches the terminal as a control character.
+    // No control character of a frame may reach the terminal.
     for (const char c : out.str()) {
       if (static_cast<unsigned char>(c) < 0x20 && c != '\n') std::abort();
     }

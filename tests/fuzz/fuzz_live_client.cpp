@@ -1,8 +1,8 @@
-// Fuzz target: any texts as what a client of /live says, one a line. Whatever comes: every answer
-// is a JSON object, every message that does nothing is refused with a reason, a viewer commands
-// nothing, and no interest stays when the client is gone.
+// Fuzzes a client of /live with any texts, one per line. Each response must be a JSON object, each
+// ineffective message is refused with a reason, a viewer sends no command, and no interest remains
+// after a disconnect.
 //
-// Input: who it is(1), then the lines.
+// Input: the user(1), then the lines.
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 

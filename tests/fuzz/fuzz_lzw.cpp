@@ -1,5 +1,4 @@
-// Fuzz target: any bytes as LZW codes, and as data to compress; both against the dictionary of
-// strings.
+// Fuzzes LZW: any bytes as codes and as data to compress, compared with the reference.
 //
 // Input: the original's length(2), then codes.
 #include <cstdlib>
@@ -17,8 +16,8 @@ void run_one(ByteView data) {
   Bytes out;
   if (const auto result = lzw_decode(codes, length, out)) {
     if (out.size() != length || test::reference_decode(codes, length) != out) std::abort();
-    LzwEncoder encoder;  // these codes may be another choice of strings; what the encoder makes of
-                         // it must come back
+    LzwEncoder encoder;  // the codes may use other strings than the encoder; its output
+                         // must decode to the same data
     Bytes again(3 * length + 16);
     const auto size = encoder.encode(out, again);
     Bytes back;

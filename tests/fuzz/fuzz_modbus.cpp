@@ -1,7 +1,7 @@
-// Fuzz target: any bytes into every Modbus decoder and explainer.
+// Fuzzes every Modbus decoder and explainer.
 //
-// Input: one byte that chooses framing and request, one that says how the bytes arrive, then the
-// bytes of the answer.
+// Input: one byte that selects framing and request, one for the arrival of the bytes, then the
+// response.
 #include <array>
 #include <cstdlib>
 

@@ -1,6 +1,5 @@
-// Fuzz target: any bytes as what an engineer's client sends, cut as the input says. Whatever comes,
-// memory stays bounded, a device is freed exactly as often as it was taken, and nothing happens
-// after the end.
+// Fuzzes the connection of an engineer's client, cut as the input says. Memory must stay bounded, a
+// device is released exactly as often as it was leased, and no action follows the end.
 //
 // Input: the size of a piece(1), then the stream.
 #include <cstdlib>

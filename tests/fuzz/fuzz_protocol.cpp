@@ -1,5 +1,4 @@
-// Fuzz target of any registered protocol. FUZZ_PROTOCOL names the protocol, FUZZ_OPTION and
-// FUZZ_VALUE an option of it.
+// Fuzzes the registered protocol FUZZ_PROTOCOL, with the option FUZZ_OPTION set to FUZZ_VALUE.
 #include "tests/fuzz/registered.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,10 +1,9 @@
-// Fuzz target of what Fieldcast itself reads of RTPS messages: joining them, the mark of an
-// instance that is let go, what DDS Security lets through in clear, discovery servers that start
-// anew, and the number of what is announced to them. Whatever comes: a joined message is no longer
-// than its parts and never too long, only what holds a mark changes, and of one server that is here
-// one goodbye is said.
+// Fuzzes Fieldcast's own parsers of RTPS messages: joining, marks of unregistered instances, clear
+// text under DDS Security, restarted discovery servers, and announcement numbers. A joined message
+// must not exceed its parts or the limit, only marked messages change, and each present server gets
+// one goodbye.
 //
-// Input: for each message length(1), then so many bytes.
+// Input: for each message length(1), then that many bytes.
 #include <cstdlib>
 
 #include "bridge/dds/incoming_filter.hpp"
@@ -18,7 +17,7 @@
 namespace fieldcast {
 namespace {
 
-constexpr std::size_t kMost = 200;  // bytes of a joined message
+constexpr std::size_t kMost = 200;  // maximum size of a joined message
 
 void require(bool holds) {
   if (!holds) std::abort();

@@ -1,9 +1,7 @@
-// Fuzz target of what `fieldcast scan` reads of a device's identity, which no plan asks for: any
-// bytes as its answers. What is done has a text that fits. The same bytes are the registers behind
-// the mark of SunSpec models: the walk over them ends.
+// Fuzzes the parser of device identities in `fieldcast scan`, which no plan requests. A completed
+// identity must have a valid text.
 //
-// Input: form(1), a cut(1), then the answer.
-#include <algorithm>
+// Input: form(1), a cut(1), then the response.
 #include <array>
 #include <cstdlib>
 

@@ -1,6 +1,5 @@
-// Fuzz target of the files that say who somebody is: who a member's folder is made for, what its
-// governance asks, the name in a certificate, the secrets of modules. A fault is one line, without
-// a word of the file where that is a secret.
+// Fuzzes identity files: the owner of a member's directory, its governance, the name in a
+// certificate, the secrets of modules. A fault must be one line, without a word of a secret file.
 //
 // Input: kind(1), then the text.
 #include <sys/mman.h>
@@ -41,7 +40,7 @@ void read_subject(const std::string& text) {
   require(!subject->name.empty() && !security::der_of(*subject).empty());
 }
 
-// A file that nobody else can read, as the reader wants it.
+// A file that only the owner can read, as the reader requires.
 class PrivateFile {
  public:
   PrivateFile() : fd_(::memfd_create("secrets", MFD_CLOEXEC)) {

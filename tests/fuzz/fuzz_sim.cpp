@@ -1,6 +1,6 @@
-// Fuzz target of the simulator: any text as a file of faults for a plant, and any bytes as what a
-// master sends to each kind of simulated device. Whatever comes: a file is one or has faults that
-// each say where and what, and a device answers no more than a frame.
+// Fuzzes the simulator: any text as a fault file of a plant, and any bytes from a master for each
+// kind of device. A file is valid or has faults with place and reason, and a device sends at most
+// one frame.
 //
 // Input: kind of device, or the file of faults(1), pause in characters(1), then the bytes.
 #include <cstdlib>

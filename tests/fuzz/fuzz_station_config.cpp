@@ -1,5 +1,5 @@
-// Fuzz target of the configuration of fieldcast-station, and of the addresses that it may name. A
-// text is a configuration, or has faults that each say where and what.
+// Fuzzes the configuration of fieldcast-station and its addresses. A text is valid or has faults
+// with place and reason.
 //
 // Input: the text.
 #include <cstdlib>

@@ -1,8 +1,7 @@
-// Fuzz target of what comes from DDS: any bytes as messages of our topics, read as the library has
-// them read, converted, and given to the tables of a station. Whatever comes, a message is refused
-// or has the values that the IDL names.
+// Fuzzes data from DDS: any bytes as messages of our topics, read by the library, converted, and
+// passed to the tables of a station. A message must be refused or have values of the IDL.
 //
-// Input: for each message topic(1), length(2, little-endian), then so many bytes.
+// Input: for each message topic(1), length(2, little-endian), then that many bytes.
 #include <cstdlib>
 #include <cstring>
 
@@ -30,7 +29,7 @@ rtps::SerializedPayload_t& payload_of(ByteView bytes) {
   return payload;
 }
 
-// The message, or null: it is none. Its key is looked for as the library does.
+// Returns the message, null if it is invalid. Computes its key as the library does.
 template <class Generated>
 const typename Generated::type* message_of(ByteView bytes) {
   static TopicType<Generated> type;
@@ -42,7 +41,7 @@ const typename Generated::type* message_of(ByteView bytes) {
   return &message;
 }
 
-// Read and converted; what comes of it is looked at where it is more than values.
+// Reads and converts; checks results that are more than plain values.
 template <class Generated>
 void convert(ByteView bytes) {
   if (const auto* message = message_of<Generated>(bytes)) (void)from_idl(*message);

@@ -1,9 +1,8 @@
-// Fuzz target of what says who may log in: files with a password, the names, passwords and tokens
-// that people give, and a store whose tables of users and tokens somebody else has filled. Whatever
-// is there: a fault is one line without a word of the secret, a role is one of ours or nobody logs
-// in, and a hash that would take more than the machine has is refused.
+// Fuzzes login data: password files, names, passwords and tokens of users, and a store with foreign
+// tables of users and tokens. A fault must be one line without a word of the secret. An unknown
+// role must prevent the login. A hash that needs more memory than the machine has must be refused.
 //
-// Input: kind(1), then the text; for a store values with zero bytes between them.
+// Input: kind(1), then the text; for a store, values separated by zero bytes.
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -32,7 +31,6 @@ bool is_line(const std::string& text) {
   return !text.empty() && text.find('\n') == std::string::npos;
 }
 
-// The first line of a file that nobody else can read.
 void read_password_file(const std::string& text) {
   static const int fd = ::memfd_create("password", MFD_CLOEXEC);
   require(fd >= 0 && ::fchmod(fd, 0600) == 0 && ::ftruncate(fd, 0) == 0 &&
@@ -56,11 +54,10 @@ void read_names(const std::string& text) {
 void read_hash(const std::string& text) {
   const auto limits = password_limits(text);
   if (!limits) return require(!password_fits(text, "wrong password"));
-  // What may be checked is checked where that is quick.
+  // Checks a valid hash only if that is quick.
   if (limits->kibibytes <= 64 && limits->passes == 1) (void)password_fits(text, "wrong password");
 }
 
-// A folder for the store, gone with the program.
 struct Folder {
   Folder() { require(::mkdtemp(path.data()) != nullptr); }
   ~Folder() {
@@ -77,7 +74,7 @@ SqlConnection& store() {
   return *connection;
 }
 
-// A number where the text is one, so that columns have values of another type than ours.
+// Returns a number if the text is one, so that columns have values of other types.
 SqlValue value_of(const std::string& text) {
   if (text == "null") return {};
   if (!text.empty() && text.size() < 18 &&
@@ -87,7 +84,7 @@ SqlValue value_of(const std::string& text) {
   return text;
 }
 
-// What is not there is an empty text.
+// Missing values are empty texts.
 SqlRow row_of(const std::vector<std::string>& values, std::size_t first) {
   SqlRow row;
   for (std::size_t i = 0; i < 4; ++i)
@@ -98,7 +95,7 @@ SqlRow row_of(const std::vector<std::string>& values, std::size_t first) {
 void fill(SqlConnection& into, const std::string& sql, const SqlRow& row) {
   try {
     (void)into.execute(sql, row);
-  } catch (const StoreError&) {}  // a table that does not take this value
+  } catch (const StoreError&) {}  // a table that rejects this value
 }
 
 void read_store(const std::string& text) {

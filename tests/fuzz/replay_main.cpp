@@ -1,10 +1,10 @@
-// Runs a fuzz target over the files of some folders and over mutations of them, from a fixed seed:
-// the ordinary test where the compiler has no libFuzzer.
+// Runs a fuzz target on the files of directories and on mutations of them, with a fixed seed. This
+// is the test if the compiler has no libFuzzer.
 //
 //     fuzz_FAMILY [--mutations N] [--seconds S] FOLDER..
 //
-// N mutations of each file (2000); with --seconds all of it again with other mutations until the
-// time is over.
+// N mutations of each file (2000); with --seconds, repeats with other mutations until the time has
+// passed.
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
@@ -43,7 +43,7 @@ void mutate(std::vector<std::uint8_t>& input, std::mt19937& random) {
 }
 
 struct Arguments {
-  int mutations = 2000;             // of each file
+  int mutations = 2000;
   std::chrono::seconds duration{};  // 0: once
   std::vector<std::filesystem::path> folders;
 };

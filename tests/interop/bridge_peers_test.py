@@ -1,4 +1,5 @@
-"""The bridge reading and writing Modbus devices that others wrote: libmodbus and pymodbus, over serial lines and TCP, all at once.
+"""Tests the bridge with Modbus devices of other authors, libmodbus and pymodbus, over serial lines
+and TCP at the same time.
 
 usage: bridge_peers_test.py BIN_FOLDER LIBMODBUS_SERVER
 """
@@ -45,7 +46,6 @@ class BridgePeersTest(unittest.TestCase):
         return subprocess.run([os.path.join(BIN, "fieldcast"), *arguments, "--config", self.file], capture_output=True, text=True, timeout=DEADLINE)
 
     def samples(self):
-        """The last sample of every channel, as the command line prints them."""
         done = self.cli("watch", "--json", "--once")
         return {(s["bus"], s["channel"]): s for s in map(json.loads, done.stdout.splitlines())}
 

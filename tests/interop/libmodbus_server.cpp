@@ -1,12 +1,11 @@
-// A Modbus device made of libmodbus: something that others wrote, for the bridge to read.
+// A Modbus device based on libmodbus, as an independent peer of the bridge.
 //
 //   libmodbus-server rtu PATH [BAUD [UNIT [DELAY_MS]]]     8N1; default 115200 baud, unit 1
 //   libmodbus-server tcp PORT                              127.0.0.1
 //
-// Prints READY when it serves, ends with SIGTERM. Memory, all areas 0..499, the same as in
+// Prints READY when it serves, ends with SIGTERM. Memory, all areas 0..499, equal to
 // pymodbus_server.py:
-//   coil n = (n % 3 == 0)   input n = (n % 2 == 1)   holding n = 1000 + n   input-register n = 2000
-//   + n
+//  coil n = (n % 3 == 0), input n = (n % 2 == 1), holding n = 1000 + n, input-register n = 2000 + n
 #include <modbus/modbus.h>
 #include <unistd.h>
 
@@ -50,7 +49,7 @@ int serve_rtu(modbus_t* bus, modbus_mapping_t* memory, int delay_ms) {
   for (;;) {
     const int size = modbus_receive(bus, request.data());
     if (size < 0 && errno < MODBUS_ENOBASE && errno != ETIMEDOUT && errno != EINTR)
-      return fail("receive");  // the port is gone
+      return fail("receive");  // the port is closed
     if (size <= 0) continue;   // broken, or to another unit
     if (delay_ms > 0) ::usleep(static_cast<useconds_t>(delay_ms) * 1000);
     modbus_reply(bus, request.data(), size, memory);
@@ -80,7 +79,7 @@ int main(int argc, char** argv) {
     return argc > at ? std::atoi(argv[at]) : otherwise;
   };
   const std::string kind = argc > 2 ? argv[1] : "";
-  // libmodbus goes on waiting when a signal interrupts it.
+  // libmodbus continues to wait when a signal interrupts it.
   std::signal(SIGTERM, [](int) { ::_exit(0); });
   std::signal(SIGINT, [](int) { ::_exit(0); });
   modbus_mapping_t* memory = make_memory();

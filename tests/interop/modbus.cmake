@@ -1,7 +1,6 @@
-# Modbus devices and masters that others wrote.
 find_path(MODBUS_INCLUDE_DIR modbus/modbus.h REQUIRED)
 find_library(MODBUS_LIBRARY modbus REQUIRED)
-set(python /usr/bin/python3)  # Debian's own: it has pymodbus
+set(python /usr/bin/python3)  # Debian's Python: it has pymodbus
 
 add_executable(libmodbus-server libmodbus_server.cpp)
 target_include_directories(libmodbus-server SYSTEM PRIVATE ${MODBUS_INCLUDE_DIR})

@@ -1,4 +1,4 @@
-"""What the interop tests share: programs that say READY, a null-modem cable, and mbpoll."""
+"""Shared by the interop tests: programs that print READY, a null-modem cable, and mbpoll."""
 
 import contextlib
 import fcntl
@@ -14,12 +14,10 @@ import threading
 import time
 import tty
 
-DEADLINE = 30  # seconds; far above what anything takes, so that only a fault reaches it
+DEADLINE = 30  # seconds; far above any normal duration, so that only a fault reaches it
 
 
 class Program:
-    """A program of ours under test. Ends with it, and never touches another."""
-
     def __init__(self, *command):
         self.command = [str(word) for word in command]
         self.process = subprocess.Popen(self.command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
@@ -41,7 +39,6 @@ class Program:
         self.process.send_signal(number)
 
     def stop(self):
-        """SIGTERM, and the exit code."""
         self.process.terminate()
         return self.wait()
 
@@ -69,7 +66,7 @@ class Program:
 
 
 class Cable:
-    """Two terminals joined by a thread: what is written to `left` is read from `right`, and back."""
+    """Two terminals joined by a thread: bytes written to one are read from the other."""
 
     def __enter__(self):
         self.ends = [os.openpty(), os.openpty()]
@@ -98,12 +95,13 @@ class Cable:
             os.close(fd)
 
 
-TCGETS2 = 0x802C542A  # of Linux: struct termios2, which has the speed in baud
+TCGETS2 = 0x802C542A  # Linux: struct termios2, with the speed in baud
 
 
 class SerialCable(Cable):
-    """A cable as a serial line has it: characters take their time, and reach only who has the same speed, parity and data bits; others
-    get noise. `asked` is what `left` sent."""
+    """A cable with the properties of a serial line: characters take their time, and arrive only
+    with the same speed, parity and data bits; otherwise noise arrives. `asked` is what `left`
+    sent."""
 
     def __enter__(self):
         self.asked = []
@@ -129,7 +127,7 @@ class SerialCable(Cable):
                 time.sleep(len(data) * 11 / settings[0])
                 if self._settings(other) != settings:
                     data = bytes(byte ^ 0x6B for byte in data)
-                with contextlib.suppress(BlockingIOError):  # nobody reads there
+                with contextlib.suppress(BlockingIOError):
                     os.write(other, data)
 
 
@@ -137,7 +135,7 @@ _asked = itertools.count()
 
 
 def free_port():
-    """A port that nobody listens at just now, below those that the kernel assigns to connections."""
+    """Returns an unused port below the kernel's ephemeral range."""
     for _ in range(12000):
         port = 20000 + (os.getpid() * 7 + next(_asked)) % 12000
         with socket.socket() as probe:
@@ -153,7 +151,7 @@ TABLES = {"coil": "0", "input": "1", "input-register": "3", "holding": "4"}
 
 
 class Mbpoll:
-    """The master that others wrote. place: a serial path (8N1), or 127.0.0.1 with a port."""
+    """An independent master. place: a serial path (8N1), or 127.0.0.1 with a port."""
 
     def __init__(self, place, port=None, baud=115200, unit=1, timeout=5):
         self.place = place
@@ -167,12 +165,12 @@ class Mbpoll:
         return done.stdout
 
     def read(self, area, first, count):
-        """The values, or the text of the failure."""
+        """Returns the values, or the text of the failure."""
         text = self._run(area, first, "-c", count, self.place)
         values = [int(value) for value in re.findall(r"^\[\d+\]:\s+(-?\d+)", text, re.M)]
         return values if len(values) == count else text
 
     def write(self, area, first, *values):
-        """True, or the text of the failure."""
+        """Returns True, or the text of the failure."""
         text = self._run(area, first, self.place, *values)
         return True if f"Written {len(values)} references" in text else text

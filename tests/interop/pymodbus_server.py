@@ -1,12 +1,13 @@
-"""A Modbus device made of pymodbus: something that others wrote, for the bridge to read.
+"""A Modbus device based on pymodbus, as an independent peer of the bridge.
 
 usage: pymodbus_server.py rtu PATH [BAUD [UNIT]]     8N1; default 115200 baud, unit 1
        pymodbus_server.py ascii PATH [BAUD [UNIT]]
        pymodbus_server.py tcp PORT [UNIT]            127.0.0.1
        --registers FILE     JSON of {"first holding register": [values]}; all others are refused
 
-Prints READY when it serves, ends with SIGTERM. Memory, all areas 0..499, the same as in libmodbus_server.cpp:
-  coil n = (n % 3 == 0)   input n = (n % 2 == 1)   holding n = 1000 + n   input-register n = 2000 + n
+Prints READY when it serves, ends with SIGTERM. Memory, all areas 0..499, equal to
+libmodbus_server.cpp:
+  coil n = (n % 3 == 0), input n = (n % 2 == 1), holding n = 1000 + n, input-register n = 2000 + n
 """
 
 import asyncio

@@ -1,6 +1,7 @@
-"""`fieldcast scan`, `read` and `poke` on a serial line, before devices that others wrote: nothing of ours is at the other end.
+"""Tests `fieldcast scan`, `read` and `poke` on a serial line with devices of other authors.
 
-usage: scan_peers_test.py FIELDCAST LIBMODBUS_SERVER [--whole]     --whole: also the scans that take minutes
+usage: scan_peers_test.py FIELDCAST LIBMODBUS_SERVER [--whole]     --whole: also the scans that take
+minutes
 """
 
 import contextlib
@@ -17,18 +18,16 @@ from peers import Mbpoll, Program, SerialCable
 FIELDCAST = LIBMODBUS = ""
 WHOLE = False
 PYMODBUS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "pymodbus_server.py")
-HARMLESS = {1, 2, 3, 4, 0x2B}  # the functions of Modbus that read
+HARMLESS = {1, 2, 3, 4, 0x2B}
 
 
 def run(*words, limit=60):
-    """Exit code, what it printed, what it told."""
     done = subprocess.run([FIELDCAST, *(str(word) for word in words)], capture_output=True, text=True, timeout=limit)
     return done.returncode, done.stdout, done.stderr
 
 
 class ScanTest(unittest.TestCase):
     def scan(self, server, baud, unit, *words, limit=60):
-        """What a scan finds before the server, and the seconds that it took."""
         with SerialCable() as cable, Program(*server, "rtu", cable.right, baud, unit) as device:
             device.wait_ready()
             began = time.monotonic()
@@ -48,7 +47,7 @@ class ScanTest(unittest.TestCase):
         self.scan([sys.executable, PYMODBUS], 9600, 17, "--addresses", "16-18", "--timeout", "150ms")
 
     def test_finds_libmodbus_at_unknown_settings(self):
-        # libmodbus takes what follows a request to another unit within half a second for that unit's answer.
+        # For half a second, libmodbus treats data as the response of the unit polled before.
         self.scan([LIBMODBUS], 9600, 17, "--addresses", "16-18", "--timeout", "600ms")
 
     def test_known_settings_units_1_to_32(self):

@@ -1,4 +1,5 @@
-"""The devices that others wrote, read by a master that others wrote: only what works between them can be expected of the bridge.
+"""Tests devices and masters of other authors with each other: the bridge can only support what
+works between them.
 
 usage: servers_test.py LIBMODBUS_SERVER
 """

@@ -1,4 +1,4 @@
-"""fieldcast-sim before masters that others wrote: mbpoll and pymodbus.
+"""Tests fieldcast-sim with the masters mbpoll and pymodbus.
 
 usage: sim_peers_test.py FIELDCAST_SIM
 """
@@ -86,7 +86,7 @@ class SimulatorTest(unittest.TestCase):
         self.assertTrue(all(10 <= value <= 20 for value in press.read("holding", 101, 1)))
         self.assertEqual(press.read("holding", 110, 2), [0x4C4F, 0x542D])  # "LOT-"
         self.assertIs(press.write("holding", 100, 4711), True)
-        self.assertEqual(press.read("holding", 100, 1), [4711])  # a written channel holds
+        self.assertEqual(press.read("holding", 100, 1), [4711])  # a written channel keeps its value
         self.assertIs(press.write("coil", 3, 1), True)
         self.assertEqual(press.read("coil", 2, 3), [0, 1, 0])
         self.assertIs(press.write("holding", 200, 1, 2, 3), True)

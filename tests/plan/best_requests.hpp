@@ -1,5 +1,4 @@
-// Computes the requests of least wire time that together read all wanted ranges, for protocols
-// whose requests carry lists of ranges. Schedulers are compared with this optimum.
+// Computes the optimal requests of lists of ranges, as a reference for schedulers.
 #pragma once
 
 #include <span>

@@ -1,5 +1,4 @@
-// A protocol with sizes but without frames, for planning: the sizes of Modbus RTU, and areas with
-// the special cases of planning.
+// A protocol with the sizes of Modbus RTU but without frames, and with special areas.
 #pragma once
 
 #include <array>

@@ -1,4 +1,3 @@
-// Channel maps for tests and benchmarks: the files in tests/maps, and random maps from a seed.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +19,6 @@ using Map = std::vector<MapRow>;
 // Reads a file with the columns unit,address,refresh; throws std::runtime_error with the reason.
 [[nodiscard]] Map read_map(const std::string& path);
 
-// Returns groups of registers scattered over a few units, with refreshes from 100 ms to 10 s.
 [[nodiscard]] Map random_map(std::uint64_t seed, std::size_t channels, unsigned units = 3);
 
 // Modbus RTU with 11 bits per character and a silence of 3.5 characters before and after a
@@ -29,8 +27,7 @@ using Map = std::vector<MapRow>;
                                      std::uint32_t baud = 19200, Duration delay = {},
                                      double stretch = 1);
 
-// How a protocol writes the register of a map: "holding:" and its number, or "VW" and twice the
-// number.
+// How a protocol writes a register: "holding:" and its number, or "VW" and twice of it.
 struct Notation {
   const char* protocol = "modbus-rtu";
   const char* area = "holding:";

@@ -14,7 +14,6 @@ using namespace std::chrono_literals;
 using test::kFakeProtocol;
 const LineFormat kEvenLine{19200, 8, Parity::kEven, 1};
 
-// Tries every partition of the list.
 Duration brute_force(const std::vector<Wanted>& wanted, const ReadCost& cost,
                      std::uint32_t max_gap) {
   Duration best = Duration::max();

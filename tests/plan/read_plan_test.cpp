@@ -1,4 +1,3 @@
-// Tests the groups, periods and phases of a plan.
 #include "core/plan/read_plan.hpp"
 
 #include <gmock/gmock.h>
@@ -21,8 +20,7 @@ ReadPlan plan_of(const ScheduleInput& input, Planner planner = Planner::kCyclic)
   return make_plans(basis, group_points(basis)).front();
 }
 
-// The points b, a, c and d of the drawing in the header, by address: a is between b and c, d is far
-// away.
+// The points of the drawing in the header: a is between b and c, d is far away.
 ScheduleInput drawn() {
   return test::input_of({{1, 0, 0.4}, {1, 5, 0.1}, {1, 10, 0.4}, {1, 4000, 0.2}}, kFakeProtocol);
 }

@@ -1,4 +1,3 @@
-// Tests the periods, phases and instants of a timetable.
 #include "core/plan/timetable.hpp"
 
 #include <gtest/gtest.h>

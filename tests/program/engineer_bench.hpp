@@ -1,6 +1,6 @@
-// An Engineer in virtual time: feeds it events, and keeps what came of them.
+// An Engineer in virtual time: feeds events and stores the actions.
 //
-// Owns the Engineer and the clock. Runs on the thread of the test. pair() fails the test when the
+// Owns the Engineer and the clock. Runs on the thread of the test. pair() fails the test if the
 // Engineer does not pair.
 #pragma once
 
@@ -38,7 +38,6 @@ struct EngineerBench {
   }
   void sends(std::string_view text) { tell(FromClient{as_bytes(text)}); }
   void answers(std::string_view text) { tell(FromDevice{as_bytes(text)}); }
-  // Lets time pass, firing what is due.
   void pass(Duration time) {
     const Instant until = now + time;
     while (wake <= until) {

@@ -1,5 +1,3 @@
-// What passes in a pairing, framed by markers and by length: whole instructions, halves, line
-// settings, streams that make no sense.
 #include <gmock/gmock.h>
 
 #include "tests/program/engineer_bench.hpp"

@@ -1,4 +1,3 @@
-// Logins of a pairing: where one is needed, and what becomes of a wrong one.
 #include <gmock/gmock.h>
 
 #include "tests/program/engineer_bench.hpp"

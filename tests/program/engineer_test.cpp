@@ -1,4 +1,3 @@
-// The bridge's end of a pairing in virtual time: replies, and every way to lose a side.
 #include "core/program/engineer.hpp"
 
 #include <gmock/gmock.h>
@@ -74,7 +73,7 @@ TEST(Engineer, TheLossOfTheDeviceIsToldAndFreesIt) {
   EXPECT_EQ(b.freed, 1);
   EXPECT_THAT(b.last_remark(), HasSubstr("closed by the peer"));
   EXPECT_FALSE(b.engineer.over());
-  b.sends("@@@00late*\rFEFF");  // was on its way
+  b.sends("@@@00late*\rFEFF");  // was in flight
   EXPECT_EQ(b.reached(), "");
   EXPECT_EQ(b.received(), "");
   b.sends("@@17FEFF");

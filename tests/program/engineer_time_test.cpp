@@ -1,4 +1,3 @@
-// The times of a pairing in virtual time: heartbeats, idle time, sides that are slow or silent.
 #include <gmock/gmock.h>
 
 #include "tests/program/engineer_bench.hpp"
@@ -75,7 +74,7 @@ TEST(Engineer, AClientThatNeverReadsIsFreed) {
     }
   };
   send_heartbeats(6);
-  b.tell(ClientTakes{false});  // still: the clock goes on
+  b.tell(ClientTakes{false});  // the client still does not read
   send_heartbeats(5);
   EXPECT_EQ(b.freed, 0);
   send_heartbeats(1);
@@ -97,8 +96,8 @@ TEST(Engineer, ADeviceThatTakesNoBytesIsLost) {
   EXPECT_THAT(b.received(), HasSubstr("@@0003FEFF"));
 }
 
-// 200 KiB at 1 920 B/s: 107 s with a full queue, in which the client is not read, nor its
-// heartbeats. At 110 B/s even the idle time passes.
+// 200 KiB at 1 920 B/s: 107 s with a full queue, in which the client and its heartbeats are not
+// read. At 110 B/s even the idle time passes.
 TEST(Engineer, ASlowLineThatDrainsIsNeverCut) {
   for (const auto& [step, length] :
        {std::pair{seconds{1}, seconds{107}}, std::pair{seconds{40}, seconds{1900}}}) {
@@ -114,7 +113,7 @@ TEST(Engineer, ASlowLineThatDrainsIsNeverCut) {
     b.tell(DeviceTakes{true});
     b.pass(seconds{17});
     EXPECT_TRUE(b.engineer.paired());
-    b.pass(seconds{1});  // the client is read again and says nothing
+    b.pass(seconds{1});  // the client is read again and sends nothing
     EXPECT_FALSE(b.engineer.paired());
     EXPECT_THAT(b.last_remark(), HasSubstr("heartbeats"));
   }

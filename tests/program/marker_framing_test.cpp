@@ -1,4 +1,3 @@
-// Marker frames: an instruction arrives as it was, whatever it holds and however the stream is cut.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -88,7 +87,7 @@ TEST(MarkerFraming, EverySplitOfTheStreamGivesTheSame) {
   EXPECT_EQ(bytewise.codes.size(), 2u);
 }
 
-// Of an alphabet that makes markers likely.
+// Uses an alphabet that makes markers likely.
 TEST(MarkerFraming, RandomInstructionsComeBackByteForByte) {
   std::mt19937 random(7);
   static constexpr std::string_view kAlphabet = "@@@FFEE\r\rHBD03*\n\x11\xFF";
@@ -114,8 +113,7 @@ TEST(MarkerFraming, RandomInstructionsComeBackByteForByte) {
   }
 }
 
-// The answer to a long Host Link read comes in several frames; all but the first begin with any
-// words, and so do those of a long write.
+// All frames of a long Host Link transfer but the first begin with any words.
 TEST(MarkerFraming, AContinuationOfHostLinkMayBeginLikeAControlFrame) {
   for (const Sender sender : {Sender::kClient, Sender::kBridge}) {
     for (const char* code : {"0000", "0001", "0002", "0003", "0004", "ED"}) {
@@ -150,7 +148,7 @@ TEST(MarkerFraming, WhatFollowsACodeTellsWhetherItIsOne) {
            Case{Sender::kClient, "@@EDFEFF@@EDFEFF", {"ED"}, {"ED", "ED"}, ""},
            Case{Sender::kClient, "@@EDFEFF\rFEF", {}, {"ED"}, ""},
            Case{Sender::kClient, "@@EDFEFF\rFEFF", {}, {}, "EDFEFF\r"},
-           Case{Sender::kClient, "@@EDFEFF\r\n", {"ED"}, {"ED"}, ""},  // somebody types
+           Case{Sender::kClient, "@@EDFEFF\r\n", {"ED"}, {"ED"}, ""},  // typed by hand
            Case{Sender::kClient, "@@EDFEFF12", {}, {"ED"}, ""},
            Case{Sender::kClient, "@@HBFEFF", {"HB"}, {"HB"}, ""},
            Case{Sender::kClient, "@@0003FEFF@@", {}, {}, ""},
@@ -263,8 +261,7 @@ TEST(MarkerFraming, WhatFollowsAFrameCanBeTakenOver) {
   EXPECT_FALSE(reader.partial());
 }
 
-// The dialogues of programming software: each side's characters, in one piece and as a module with
-// packets of 64 sends them.
+// Dialogues of programming software, in one piece and in a module's packets of 64.
 TEST(MarkerFraming, TrafficOfProgrammingSoftwareArrivesAsItWas) {
   int carried = 0;
   for (const auto& vector : test::load_vectors("tunnel")) {

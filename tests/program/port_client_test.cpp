@@ -1,4 +1,3 @@
-// The client's end alone, and both ends against each other over a stream that is cut at random.
 #include "core/program/port_client.hpp"
 
 #include <gmock/gmock.h>
@@ -234,7 +233,6 @@ TEST(PortClient, WhileTheProgramTakesNothingNoHeartbeatIsMissed) {
   EXPECT_TRUE(b.end);
 }
 
-// Takes a random piece off the front.
 Bytes piece(Bytes& stream, std::mt19937& random) {
   const std::size_t count = std::min<std::size_t>(stream.size(), 1 + random() % 50);
   Bytes out(stream.begin(), stream.begin() + static_cast<std::ptrdiff_t>(count));
@@ -242,8 +240,7 @@ Bytes piece(Bytes& stream, std::mt19937& random) {
   return out;
 }
 
-// A client and the bridge's end, joined by two streams; the device echoes nothing but sends data of
-// its own.
+// A client and the bridge's end, connected by two streams; the device does not echo.
 TEST(PortClient, BothEndsCarryEveryByteBothWaysHoweverTheStreamIsCut) {
   for (unsigned seed = 0; seed < 40; ++seed) {
     std::mt19937 random(seed);

@@ -78,8 +78,7 @@ TEST(Registration, AModuleThatSaysNothingIsGivenUp) {
   EXPECT_TRUE(registration.on_timer(first.wake).fault);
 }
 
-// RD of DM100..103 at unit 00; "17" and blanks as an answer. FCS by the rule of W227: XOR of all
-// characters before it.
+// RD of DM100..103 at unit 00. FCS by the rule of W227: XOR of all characters before it.
 Bytes with_fcs(std::string_view text) {
   Bytes out(text.begin(), text.end());
   std::uint8_t sum = 0;

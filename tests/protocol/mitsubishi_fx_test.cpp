@@ -71,7 +71,6 @@ std::optional<Placed> placed(unsigned address, unsigned bytes) {
   return std::nullopt;
 }
 
-// Returns the bit at a force address.
 std::string forced(unsigned address) {
   if (address >= 0x0F00) return "M" + std::to_string(8000 + address - 0x0F00);
   if (address >= 0x0800) return "M" + std::to_string(address - 0x0800);

@@ -76,8 +76,7 @@ std::optional<Request> meant(const Device& device, const Bytes& q) {
   return read;
 }
 
-// Returns the frame with words and dwords as bytes, without the fill byte of a single item, and
-// with the control byte that Fieldcast sends.
+// Normalises to bytes, without the fill byte, with the control byte that Fieldcast sends.
 Bytes normalised(Bytes q) {
   Bytes unit(q.begin() + 7, q.end() - 2);
   const std::size_t items = unit[11];

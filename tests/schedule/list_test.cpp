@@ -1,5 +1,3 @@
-// Tests requests that carry lists of ranges: which points share a request, the limits, and how
-// refused points are found.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -21,7 +19,6 @@ using namespace std::chrono_literals;
 using test::Answer;
 using test::VirtualWire;
 
-// A bus of stations with one protocol.
 struct Bus {
   std::unique_ptr<Protocol> protocol;
   ScheduleInput input;
@@ -47,7 +44,6 @@ Block first_block(const Bus& bus) {
   return std::get<Block>(make_scheduler(bus.input)->next(Instant{1s}));
 }
 
-// Words at every third address, in two areas.
 Bus scattered_ppi(unsigned words, Mode mode = Mode::kScheduled) {
   Bus bus("s7-ppi", 1);
   for (unsigned i = 0; i < words; ++i) {
@@ -219,8 +215,7 @@ TEST(Lists, DeviceThatTakesFewerRangesIsAskedForFewer) {
   EXPECT_EQ(wire.missed(), 0u);
 }
 
-// A line behind a converter or a pseudo-terminal may carry characters faster than its rate. A read
-// that ends long before it is due still counts as that read.
+// A converter or pseudo-terminal may be faster than the rate. An early read still counts.
 TEST(Lists, ALineThatIsFasterThanItsRateIsNotReadMoreOften) {
   for (const std::uint32_t baud : {9600u, 19200u}) {
     for (const double pace : {0.01, 0.3, 0.8, 1.0}) {
@@ -242,7 +237,6 @@ TEST(Lists, ALineThatIsFasterThanItsRateIsNotReadMoreOften) {
   }
 }
 
-// Three families, several units and areas, about half of the wire's capacity.
 class RandomLists : public ::testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(RandomLists, BlocksAreSoundAndWhatIsPredictedFeasibleMissesNothing) {

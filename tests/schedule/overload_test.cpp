@@ -9,7 +9,6 @@ using namespace std::chrono_literals;
 using testing::HasSubstr;
 using testing::Not;
 
-// Registers of one Modbus device, far apart from each other.
 BusSpec bus_of(std::uint32_t registers, Duration refresh, std::uint32_t baud) {
   BusSpec bus;
   bus.name = "one";
@@ -37,8 +36,7 @@ TEST(LoadCheck, ABusWithRoomHasNone) {
 }
 
 TEST(LoadCheck, LoadAndStretchAreThoseOfThePlan) {
-  // 19 ms each: 8 + 7 characters of 11 bits, two silences and 5 ms. So 80 reads per second need 1.5
-  // seconds.
+  // 19 ms each: 15 characters of 11 bits, two silences and 5 ms; 80 reads need 1.5 s.
   const auto overload = overload_of(bus_of(80, 1s, 19200), 5ms);
   ASSERT_TRUE(overload);
   EXPECT_NEAR(overload->load, 1.5, 0.2);

@@ -68,7 +68,6 @@ TEST(Prediction, OverloadNamesConfigurationsThatWork) {
 }
 
 TEST(Prediction, DevicesAreSpreadOverLinesThatEachWork) {
-  // Six devices, each with about 0.35 of the wire.
   ScheduleInput input = test::input_of(two_groups(), kFakeProtocol);
   const DeviceTiming device = input.devices.front();
   input.devices.assign(6, device);

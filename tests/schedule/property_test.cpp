@@ -1,4 +1,3 @@
-// Tests properties that hold for any map, with many seeds.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -16,8 +15,7 @@ using test::VirtualWire;
 
 using test::kFakeProtocol;
 
-// Several units, areas, widths, limits and response times on one bus, with about half of its
-// capacity as load.
+// Units, areas, widths, limits and response times at random, with about half of the load.
 ScheduleInput random_input(std::uint64_t seed) {
   std::mt19937_64 random(seed);
   const auto below = [&](std::uint64_t n) { return random() % n; };
@@ -94,8 +92,7 @@ TEST_P(RandomBus, HalfTheLoadIsFeasible) {
   EXPECT_TRUE(predict(random_input(GetParam()), {.remedies = false}).feasible);
 }
 
-// Devices stop responding, recover and refuse. No point starves, and a suspended device is not
-// polled.
+// Devices stop responding, recover and refuse. No point starves.
 TEST_P(RandomBus, FaultsOfSomeStarveNobody) {
   const ScheduleInput input = random_input(GetParam());
   std::mt19937_64 random(GetParam() + 1000);
@@ -181,8 +178,7 @@ TEST(Overload, OfOnePriorityEachGivesWayByItsElasticity) {
               0.25 * 0.35 * scheduler->stretch());
 }
 
-// Refreshes of many times the wire's capacity, with random priorities and elasticities. Every point
-// must still be read within a bound.
+// Refreshes of many times the capacity: every point must still be read within a bound.
 class RandomOverload : public ::testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(RandomOverload, StarvesNobody) {
@@ -220,7 +216,6 @@ TEST(Overload, WireThatIsSlowerThanPlannedStretchesToo) {
     point.refresh = from_seconds(to_seconds(point.refresh) * planned / 0.5);
   const auto scheduler = make_scheduler(input);
   Instant now{1s};
-  // Every response takes three times as long as planned.
   while (now < Instant{300s}) {
     const Decision decision = scheduler->next(now);
     if (const auto* rest = std::get_if<Rest>(&decision)) {

@@ -8,8 +8,7 @@
 
 namespace fieldcast::test {
 
-// A declaration that comes with Fieldcast; a gtest failure with all its faults when it does not
-// load.
+// Loads a declaration of Fieldcast; adds a gtest failure with all its faults if it does not load.
 inline std::shared_ptr<const declared::Declaration> declaration(const std::string& name) {
   const auto loaded = config::load_declaration(name);
   if (!loaded) {

@@ -1,4 +1,3 @@
-// A registered protocol for one device of a test, and requests against it in its own notation.
 #pragma once
 
 #include <map>
@@ -18,16 +17,14 @@ class Device {
   explicit Device(std::unique_ptr<Protocol> protocol) : protocol_(std::move(protocol)) {}
 
   [[nodiscard]] const Protocol& protocol() const { return *protocol_; }
-  // `count` items from an address such as "holding:100"; a gtest failure when the address is not
-  // understood.
+  // Returns `count` items from "holding:100"; a gtest failure for an invalid address.
   [[nodiscard]] Range range(std::string_view at, std::uint32_t count = 1) const;
   [[nodiscard]] Request read(std::string_view at, std::uint32_t count = 1) const;
   [[nodiscard]] Request write(std::string_view at, std::string_view items_hex) const;
-  // With the bit of the address.
+  // Writes the bit of the address.
   [[nodiscard]] Request write_bit(std::string_view at, bool on) const;
   [[nodiscard]] std::unique_ptr<Exchange> begin(const Request& request,
                                                 std::uint16_t sequence = 0) const;
-  // The first request of an exchange.
   [[nodiscard]] Bytes request_bytes(const Request& request, std::uint16_t sequence = 0) const;
 
  private:

@@ -17,7 +17,7 @@ class Driver {
     Bytes out;
     take(exchange_.start(out), out);
   }
-  // True while the round of the last send goes on.
+  // Returns true while the round of the last send continues.
   bool show(ByteView prefix) {
     const std::size_t round = outcome_.sent.size();
     Bytes out;

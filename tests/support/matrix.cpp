@@ -19,8 +19,7 @@ bool same(const Outcome& a, const Outcome& b) {
                     });
 }
 
-// A device's refusal is an outcome of its own: a disturbed answer must not turn into one, nor into
-// another value.
+// A refusal is a distinct outcome: a disturbed response must not become one.
 bool says_something(const Outcome& outcome) {
   return outcome.done() || outcome.cause == Cause::kDeviceError ||
          outcome.cause == Cause::kDeviceBusy;
@@ -105,7 +104,7 @@ class Matrix {
     if (case_.checked && says_something(outcome)) expect_same(outcome, what);
   }
 
-  // All random, or the answer with one span of it overwritten, removed or doubled.
+  // Replaces all by random bytes, or overwrites, removes or doubles one span of the response.
   static void spoil(Bytes& answer, std::mt19937& random) {
     const auto fill = [&](Bytes& bytes) {
       for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random());

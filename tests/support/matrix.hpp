@@ -1,5 +1,5 @@
-// The matrix that every decoder passes: all splits, all truncations, every single bit flipped,
-// noise before. One call for a request and its answers.
+// The test matrix for every decoder: all splits, all truncations, every single bit flipped, noise
+// before. One call for a request and its responses.
 #pragma once
 
 #include <functional>
@@ -11,22 +11,20 @@
 namespace fieldcast::test {
 
 struct MatrixCase {
-  // A fresh exchange, each time for the same request.
+  // Creates a new exchange for the same request at each call.
   std::function<std::unique_ptr<Exchange>()> begin;
   std::vector<Bytes> answers;  // one for each round
-  // A single flipped bit is always seen (a checksum covers everything). Modbus TCP leaves that to
-  // TCP.
+  // Every flipped bit is detected by a checksum. Modbus TCP leaves this to TCP.
   bool checked = true;
-  // Characters that stand before the first answer do not cost it.
+  // Characters before the first response do not prevent its reception.
   bool noise_recovers = true;
 };
 
-// Adds a gtest failure for each cell that yields another value than the undisturbed run, or a value
-// where there must be none.
+// A gtest failure for each cell with a value that the undisturbed run does not have.
 void expect_matrix(const MatrixCase& matrix);
 
-// Feeds `rounds` random texts, some of them made from pieces of the answers, from one seed: a
-// crash, a hang or (where checked) a value other than the undisturbed one is a failure.
+// Feeds `rounds` random texts from one seed, some built from pieces of the responses. A crash, a
+// hang or (if checked) another value than the undisturbed one is a failure.
 void expect_random_bytes_are_refused(const MatrixCase& matrix, unsigned seed, int rounds);
 
 }  // namespace fieldcast::test

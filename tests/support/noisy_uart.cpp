@@ -37,7 +37,7 @@ void NoisyUart::draw() {
     good_ = UINT64_MAX;
     return;
   }
-  // The run of good bits before a flipped one is geometrically distributed.
+  // The number of good bits before a flipped one is geometrically distributed.
   const double run =
       std::floor(std::log1p(-std::generate_canonical<double, 53>(random_)) / std::log1p(-rate_));
   good_ = static_cast<std::uint64_t>(std::min(run, 1e15));

@@ -1,10 +1,10 @@
-// A serial line with random bit errors, 8N1, down to start and stop bits: what a receiver's UART
-// makes of a transmission.
+// Simulates a serial line with random bit errors, 8N1, down to start and stop bits, as seen by the
+// receiver's UART.
 //
-// Errors are independent and of one rate. A UART that finds a low bit takes the eight behind it as
-// a character and the tenth as its stop bit. A low stop bit is taken as the next start bit
-// (National Semiconductor PC16550D, line status register, bit 3), and the character is handed over
-// all the same, as Linux does without INPCK; only a break (all bits low) is dropped.
+// Errors are independent with a constant rate. A low bit starts a character of eight bits, followed
+// by the stop bit. A low stop bit is used as the next start bit (National Semiconductor PC16550D,
+// line status register, bit 3). The character is still delivered, as Linux does without INPCK; only
+// a break (all bits low) is dropped.
 #pragma once
 
 #include <cstdint>
@@ -15,12 +15,11 @@
 
 namespace fieldcast::test {
 
-inline constexpr std::size_t kBitsOfCharacter = 10;  // 8N1
+inline constexpr std::size_t kBitsOfCharacter = 10;
 
-// The levels of `characters` sent back to back, and of the resting line before and behind, one
-// character each.
+// Returns the levels of `characters` sent back to back, with one idle character before and after.
 [[nodiscard]] std::vector<bool> line_levels(ByteView characters);
-// The characters that a UART finds in those levels; behind them the line rests.
+// Returns the characters that a UART receives from these levels, followed by an idle line.
 [[nodiscard]] Bytes uart_received(const std::vector<bool>& levels);
 
 class NoisyUart {

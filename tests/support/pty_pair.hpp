@@ -1,9 +1,8 @@
-// Two serial ports joined by a null-modem cable: what is written to one path is read from the
-// other.
+// Two serial ports joined by a null-modem cable: bytes written to one path are read from the other.
 //
-// Two pseudo-terminals whose masters a thread of its own joins; the paths are those of their
-// slaves, raw. Bytes pass at once, without a baud rate: the peers at both ends are real programs
-// with their own time. Bounded: a side that does not read makes the other's bytes be dropped.
+// A thread joins the masters of two pseudo-terminals; the paths are their raw slaves. Bytes pass
+// immediately, without a baud rate, because the peers are real programs with their own time.
+// Bounded: if a side does not read, bytes for it are dropped.
 #pragma once
 
 #include <fcntl.h>
@@ -23,7 +22,7 @@ namespace fieldcast::test {
 
 class PtyPair {
  public:
-  // Throws std::runtime_error when the system gives no terminals.
+  // Throws std::runtime_error if no terminal is available.
   PtyPair() : stop_(::eventfd(0, EFD_CLOEXEC)) {
     for (End* end : {&left_, &right_}) *end = open_end();
     pump_ = std::thread([this] { pump(); });
@@ -48,7 +47,7 @@ class PtyPair {
   struct End {
     int master = -1,
         slave =
-            -1;  // the slave is kept open, or its master would report a hang-up between two users
+            -1;  // keeps the slave open; otherwise the master reports a hang-up between two users
     std::string path;
   };
 

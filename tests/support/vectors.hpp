@@ -1,5 +1,4 @@
-// Golden frames from published sources: tests/vectors/<family>.json, one object for each frame or
-// dialogue.
+// Golden frames from published sources: tests/vectors/<family>.json.
 #pragma once
 
 #include <iosfwd>
@@ -15,23 +14,22 @@ struct GoldenVector {
   std::string name;
   std::string kind;     // "ok", "exception", "malformed"
   std::string framing;  // of Modbus and FINS
-  std::string expect;   // what a decoder should say of a malformed one
+  std::string expect;   // expected fault of a malformed frame
   Bytes request;        // empty: that side is not part of the vector
   Bytes response;
-  std::vector<Bytes> master;  // of a dialogue: what the master sends,
-  std::vector<Bytes>
-      slave;  // and what comes back after each of those (joined where several follow)
-  std::map<std::string, std::string> texts;  // every field that is a text, as it stands
+  std::vector<Bytes> master;                 // dialogue: what the master sends,
+  std::vector<Bytes> slave;                  // and the data that follows each (joined if several)
+  std::map<std::string, std::string> texts;  // every text field, unchanged
 
   [[nodiscard]] bool has(const std::string& field) const { return texts.contains(field); }
-  [[nodiscard]] Bytes hex(const std::string& field) const;  // empty when the field is missing
+  [[nodiscard]] Bytes hex(const std::string& field) const;  // empty if the field is missing
 };
 
 void PrintTo(const GoldenVector& vector, std::ostream* out);
 
-// The vectors of a family in the tree, and those of a wider collection where one is configured
-// (FIELDCAST_VECTORS in the environment or at configuration time); a name is taken once. A broken
-// file adds a gtest failure.
+// Loads the vectors of a family in the tree, and those of a larger collection if configured
+// (FIELDCAST_VECTORS in the environment or at configuration time). A duplicate name is skipped. A
+// broken file adds a gtest failure.
 [[nodiscard]] std::vector<GoldenVector> load_vectors(const std::string& family);
 
 }  // namespace fieldcast::test

@@ -29,8 +29,6 @@ buses:
 
 
 class File:
-    """A configuration file in its own directory."""
-
     def __init__(self, text):
         self.text = text
 

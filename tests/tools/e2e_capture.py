@@ -89,7 +89,6 @@ def tshark(path, *options):
 
 
 def packets(path):
-    """Returns the fields of each packet by name, every value as a list."""
     rows = [json.loads(line) for line in tshark(path, "-T", "ek").splitlines() if line.startswith('{"timestamp"')]
     found = []
     for row in rows:
@@ -132,8 +131,7 @@ def setUpModule():
 
 
 def captured(buses, trial):
-    """Captures all buses at the same time during a write and returns tshark's results. Removes the
-    captures of an earlier trial."""
+    """Captures all buses during a write, without files of an earlier trial; tshark's results."""
     paths = {bus: os.path.join(plant.run, bus + ".pcapng") for bus in buses}
     if trial > 0:
         for path in paths.values():
@@ -161,7 +159,6 @@ LINKTYPE_RAW, LINKTYPE_UPPER_PDU = 101, 252
 
 @contextlib.contextmanager
 def pcapng(linktype, packets):
-    """Returns the path of a new file with these packets."""
     def block(kind, inner):
         inner = aligned(inner, 4)
         return struct.pack("<II", kind, len(inner) + 12) + inner + struct.pack("<I", len(inner) + 12)
@@ -175,7 +172,6 @@ def pcapng(linktype, packets):
 
 
 def upper_pdu(dissector, frame):
-    """A frame sent by a device."""
     name = aligned(dissector.encode(), 4)
     ports = struct.pack(">HHIHHIHHI", 24, 4, 2, 25, 4, 502, 26, 4, 49152)
     return struct.pack(">HH", 12, len(name)) + name + ports + bytes(4) + frame
@@ -263,8 +259,7 @@ class Wireshark(unittest.TestCase):
 
 
 class Compressed(unittest.TestCase):
-    """Checks that the Lua file decompresses DTC packets as the vectors of the bridge's codec
-    require."""
+    """Checks that the Lua file decompresses the vectors of the codec."""
 
     def packet(self, codes, length):
         codes = length.to_bytes(2, "big") + codes

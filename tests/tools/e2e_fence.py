@@ -92,7 +92,6 @@ class Fence(unittest.TestCase):
         self.assertEqual(self.frames(1), 0, self.log_of(second))
         self.assertGreater(self.frames(0) - before, 8 * SECONDS, "the one that sends is heard at least each 100 ms")
         self.expect_no_garbled_frame()
-        # The first bridge dies, and the second one detects the silence.
         first.kill()
         first.wait()
         died = self.line.counts()["last frame"][0]
@@ -102,8 +101,7 @@ class Fence(unittest.TestCase):
               f"{self.line.counts()['garbled']} garbled; taken over {silence:.3f} s after the last frame", flush=True)
         self.assertLess(silence, 1.5, f"died at {died}")
         wait_until(lambda: "this bridge sends again" in self.log_of(second), START, lambda: self.log_of(second))
-        # The bridge is suspended, another one takes over the wire, and the first one resumes. It
-        # must not send into the other's frames.
+        # The bridge is suspended while another takes over; it must not send into its frames.
         third = self.start(0)
         wait_until(lambda: "another master speaks on the wire" in self.log_of(third), START, lambda: self.log_of(third))
         taken = self.frames(0)

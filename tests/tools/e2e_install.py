@@ -45,7 +45,6 @@ def package(name):
 
 
 def copied(path):
-    """Copies a file of this machine into the root."""
     inside = "/tmp/" + os.path.basename(path)
     with open(path, "rb") as source, open(root.path(inside), "wb") as target:
         target.write(source.read())
@@ -53,7 +52,6 @@ def copied(path):
 
 
 def newer(name, version):
-    """Builds the package again with a later version."""
     folder = f"/tmp/{name}-{version}"
     root.run("dpkg-deb", "-R", "/tmp/" + os.path.basename(package(name)), folder)
     root.run("sed", "-i", f"s/^Version:.*/Version: {version}/", f"{folder}/DEBIAN/control")
@@ -113,21 +111,18 @@ def good_sample():
 
 
 def stored():
-    """Returns the number of stored samples of a channel."""
     said = root.run("runuser", "-u", "fieldcast", "--", "fieldcast", "history", f"{BUS}/conveyor/speed", "--json", "--store",
                     "/var/lib/fieldcast/demo.db", check=False).stdout
     return len(said.splitlines())
 
 
 def state():
-    """Describes the state, for a failure message."""
     said = root.run("fieldcast", "status", check=False).stdout
     return "no value\n" + "\n".join(messages()[-40:]) + "\n" + said + root.run("ps", "-ef").stdout
 
 
 def this_machine():
-    """Returns what must not change. Tests that run in parallel create network namespaces
-    (/run/netns)."""
+    """Returns what must not change; parallel tests create namespaces (/run/netns)."""
     mounts = [line for line in read("/proc/self/mounts").splitlines() if " /run/netns" not in line]
     return mounts, sorted(user.pw_name for user in pwd.getpwall()), sorted(os.listdir("/etc"))
 
@@ -142,7 +137,6 @@ def setUpModule():
 
     began = time.monotonic()
     root.run("dpkg", "-i", *packages)
-    # before the service has started
     root.run("sh", "-c", "test $(stat -c %U /var/lib/fieldcast) = fieldcast")
     root.run("sh", "-c", f"sed s,/tmp/fieldcast-demo,{SIMULATOR}, /usr/share/fieldcast/examples/demo.yaml >/etc/fieldcast/demo.yaml")
     with open(root.path("/etc/fieldcast/demo.yaml"), "a", encoding="utf-8") as file:
@@ -157,8 +151,7 @@ def setUpModule():
 
 
 def close_root():
-    """Checks that no process, mount, user or file remains on this machine. Removing the root's
-    cgroup proves that no process remains."""
+    """Checks that nothing remains; the root's cgroup can only be removed without processes."""
     root.close()
     if before != (after := this_machine()):
         raise AssertionError(f"left behind: {before} {after}")
@@ -274,8 +267,7 @@ class Adapter(unittest.TestCase):
         cls.tree = copied(os.path.join(HERE, "usb_serial_tree.sh"))
 
     def plugged(self, driver, serial):
-        """Plugs an adapter in. Returns (content of /dev/fieldcast, latency timer of the adapter,
-        output of udev)."""
+        """Returns (content of /dev/fieldcast, latency timer, output of udev)."""
         said = root.run("unshare", "--mount", "sh", "-euc", f'''
             sh {self.tree} {driver} "{serial}"
             rm -rf /dev/fieldcast /dev/ttyUSB0

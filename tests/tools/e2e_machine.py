@@ -43,8 +43,7 @@ def system(*command):
 
 
 class OtherPlant(Plant):
-    """A plant whose bridge runs inside a command (`around`), or with a small disk at the directory
-    `disk`, also for its log (`log_on_disk`)."""
+    """Its bridge runs inside `around`, or with a small `disk`, also for its log (`log_on_disk`)."""
 
     def __init__(self, config, around=(), disk=None, log_on_disk=False):
         super().__init__(BIN_DIR, config)
@@ -89,7 +88,6 @@ class OtherPlant(Plant):
         wait_until(lambda: words in self.said(), SECONDS, lambda: f"no '{words}' in\n{self.said()}")
 
     def samples(self):
-        """Returns the number of samples that the bus has published."""
         status = self.cli("status", "--json").json_lines()
         return next(line["samples"] for line in status if line["topic"] == "BusStatus")
 
@@ -117,7 +115,6 @@ class FullDisk(unittest.TestCase):
             with open(filler, "wb", buffering=0) as file, contextlib.suppress(OSError):
                 while file.write(bytes(4096)):
                     pass
-            # enables the wire trace: one line per frame in the same file
             here.bridge.send_signal(signal.SIGUSR1)
             here.await_more_samples()
             here.bridge.send_signal(signal.SIGUSR1)

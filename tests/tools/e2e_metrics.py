@@ -94,8 +94,7 @@ SAMPLE = re.compile(rf"({NAME}){LABELS} (\S+)")
 
 
 def series(text, total="_total"):
-    """Parses OpenMetrics text to {(name, labels): value}; raises AssertionError with the rule that
-    a line violates."""
+    """Returns {(name, labels): value}; AssertionError with the rule that a line violates."""
     lines = text.split("\n")
     assert lines[-2:] == ["# EOF", ""], "the last line is # EOF"
     found, kinds, family = {}, {}, None

@@ -270,8 +270,7 @@ class Status(unittest.TestCase):
 
 
 class RawOnly(unittest.TestCase):
-    """A bridge whose devices have no channels: the catalogue is empty, but commands to addresses
-    work."""
+    """A bridge without channels: the catalogue is empty, but commands to addresses work."""
 
     CONFIG = """
 bridge: raw

@@ -28,8 +28,7 @@ DEADLINE = 30         # seconds, for operations that take well under one
 REFUSED = 3           # exit code of fieldcast-port
 TCGETS2 = 0x802C542A  # supports any baud rate; struct termios2: c_cflag at 8, c_ospeed at 40
 
-# Listens on every address, so the bridge requires a login. All connections of this test come from
-# this machine.
+# Listens on every address, so the bridge requires a login.
 CONFIG = """
 bridge: e2e
 store: { path: {run}/plant.db, samples: [] }
@@ -93,7 +92,6 @@ def audit():
 
 
 def row(what, result, who=""):
-    """Waits for the newest audit row with these texts and returns it."""
     def found():
         return next((entry for entry in reversed(audit())
                      if entry["what"] == what and result in entry["result"] and entry["who"].startswith(who)), None)
@@ -134,8 +132,7 @@ class Paired:
 
 
 def line_settings():
-    """Returns the settings of the bridge's line, a pseudo-terminal: it ignores data bits and
-    "parity on", and keeps the rest."""
+    """The line is a pseudo-terminal: it ignores data bits and "parity on"."""
     line = os.open(os.path.join(plant.run, "line"), os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
     try:
         settings = fcntl.ioctl(line, TCGETS2, bytes(44))
@@ -202,8 +199,7 @@ class Programming(unittest.TestCase):
         self.assertIn("a login of a user with the role programmer is needed", refused())
         row("program", "device P1 was asked for without a login")
 
-    # From the fourth wrong password on, the next attempt must wait 1 s, 2 s, 4 s, … One attempt is
-    # eventually too early, even on a slow machine.
+    # Wrong passwords delay the next attempt (1 s, 2 s, 4 s, …), so one is eventually too early.
     def test_guessing_is_slowed_down_and_the_right_password_has_to_wait_too(self):
         def too_soon():
             refused("bob", "a guess")

@@ -49,8 +49,6 @@ first = second = None
 
 
 class SecondPlant(Plant):
-    """A plant in the domain of another one."""
-
     def __init__(self, bin_dir, config, other):
         super().__init__(bin_dir, config)
         self._claim.close()
@@ -101,8 +99,7 @@ def get(station, path, **headers):
 
 class Recorder(unittest.TestCase):
     def same_as_published(self, bus):
-        """Checks that the station has every sample that the bridge stored between the station's
-        first and last one. Returns their number."""
+        """Compares the station's samples with the bridge's store; returns their number."""
         total = 0
         for channel in ("temperature", "speed", "order"):
             path = f"{bus}/press/{channel}"

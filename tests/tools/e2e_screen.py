@@ -100,7 +100,6 @@ class Screen(unittest.TestCase):
         terminal.wait_for(r"value now +\d+ (.|\n)*new value +4711(.|\n)*y: write it")
         terminal.press("v")
         terminal.wait_for(r"press-1/mode = 4711: verified \(read back 4711\)")
-        # A refusal is shown in the words of the bridge.
         terminal.press("w")
         terminal.wait_for("new value")
         terminal.press("70000", ENTER)

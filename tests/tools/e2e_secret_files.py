@@ -71,7 +71,6 @@ def write(name, text, mode=0o600):
 
 
 def run(program, *arguments):
-    """Returns the exit code and all output."""
     try:
         ended = subprocess.run([os.path.join(BIN_DIR, program), *arguments], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                stderr=subprocess.STDOUT, text=True, timeout=SECONDS)

@@ -17,7 +17,7 @@ from held_thread import HeldThread
 from plant import claim_domain, wait_until
 
 BIN_DIR = ""
-LIMIT = 60  # limit of a wait for a message, in seconds
+LIMIT = 60
 
 CONFIG = """
 bridge: served

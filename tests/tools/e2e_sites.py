@@ -76,8 +76,6 @@ class Servers:
 
 
 class Watch:
-    """A running station that counts the samples it prints."""
-
     def __init__(self, file):
         self.samples = 0
         self.process = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast"), "watch", "--json", "--config", file], stdout=subprocess.PIPE,
@@ -100,8 +98,6 @@ class Watch:
 
 
 class Page:
-    """A station with a page."""
-
     def __init__(self, test, file):
         self.process = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast-station"), "--config", file, "--listen", "127.0.0.1:0"],
                                         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
@@ -299,7 +295,6 @@ class SitesOfAStation(unittest.TestCase):
         return read()
 
     def page(self, file):
-        """The same, from the station with the page."""
         station = Page(self, file)
         get = station.get
         wait_until(lambda: len(get("/api/channels")) == 2 * CHANNELS, FOUND_SECONDS, lambda: str(get("/api/channels"))[:500])
@@ -329,8 +324,7 @@ class Inside(Plant):
 
 
 class Tunnel(unittest.TestCase):
-    """A bridge behind a firewall that allows TCP connections to one port. DDS uses an OpenVPN
-    tunnel with TLS."""
+    """A bridge behind a firewall with one open port. DDS uses an OpenVPN tunnel with TLS."""
 
     PORT = 1194
     INSIDE, OUTSIDE = "10.88.0.1", "10.88.0.2"

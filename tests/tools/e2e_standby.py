@@ -59,8 +59,6 @@ def why_not():
 
 
 class Network:
-    """Hosts a, b and s on one switch."""
-
     HOSTS = {"a": "10.77.0.1", "b": "10.77.0.2", "s": "10.77.0.3"}
 
     def __enter__(self):

@@ -11,8 +11,7 @@ LIMIT = 60  # limit of the wait for the thread, in seconds
 
 
 class HeldThread:
-    """Holds one thread of a process with ptrace(2). The process may end meanwhile; look() reaps
-    the thread."""
+    """Holds a thread with ptrace(2). If the process ends meanwhile, look() reaps the thread."""
 
     ATTACH, DETACH, WALL = 16, 17, 0x40000000
 

@@ -124,7 +124,7 @@ class MultiDrop:
                 try:
                     os.write(end, part)
                 except BlockingIOError:
-                    pass  # no reader
+                    pass
         if one.passed < len(one.data):
             self._at(one.start + min(one.passed + CHUNK, len(one.data)) * CHARACTER, self._pass, one)
             return

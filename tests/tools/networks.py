@@ -53,8 +53,7 @@ HERE = Machine()
 
 
 class Wire:
-    """A link from this machine, or from `near`, to a new one with this name. Addresses
-    10.99.NUMBER.1 and .2."""
+    """Links this machine, or `near`, to a new one: 10.99.NUMBER.1 and .2."""
 
     count = 0
 
@@ -88,8 +87,7 @@ class Wire:
 
 
 class Firewall:
-    """A firewall between two machines that only allows TCP connections to one port of the inner
-    one."""
+    """Allows only TCP connections to one port of the inner machine."""
 
     def __init__(self, port):
         self.outside = Wire("firewall")

@@ -30,8 +30,7 @@ class Failure(AssertionError):
 
 
 def wait_until(condition, seconds, reason):
-    """Waits for a true result of condition() and returns it; Failure with the reason after the
-    limit."""
+    """Returns the first true condition(); Failure with the reason after the limit."""
     deadline = time.monotonic() + seconds
     while True:
         if result := condition():
@@ -67,7 +66,6 @@ def claim_domain():
 
 
 def udp_ports():
-    """Returns the UDP ports in use on this machine."""
     found = set()
     for table in ("/proc/net/udp", "/proc/net/udp6"):
         if os.path.exists(table):
@@ -94,8 +92,7 @@ def run_cli(bin_dir, *arguments, seconds=CLI_SECONDS, stdin=""):
 
 @contextlib.contextmanager
 def running_bridge(bin_dir, config, log):
-    """Runs a bridge with this file. On exit, SIGTERM must end it with code 0. On a failure its
-    output is shown."""
+    """Runs a bridge; SIGTERM must end it with code 0. Shows its output on a failure."""
     with open(log, "w+", encoding="utf-8") as said:
         bridge = subprocess.Popen([os.path.join(bin_dir, "fieldcast-bridge"), config], stdin=subprocess.DEVNULL, stdout=said, stderr=said)
         try:
@@ -115,8 +112,6 @@ def running_bridge(bin_dir, config, log):
 
 
 class InAFolder(unittest.TestCase):
-    """A test with its own directory, which is removed afterwards."""
-
     def setUp(self):
         folder = tempfile.TemporaryDirectory(prefix="fieldcast-test-")
         self.addCleanup(folder.cleanup)
@@ -133,8 +128,7 @@ class InAFolder(unittest.TestCase):
 
 class Plant:
     def __init__(self, bin_dir, config, dds="", joins=(), interfaces="127.0.0.1"):
-        """`dds`: more keys of that section, each after a comma. `joins`: more options of every
-        command."""
+        """`dds`: more keys, each after a comma. `joins`: more options of every command."""
         self.interfaces = interfaces
         self.bin_dir, self.config, self.dds, self.joins = bin_dir, config, dds, joins
         self.domain, self._claim = claim_domain()
@@ -180,8 +174,7 @@ class Plant:
             return f"--- {name}:\n" + "".join(file.readlines()[-40:])
 
     def start_cli(self, command, *arguments, **options):
-        """Starts a command that the test interacts with. The command must end by itself, so that
-        no wait for its output is endless."""
+        """Starts a command that must end by itself, so that no wait for it is endless."""
         return subprocess.Popen([os.path.join(self.bin_dir, "fieldcast"), command, *arguments, "--config", self.file],
                                 stdout=subprocess.PIPE, text=True, **options)
 

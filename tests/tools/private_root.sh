@@ -1,7 +1,6 @@
 #!/bin/sh
-# Used by private_root.py: creates a private root over the root of this machine and starts its first
-# process.
-# REQUIRES: root, in new namespaces of mounts, processes, network, names and cgroups (unshare).
+# Used by private_root.py: creates a private root and starts its first process.
+# REQUIRES: root, in new namespaces for mounts, processes, network, names and cgroups (unshare).
 # private_root.sh FOLDER COMMAND [ARGUMENT ..]
 #
 # FOLDER is an empty directory. All writes are in memory and are lost with the last process. Kernel

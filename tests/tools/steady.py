@@ -35,8 +35,7 @@ class Stillness:
 
 
 def steadily(measure, excuses, stillness=None, now=time.monotonic):
-    """Returns the result of measure(). If it raises one of `excuses` during a stall, it is called
-    again."""
+    """Returns measure(); repeats it if it raises one of `excuses` during a stall."""
     stillness = stillness or Stillness()
     for left in range(TRIES - 1, -1, -1):
         began = now()
@@ -67,7 +66,7 @@ class OnASteadyMachine:
             last = unittest.TestResult()
             super(OnASteadyMachine, self).run(last)
             if not last.wasSuccessful():
-                told = (last.failures + last.errors)[0][1].splitlines()[1:]  # after "Traceback .."
+                told = (last.failures + last.errors)[0][1].splitlines()[1:]
                 raise Failed(next(line for line in told if line and not line.startswith(" ")))
 
         result.startTest(self)

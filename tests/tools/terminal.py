@@ -69,8 +69,7 @@ class Terminal:
         return self
 
     def _lead(self, status):
-        """Leads the session like a shell: without a leader, no process could continue after
-        Ctrl-Z."""
+        """Leads the session like a shell; otherwise no process could continue after Ctrl-Z."""
         try:
             self._set_size(0)
             signal.signal(signal.SIGTTOU, signal.SIG_IGN)

@@ -44,8 +44,7 @@ FORBIDDEN_SYMBOLS = [
 
 
 def include_fault(folder, include):
-    """Returns the fault of `#include <include>` or "include" in a file of core/folder, None if it
-    is allowed."""
+    """Returns the fault of an include in a file of core/folder, None if it is allowed."""
     if include in THIRD_PARTY:
         return None
     if include.startswith("core/"):
@@ -63,8 +62,7 @@ def include_fault(folder, include):
 
 
 def station_fault(path, include):
-    """Returns the fault of an include in the file `path` (from the root): the daemon must not use
-    the station's DDS code."""
+    """Returns the fault of an include: the daemon must not use the station's DDS code."""
     if include.startswith("bridge/station/") and path.startswith("bridge/") and not path.startswith("bridge/station/"):
         return "the daemon must not need the station's library"
     if path.startswith("bridge/station/") and include.startswith("bridge/") \
@@ -100,14 +98,12 @@ def core_files():
 
 
 def sources():
-    """Returns all C and C++ files of the tree."""
     for folder in ["bridge", "config", "core", "idl", "tests", "tools"]:
         for path, _, names in os.walk(os.path.join(SOURCE_DIR, folder)):
             yield from (os.path.join(path, name) for name in names if name.endswith((".cpp", ".hpp", ".c", ".h")))
 
 
-# Parts of GCC 12's library that clang 14 cannot compile: those that return a std::ranges::subrange
-# or a view. Fuzzing needs clang.
+# Parts of GCC 12's library that clang 14, used for fuzzing, cannot compile.
 NOT_BY_CLANG = re.compile(r"std::(views\b|ranges::(views\b|(search|search_n|find_end|equal_range|unique|remove|remove_if|partition|rotate|subrange)\b))")
 
 
@@ -206,8 +202,6 @@ class Rules(unittest.TestCase):
 
 
 class Tree(unittest.TestCase):
-    """The tree follows the rules."""
-
     def test_core_includes_only_what_its_layer_may(self):
         faults, seen = [], 0
         for path in core_files():

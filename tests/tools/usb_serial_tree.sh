@@ -1,7 +1,6 @@
 #!/bin/sh
-# Creates a /sys with one USB serial adapter, as the kernel shows it, to test udev rules without
-# hardware.
-# REQUIRES: a mount namespace of its own; /sys is replaced in it.
+# Creates a /sys with one USB serial adapter, to test udev rules without hardware.
+# REQUIRES: its own mount namespace, in which /sys is replaced.
 # usb_serial_tree.sh DRIVER SERIAL_NUMBER     empty if the adapter has no number
 #
 # The tty is /sys/class/tty/ttyUSB0, its adapter's port /sys/bus/usb-serial/devices/ttyUSB0.

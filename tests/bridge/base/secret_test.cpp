@@ -1,4 +1,3 @@
-// Tests secrets in memory and in files, and the protection of the process that holds them.
 #include "bridge/base/secret.hpp"
 
 #include <gmock/gmock.h>

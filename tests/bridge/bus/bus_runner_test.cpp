@@ -259,8 +259,7 @@ TEST_F(BusRunnerTest, AnAdapterThatIsPluggedInAgainIsReadWithinASecond) {
              return report.state == BusState::kClosed;
            }) >= reports;
   };
-  // Attempts are after 0.1, 0.3, 0.7, 1.5, 3.1 and 6.3 s, so the next one is more than a second
-  // later.
+  // The next attempt is more than a second later: 0.1, 0.3, 0.7, 1.5, 3.1 and 6.3 s.
   ASSERT_TRUE(sink.wait_for([&](const Record& r) { return closed_for(r, 5); }));
 
   const std::size_t before = sink.record().samples.size();

@@ -23,7 +23,6 @@ TEST(Clocks, BothReadingsAreOfThisMoment) {
 TEST(Clock, OneInstantIsToldAsOneTimeUntilTheClockIsSet) {
   using namespace std::chrono_literals;
   const UtcMapping first{Instant{100s}, UtcTime{1'000'000'000}};
-  // A second later, with a reading error of some nanoseconds.
   const UtcMapping same = first.followed_by({Instant{101s}, UtcTime{2'000'000'003}});
   EXPECT_EQ(same.to_utc(Instant{100s}).nanoseconds, 1'000'000'000);
   const UtcMapping set = first.followed_by({Instant{101s}, UtcTime{2'000'200'000}});

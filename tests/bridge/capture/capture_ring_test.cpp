@@ -92,7 +92,6 @@ class CaptureRingTest : public testing::Test {
 TEST_F(CaptureRingTest, AFullFileIsFollowedByTheNextAndTheOldestGoes) {
   const auto all = ring(10'000, 2);
   for (int i = 0; i < 12; ++i) all->packet(block(4000), {kNoon + i * kSecond});
-  // Two blocks fit into a file.
   EXPECT_THAT(names(), ElementsAre("line-20231114T221328Z.pcapng", "line-20231114T221330Z.pcapng"));
   EXPECT_EQ(read_file(folder_ + "/" + names()[0]).packets, 2u);
   EXPECT_TRUE(read_file(folder_ + "/" + names()[0]).whole);

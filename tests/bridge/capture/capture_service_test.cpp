@@ -1,4 +1,3 @@
-// Tests the service over its real socket.
 #include "bridge/capture/capture_service.hpp"
 
 #include <gmock/gmock.h>
@@ -49,7 +48,6 @@ class Client {
   [[nodiscard]] bool connected() const { return connected_; }
   void say(const std::string& text) { (void)::send(socket_.get(), text.data(), text.size(), 0); }
   void end() { ::shutdown(socket_.get(), SHUT_WR); }
-  // Reads up to the end of the line or of the input.
   std::string line() {
     std::string text;
     for (char c{}; ::recv(socket_.get(), &c, 1, 0) == 1 && c != '\n';) text += c;
@@ -131,7 +129,6 @@ TEST(CaptureServiceTest, WhatTheTapDroppedIsSaidInTheFile) {
   Client client;
   client.say("capture line\n");
   ASSERT_EQ(client.line(), "ok");
-  // Faster than the service polls.
   const auto sent = [](std::int64_t at) {
     return CaptureRecord{CaptureRecord::Kind::kSent, {at}, 0, Bytes(100), {}};
   };

@@ -20,7 +20,6 @@ api::Domain domain_of(const DdsSpec& spec, const std::string& name = {}) {
   return domain;
 }
 
-// A link that publishes a bus of two channels, and a station in its domain.
 class Client : public ::testing::Test {
  protected:
   void publish(std::vector<Sample> samples) { served_.link.publish(bus_, samples, both_clocks()); }

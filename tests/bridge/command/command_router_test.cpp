@@ -60,7 +60,6 @@ TEST_F(CommandRouterTest, WhatAnotherBridgeHasJustAnsweredGetsNoSecondResult) {
   EXPECT_FALSE(router.answered_elsewhere("test", 1, now)) << "it was known";
   EXPECT_TRUE(router.was_answered_elsewhere(command(1), later - std::chrono::milliseconds{1}));
   EXPECT_FALSE(router.was_answered_elsewhere(command(2), now));
-  // The same command arrives again.
   EXPECT_FALSE(router.was_answered_elsewhere(command(1), later));
   const auto again = router.take("bus", command(1), later);
   ASSERT_TRUE(again);

@@ -1,4 +1,3 @@
-// Tests alarm actions from a station to the link, and alarm states back, over real DDS on loopback.
 #include <gtest/gtest.h>
 
 #include "tests/bridge/dds/dds_support.hpp"
@@ -16,7 +15,6 @@ AlarmAction acknowledge(const std::string& bus) {
   return action;
 }
 
-// A bridge that executes every action.
 struct Agreeing {
   explicit Agreeing(const std::string& bus) {
     received.answer_action = [this](const AlarmAction& action) {

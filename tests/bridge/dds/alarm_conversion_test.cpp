@@ -1,5 +1,3 @@
-// Tests the conversion of alarm actions and states between core and the topics, also with hostile
-// bytes.
 #include <gtest/gtest.h>
 
 #include "bridge/dds/topics/conversion.hpp"

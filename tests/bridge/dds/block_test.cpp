@@ -1,4 +1,3 @@
-// Tests sample blocks and catalogue blocks without DDS.
 #include "bridge/dds/topics/block.hpp"
 
 #include <gtest/gtest.h>
@@ -134,7 +133,6 @@ TEST(SampleBlock, ATextThatDoesNotFitIsEmptyAndBad) {
   EXPECT_EQ(value.quality, idl::BAD_RANGE);
 }
 
-// Samples for stations that read them one by one.
 TEST(SampleType, WritesTheBytesOfTheGeneratedType) {
   for (const std::string& name : {std::string("b"), std::string("bus-12"), std::string(64, 'n')}) {
     const SampleKey key(name, "device", name);

@@ -1,4 +1,3 @@
-// Tests how a station processes blocks, without DDS.
 #include "bridge/station/bus_table.hpp"
 
 #include <gmock/gmock.h>
@@ -10,7 +9,6 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-// Builds blocks of a bus with channels c0, c1, ...
 class Bus {
  public:
   explicit Bus(std::uint64_t epoch) : epoch_(epoch) {}
@@ -131,7 +129,6 @@ TEST_F(BusTableTest, AHoleThatTheSnapshotShowsIsClosedByIt) {
   EXPECT_EQ(table.missing(), 1u);
 }
 
-// A master of a standby group that has not discovered a second one, which has left.
 TEST_F(BusTableTest, WhoseSamplesCountBelowThoseOfBeforeIsBehindUntilTheyCountOn) {
   on(bus.catalogue(2));
   on(bus.samples({0, 1}, 500));

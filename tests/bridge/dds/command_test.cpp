@@ -1,4 +1,3 @@
-// Tests commands from a station to the link and their results, over real DDS on loopback.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

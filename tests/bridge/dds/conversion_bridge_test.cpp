@@ -1,4 +1,3 @@
-// Tests the conversion of messages between bridges, to DDS and back.
 #include <gtest/gtest.h>
 
 #include "bridge/dds/topics/conversion.hpp"

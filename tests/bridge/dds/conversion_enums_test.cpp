@@ -1,5 +1,4 @@
-// Checks every enumerator on both sides with its number on the wire: stations of other vendors and
-// of older versions are compiled with it.
+// Checks the wire number of every enumerator: other and older stations are compiled with it.
 #include "bridge/dds/topics/conversion_enums.hpp"
 
 #include <gtest/gtest.h>
@@ -16,7 +15,6 @@ struct Row {
   int number;  // on the wire
 };
 
-// Checks that the rows are complete and that each converts there and back.
 template <typename Core, typename Topic, std::size_t Count>
 void expect_all(const Row<Core, Topic> (&rows)[Count]) {
   for (std::size_t i = 0; i < Count; ++i) {

@@ -194,7 +194,6 @@ TEST(CommandConversion, WhatDoesNotFitIsNotSent) {
   EXPECT_FALSE(to_idl("b", command, topic));
 }
 
-// Each line breaks one part of a valid command.
 TEST(CommandConversion, EveryMalformationHasItsCause) {
   struct Case {
     Cause cause;

@@ -1,5 +1,4 @@
-// Shared by the DDS tests: a domain for each process, a bus to publish, and waits with a deadline
-// and a reason.
+// Shared by the DDS tests: a domain per process, a bus to publish, and waits with a deadline.
 #pragma once
 
 #include <unistd.h>
@@ -17,8 +16,7 @@
 
 namespace fieldcast::testing {
 
-// Each test process claims its domain until it ends, so parallel processes do not receive from each
-// other.
+// Each test process claims its own domain, so parallel processes do not interfere.
 inline DdsSpec loopback() {
   static const test::ClaimedDomain domain;
   DdsSpec spec;
@@ -75,7 +73,6 @@ inline Sample good(ChannelIndex channel, Value value, std::uint64_t sequence = 1
   return sample;
 }
 
-// Collects the results of a subscription; any thread.
 template <class T>
 class Collected {
  public:
@@ -101,7 +98,6 @@ class Collected {
   std::vector<T> items_;
 };
 
-// Handlers of a link that announces its buses and ignores other bridges.
 inline DdsLink::BridgeHandlers unheard() {
   return {.found = [](const std::string&) {},
           .received = [](const std::string&, const BridgeClaims&) {},
@@ -109,7 +105,6 @@ inline DdsLink::BridgeHandlers unheard() {
           .lost = [](const std::string&) {}};
 }
 
-// Handlers of a link that receives commands and interests.
 struct Received {
   Collected<std::pair<std::string, Command>> commands;
   Collected<Interest> interests;
@@ -136,7 +131,6 @@ struct Received {
   }
 };
 
-// Returns a command for the first channel of bus_of().
 inline StationCommand write_running(const std::string& bus) {
   StationCommand command;
   command.bus = bus;
@@ -164,7 +158,6 @@ inline void claim(DdsLink& link, const std::vector<std::string>& buses, bool ser
   link.announce(claims);
 }
 
-// A bridge with one bus that executes commands immediately.
 struct Obedient {
   explicit Obedient(const std::string& bus, std::size_t channels = 1,
                     const DdsSpec& spec = loopback())

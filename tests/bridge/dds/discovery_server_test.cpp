@@ -1,5 +1,4 @@
-// Tests which discovery server addresses are rejected. e2e_sites.py uses the real server of Fast
-// DDS.
+// Tests which discovery server addresses are rejected. e2e_sites.py uses a real server.
 #include "bridge/dds/discovery_server.hpp"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,3 @@
-// Tests that a domain can be left and a writer removed during any activity of the library.
 #include "bridge/dds/domain.hpp"
 
 #include <future>
@@ -22,8 +21,7 @@ struct Matched : dds::DataWriterListener {
   std::atomic<int> readers{0};
 };
 
-// Sends so many heartbeats that one occurs during the removal; a reader that always lags keeps them
-// going.
+// Many heartbeats, so that one occurs during the removal; a lagging reader keeps them going.
 dds::DataWriterQos busy_writer_qos() {
   TopicRow many = kSampleTopic;
   many.writer = last_of(2000);

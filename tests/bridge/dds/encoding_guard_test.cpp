@@ -1,4 +1,3 @@
-// Tests the function that the library calls to encode a DDS Security message.
 #include "bridge/dds/encoding_guard.hpp"
 
 #include <dlfcn.h>

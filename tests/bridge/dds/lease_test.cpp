@@ -1,4 +1,3 @@
-// Tests leases: interests of silent stations and writers that are no longer needed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -24,8 +23,7 @@ constexpr const char* kDomainOfStation = "FIELDCAST_TEST_STATION_DOMAIN";
 constexpr const char* kPattern = "patient/*/*";
 constexpr int kRounds = 30;
 
-// A foreign station with an interest, in a process that the next test stops. Its participant
-// expires after a minute.
+// A foreign station with an interest. The next test stops its process; its lease is a minute.
 void play_patient_station() {
   prepare_library();
   auto* factory = dds::DomainParticipantFactory::get_instance();
@@ -47,7 +45,6 @@ void play_patient_station() {
   idl::Interest interest;
   interest.station() = "patient";
   interest.pattern() = kPattern;
-  // Several times, so that its writer is known to be alive when the process stops.
   for (int seconds = 1; seconds <= kRounds; ++seconds) {
     interest.refresh(1'000'000'000LL * seconds);
     ASSERT_TRUE(is_taken(writer->write(&interest)));

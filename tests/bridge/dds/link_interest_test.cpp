@@ -1,4 +1,3 @@
-// Tests the interests of stations as received by the bridge's link, over real DDS on loopback.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

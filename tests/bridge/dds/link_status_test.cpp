@@ -1,4 +1,3 @@
-// Tests status and alarms of the bridge's link as received by a station, over real DDS on loopback.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -44,7 +43,6 @@ TEST(DdsLink, APlanReachesLateStationsAndGoesWithItsBus) {
   link.add_bus(bus_of(bus, 2));
   PlanReport plan{.load = 0.25, .slot = 100ms, .hyperperiod = 400ms};
   PlanReport::Point point{.area = "holding", .first = 7, .count = 1, .channels = {"c0"}};
-  // First a plan of several parts, then one of a single part.
   plan.groups.push_back({.device = "d", .points = std::vector(300, point)});
   link.report(bus, plan, {5});
   plan.groups = {{.device = "d", .period = 100ms, .points = {point}}};

@@ -1,5 +1,3 @@
-// Tests samples and catalogue of the bridge's link as received by a station, over real DDS on
-// loopback.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -20,7 +18,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Returns the distinct channels among samples of one bus.
 std::set<std::string> channels_of(const std::vector<StationSample>& samples,
                                   const std::string& bus) {
   std::set<std::string> names;
@@ -189,7 +186,6 @@ TEST(DdsLink, StationIsToldWhichChannelMissedItsDeadline) {
       {.deadline = 100ms,
        .on_deadline_missed = [&](const std::string& of, const std::string& device,
                                  const std::string& name) { late.add(of + device + name); }});
-  // Channel 1 has one sample, channel 0 one every few milliseconds.
   link.publish(bus, one_of_each(2), both_clocks());
   std::uint64_t sequence = 1;
   EXPECT_TRUE(eventually([&] {
@@ -200,7 +196,6 @@ TEST(DdsLink, StationIsToldWhichChannelMissedItsDeadline) {
   EXPECT_EQ(samples.all().front().path().substr(0, bus.size() + 4), bus + "/d/c");
 }
 
-// A reader of fieldcast/Sample that counts all samples.
 struct OneByOne {
   explicit OneByOne(const std::string& name) : station(loopback(), name) {
     station.subscribe_samples([this](const StationSample& sample) { samples.add(sample); }, {},
@@ -228,8 +223,7 @@ TEST(DdsLink, NothingIsMissedBeforeTheFirstSample) {
   BusSpec spec = bus_of(bus, 2, [](std::size_t i) { return i == 0 ? 20ms : 10s; });
   spec.devices[0].channels[0].name = "silent";
   link.add_bus(spec);
-  // The other class serves as the clock: when its deadline was missed, ten refreshes of the first
-  // have passed.
+  // The other class serves as the clock: its deadline is ten refreshes of the first.
   BusSpec other = bus_of(bus + "x", 1, [](std::size_t) { return 200ms; });
   link.add_bus(other);
   link.publish(bus + "x", one_of_each(1), both_clocks());

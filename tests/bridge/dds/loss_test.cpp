@@ -14,7 +14,6 @@
 namespace fieldcast::testing {
 namespace {
 
-// Drops this share of the datagrams during its lifetime.
 class Loss {
  public:
   explicit Loss(double share) { bench::lose(share); }
@@ -23,7 +22,6 @@ class Loss {
   Loss& operator=(const Loss&) = delete;
 };
 
-// A station that stores the last sequence of each channel.
 class LastSequences {
  public:
   explicit LastSequences(bool one_by_one = false) : station(loopback(), "loss") {
@@ -34,7 +32,6 @@ class LastSequences {
         },
         {}, {.deadline = {}, .on_deadline_missed = {}, .one_by_one = one_by_one});
   }
-  // Returns the number of channels of the bus whose last sequence is `sequence`.
   [[nodiscard]] std::size_t at(const std::string& bus, std::uint64_t sequence) const {
     const std::lock_guard lock(mutex_);
     return static_cast<std::size_t>(std::count_if(last_.begin(), last_.end(), [&](const auto& one) {

@@ -1,5 +1,4 @@
-// Tests the messages for participants that cannot discover each other by multicast. e2e_machine.py
-// tests a machine without multicast.
+// Tests the messages if multicast discovery fails. e2e_machine.py uses a real machine.
 #include "bridge/dds/multicast.hpp"
 
 #include <gtest/gtest.h>

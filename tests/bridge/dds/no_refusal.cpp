@@ -1,4 +1,3 @@
-// Checks after each test of this program that the guard rejected no valid datagram.
 #include <gtest/gtest.h>
 
 #include "bridge/dds/transport/shared_guard.hpp"

@@ -10,7 +10,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Returns `groups` of `points` each; every second one is outside the timetable.
 PlanReport plan_of(std::size_t groups, std::uint32_t points) {
   PlanReport plan{.load = 0.5, .stretch = 1.25, .slot = 94ms, .hyperperiod = 376ms};
   for (std::size_t g = 0; g < groups; ++g) {

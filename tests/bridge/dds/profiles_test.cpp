@@ -1,5 +1,4 @@
-// Tests the QoS profiles for stations on Fast DDS: they load, equal those of the bridge's own
-// stations, and receive every channel.
+// Compares the QoS profiles for stations on Fast DDS with those of the bridge's own stations.
 #include <gtest/gtest.h>
 
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
@@ -33,7 +32,6 @@ void expect_same(const Qos& profile, const Qos& ours) {
 
 class Profiles : public ::testing::Test {
  protected:
-  // A station as its author would write it, with the library's interface and the generated types.
   void SetUp() override {
     prepare_library();
     ASSERT_EQ(factory_->load_XML_profiles_file(FIELDCAST_PROFILES "/fieldcast-station.xml"),

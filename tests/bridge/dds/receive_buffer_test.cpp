@@ -1,4 +1,3 @@
-// Tests the message for a receive buffer that the kernel limits.
 #include "bridge/dds/receive_buffer.hpp"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,3 @@
-// Tests how a station reads Sample: the same values and handles as the generated type, for valid
-// and hostile bytes.
 #include "bridge/dds/topics/received_sample.hpp"
 
 #include <gtest/gtest.h>
@@ -45,7 +43,6 @@ Bytes bytes_of(const idl::Sample& sample) {
   return {payload.data, payload.data + payload.length};
 }
 
-// Returns the same message as written by a machine of the other byte order.
 Bytes foreign_bytes_of(const idl::Sample& sample) {
   using eprosima::fastcdr::Cdr;
   Bytes bytes(1024);
@@ -66,7 +63,6 @@ bool read(ReceivedSampleType& type, const Bytes& bytes, ReceivedSample& out) {
   return type.from_bytes(payload, &out);
 }
 
-// Computes a handle as the library does when a message arrives.
 InstanceHandle_t handle_of(ReceivedSampleType& type, const Bytes& bytes) {
   auto* const message = static_cast<ReceivedSample*>(type.new_message());
   (void)read(type, bytes, *message);

@@ -1,4 +1,3 @@
-// Tests results of commands with readers that do not read them, over real DDS on loopback.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,7 +16,6 @@ using namespace std::chrono_literals;
 constexpr const char* kDomainOfReader = "FIELDCAST_TEST_READER_DOMAIN";
 constexpr std::uint64_t kBurst = 6'000;
 
-// A reader of all results that holds a few and reads none.
 class FullReader {
  public:
   explicit FullReader(const DdsSpec& spec) : domain_(spec, "full", nullptr) {
@@ -64,7 +62,6 @@ TEST(DdsResult, AReaderThatTakesNothingDelaysNobodyElse) {
   EXPECT_THAT(bridge.received.problems.all(), ::testing::IsEmpty());
 }
 
-// Runs in the process that the next test stops.
 void play_full_reader() {
   DdsSpec spec;
   spec.domain = static_cast<std::uint32_t>(std::atoi(std::getenv(kDomainOfReader)));

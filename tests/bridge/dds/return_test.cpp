@@ -11,7 +11,6 @@
 namespace fieldcast::testing {
 namespace {
 
-// Counts how often each name was found and lost.
 class Counts {
  public:
   void add(const std::string& name) {
@@ -22,7 +21,6 @@ class Counts {
     const std::lock_guard lock(mutex_);
     counts_.clear();
   }
-  // Returns the names that are not present.
   [[nodiscard]] std::string lacking(const std::vector<std::string>& names) const {
     const std::lock_guard lock(mutex_);
     std::string all;
@@ -88,7 +86,6 @@ TEST(CutNetwork, WhatHasNotChangedIsThereAgain) {
   EXPECT_TRUE(soon([&] { return gone.lacking(all).empty(); })) << gone.lacking(all);
   bench::lose(0);
   EXPECT_TRUE(soon([&] { return came.lacking(all).empty(); })) << came.lacking(all);
-  // Samples arrive too: all of them or the last one.
   for (std::uint64_t next = 1; next <= 3; ++next)
     link.publish(bus, std::vector{good(0, 0.5, next)}, both_clocks());
   EXPECT_TRUE(eventually([&] { return sequence == 3; }));

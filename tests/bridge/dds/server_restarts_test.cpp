@@ -34,14 +34,12 @@ Bytes heartbeat(std::uint8_t last, std::uint8_t count) {
                       0,    0, 0,  0, last, 0, 0, 0,    count, 0, 0, 0});
 }
 
-// The server acknowledges data of our writers, or of our readers: 06 flags length | reader writer
-// base bits count
+// Of our writers, or of our readers: 06 flags length | reader writer base bits count
 Bytes acknowledgement(std::uint8_t base, std::uint8_t count, std::uint8_t entity = 3) {
   return from_server({0x06, 1, 24, 0, 0,     0, entity, 0xc7, 0, 0, entity, 0xc2,  //
                       0,    0, 0,  0, base,  0, 0,      0,                         //
                       0,    0, 0,  0, count, 0, 0,      0});
 }
-// Returns a message of another participant.
 Bytes from_other(std::uint8_t number) {
   Bytes bytes = heartbeat(1, 1);
   for (std::size_t i = 8; i < 20; ++i) bytes[i] = number;
@@ -58,7 +56,6 @@ struct Restarts : ::testing::Test {
   bool says_goodbye(const Bytes& message, Instant now = kStart) {
     return !restarts.goodbye_before(message, now).empty();
   }
-  // Feeds all messages of the first two seconds: of the server and two others.
   void hear_all() {
     EXPECT_FALSE(says_goodbye(acknowledgement(0, 4)));
     EXPECT_FALSE(says_goodbye(acknowledgement(2, 5), kStart + seconds{1}));

@@ -1,4 +1,3 @@
-// Tests the `dds:` settings for discovery between bridge and stations, over real DDS on loopback.
 #include <arpa/inet.h>
 #include <fastdds/rtps/attributes/ServerAttributes.h>
 #include <gtest/gtest.h>
@@ -19,7 +18,6 @@
 namespace fieldcast::testing {
 namespace {
 
-// A file with this text, removed by the destructor.
 class TextFile {
  public:
   explicit TextFile(const std::string& text) {
@@ -44,7 +42,6 @@ std::string participant_profile(const std::string& name, const std::string& rtps
          name + R"("><rtps>)" + rtps_elements + "</rtps></participant></profiles></dds>";
 }
 
-// Collects what participants discover of a new one: name, user data and written topics.
 class Discoveries : public DiscoveryListener {
  public:
   explicit Discoveries(const DdsSpec& spec) : domain_(spec, "looker", this) {}
@@ -229,8 +226,7 @@ TEST(DdsSettings, DiscoveryServerThatIsNoAddressIsAnError) {
   }
 }
 
-// The library's own statistics, enabled by its environment variable: latencies, throughput, machine
-// and process of each participant.
+// The library's statistics, enabled by its environment variable.
 TEST(DdsSettings, StatisticsOfTheLibraryArePublishedWhenAskedFor) {
   Discoveries discoveries(loopback());
   setenv("FASTDDS_STATISTICS", "HISTORY_LATENCY_TOPIC;PHYSICAL_DATA_TOPIC", 1);

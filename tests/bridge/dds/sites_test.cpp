@@ -1,5 +1,3 @@
-// Tests several sites: buses of the same name in two partitions or behind two discovery servers
-// stay separate, and commands go to one of them.
 #include "bridge/station/sites.hpp"
 
 #include <gtest/gtest.h>
@@ -17,7 +15,6 @@ DdsSite site(const std::string& name) {
   return spec;
 }
 
-// The same bus at two sites, and a station for both.
 class SitesTest : public ::testing::Test {
  protected:
   const std::string bus_ = bus_name("line");

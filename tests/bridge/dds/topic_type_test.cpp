@@ -1,4 +1,3 @@
-// Tests the type objects for Fast DDS: keys from many threads, bytes from hostile peers.
 #include "bridge/dds/topics/topic_type.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,4 @@
-// Tests that marked messages become notes of unregistered instances, byte by byte (RTPS 2.2,
-// 9.4.5.3, 9.6.3).
+// Tests the notes of unregistered instances byte by byte (RTPS 2.2, 9.4.5.3, 9.6.3).
 #include "bridge/dds/unregister_note.hpp"
 
 #include <gtest/gtest.h>
@@ -24,7 +23,6 @@ const Bytes kHash{16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31
 const Bytes kSentinel{1, 0, 0, 0};
 const Bytes kKey{0, 1, 0, 0, 2, 0, 0, 0, 'r', 0, 0, 0, 7, 0, 0, 0, 0, 0, 0, 0};
 
-// Returns DATA with these flags, inline QoS and payload.
 Bytes data(std::uint8_t flags, const Bytes& qos, const Bytes& payload) {
   const Bytes fixed{0, 0, 16, 0, 0, 0, 0, 7, 0, 0, 3, 2, 0, 0, 0, 0, 5, 0, 0, 0};
   const auto length = static_cast<std::uint8_t>(fixed.size() + qos.size() + payload.size());

@@ -1,4 +1,3 @@
-// Tests that a write-only channel has no sample until it is acquired.
 #include <gtest/gtest.h>
 
 #include "tests/bridge/dds/dds_support.hpp"

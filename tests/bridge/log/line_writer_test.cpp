@@ -27,7 +27,6 @@ struct Pipe {
     read.reset(ends[0]);
     write.reset(ends[1]);
   }
-  // Returns all text up to `end`.
   std::string receive(const std::string& end) {
     std::string all;
     char piece[65536];

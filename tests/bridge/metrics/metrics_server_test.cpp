@@ -1,4 +1,3 @@
-// Tests the metrics server on the loopback, with valid and faulty clients.
 #include "bridge/metrics/metrics_server.hpp"
 
 #include <fmt/format.h>
@@ -46,7 +45,6 @@ template <typename Condition>
 struct MetricsServerTest : testing::Test {
   MetricsServerTest() { limits.try_again = milliseconds{20}; }
 
-  // Starts the server and waits until it listens.
   void serve(std::uint16_t at = 0) {
     server = std::make_unique<MetricsServer>(
         ListenSpec{"127.0.0.1", at},
@@ -60,7 +58,6 @@ struct MetricsServerTest : testing::Test {
   [[nodiscard]] bool listens() const {
     return eventually([this] { return server->port() != 0; });
   }
-  // Returns the whole response to one request, up to the close.
   [[nodiscard]] std::string response_to(std::string_view request) const {
     TcpClient client(server->port());
     client.send(request);

@@ -1,4 +1,3 @@
-// Tests device files that disappear and reappear, with their directories and through links.
 #include "bridge/port/device_watch.hpp"
 
 #include <gmock/gmock.h>
@@ -27,8 +26,7 @@ struct DeviceWatchTest : testing::Test {
     watching.emplace(io, path, [this] { ++came; });
     watching->start(DeviceWatch::identity_of(path));
   }
-  // Waits for `times` notifications in total, within the time for which a line may lack its
-  // adapter.
+  // Waits for `times` notifications in total.
   bool told(int times) {
     return run_until(
         io, [&] { return came >= times; }, milliseconds{1000});

@@ -26,8 +26,7 @@ class ReadinessTest : public ::testing::Test {
   void wait() {
     readiness.wait_readable([this](boost::system::error_code) { ++told; });
   }
-  // Runs ready handlers within the time and returns their number; returns immediately if none is
-  // pending.
+  // Runs ready handlers within the time and returns their number.
   std::size_t run() {
     io.restart();
     return io.run_for(50ms);

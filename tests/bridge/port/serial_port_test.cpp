@@ -213,7 +213,6 @@ TEST_F(SerialPortTest, BytesFromBeforeTheOpeningAreDropped) {
   ::close(slave);
 }
 
-// With the hint, bytes that arrive meanwhile are delivered together.
 TEST_F(SerialPortTest, ExpectedCharactersAreDeliveredTogether) {
   SerialPortSpec slow = spec();
   slow.line.baud = 1200;  // 100 characters: 0.83 s

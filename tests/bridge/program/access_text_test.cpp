@@ -1,4 +1,3 @@
-// Tests the messages of the start and of --check about access.
 #include "bridge/program/access_text.hpp"
 
 #include <gmock/gmock.h>

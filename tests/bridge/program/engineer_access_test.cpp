@@ -1,4 +1,3 @@
-// Tests logins of engineers with a certificate, a password, one of both, or both.
 #include "bridge/bus/clock.hpp"
 #include "bridge/security/pki.hpp"
 #include "tests/bridge/program/program_support.hpp"
@@ -28,7 +27,6 @@ struct EngineerAccess : test::ServerFixture {
     ServerFixture::start();
     module = std::make_unique<TcpClient>(this->ServerFixture::module("17\n"));
   }
-  // Returns the bridge's response to `login` and a request for device 17.
   [[nodiscard]] std::string answer(const std::string& certificate, const std::string& login = "") {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds{10};
     std::string reply;

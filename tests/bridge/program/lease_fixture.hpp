@@ -38,14 +38,12 @@ inline BusSpec bus_of(const PortSpec& port) {
 }
 
 struct LeaseFixture : ServerFixture {
-  // Starts a bus and registers it with the server until the test ends.
   void run(const BusSpec& bus) {
     runner = std::make_shared<BusRunner>(io.context(), io.context(), bus, sink, &modules);
     runner->start();
     server.add_bus(bus, runner);
     name = bus.name;
   }
-  // Ends the bus as a reload does.
   void end_bus() {
     if (!runner) return;
     server.remove_bus(name);

@@ -1,4 +1,3 @@
-// Tests buses on a serial line while their devices are programmed.
 #include <termios.h>
 
 #include "bridge/port/serial_line.hpp"
@@ -114,8 +113,7 @@ TEST_F(Lease, ASerialPortThatIsUnpluggedIsLostToTheEngineer) {
   }));
 }
 
-// The whole bus is leased for one device. A request for its neighbour is refused, and the first
-// lease continues.
+// The whole bus is leased for one device, so a request for its neighbour is refused.
 TEST_F(Lease, ABusThatIsLeasedIsBusyForItsOtherDevices) {
   Pty pty;
   ModbusDevice device(pty);
@@ -191,8 +189,7 @@ TEST_F(Lease, TheLineTakesTheSpeedThatTheEngineerSetsAndHasItsOwnAgainAfterwards
   EXPECT_TRUE(becomes({115200, 1}));
 }
 
-// A pseudo-terminal ignores data bits and "parity on", but keeps the rest of the format: odd
-// parity, parity check, two stop bits.
+// A pseudo-terminal ignores data bits and "parity on", but keeps the rest of the format.
 TEST_F(Lease, TheLineTakesTheFormatThatTheEngineerGivesAndHasItsOwnAgainAfterwards) {
   Pty pty;
   ModbusDevice device(pty);

@@ -1,4 +1,3 @@
-// Tests module access: addresses, certificates, secrets, and one module per number.
 #include "bridge/bus/clock.hpp"
 #include "bridge/program/module_secrets.hpp"
 #include "bridge/security/pki.hpp"
@@ -18,7 +17,6 @@ using testing::StartsWith;
 constexpr const char* kSecret = "a secret of twenty-six let";
 
 struct ModuleAccess : test::ServerFixture {
-  // Waits until the module of this number can be programmed, and checks both directions.
   void expect_programmable(const std::string& number, auto& module) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds{10};
     std::unique_ptr<TcpClient> client;

@@ -1,4 +1,3 @@
-// Tests `fieldcast module` with the bridge: credentials and their checks.
 #include "bridge/program/module_client.hpp"
 
 #include <boost/asio/post.hpp>

@@ -1,4 +1,3 @@
-// Tests buses over a module that dials in, during programming and restarts.
 #include "tests/bridge/program/lease_fixture.hpp"
 #include "tests/bridge/support/module_device.hpp"
 

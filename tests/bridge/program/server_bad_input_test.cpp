@@ -1,5 +1,3 @@
-// Tests noise, incomplete messages, silence and floods from modules and engineers, over real
-// sockets on the loopback.
 #include "tests/bridge/program/program_support.hpp"
 
 namespace fieldcast {
@@ -88,8 +86,7 @@ TEST_F(ProgramServer, ARequestIsReadBehindALittleGarbage) {
   EXPECT_TRUE(audited("dropped: bytes outside of any frame"));
 }
 
-// The server's buffer for the client is limited; then it disconnects the client and frees the
-// device.
+// The server limits the buffer of the client, then disconnects it and frees the device.
 TEST_F(ProgramServer, AClientThatNeverReadsIsFreed) {
   spec.engineers->heartbeat = seconds{1};  // the client does not send either
   start();
@@ -112,7 +109,6 @@ TEST_F(ProgramServer, AClientThatNeverReadsIsFreed) {
   EXPECT_EQ(paired(server.engineers_port(), "17", next), "@@0000FEFF");
 }
 
-// From one address and from many, including that of the engineer.
 TEST_F(ProgramServer, SixHundredSilentConnectionsLockNobodyOut) {
   start();
   TcpClient module = this->module("17\n");

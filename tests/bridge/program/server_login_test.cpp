@@ -1,4 +1,3 @@
-// Tests logins of engineers: when they are required, and their audit.
 #include "bridge/program/engineer_server.hpp"
 #include "tests/bridge/program/program_support.hpp"
 

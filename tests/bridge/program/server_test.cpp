@@ -1,5 +1,3 @@
-// Tests modules and engineers over real sockets on the loopback: pairing, disconnects, reload and
-// stop.
 #include "bridge/program/server.hpp"
 
 #include "core/program/length_framing.hpp"

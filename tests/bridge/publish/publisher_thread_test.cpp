@@ -9,7 +9,6 @@
 namespace fieldcast {
 namespace {
 
-// Holds the thread until it is released.
 struct Held {
   explicit Held(PublisherThread& thread) {
     thread.post([future = go.get_future().share()] { future.wait(); });

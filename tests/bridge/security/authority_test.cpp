@@ -1,4 +1,3 @@
-// Tests the authority's directory and the directories of its members.
 #include "bridge/security/authority.hpp"
 
 #include <gmock/gmock.h>
@@ -181,7 +180,6 @@ class FullDisk {
   const sighandler_t before_;
 };
 
-// Returns every file below a directory with its content.
 std::map<std::string, std::string> all_files(const std::string& folder) {
   std::map<std::string, std::string> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
@@ -192,7 +190,6 @@ std::map<std::string, std::string> all_files(const std::string& folder) {
 TEST_F(AuthorityTest, AFullDiskLeavesNothingHalfMade) {
   (void)authority_.add({kPlant, "mes", {}}, kToday);
   const auto before = all_files(folder_);
-  // Empty, a part of a certificate, and all but the governance.
   for (const rlim_t bytes : {0, 100, 700, 2000}) {
     {
       const FullDisk full(bytes);

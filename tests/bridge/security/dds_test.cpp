@@ -44,8 +44,7 @@ Collected<std::string>& said() {
   return lines;
 }
 
-// Returns whether an admitted end was refused this by the other end, for example "writer",
-// "fieldcast/Command".
+// Returns whether the other end refused this, for example "writer", "fieldcast/Command".
 bool refused_remote(const std::string& kind, const std::string& topic_or_partition) {
   return eventually([&] {
     for (const std::string& line : said().all()) {
@@ -74,8 +73,7 @@ class DdsSecurity : public ::testing::Test {
   DdsSpec as_new(const Member& member) { return as(authority_.add(member, now())); }
   DdsSpec unsigned_one() const { return as(""); }
 
-  // Returns a participant with the rights of `member` here, but whose own library allows those of
-  // `claimed`.
+  // Returns a participant with the rights of `member`, but its library allows those of `claimed`.
   DdsSpec forger(const Member& member, const Member& claimed) {
     const std::string folder = authority_.add(member, now());
     const std::string ca = scratch_.path("ca/");
@@ -107,7 +105,6 @@ class DdsSecurity : public ::testing::Test {
       Authority::create(scratch_.path("ca"), security::Protection::kEncrypt, now());
 };
 
-// Collects the samples of a station.
 class Watching {
  public:
   explicit Watching(const DdsSpec& spec, const std::string& name = "watching")
@@ -127,7 +124,6 @@ void publish(DdsLink& link, const std::string& bus, std::int64_t value) {
   link.publish(bus, samples, both_clocks());
 }
 
-// Sends an unprotected message of this writer to all participants of the domain on this machine.
 void send_in_clear(std::uint32_t domain, const rtps::GUID_t& writer, std::uint8_t sequence,
                    const idl::BusStatus& status) {
   TopicType<idl::BusStatusPubSubType> type;
@@ -388,7 +384,6 @@ TEST_F(DdsSecurity, SamplesAndResultsOfAForgingStationAreRefusedByTheStations) {
   EXPECT_EQ(forged.commands.size(), 0U) << "a command came to one that is no bridge";
   for (const StationSample& sample : mes.samples.all())
     EXPECT_EQ(sample.value, Value{std::int64_t{42}});
-  // A forged result would arrive first.
   bridge.complete("press-1", done(asked), both_clocks());
   EXPECT_TRUE(eventually([&] { return results > 0; }));
   std::this_thread::sleep_for(kLongEnough / 3);

@@ -1,4 +1,3 @@
-// Tests the subject of a participant and the owner of a requester.
 #include "bridge/dds/requester_book.hpp"
 
 #include <gtest/gtest.h>

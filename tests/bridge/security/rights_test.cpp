@@ -1,4 +1,3 @@
-// Tests access rights: the table of roles and topics, and the documents generated from it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,3 @@
-// Tests when a program checks its identity again.
 #include "bridge/service/identity_watch.hpp"
 
 #include <gtest/gtest.h>

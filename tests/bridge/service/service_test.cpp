@@ -1,4 +1,3 @@
-// Tests the messages to a service manager with a notify socket of the test.
 #include "bridge/service/service.hpp"
 
 #include <gmock/gmock.h>

@@ -10,7 +10,6 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-// Bridges that receive from each other; tell() sends each bridge's claims to the others.
 struct Domain {
   struct Bridge {
     std::string id;
@@ -29,7 +28,6 @@ struct Domain {
       }
     }
   }
-  // Lets each bridge decide and send until nothing changes.
   void come_to_rest() {
     for (bool changed = true; changed; tell()) {
       changed = false;

@@ -1,5 +1,4 @@
-// Simulates a standby group in virtual time: members with their own clocks, and a network that
-// loses, delays, duplicates and partitions.
+// Simulates a standby group in virtual time, with clocks and a network that have faults.
 #pragma once
 
 #include <algorithm>

@@ -161,8 +161,7 @@ TEST(Election, WhoJoinsAnewCountsAboveWhatItKnew) {
   for (; now < kStart + 4s; now += Election::kTick) own.on_time(now);
   ASSERT_EQ(own.role(), StandbyRole::kMaster);
   EXPECT_EQ(number_of(own.term()), 8u);
-  // That master was disconnected all the time and has just restarted, so its last terms are
-  // unknown.
+  // That master was disconnected all the time, so its last terms are unknown.
   own.receive(member("a", 2, 3), now);
   own.on_time(now);
   EXPECT_GE(number_of(own.term()), 7 + (now - kStart) / Election::kTermTime);

@@ -1,5 +1,4 @@
-// Tests a command that only reached a standby member that does not become master. One member is a
-// real bridge, the test simulates the second.
+// Tests a command that only reached a standby. One member is a real bridge, one is simulated.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -28,7 +27,6 @@ using namespace std::chrono_literals;
 using testing::HasSubstr;
 using testing::Not;
 
-// The simulated member, and a plant system that writes commands and reads results.
 class PlayedMember {
  public:
   explicit PlayedMember(std::uint32_t domain)
@@ -44,7 +42,6 @@ class PlayedMember {
         beats_([this] { beat(); }) {}
   ~PlayedMember() { leave(); }
 
-  // Leaves the group with a message.
   void leave() {
     ending_ = true;
     if (beats_.joinable()) beats_.join();
@@ -66,7 +63,6 @@ class PlayedMember {
     ASSERT_TRUE(to_idl("one", command, out));
     commands_->write(&out);
   }
-  // Writes a user's action on an alarm.
   void act(std::uint64_t id) {
     AlarmAction action;
     action.requester = "plant-system";
@@ -80,16 +76,13 @@ class PlayedMember {
     ASSERT_TRUE(to_idl(action, out));
     actions_->write(&out);
   }
-  // Sends a note about a held command.
   void tell(StandbyNoteKind kind, std::uint64_t id) {
     channel_.tell(StandbyNote{"g", "played", 0, 0, kind, "one", "plant-system", id});
   }
-  // Returns the commands that the bridge reports as held.
   [[nodiscard]] std::set<std::uint64_t> told() {
     const std::lock_guard lock(mutex_);
     return told_;
   }
-  // Returns the commands that the bridge reports as completed.
   [[nodiscard]] std::set<std::uint64_t> answered() {
     const std::lock_guard lock(mutex_);
     return answered_;
@@ -184,7 +177,6 @@ struct HeldByMember : testing::Test {
                            "\"holding:9\", type: uint16, access: read-write, refresh: 200ms }\n";
     return std::make_unique<test::Process>(FIELDCAST_BRIDGE, std::vector<std::string>{file});
   }
-  // Returns the result that the bridge gives as master.
   StationResult answer_to(StandbyNoteKind kind, std::uint64_t id) {
     (void)within([&] {
       member.tell(kind, id);
@@ -192,7 +184,6 @@ struct HeldByMember : testing::Test {
     });
     return result_of(id);
   }
-  // Waits for the first result of a command.
   StationResult result_of(std::uint64_t id) {
     EXPECT_TRUE(within([&] { return !member.results_of(id).empty(); })) << id;
     const auto results = member.results_of(id);
@@ -221,7 +212,6 @@ TEST_F(HeldByMember, TellsTheMasterWhichAnswersWhatItDoesNotKnow) {
 
   member.leave();
   EXPECT_EQ(result_of(held).state, CommandState::kDone) << "who takes over runs what it holds";
-  // The bridge has no alarms, and its result says so.
   EXPECT_THAT(result_of(action).reason, Not(HasSubstr("send it again")));
   member.tell(StandbyNoteKind::kReturned, held);
   member.tell(StandbyNoteKind::kReturned, action);

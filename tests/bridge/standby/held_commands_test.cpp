@@ -1,4 +1,3 @@
-// Tests commands that a waiting bridge holds while another bridge is master.
 #include "bridge/standby/held_commands.hpp"
 
 #include <gmock/gmock.h>

@@ -8,7 +8,6 @@
 namespace fieldcast {
 namespace {
 
-// The identity of a waiting child process.
 struct Child {
   Child() {
     int ends[2];

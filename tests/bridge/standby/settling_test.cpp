@@ -11,7 +11,6 @@ using namespace std::chrono_literals;
 
 constexpr Instant kBegan{std::chrono::hours{1}};
 
-// Returns the settling time if `at` gives the findings after each duration.
 Duration settled_after(bool in_group, const std::function<Finding(Duration)>& at) {
   Settling settling(in_group, kBegan);
   Duration after{};

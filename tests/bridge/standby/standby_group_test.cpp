@@ -1,4 +1,3 @@
-// Tests a member of a standby group with the handlers of the test, without its thread.
 #include "bridge/standby/standby_group.hpp"
 
 #include <gtest/gtest.h>

@@ -15,7 +15,6 @@ namespace {
 
 using namespace takeover;
 
-// A member that sends what the test sets and writes samples as a master.
 class Third {
  public:
   explicit Third(std::uint32_t domain) : outside_(Watch::spec(domain), "third", nullptr) {
@@ -26,13 +25,11 @@ class Third {
   }
   ~Third() { stop_writing(); }
 
-  // Applies until the next term is set.
   void tell(StandbyTerm term) {
     told_.member.term = term;
     ++told_.member.beat;
     channel_.tell(told_);
   }
-  // Writes good values of both channels with the epoch of the master.
   void write(std::uint64_t sequence) {
     if (blocks_ == nullptr) blocks_ = outside_.writer(kSampleBlockTopic, "third");
     if (epoch_ == 0) return;
@@ -72,8 +69,7 @@ class Third {
   dds::DataWriter* blocks_ = nullptr;
 };
 
-// After the cut, a third member reports a term without a master. A former master has published
-// higher numbers.
+// After the cut, a term without a master is reported; its master published higher numbers.
 TEST_F(TakeoverTest, AMasterThatRemainsAfterACutCountsAboveTheOneThatLeft) {
   start_both();
   Third third(domain.number());
@@ -92,8 +88,7 @@ TEST_F(TakeoverTest, AMasterThatRemainsAfterACutCountsAboveTheOneThatLeft) {
   expect_one_master();
 }
 
-// A member was master unseen by the master and has left permanently. Only the station has its
-// count.
+// A master unknown to the present one has left; only the station has its count.
 TEST_F(TakeoverTest, AMasterCountsAboveOneThatOnlyStationsHaveHeard) {
   start_both();
   Third third(domain.number());

@@ -1,5 +1,3 @@
-// Two real bridge processes of one standby group, a device with connections from both, and a
-// station.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -37,7 +35,6 @@ inline bool within(const std::function<bool()>& condition, milliseconds limit = 
   return true;
 }
 
-// Records the samples that a station receives from the fastest channel.
 class Watch {
  public:
   explicit Watch(std::uint32_t domain) : station_(spec(domain), "watch") {
@@ -77,7 +74,6 @@ class Watch {
     const std::lock_guard lock(mutex_);
     return good_;
   }
-  // Returns the longest gap since the last call.
   milliseconds longest_gap() {
     const std::lock_guard lock(mutex_);
     return std::chrono::duration_cast<milliseconds>(std::exchange(longest_, {}));
@@ -129,7 +125,6 @@ struct TakeoverTest : testing::Test {
     std::filesystem::remove_all(folder);
   }
 
-  // Starts a bridge whose output goes to a file.
   std::unique_ptr<test::Process> launch(const std::string& name, int strength) {
     const std::string file = folder / (name + ".yaml");
     std::ofstream(file)
@@ -159,7 +154,6 @@ struct TakeoverTest : testing::Test {
       return count >= times;
     });
   }
-  // Starts "a" as master and "b" as standby.
   void start_both() {
     a = launch("a", 2);
     ASSERT_TRUE(says("a", "is master of group g"));
@@ -174,7 +168,6 @@ struct TakeoverTest : testing::Test {
     const auto good = watch.good();
     EXPECT_TRUE(within([&] { return watch.good() > good + 10; }));
   }
-  // Checks that no request of an older connection follows one of a newer connection.
   void expect_one_master() {
     int newest = 0;
     for (const auto& request : device.requests()) {

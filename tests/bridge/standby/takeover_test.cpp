@@ -68,7 +68,6 @@ TEST_F(TakeoverTest, AMasterThatStoodStillDoesNotSpeakAgainAndStandsBy) {
   expect_one_master();
 }
 
-// Each write runs at most once and has a result.
 TEST_F(TakeoverTest, OverAKillEachCommandHasAResultAndNoWriteRunsTwice) {
   start_both();
   const auto ids = write_while_the_master_gets(SIGKILL);
@@ -92,7 +91,6 @@ TEST_F(TakeoverTest, OverAKillEachCommandHasAResultAndNoWriteRunsTwice) {
   for (const auto& [id, count] : watch.results()) EXPECT_EQ(count, 1) << id;
 }
 
-// Members are not discovered before the server runs.
 TEST_F(TakeoverTest, MembersThatStartBeforeTheirDiscoveryServerWaitForIt) {
   const std::string server = "/usr/bin/fast-discovery-server";
   if (::access(server.c_str(), X_OK) != 0) GTEST_SKIP() << "fastdds-tools is not installed";

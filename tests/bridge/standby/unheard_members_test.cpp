@@ -18,7 +18,6 @@ using namespace std::chrono_literals;
 using election_group::Group;
 using Members = std::vector<std::string>;
 
-// An unseen member may have been master for the readers that join now.
 TEST(Election, AMasterTakesALaterTermForReadersWhileAMemberIsOutOfSight) {
   Group group(1);
   const auto a = group.add("a", 2);
@@ -51,7 +50,6 @@ TEST(Election, AMasterTakesALaterTermForReadersWhileAMemberIsOutOfSight) {
   EXPECT_GT(number_of(group.of(a).term()), number_of(later));
 }
 
-// It also uses terms for its readers.
 TEST(Election, ATermForReadersIsAboveThoseThatAMemberOutOfSightTook) {
   Group group(1);
   const auto a = group.add("a", 2);
@@ -81,7 +79,6 @@ class OutOfSight {
     group_.run(2s);
     for (std::size_t i = 1; i < members_; ++i) group_.part(0, i);
   }
-  // Returns the highest term number with which one of them was ever master.
   std::uint32_t trouble(int times) {
     std::uint32_t most = 0;
     for (int i = 0; i < times; ++i) {
@@ -214,7 +211,6 @@ TEST(Election, WhoIsSeenToEndIsNotOutOfSight) {
   EXPECT_EQ(group.of(a).term(), first);
 }
 
-// It has joined and followed a block, and the master was suspended before its first message.
 TEST(Election, WhoFollowsSamplesOfALaterTermThanItsOwnTakesALaterOne) {
   Group group(1);
   const auto a = group.add("a", 1);

@@ -1,5 +1,4 @@
-// Tests that command identities outlive their bridge: another bridge on the same store recognises
-// them.
+// Tests that another bridge on the same store recognises the identities of commands.
 #include "bridge/store/command_identities.hpp"
 
 #include <gmock/gmock.h>

@@ -92,7 +92,6 @@ void fill(SqlConnection& connection) {
       .at = kAt, .who = "ann", .what = "write 5", .target = "line/press/t", .result = "done"});
 }
 
-// Accepts a column of type time, or the start of an interval in seconds.
 bool is_the_day(const std::string& text) {
   if (std::regex_match(text, std::regex(R"(2023-11-15[T ]09:00:10\.5\d*(Z|\+00))"))) return true;
   double epoch = 0;

@@ -1,4 +1,3 @@
-// Tests that apply to every database.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,3 @@
-// Tests that the store waits for a database that rejects writes and loses nothing in its queue.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -16,7 +15,6 @@ using std::chrono::milliseconds;
 using test::history;
 
 constexpr std::chrono::seconds kSoon{30};
-// Longer than all retries of a batch that a database refuses.
 constexpr milliseconds kWhile{2500};
 
 // `fill` makes the database reject writes, `empty` undoes that.

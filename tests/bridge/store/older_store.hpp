@@ -1,4 +1,3 @@
-// Creates stores of older versions.
 #pragma once
 
 #include <string>

@@ -1,5 +1,4 @@
-// Tests an SQLite store that several processes have open: the bridge, with two connections, and a
-// temporary command line.
+// Tests an SQLite store that the bridge (two connections) and a command line have open.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>

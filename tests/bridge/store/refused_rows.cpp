@@ -41,7 +41,6 @@ std::vector<RefusedRow> quarantine_of(SqlConnection& connection) {
   return rows;
 }
 
-// Refuses samples of device code 666.
 void refuse_some_samples(SqlConnection& connection) {
   connection.script(connection.dialect() == SqlConnection::Dialect::kSqlite
                         ? "create trigger refuse before insert on samples when "
@@ -82,7 +81,6 @@ void puts_refused_events_aside(const StoreAddress& address) {
                       return true;
                     });
   EXPECT_THAT(stored, ElementsAre("refused", "accepted"));
-  // The newest rows remain.
   std::vector<SqlRow> many;
   for (std::int64_t i = 0; i < QuarantineTable::kMaxKept + 2; ++i) many.push_back({i});
   connection->execute(
@@ -99,7 +97,6 @@ void puts_refused_events_aside(const StoreAddress& address) {
       "delete from alarms where bus in ('refused', 'accepted')");
 }
 
-// A refused channel and a refused sample among the first samples of others.
 void puts_refused_samples_aside(const StoreAddress& address) {
   const auto connection = open_store(address, IfMissing::kCreate);
   refuse_some_samples(*connection);
@@ -126,7 +123,6 @@ void puts_refused_samples_aside(const StoreAddress& address) {
     EXPECT_EQ(store.counters().quarantined, 2u);
     EXPECT_EQ(store.counters().stored, 5u);
     EXPECT_EQ(store.counters().dropped, 0u);
-    // The next batch continues after what the database has.
     const Sample next[] = {sample(0, 5.0, 4, 3)};
     intake->put(next, kClock, utc(4));
     ASSERT_TRUE(store.flush(seconds{30}));
@@ -259,7 +255,6 @@ void goes_on_after_every_extreme(const StoreAddress& address) {
   }
   EXPECT_EQ(history(address, "around").size(), 2u);
   EXPECT_EQ(number_in(*connection, "select count(*) from audit"), audited + entries);
-  // The views and the tiers read the stored rows.
   for (const char* const view :
        {"sample_history", "last_samples", "alarm_history", "alarm_log", "alarm_list",
         "maintenance_list", "device_states", "audit_history"})

@@ -1,5 +1,3 @@
-// Tests the daily partitions of a server's samples: their location, removal, and the migration of
-// an older Fieldcast.
 #include "bridge/store/sample_days.hpp"
 
 #include <gmock/gmock.h>
@@ -22,7 +20,6 @@ UtcTime after_midnight(std::int64_t second) {
 }
 UtcTime day(std::int64_t number) { return after_midnight(number * 24 * kHour); }
 
-// A store that begins every test without samples.
 class Days {
  public:
   explicit Days(const StoreAddress& address)
@@ -44,7 +41,6 @@ class Days {
     SampleTable(*connection_).insert(rows);
     transaction.commit();
   }
-  // Inserts as a Fieldcast version without daily partitions.
   void insert_undated(UtcTime at) {
     connection_->execute(
         "insert into samples (channel, published_at, sequence, acquired_at, quality, device_code, "

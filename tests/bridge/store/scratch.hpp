@@ -1,4 +1,3 @@
-// A directory for the files of one test, and an audit in memory.
 #pragma once
 
 #include <gtest/gtest.h>

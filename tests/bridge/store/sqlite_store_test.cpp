@@ -1,4 +1,3 @@
-// Tests SQLite only: the file, its version, its size.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -112,7 +111,6 @@ TEST(SqliteStore, ThatIsTooLargeLosesItsOldestSamples) {
 TEST(SqliteStore, GivesTheRoomOfRemovedSamplesBackToTheDisk) {
   const Scratch scratch;
   const StoreAddress address(scratch.path("store.db"));
-  // The size of the empty tables.
   (void)open_store(address, IfMissing::kCreate);
   const auto empty = std::filesystem::file_size(address.text());
   {

@@ -1,4 +1,3 @@
-// Tests store addresses: recognition of servers, and hidden passwords.
 #include "bridge/store/store_address.hpp"
 
 #include <gmock/gmock.h>

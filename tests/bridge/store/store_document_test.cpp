@@ -49,7 +49,6 @@ std::set<std::string> quoted_names(const std::string& text) {
   return names;
 }
 
-// The views that a heading names, and the columns of the first table below it.
 struct Section {
   std::set<std::string> views, columns;
 };

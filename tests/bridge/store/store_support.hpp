@@ -26,7 +26,6 @@ inline Instant instant(std::int64_t second) {
 }
 inline const UtcTime kEnd{INT64_MAX};
 
-// The samples of these tests are years old.
 inline StoreSpec forever(const StoreAddress& address) {
   StoreSpec spec{address.text()};
   spec.keep = {};
@@ -58,7 +57,6 @@ inline Sample sample(ChannelIndex channel, Value value, std::int64_t second,
           .sequence = sequence};
 }
 
-// Samples remain until their tiers are written.
 inline void write_tiers(SqlConnection& connection) {
   TierWriter tiers;
   while (tiers.step(connection, utc(1'000'000))) {}

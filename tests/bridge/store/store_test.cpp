@@ -1,5 +1,3 @@
-// Tests the queue of a store: while its database is unavailable, when it closes, and when it is
-// killed.
 #include "bridge/store/store.hpp"
 
 #include <gtest/gtest.h>
@@ -25,7 +23,6 @@ using test::sample;
 using test::Scratch;
 using test::utc;
 
-// The database is missing at first and appears later.
 TEST(Store, DropsAndCountsWhatFindsNoRoomAndNeverWaits) {
   const Scratch scratch;
   const std::string folder = scratch.path("later");
@@ -56,7 +53,6 @@ TEST(Store, WritesWhatWaitsWhenItCloses) {
   EXPECT_EQ(history(address, "bus").size(), 1u);
 }
 
-// A child process that stores rows and reports them until it is killed.
 [[noreturn]] void store_and_tell(const std::string& path, int tell) {
   Store store(forever(StoreAddress(path)));
   const auto intake = store.intake(bus_of("bus", {"a"}));
@@ -83,7 +79,6 @@ TEST(Store, KeepsWhatWasReportedStoredWhenTheProcessIsKilled) {
   std::uint64_t reported = 0, now = 0;
   while (reported < 100'000 && ::read(ends[0], &now, sizeof now) == sizeof now) reported = now;
   ::kill(child, SIGKILL);
-  // reported before it died
   while (::read(ends[0], &now, sizeof now) == sizeof now) reported = now;
   ::waitpid(child, nullptr, 0);
   ::close(ends[0]);

@@ -1,4 +1,3 @@
-// Tests tokens in SQLite and in PostgreSQL, also in a store of the previous version.
 #include "bridge/store/token_table.hpp"
 
 #include <gmock/gmock.h>

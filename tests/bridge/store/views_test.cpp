@@ -1,4 +1,3 @@
-// Tests the views of the store on SQLite and on PostgreSQL, as docs/store.md describes them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -20,7 +19,6 @@ using testing::HasSubstr;
 constexpr UtcTime kNoon{1'700'049'600'123'456'789};
 constexpr std::int64_t kSecond = 1'000'000'000;
 
-// Returns the rows of a query, each column as text.
 std::vector<std::vector<std::string>> rows_of(SqlConnection& connection, const std::string& sql) {
   std::vector<std::vector<std::string>> rows;
   connection.query(sql, {}, [&](const SqlRow& row) {

@@ -79,7 +79,6 @@ class Reports {
   std::vector<Report> reports_;
 };
 
-// Collects what a station receives, with waits.
 class Receiver {
  public:
   explicit Receiver(const DdsSpec& dds) : station(dds, "receiver") {

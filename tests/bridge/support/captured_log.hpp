@@ -28,13 +28,11 @@ class CapturedLog {
   CapturedLog(const CapturedLog&) = delete;
   CapturedLog& operator=(const CapturedLog&) = delete;
 
-  // Returns the lines so far.
   [[nodiscard]] std::string so_far() const {
     flush_log(std::chrono::seconds{5});
     std::ifstream file("/proc/self/fd/2");  // a file while GoogleTest captures
     return {std::istreambuf_iterator<char>(file), {}};
   }
-  // Returns the captured lines. Call once.
   [[nodiscard]] std::string end() {
     ended_ = true;
     flush_log(std::chrono::seconds{5});

@@ -1,4 +1,3 @@
-// Certificates for tests of TLS, created by openssl in a temporary directory.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,7 +12,6 @@ namespace fieldcast::test {
 
 class Certificates {
  public:
-  // Creates an authority, `ca.pem`.
   Certificates() {
     std::string pattern = testing::TempDir() + "certificates-XXXXXX";
     EXPECT_NE(::mkdtemp(pattern.data()), nullptr);
@@ -27,15 +25,13 @@ class Certificates {
   Certificates(const Certificates&) = delete;
   Certificates& operator=(const Certificates&) = delete;
 
-  // Creates NAME.pem and NAME.key with this common name, signed by the authority or by the owner of
-  // another certificate.
+  // Creates NAME.pem and NAME.key, signed by the authority or with another certificate.
   void issue(const std::string& name, const std::string& common_name,
              const std::string& signer = "ca") const {
     make(name, "/CN=" + common_name, "-addext subjectAltName=IP:127.0.0.1",
          "-CA " + file(signer + ".pem") + " -CAkey " + file(signer + ".key"));
     if (signer != "ca") std::ofstream(file(name + ".pem"), std::ios::app) << text(signer + ".pem");
   }
-  // Creates a self-signed certificate.
   void make_own(const std::string& name, const std::string& common_name) const {
     make(name, "/CN=" + common_name, "-addext subjectAltName=IP:127.0.0.1", "");
   }

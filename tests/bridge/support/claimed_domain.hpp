@@ -1,5 +1,4 @@
-// Claims a DDS domain that no other test on this machine uses; tests/tools/plant.py uses the same
-// rule.
+// Claims a DDS domain for one test, by the same rule as tests/tools/plant.py.
 #pragma once
 
 #include <arpa/inet.h>

@@ -7,7 +7,6 @@
 namespace fieldcast::test {
 namespace {
 
-// Opens a socket on the port of every participant of the domain.
 FileDescriptor participant_in(std::uint32_t domain) {
   FileDescriptor socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   sockaddr_in address{};
@@ -20,7 +19,6 @@ FileDescriptor participant_in(std::uint32_t domain) {
   return socket;
 }
 
-// A killed test leaves its bridge running without a claim.
 TEST(ClaimedDomain, PassesOverADomainWithAParticipant) {
   const std::uint32_t before = ClaimedDomain().number();
   const std::uint32_t first_choice = 10 + (before - 10 + 7) % 90;  // of the next claim

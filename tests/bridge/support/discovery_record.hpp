@@ -14,9 +14,7 @@ namespace fieldcast::test {
 
 class DiscoveryRecord : public DiscoveryListener {
  public:
-  // Returns a writer's listener, for dds::StatusMask::publication_matched().
   [[nodiscard]] dds::DataWriterListener* matches() { return &matches_; }
-  // Returns one line per event, oldest first, at most kMostEvents.
   [[nodiscard]] std::string text() const {
     const std::lock_guard lock(mutex_);
     return "discovered since the start:\n" + text_;

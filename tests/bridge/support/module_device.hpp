@@ -1,4 +1,3 @@
-// Simulates a PLC behind a module that dials in.
 #pragma once
 
 #include <poll.h>
@@ -11,8 +10,6 @@
 
 namespace fieldcast::test {
 
-// Responds to reads of one holding register with 5, over the socket of a module, during its
-// lifetime.
 class ModuleDevice {
  public:
   explicit ModuleDevice(const TcpClient& module)

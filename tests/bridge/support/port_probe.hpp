@@ -1,5 +1,4 @@
-// Runs an io_context in the thread of the test until a condition is true, and records the callbacks
-// of a port.
+// Runs an io_context until a condition is true, and records the callbacks of a port.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,4 +1,3 @@
-// Runs a program as a process with signals, output and an exit code.
 #pragma once
 
 #include <fcntl.h>

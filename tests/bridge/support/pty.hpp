@@ -1,5 +1,4 @@
-// A pseudo-terminal pair: a SerialPort opens the slave, and the test holds the master as the device
-// at the other end.
+// A pseudo-terminal pair: a SerialPort opens the slave, and the test holds the master.
 #pragma once
 
 #include <fcntl.h>
@@ -35,7 +34,6 @@ class Pty {
     EXPECT_EQ(::write(master_.get(), bytes.data(), bytes.size()),
               static_cast<ssize_t>(bytes.size()));
   }
-  // Returns the bytes received so far, without waiting.
   [[nodiscard]] Bytes take() const {
     Bytes bytes(4096);
     const ssize_t size = ::read(master_.get(), bytes.data(), bytes.size());

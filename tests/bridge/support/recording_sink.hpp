@@ -1,4 +1,3 @@
-// Records the output of a bus, with waits.
 #pragma once
 
 #include <condition_variable>
@@ -45,7 +44,6 @@ class RecordingSink final : public BusSink {
     note([&](Record& r) { r.plans.push_back(std::move(plan)); });
   }
 
-  // Returns false after the limit.
   [[nodiscard]] bool wait_for(const std::function<bool(const Record&)>& done,
                               std::chrono::milliseconds limit = std::chrono::seconds{10}) {
     std::unique_lock lock(mutex_);

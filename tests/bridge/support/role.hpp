@@ -35,7 +35,6 @@ class Role : public ::testing::Environment {
   void (*const part_)();
 };
 
-// Starts this test program again in the role.
 [[nodiscard]] inline Process play(const char* role) {
   struct Asked {
     explicit Asked(const char* name) { EXPECT_EQ(::setenv(kRoleVariable, name, 1), 0); }

@@ -88,7 +88,6 @@ class TcpClient {
     received_.erase(0, out.size());
     return out;
   }
-  // Returns whether the peer has closed the connection.
   [[nodiscard]] bool is_closed(std::chrono::milliseconds limit = std::chrono::seconds{10}) {
     const auto deadline = std::chrono::steady_clock::now() + limit;
     while (!closed_ && std::chrono::steady_clock::now() < deadline) read_some();

@@ -55,7 +55,6 @@ class TcpDevice {
     const std::lock_guard lock(mutex_);
     return requests_;
   }
-  // Returns how often each value was written.
   [[nodiscard]] std::map<std::uint16_t, int> writes() {
     const std::lock_guard lock(mutex_);
     std::map<std::uint16_t, int> count;
@@ -64,7 +63,6 @@ class TcpDevice {
     }
     return count;
   }
-  // Delays the responses to writes.
   void answer_writes_after(std::chrono::milliseconds time) { write_delay_ = time; }
 
  private:
@@ -110,7 +108,6 @@ class TcpDevice {
   void answer(const Connection& from, const std::string& request) {
     const auto function = static_cast<std::uint8_t>(request[7]);
     const std::uint16_t address = word(request, 8);
-    // For a write of several registers (16), the first one.
     const std::uint16_t value = word(request, function == 16 ? 13 : 10);
     {
       const std::lock_guard lock(mutex_);

@@ -14,8 +14,7 @@ namespace fieldcast::test {
 
 class SecureClient {
  public:
-  // `identity`: NAME of NAME.pem and NAME.key, or empty for no certificate. Accepts any server
-  // certificate.
+  // `identity`: NAME of NAME.pem and NAME.key, or empty. Accepts any server certificate.
   SecureClient(std::uint16_t port, const std::string& identity)
       : context_(SSL_CTX_new(TLS_client_method()), &SSL_CTX_free),
         tcp_(port),
@@ -48,7 +47,6 @@ class SecureClient {
     }
     return text;
   }
-  // Returns whether the server has closed or refused the connection.
   [[nodiscard]] bool is_closed() {
     (void)receive("\n\n\n");
     return !connected_;

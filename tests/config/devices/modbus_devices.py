@@ -1,4 +1,4 @@
-"""Modbus TCP devices with known registers, all behind one port: what is not told holds 0. For tests; written apart from our codecs."""
+"""Simulates Modbus TCP devices behind one port. Unlisted registers hold 0."""
 
 import contextlib
 import json
@@ -11,7 +11,7 @@ BITS, REGISTERS = (1, 2), (3, 4)
 
 
 def read_examples(path):
-    """{name: [(function, first, items, {channel: value})]} of a file such as examples.txt, whose head tells its form."""
+    """Returns {name: [(function, first, items, {channel: value})]}; see the file's head."""
     with open(path, encoding="utf-8") as file:
         lines = file.read().replace("\\\n", " ").splitlines()
     found = {}
@@ -31,7 +31,7 @@ def read_examples(path):
 
 
 class Devices:
-    """memory: {(unit, function, address): word or bit}. Serves on 127.0.0.1 while it is entered; `port` is where."""
+    """Serves {(unit, function, address): word or bit} on 127.0.0.1:`port` inside `with`."""
 
     def __init__(self, memory):
         devices = self
@@ -39,7 +39,8 @@ class Devices:
 
         class Connection(socketserver.StreamRequestHandler):
             def handle(self):
-                with contextlib.suppress(ConnectionError):  # the bridge ends while it waits for an answer
+                # the bridge may end while it waits for a response
+                with contextlib.suppress(ConnectionError):
                     while header := self.rfile.read(7):
                         transaction, _, length, unit = struct.unpack(">HHHB", header)
                         answer = devices.answer(unit, self.rfile.read(length - 1))
@@ -54,7 +55,7 @@ class Devices:
     def answer(self, unit, request):
         function = request[0]
         if function not in BITS + REGISTERS:
-            return bytes([function | 0x80, 1])  # nothing here can be written
+            return bytes([function | 0x80, 1])  # all registers are read-only
         first, count = struct.unpack(">HH", request[1:5])
         self.asked.add((unit, function, first, count))
         values = [self.memory.get((unit, function, first + i), 0) for i in range(count)]

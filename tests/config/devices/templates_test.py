@@ -1,8 +1,9 @@
-"""The device templates that come with Fieldcast: each names its source, loads, runs against the simulator, and reads right values.
+"""Tests the device templates of Fieldcast: each names its source, loads, runs with the simulator,
+and reads correct values.
 
 usage: templates_test.py BIN_DIR SOURCE_DIR
 
-What registers mean is in examples.txt, written from the sources that the templates name.
+examples.txt has the meaning of registers, written from the sources that the templates name.
 """
 
 import json
@@ -19,7 +20,7 @@ from modbus_devices import Devices, read_examples
 from plant import claim_domain, running_bridge, wait_until
 
 BIN_DIR, SOURCE_DIR = "", ""
-KEYS = ["Device", "Source", "Checked", "Line", "Words", "Reading", "Traps"]  # of every header, in this order
+KEYS = ["Device", "Source", "Checked", "Line", "Words", "Reading", "Traps"]
 SECONDS = 30
 
 
@@ -28,12 +29,11 @@ class Template:
         self.name = os.path.basename(path)[:-len(".yaml")]
         with open(path, encoding="utf-8") as file:
             self.text = file.read()
-        self.ours = "Our own map" in self.text  # an example to copy from, no device that one can buy
+        self.ours = "Our own map" in self.text  # an example to copy, not a real device
         entries = re.split(r"^  - ", self.text.partition("\nchannels:\n")[2], flags=re.MULTILINE)[1:]
         self.channels = {re.search(r"name: ([\w.-]+)", entry)[1]: entry for entry in entries}
 
     def header(self):
-        """{key: text} of its comment."""
         lines = [line[2:] for line in self.text.splitlines()[1:] if line.startswith("# ")]
         found = {}
         for line in lines:
@@ -55,7 +55,6 @@ def templates():
 
 
 def examples():
-    """{template: [(function, first, items, {channel: value})]}"""
     return read_examples(os.path.join(HERE, "examples.txt"))
 
 
@@ -82,7 +81,6 @@ class InAFolder(unittest.TestCase):
         return path
 
     def lines(self, names):
-        """A configuration with a line of 9600 baud for each template."""
         text = "bridge: templates\nbuses:\n"
         for name in names:
             text += bus(name, f"serial: {self.folder}/{name}, baud: 9600, format: 8N1", "modbus-rtu")
@@ -99,7 +97,7 @@ class Headers(unittest.TestCase):
                     self.assertEqual([key for key, text in header.items() if not text.strip()], [])
 
     def test_only_setpoints_and_relays_can_be_written(self):
-        """docs/devices.md promises it."""
+        """docs/devices.md promises this."""
         bought = [template for template in templates() if not template.ours]
         written = {template.name for template in bought if re.search("access: (read-write|write-only)", template.text)}
         self.assertEqual(written, {"delta-dtb", "omron-e5cc", "siemens-rdf302", "waveshare-relay-8"})
@@ -133,7 +131,7 @@ class Loading(InAFolder):
 
 class Simulation(InAFolder):
     def test_every_channel_is_read_in_time_from_a_simulated_device(self):
-        """In virtual time. Where blocks bridge no gaps, the device has no register that the template does not name."""
+        """If blocks bridge no gaps, the device has only the registers that the template names."""
         known = {template.name: template for template in templates()}
         strict = [name for name, template in known.items() if "max-gap: 0" in template.text]
         self.assertGreater(len(strict), 10)
@@ -152,7 +150,7 @@ class Simulation(InAFolder):
 
 class Values(InAFolder):
     def test_are_what_the_sources_say(self):
-        """Every device behind one port of Modbus TCP; registers that no example tells hold 0."""
+        """Uses one Modbus TCP port for all devices; registers without an example hold 0."""
         known = [template for template in templates() if not template.ours]
         memory, expected = {}, {}
         for unit, template in enumerate(known, 1):
@@ -164,7 +162,7 @@ class Values(InAFolder):
         os.unlink(os.path.join(self.folder, "devices"))
         os.mkdir(os.path.join(self.folder, "devices"))
         for template in known:
-            text, on_demand = re.subn("mode: on-demand", "refresh: 1min", template.text)  # here all are read
+            text, on_demand = re.subn("mode: on-demand", "refresh: 1min", template.text)
             self.file(f"devices/{template.name}.yaml", text)
             self.assertEqual(on_demand, len(template.channels.keys() - template.scheduled()))
         domain, claim = claim_domain()
@@ -181,7 +179,7 @@ class Values(InAFolder):
 
     @staticmethod
     def wrong(config, expected, channels):
-        """{(device, channel): sample} of those that are not GOOD (where an example says null: BAD_RANGE), or not what an example says."""
+        """Returns {(device, channel): sample} of wrong samples; null means BAD_RANGE."""
         done = run("fieldcast", "watch", "--json", "--once", "--config", config)
         samples = {(s["device"], s["channel"]): s for s in map(json.loads, done.stdout.splitlines())}
 

@@ -1,5 +1,3 @@
-// Tests the alarms of a bridge with transcripts of events and of the visible alarms. The text is
-// both input and expectation: replaying its events must produce the same text.
 #include "core/alarm/alarm_book.hpp"
 
 #include <gtest/gtest.h>
@@ -298,8 +296,7 @@ TEST(AlarmBook, ANewPriorityHoldsAtOnce) {
   EXPECT_TRUE(book.take_news().changed.contains(alarm));
 }
 
-// Random events from one seed: after each event, every alarm has a state of the standard, and a
-// restart changes no alarm.
+// After random events, every alarm has a state of the standard; a restart changes none.
 TEST(AlarmBook, EveryDayKeepsItsRules) {
   std::mt19937 random(13);
   const auto pick = [&](std::uint32_t below) { return random() % below; };

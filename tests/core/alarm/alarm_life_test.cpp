@@ -64,8 +64,7 @@ TEST(AlarmLife, HasTheTransitionsOfTheStandardAndNoOther) {
 constexpr UtcTime utc(Duration since_begin) { return {1'000'000'000'000 + since_begin.count()}; }
 AlarmPause pause(Duration begin, Duration end) { return {"bert", "wait", utc(begin), utc(end)}; }
 
-// An alarm in each possible state, reached by normal transitions; active or not where both are
-// possible.
+// An alarm in each state, reached by normal transitions; active or not where possible.
 struct Case {
   const char* name;
   IsaState state;

@@ -1,4 +1,3 @@
-// Two buses with alarms, and a transcript of events and of the visible alarms.
 #pragma once
 
 #include <sstream>
@@ -13,7 +12,6 @@ namespace fieldcast::alarm_transcript {
 inline constexpr std::int64_t kBegin = 1'000'000'000'000'000;
 constexpr UtcTime after(Duration since_begin) { return {kBegin + since_begin.count()}; }
 
-// Two buses. press-1 and press-2 have a level with four limits each; valve has its own priority.
 inline std::vector<BusSpec> two_buses() {
   std::vector<BusSpec> buses(2);
   for (std::size_t bus = 0; bus < 2; ++bus) {

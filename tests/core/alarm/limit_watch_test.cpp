@@ -13,8 +13,7 @@ using std::chrono::seconds;
 
 Instant at(int second) { return Instant{seconds{1000 + second}}; }
 
-// Feeds one value per second. Returns 'R' for raised, 'C' for cleared, '.' for no change. NaN means
-// a value that is not good.
+// One value per second: 'R' raised, 'C' cleared, '.' unchanged. NaN: not good.
 std::string told(LimitWatch& watch, const std::vector<double>& values, int from = 0) {
   std::string changes;
   for (const double value : values) {

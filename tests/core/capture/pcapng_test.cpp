@@ -1,5 +1,4 @@
-// Tests that the reader reads what the writer writes, and that an invalid or truncated capture is
-// reported. tests/tools/e2e_capture.py reads captures with Wireshark.
+// Tests the reader with the writer and with invalid files; e2e_capture.py uses Wireshark.
 #include <gtest/gtest.h>
 
 #include <cstring>

@@ -1,10 +1,10 @@
-/* An operator's panel in C on Cyclone DDS: waits until an alarm is not acknowledged, acknowledges
- * it, and prints the result and what the alarm has become.
+/* An operator's panel in C on Cyclone DDS: waits for an unacknowledged alarm, acknowledges it, and
+ * prints the result and the new state of the alarm.
  *
  * usage: cyclone-alarm DOMAIN BUS DEVICE CHANNEL NAME NOTE
  *   result STATE CAUSE REASON
  *   alarm PRIORITY STAGE ACTIVE VALUE BY NOTE
- * Exit code 0 only if the alarm says that NAME has acknowledged it. */
+ * Exit code 0 only if the alarm has NAME as its acknowledging user. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,7 +15,7 @@
 
 enum { kWaitSeconds = 20 };
 
-/* The newest status of the channel's alarm, if one came. */
+/* The newest status of the channel's alarm, if one was received. */
 static bool take_status(dds_entity_t reader, char** names, fieldcast_AlarmStatus* out) {
   bool came = false;
   void* samples[1] = {NULL};

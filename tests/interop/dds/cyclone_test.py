@@ -1,4 +1,5 @@
-"""Stations on Cyclone DDS, compiled from our IDL, against the real bridge: every channel, its kind of value, deadlines, commands.
+"""Tests stations on Cyclone DDS, compiled from our IDL, with the real bridge: channels, kinds of
+values, deadlines, commands.
 
 usage: cyclone_test.py BIN_DIR
 """
@@ -12,20 +13,21 @@ import unittest
 from plant import Plant, wait_until
 
 BIN_DIR = ""
-SECONDS = 30  # far above what anything takes, so that only a fault reaches it
+SECONDS = 30  # far above any normal duration, so that only a fault reaches it
 
-# Loopback has no multicast by itself; Cyclone takes it when told so.
+# The loopback has no multicast by default; Cyclone uses it if configured.
 LOOPBACK = ('<CycloneDDS><Domain><General><Interfaces><NetworkInterface name="lo" multicast="true"/></Interfaces></General>'
             "</Domain></CycloneDDS>")
 
 KINDS = [  # (type, the union's member in a sample, registers)
     ("bool", "boolean", 1), ("int16", "int64", 1), ("uint16", "uint64", 1), ("int32", "int64", 2), ("uint32", "uint64", 2),
     ("int64", "int64", 4), ("uint64", "uint64", 4), ("float32", "double", 2), ("float64", "double", 4), ("string(12)", "string", 6)]
-QUICK, SLOW = "500ms", "2s"  # the refresh of the first half of each kind, and of the second
+QUICK, SLOW = "500ms", "2s"  # refresh of the first half of each kind, and of the second
 
 
 def channels_of(bus, of_each_kind):
-    """(path, kind of value, refresh, the line of the configuration) of each channel of a bus."""
+    """Returns (path, kind of value, refresh, line of the configuration) for each channel of a bus.
+    """
     address, bit = 0, 0
     for kind, member, registers in KINDS:
         for i in range(of_each_kind):
@@ -51,8 +53,6 @@ CONFIG = "bridge: cyclone\nbuses:\n" + bus_text("one") + bus_text(
 
 
 class Watch:
-    """A running cyclone-watch and the latest of what it said about each channel."""
-
     def __init__(self, plant, *deadline_ms):
         self.entries, self.samples, self.gone, self.strange = {}, {}, set(), []
         self.process = subprocess.Popen([os.path.join(BIN_DIR, "cyclone-watch"), str(plant.domain), *map(str, deadline_ms)],
@@ -93,7 +93,7 @@ class Watch:
 
 
 def join(plant, way, every):
-    """Starts a cyclone-join until it has as many channels listed and with a value as asked for; all that it counted."""
+    """Runs cyclone-join until it has the requested channels; returns all its counts."""
     process = subprocess.Popen([os.path.join(BIN_DIR, "cyclone-join"), str(plant.domain), way], stdout=subprocess.PIPE, text=True, env=environment())
     counts = {}
 
@@ -166,7 +166,7 @@ class CycloneStations(unittest.TestCase):
         with Watch(self.plant, 1000) as demanding, Watch(self.plant) as content:
             wait_until(lambda: demanding.good() == quick and len(content.good()) == len(CHANNELS) + 1, SECONDS,
                        lambda: f"{len(content.good())} in all; missing {quick - demanding.good()}, beyond {demanding.good() - quick}")
-            # When every channel has come a second time to the one, the other has had its chance.
+            # When one reader has every channel twice, the other one had time to receive it.
             before = {path: int(sample["sequence"]) for path, sample in content.samples.items()}
             wait_until(lambda: all(int(content.samples[path]["sequence"]) > first for path, first in before.items()), SECONDS, "no second samples")
             self.assertEqual(set(demanding.samples), quick)
@@ -181,7 +181,7 @@ class CycloneStations(unittest.TestCase):
                 wait_until(lambda v=value: watch.samples[SETPOINT]["value"] == str(v), SECONDS, lambda: str(watch.samples[SETPOINT]))
 
     def test_a_refused_command_gives_its_reason(self):
-        # The fastest of results, each to a station that has just joined: every one must arrive.
+        # The fastest results, each for a station that has just joined: every one must arrive.
         for path, value, cause in [(SETPOINT, 1001, "RANGE"), ("one/device/int16-0", 1, "READ_ONLY")] * 4:
             done = write(self.plant, path, value)
             self.assertEqual(done.returncode, 1, done.stdout + done.stderr)

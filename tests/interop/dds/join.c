@@ -1,12 +1,12 @@
-/* A station on Cyclone DDS that joins late, for tools/bench/join_bench: takes the catalogue and all
- * samples, and says each 20 ms what came, as bench_station does.
+/* A station on Cyclone DDS that joins late, for tools/bench/join_bench: reads the catalogue and all
+ * samples, and prints the counts every 20 ms, as bench_station does.
  *
  * usage: cyclone-join DOMAIN one-by-one|by-blocks
  *
  * one-by-one: fieldcast/Channel and fieldcast/Sample. by-blocks: fieldcast/CatalogueBlock and
- * fieldcast/SampleBlock, with a request for a snapshot while blocks or last values are missing.
+ * fieldcast/SampleBlock, with a request for a snapshot if blocks or last values are missing.
  * Each line: samples received, 0, channels with a value, channels of the catalogue, blocks missing.
- * Until SIGTERM. Joins the loopback unless CYCLONEDDS_URI says otherwise. */
+ * Runs until SIGTERM. Uses the loopback unless CYCLONEDDS_URI is set. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,7 +25,7 @@ static uint64_t samples_received, channels_listed, channels_with_value, blocks_m
 
 /* ---- one by one */
 
-/* Instances that were seen: open addressing; 0 is no instance. */
+/* Known instances: open addressing; 0 is a free slot. */
 struct instances {
   dds_instance_handle_t handles[kInstances];
 };
@@ -39,7 +39,7 @@ static bool is_new(struct instances* seen, dds_instance_handle_t handle) {
   return true;
 }
 
-/* Takes all there is. Returns the messages; counts the instances that are new. */
+/* Takes all available samples. Returns their number; counts the new instances. */
 static uint64_t take_instances(dds_entity_t reader, struct instances* seen, uint64_t* instances) {
   void* messages[kAtOnce] = {NULL};
   dds_sample_info_t infos[kAtOnce];
@@ -60,7 +60,7 @@ static uint64_t take_instances(dds_entity_t reader, struct instances* seen, uint
 struct bus {
   fieldcast_Name name;
   uint64_t epoch, last_number;
-  bool hole, snapshot; /* blocks are missing; a snapshot has come */
+  bool hole, snapshot; /* blocks are missing; a snapshot was received */
   dds_time_t due;      /* the next request for a snapshot */
   uint32_t channels;
   uint8_t *listed, *with_value; /* of each channel */
@@ -79,8 +79,8 @@ static void grow(struct bus* bus, uint32_t channels) {
   bus->listed = listed, bus->with_value = with_value, bus->channels = channels;
 }
 
-/* The bus in this epoch; null: an epoch that is over, or too many buses. A newer epoch is not
- * counted anew: the bench does not restart its bridge. */
+/* Returns the bus in this epoch; null for an old epoch or too many buses. A newer epoch does not
+ * reset the counts, because the benchmark does not restart its bridge. */
 static struct bus* bus_of(const char* name, uint64_t epoch) {
   size_t i = 0;
   while (i < bus_count && strcmp(buses[i].name, name) != 0) ++i;
@@ -125,7 +125,7 @@ static void receive(const fieldcast_SampleBlock* block) {
   }
 }
 
-/* Takes all there is of CatalogueBlock or SampleBlock. */
+/* Takes all available samples of CatalogueBlock or SampleBlock. */
 static void take_blocks(dds_entity_t reader, bool catalogue) {
   void* blocks[kAtOnce] = {NULL};
   dds_sample_info_t infos[kAtOnce];

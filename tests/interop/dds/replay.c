@@ -1,5 +1,5 @@
-/* A plant system in C on Cyclone DDS whose writer keeps its commands for late joiners, as it should
- * not: whoever joins later is sent them again.
+/* A plant system in C on Cyclone DDS whose writer wrongly keeps its commands for late joiners: a
+ * reader that joins later receives them again.
  *
  * usage: cyclone-replay DOMAIN BUS DEVICE CHANNEL COUNT
  *   result REQUEST_ID STATE CAUSE REASON

@@ -1,11 +1,11 @@
-/* A plant system in C on Cyclone DDS that asks for a lot: writes many commands, takes their
- * results, and looks whether anything is left of them.
+/* A plant system in C on Cyclone DDS under load: writes many commands, takes their results, and
+ * counts the instances that remain.
  *
  * usage: cyclone-results DOMAIN BUS DEVICE CHANNEL COUNT [at-once]
  *   results TAKEN left INSTANCES
- * Every value is out of the channel's range, so that the commands are refused without the wire.
- * Exit code 0 once each has its result and no instance is left; 3 if not within 20 s each. at-once:
- * what is left is counted at once, and is no fault. */
+ * Every value is out of the channel's range, so the commands are refused without the wire.
+ * Exit code 0 if each has its result and no instance remains, 3 after 20 s each. With at-once, the
+ * remaining instances are counted immediately and are not a fault. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -30,7 +30,7 @@ static void take_results(dds_entity_t reader, const char* requester, uint64_t li
   }
 }
 
-/* Instances of results that the reader still knows. */
+/* Returns the number of result instances that the reader still has. */
 static uint64_t instances_left(dds_entity_t reader) {
   uint64_t left = 0;
   for (uint64_t i = 0; i < taken; ++i) {

@@ -1,9 +1,11 @@
-"""A bridge with DDS Security and stations on Cyclone DDS with identities of the same authority: every channel, commands, and who is refused.
+"""Tests a bridge with DDS Security and stations on Cyclone DDS with identities of the same
+authority: channels, commands, and refused stations.
 
 usage: secure_test.py BIN_DIR
 
-Fast DDS 2.9 must not begin a handshake with Cyclone DDS (eProsima/Fast-DDS #3802). Who begins follows from the names of both, which
-`fieldcast secure add` chooses accordingly; each participant here has a GUID of its own, so that chance does not pass for it.
+Fast DDS 2.9 must not start a handshake with Cyclone DDS (eProsima/Fast-DDS #3802). The names of
+both decide who starts, and `fieldcast secure add` chooses them accordingly. Each participant here
+has a different GUID, so that the test does not pass by chance.
 """
 
 import glob
@@ -33,7 +35,7 @@ CONFIG = "bridge: line-7\nbuses:\n" + "".join(f"""  - name: {bus}
 """ + "".join(f'          - {{ name: c{i}, at: "holding:{i}", type: int16, access: read-write }}\n' for i in range(count))
     for bus, count in (("press-1", 100), ("mill-1", CHANNELS - 100)))
 
-# The plugins of Debian lie beside the library, in no folder that the loader looks into.
+# Debian installs the plugins next to the library, outside the loader's search path.
 PLUGINS = os.path.dirname(next(iter(glob.glob("/usr/lib/*/libddsc0debian/libdds_security_auth.so")), "/nowhere/x"))
 
 
@@ -65,8 +67,7 @@ class SecuredCyclone(unittest.TestCase):
         cls.plant = Plant(BIN_DIR, CONFIG, dds=f", security: {cls.member('line-7')}", joins=["--security", cls.member("mes")])
         cls.plant.__enter__()
         cls.addClassCleanup(cls.plant.__exit__, None, None, None)
-        cls.addClassCleanup(cyclone_test.refuses_nothing, cls.plant)
-        # It waits for a bridge that does not come, for longer than all the others take.
+        # Waits for a bridge that it cannot discover, longer than all other tests take.
         cls.outsider = subprocess.Popen([os.path.join(BIN_DIR, "cyclone-write"), str(cls.plant.domain), "press-1", "device", "c9", "666"],
                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=cyclone_test.environment())
         cls.addClassCleanup(cls.outsider.communicate)
@@ -81,7 +82,7 @@ class SecuredCyclone(unittest.TestCase):
         return os.path.join(cls.authority, "members", name)
 
     def join_as(self, name):
-        """Whatever is started from here on."""
+        """Sets the identity of all programs started from here on."""
         cyclone_test.LOOPBACK = cyclone_uri(self.member(name)) if name else cyclone_test.PLAIN
 
     def test_a_member_gets_every_channel_and_every_result(self):
@@ -89,7 +90,7 @@ class SecuredCyclone(unittest.TestCase):
         with Watch(self.plant) as watch:
             wait_until(lambda: len(watch.good()) == CHANNELS, SECONDS, lambda: f"{len(watch.good())} channels of {CHANNELS}")
             self.join_as("mes")
-            for i in range(3):  # each a participant and a handshake of its own
+            for i in range(3):  # each is a participant with its own handshake
                 done = write(self.plant, "press-1/device/c7", 100 + i, "verify")
                 self.assertEqual(done.stdout.split("\t")[:3], ["result", "1", "VERIFIED"], done.stdout + done.stderr)
             wait_until(lambda: watch.samples["press-1/device/c7"]["value"] == "102", SECONDS, "the last value")
@@ -98,9 +99,9 @@ class SecuredCyclone(unittest.TestCase):
             self.assertEqual((results.stdout.split("\t")[:2], results.returncode), (["results", str(COMMANDS)], 0), results.stderr)
 
     def test_then_a_readonly_station_and_one_without_identity_may_not_command(self):
-        self.join_as("wall")  # its own library refuses it
+        self.join_as("wall")  # refused by its own library
         self.assertNotEqual(write(self.plant, "press-1/device/c9", 666).returncode, 0)
-        self.join_as(None)  # the bridge's library does
+        self.join_as(None)  # refused by the bridge's library
         with Watch(self.plant) as watch:
             time.sleep(1)  # three times as long as a member needs for its first command
             self.assertEqual((watch.samples, watch.entries), ({}, {}))

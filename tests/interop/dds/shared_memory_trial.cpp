@@ -1,10 +1,10 @@
 // A writer and a reader of fieldcast/Sample on the bare library, with the QoS of Fieldcast and with
-// shared memory, for shared_memory_trial.py. Our own Domain cannot be used: the library sees no
-// shared memory below a chaining transport.
+// shared memory, for shared_memory_trial.py. Does not use our Domain, because the library does not
+// detect shared memory below a chaining transport.
 //
 //   shared-memory-trial write DOMAIN memory|udp   until it is ended
-//   shared-memory-trial read DOMAIN memory|udp    says "sample" once, and reads until it is ended
-//   shared-memory-trial look DOMAIN memory|udp    says "sample" once, and leaves in order
+//   shared-memory-trial read DOMAIN memory|udp    prints "sample" once, and reads until it is ended
+//   shared-memory-trial look DOMAIN memory|udp    prints "sample" once, and leaves the domain
 #include <unistd.h>
 
 #include <atomic>
@@ -114,7 +114,7 @@ int main(int argc, char** argv) {
   using namespace fieldcast;
   if (argc != 4) return 2;
   const std::string role = argv[1];
-  alarm(600);  // whoever started it may be gone
+  alarm(600);  // the parent process may have ended
   Participant participant(static_cast<std::uint32_t>(std::atoi(argv[2])),
                           std::string_view(argv[3]) == "memory");
   if (role == "write") write_for_ever(participant);

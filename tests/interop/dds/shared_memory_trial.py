@@ -1,10 +1,11 @@
-"""Whether the shared memory of the installed Fast DDS can be used: readers are killed in the midst of joining and reading, then a new one must
-find the writer.
+"""Tries the shared memory of the installed Fast DDS: readers are killed while they join and read,
+then a new one must find the writer.
 
 usage: shared_memory_trial.py BIN_DIR [READERS]
 
-Not a part of the tests: shared memory is off in Fieldcast (bridge/dds/README.md says why). To be run again with another Fast DDS: ctest -C trial.
-The same goes over UDP first, which must pass. Exit code 0: shared memory passed, 1: it did not. What is left in /dev/shm is counted and removed.
+Not part of the tests, because Fieldcast disables shared memory (see bridge/dds/README.md). Run it
+again with another Fast DDS: ctest -C trial. It runs over UDP first, which must pass. Exit code 0:
+shared memory passed, 1: it failed. Files left in /dev/shm are counted and removed.
 """
 
 import os
@@ -16,12 +17,12 @@ import time
 
 from plant import claim_domain, shared_memory
 
-READERS = 14  # at a time
+READERS = 14  # at the same time
 ROUNDS = 6
 SEED = 1
 LONGEST_LIFE_SECONDS = 1.5  # of a reader that is killed
 GOOD_SECONDS = 2            # for a new reader, which takes up to one over UDP
-NEW_READER_SECONDS = 10     # then it is given up
+NEW_READER_SECONDS = 10     # timeout of a new reader
 
 
 class Trial:
@@ -38,7 +39,7 @@ class Trial:
         print(f"{self.transport}: {text}", flush=True)
 
     def writer_share(self):
-        """Cores that the writer takes: a writer that waits for what is gone takes a whole one."""
+        """Returns the CPU use of the writer; one that waits for a dead reader uses a whole core."""
         def seconds():
             with open(f"/proc/{self.writer.pid}/stat", encoding="ascii") as stat:
                 fields = stat.read().rpartition(")")[2].split()
@@ -61,7 +62,7 @@ class Trial:
             thread.join()
 
     def look(self):
-        """Seconds until a new reader has a sample; None: it has none."""
+        """Returns the seconds until a new reader has a sample, None if it has none."""
         began = time.monotonic()
         reader = self.start("look", stdout=subprocess.PIPE, text=True)
         timer = threading.Timer(NEW_READER_SECONDS, reader.kill)
@@ -79,7 +80,7 @@ class Trial:
         return took if line == "sample\n" else None
 
     def run(self, readers):
-        """True: a new reader always found the writer, and soon."""
+        """Returns whether a new reader always found the writer in time."""
         passed = True
         self.writer = self.start("write")
         try:

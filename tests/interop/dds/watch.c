@@ -5,7 +5,7 @@
  *   channel BUS DEVICE CHANNEL TYPE UNIT AT REFRESH_NS
  *   sample  BUS DEVICE CHANNEL KIND VALUE QUALITY ACQUIRED_AT SEQUENCE
  *   gone    BUS DEVICE CHANNEL
- * Until SIGTERM. With a deadline only the channels whose refresh is that or better come. */
+ * Runs until SIGTERM. With a deadline, only channels whose refresh is at most that long match. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -35,7 +35,7 @@ static void print_samples(dds_entity_t reader) {
        dds_return_loan(reader, samples, n)) {
     for (dds_return_t i = 0; i < n; ++i) {
       const fieldcast_Sample* s = samples[i];
-      if (!infos[i].valid_data) { /* a note about the instance: only the keys are there */
+      if (!infos[i].valid_data) { /* a state change of the instance: only the keys are valid */
         if (infos[i].instance_state != DDS_IST_ALIVE)
           printf("gone\t%s\t%s\t%s\n", s->bus, s->device, s->channel);
         continue;

@@ -3,8 +3,8 @@
  *
  * usage: cyclone-write DOMAIN BUS DEVICE CHANNEL INTEGER [verify]
  *   result REQUEST_ID STATE CAUSE REASON
- * Exit code 0 only if the device has done it; 1 for every other result; 3 if no bridge is there or
- * no result came. */
+ * Exit code 0 only if the device has executed it, 1 for every other result, 3 without a bridge or a
+ * result. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,7 +15,7 @@
 
 enum { kWaitSeconds = 10 };
 
-/* The exit code. All requesters' results come by: ours is found by its keys. */
+/* Returns the exit code. Results of all requesters arrive: this one is found by its keys. */
 static int await_result(dds_entity_t reader, const fieldcast_Command* command, dds_time_t until) {
   for (; dds_time() < until && !stopped(); dds_sleepfor(DDS_MSECS(2))) {
     void* samples[1] = {NULL};
@@ -81,7 +81,7 @@ int main(int argc, char** argv) {
   need(dds_write(commands, &command), "write");
   const int code = await_result(results, &command, until);
   dds_unregister_instance(commands,
-                          &command); /* its key never comes again: both ends may forget it */
+                          &command); /* its key is never used again: both ends may release it */
   dds_delete(participant);
   return code;
 }

@@ -1,4 +1,3 @@
-// Tests the instrument of the example with hand-written frames.
 #include <gtest/gtest.h>
 
 #include "core/codec/value_codec.hpp"
@@ -13,8 +12,7 @@ using test::drive;
 
 Device instrument() { return test::declared_device("instrument", 7); }
 
-// header, status 3, analog 23.5 (41BC0000h), unit 2, inputs 0101b with outputs 1001b in the upper
-// bits, tail
+// header, status 3, analog 23.5, unit 2, outputs 1001b and inputs 0101b, tail
 const Bytes kAnswer = *from_hex("AA 03 41 BC 00 00 02 95 55");
 
 Value value_at(const Device& device, std::string_view at, ValueType type) {

@@ -1,5 +1,4 @@
-// Compares Modbus RTU as a declaration with the built-in one. The two implementations share only
-// the Protocol interface. Seeded.
+// Compares the declaration of Modbus RTU with the built-in protocol. Seeded.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -26,7 +25,6 @@ const Device& built_in() {
   return device;
 }
 
-// Generates requests, some of them beyond the limits.
 class Requests {
  public:
   explicit Requests(unsigned seed) : random_(seed) {}

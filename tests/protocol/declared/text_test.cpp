@@ -1,5 +1,4 @@
-// Tests declarations of text protocols: hexadecimal digits, LRC over the decoded bytes, texts that
-// end at a mark, and the named checksums.
+// Tests declared text protocols: hexadecimal digits, LRC, end marks, named checksums.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -31,7 +31,6 @@ Request mixed(const Device& device) {
 const Bytes kMixed = dtc_message("05 00 01020304 0D01 3FC00000");
 const Bytes kRefused = dtc_plain(dtc_message("05 80 02"));
 
-// Forty registers with few distinct values, as compression expects.
 Request many(const Device& device) { return device.read("int16:0", 40); }
 Bytes many_message() {
   std::string data = "05 00";
@@ -118,8 +117,7 @@ TEST(DtcExchange, OthersAreForeignAndThenTheAnswerIsStillTaken) {
   }
 }
 
-// Five bytes of data are as long as a group: the echo of such a request has the form of its
-// response.
+// With five bytes of data, the echo of a request has the form of its response.
 TEST(DtcExchange, TheEchoOfARequestIsNotItsAnswer) {
   const Device device = plc();
   const Request request = device.read("bit:0", 40);
@@ -296,8 +294,7 @@ TEST(DtcExplain, SaysWhatIsInThePacket) {
   }
 }
 
-// FFFF as the first variable with a count of 2 exceeds the last variable, so these bytes are the
-// data of a response.
+// FFFF with a count of 2 exceeds the last variable, so these bytes are response data.
 TEST(DtcExplain, DataThatLookLikeGroupsThatCannotBeAreData) {
   Bytes message{5, 0x00, 0xFF, 0xFF, 0x01, 0x00, 0x02};
   const std::uint16_t crc = crc16_modbus(message);

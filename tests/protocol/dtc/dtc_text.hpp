@@ -7,7 +7,6 @@
 
 namespace fieldcast::test {
 
-// Returns address, command and data with their CRC.
 [[nodiscard]] Bytes dtc_message(std::string_view hex_without_crc);
 // Packs a message into a plain envelope.
 [[nodiscard]] Bytes dtc_plain(const Bytes& message);

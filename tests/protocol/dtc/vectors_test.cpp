@@ -1,4 +1,3 @@
-// Tests the golden packets of DTC in both directions.
 #include "tests/support/vectors.hpp"
 
 #include <gtest/gtest.h>
@@ -26,7 +25,6 @@ struct Group {
   Bytes data;  // as on the wire; empty for a read
 };
 
-// Parses without the codec.
 std::vector<Group> groups_of(const Bytes& packet) {
   const Bytes message = test::dtc_unpacked(packet);
   std::vector<Group> groups;

@@ -1,4 +1,3 @@
-// Runs every Modbus decoder through the matrix, in each framing.
 #include "tests/support/matrix.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,4 @@
-// A second, independent parser of Modbus frames for the tests. It uses only the core's checksums
-// and the value types of protocol.hpp.
+// A parser of Modbus frames for the tests, independent of the core except checksums.
 #pragma once
 
 #include <optional>
@@ -29,7 +28,6 @@ struct Meant {
 // Returns a request that `answer` fits: the same number of items, from address 0.
 [[nodiscard]] std::optional<Meant> request_for(ByteView answer);
 
-// Returns the items of a response to `request`.
 [[nodiscard]] Bytes items_of(ByteView answer, const Request& request);
 
 }  // namespace fieldcast::modbus::reference

@@ -1,4 +1,3 @@
-// Tests RTU reception: which bytes are accepted, skipped or awaited, and why an exchange fails.
 #include <gtest/gtest.h>
 
 #include "core/codec/checksum.hpp"

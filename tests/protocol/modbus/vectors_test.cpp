@@ -1,4 +1,3 @@
-// Tests the golden frames of Modbus in both directions.
 #include "tests/support/vectors.hpp"
 
 #include <gtest/gtest.h>
@@ -42,8 +41,7 @@ class ModbusVectors : public testing::TestWithParam<GoldenVector> {
  protected:
   const GoldenVector& vector() const { return GetParam(); }
 
-  // The request of the vector, or a request derived from its response if it has none that may be
-  // sent.
+  // The request of the vector; derived from its response if it has none that may be sent.
   struct Asked {
     Meant meant;
     Header header;
@@ -206,8 +204,7 @@ TEST(ModbusVector, AGoodFrameBehindABadOneIsRead) {
 }
 
 TEST(ModbusVector, AMaskWriteIsTheStandardsExampleForOneBit) {
-  // The example of Application Protocol V1.1b3, 6.16 writes several bits; Fieldcast writes one. The
-  // masks differ, the frame does not.
+  // V1.1b3, 6.16 writes several bits, Fieldcast one. The masks differ, the frame does not.
   ModbusExchange exchange(tcp_framing(), Header{17, 0x1501},
                           WriteRequest{.range = {2, 4, 1}, .items = {0, 0x20}, .bit = 5},
                           {.mask_write = true});

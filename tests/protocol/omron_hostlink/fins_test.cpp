@@ -1,5 +1,3 @@
-// Tests FINS in Host Link frames: published frames in both directions, scattered reads, bit writes,
-// and the matrix.
 #include <gtest/gtest.h>
 
 #include "core/codec/checksum.hpp"
@@ -41,8 +39,7 @@ unsigned number(const std::string& digits) {
   return static_cast<unsigned>(std::stoul(digits, nullptr, 16));
 }
 
-// Parses a published direct request without the codec: memory area reads and writes of words, and
-// writes of one bit.
+// Parses a published direct request without the codec.
 struct Meant {
   Device device;
   Request request;

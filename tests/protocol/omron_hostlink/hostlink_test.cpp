@@ -1,4 +1,3 @@
-// Tests C-mode: published frames in both directions, transfers in several frames, and the matrix.
 #include <gtest/gtest.h>
 
 #include "core/codec/checksum.hpp"
@@ -36,8 +35,7 @@ std::vector<FrameField> explain(const Bytes& frame) {
   return find_protocol("omron-hostlink")->explain(frame);
 }
 
-// Parses a published C-mode request without the codec; `std::nullopt` for commands that Fieldcast
-// does not send.
+// Parses without the codec; `std::nullopt` for commands that Fieldcast does not send.
 struct Meant {
   std::uint16_t unit;
   Request request;
@@ -87,7 +85,6 @@ TEST(HostLinkVectors, TheirAnswersAreRead) {
     test::expect_matrix(
         {.begin = [&] { return device.begin(request->request); }, .answers = answers});
     if (std::holds_alternative<WriteRequest>(request->request)) continue;
-    // The data of all frames, between "@uuHHee" and the FCS.
     std::string digits;
     for (std::size_t i = 0; i < answers.size(); ++i) {
       const std::string frame = text(answers[i]);
@@ -115,8 +112,7 @@ TEST(HostLinkVectors, EndCodesAreTheDevicesErrors) {
     const auto exchange =
         device.begin(answer[3] == 'W' ? device.write("DM0", "0001") : device.read("DM0"));
     const Outcome outcome = drive(*exchange, vector.response);
-    // A wrong FCS is a line error, so the request is retried. The mode of the CPU and its errors
-    // are temporary states.
+    // A wrong FCS is a line error, so it is retried. CPU mode and errors are temporary states.
     static const std::set<std::string> kLine{"13", "A3"}, kMoment{"01", "02", "0B", "21"};
     const std::string end = answer[3] == 'I' ? "" : answer.substr(5, 2);
     EXPECT_EQ(outcome.cause, kLine.contains(end)     ? Cause::kChecksum

@@ -1,5 +1,3 @@
-// Tests reads and writes without a configuration: command line, item meanings, and the commands on
-// a pseudo-terminal with a device.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>
@@ -348,8 +346,7 @@ TEST_F(EchoTest, AScanSaysThatWhatWasSentComesBack) {
   EXPECT_THAT(ended.err, Not(HasSubstr("another master")));
 }
 
-// Two devices with address 1: each request gets a response of the right length with a wrong CRC,
-// and a longer one.
+// Two devices with address 1: each response has a wrong CRC or is too long.
 struct CollisionTest : DirectTest {
   CollisionTest() { device.stop(); }
   Ended scan_with(const Bytes& answer) {

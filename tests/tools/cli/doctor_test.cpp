@@ -1,5 +1,3 @@
-// Tests `fieldcast doctor`: the judgement of facts, and the command on a directory that simulates a
-// machine.
 #include "tools/cli/command/doctor.hpp"
 
 #include <gmock/gmock.h>
@@ -132,7 +130,6 @@ TEST(DoctorView, ARemedyStandsBelowItsFinding) {
                           "prevents  serial port (/dev/a): forbidden", "          -> do it"));
 }
 
-// A directory that simulates a machine.
 class Machine {
  public:
   Machine() { fs::create_directories(root_); }

@@ -1,4 +1,3 @@
-// Tests `fieldcast history` with a store that has minutes and hours.
 #include "tools/cli/command/history.hpp"
 
 #include <gmock/gmock.h>
@@ -19,7 +18,6 @@ using namespace std::chrono_literals;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-// Returns 2023-11-14T22:00:00Z plus `second`.
 UtcTime utc(std::int64_t second) { return {(1'699'999'200 + second) * 1'000'000'000}; }
 constexpr std::int64_t kSpan = 4 * 3600;  // a sample every ten seconds
 

@@ -1,4 +1,3 @@
-// Tests captures and traces in `fieldcast inspect`.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -175,7 +174,6 @@ TEST_F(InspectCapture, PastedLinesOfATrace) {
             "  meter/voltage = 230.1 V\n"
             "  meter/current = -5 A\n"
             "2026-11-22T14:24:21.146358Z line -- meter: read holding:100.., 2 items, 2 samples\n");
-  // The same without a configuration, and as arguments.
   EXPECT_THAT(run({.protocol = "modbus-rtu"}, trace).out, HasSubstr("line >> modbus-rtu 01 03"));
   EXPECT_THAT(run({.protocol = "modbus-rtu", .hex = {"line >> 01 03 00 64 00 02 85 D4"}}).out,
               HasSubstr("line >> modbus-rtu 01 03"));

@@ -1,5 +1,3 @@
-// Tests a scan: requests and their order, device identification, and a whole scan on a
-// pseudo-terminal with a device that responds at one setting only.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,3 @@
-// Tests `fieldcast secure`: an authority and its members, from the command line.
 #include "tools/cli/command/secure.hpp"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,3 @@
-// Tests the simulation of a configured bus in virtual time: predictions hold, each miss has a
-// cause, and a seed determines the run.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -68,8 +66,7 @@ TEST(BusSimulation, AModuleThatDialsInHasALineBehindIt) {
   EXPECT_GT(simulation.channels[0].readings, 100u);
 }
 
-// 300 registers with refreshes from 100 ms to 10 s, with half of the highest load that any master
-// could sustain.
+// 300 registers from 100 ms to 10 s, with half of the highest load of any master.
 TEST(BusSimulation, PlanPredictionAndMeasurementAgreeOverTheMaps) {
   for (const int number : {11, 12, 13, 14}) {
     const test::Map map = test::read_map(std::string(FIELDCAST_SOURCE) + "/tests/maps/map" +
@@ -90,8 +87,7 @@ TEST(BusSimulation, PlanPredictionAndMeasurementAgreeOverTheMaps) {
 
 constexpr Duration kSilence = 2'005'208ns;  // 3.5 characters of 11 bits at 19200 baud
 
-// The plan starts from an assumed response time and then uses the learned one. The bus must do what
-// `plan` shows.
+// The plan starts from an assumed response time; the bus must do what `plan` shows.
 TEST(BusSimulation, Map15KeepsAtFastAnswersWhatItsPlanForetells) {
   const test::Map map = test::read_map(std::string(FIELDCAST_SOURCE) + "/tests/maps/map15.csv");
   for (const Duration answer : {Duration{1us}, Duration{1ms}, kSilence, Duration{2500us}}) {
@@ -137,8 +133,7 @@ TEST(BusSimulation, EveryMissHasItsCauseAndItsChannel) {
   std::uint64_t sum = 0;
   for (const ChannelReport& channel : simulation.channels) sum += channel.missed;
   EXPECT_EQ(sum, simulation.bus.deadline_misses);
-  // The other device is dead for half a minute. This one only misses refreshes while the port is
-  // closed: 10 s at 200 ms.
+  // Only the closed port causes misses here: 10 s at 200 ms.
   EXPECT_NEAR(static_cast<double>(simulation.channels[0].missed), 50, 2);
   EXPECT_EQ(simulation.channels[0].last_miss, Cause::kPortClosed);
   const auto json = parsed(simulation_json(simulation));

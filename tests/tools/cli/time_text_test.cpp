@@ -33,7 +33,6 @@ TEST(TimeText, AnOffsetIsTakenOff) {
   EXPECT_EQ(parsed("2026-11-21T10:30+01:00Z"), "no time");
 }
 
-// Sets the time zone of the process temporarily.
 class ZoneOfProcess {
  public:
   explicit ZoneOfProcess(const char* name) {

@@ -1,4 +1,3 @@
-// Tests the base of addresses, open ranges, and bits that a list inverts.
 #include "tests/tools/import/support.hpp"
 
 namespace fieldcast::importing {

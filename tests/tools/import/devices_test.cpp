@@ -1,4 +1,3 @@
-// Tests the conversion of templates and projects of wb-mqtt-serial, EPICS and Neuron.
 #include "tests/tools/import/support.hpp"
 #include "tools/import/formats/epics_files.hpp"
 #include "tools/import/formats/wb_condition.hpp"

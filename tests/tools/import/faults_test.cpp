@@ -1,4 +1,3 @@
-// Tests a faulty device, bus or option: it is reported, and the rest is imported.
 #include "tests/tools/import/support.hpp"
 
 namespace fieldcast::importing {

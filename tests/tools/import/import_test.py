@@ -42,8 +42,7 @@ class Imports(InAFolder):
 
 
 def excel(path, table):
-    """Writes a minimal workbook that Excel reads, with shared texts as in its own files. The
-    second row of the sheet is empty."""
+    """Writes a minimal workbook with shared texts. The second row of the sheet is empty."""
     texts = sorted({cell for row in table for cell in row if not re.fullmatch(r"[\d.]*", cell)})
 
     def cell(column, row, text):
@@ -64,7 +63,6 @@ def excel(path, table):
 
 class RealDevices(Imports):
     def lists(self, port):
-        """Returns the lists, with the port of the devices inserted."""
         files = []
         for name in sorted(os.listdir(LISTS)):
             if name in ("values.txt", "makers"):
@@ -77,7 +75,6 @@ class RealDevices(Imports):
                 data = data.replace(old, new % port)
             with open(self.path(name), "wb") as file:
                 file.write(data)
-        # Neuron's page exports a workbook.
         with open(os.path.join(LISTS, "neuron-gx.csv"), encoding="utf-8") as file:
             excel(self.path("neuron-gx.xlsx"), [line.split(",") for line in file.read().splitlines()])
         files[files.index(self.path("neuron-gx.csv"))] = self.path("neuron-gx.xlsx")
@@ -135,8 +132,7 @@ class RealDevices(Imports):
 
 
 class MakersTables(Imports):
-    """Tests rows of seven makers' tables. makers/README.md lists the documents,
-    makers/expected.txt the expected meanings."""
+    """Rows of seven makers; see makers/README.md and makers/expected.txt."""
 
     @staticmethod
     def expected():
@@ -246,8 +242,7 @@ class Words(Imports):
         self.assertIn("baud", self.fault(made, "--baud", "115000"))
 
     def test_tell_of_a_template_that_does_not_fit_its_device(self):
-        """Tests a register that the device lacks: the import cannot detect it, but the bridge
-        reports it."""
+        """The import cannot detect a register that the device lacks; the bridge reports it."""
         made = self.file("list.csv", "Address,Name,Type\n70000,far,U16\n65535,wide,U32\n0,good,U16\n")
         done = run("fieldcast", "import", made, "--template", "--out", self.path("devices/"))
         self.assertEqual(done.returncode, 1)

@@ -1,5 +1,4 @@
-// Tests the defaults for lists without line and device settings: those of the program that wrote
-// the list, with a note.
+// Tests defaults for missing line and device settings: those of the program, with a note.
 #include "tests/tools/import/support.hpp"
 
 namespace fieldcast::importing {
@@ -11,7 +10,6 @@ using testing::Not;
 
 constexpr const char* kList = "Address,Name,Type\n1,a,U16\n";
 
-// Returns the port line of the configuration.
 std::string port_of(const tl::expected<Outcome, std::string>& outcome) {
   if (!outcome) return outcome.error();
   if (outcome->files.empty()) return "nothing is written";

@@ -1,5 +1,4 @@
-// Tests lists of makers and users: the import reports what it does not understand and never guesses
-// silently.
+// Tests that the import reports what it does not understand and never guesses silently.
 #include "tests/tools/import/support.hpp"
 #include "tools/import/formats/list_address.hpp"
 #include "tools/import/formats/list_factor.hpp"
@@ -12,7 +11,6 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-// Returns the address of a point, "no: .." if it was refused.
 std::string place_of(const Outcome& outcome, const std::string& name) {
   const auto row = std::ranges::find(outcome.rows, name, &PointFate::name);
   if (row == outcome.rows.end()) return "not in the list";

@@ -1,5 +1,3 @@
-// Tests particular notations of makers: a scale in the unit or in the remarks, an address titled
-// offset, access by command.
 #include "tests/tools/import/support.hpp"
 
 namespace fieldcast::importing {

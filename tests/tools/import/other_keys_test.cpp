@@ -1,4 +1,3 @@
-// Tests that each unsupported key of other programs' files is named in a note, once.
 #include "tests/tools/import/support.hpp"
 
 namespace fieldcast::importing {

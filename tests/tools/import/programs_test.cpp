@@ -1,5 +1,3 @@
-// Tests configurations of other programs: the conversion of their keys, byte orders and
-// expressions.
 #include <fmt/format.h>
 
 #include "tests/tools/import/support.hpp"

@@ -17,7 +17,6 @@ inline tl::expected<Outcome, std::string> import_text(const std::string& file,
   return run_import({{file, text}}, options);
 }
 
-// Returns the configuration line of the only channel with this name.
 inline std::string channel_line(const Outcome& outcome, const std::string& name) {
   for (const WrittenFile& file : outcome.files) {
     const std::string begin = "- { name: " + name + ",";

@@ -1,4 +1,3 @@
-// Tests spreadsheet lists: the effects of Excel, Kepware's tags, and vendors' lists.
 #include "tests/tools/import/support.hpp"
 #include "tools/import/address.hpp"
 #include "tools/import/table.hpp"

@@ -1,5 +1,3 @@
-// Runs fieldcast-port as a process with a programming server in this process, and opens its virtual
-// port as programming software does.
 #pragma once
 
 #include <fcntl.h>

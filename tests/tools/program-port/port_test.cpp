@@ -1,4 +1,3 @@
-// Tests fieldcast-port from the view of its user.
 #include <fstream>
 
 #include "tests/tools/program-port/port_support.hpp"
@@ -107,8 +106,7 @@ TEST_F(Port, AFileOfOthersIsNeverReplaced) {
   EXPECT_EQ(content, "mine");
 }
 
-// A module has no line to set; LeaseTest checks that the settings arrive. This test checks that
-// they are detected.
+// A module has no line, so this only checks that settings are detected; see LeaseTest.
 TEST_F(Port, TheSpeedThatTheSoftwareSetsIsSeen) {
   start();
   TcpClient module = this->module("17\n");

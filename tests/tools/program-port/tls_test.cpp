@@ -1,4 +1,3 @@
-// Tests engineers over TLS, with a generated certificate.
 #include <fstream>
 
 #include "tests/tools/program-port/port_support.hpp"
@@ -36,8 +35,7 @@ struct Tls : test::PortFixture {
 TEST_F(Tls, ARightLoginPairsAndCarriesBytes) {
   start();
   TcpClient module = this->module("17\n");
-  // Without plain-text clients the test cannot query whether the module is registered, so it
-  // retries.
+  // Without plain-text clients there is no query for the registration, so the test retries.
   for (int attempt = 0; attempt < 50; ++attempt) {
     Process port(FIELDCAST_PORT, secure("right"));
     if (port.said("paired").find("17: paired") == std::string::npos) {

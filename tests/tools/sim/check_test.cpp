@@ -1,5 +1,4 @@
-// Tests the whole matrix of every protocol, built in and declared: no check fails or is skipped,
-// and faults are found.
+// Tests the whole matrix of every protocol, built in and declared.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -123,7 +122,6 @@ TEST(SimCheck, ATextThatTheDeviceRefusesIsNotWritten) {
   expect_all_pass({declared_as(kWrittenText)});
 }
 
-// Numbers with a sign, with three digits, with four bytes.
 constexpr const char* kNumbers = R"(summary: A meter with numbers of all kinds
 addresses: { from: 1, to: 9 }
 areas:
@@ -143,7 +141,6 @@ operations:
 
 TEST(SimCheck, NumbersWithASignOrInDigitsAreNoFault) { expect_all_pass({declared_as(kNumbers)}); }
 
-// Areas of bytes and of words with hexadecimal numbers.
 constexpr const char* kAreas = R"(summary: A controller with bytes and words
 addresses: { from: 1, to: 9 }
 areas:

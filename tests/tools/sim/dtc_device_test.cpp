@@ -1,5 +1,3 @@
-// Tests the simulated DTC device with the golden packets and with the bridge's own, independent
-// master.
 #include "tools/sim/device/dtc_device.hpp"
 
 #include <gtest/gtest.h>
@@ -57,7 +55,6 @@ std::uint8_t type_of(const json& group) {
       std::ranges::find(kDtcAreaNames, group["type"].get<std::string>()) - kDtcAreaNames.begin());
 }
 
-// Returns the bits of a printed value of this type.
 std::uint64_t bits_of(const json& value, std::uint8_t type) {
   switch (type) {
     case 1: return static_cast<std::uint16_t>(value.get<std::int16_t>());

@@ -1,4 +1,3 @@
-// Tests the simulated freeport station with the golden frames and with other stations on its line.
 #include "tools/sim/device/freeport_device.hpp"
 
 #include <gtest/gtest.h>
@@ -20,7 +19,6 @@ std::string said(FreeportDevice& device, const std::string& request) {
   return {answer.begin(), answer.end()};
 }
 
-// Frames a text: q .. FC FC Q.
 std::string framed(const std::string& text) {
   Bytes frame;
   append_hex(frame, xor8(test::bytes(text)), 2);
@@ -105,8 +103,7 @@ TEST(FreeportDevice, SwappedLettersMeanTheOtherThing) {
             framed("12340000"));
 }
 
-// The write window starts with zeros. A read-only channel keeps changing, whatever is written next
-// to it.
+// The write window starts with zeros. A read-only channel keeps changing.
 TEST(FreeportDevice, WhatIsWrittenShowsInTheReadWindowButNotOverReadOnlyChannels) {
   DeviceSetup setup = device_setup(5);
   setup.spec.channels = {test::channel("level", "window:0", ValueType::kUint16),

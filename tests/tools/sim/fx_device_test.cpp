@@ -1,4 +1,3 @@
-// Tests the simulated FX with the golden frames.
 #include "tools/sim/device/fx_device.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,3 @@
-// Tests the simulated Omron PLC with the golden frames in C-mode and FINS, and its transfers in
-// several frames.
 #include "tools/sim/device/hostlink_device.hpp"
 
 #include <gtest/gtest.h>
@@ -46,8 +44,7 @@ void prepare(ItemMemory& memory, const std::string& request, const std::string& 
 }
 
 TEST(HostLinkDeviceVectors, CModeIsAnsweredAsPrinted) {
-  // Cases that the simulator cannot produce: another PLC model or state, or frames that only show
-  // the form of a response.
+  // Not possible in the simulator: another model or state, or only the form of a response.
   const std::set<std::string> elsewhere{"end_01",  "end_02", "end_04",     "end_18",
                                         "end_19",  "end_21", "ms_program", "ms_fatal",
                                         "ms_fals", "kshr",   "krhr",       "multi_abort_a3"};
@@ -102,8 +99,7 @@ TEST(HostLinkDeviceVectors, FinsIsAnsweredAsPrinted) {
     const bool form_only =
         vector.has("note") && vector.texts.at("note").find("does not follow") != std::string::npos;
     if (vector.framing != "hostlink" || request.empty() || answer.empty() || form_only) continue;
-    // Programs, cycle times and CPU faults are not simulated; one response shows a code for a valid
-    // request.
+    // Not simulated: programs, cycle times, CPU faults; and a code for a valid request.
     const std::set<std::string> elsewhere{"fa_cycle_time_0620", "fa_program_read_last",
                                           "fa_program_write_0307", "fa_end_0040_masked",
                                           "fa_hostlink_endcode_13"};

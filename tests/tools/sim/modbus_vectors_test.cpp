@@ -1,5 +1,3 @@
-// Tests the simulated device with the golden frames, as the slave of every vector with a printed
-// request.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,7 +27,6 @@ std::vector<Vector> vectors() {
   return all;
 }
 
-// Returns unit and PDU of a good frame.
 Bytes content(const Vector& vector, const Bytes& frame) {
   if (vector.framing == "rtu") return {frame.begin(), frame.end() - 2};
   if (vector.framing == "tcp") return {frame.begin() + 6, frame.end()};

@@ -1,4 +1,3 @@
-// Tests the simulated S7-200: the golden telegrams, and its link layer.
 #include "tools/sim/device/ppi_device.hpp"
 
 #include <gtest/gtest.h>
@@ -45,8 +44,7 @@ void prepare(ItemMemory& memory, ByteView request, ByteView answer) {
   }
 }
 
-// The status byte of a timer may differ: it is 0 here, but a running timer of a capture has a
-// status.
+// A timer's status byte may differ: it is 0 here.
 TEST(PpiDeviceVectors, AnswersAsPrinted) {
   int seen = 0;
   for (const GoldenVector& vector : fieldcast::test::load_vectors("ppi")) {

@@ -1,4 +1,3 @@
-// Tests a whole simulated bus in virtual time.
 #include "tools/sim/bus/sim_bus.hpp"
 
 #include <gtest/gtest.h>
@@ -39,7 +38,6 @@ BusSpec two_presses() {
   return bus;
 }
 
-// A master that sends requests and waits, in virtual time.
 struct Master {
   explicit Master(const BusFaults& faults = {}, const BusSpec& spec = two_presses())
       : bus(std::move(SimBus::make(spec, faults, 1, kBegin).value())), line(bus->open_line()) {}

@@ -1,4 +1,3 @@
-// Tests buckets and tiers without a database.
 #include "bridge/store/tiers/bucket.hpp"
 
 #include <gtest/gtest.h>
@@ -59,7 +58,6 @@ TEST(Bucket, TakesBooleansAndIntegersAsNumbersAndNoTexts) {
   EXPECT_EQ(bucket.first, 1.0);
 }
 
-// The merged minutes equal the hour, for any partition.
 TEST(Bucket, OfPartsIsTheBucketOfTheWhole) {
   std::mt19937 random(7);
   for (int round = 0; round < 200; ++round) {

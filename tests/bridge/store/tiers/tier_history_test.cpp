@@ -1,4 +1,3 @@
-// Tests that buckets are the same from every tier.
 #include "bridge/store/tiers/tier_history.hpp"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,3 @@
-// Tests tiers in SQLite and in PostgreSQL: as minutes close, with late samples, and for stores of
-// older versions.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -61,7 +59,6 @@ class Recorder {
                      .value = std::move(value),
                      .is_text = is_text}});
   }
-  // Returns the number of steps.
   int write_tiers(UtcTime now) {
     int steps = 0;
     while (tiers_.step(*connection_, now)) {
@@ -120,7 +117,6 @@ void has_none_for_texts_and_no_numbers_for_bad_samples(const StoreAddress& addre
               ElementsAre(Bucket{.channel = bad, .start = at_second(0), .bad = 1}));
 }
 
-// Samples in random order and batches with restarts: the tiers must match all samples.
 void agrees_with_a_count_of_all_samples(const StoreAddress& address) {
   Recorder recorder(address);
   const std::int64_t channels[] = {recorder.channel("random-1"), recorder.channel("random-2")};
@@ -211,7 +207,6 @@ void an_older_store_gets_its_tiers(const StoreAddress& address) {
                          .sequence = sequence,
                          .quality = Quality::kGood,
                          .value = static_cast<double>(i)});
-      // All within one minute: more than a part.
       samples.push_back({.channel = dense,
                          .published_at = {at_second(0).nanoseconds + i},
                          .sequence = sequence,
@@ -247,7 +242,6 @@ void an_older_store_gets_its_tiers(const StoreAddress& address) {
   EXPECT_EQ(last.count, static_cast<std::uint64_t>(kMany % 60 + 1)) << "old and new samples";
 }
 
-// With the thread of the store.
 void comes_with_the_store(const StoreAddress& address) {
   BusSpec bus;
   bus.name = "threaded";

@@ -13,7 +13,6 @@ namespace fieldcast::cli {
   return text;
 }
 
-// Returns the lines of a frame, each with a line end.
 [[nodiscard]] inline std::string text_of(const Frame& frame) {
   std::string text;
   for (const FrameLine& line : frame.lines) text += text_of(line) + '\n';

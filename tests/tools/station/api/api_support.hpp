@@ -88,10 +88,8 @@ inline std::string unzipped(const std::string& bytes) {
   return text;
 }
 
-// A store, a database over it, and a table for the routes of the test.
 class ApiTest : public testing::Test {
  protected:
-  // Time of the station's clock.
   static constexpr std::int64_t kNow = 100'000;  // seconds of utc()
   [[nodiscard]] static std::function<UtcTime()> now() {
     return [] { return utc(kNow); };
@@ -123,7 +121,6 @@ class ApiTest : public testing::Test {
     EXPECT_EQ(response.status, 200u) << response.body;
     return Json::parse(response.body, nullptr, false);
   }
-  // Returns the whole body of a stream and the number of its pieces.
   [[nodiscard]] std::pair<std::string, int> all_of(const HttpResponse& response) {
     std::string body;
     int pieces = 0;

@@ -7,7 +7,6 @@ namespace {
 
 using test::Json;
 
-// Accepts commands and responds when the test requests it.
 class FakeCommands final : public CommandSink {
  public:
   Submitted submit(const Caller& caller, StationCommand command, Done) override {

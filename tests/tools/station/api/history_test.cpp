@@ -12,8 +12,6 @@ std::string ms(std::int64_t second) { return std::to_string(utc(second).nanoseco
 
 class HistoryApiTest : public test::ApiTest {
  protected:
-  // Stores one channel with a sample per second from second 0, except the seconds that `skip`
-  // selects.
   void store_seconds(std::int64_t seconds, const std::function<bool(std::int64_t)>& skip = {}) {
     store([&](Store& to) {
       const auto number = to.number_of(

@@ -134,7 +134,6 @@ TEST_F(OpenApiTest, WhatIsPublicIsSaidSo) {
   }
 }
 
-// Returns the documented schema of this response.
 const Plain& schema_of(const std::string& path, const char* method, const char* status) {
   const Plain* response = &document().at("paths").at(path).at(method).at("responses").at(status);
   if (response->contains("$ref"))

@@ -57,7 +57,6 @@ inline std::uint32_t channels_in(const std::string& frame) {
   return n;
 }
 
-// A model, the hub, and their clock.
 struct FakeDomain {
   void announce(const std::string& name, const std::string& type = "float32") {
     model.on_channel(channel_of(name, type));
@@ -106,7 +105,6 @@ struct LivePerson {
       wait(LiveClient::kPeriod);
     } while (peer.under_way);
   }
-  // Returns what was received since the last call.
   std::vector<std::string> texts() { return std::exchange(peer.texts, {}); }
   std::vector<std::shared_ptr<const std::string>> frames() {
     return std::exchange(peer.frames, {});

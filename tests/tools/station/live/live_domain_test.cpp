@@ -1,5 +1,3 @@
-// Tests the link of a bridge, the DDS side of the station, and a client of /live, over real DDS on
-// loopback.
 #include "tools/station/live/live_domain.hpp"
 
 #include <gmock/gmock.h>
@@ -21,7 +19,6 @@ using namespace std::chrono_literals;
 using nlohmann::json;
 using web::LivePeer;
 
-// Accepts all data immediately.
 class Page : public LivePeer {
  public:
   explicit Page(boost::asio::io_context& io) : io_(io), timer_(io) {}
@@ -44,7 +41,6 @@ class Page : public LivePeer {
   }
   void close(std::string_view) override {}
 
-  // Returns the first text of this kind, null if there is none.
   [[nodiscard]] json first(const std::string& kind) const {
     for (const json& text : texts) {
       if (text["kind"] == kind) return text;

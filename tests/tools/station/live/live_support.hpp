@@ -1,4 +1,3 @@
-// Channels, samples and reports of a fictitious plant, for the tests of tools/station/live.
 #pragma once
 
 #include <string>

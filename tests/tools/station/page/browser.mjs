@@ -15,8 +15,7 @@ export async function startBrowser(modules, address) {
   const browser = await chromium.launch({ executablePath: chromiumPath(), args: ['--no-sandbox', '--disable-gpu'] });
   const faults = [];
 
-  // Opens a page in its own context, without cookies or settings of others. Keeps all errors of the
-  // console.
+  // Opens a page without cookies or settings of others. Keeps all errors of the console.
   async function open(hash, { width = 1280, height = 760, dark = false, language = 'en', base = address, ignore = /$^/ } = {}) {
     const context = await browser.newContext({ viewport: { width, height }, colorScheme: dark ? 'dark' : 'light', locale: language });
     const page = await context.newPage();
@@ -44,8 +43,7 @@ export async function startBrowser(modules, address) {
   return { open, axe, faults, close: () => browser.close() };
 }
 
-// Finds truncated text, which axe does not check. Elements that scroll on purpose have data-scroll;
-// a title shows the whole text.
+// Finds truncated text, except in elements with data-scroll or a title.
 export const clipped = (page) => page.evaluate(() => {
   const found = [];
   if (document.documentElement.scrollWidth > innerWidth) found.push('the page is wider than the window');

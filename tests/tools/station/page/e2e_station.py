@@ -96,8 +96,6 @@ record: { patterns: ["*"] }
 
 
 class Station:
-    """fieldcast-station of a plant, with users in its store."""
-
     def __init__(self, bin_dir, plant):
         self.address = f"http://127.0.0.1:{free_port()}"
         self.log = os.path.join(plant.run, "station.log")

@@ -2,7 +2,7 @@
 // alone.
 //
 //   node mock_station.mjs --files FOLDER --modules NODE_MODULES [--port 8090] [--channels 10000]
-//   [--login] [--quiet]
+//     [--login] [--quiet]
 //
 // FOLDER: the built page (build/station-page/files). --login: users anna (operator) and vera
 // (viewer), password `secret secret`.
@@ -27,7 +27,6 @@ const users = { anna: 'operator', vera: 'viewer' };
 const password = 'secret secret';
 const busNames = ['boiler-house', 'press-shop', 'utilities', 'water-works'];
 
-// The plant: values by id, changed by `step`.
 export class InventedPlant {
   constructor(channels) {
     const now = Date.now();
@@ -88,7 +87,6 @@ export class InventedPlant {
       { at_ms: now - 600_000, who: 'mallory (10.0.0.66:5000)', what: 'login', target: '', bytes_to_device: 0, bytes_from_device: 0, result: 'refused: wrong password' }];
   }
 
-  // Changes the channels of one slice of `slices`; returns the changed ones.
   step(slice, slices) {
     const now = Date.now(), changed = [];
     for (let index = slice; index < this.channels.length; index += slices) {
@@ -104,7 +102,6 @@ export class InventedPlant {
     return changed;
   }
 
-  // Returns the events of each alarm, newest last.
   alarmEvents() {
     const events = [];
     for (const { bus, device, channel, limit, value, since_ms, active, acknowledged_ms, acknowledged_by, note, shelved_until_ms, shelved_by } of this.alarms) {
@@ -160,8 +157,7 @@ function history(url) {
   return { from_ms: from, to_ms: to, series };
 }
 
-// A timetable of eight slots: fast points in every slot, slow ones in turn; and a group that is
-// read when it is due.
+// Eight slots: fast points in every slot, slow ones in turn; and a group read when due.
 function planOf(bus, load = 0.46) {
   const slot_ms = 94, slots = 8;
   const point = (area, first, count, names, every, phase_ms) => ({

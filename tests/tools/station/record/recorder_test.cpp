@@ -1,4 +1,3 @@
-// Tests the recorder with a real store: DDS samples become history.
 #include "tools/station/record/recorder.hpp"
 
 #include <gmock/gmock.h>

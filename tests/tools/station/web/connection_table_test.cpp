@@ -16,7 +16,6 @@ class ConnectionTableTest : public testing::Test {
                                   Phase phase = Phase::kWaiting) {
     return table_.open(++last_, {group, logged_in}, phase, now());
   }
-  // Returns the id of an active connection of `group`.
   ConnectionTable::Id working(const std::string& group, bool logged_in = false) {
     EXPECT_TRUE(open(group).admitted);
     const ConnectionTable::Id id = last_;

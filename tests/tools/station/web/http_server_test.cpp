@@ -120,7 +120,6 @@ class HttpServerTest : public testing::Test {
     run([&] { found = server_->counters(); });
     return found;
   }
-  // Returns an open connection with the greeting already read.
   RawClient live(const std::string& more = {}) {
     RawClient client(port_);
     client.send(RawClient::upgrade(port_, more));

@@ -53,7 +53,6 @@ class HttpSessionTest : public testing::Test {
     server_.accept(std::make_unique<MemoryStream>(io_, link), "127.0.0.1");
     return link;
   }
-  // Runs all work that is ready without waiting.
   void settle() {
     io_.restart();
     io_.poll();

@@ -13,7 +13,6 @@
 
 namespace fieldcast::web {
 
-// State of a connection that client and station share.
 struct MemoryLink {
   std::string to_station;    // not yet read
   std::string to_client;     // all bytes sent

@@ -65,7 +65,6 @@ class RawClient {
     return ended_;
   }
 
-  // Returns the header of a WebSocket upgrade from a page of the station.
   static std::string upgrade(std::uint16_t port, const std::string& more = {},
                              const std::string& origin = {}) {
     const std::string host = "127.0.0.1:" + std::to_string(port);

@@ -21,7 +21,6 @@ class Routes : public testing::Test {
     table_.add({Method::kPost, "/api/commands", Access::kOperator, saying("command")});
     table_.add({Method::kDelete, "/api/commands", Access::kOperator, saying("cancel")});
   }
-  // Returns the body of the response, or the status of the refusal.
   std::string ask(Method method, const std::string& path, std::optional<Role> role) {
     const auto found = table_.find(method, path, role);
     if (!found) return std::to_string(found.error().status);

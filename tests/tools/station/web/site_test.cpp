@@ -95,7 +95,6 @@ class SiteTest : public testing::Test {
     }
     return "-";
   }
-  // Logs in and keeps the cookie as a browser does.
   HttpResponse log_in(const std::string& body = R"({"user":"anna","password":"secret-1"})") {
     HttpResponse response = ask(post("/api/login", body));
     const std::string set = header(response, "set-cookie");
