@@ -14,7 +14,7 @@
 namespace fieldcast::port {
 namespace {
 
-// The port serves its program also while nobody reads its standard output.
+// A separate writer, so that the port works while nobody reads standard output.
 LineWriter& output() {
   static auto& lines = *new LineWriter(STDOUT_FILENO, [](std::uint64_t lost) {
     return fmt::format("({} lines are missing here)\n", lost);

@@ -51,7 +51,7 @@ void log_library(bool error, std::string_view kind, std::string_view text) {
                          "Fast DDS", fmt::format("messages of {}", kind), text);
 }
 
-// Empty: every fault is on stderr.
+// Empty if the options or the configuration are invalid; all faults are printed to stderr.
 std::optional<StationSpec> spec_of(const Options& options, fieldcast::config::Places& places) {
   StationSpec spec;
   if (!options.config.empty()) {
@@ -84,12 +84,12 @@ std::optional<StationSpec> spec_of(const Options& options, fieldcast::config::Pl
   return spec;
 }
 
-// Where the faults of an identity are: in the file, or on the command line.
+// Place of a fault: in the file or on the command line.
 class Origin {
  public:
   Origin(const Options& options, const fieldcast::config::Places& places)
       : options_(options), places_(places) {}
-  // `site`: its number among `sites`.
+  // `site`: index in `sites`.
   [[nodiscard]] std::string of_dds(const StationSpec& spec, std::size_t site,
                                    const std::string& key) const {
     if (key == "security" && !options_.security.empty()) return "--security: ";
@@ -211,7 +211,7 @@ ExitCode serve(fieldcast::Signals& signals, const StationSpec& spec) {
   }
 }
 
-// What a file says is good by now; whether the key that it names is one for a service is seen here.
+// Checks that the key file is not readable by others; the loader has checked the rest.
 ExitCode check_key(const StationSpec& spec, const Origin& origin) {
   if (spec.web.key.empty()) return ExitCode::kOk;
   const auto closed =
@@ -221,7 +221,7 @@ ExitCode check_key(const StationSpec& spec, const Origin& origin) {
   return ExitCode::kBadConfiguration;
 }
 
-// What is good is said too: silence could be a program that looked at nothing.
+// Also prints successful checks, so that an empty output is never a success.
 ExitCode check(const StationSpec& spec, const Origin& origin) {
   const ExitCode joining = check_joining(spec, origin), key = check_key(spec, origin);
   for (const fieldcast::DdsSite& site : spec.sites) {

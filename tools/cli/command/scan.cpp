@@ -21,7 +21,7 @@
 namespace fieldcast::cli {
 namespace {
 
-constexpr std::chrono::milliseconds kUsualTimeout{200};  // to the first byte of a response
+constexpr std::chrono::milliseconds kUsualTimeout{200};  // until the first byte of a response
 
 bool is_serial(const ScanOptions& options) { return options.port.find('/') != std::string::npos; }
 
@@ -61,7 +61,7 @@ tl::expected<std::vector<ScanLine>, std::string> lines_of(
   return lines;
 }
 
-// The line as a capture has it: a device stands for each protocol that is tried.
+// The line in a capture: one device for each tried protocol.
 BusSpec captured_bus(const PortSpec& port, const std::vector<ScanLine>& lines) {
   BusSpec bus;
   bus.name = "line";
@@ -74,7 +74,7 @@ BusSpec captured_bus(const PortSpec& port, const std::vector<ScanLine>& lines) {
   }
   return bus;
 }
-// Which of these devices stands for the protocol of a line.
+// Index of the device that represents a line's protocol.
 std::size_t protocol_index(const std::vector<ScanLine>& lines, std::size_t line) {
   std::size_t index = 0;
   for (std::size_t i = 1; i <= line; ++i)
@@ -99,7 +99,7 @@ class Scan {
         [this] { progress_.show([this](Duration elapsed) { return progress(elapsed); }); });
   }
 
-  // Until it is over or interrupted. The error: the port does not open.
+  // Runs to the end or an interrupt. Fails if the port does not open.
   tl::expected<void, std::string> run() {
     auto done = ask_all();
     progress_.clear();
@@ -145,14 +145,15 @@ class Scan {
     return {};
   }
 
-  // The port and the protocol as the line has them.
+  // Opens the port with the line's format and creates its protocol.
   tl::expected<void, std::string> turn_to(std::size_t line) {
     if (line_ == line) return {};
     const ScanLine& next = scanner_.lines()[line];
     if (!line_ || serial_) {
       if (auto opened = talk_.open(port_with(port_, next.format)); !opened) return opened;
     }
-    // A quick search has no time for it: it would find such a device at the first line only.
+    // A quick search does not rest, because its time is limited: it finds such a device only on the
+    // first line.
     if (line_ && serial_ && next.probes.empty()) talk_.rest(kScanRest);
     line_ = line;
     protocol_ = scan_protocol(next.protocol);
@@ -223,7 +224,7 @@ class Scan {
     return fmt::format("{} {} ({} is {})", type->label, number, type->at, number);
   }
 
-  // At most one timeout for a device without SunSpec models.
+  // Takes at most one timeout for a device without SunSpec models.
   void walk_sunspec(std::size_t index) {
     const ScanFound& found = scanner_.found()[index];
     if (!turn_to(found.line)) return;
@@ -256,8 +257,8 @@ class Scan {
   ProgressLine progress_;
   LineTalk talk_;
   const Interrupt& interrupt_;
-  std::size_t named_ = 0;                  // devices that were asked who they are
-  std::optional<std::size_t> line_;        // that the port has
+  std::size_t named_ = 0;                  // number of devices that were identified
+  std::optional<std::size_t> line_;        // current line of the port
   std::optional<std::size_t> asked_line_;  // of the last request
   std::unique_ptr<Protocol> protocol_;
   std::vector<ScanQuestion> questions_;

@@ -20,10 +20,10 @@ struct ScanOptions {
   std::optional<std::uint32_t> baud;
   std::string format;
   std::string addresses = "1-32";
-  std::optional<Duration> timeout;  // of each request, without a quick search
-  bool all = false;                 // searches every line, without a quick search
-  std::string out;                  // a configuration is written there; it must not exist
-  std::string capture;              // a new file for what passes on the line; empty: none
+  std::optional<Duration> timeout;  // for each response; disables the quick search
+  bool all = false;                 // searches every line; disables the quick search
+  std::string out;                  // new configuration file; must not exist
+  std::string capture;              // new capture file; empty: none
   bool json = false;
 };
 

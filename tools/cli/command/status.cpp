@@ -39,7 +39,6 @@ void print_table(const StatusModel& model, std::ostream& out) {
   for (const auto& line : status_lines(model, utc_now(), screen)) out << line << '\n';
 }
 
-// Of bridges that stand by for each other: nothing without them.
 void print_members(const StandbyModel& model, std::ostream& out) {
   if (model.empty()) return;
   out << '\n';
@@ -53,7 +52,7 @@ void print_event(const StatusModel& model, const DomainEvent& event, std::ostrea
     out << status_json(*device).text() << '\n';
 }
 
-// A terminal that cannot show a screen gets text, and is told why.
+// Prints the reason if the terminal cannot show a screen.
 bool screen_wanted(const StatusOptions& options, std::ostream& err) {
   if (!options.screen || options.json || !output_is_terminal()) return false;
   const std::string reason = no_screen_reason();

@@ -13,9 +13,9 @@ constexpr std::chrono::milliseconds kTalkCheck{50};
 constexpr std::chrono::seconds kOpenLimit{5};
 // A silence that ends a response; longer than gaps between the pieces of adapters.
 constexpr std::chrono::milliseconds kGapAllowance{30};
-// What is compared with the bytes that were sent; a longer text is no echo.
+// Limit of the bytes that are compared to detect an echo.
 constexpr std::size_t kMostHeard = 4096;
-// A line that never falls silent is asked all the same.
+// After this time the request is sent even if the line is not silent.
 constexpr std::chrono::milliseconds kLongestStray{300};
 
 }  // namespace
@@ -57,7 +57,7 @@ struct LineTalk::State final : PortListener {
   [[nodiscard]] bool heard_others() const {
     return heard.size() > said.size() || !std::equal(heard.begin(), heard.end(), said.begin());
   }
-  // How the exchange ended, for the capture.
+  // Records the result of the exchange in the capture.
   void record_end(const LineTalk::Answer& answer) const {
     if (answer.cause != Cause::kNone)
       record(CaptureRecord::Kind::kRemark, {}, std::string(to_text(answer.cause)), steady_now());
@@ -78,7 +78,7 @@ struct LineTalk::State final : PortListener {
   bool opened = false;
   std::optional<std::string> closed;
   Instant last_byte = kLongAgo;
-  std::size_t strays = 0;  // since the last request
+  std::size_t strays = 0;  // bytes since the last request
   Bytes heard, said;       // since listen_again()
   ExchangeDriver::Outcome outcome = ExchangeDriver::Outcome::kWaiting;
   Bytes again;  // next request of the exchange

@@ -28,11 +28,11 @@ class LineTalk {
     Cause cause = Cause::kNone;  // kNone: `reply` is valid
     std::uint16_t device_code = 0;
     Reply reply;
-    Duration took{};                          // the device's own time before its answer
-    std::size_t bytes = 0;                    // that came
-    bool echo_alone = false;                  // they are exactly those that were sent
+    Duration took{};                          // response time of the device
+    std::size_t bytes = 0;                    // received
+    bool echo_alone = false;                  // the received bytes equal the sent ones
     bool heard = false;                       // see listen_again()
-    AnswerShape shape = AnswerShape::kOther;  // of bytes that are not a valid answer
+    AnswerShape shape = AnswerShape::kOther;  // if the bytes are not a valid response
   };
 
   // Records all bytes in `tap`, which may be null.
@@ -47,10 +47,9 @@ class LineTalk {
   // `timeout`. Fails like open() if the port is lost. REQUIRES: open() was successful.
   [[nodiscard]] tl::expected<Answer, std::string> ask(std::unique_ptr<Exchange> exchange,
                                                       Duration timeout, const LineNote& note = {});
-  // From here on Answer::heard says whether bytes were received, at any time, that are not the echo
-  // of what was sent.
+  // Restarts the detection for Answer::heard: bytes received since this call that are not an echo.
   void listen_again();
-  // Called several times a second while it waits: for the progress.
+  // Calls `meanwhile` several times a second during waits, for the progress.
   void while_waiting(std::function<void()> meanwhile);
   // Keeps the line idle for this time, or until an interrupt. REQUIRES: open() was successful.
   void rest(Duration time);

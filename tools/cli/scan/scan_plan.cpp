@@ -14,12 +14,13 @@ namespace {
 
 constexpr std::size_t kMostQuestions = 2;
 
-constexpr Duration kProbing = std::chrono::milliseconds{8300};    // of all lines of a protocol
-constexpr Duration kLeastShare = std::chrono::milliseconds{700};  // of one line
-constexpr Duration kLeastWindow = std::chrono::milliseconds{10};  // for the begin of a response
-constexpr Duration kLastWindow = std::chrono::milliseconds{150};  // of the last probe
+constexpr Duration kProbing = std::chrono::milliseconds{8300};    // for all lines of a protocol
+constexpr Duration kLeastShare = std::chrono::milliseconds{700};  // for one line
+// until the first byte of a response
+constexpr Duration kLeastWindow = std::chrono::milliseconds{10};
+constexpr Duration kLastWindow = std::chrono::milliseconds{150};  // for the last probe
 
-// Of devices on site, by what their manuals name as delivered and as usual, the commonest first.
+// Usual and factory settings of devices by their manuals, most common first.
 constexpr std::array<LineFormat, 12> kByteFormats{{{9600, 8, Parity::kNone, 1},
                                                    {19200, 8, Parity::kEven, 1},
                                                    {9600, 8, Parity::kEven, 1},
@@ -60,7 +61,7 @@ std::optional<std::string> first_of(const NamedProtocol& named, const Protocol& 
   return std::nullopt;
 }
 
-// Time on the wire of the request to one address, without the response.
+// Wire time of one request without the response.
 Duration request_time(const ScanLine& line) {
   const auto protocol = scan_protocol(line.protocol, line.addresses.front());
   if (!protocol) return {};
@@ -188,7 +189,7 @@ Duration silent_scan_time(const std::vector<ScanLine>& lines, Duration timeout) 
 }
 
 void plan_probes(std::vector<ScanLine>& lines) {
-  std::vector<Duration> cycles;  // of each line: a request and the shortest silence behind it
+  std::vector<Duration> cycles;  // for each line: a request and the minimum silence after it
   Duration cycle_sum{};
   std::int64_t probes = 0;
   std::set<std::string_view> protocols;

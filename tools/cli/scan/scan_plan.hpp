@@ -22,13 +22,13 @@ struct ScanQuestion {
   Range range;
 };
 
-// The probes of the quick search wait `probe_wait` for the first byte of a response, the last one
-// `last_probe_wait`. A response that arrives while the next address is probed counts for the line.
+// Each probe waits `probe_wait` for the first byte of a response, the last one `last_probe_wait`. A
+// response during the next probe still counts for the line.
 struct ScanLine {
   NamedProtocol protocol;
   LineFormat format{};
   std::vector<std::uint16_t> addresses;
-  std::vector<std::uint16_t> probes{};  // empty: the line is searched at once
+  std::vector<std::uint16_t> probes{};  // empty: searches the line without probing
   Duration probe_wait{}, last_probe_wait{};
 };
 
@@ -59,19 +59,19 @@ struct ScanLine {
 [[nodiscard]] std::vector<ScanQuestion> questions_of(const NamedProtocol& named,
                                                      const Protocol& protocol);
 
-// A silent line is given up within this time by default, for each protocol.
+// Default limit for a scan of a silent line, for each protocol.
 inline constexpr Duration kQuickScan = std::chrono::seconds{10};
 
-// A device that tells messages apart by half a second of silence, as libmodbus does, drops what it
-// took for one at the speed before. The search of a line begins after this rest.
+// Idle time before the search of a line. Devices that separate messages by half a second of silence
+// (as libmodbus does) discard bytes received at the previous speed.
 inline constexpr Duration kScanRest = std::chrono::milliseconds{600};
 
-// How long a search of all lines lasts if no device responds.
+// Duration of a search of all lines if no device responds.
 [[nodiscard]] Duration silent_scan_time(const std::vector<ScanLine>& lines, Duration timeout);
 
-// Chooses the probes of each line so that all lines are probed within kQuickScan for each protocol:
-// as many addresses as fit, at least 10 ms for each response, and the first address last, since it
-// is the most probable one and the last probe waits longest.
+// Selects the probes so that all lines together need at most kQuickScan for each protocol: as many
+// addresses as fit with at least 10 ms for each response. The first address is probed last with the
+// longest wait, because it is the most probable one.
 void plan_probes(std::vector<ScanLine>& lines);
 
 }  // namespace fieldcast::cli

@@ -25,7 +25,7 @@ std::string answer_text(const ScanLine& line, const ScanAnswer& answer) {
   return std::string(to_text(answer.cause));
 }
 
-// Whatever a device says of itself, on one line.
+// Makes a device's text a single line.
 std::string comment_text(std::string_view text) {
   std::string line = printable(text);
   for (char& c : line) {

@@ -22,10 +22,10 @@ namespace fieldcast::cli {
 
 [[nodiscard]] std::vector<std::string> found_lines(const Scanner& scanner, bool serial,
                                                    const Screen& screen);
-// "address 3: template: siemens-pac3200", and how a template is used; empty if none fits.
+// "address 3: template: siemens-pac3200", and how to use a template; empty if none matches.
 [[nodiscard]] std::vector<std::string> template_lines(const Scanner& scanner);
-// After a quick search without one received byte: what was probed, what to check, and how long a
-// search with --all lasts, which waits `timeout` for each response.
+// For a quick search without any received byte: the probed lines, what to check, and the duration
+// of a search with --all and `timeout`.
 [[nodiscard]] std::vector<std::string> silence_lines(const std::string& port,
                                                      const Scanner& scanner, bool serial,
                                                      Duration timeout);
@@ -36,8 +36,7 @@ namespace fieldcast::cli {
                               bool serial);
 
 // A configuration for fieldcast-bridge: one bus, each device with the points of its SunSpec models,
-// or else with the one channel that was asked.
-// REQUIRES: something was found.
+// otherwise with the requested channel. REQUIRES: a device was found.
 [[nodiscard]] std::string configuration_text(const std::string& port, bool serial,
                                              const Scanner& scanner);
 

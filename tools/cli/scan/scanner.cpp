@@ -117,7 +117,7 @@ void Scanner::next_line() {
   index_ = static_cast<std::size_t>(first - addresses.begin());
 }
 
-// No device responded on this line so far.
+// REQUIRES: no device has responded on this line.
 void Scanner::search_or_probe_next() {
   const bool left = std::find(babbling_.begin(), babbling_.end(), line_) != babbling_.end();
   if (!probing_ && pass_ == 0 && !left) {

@@ -1,10 +1,10 @@
-// The course of a scan, as a state machine: next() returns the next request, answered() takes its
-// outcome. The first line on which a device responds is the line; no other line is searched. Each
-// address that was silent there gets a second, different request.
+// State machine of a scan: next() returns the next request, answered() processes its result. The
+// scan settles on the first line with a response and skips the others. Silent addresses there get a
+// second, different request.
 //
-// Lines with probes are searched quickly: each line is probed, and searched only if a byte was
-// received on it. Bytes that are not a valid response must be received twice, since some adapters
-// deliver one when they change the baud rate. Pure; one owner.
+// Quick search, if the lines have probes: each line is probed, and searched only if a byte was
+// received. Bytes that are not a valid response must be received twice, because some adapters
+// deliver one after a change of the baud rate. Pure.
 #pragma once
 
 #include <cstdint>
@@ -23,20 +23,20 @@ namespace fieldcast::cli {
 struct ScanAsk {
   std::size_t line = 0;  // index in the lines
   std::uint16_t address = 1;
-  std::size_t question = 0;        // index in questions_of(); the last one where there are fewer
-  std::optional<Duration> wait{};  // for the response to a probe; empty: the usual timeout
-  bool first = false;              // of a line's probes or search: the line must be quiet before
+  std::size_t question = 0;        // index in questions_of(); the last one if there are fewer
+  std::optional<Duration> wait{};  // for the response to a probe; empty: usual timeout
+  bool first = false;              // first probe or request of a line, which must be silent before
 };
 
 struct ScanAnswer {
-  bool device = false;            // a device answered: with a value, or by refusing
-  Cause cause = Cause::kNone;     // of a refusal; of no answer
-  std::uint16_t device_code = 0;  // of a refusal
+  bool device = false;            // a device responded with a value or an error
+  Cause cause = Cause::kNone;     // of an error or a missing response
+  std::uint16_t device_code = 0;  // of an error
   Duration took{};
-  std::size_t bytes = 0;    // that came at all
-  bool echo_alone = false;  // they are those that were sent: the adapter's, nobody else speaks
-  bool heard = false;       // since the first probe of the line: bytes other than the echo
-  AnswerShape shape = AnswerShape::kOther;  // of a broken answer
+  std::size_t bytes = 0;    // received
+  bool echo_alone = false;  // only the sent bytes were received: an echo of the adapter
+  bool heard = false;       // bytes other than an echo since the line's first probe
+  AnswerShape shape = AnswerShape::kOther;  // of an invalid response
 };
 
 struct ScanFound {
@@ -44,13 +44,13 @@ struct ScanFound {
   std::uint16_t address = 1;
   std::size_t question = 0;
   ScanAnswer answer;
-  std::string identity;                  // what the device says of itself; empty: nothing
-  std::vector<std::string> templates{};  // that fit the identity; more than one: all of them may
-  std::optional<SunSpecMap> sunspec{};   // its SunSpec models
+  std::string identity;                  // identification text of the device; empty: none
+  std::vector<std::string> templates{};  // that match the identity equally well
+  std::optional<SunSpecMap> sunspec{};
 };
 
-// An address from which broken answers come that begin like valid ones: the settings of the line
-// are probably right.
+// An address with invalid responses that start like valid ones: the settings of the line are
+// probably correct.
 struct ScanBroken {
   std::size_t line = 0;
   std::uint16_t address = 1;
@@ -59,17 +59,17 @@ struct ScanBroken {
 
 class Scanner {
  public:
-  // So many questions in a row that brought bytes and no answer: somebody else speaks there. Once
-  // more in the second pass, and the line is left at once.
+  // Consecutive requests with bytes but no valid response: the line has other traffic. The second
+  // pass leaves the line immediately.
   static constexpr unsigned kBabble = 8;
 
   explicit Scanner(std::vector<ScanLine> lines);
 
-  // Nothing: the scan is over.
+  // Empty at the end of the scan.
   [[nodiscard]] std::optional<ScanAsk> next() const;
-  // To what next() said.
+  // Result of the request of next().
   void answered(const ScanAnswer& answer);
-  // The line of next() cannot be asked (its port does not take the settings): it is left out.
+  // Skips the line of next(), because its port does not accept the settings.
   void skip_line();
 
   [[nodiscard]] const std::vector<ScanLine>& lines() const { return lines_; }
@@ -82,15 +82,15 @@ class Scanner {
     found_[found].templates = std::move(templates);
   }
   [[nodiscard]] std::size_t asked() const { return asked_; }
-  // That are still to be asked, unless a device answers.
+  // Remaining requests if no device responds.
   [[nodiscard]] std::size_t left() const;
-  // The lines on which bytes came that were no answer.
+  // Lines with bytes that were not a valid response.
   [[nodiscard]] const std::vector<std::size_t>& noisy_lines() const { return noisy_; }
-  // Addresses whose answers are broken, without those that answered another question.
+  // Addresses with only invalid responses, without those with a valid one to the second request.
   [[nodiscard]] std::vector<ScanBroken> broken() const;
-  // What was sent came back, and nothing else.
+  // At least one request received only its own echo.
   [[nodiscard]] bool echoed() const { return echoed_; }
-  // Every line was probed, and no byte of another sender was received on any of them.
+  // A quick search ended, and no line had bytes other than an echo.
   [[nodiscard]] bool silent() const { return quick_ && over() && !heard_any_; }
 
  private:
@@ -107,13 +107,13 @@ class Scanner {
   std::vector<std::size_t> noisy_;
   std::vector<ScanBroken> broken_;
   std::vector<std::size_t> babbling_;   // left in the first pass
-  std::optional<std::size_t> settled_;  // the line on which a device answered
+  std::optional<std::size_t> settled_;  // line with a response
   std::size_t pass_ = 0, line_ = 0, index_ = 0, asked_ = 0;
   unsigned babble_ = 0;
   bool echoed_ = false;
   bool quick_ = false;       // lines have probes
-  bool probing_ = false;     // as opposed to searching
-  bool heard_once_ = false;  // on the line that is probed
+  bool probing_ = false;     // false: searching
+  bool heard_once_ = false;  // on the probed line
   bool heard_any_ = false;
 };
 

@@ -9,8 +9,8 @@
 namespace fieldcast::cli {
 namespace {
 
-// The types of SunSpec points: registers, and what the configuration says of them. An acc32 has no
-// raw value that only means "not implemented": that is 0.
+// Types of SunSpec points. An acc32 marks a point that is not implemented by 0, which is also a
+// valid value.
 enum class PointType : std::uint8_t { kInt16, kUint16, kEnum16, kAcc32, kBits32, kText8, kText16 };
 struct TypeRow {
   std::uint32_t registers;
@@ -29,14 +29,14 @@ constexpr TypeRow type_row(PointType type) {
   return {};
 }
 
-// Offsets are registers from the header of the model, or from the begin of a repeated block.
+// Offsets are in registers from the header of the model or the start of a repeated block.
 struct SunSpecPoint {
   std::string_view name;
   std::uint32_t offset;
   PointType type;
   std::string_view unit = {};
-  std::uint32_t exponent = 0;  // offset of the scale factor in the model; 0: none
-  unsigned phases = 1;         // models with fewer phases do not have the point
+  std::uint32_t exponent = 0;  // offset of the scale factor from the header; 0: none
+  unsigned phases = 1;         // minimum number of phases of a model with this point
 };
 
 using enum PointType;
@@ -101,22 +101,23 @@ constexpr SunSpecPoint kMeter[] = {
     {"events", 105, kBits32},
 };
 
-// Of each input of model 160.
+// Points of each input of model 160.
 constexpr SunSpecPoint kInput[] = {
     {"current", 9, kUint16, "A", 2},   {"voltage", 10, kUint16, "V", 3},
     {"power", 11, kUint16, "W", 4},    {"energy", 12, kAcc32, "Wh", 5},
     {"temperature", 16, kInt16, "°C"}, {"state", 17, kEnum16},
     {"events", 18, kBits32},
 };
-// One read has 125 registers: it does not reach from the exponents to the seventh input.
+// A read of 125 registers cannot contain the exponents and the seventh input.
 constexpr std::uint32_t kFirstInput = 10, kInputRegisters = 20, kMostInputs = 6;
 
 struct ModelRow {
   std::uint16_t number;
-  std::string_view name, kind;  // of the channels' names
+  std::string_view name, kind;  // of the model; prefix of channel names
   unsigned phases;
   std::span<const SunSpecPoint> points;
-  std::span<const SunSpecPoint> input;  // repeated to the end of the model
+  // points of a block that is repeated to the end of the model
+  std::span<const SunSpecPoint> input;
 };
 constexpr ModelRow kSunSpecModels[] = {
     {1, "common", "common", 1, kCommon, {}},
@@ -135,13 +136,12 @@ const ModelRow* model_row(std::uint16_t number) {
   return row == std::end(kSunSpecModels) ? nullptr : row;
 }
 
-// The channels of one model.
 class ModelChannels {
  public:
   ModelChannels(const SunSpecModel& model, std::vector<std::string>& lines)
       : model_(model), lines_(lines) {}
 
-  // `block` is the offset at which a repeated block begins, or 0.
+  // `block`: start of a repeated block, or 0.
   void add(std::span<const SunSpecPoint> points, unsigned phases, const std::string& prefix,
            std::uint32_t block) {
     for (const SunSpecPoint& point : points) {

@@ -1,5 +1,5 @@
-// What the points of the common SunSpec models are, and the channels of a configuration for them.
-// Facts are those of github.com/sunspec/models (json/model_N.json). Pure functions.
+// Points of the common SunSpec models as channels of a configuration. Source:
+// github.com/sunspec/models (json/model_N.json). Pure functions.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace fieldcast::cli {
 
-// "inverter, three phases"; empty: no points of the model are in the tables.
+// "inverter, three phases"; empty if the tables do not have the model.
 [[nodiscard]] std::string_view sunspec_model_name(std::uint16_t number);
 
 // One line in YAML's short form for each point of the models with a table:

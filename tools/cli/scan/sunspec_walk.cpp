@@ -11,7 +11,7 @@ constexpr std::uint32_t kAllRegisters = 65536;
 constexpr std::uint16_t kEnd = 0xFFFF, kCommonModel = 1;
 constexpr std::array<std::uint8_t, 4> kMarkerBytes{'S', 'u', 'n', 'S'};
 
-// A text of the common model: registers from the header on, and its length in registers.
+// A text of the common model: offset from the header and length, in registers.
 struct CommonText {
   std::string SunSpecMap::*text;
   std::uint32_t offset, registers;
@@ -20,9 +20,10 @@ constexpr CommonText kCommonTexts[] = {{&SunSpecMap::manufacturer, 2, 16},
                                        {&SunSpecMap::model, 18, 16},
                                        {&SunSpecMap::version, 42, 8},
                                        {&SunSpecMap::serial_number, 50, 16}};
-constexpr std::uint32_t kCommonRegisters = 64;  // behind the header, to the end of the last text
+// from the header to the end of the last text, without the header
+constexpr std::uint32_t kCommonRegisters = 64;
 
-// Without the zeros and blanks that fill it up.
+// Removes padding zeros and blanks.
 std::string filled_text(ByteView bytes) {
   std::string text(bytes.begin(), std::find(bytes.begin(), bytes.end(), std::uint8_t{0}));
   text.erase(text.find_last_not_of(' ') + 1);
@@ -69,7 +70,7 @@ void SunSpecWalk::failed(Cause cause) {
   } else if (phase_ == Phase::kHeader) {
     end(fmt::format("the header at holding:{} cannot be read: {}", header_, to_text(cause)));
   } else if (phase_ == Phase::kCommon) {
-    next_header();  // without the names
+    next_header();  // continues without the texts
   }
 }
 

@@ -7,12 +7,12 @@ namespace fieldcast::cli {
 namespace {
 
 constexpr std::size_t kShortestWord = 3;
-constexpr std::size_t kShortestBegin = 4;  // of a longer model number
+constexpr std::size_t kShortestBegin = 4;  // for a prefix of a longer model number
 
 bool is_letter(char c) { return c >= 'a' && c <= 'z'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-// In small letters, without punctuation: "carlo", "gavazzi", "em24dinav93x".
+// Lowercase words without punctuation: "carlo", "gavazzi", "em24dinav93x".
 std::set<std::string> words_of(std::string_view text) {
   std::set<std::string> words;
   std::string word;
@@ -33,14 +33,14 @@ bool names_model(const std::string& word) {
   return std::ranges::any_of(word, is_letter) && std::ranges::any_of(word, is_digit);
 }
 
-// The models that a template is not for stand behind a semicolon ("; not the DTSU666-H").
+// Excludes models after "; not ", which the template does not support ("; not the DTSU666-H").
 std::set<std::string> device_words(const TemplateHead& head) {
   const std::string& text = head.device.empty() ? head.description : head.device;
   return words_of(text.substr(0, text.find("; not ")));
 }
 
-// Characters of the longest model number of the template in the identity; 0: none, or the maker is
-// another one.
+// Length of the template's longest model number in the identity; 0 if there is none, or if the
+// manufacturer differs.
 std::size_t match_length(const std::set<std::string>& identity, const TemplateHead& head) {
   std::size_t longest = 0;
   bool maker = false;
@@ -57,7 +57,7 @@ std::size_t match_length(const std::set<std::string>& identity, const TemplateHe
   return maker ? longest : 0;
 }
 
-// The rest of the first line that begins so.
+// The rest of the first line that starts with `begin`.
 std::string_view line_with(std::string_view text, std::string_view begin) {
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find('\n', at), text.size());

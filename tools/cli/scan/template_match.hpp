@@ -1,5 +1,5 @@
-// Device templates that fit what a device reports of itself. Pure functions, except for the reader
-// that is passed in.
+// Finds device templates for the identity of a device. Pure functions, except for the passed
+// reader.
 #pragma once
 
 #include <string>
@@ -10,22 +10,22 @@
 
 namespace fieldcast::cli {
 
-// The head of a template, as far as it describes the device.
+// The lines of a template that describe the device.
 struct TemplateHead {
   std::string name;                    // "schneider-pm5000"
   std::string description;             // "Power meter Schneider PM5000"
-  std::string device;                  // the comment "# Device:"; empty: there is none
+  std::string device;                  // the comment "# Device:"; empty: none
   std::vector<std::string> protocols;  // empty: any
 };
 
-// The heads of all templates in the directories, by name. A file that cannot be read is left out.
+// Reads all templates of the directories, sorted by name. Skips unreadable files.
 [[nodiscard]] std::vector<TemplateHead> template_heads(const config::FileReader& reader,
                                                        const config::LoadOptions& options);
 [[nodiscard]] TemplateHead template_head(std::string name, std::string_view text);
 
-// The templates of a protocol whose maker and model stand in the identity ("Siemens, PAC3200,
-// 2.1"). A word with letters and digits names a model; a longer model number may begin with that
-// of the template. The longest such word decides; several templates can share it.
+// Templates for the protocol whose manufacturer and model are in the identity ("Siemens, PAC3200,
+// 2.1"). A word with letters and digits is a model number; it may be a prefix of the number in the
+// identity. Returns all templates with the longest match.
 [[nodiscard]] std::vector<std::string> matching_templates(std::string_view identity,
                                                           std::string_view protocol,
                                                           const std::vector<TemplateHead>& heads);

@@ -7,7 +7,7 @@
 namespace fieldcast::cli {
 namespace {
 
-constexpr std::size_t kNamedBridges = 3;  // of one kind; the others are counted
+constexpr std::size_t kNamedBridges = 3;  // of one kind; further bridges are only counted
 
 std::string named(const std::vector<const StationBridge*>& bridges) {
   std::string text;

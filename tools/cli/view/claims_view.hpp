@@ -1,5 +1,5 @@
-// Other bridges that claim a bus, by their messages on fieldcast/Bridge: those that say that they
-// serve it, too, and those that do not serve it because another bridge does. Pure functions.
+// Other bridges that claim a bus in their messages on fieldcast/Bridge: those that also serve it,
+// and those that wait because another bridge serves it. Pure functions.
 #pragma once
 
 #include <string>
@@ -12,17 +12,16 @@ namespace fieldcast::cli {
 
 struct BusClaimants {
   std::vector<const StationBridge*> serving;  // the bus is contested
-  std::vector<const StationBridge*> waiting;  // they are refused the bus
+  std::vector<const StationBridge*> waiting;  // the bus is refused to them
 };
-// Of the bridges in the model, without the one that reports the bus and the members of its standby
-// group.
+// Excludes the bridge that reports the bus and the members of its standby group.
 [[nodiscard]] BusClaimants claimants_of(const StatusModel& model, const StationBusStatus& bus);
 
-// A line for each of the two kinds; empty if only one bridge claims the bus.
+// One fact for each of the two kinds; empty if only one bridge claims the bus.
 [[nodiscard]] std::vector<StatusFact> claim_facts(const StatusModel& model,
                                                   const StationBusStatus& bus);
 
-// "contested_by" and "waiting_bridges" of the bus, if there are any: names and hosts.
+// Adds "contested_by" and "waiting_bridges" with names and hosts, if there are any.
 void add_claims(Json& line, const StatusModel& model, const StationBusStatus& bus);
 
 }  // namespace fieldcast::cli

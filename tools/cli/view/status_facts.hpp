@@ -18,7 +18,7 @@ struct StatusModel {
   std::map<std::string, StationBusStatus> buses;
   std::map<std::pair<std::string, std::string>, StationDeviceStatus> devices;  // by bus and name
   StandbyModel members;                                                        // of standby groups
-  std::map<std::string, StationBridge> bridges;  // by name; what each says that it serves
+  std::map<std::string, StationBridge> bridges;  // by name; with the buses that each claims
 };
 
 struct StatusFact {

@@ -85,7 +85,7 @@ tl::expected<void, std::string> ItemMemory::add_channels(
       return tl::unexpected(fmt::format("{}/{}: '{}' is not an address of an exponent",
                                         setup.spec.name, channel.name, channel.exponent_from));
     }
-    // An exponent that is a channel too has the value of the exponent.
+    // If a channel has the same register, the exponent's value wins.
     write(exponent->area, exponent->first,
           waveform_items(exponent_waveform(), encoding, Duration{}).front());
   }

@@ -77,7 +77,7 @@ tl::expected<std::unique_ptr<SimDevice>, std::string> make(const DeviceSetup& se
                                         channel.name, channel.at));
     }
   }
-  // Behind the channels: an exponent that is a channel too has the value of the exponent.
+  // After the channels: if a channel has the same register, the exponent's value wins.
   for (const ChannelSpec& channel : spec.channels) {
     if (channel.exponent_from.empty()) continue;
     const auto at = parse_modbus_address(channel.exponent_from);

@@ -24,13 +24,12 @@ struct Waveform {
 
 [[nodiscard]] Waveform waveform_for(const ChannelSpec& channel, std::uint64_t seed);
 
-// The decimal exponent in every register that a channel's `exponent-from` names: constant, so that
-// channels may share it.
+// Decimal exponent in every register of an `exponent-from`; constant, so that channels can share
+// it.
 inline constexpr int kSimulatedExponent = -1;
 [[nodiscard]] Waveform exponent_waveform();
 [[nodiscard]] Encoding exponent_encoding(const ChannelSpec& channel);
 
-// Registers that a value of this encoding takes.
 [[nodiscard]] std::uint32_t waveform_registers(const Encoding& encoding);
 
 // Number of bits: 1 for bool, 8 for one-byte types, 8 * n for string(n).
