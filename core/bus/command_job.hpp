@@ -127,8 +127,8 @@ class CommandJob {
   bool merge_needed_ = false;        // read, change the bit, write
   bool distinct_ = false;
   bool alone_ = false;
-  // It is open whether a write took effect: reading back shows it. cause_ and device_code_ are those
-  // of the write.
+  // It is open whether a write took effect: reading back shows it. cause_ and device_code_ are of
+  // the write.
   bool in_doubt_ = false;
   unsigned rewrites_ = 0;
   unsigned max_rewrites_ = 0;
