@@ -15,14 +15,17 @@ void OtherKeys::look(const Node& map, std::string_view of,
                      std::initializer_list<std::string_view> known) {
   for (const Node::Entry& entry : map.entries) {
     const Node& key = *entry.key;
-    if (std::ranges::find(known, key.text) != known.end()) continue;
-    const auto other = std::ranges::find_if(
-        others_, [&](const Other& one) { return one.key == key.text && one.of == of; });
-    if (other != others_.end()) {
-      ++other->count;
-    } else if (others_.size() < kMaxOthers) {
-      others_.push_back({key.text, of, line_of(key), 1});
-    }
+    if (std::ranges::find(known, key.text) == known.end()) add(key.text, of, line_of(key));
+  }
+}
+
+void OtherKeys::add(std::string_view key, std::string_view of, unsigned line) {
+  const auto other = std::ranges::find_if(
+      others_, [&](const Other& one) { return one.key == key && one.of == of; });
+  if (other != others_.end()) {
+    ++other->count;
+  } else if (others_.size() < kMaxOthers) {
+    others_.push_back({key, of, line, 1});
   }
 }
 

@@ -15,6 +15,9 @@ class OtherKeys {
  public:
   // `of` describes the map: "a request".
   void look(const Node& map, std::string_view of, std::initializer_list<std::string_view> known);
+  // A key that is not used. REQUIRES: key and `of` outlive this.
+  void add(std::string_view key, std::string_view of, unsigned line);
+  // A note for each key, with the line where it stands first.
   void tell(const std::string& file, Found& found) const;
 
  private:

@@ -23,6 +23,7 @@ constexpr void require_toml(bool holds) {
 #pragma pop_macro("TOML_UNREACHABLE")
 #include <toml++/toml.h>
 
+#include "core/base/escaped.hpp"
 #include "core/base/number_text.hpp"
 #include "tools/import/tree.hpp"
 
@@ -90,7 +91,7 @@ Tree read_toml(std::string_view text) {
   } catch (const toml::parse_error& error) {
     return tl::unexpected(fmt::format("line {}: no TOML: {}",
                                       static_cast<unsigned>(error.source().begin.line),
-                                      std::string(error.description())));
+                                      escaped(error.description())));
   } catch (const std::exception& error) {
     return tl::unexpected(fmt::format("no TOML: {}", error.what()));
   }

@@ -29,8 +29,8 @@ inline constexpr std::size_t kMaxPdu = 253;
 // "read coils"; "unknown function".
 [[nodiscard]] std::string_view function_text(std::uint8_t function);
 
-// Modbus Application Protocol V1.1b3, 7. A device fails (04) while it carries out a request, 05 says
-// that it carries it out, and behind a gateway (0B) it may have: only its response was lost.
+// Modbus Application Protocol V1.1b3, 7. A device fails (04) while it carries out a request, 05
+// says that it carries it out, and behind a gateway (0B) it may have: only its response was lost.
 inline constexpr std::array kExceptions{
     DeviceCode{0x01, "illegal function"},
     DeviceCode{0x02, "illegal data address"},

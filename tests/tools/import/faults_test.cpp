@@ -59,6 +59,14 @@ TEST(ImportFaults, TheDeviceOfAConfigurationIsNamedByItsPlace) {
             "no: its device (wb-mqtt-serial.conf:7): 'a' is no address of a device on its bus");
 }
 
+// The message of the TOML parser quotes the line end that it did not expect.
+TEST(ImportFaults, AFaultOfTomlIsOneLine) {
+  const auto outcome = import_text("t.conf", "[[inputs.modbus]]\n  configuration_type =n\n");
+  ASSERT_FALSE(outcome);
+  EXPECT_EQ(outcome.error().find('\n'), std::string::npos) << outcome.error();
+  EXPECT_THAT(outcome.error(), StartsWith("t.conf: line 2: no TOML: "));
+}
+
 TEST(ImportFaults, AnOptionThatIsWrongIsNamedAsTheOption) {
   const auto fault = [](const ImportOptions& options) {
     const auto outcome = import_text("a.csv", "Address,Name,Type\n1,a,U16\n", options);

@@ -86,6 +86,33 @@ TEST(ImportOtherKeys, OfATemplateOfWbAreNamedOnceForAllItsDevices) {
   EXPECT_THAT(outcome->notes, Each(Not(HasSubstr("'group'"))));
 }
 
+TEST(ImportOtherKeys, OfEpicsAreNamedWithTheFileOfTheRecord) {
+  const auto outcome = run_import({{"st.cmd", R"~(drvAsynSerialPortConfigure("L1", "/dev/ttyS1")
+asynSetOption("L1", 0, "baud", "9600")
+asynSetOption("L1", 0, "crtscts", "N")
+modbusInterposeConfig("L1", 1, 500, 0)
+drvModbusAsynConfigure("R", "L1", 1, 3, 100, 10, "INT16", 1000, "PLC")
+dbLoadRecords("a.db")
+)~"},
+                                   {"a.db", R"~(record(ai, "a") {
+  field(DTYP, "asynInt32") field(INP, "@asyn(R 0)") field(SCAN, "1 second")
+  field(PREC, "2") field(EGU, "V")
+}
+record(ai, "b") {
+  field(DTYP, "asynInt32") field(INP, "@asyn(R 1)") field(PREC, "1") field(FLNK, "c")
+}
+record(calc, "c") { field(CALC, "A+1") }
+)~"}},
+                                  {});
+  ASSERT_TRUE(outcome) << outcome.error();
+  EXPECT_THAT(outcome->notes, Contains("st.cmd: key 'crtscts' of asynSetOption (line 3) is not "
+                                       "moved"));
+  EXPECT_THAT(outcome->notes, Contains("a.db: key 'PREC' of a record (line 1, ..) is not moved"));
+  EXPECT_THAT(outcome->notes, Contains("a.db: key 'FLNK' of a record (line 5) is not moved"));
+  for (const char* key : {"'baud'", "'EGU'", "'SCAN'", "'DTYP'", "'CALC'"})
+    EXPECT_THAT(outcome->notes, Each(Not(HasSubstr(key)))) << key;
+}
+
 TEST(ImportOtherKeys, HaveABound) {
   std::string text = "modbus: { networks: [ { name: n, address: 10.0.0.1";
   for (int i = 0; i < 200; ++i) text += ", k" + std::to_string(i) + ": 1";

@@ -9,6 +9,7 @@
 #include "tools/import/formats/epics_record.hpp"
 #include "tools/import/formats/readers.hpp"
 #include "tools/import/number.hpp"
+#include "tools/import/other_keys.hpp"
 
 namespace fieldcast::importing {
 namespace {
@@ -52,6 +53,7 @@ class EpicsReader {
     if (others_ > 0)
       found_.notes.push_back(fmt::format(
           "{} records that read no device (calculations, constants) are not moved", others_));
+    for (const auto& [file, keys] : other_keys_) keys.tell(file, found_);
     return std::move(found_);
   }
 
@@ -71,7 +73,8 @@ class EpicsReader {
       octets_[name].origin = call.origin;
       if (octets_[name].protocol.empty()) octets_[name].protocol = "modbus-rtu";
     } else if (call.command == "asynSetOption") {
-      set_option(octets_[name], call.argument(2), call.argument(3));
+      if (!set_option(octets_[name], call.argument(2), call.argument(3)))
+        other_keys_[call.origin.file].add(call.argument(2), call.command, call.origin.line);
     } else if (call.command == "modbusInterposeConfig") {
       interpose(octets_[name], call);
     } else if (call.command == "drvModbusAsynConfigure") {
@@ -79,15 +82,21 @@ class EpicsReader {
     }
   }
 
-  static void set_option(OctetPort& octet, std::string_view key, std::string_view value) {
+  // False if no line of a bus has the option.
+  static bool set_option(OctetPort& octet, std::string_view key, std::string_view value) {
     if (key == "baud") {
       const auto baud = whole_from(value);
       if (baud && *baud < 10'000'000) octet.port.line.baud = static_cast<std::uint32_t>(*baud);
-    }
-    if (key == "bits") octet.bits = value;
-    if (key == "stop") octet.stop = value;
-    if (key == "parity")
+    } else if (key == "bits") {
+      octet.bits = value;
+    } else if (key == "stop") {
+      octet.stop = value;
+    } else if (key == "parity") {
       octet.parity = value.starts_with('e') ? 'E' : value.starts_with('o') ? 'O' : 'N';
+    } else {
+      return false;
+    }
+    return true;
   }
 
   static void interpose(OctetPort& octet, const IocCall& call) {
@@ -143,7 +152,11 @@ class EpicsReader {
                         : "where it is stands in the startup script (st.cmd); give it, too");
     std::vector<Point>& points = device_of(port->second).points;
     if (auto fault = read_epics_record(record, *link, port->second, points))
-      refuse(std::move(*fault));
+      return refuse(std::move(*fault));
+    for (const auto& [name, value] : record.fields) {
+      if (!uses_epics_field(name))
+        other_keys_[record.origin.file].add(name, "a record", record.origin.line);
+    }
   }
 
   Device& device_of(const ModbusPort& port) {
@@ -163,6 +176,7 @@ class EpicsReader {
   std::map<std::string, ModbusPort, std::less<>> ports_;
   std::map<std::string, Bus> buses_;  // by asyn port
   std::size_t others_ = 0;
+  std::map<std::string, OtherKeys> other_keys_;  // by file
 };
 
 }  // namespace

@@ -348,6 +348,14 @@ std::optional<AsynLink> link_of(const EpicsRecord& record) {
   return link;
 }
 
+bool uses_epics_field(std::string_view name) {
+  constexpr std::array<std::string_view, 25> kUsed{
+      "AOFF", "ASLO", "DESC", "DRVH", "DRVL", "DTYP", "EGU",  "EGUF", "EGUL",
+      "EOFF", "ESLO", "HHSV", "HIGH", "HIHI", "HSV",  "HYST", "INP",  "LINR",
+      "LLSV", "LOLO", "LOW",  "LSV",  "NELM", "OUT",  "SCAN"};
+  return std::ranges::find(kUsed, name) != kUsed.end();
+}
+
 std::optional<std::string> read_epics_record(const EpicsRecord& record, const AsynLink& link,
                                              const ModbusPort& port, std::vector<Point>& points) {
   return RecordReader(record, link, port).read(points);

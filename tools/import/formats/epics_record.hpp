@@ -35,4 +35,7 @@ struct AsynLink {
                                                            const ModbusPort& port,
                                                            std::vector<Point>& points);
 
+// Whether read_epics_record() uses this field of records of some type.
+[[nodiscard]] bool uses_epics_field(std::string_view name);
+
 }  // namespace fieldcast::importing

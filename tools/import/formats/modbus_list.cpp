@@ -3,19 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <map>
 
-#include "core/base/number_text.hpp"
 #include "tools/import/address.hpp"
 #include "tools/import/columns.hpp"
 #include "tools/import/formats/length_vote.hpp"
 #include "tools/import/formats/list_address.hpp"
 #include "tools/import/formats/list_columns.hpp"
-#include "tools/import/formats/list_factor.hpp"
-#include "tools/import/formats/list_order.hpp"
 #include "tools/import/formats/list_overlap.hpp"
+#include "tools/import/formats/list_point.hpp"
 #include "tools/import/formats/list_type.hpp"
 #include "tools/import/formats/modbus_list_columns.hpp"
 #include "tools/import/formats/readers.hpp"
@@ -48,29 +44,30 @@ class ListReader {
         list_(table, header),
         columns_(list_.columns),
         base_(options.base ? options.base : list_.counts_from),
-        length_unit_(list_.length_unit) {}
+        length_unit_(list_.length_unit),
+        points_(list_, table.rows[header], options.word_order) {}
 
   void read(Bus& bus, Found& found) {
     for (std::size_t i = header_ + 1; i < table_.rows.size(); ++i) {
       const Row& row = table_.rows[i];
       if (columns_.cell(row, Field::kAddress).empty() && known_cells(row) < 2) continue;  // a title
-      Entry& entry = entries_.emplace_back(Entry{.row = &row});
+      ListEntry& entry = entries_.emplace_back(ListEntry{.row = &row});
       entry.point.name = name_of(row);
       entry.point.origin = {source_.file, row.line};
       entry.fault = read_cells(entry);
     }
     doubt_bare_numbers();
     decide_lengths();
-    for (Entry& entry : entries_) {
+    for (ListEntry& entry : entries_) {
       if (!entry.fault) entry.fault = set_width(entry);
     }
     decide_references(found);
     std::vector<Placed> placed;
-    for (Entry& entry : entries_) {
+    for (ListEntry& entry : entries_) {
       if (!entry.fault) entry.fault = place(entry, placed);
     }
     note_overlaps(std::move(placed));
-    for (Entry& entry : entries_) {
+    for (ListEntry& entry : entries_) {
       Point& point = entry.point;
       if (entry.fault) {
         found.refusals.push_back({point.name, point.origin, *entry.fault});
@@ -94,19 +91,6 @@ class ListReader {
  private:
   using MayFail = std::optional<std::string>;
 
-  // A row while the list is read. One with a fault takes part in no decision about the others.
-  struct Entry {
-    const Row* row = nullptr;
-    Point point{};
-    ListAddress address{};
-    std::optional<ModbusArea> said{};     // by the function or the table
-    std::optional<std::uint16_t> unit{};  // the address of its device
-    ListType type{};
-    std::optional<Length> length{};
-    bool no_type = false;  // the cell names none
-    MayFail fault{};
-  };
-
   [[nodiscard]] std::size_t known_cells(const Row& row) const {
     std::size_t filled = 0;
     for (const std::string& cell : row.cells) filled += !cell.empty();
@@ -120,7 +104,7 @@ class ListReader {
     return {};
   }
 
-  Device& device_of(const Entry& entry, Bus& bus) const {
+  Device& device_of(const ListEntry& entry, Bus& bus) const {
     const auto address = entry.unit;
     for (Device& device : bus.devices) {
       if (device.address == address && device.name.starts_with(stem_of(source_.file)))
@@ -133,7 +117,7 @@ class ListReader {
   }
 
   // What the row says by itself.
-  MayFail read_cells(Entry& entry) {
+  MayFail read_cells(ListEntry& entry) {
     const Row& row = *entry.row;
     const auto address = list_address_from(columns_.cell(row, Field::kAddress),
                                            {list_.hex, options_.base.value_or(1)});
@@ -151,7 +135,7 @@ class ListReader {
     const std::string_view type_cell = columns_.cell(row, Field::kType);
     const std::string_view area_cell = columns_.cell(row, Field::kArea);
     entry.said = area_by_name(area_cell);
-    if (!entry.said && !is_blank(area_cell))
+    if (!entry.said && !is_empty_cell(area_cell))
       return fmt::format("table or function '{}' is not understood", area_cell);
     const auto type = list_type_from(type_cell);
     if (!type) return type.error();
@@ -161,7 +145,7 @@ class ListReader {
     const auto length = length_from(columns_.cell(row, Field::kLength));
     if (!length) return length.error();
     entry.length = *length;
-    if (const std::string_view cell = columns_.cell(row, Field::kBit); !is_blank(cell)) {
+    if (const std::string_view cell = columns_.cell(row, Field::kBit); !is_empty_cell(cell)) {
       const auto bit = whole_from(cell);
       if (!bit || *bit > 15) return fmt::format("bit '{}' is not 0 to 15", cell);
       entry.address.bit = static_cast<std::uint8_t>(*bit);
@@ -177,8 +161,8 @@ class ListReader {
   void decide_lengths() {
     if (length_unit_ || !columns_.has(Field::kLength)) return;
     LengthVote vote;
-    std::map<std::string, std::map<std::uint32_t, const Entry*>> places;
-    for (const Entry& entry : entries_) {
+    std::map<std::string, std::map<std::uint32_t, const ListEntry*>> places;
+    for (const ListEntry& entry : entries_) {
       if (entry.fault) continue;
       const bool explicit_width = entry.type.type && !entry.type.open;
       // Of a byte, "1" may be its register too.
@@ -199,7 +183,7 @@ class ListReader {
   }
 
   // How many bits the row says besides its type; nothing: it does not.
-  std::optional<unsigned> said_bits(Entry& entry) const {
+  std::optional<unsigned> said_bits(ListEntry& entry) const {
     if (entry.type.bits > 0) return entry.type.bits;
     if (entry.length) {
       const Length& length = *entry.length;
@@ -223,7 +207,7 @@ class ListReader {
   }
 
   // The type as wide as the row says.
-  MayFail set_width(Entry& entry) {
+  MayFail set_width(ListEntry& entry) {
     auto& type = entry.type.type;
     if (type && type->type == ValueType::kBool) return std::nullopt;
     const auto bits = said_bits(entry);
@@ -257,12 +241,11 @@ class ListReader {
     }
     return std::nullopt;
   }
-  static constexpr const char* kTextLength = "a text without a length of 1 to 125 registers";
 
   // A blank cell below a filled one: a spreadsheet had merged them.
-  MayFail read_unit(Entry& entry) {
+  MayFail read_unit(ListEntry& entry) {
     const std::string_view cell = columns_.cell(*entry.row, Field::kDevice);
-    if (is_blank(cell)) {
+    if (is_empty_cell(cell)) {
       if (odd_unit_) return "no address of its device, and that of the row above is odd";
       entry.unit = last_unit_;
       if (last_unit_ && !merged_) merged_ = entry.row->line;
@@ -277,15 +260,15 @@ class ListReader {
 
   // Of a list whose addresses are marked ("0x10", "10h") a bare number may be of either kind.
   void doubt_bare_numbers() {
-    const auto understood = [](const Entry& entry) { return !entry.fault; };
-    const auto is_bare = [](const Entry& entry) {
+    const auto understood = [](const ListEntry& entry) { return !entry.fault; };
+    const auto is_bare = [](const ListEntry& entry) {
       return !entry.address.marked_hex && entry.address.plain && !entry.address.reference;
     };
-    if (list_.hex || std::ranges::none_of(entries_, [&](const Entry& entry) {
+    if (list_.hex || std::ranges::none_of(entries_, [&](const ListEntry& entry) {
           return understood(entry) && entry.address.marked_hex;
         }))
       return;
-    for (Entry& entry : entries_) {
+    for (ListEntry& entry : entries_) {
       if (!understood(entry) || !is_bare(entry)) continue;
       const std::string_view cell = columns_.cell(*entry.row, Field::kAddress);
       if (cell.size() > 1 && cell[0] == '0') {
@@ -326,7 +309,7 @@ class ListReader {
     }
     BaseGuess guess{source_.file, 0,
                     "no title, no digit of a table and no second column says more"};
-    for (const Entry& entry : entries_) {
+    for (const ListEntry& entry : entries_) {
       const std::string_view cell = columns_.cell(*entry.row, Field::kAddress);
       if (entry.fault || cell.empty()) continue;
       if (entry.address.plain == 0u) {
@@ -345,7 +328,7 @@ class ListReader {
     found.guesses.push_back(std::move(guess));
   }
 
-  [[nodiscard]] std::string contradiction(const Entry& entry) const {
+  [[nodiscard]] std::string contradiction(const ListEntry& entry) const {
     return fmt::format("the address '{}' and '{}' name different tables",
                        columns_.cell(*entry.row, Field::kAddress),
                        columns_.cell(*entry.row, Field::kArea));
@@ -354,7 +337,7 @@ class ListReader {
   // "40001" may be the first holding register, or register 40001: the whole list tells.
   void decide_references(Found& found) {
     ReferenceVote vote;
-    for (const Entry& entry : entries_) {
+    for (const ListEntry& entry : entries_) {
       if (entry.fault || !entry.address.plain) continue;
       vote.add({.line = entry.row->line,
                 .cell = columns_.cell(*entry.row, Field::kAddress),
@@ -363,7 +346,7 @@ class ListReader {
                 .is_number = !entry.no_type && is_number(entry.type.type->type)});
     }
     counts_from_one_ = vote.counts_from_one();
-    for (Entry& entry : entries_) {
+    for (ListEntry& entry : entries_) {
       if (counts_from_one_ && !entry.fault && entry.address.is_open() && entry.said &&
           *entry.said != *entry.address.reference->area)
         entry.fault = contradiction(entry);
@@ -373,7 +356,7 @@ class ListReader {
   }
 
   // The address as the whole list has it, and the type that depends on it.
-  MayFail place(Entry& entry, std::vector<Placed>& placed) {
+  MayFail place(ListEntry& entry, std::vector<Placed>& placed) {
     const ListAddress& address = entry.address;
     Reference reference;
     if (address.reference && (counts_from_one_ || !address.plain)) {
@@ -387,7 +370,8 @@ class ListReader {
       took_holding_ = true;
       reference.area = ModbusArea::kHolding;
     }
-    if (const auto fault = read_point(entry, reference)) return fault;
+    if (entry.no_type && !holds_bits(*reference.area) && !reference.bit) took_unsigned_ = true;
+    if (const auto fault = points_.read(entry, reference)) return fault;
     const Point& point = entry.point;
     placed.push_back({.device = entry.unit,
                       .area = *reference.area,
@@ -400,184 +384,6 @@ class ListReader {
     return std::nullopt;
   }
 
-  MayFail read_point(Entry& entry, Reference reference) {
-    const Row& row = *entry.row;
-    Point& point = entry.point;
-    const ModbusArea area = *reference.area;
-    if (const auto fault = check_bit(entry, reference)) return fault;
-    if (const auto fault = read_type(entry, reference, point)) return fault;
-    point.at = address_text(area, reference.first, reference.bit);
-    point.unit = columns_.cell(row, Field::kUnit);
-    if (point.unit == "-" || point.unit == "--") point.unit.clear();
-    if (columns_.has(Field::kName)) point.description = columns_.cell(row, Field::kDescription);
-    const std::string_view access_cell = columns_.cell(row, Field::kAccess);
-    const auto access = access_from(access_cell);
-    if (!access)
-      point.changes.push_back(fmt::format("access '{}' is not understood: read-only", access_cell));
-    if (can_be_written(area)) point.access = access.value_or(Access::kReadOnly);
-    const std::string_view refresh_cell = columns_.cell(row, Field::kRefresh);
-    const auto refresh = number_from(refresh_cell);
-    if (refresh && *refresh > 0 && *refresh < 1e9) {
-      point.refresh = std::chrono::microseconds{static_cast<std::int64_t>(*refresh * 1000)};
-    } else if (!is_blank(refresh_cell)) {
-      point.changes.push_back(fmt::format("refresh '{}' is no number of ms", refresh_cell));
-    }
-    if (const auto fault = read_scale(row, point)) return fault;
-    read_scale_beside(row, point);
-    return std::nullopt;
-  }
-
-  // Reads the scale from the unit or the remarks if the row has no column for it.
-  void read_scale_beside(const Row& row, Point& point) const {
-    const bool scaled =
-        std::ranges::any_of(std::array{Field::kScale, Field::kDivisor, Field::kDecimals},
-                            [&](Field field) { return !is_blank(columns_.cell(row, field)); });
-    const std::optional<double> weight = weight_from(columns_.cell(row, Field::kDescription));
-    const auto factor = factor_of_unit(point.unit, list_.style);
-    if (weight && !scaled) {
-      point.scale = 1 / *weight;
-      point.changes.push_back(
-          fmt::format("the value weight {} of the remark divides the raw value", *weight));
-    } else if (factor && !scaled && point.type != ValueType::kString) {
-      point.changes.push_back(fmt::format("unit '{}' is taken for the scale {}", point.unit,
-                                          number_text(factor->value)));
-      point.scale = factor->value;
-      point.unit = factor->unit;
-    } else if (holds_factor(point.unit)) {
-      point.changes.push_back(
-          fmt::format("unit '{}' holds a number, which is no part of the scale", point.unit));
-    }
-  }
-
-  // "40001.0" of a number is no bit: a spreadsheet wrote the address with a decimal.
-  MayFail check_bit(const Entry& entry, Reference& reference) const {
-    const std::string_view name = columns_.cell(*entry.row, Field::kType);
-    const bool number = !entry.no_type && entry.type.type->type != ValueType::kBool;
-    if (!number) return std::nullopt;
-    if (holds_bits(*reference.area))
-      return fmt::format("data type '{}' in a table of single bits", name);
-    if (!reference.bit) return std::nullopt;
-    if (*reference.bit != 0 || !columns_.cell(*entry.row, Field::kBit).empty())
-      return fmt::format("data type '{}' at a single bit", name);
-    reference.bit.reset();
-    return std::nullopt;
-  }
-
-  MayFail read_type(const Entry& entry, const Reference& reference, Point& point) {
-    const bool bit = holds_bits(*reference.area) || reference.bit;
-    const TypeName type = bit ? TypeName{.type = ValueType::kBool} : *entry.type.type;
-    took_unsigned_ = took_unsigned_ || (entry.no_type && !bit);
-    point.type = type.type;
-    point.byte = type.byte;
-    if ((point.type == ValueType::kInt8 || point.type == ValueType::kUint8) && !point.byte)
-      point.byte = 0;
-    if (point.type == ValueType::kBool && !bit) return "a bit of a register without its number";
-    if (point.type == ValueType::kString) {
-      if (type.string_bytes == 0) return kTextLength;
-      point.string_bytes = type.string_bytes;
-    }
-    return read_order(*entry.row, type, point);
-  }
-
-  MayFail read_order(const Row& row, const TypeName& type, Point& point) const {
-    if (point.type == ValueType::kBool) return std::nullopt;
-    const std::string_view cell = columns_.cell(row, Field::kWordOrder);
-    const auto title = columns_.index_of(Field::kWordOrder);
-    const bool of_bytes =
-        title && column_word(table_.rows[header_].cell(*title)).find("byte") != std::string::npos;
-    const auto order = list_order_from(cell, of_bytes);
-    if (!order) return order.error();
-    const bool wide = registers_of(point.type, point.string_bytes) > 1;
-    if (wide && order->words && type.word_order && *order->words != *type.word_order)
-      return fmt::format("order '{}' and data type '{}' say different orders", cell,
-                         columns_.cell(row, Field::kType));
-    const auto words = type.word_order ? type.word_order : order->words;
-    const auto bytes = type.byte_order ? type.byte_order : order->bytes;
-    if (wide && point.type != ValueType::kString)
-      point.word_order = words.value_or(options_.word_order.value_or(WordOrder::kBigEndian));
-    point.byte_order = bytes.value_or(ByteOrder::kBigEndian);
-    if (wide && order->little_alone && !bytes)
-      point.changes.push_back(fmt::format("order '{}' is taken for: low word first", cell));
-    return std::nullopt;
-  }
-
-  static bool is_blank(std::string_view cell) { return cell.empty() || cell == "-"; }
-
-  // "0.1kWh", "V x10", "1/10 V"; not "1/min", "m3".
-  static bool holds_factor(std::string_view unit) {
-    const auto is_numeral = [](char c) { return c >= '0' && c <= '9'; };
-    if (unit.starts_with("1/") && unit.size() > 2 && !is_numeral(unit[2])) return false;
-    const std::size_t sign = unit.find_first_of("xX*");
-    const bool behind =
-        sign != std::string_view::npos && sign + 1 < unit.size() && is_numeral(unit[sign + 1]);
-    return behind || (!unit.empty() && is_numeral(unit[0]));
-  }
-
-  MayFail read_scale(const Row& row, Point& point) const {
-    const std::string_view divisor = columns_.cell(row, Field::kDivisor);
-    const std::string_view decimals = columns_.cell(row, Field::kDecimals);
-    const auto factor = factor_from(columns_.cell(row, Field::kScale), list_.style);
-    if (!factor) return "scale " + factor.error();
-    if (*factor) {
-      point.scale = (*factor)->value;
-      if (const std::string& unit = (*factor)->unit; !unit.empty() && point.unit.empty()) {
-        point.unit = unit;
-      } else if (!unit.empty() && unit != point.unit) {
-        return fmt::format("scale '{}' names another unit than '{}'",
-                           columns_.cell(row, Field::kScale), point.unit);
-      }
-    }
-    if (!is_blank(divisor)) {
-      const auto number = factor_from(divisor, list_.style);
-      if (!number) return "divisor " + number.error();
-      if (*number && *factor && (*number)->value != 1)
-        return "a scale and a divisor, of which one is too many";
-      if (*number && list_.gain == ListColumns::Gain::kUnclear && (*number)->value != 1)
-        return fmt::format(
-            "gain '{}': others of the list are on the other side of 1, so that it "
-            "is unclear whether to divide or to multiply",
-            divisor);
-      if (*number && !*factor)
-        point.scale =
-            list_.gain == ListColumns::Gain::kMultiplies ? (*number)->value : 1 / (*number)->value;
-    }
-    if (!is_blank(decimals)) {
-      if (const auto fault = read_decimals(decimals, *factor || !is_blank(divisor), point))
-        return fault;
-    }
-    const std::string_view offset = columns_.cell(row, Field::kOffset);
-    if (!is_blank(offset)) {
-      const auto number = number_from(offset);
-      if (!number) return fmt::format("offset '{}' is no number", offset);
-      point.offset = *number;
-    }
-    return std::nullopt;
-  }
-
-  // "2" places, or "0.01", which can only be the resolution.
-  static MayFail read_decimals(std::string_view cell, bool scaled, Point& point) {
-    double scale = 1;
-    if (const auto digits = whole_from(cell);
-        digits && cell.find_first_not_of("0123456789") == std::string_view::npos) {
-      if (*digits > 12) return fmt::format("{} decimal places", *digits);
-      scale = 1 / std::pow(10.0, static_cast<double>(*digits));
-    } else {
-      const auto number = number_from(cell);
-      const double places = number && *number > 0 ? -std::log10(*number) : 0;
-      if (places < 0.5 || std::abs(places - std::round(places)) > 1e-9)
-        return fmt::format("decimals '{}' is no count of places", cell);
-      scale = *number;
-      if (!scaled)
-        point.changes.push_back(fmt::format("decimals '{}' is taken for the resolution", cell));
-    }
-    if (!scaled) {
-      point.scale = scale;
-    } else if (scale != 1 && std::abs(point.scale / scale - 1) > 1e-9) {
-      point.changes.push_back(fmt::format("decimals '{}' is left out, the scale is taken", cell));
-    }
-    return std::nullopt;
-  }
-
   const SourceText& source_;
   const ReadOptions& options_;
   const Table& table_;
@@ -585,7 +391,7 @@ class ListReader {
   const ListColumns list_;
   const Columns& columns_;
   const std::optional<unsigned> base_;  // of the addresses, as the user or the list says it
-  std::vector<Entry> entries_;
+  std::vector<ListEntry> entries_;
   bool counts_from_one_ = false;
   std::optional<std::uint16_t> last_unit_;
   bool odd_unit_ = false;           // of the last row that has one
@@ -593,6 +399,7 @@ class ListReader {
   bool took_holding_ = false;
   bool took_unsigned_ = false;
   std::optional<LengthUnit> length_unit_;  // of the numbers in the column of lengths
+  const ListPointReader points_;
 };
 
 }  // namespace
