@@ -101,6 +101,9 @@ dds::DataWriterQos writer_qos(const TopicRow& topic) {
 dds::DataReaderQos reader_qos(const TopicRow& topic) {
   dds::DataReaderQos qos;
   set_common(qos, topic.durability, topic.keys);
+  // Frees the payload of each sample that was taken: a burst of blocks is large, and rare.
+  if (topic.keys != Keys::kKeyed)
+    qos.endpoint().history_memory_policy = rtps::DYNAMIC_RESERVE_MEMORY_MODE;
   set_holding(qos, topic.reader);
   if (topic.lease == Lease::kBoth) set_lease(qos);
   set_ownership(qos, topic.ownership);

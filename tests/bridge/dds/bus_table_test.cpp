@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 namespace fieldcast {
 namespace {
@@ -72,6 +73,23 @@ class BusTableTest : public ::testing::Test {
       [this](const StationSample& last) { lines.push_back("-" + last.channel); }};
   Bus bus{100};
 };
+
+TEST(BusTableMemory, IsReturnedWithTheLastChannel) {
+  constexpr std::uint32_t kChannels = 20'000;
+  const auto in_use = [] {
+    const auto info = ::mallinfo2();
+    return info.uordblks + info.hblkhd;
+  };
+  BusTable table;
+  const Bus bus(100);
+  const std::size_t before = in_use();
+  for (std::uint32_t first = 0; first < kChannels; first += 64)
+    table.on_catalogue(bus.catalogue(kChannels, first), {});
+  for (std::uint32_t first = 0; first < kChannels; first += 64)
+    table.on_catalogue_gone(100, first, {});
+  EXPECT_FALSE(table.is_known());
+  EXPECT_LT(in_use(), before + 100'000);
+}
 
 TEST_F(BusTableTest, SamplesHaveTheNamesOfTheCatalogue) {
   on(bus.catalogue(2));
