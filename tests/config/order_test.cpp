@@ -1,3 +1,4 @@
+// The order in which each family keeps wide values and texts, and channels that lie on each other.
 #include <gtest/gtest.h>
 
 #include "core/model/overlap.hpp"
@@ -75,7 +76,7 @@ TEST(Overlap, AnotherTypeAtOnePlaceIsToldOf) {
                      "          - { name: b, at: \"holding:100\", type: uint16 }\n")
                 .size(),
             1u);
-  // A text that overlaps many channels: each of them is reported once.
+  // A text over many: each of those behind it is told of once.
   EXPECT_EQ(warnings("          - { name: a, at: \"holding:100\", type: string(20) }\n"
                      "          - { name: b, at: \"holding:102\", type: uint16 }\n"
                      "          - { name: c, at: \"holding:105\", type: uint16 }\n")
@@ -94,7 +95,21 @@ TEST(Overlap, PartsOfAWordOtherNamesAndNeighboursAreNone) {
           .empty());
 }
 
-// "unit" of the instrument is one unsigned byte, "analog" has four bytes.
+TEST(Overlap, ChannelsShareTheRegisterOfTheirExponent) {
+  EXPECT_TRUE(
+      warnings("          - { name: a, at: \"holding:100\", type: uint16, exponent-from: 40104 }\n"
+               "          - { name: b, at: \"holding:101\", type: uint16, exponent-from: 40104 }\n"
+               "          - { name: c, at: \"holding:104\", type: uint32, exponent-from: 40104 }\n"
+               "          - { name: exponent, at: \"holding:103\", type: int16 }\n")
+          .empty());
+  EXPECT_EQ(
+      warnings("          - { name: a, at: \"holding:100\", type: uint32, exponent-from: 40104 }\n"
+               "          - { name: b, at: \"holding:101\", type: uint16, exponent-from: 40104 }\n")
+          .size(),
+      1u);
+}
+
+// "unit" of the instrument is one byte without a sign, "analog" has four.
 std::string faults_of_instrument(const std::string& channel) {
   const std::string text =
       "bridge: b\nbuses:\n  - name: bus\n    port: { serial: /dev/ttyS0 }\n"

@@ -1,7 +1,9 @@
-// Fuzzes the parser of device identities in `fieldcast scan`, which no plan requests. A completed
-// identity must have a valid text.
+// Fuzz target of what `fieldcast scan` reads of a device's identity, which no plan asks for: any
+// bytes as its answers. What is done has a text that fits. The same bytes are the registers behind
+// the mark of SunSpec models: the walk over them ends.
 //
-// Input: form(1), a cut(1), then the response.
+// Input: form(1), a cut(1), then the answer.
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 

@@ -133,8 +133,8 @@ Json status_json(const StationBusStatus& status) {
             {"misses", status.misses},
             {"reported_at", status.reported_at.nanoseconds}};
   if (report.closed_because != Cause::kNone)
-    line["closed_because"] = to_name(report.closed_because);
-  if (status.clock_ahead) line["clock_ahead"] = status.clock_ahead->count();
+    line.add("closed_because", to_name(report.closed_because));
+  if (status.clock_ahead) line.add("clock_ahead", status.clock_ahead->count());
   return line;
 }
 
