@@ -91,6 +91,8 @@ bool DatagramGuard::is_of_sender(const RtpsEvent& event) {
 }
 
 std::optional<RtpsFault> DatagramGuard::on_event(const RtpsEvent& event) {
+  // Of a member, signed: it is valid only as it is.
+  if (event.is_protected && event.kind != Submessage::kDataFrag) return std::nullopt;
   if (!is_of_sender(event)) return RtpsFault::kSender;
   switch (event.kind) {
     case Submessage::kHeartbeat: return on_heartbeat(event);
@@ -120,8 +122,12 @@ std::optional<RtpsFault> DatagramGuard::on_participant(const RtpsEvent& event) {
     return std::nullopt;
   }
   if (const auto found = participants_.find(prefix); found != participants_.end()) {
-    found->second.seen = now_;
-    add_addresses(found->second, facts);
+    Participant& known = found->second;
+    if (now_ - known.seen > known.lease) {  // the library has removed it, and counts from 0 again
+      for (const Guid& endpoint : known.endpoints) writers_.erase(endpoint);
+    }
+    known.seen = now_;
+    add_addresses(known, facts);
     return std::nullopt;
   }
   if (!may_join()) return RtpsFault::kJoinRate;

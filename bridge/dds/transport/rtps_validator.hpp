@@ -24,6 +24,7 @@ struct RtpsEvent {
   Submessage kind{};
   std::size_t at = 0;  // of the submessage, in the datagram
   bool little = false;
+  bool is_protected = false;  // DDS Security: a change would make it invalid
   EntityBytes reader{}, writer{};
   std::int64_t first = 0;   // a sequence number: of DATA, DATA_FRAG, the start of GAP, of HEARTBEAT
   std::int64_t base = 0;    // of GAP: the first number behind the range

@@ -255,6 +255,36 @@ TEST(DatagramGuard, StepsBeginWithTheAnnouncementOfTheWriter) {
   EXPECT_EQ(one.bytes, expected);
 }
 
+// The library removes a participant whose lease (20 s) has ended, and counts from 0 again.
+TEST(DatagramGuard, StepsBeginAgainAfterTheLease) {
+  constexpr auto kStep = DatagramGuard::kStep;
+  Checked one;
+  ASSERT_EQ(one.cause_of(announcement()), "none");
+  ASSERT_EQ(one.cause_of(endpoint(kSamplesWriter[2])), "none");
+  ASSERT_EQ(one.cause_of(heartbeat(kStep + 1, kStep + 1, 1)), "none");
+  one.wait(std::chrono::seconds{1});
+  const Datagram further = heartbeat(kStep + 2, kStep + 2, 2);
+  ASSERT_EQ(one.cause_of(further), "none");
+  EXPECT_EQ(one.bytes, further);
+  one.wait(std::chrono::seconds{21});
+  ASSERT_EQ(one.cause_of(announcement()), "none");
+  ASSERT_EQ(one.cause_of(heartbeat(kStep + 3, kStep + 3, 3)), "none");
+  EXPECT_NE(one.bytes, heartbeat(kStep + 3, kStep + 3, 3));
+}
+
+// DDS Security: a changed byte makes a signed message invalid, and its sender is a member.
+TEST(DatagramGuard, ASignedMessageReachesTheLibraryAsItCame) {
+  Checked one;
+  const std::int64_t far = 2 * DatagramGuard::kStep;
+  Datagram all = of_submessage(0x33, 1, Datagram(20, 1));
+  all = joined(joined(all, heartbeat(far, far, 1)), gap(1, far));
+  Datagram postfix(16, 3);
+  put_all(postfix, words({0}));
+  put_submessage(all, 0x34, 1, postfix);
+  ASSERT_EQ(one.cause_of(all), "none");
+  EXPECT_EQ(one.bytes, all);
+}
+
 // CVE-2023-50257: the library believes each "has left", and each new address of a participant.
 TEST(DatagramGuard, DiscoveryOfAParticipantComesFromItsAddress) {
   Checked one;
