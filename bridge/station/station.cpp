@@ -32,7 +32,7 @@ struct Station::State {
     return !member || (right != nullptr && right->writers.has(member->role));
   }
 
-  // Made at the first command: a station that only looks on has no writers.
+  // Created at the first command: a read-only station has no writers.
   CommandClient& client() {
     const std::lock_guard lock(mutex);
     if (!commands) commands = std::make_unique<CommandClient>(domain, name);

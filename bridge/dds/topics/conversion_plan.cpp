@@ -1,4 +1,3 @@
-// Plans: parts of a topic from the report of a plan, and back.
 #include <algorithm>
 
 #include "bridge/dds/topics/conversion.hpp"
