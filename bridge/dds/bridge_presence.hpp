@@ -41,7 +41,7 @@ class BridgePresence : private dds::DataReaderListener {
   void matched(const Handle& writer);
   void unmatched(const Handle& writer);
 
-  static constexpr std::size_t kMostLost = 256;  // bridges
+  static constexpr std::size_t kMostLost = 256;
   Domain& domain_;
   const RequestWriters& identities_;
   const DdsLink::BridgeHandlers handlers_;

@@ -21,7 +21,6 @@ namespace fieldcast {
 
 class BusCatalogue {
  public:
-  // `blocks` is the writer of fieldcast/CatalogueBlock.
   BusCatalogue(Domain& domain, dds::DataWriter* blocks, const std::string& bridge,
                const std::string& bus, std::uint64_t epoch);
   ~BusCatalogue();

@@ -17,7 +17,7 @@
 
 namespace fieldcast {
 
-inline constexpr std::size_t kEncapsulation = 4;  // bytes before every message
+inline constexpr std::size_t kEncapsulation = 4;
 
 // Writes the content of a message after its encapsulation, in the byte order of this machine.
 // Throws NotEnoughMemoryException of Fast CDR.
@@ -39,7 +39,6 @@ class CdrWriter {
     cdr_ << value;
     return *this;
   }
-  // Adds only the key members of a message.
   template <class Message>
   void add_keys(const Message& message) {
 #if FASTDDS_VERSION_MAJOR >= 3
@@ -59,7 +58,6 @@ class CdrWriter {
     std::memcpy(behind, bytes.data(), bytes.size());
     return true;
   }
-  // Bytes written so far.
   [[nodiscard]] std::size_t size() const {
 #if FASTDDS_VERSION_MAJOR >= 3
     return cdr_.get_serialized_data_length();

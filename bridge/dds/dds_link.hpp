@@ -100,7 +100,6 @@ class DdsLink {
   // While another bridge of the group serves the buses, this bridge does not reject malformed
   // commands.
   void stand_by(bool standing_by);
-  // Figures of each added bus.
   [[nodiscard]] std::vector<StandbyBusFigures> stream_figures() const;
   // For endpoints of the standby group, which must be removed before the link is destroyed.
   [[nodiscard]] Domain& domain();

@@ -94,8 +94,7 @@ struct DdsLink::State {
   // Receivers for members restricted to a bus, by bus.
   std::map<std::string, Receivers, std::less<>> held;
   std::unique_ptr<BridgePresence> presence;
-  // protects the set of buses: shared to use one, exclusive to add or remove one
-  std::shared_mutex mutex;
+  std::shared_mutex mutex;  // shared to use a bus, exclusive to add or remove one
   std::map<std::string, std::unique_ptr<LinkedBus>, std::less<>> buses;
   std::map<std::string, std::unique_ptr<LinkedBus>, std::less<>> prepared;
   std::atomic<bool> standing_by = false;

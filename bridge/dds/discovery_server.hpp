@@ -12,7 +12,7 @@
 namespace fieldcast {
 
 struct ServerAddress {
-  std::string name;     // as given
+  std::string name;
   std::string address;  // IPv4
   std::uint16_t port = 0;
 };

@@ -53,7 +53,6 @@ class Domain {
                           dds::StatusMask mask) {
     return reader<Generated, Type>(topic, reader_qos(topic), listener, mask);
   }
-  // The same with a QoS that differs from the table's.
   template <class Generated, class Type = TopicType<Generated>>
   dds::DataWriter* writer(const Topic<Generated>& topic, const dds::DataWriterQos& qos,
                           const std::string& label, dds::DataWriterListener* listener = nullptr,

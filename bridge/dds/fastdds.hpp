@@ -112,7 +112,6 @@ class ReturnCode_t {
   dds::ReturnCode_t code_;
 };
 
-// Returns true if the write succeeded.
 [[nodiscard]] inline bool is_taken(dds::ReturnCode_t written) { return written == dds::RETCODE_OK; }
 
 #else
@@ -123,7 +122,6 @@ using DdsTime = eprosima::fastrtps::Time_t;
 using eprosima::fastrtps::c_TimeInfinite;
 using DiscoveryProtocol = rtps::DiscoveryProtocol_t;
 
-// Returns true if the write succeeded.
 [[nodiscard]] inline bool is_taken(bool written) { return written; }
 
 #endif

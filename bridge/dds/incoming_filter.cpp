@@ -14,7 +14,7 @@ constexpr EntityBytes kHandshakeWriter{0x00, 0x02, 0x01, 0xc3};
 constexpr std::size_t kPrefixOffset = 8;
 
 // No writer sends that many messages, so numbers from here on are reserved for ours.
-constexpr std::uint32_t kOurNumbers = 0x40000000;  // the upper half
+constexpr std::uint32_t kOurNumbers = 0x40000000;
 
 std::uint32_t word_at(std::span<const std::uint8_t> bytes, std::size_t at, bool little) {
   std::uint32_t value = 0;

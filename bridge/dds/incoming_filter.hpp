@@ -38,7 +38,6 @@ class IncomingFilter {
   // `protects_messages`: true if the governance protects whole messages.
   explicit IncomingFilter(bool protects_messages);
 
-  // Refuses every participant of this subject from now on.
   void refuse(const security::GuidStart& subject);
 
   [[nodiscard]] bool takes(std::span<const std::uint8_t> message);

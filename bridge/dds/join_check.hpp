@@ -15,7 +15,7 @@ struct JoinRemark {
   std::string text;  // human-readable, with the remedy
   std::string key;   // of `dds:` in the configuration, to which the remark belongs
 };
-[[nodiscard]] std::string to_text(const JoinRemark& remark);  // "security: .."
+[[nodiscard]] std::string to_text(const JoinRemark& remark);
 
 struct JoinCheck {
   std::vector<JoinRemark> faults;    // the program cannot join, or other members will refuse it

@@ -12,7 +12,6 @@ namespace fieldcast {
 
 class JoinedMessage {
  public:
-  // `most_bytes` bounds the joined message.
   explicit JoinedMessage(std::size_t most_bytes) : most_bytes_(most_bytes) {}
 
   // Returns false, without a change, if the result would be too long, the sender differs, or the

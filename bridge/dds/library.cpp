@@ -51,7 +51,7 @@ void prepare_library() {
     guard_encoding();
     Log::ClearConsumers();
     Log::RegisterConsumer(std::make_unique<PlainLines>());
-    // For diagnosis in the field: prints the library's warnings in addition to its errors.
+    // For diagnosis in the field: adds the library's warnings to its errors.
     // NOLINTNEXTLINE(concurrency-mt-unsafe): nothing sets the environment
     if (std::getenv("FIELDCAST_DDS_WARNINGS") != nullptr) Log::SetVerbosity(Log::Warning);
     turn_off_intraprocess_delivery();

@@ -41,12 +41,12 @@ class MemberWatch {
 
   const std::string folder_;
   const std::shared_ptr<IncomingFilter> filter_;
-  const std::string identity_;     // the certificate
+  const std::string identity_;
   std::uint64_t say_refused_ = 1;  // next count of messages in clear to report
   std::uint32_t renewed_ = 0;      // successive checks that saw another certificate
   std::string list_;               // the last valid one
   std::uint32_t wrong_ = 0;        // successive checks that saw an invalid file
-  std::set<std::string> refused_;  // common names
+  std::set<std::string> refused_;
   std::mutex mutex_;
   std::condition_variable changed_;
   bool ends_ = false;

@@ -34,7 +34,6 @@ struct RequestHandlers {
   std::function<void(const Message& message, const MalformedCommand& why)> refused;
   // Called before accepted() or refused().
   std::function<void(const std::string& requester, const RequestWriters::Guid& writer)> received;
-  // A text for the log: a request was dropped.
   std::function<void(std::string text)> on_problem;
 };
 

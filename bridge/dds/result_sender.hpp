@@ -78,7 +78,7 @@ class ResultSender : private dds::DataWriterListener {
   [[nodiscard]] std::optional<Instant> hold_until(const Requester& requester, Instant now) const;
   void write(const idl::CommandResult& result);
   void let_go(const idl::CommandResult& sent);
-  void run();  // the thread
+  void run();
   // Removes and returns the held results that are due. REQUIRES: mutex_ held.
   [[nodiscard]] std::vector<idl::CommandResult> take_due(Instant now);
   // Removes and returns the instances to unregister now. REQUIRES: mutex_ held.

@@ -44,8 +44,8 @@ inline constexpr std::uint8_t kOwnOrder =
 
 struct SubmessageView {
   Submessage kind{};
-  bool little = false;                  // byte order of the submessage
-  std::size_t begin = 0;                // offset in the message
+  bool little = false;  // byte order of the submessage
+  std::size_t begin = 0;
   std::span<const std::uint8_t> bytes;  // including its header
 };
 

@@ -91,14 +91,14 @@ class ServerRestarts {
     Heartbeat highest;          // each member is the highest of all heartbeats
     std::uint64_t settled = 0;  // highest count at least kLongestDelay ago
     Instant highest_since{};
-    Instant heard = kNever;  // its last message
+    Instant heard = kNever;
     // Highest count since the server started to read; 0 before that. Index 0: readers, 1: writers.
     std::array<std::uint64_t, 2> acknowledged{};
     bool begins_anew = false;  // with this participant, and not yet reported to the library
     Instant anew = kNever;     // time of the last start again, with this participant or with all
   };
   struct Other {
-    Instant heard;                // its last message
+    Instant heard;
     Instant announced;            // by a server
     Instant returned = kLongAgo;  // first message after a silence
   };

@@ -46,7 +46,6 @@ class ServerWatch : public DiscoveryListener {
     return missing;
   }
 
-  // Number of bridges that were found but have not shown a writer yet.
   [[nodiscard]] std::size_t unknown_bridges() const {
     const std::lock_guard lock(mutex_);
     return unknown_.size();

@@ -35,7 +35,7 @@ class SnapshotSender : private dds::DataReaderListener {
   using Send = std::function<Sent(const std::string& bus, Part part)>;
   // `asked` is called on a DDS thread for each SnapshotRequest; may be null.
   SnapshotSender(Domain& domain, Send send, std::function<void()> asked);
-  ~SnapshotSender() override;  // calls close()
+  ~SnapshotSender() override;
 
   void request(const std::string& bus);
   void close();  // nothing is sent after it returns; a second call has no effect

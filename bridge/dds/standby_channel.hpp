@@ -32,7 +32,7 @@ class StandbyChannel {
   // discovery server has restarted meanwhile. Throws DdsError.
   StandbyChannel(Domain& domain, const std::string& label, std::string group, UtcTime since,
                  StandbyChannelHandlers handlers);
-  ~StandbyChannel();  // calls close()
+  ~StandbyChannel();
   StandbyChannel(const StandbyChannel&) = delete;
   StandbyChannel& operator=(const StandbyChannel&) = delete;
 

@@ -32,7 +32,7 @@ class StandbyFollower {
  public:
   // Throws DdsError.
   StandbyFollower(Domain& domain, const std::vector<BusSpec>& buses, FollowerHandlers handlers);
-  ~StandbyFollower();  // calls close()
+  ~StandbyFollower();
   StandbyFollower(const StandbyFollower&) = delete;
   StandbyFollower& operator=(const StandbyFollower&) = delete;
 

@@ -17,8 +17,8 @@ namespace fieldcast::program {
 
 // The first configured file that cannot be used.
 struct AccessFault {
-  std::string key;   // of `program:` in the configuration: "modules.secrets"
-  std::string text;  // one line
+  std::string key;  // of `program:` in the configuration: "modules.secrets"
+  std::string text;
 };
 [[nodiscard]] std::optional<AccessFault> check_files(const ProgramSpec& program);
 

@@ -23,7 +23,7 @@ class Server {
   // The registry and the objects used by the hooks must outlive the server; the server must outlive
   // every added bus.
   Server(Hooks hooks, DialInRegistry& registry);
-  ~Server();  // calls stop()
+  ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
@@ -35,7 +35,6 @@ class Server {
   enum class Modules : std::uint8_t { kLetGo, kKeep };
   void stop(Modules modules = Modules::kLetGo);
 
-  // The devices that are leased to engineers now.
   [[nodiscard]] std::vector<LeasedDevice> leased() const;
 
   // Adds the devices of a bus for engineers. Remove a bus before its runner stops. May be called

@@ -35,7 +35,7 @@ class BlockSubscription : private dds::DataReaderListener {
   void subscribe_samples(std::function<void(const StationSample&)> on_sample, OnGone gone);
 
   struct Counters {
-    std::uint64_t blocks = 0;    // received
+    std::uint64_t blocks = 0;
     std::uint64_t missing = 0;   // lost blocks: the station was too slow for them
     std::uint64_t requests = 0;  // requests for snapshots
   };

@@ -49,7 +49,7 @@ class BusServers : private dds::DataReaderListener {
   void on_liveliness_changed(dds::DataReader* reader,
                              const dds::LivelinessChangedStatus& status) override;
 
-  static constexpr std::size_t kMostLost = 256;  // bridges
+  static constexpr std::size_t kMostLost = 256;
   Domain& domain_;
   const std::function<void()> changed_;
   mutable std::mutex mutex_;       // never held while changed_ is called

@@ -73,7 +73,7 @@ class OnceWriter {
   dds::DataWriter* entity_ = nullptr;
   std::mutex mutex_;
   std::deque<Message> written_;  // only the keys, of instances that are not unregistered yet
-  std::size_t limit_ = kBatch;   // of written_
+  std::size_t limit_ = kBatch;
 };
 
 }  // namespace fieldcast

@@ -50,7 +50,7 @@ class Sites {
                         std::function<void(const StationAlarm& last)> gone = {});
   void subscribe_alarm_status(std::function<void(const StationAlarmStatus&)> on_status,
                               std::function<void(const StationAlarmStatus& last)> gone = {});
-  [[nodiscard]] Station::BlockCounters block_counters() const;  // of all sites
+  [[nodiscard]] Station::BlockCounters block_counters() const;
 
   // True if it is possible at one site at least.
   [[nodiscard]] bool may_declare_interest() const;

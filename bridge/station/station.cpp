@@ -56,7 +56,7 @@ struct Station::State {
   std::unique_ptr<Subscription<idl::ProgramSessionPubSubType>> sessions;
   std::unique_ptr<Subscription<idl::AlarmPubSubType>> alarms;
   std::unique_ptr<Subscription<idl::AlarmStatusPubSubType>> alarm_status;
-  PlanParts plan_parts;  // used by the subscription
+  PlanParts plan_parts;
   std::unique_ptr<Subscription<idl::ReadPlanPubSubType>> plans;
   dds::DataWriter* interests = nullptr;
   std::unique_ptr<CommandClient> commands;

@@ -102,8 +102,8 @@ class Station {
   void subscribe_alarm_status(std::function<void(const StationAlarmStatus&)> on_status,
                               std::function<void(const StationAlarmStatus& last)> gone = {});
 
-  // Rights of this station by DDS Security in addition to reading. Without DDS Security,
-  // everything is allowed.
+  // Rights of this station by DDS Security in addition to reading. Without DDS Security, everything
+  // is allowed.
   [[nodiscard]] bool may_command() const;
   [[nodiscard]] bool may_declare_interest() const;
 

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kEmptyBytes = 192;
 // Bytes of one row in all columns except texts: 4 + 1 + 1 + 2 + 8 + 8 + 8.
 constexpr std::size_t kRowBytes = 32;
-constexpr std::size_t kTextBytes = 8;  // length, terminator and padding of a text
+constexpr std::size_t kTextBytes = 8;
 
 }  // namespace
 

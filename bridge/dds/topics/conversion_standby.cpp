@@ -7,7 +7,6 @@
 namespace fieldcast {
 namespace {
 
-// As in the IDL.
 constexpr std::size_t kHostBytes = 64, kProcessBytes = 128, kAskerBytes = 128, kWhyBytes = 256;
 
 }  // namespace

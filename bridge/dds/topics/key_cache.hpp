@@ -51,7 +51,7 @@ class KeyCache {
  private:
   struct Entry {
     Handle handle;
-    std::uint8_t length;  // of the key
+    std::uint8_t length;
     std::array<char, kLongestKey> bytes;
     [[nodiscard]] std::string_view key() const { return {bytes.data(), length}; }
   };
@@ -77,7 +77,7 @@ class KeyCache {
   const std::size_t limit_;
   mutable std::mutex mutex_;
   std::vector<Entry> entries_;  // in the order of their first arrival
-  std::unordered_map<std::string, std::size_t, Hash, std::equal_to<>> index_;  // into entries_
+  std::unordered_map<std::string, std::size_t, Hash, std::equal_to<>> index_;
   std::size_t next_ = 0;  // entry after the last one found
 };
 

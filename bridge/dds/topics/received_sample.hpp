@@ -13,7 +13,6 @@
 
 namespace fieldcast {
 
-// The object that a reader takes messages into.
 struct ReceivedSample {
   StationSample sample;
   // True if its value and quality are of kinds that the IDL names.

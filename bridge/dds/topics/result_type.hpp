@@ -12,7 +12,6 @@
 
 namespace fieldcast {
 
-// The object that a writer writes.
 struct OutgoingResult {
   const idl::CommandResult* message;
   bool note = false;  // an unregister message: only the keys are written

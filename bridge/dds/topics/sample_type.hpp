@@ -21,7 +21,6 @@ struct SampleKey {
   rtps::InstanceHandle_t handle;
 };
 
-// The object that a writer writes.
 struct OutgoingSample {
   const SampleKey* key = nullptr;
   const LastValue* value = nullptr;

@@ -29,7 +29,6 @@ struct StationSample {
   std::uint64_t sequence = 0;
 };
 
-// An entry of the catalogue.
 struct StationChannel {
   std::string bridge, bus, device, channel;
   [[nodiscard]] std::string path() const { return bus + '/' + device + '/' + channel; }
@@ -75,7 +74,6 @@ struct StationAlarm {
   UtcTime since;
 };
 
-// A bridge of the domain, as it announces itself.
 struct StationBridge {
   struct Bus {
     std::string bus;
@@ -86,7 +84,7 @@ struct StationBridge {
   std::string process;        // distinguishes bridges on the same host
   std::string standby_group;  // group of bridges that stand by for each other; empty: none
   std::int32_t strength = 0;  // rank within the group
-  UtcTime since;              // when it joined the domain
+  UtcTime since;
   std::vector<Bus> buses;
 };
 

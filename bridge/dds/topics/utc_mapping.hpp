@@ -12,7 +12,7 @@ struct UtcMapping {
 
   // Returns 0 ("no such time") for kLongAgo and kNever. Saturates instead of wrapping.
   [[nodiscard]] UtcTime to_utc(Instant at) const;
-  [[nodiscard]] Instant to_instant(UtcTime at) const;  // the inverse
+  [[nodiscard]] Instant to_instant(UtcTime at) const;
 
   // Differences below this are ignored: a reading of the clocks itself lasts some time.
   static constexpr Duration kSame = std::chrono::microseconds{100};
