@@ -64,7 +64,7 @@ struct DdsLink::State {
   void accept(const idl::Command& message, RequestTerms terms);
   void accept(const idl::AlarmAction& message, const RequestTerms& terms);
   Receivers listen(const HeldTo& bus);
-  // Responds to requests that cannot be converted for a bus engine or for the alarms.
+  // Responds to requests that are not forwarded: malformed ones and expired alarm actions.
   template <class Message>
   void reject(const Message& message, const MalformedCommand& why);
 

@@ -36,8 +36,8 @@ class ResultSender : private dds::DataWriterListener {
                std::function<void(std::string)> on_problem);
   ~ResultSender() override;  // calls close()
 
-  // Stores the participant that sends a requester's commands. At most kMaxRequesters are stored;
-  // results of others are not held.
+  // Stores the participant that sends a requester's commands. The table is cleared when it has
+  // kMaxRequesters; results of requesters that are not stored are not held.
   void remember(const std::string& requester, const GuidPrefix& participant);
 
   void send(const idl::CommandResult& result);

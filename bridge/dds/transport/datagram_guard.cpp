@@ -157,8 +157,8 @@ bool DatagramGuard::may_join() {
   return true;
 }
 
-// Removes the participant that has been silent the longest beyond its lease. If there is none, and
-// the request is for another participant, removes the oldest one that has announced no endpoint.
+// Removes the participant that has been silent the longest beyond its lease. If there is none and a
+// new participant needs the place, removes the oldest one that has announced no endpoint.
 bool DatagramGuard::make_room(bool for_endpoints) {
   auto silent = participants_.end(), idle = participants_.end();
   for (auto one = participants_.begin(); one != participants_.end(); ++one) {
