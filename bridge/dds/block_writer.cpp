@@ -46,7 +46,7 @@ void BlockWriter::write(std::span<const Sample> samples, const UtcMapping& mappi
     if (!wanted || filler.add(sample.channel, value)) continue;
     send(filler, false);
     filler = BlockFiller(block_, stream_.most_bytes);
-    (void)filler.add(sample.channel, value);  // an empty block has room
+    (void)filler.add(sample.channel, value);
   }
   if (wanted && !samples.empty()) send(filler, false);
 }

@@ -1,9 +1,9 @@
-// The SampleBlock writer of one bus: the samples of an exchange in one message, and the last values
-// of all channels in a few. Writes only while a reader is matched.
+// Writes the SampleBlock topic of one bus: the samples of an exchange in one message, and snapshots
+// of the last values of all channels in a few messages. It writes only while a reader is matched.
 //
 // Owns the writer and a copy of every last value. write() has one caller at a time (dds_link.hpp);
-// everything else comes from any thread. Nobody waits for a reader: the writer is a ring, and one
-// that stays behind loses the oldest.
+// all other functions may be called from any thread. A write never waits for a reader: the writer's
+// history is a ring, and a reader that lags loses the oldest blocks.
 #pragma once
 
 #include <atomic>
@@ -20,33 +20,34 @@ namespace fieldcast {
 
 class BlockWriter : private dds::DataWriterListener {
  public:
-  // Bytes of a block where all peers are on this machine, and where one must not be cut on its way.
+  // Largest block in bytes: if all peers are on this machine, and on networks, where a block must
+  // fit into one packet.
   static constexpr std::size_t kBytesOnLoopback = 32'000, kBytesOnNetworks = 1'300;
 
   struct Stream {
     std::string bus;
     std::size_t channels = 0;
-    std::uint64_t epoch = 0;  // of its catalogue
+    std::uint64_t epoch = 0;  // of the bus's catalogue
     std::size_t most_bytes = kBytesOnNetworks;
   };
-  // `on_reader` is called on a DDS thread for each reader that is new and wants a snapshot. Throws
-  // DdsError.
+  // Calls `on_reader` on a DDS thread for each new reader, which needs a snapshot. Throws DdsError.
   BlockWriter(Domain& domain, const std::string& label, Stream stream,
               std::function<void()> on_reader);
   ~BlockWriter() override;
   BlockWriter(const BlockWriter&) = delete;
   BlockWriter& operator=(const BlockWriter&) = delete;
 
-  // Before anything is written: the stream of another bridge goes on here, after its block `number`
-  // and its last values.
+  // Continues the stream of another bridge after its block `number`, with its last values. Call it
+  // before the first write().
   void go_on_with(std::uint64_t epoch, std::uint64_t number, std::span<const Sample> last,
                   const UtcMapping& mapping);
 
   void write(std::span<const Sample> samples, const UtcMapping& mapping);
-  // The last value of every channel that has one, or an empty block. Returns the number of blocks.
+  // Writes the last value of every channel that has one, or an empty block. Returns the number of
+  // blocks.
   std::size_t write_snapshot();
 
-  // False if the channel has none.
+  // Returns false if the channel has no value.
   [[nodiscard]] bool last_value(ChannelIndex channel, LastValue& out) const;
 
   [[nodiscard]] std::uint32_t readers() const { return readers_.load(std::memory_order_relaxed); }
@@ -61,7 +62,7 @@ class BlockWriter : private dds::DataWriterListener {
   const Stream stream_;
   const std::function<void()> on_reader_;
   std::atomic<std::uint32_t> readers_{0};
-  mutable std::mutex mutex_;       // what follows, and the order of blocks
+  mutable std::mutex mutex_;       // protects the members below and the order of blocks
   std::vector<LastValue> values_;  // by channel index
   idl::SampleBlock block_;
   std::atomic<std::uint64_t> number_{0};  // of the last block; changed with mutex_ held

@@ -84,7 +84,8 @@ void BridgePresence::on_subscription_matched(dds::DataReader*,
   if (status.current_count_change < 0) unmatched(status.last_publication_handle);
 }
 
-// One that was lost by the network claims what it claimed before; what it said since comes after.
+// Restores the claims of a bridge that was lost because of the network. Its later announcements
+// arrive after this.
 void BridgePresence::matched(const Handle& writer) {
   const std::lock_guard lock(mutex_);
   handlers_.found(text_of(writer));

@@ -45,7 +45,7 @@ std::uint64_t BusCatalogue::epoch() const {
 bool BusCatalogue::publish() {
   const std::lock_guard lock(mutex_);
   bool taken = true;
-  // Blocks first: stations that know them have all names with a few messages.
+  // Blocks are written first: stations that support blocks then get all names in a few messages.
   for (std::size_t first = 0; first < channels_.size(); first += kPerBlock)
     taken &= write_block(first);
   changed_.clear();

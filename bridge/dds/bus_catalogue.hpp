@@ -1,11 +1,11 @@
-// The catalogue of one bus: each channel on the keyed topic, and all of them by blocks. The writer
-// of blocks is the bridge's and outlives it. One caller at a time (dds_link.hpp), but flush(),
-// which any thread may call.
+// Publishes the catalogue of one bus: each channel on the keyed topic, and all channels in blocks.
+// The bridge owns the writer of blocks, which outlives this object. One caller at a time
+// (dds_link.hpp), except flush(), which any thread may call.
 //
-// Owns the writers of fieldcast/Channel, none with more than kChannelsPerCatalogueWriter: when a
-// reader is found, Fast DDS 2.9.1 copies for each message that a writer holds the list of all those
-// before it (ReaderProxy::add_change), and answers nobody's discovery meanwhile. With 64 000 in one
-// writer no new reader was served within 30 s.
+// Owns the writers of fieldcast/Channel, each with at most kChannelsPerCatalogueWriter channels.
+// When a reader is found, Fast DDS 2.9.1 copies, for each message in a writer's history, the list
+// of all earlier messages (ReaderProxy::add_change), and does not process discovery meanwhile. With
+// 64 000 channels in one writer, no new reader was served within 30 s.
 #pragma once
 
 #include <mutex>
@@ -21,25 +21,25 @@ namespace fieldcast {
 
 class BusCatalogue {
  public:
-  // `blocks`: of fieldcast/CatalogueBlock.
   BusCatalogue(Domain& domain, dds::DataWriter* blocks, const std::string& bridge,
                const std::string& bus, std::uint64_t epoch);
   ~BusCatalogue();
   BusCatalogue(const BusCatalogue&) = delete;
   BusCatalogue& operator=(const BusCatalogue&) = delete;
 
-  // Before publish(), in the order of the channel indices. Throws DdsError.
+  // Adds a channel; call it before publish(), in the order of the channel indices. Throws DdsError.
   void add(const DeviceSpec& device, const ChannelSpec& channel, std::optional<Duration> refresh);
-  [[nodiscard]] bool publish();  // everything; false: it does not fit
-  // Before publish(): it is the same catalogue as that of another bridge, which has published it.
+  [[nodiscard]] bool publish();  // publishes all entries; returns false if they do not fit
+  // Adopts the epoch of an identical catalogue that another bridge has published. Call it before
+  // publish().
   void go_on_with(std::uint64_t epoch);
   [[nodiscard]] std::uint64_t epoch() const;
-  // The keyed entry leaves at once, its block with flush().
+  // The keyed entry is written immediately, its block with flush().
   void set_refresh(ChannelIndex channel, std::optional<Duration> refresh);
   void flush();
   void dispose_blocks();
   void dispose_channels();
-  // Waits at most so long until the readers of fieldcast/Channel have what was written.
+  // Waits at most `limit` until the readers of fieldcast/Channel have acknowledged everything.
   void wait_for_readers(Duration limit);
 
   [[nodiscard]] const std::vector<idl::Channel>& channels() const { return channels_; }
@@ -53,10 +53,10 @@ class BusCatalogue {
   std::vector<dds::DataWriter*> writers_;  // of fieldcast/Channel
   const std::string bridge_;
   const std::string bus_;
-  mutable std::mutex mutex_;  // what follows
+  mutable std::mutex mutex_;  // protects the members below
   std::uint64_t epoch_;
   std::vector<idl::Channel> channels_;  // by channel index, as published
-  std::set<std::size_t> changed_;       // the first channel of blocks that flush() has to write
+  std::set<std::size_t> changed_;       // first channel of each block that flush() has to write
   idl::CatalogueBlock block_;
 };
 

@@ -1,5 +1,5 @@
-// Bytes of messages by Fast CDR, for types that do without the generated code. Names that differ
-// between Fast CDR 1 and 2 stay here.
+// Reads and writes message bytes with Fast CDR, for types that do not use the generated code. Hides
+// the names that differ between Fast CDR 1 and 2.
 //
 // Objects do not own the bytes. One thread at a time.
 #pragma once
@@ -17,10 +17,10 @@
 
 namespace fieldcast {
 
-inline constexpr std::size_t kEncapsulation = 4;  // bytes ahead of every message
+inline constexpr std::size_t kEncapsulation = 4;
 
-// Writes what is in a message, behind its encapsulation, in the byte order of this machine. Throws
-// NotEnoughMemoryException of Fast CDR.
+// Writes the content of a message after its encapsulation, in the byte order of this machine.
+// Throws NotEnoughMemoryException of Fast CDR.
 class CdrWriter {
  public:
   CdrWriter(void* space, std::size_t size)
@@ -39,7 +39,6 @@ class CdrWriter {
     cdr_ << value;
     return *this;
   }
-  // The keys of a message alone.
   template <class Message>
   void add_keys(const Message& message) {
 #if FASTDDS_VERSION_MAJOR >= 3
@@ -48,7 +47,7 @@ class CdrWriter {
     message.serializeKey(cdr_);
 #endif
   }
-  // As they are. False: there is no room.
+  // Adds the bytes unchanged. Returns false if there is no space.
   [[nodiscard]] bool add_bytes(std::string_view bytes) {
 #if FASTDDS_VERSION_MAJOR >= 3
     char* const behind = cdr_.get_current_position();
@@ -59,7 +58,6 @@ class CdrWriter {
     std::memcpy(behind, bytes.data(), bytes.size());
     return true;
   }
-  // Bytes so far.
   [[nodiscard]] std::size_t size() const {
 #if FASTDDS_VERSION_MAJOR >= 3
     return cdr_.get_serialized_data_length();
@@ -78,8 +76,9 @@ class CdrWriter {
 };
 using CdrFull = eprosima::fastcdr::exception::NotEnoughMemoryException;
 
-// Reads what is in a message, behind its encapsulation, in the byte order that it names. Every
-// function throws an exception of Fast CDR, a std::exception, where the bytes end too early.
+// Reads the content of a message after its encapsulation, in the byte order that the encapsulation
+// names. Every function throws an exception of Fast CDR, a std::exception, if the bytes end too
+// early.
 class CdrReader {
  public:
   CdrReader(const void* bytes, std::size_t size)
@@ -99,20 +98,21 @@ class CdrReader {
     cdr_ >> value;
     return *this;
   }
-  // A string up to its first NUL: a view of the bytes.
+  // Reads a string up to its first NUL; returns a view of the bytes.
   [[nodiscard]] std::string_view text() {
     std::uint32_t length = 0;
     cdr_ >> length;
     const char* const text = begin_ + size();
     if (length > size_ - size())
       throw eprosima::fastcdr::exception::NotEnoughMemoryException("a string ends behind the end");
-    // Fast CDR aligns what comes next by what it read last, and does not count a jump.
+    // Fast CDR aligns the next value by the size of the last value read, and ignores a jump. So the
+    // last byte is read.
     char last = 0;
     if (length > 0 && cdr_.jump(length - 1)) cdr_ >> last;
     const std::string_view whole(text, length);
     return whole.substr(0, whole.find('\0'));
   }
-  // Bytes read so far, with the encapsulation.
+  // Bytes read so far, including the encapsulation.
   [[nodiscard]] std::size_t size() const {
 #if FASTDDS_VERSION_MAJOR >= 3
     return static_cast<std::size_t>(const_cast<Cdr&>(cdr_).get_current_position() - begin_);
@@ -120,7 +120,7 @@ class CdrReader {
     return static_cast<std::size_t>(const_cast<Cdr&>(cdr_).getCurrentPosition() - begin_);
 #endif
   }
-  // Whether the message has the byte order of this machine.
+  // Returns true if the message has the byte order of this machine.
   [[nodiscard]] bool is_native() const { return cdr_.endianness() == Cdr::DEFAULT_ENDIAN; }
 
  private:

@@ -1,5 +1,5 @@
-// DDS could not be started, or an entity could not be made: the one exception of the DDS folders,
-// caught in main.
+// Thrown if DDS cannot be started or an entity cannot be created. It is the only exception of the
+// DDS folders; main catches it.
 #pragma once
 
 #include <stdexcept>

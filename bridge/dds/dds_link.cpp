@@ -9,8 +9,8 @@ namespace fieldcast {
 
 namespace {
 
-// Whether every peer is on this machine, so that a message may be as long as UDP takes it.
-// Transports of the user's profile are unknown.
+// Returns true if every peer is on this machine, so that a message may have the maximum length of
+// UDP. Transports of the user's profile are not examined.
 bool stays_on_this_machine(const DdsSpec& spec) {
   const std::vector<std::string> used = used_interfaces(spec);
   return !spec.profile && !used.empty() &&
@@ -18,7 +18,7 @@ bool stays_on_this_machine(const DdsSpec& spec) {
                      [](const std::string& address) { return address.starts_with("127."); });
 }
 
-// Samples one by one that fill a reader's socket like a block.
+// Number of single samples that fill a reader's socket like one block.
 constexpr std::size_t kSamplesOfBlock = 32;
 
 }  // namespace
@@ -195,7 +195,7 @@ void DdsLink::State::serve(const std::string& name, std::unique_ptr<LinkedBus> b
     buses[name] = std::move(bus);
   }
   listen_for(name);
-  snapshots->request(name);  // readers that matched before the bus was there
+  snapshots->request(name);  // for readers that matched before the bus was added
 }
 
 void DdsLink::State::listen_for(const std::string& bus) {
@@ -273,8 +273,8 @@ void DdsLink::remove_bus(std::string_view name, Duration linger, Duration limit)
   bus->catalogue.wait_for_readers(linger);
 }
 
-// In this order: nothing new comes in, the last results go out, the buses say goodbye, the
-// participant leaves with the state.
+// The order matters: first stop receiving, then send the last results, then dispose the buses. The
+// participant leaves when the state is destroyed.
 void DdsLink::close(Duration linger, Leave leave) {
   if (state_->closed) return;
   state_->closed = true;
@@ -294,7 +294,8 @@ void DdsLink::close(Duration linger, Leave leave) {
   const auto end = std::chrono::steady_clock::now() + linger;
   for (auto& [name, bus] : buses)
     bus->catalogue.wait_for_readers(end - std::chrono::steady_clock::now());
-  if (state_->presence) state_->presence->close();  // last: who waits for a bus takes it now
+  // last: a bridge that waits for a bus takes it over now
+  if (state_->presence) state_->presence->close();
 }
 
 }  // namespace fieldcast

@@ -1,4 +1,4 @@
-// What buses have to say: samples, results, reports.
+// Publishing of samples, results and reports.
 #include "bridge/dds/dds_link.hpp"
 #include "bridge/dds/dds_link_state.hpp"
 #include "bridge/dds/transport/shared_guard.hpp"
@@ -26,7 +26,7 @@ void DdsLink::publish_each(std::string_view name, std::span<const Sample> sample
   const std::shared_lock lock(state_->mutex);
   LinkedBus* bus = state_->find(name);
   if (bus == nullptr || bus->samples.write(samples, mapping) || bus->write_failed) return;
-  bus->write_failed = true;  // said once
+  bus->write_failed = true;  // report the failure once
   state_->handlers.on_problem("bus " + std::string(name) +
                               ": DDS did not take a sample; its readers do not acknowledge");
 }
@@ -49,7 +49,7 @@ void DdsLink::complete(std::string_view bus, const CommandResult& result,
 
 namespace {
 
-// They belong to the whole bridge: its first bus shows them.
+// Refused datagrams concern the whole bridge: the status of its first bus carries them.
 void add_refused_datagrams(std::vector<idl::CauseCount>& causes) {
   const RtpsFaultCounts counts = refused_datagrams();
   for (std::size_t i = 0; i < counts.size(); ++i) {

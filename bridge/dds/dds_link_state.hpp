@@ -1,5 +1,5 @@
-// What a DdsLink is made of. Private to it; its functions are in two files: dds_link.cpp joins,
-// adds and removes buses and leaves, dds_link_publish.cpp says what buses have to say.
+// The state of a DdsLink, private to it. Its functions are in two files: dds_link.cpp joins the
+// domain, adds and removes buses and leaves; dds_link_publish.cpp publishes.
 #pragma once
 
 #include <atomic>
@@ -24,14 +24,14 @@
 
 namespace fieldcast {
 
-// What one bus has in the domain besides the writers shared by all.
+// The entities of one bus, except the writers that all buses share.
 struct LinkedBus {
   LinkedBus(Domain& domain, const std::string& bridge, const BusSpec& spec,
             dds::DataWriter* catalogue_blocks, const BlockWriter::Stream& stream,
             std::function<void()> on_reader, const std::function<void()>& on_match);
 
   BusCatalogue catalogue;
-  BlockWriter blocks;  // keeps the last values, for both
+  BlockWriter blocks;  // keeps the last values for blocks and single samples
   SampleWriters samples;
   std::map<std::string, idl::DeviceStatus> devices;                 // published at least once
   std::map<std::pair<ChannelIndex, LimitKind>, idl::Alarm> alarms;  // raised at least once
@@ -45,17 +45,17 @@ struct LinkedBus {
 struct DdsLink::State {
   using Commands = RequestReceiver<idl::Command>;
   using Actions = RequestReceiver<idl::AlarmAction>;
-  // Of what is asked by all, or by members that are held to one bus.
+  // Receivers of requests: of unrestricted senders, or of members restricted to one bus.
   struct Receivers {
     std::unique_ptr<Commands> commands;
-    std::unique_ptr<Actions> actions;  // if they are wanted
+    std::unique_ptr<Actions> actions;  // null if alarm actions are not wanted
 
     void close() const;
   };
 
   State(const DdsSpec& spec, const std::string& name, Handlers given);
 
-  // On the thread of snapshots: what changed in the catalogue, then the last values.
+  // Runs on the snapshot thread: writes changed catalogue entries, then the last values.
   SnapshotSender::Sent send_snapshot(const std::string& name, SnapshotSender::Part part);
 
   bool is_ours(const std::string& name);
@@ -64,14 +64,14 @@ struct DdsLink::State {
   void accept(const idl::Command& message, RequestTerms terms);
   void accept(const idl::AlarmAction& message, const RequestTerms& terms);
   Receivers listen(const HeldTo& bus);
-  // What is nothing for a bus engine, or for the alarms, is answered here.
+  // Responds to requests that are not forwarded: malformed ones and expired alarm actions.
   template <class Message>
   void reject(const Message& message, const MalformedCommand& why);
 
-  // The bus, or null. REQUIRES: mutex held, shared or not.
+  // Returns null if there is no such bus. REQUIRES: mutex held, shared or exclusive.
   LinkedBus* find(std::string_view name);
   void dispose(LinkedBus& bus, Duration linger, Duration limit = kInfinite);
-  // Made before, or now.
+  // Returns the prepared bus, or creates it.
   std::unique_ptr<LinkedBus> made(const BusSpec& spec);
   void serve(const std::string& name, std::unique_ptr<LinkedBus> bus);
   void listen_for(const std::string& bus);
@@ -90,20 +90,21 @@ struct DdsLink::State {
   dds::DataWriter* alarm_status = nullptr;
   dds::DataWriter* plans = nullptr;
   std::unique_ptr<InterestReceiver> interests;
-  Receivers receivers;  // since listen_for_commands()
-  // The same for members that are held to a bus, since it was added: by bus.
+  Receivers receivers;  // set by listen_for_commands()
+  // Receivers for members restricted to a bus, by bus.
   std::map<std::string, Receivers, std::less<>> held;
   std::unique_ptr<BridgePresence> presence;
-  std::shared_mutex mutex;  // the set of buses: shared to use one, alone to add or remove one
+  std::shared_mutex mutex;  // shared to use a bus, exclusive to add or remove one
   std::map<std::string, std::unique_ptr<LinkedBus>, std::less<>> buses;
   std::map<std::string, std::unique_ptr<LinkedBus>, std::less<>> prepared;
   std::atomic<bool> standing_by = false;
-  // Of the buses, once more: a thread of the library asks for them and holds locks of its own,
-  // which whoever holds `mutex` may wait for when it makes a writer. Nothing is called under it.
+  // A copy of the bus names. A DDS thread looks up names while it holds locks of the library, and a
+  // thread that holds `mutex` may wait for these locks when it creates a writer. No function is
+  // called while `names_mutex` is held.
   std::mutex names_mutex;
   std::set<std::string, std::less<>> names;
   bool closed = false;
-  std::unique_ptr<SnapshotSender> snapshots;  // last: its thread uses the buses
+  std::unique_ptr<SnapshotSender> snapshots;  // last member: its thread uses the buses
 };
 
 }  // namespace fieldcast

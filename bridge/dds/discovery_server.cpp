@@ -55,7 +55,7 @@ std::optional<std::vector<std::string>> own_addresses() {
 std::optional<std::string> server_fault(const std::vector<ServerAddress>& servers,
                                         const std::vector<std::string>& own,
                                         const std::vector<std::string>& interfaces) {
-  if (interfaces.empty()) return std::nullopt;  // all there are
+  if (interfaces.empty()) return std::nullopt;  // all interfaces are used
   for (const ServerAddress& server : servers) {
     if (server.address.starts_with("127.") || !has(own, server.address) ||
         has(interfaces, server.address))

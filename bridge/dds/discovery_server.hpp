@@ -1,5 +1,5 @@
-// A discovery server as a configuration names it, "host:port", and which of them Fast DDS cannot
-// stand. Any thread.
+// Parses discovery servers, "host:port", and detects addresses that make Fast DDS abort. Any
+// thread.
 #pragma once
 
 #include <cstdint>
@@ -12,29 +12,28 @@
 namespace fieldcast {
 
 struct ServerAddress {
-  std::string name;     // as it was given
+  std::string name;
   std::string address;  // IPv4
   std::uint16_t port = 0;
 };
 
-// Asks the resolver of the machine for the address of a name, and may wait for it. Throws DdsError:
-// not host:port, or no address is known.
+// Resolves the name with the system resolver, and may wait for it. Throws DdsError if the text is
+// not host:port or no address is found.
 [[nodiscard]] ServerAddress server_address(const std::string& text);
 
-// The IPv4 addresses of this machine's interfaces; nothing: they cannot be known.
+// The IPv4 addresses of this machine's interfaces; `std::nullopt` if they cannot be read.
 [[nodiscard]] std::optional<std::vector<std::string>> own_addresses();
 
-// The first of these servers that has an address of this machine which DDS is not to use, for
-// people, with the remedy. Fast DDS 2.9.1 ends the program with it: it takes the address for one
-// that it can send from, has no sender for it, and asserts that it has
-// (OutputTrafficManager::set_statistics_submessage). The loopback is always used, with all of its
-// addresses. Pure.
+// Returns a message with the remedy for the first server whose address belongs to this machine but
+// is not in `interfaces`. Fast DDS 2.9.1 aborts with such a server: it expects a sender for the
+// address and asserts that it has one (OutputTrafficManager::set_statistics_submessage). All
+// loopback addresses are always allowed. Pure.
 [[nodiscard]] std::optional<std::string> server_fault(const std::vector<ServerAddress>& servers,
                                                       const std::vector<std::string>& own,
                                                       const std::vector<std::string>& interfaces);
 
-// The same of a configuration, on this machine, now. Names without an address are passed over:
-// joining says that. Transports of a user's profile are the user's business.
+// Applies the check to a configuration on this machine now. Skips names without an address, because
+// joining reports them. Transports of a user's profile are not checked.
 [[nodiscard]] std::optional<std::string> server_fault(const DdsSpec& spec);
 
 }  // namespace fieldcast

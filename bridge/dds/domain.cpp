@@ -27,10 +27,11 @@ constexpr const char* kLoopback = "127.0.0.1";
 constexpr const char* kFlowController = "fieldcast";
 constexpr std::uint32_t kHighestDomain = 232;  // the ports of RTPS end there (RTPS 2.2, 9.6.1)
 
-// UDP alone, although shared memory is the library's default: in Fast DDS 2.9 a participant that
-// leaves before all others have read its last message leaves them with a message whose memory is
-// gone, and they try to read it for ever: a whole processor each, and deaf to everybody (repaired
-// upstream in 2023, eProsima/Fast-DDS #3759). Tools that come and go would do that to the bridge.
+// Uses UDP only, although shared memory is the library's default. In Fast DDS 2.9, a participant
+// that leaves before all others have read its last message leaves a message in freed memory. The
+// others try to read it forever: each uses a whole processor and receives nothing else. Fixed
+// upstream in 2023 (eProsima/Fast-DDS #3759). Tools that join for a short time would do that to the
+// bridge.
 void set_transports(const DdsSpec& spec, dds::DomainParticipantQos& qos) {
   auto& transport = qos.transport();
   transport.use_builtin_transports = false;
@@ -40,7 +41,7 @@ void set_transports(const DdsSpec& spec, dds::DomainParticipantQos& qos) {
   transport.user_transports.push_back(udp);
 }
 
-// The checks of received messages. The last two are null without DDS Security, and without
+// The checks of received messages. `filter` is null without DDS Security, `restarts` without
 // discovery servers.
 struct Incoming {
   std::shared_ptr<SharedGuard> guard;
@@ -48,9 +49,9 @@ struct Incoming {
   std::shared_ptr<ServerRestarts> restarts;
 };
 
-// Messages pass through ours on their way out, where notes of unregistered instances get their
-// keys, and on their way in. The library's own transports cannot be reached, so that UDP of the
-// user's or ours takes their place.
+// Inserts our transport above each UDP transport. It adds the keys to unregister messages on the
+// way out, and checks messages on the way in. The library's built-in transports cannot be wrapped,
+// so they are replaced by UDP of the user's profile or ours.
 void pass_through_ours(dds::TransportConfigQos& transport, const Incoming& incoming) {
   if (std::exchange(transport.use_builtin_transports, false) &&
       std::none_of(transport.user_transports.begin(), transport.user_transports.end(),
@@ -73,10 +74,10 @@ void set_discovery_servers(const std::vector<ServerAddress>& servers,
   }
 }
 
-// What writers send, what they send again, and what they send to those who join late passes through
-// it; heartbeats, acknowledgements and discovery do not. A message must fit into one period.
+// Limits new samples, repeated samples and samples for late joiners. Heartbeats, acknowledgements
+// and discovery are not limited. A message must fit into one period.
 std::shared_ptr<rtps_transport::FlowControllerDescriptor> flow_controller(std::uint64_t rate) {
-  constexpr std::uint64_t kLargest = 65'536, kShortest = 20;  // a datagram; milliseconds
+  constexpr std::uint64_t kLargest = 65'536, kShortest = 20;  // bytes of a datagram; milliseconds
   auto controller = std::make_shared<rtps_transport::FlowControllerDescriptor>();
   controller->name = kFlowController;
   controller->scheduler = rtps_transport::FlowControllerSchedulerPolicy::HIGH_PRIORITY;
@@ -85,14 +86,15 @@ std::shared_ptr<rtps_transport::FlowControllerDescriptor> flow_controller(std::u
   return controller;
 }
 
-// What is short and waited for goes before samples, catalogues and what is sent again.
+// Short messages that a user waits for are sent before samples, catalogues and repeated samples.
 bool is_urgent(const std::string& topic) {
   return topic == kCommandTopic.name || topic == kAlarmActionTopic.name ||
          topic == kCommandResultTopic.name || topic == kBridgeTopic.name ||
          topic == kInterestTopic.name;
 }
 
-// The plugins of DDS Security 1.1 that every vendor has, and the files of the member.
+// Sets the built-in plugins of DDS Security 1.1, which every vendor supports, and the files of the
+// member.
 void set_security(const std::string& folder, dds::DomainParticipantQos& qos) {
   const auto set = [&qos](const char* name, std::string value) {
     auto& properties = qos.properties().properties();
@@ -153,17 +155,17 @@ dds::DomainParticipantQos participant_qos(const DdsSpec& spec, const std::string
       throw DdsError("dds: " + *spec.profile + " has no participant profile 'fieldcast'");
     }
   }
-  // A silent peer is forgotten after 10 s instead of 20. Announcements are made each half second:
-  // where the first ones crossed those of the peer, the next ones complete the discovery (25 joins:
-  // at most 0.9 s, with the library's 3 s up to 3.1 s). Under a profile too: what others rely on is
-  // ours.
+  // A silent peer is removed after 10 s instead of 20. Announcements are sent every half second: if
+  // the first ones crossed those of the peer, the next ones complete the discovery (25 joins: at
+  // most 0.9 s, with the library's 3 s up to 3.1 s). This also replaces the values of a profile,
+  // because other participants rely on these times.
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.leaseDuration = {10, 0};
   discovery.leaseDuration_announcementperiod = {0, 500'000'000};
   qos.name() = name;
   std::vector<ServerAddress> servers;
   for (const std::string& text : spec.discovery_servers) servers.push_back(server_address(text));
-  // Transports of the user's profile are the user's business; without any, ours.
+  // Transports of the user's profile are used unchanged; without any, ours are used.
   if (!spec.profile || qos.transport().user_transports.empty()) {
     if (const auto fault = server_fault(
             servers, own_addresses().value_or(std::vector<std::string>()), spec.interfaces))
@@ -183,7 +185,7 @@ std::vector<std::string> used_interfaces(const DdsSpec& spec) {
   std::vector<std::string> used = spec.interfaces;
   if (!used.empty() && std::find(used.begin(), used.end(), kLoopback) == used.end())
     used.push_back(kLoopback);
-  return used;  // an empty list: all there are
+  return used;  // an empty list means all interfaces
 }
 
 Domain::Domain(const DdsSpec& spec, const std::string& name, DiscoveryListener* listener)
@@ -197,11 +199,11 @@ Domain::Domain(const DdsSpec& spec, const std::string& name, DiscoveryListener* 
     throw DdsError("dds: security: domain " + std::to_string(spec.domain) + " is not 0.." +
                    std::to_string(security::kHighestDomain));
   }
-  // It protects what it sends to the server for nobody, and asserts that there is somebody
-  // (SecurityManager::encode_rtps_message).
+  // Fast DDS encrypts a message to the server for zero receivers, and asserts that there is at
+  // least one (SecurityManager::encode_rtps_message).
   if (spec.security && !spec.discovery_servers.empty())
     throw DdsError("dds: security: Fast DDS 2.9 ends the program with a discovery server");
-  // The library would open no socket and say nothing.
+  // Otherwise the library would open no socket, without a message.
   const auto own = own_addresses();
   for (const std::string& address : spec.interfaces) {
     if (own && std::find(own->begin(), own->end(), address) == own->end())
@@ -211,7 +213,7 @@ Domain::Domain(const DdsSpec& spec, const std::string& name, DiscoveryListener* 
   auto* factory = dds::DomainParticipantFactory::get_instance();
   const dds::DomainParticipantQos qos = participant_qos(
       spec, name, {std::make_shared<SharedGuard>(limits_of(spec)), filter_, servers_.restarts()});
-  // Discovery reaches the listener all the same: it has no bit in the mask.
+  // Discovery callbacks reach the listener anyway: they have no bit in the mask.
   participant_.reset(
       factory->create_participant(spec.domain, qos, &servers_, dds::StatusMask::none()));
   if (participant_ == nullptr) {
@@ -241,10 +243,10 @@ Domain::Domain(const DdsSpec& spec, const std::string& name, DiscoveryListener* 
 
 namespace {
 
-// A writer is deleted with an empty history only. Fast DDS 2.9.1 lets go of what is left in it
-// without its lock (RTPSWriter::deinit; mended upstream in 2023, eProsima/Fast-DDS #4076): a
-// heartbeat that is made meanwhile finds messages with the number 0, looks for the gap between them
-// for ever (StatefulWriter::add_gaps_for_holes_in_history_), and the deletion waits for it.
+// Empties the history before a writer is deleted. Fast DDS 2.9.1 releases a remaining history
+// without the writer's lock (RTPSWriter::deinit; fixed upstream in 2023, eProsima/Fast-DDS #4076).
+// A heartbeat made at that time finds messages with the number 0 and searches for the gap between
+// them forever (StatefulWriter::add_gaps_for_holes_in_history_), and the deletion waits for it.
 void empty(dds::DataWriter* writer) {
   std::size_t removed = 0;
   writer->clear_history(&removed);
@@ -277,7 +279,7 @@ dds::Topic* Domain::make_topic(const TopicRow& row, const dds::TypeSupport& type
   return topic;
 }
 
-// The library would only say that it makes no endpoint.
+// Checked here because the library reports only that it cannot create the endpoint.
 void Domain::check_right(const dds::Topic& topic, bool writes) const {
   if (!member_) return;
   const security::TopicRight* right = security::right_of(topic.get_name());

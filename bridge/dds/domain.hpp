@@ -1,6 +1,6 @@
 // One participant in a DDS domain, with the transports, names and topics of Fieldcast. Owns every
-// entity that is made through it. Created, closed and asked for new endpoints on one thread at a
-// time.
+// entity that is created through it. It is created, closed and used to create endpoints on one
+// thread at a time.
 #pragma once
 
 #include <fastdds/dds/publisher/DataWriter.hpp>
@@ -26,23 +26,22 @@
 
 namespace fieldcast {
 
-// The addresses that DDS uses: those of the configuration, and the loopback. Peers on this machine
-// that use the loopback alone, as ours do unless told otherwise, must be reached whatever the
-// network is.
+// The addresses that DDS uses: those of the configuration, and the loopback. The loopback is needed
+// to reach peers on this machine that use it only, which is our default.
 [[nodiscard]] std::vector<std::string> used_interfaces(const DdsSpec& spec);
 
 class Domain {
  public:
-  // `name` is what other participants see. The listener is told of discovery only and outlives the
-  // domain; may be null. Throws DdsError: an address of no interface here, a profile that cannot be
-  // read, a discovery server that is not host:port, a member's folder that is not in order.
+  // `name` is the participant name that others see. `listener` receives only discovery, must
+  // outlive the domain and may be null. Throws DdsError for an address of no interface here, an
+  // unreadable profile, a discovery server that is not host:port, or invalid files of the member.
   Domain(const DdsSpec& spec, const std::string& name, DiscoveryListener* listener);
   ~Domain();  // leaves the domain
   Domain(const Domain&) = delete;
   Domain& operator=(const Domain&) = delete;
 
-  // Endpoints of a topic of the table, with `label` as user data for people who look at the domain.
-  // The listener outlives the endpoint; may be null. Throws DdsError.
+  // Create endpoints of a topic of the table, with `label` as human-readable user data. The
+  // listener must outlive the endpoint; may be null. Throws DdsError.
   template <class Generated, class Type = TopicType<Generated>>
   dds::DataWriter* writer(const Topic<Generated>& topic, const std::string& label,
                           dds::DataWriterListener* listener = nullptr,
@@ -54,7 +53,6 @@ class Domain {
                           dds::StatusMask mask) {
     return reader<Generated, Type>(topic, reader_qos(topic), listener, mask);
   }
-  // The same with a QoS that differs from the table's.
   template <class Generated, class Type = TopicType<Generated>>
   dds::DataWriter* writer(const Topic<Generated>& topic, const dds::DataWriterQos& qos,
                           const std::string& label, dds::DataWriterListener* listener = nullptr,
@@ -66,26 +64,27 @@ class Domain {
                           dds::DataReaderListener* listener, dds::StatusMask mask) {
     return make_reader(make_topic(topic, dds::TypeSupport(new Type())), qos, listener, mask);
   }
-  // What members write who are held to this bus, and to no other: the library of this end lets no
-  // writer match that is not permitted to write for the bus. REQUIRES: member().
+  // Creates a reader for members that are restricted to this bus. The library at this end does not
+  // match a writer that is not permitted to write for the bus. REQUIRES: member().
   template <class Generated, class Type = TopicType<Generated>>
   dds::DataReader* reader_of_bus(const std::string& bus, const Topic<Generated>& topic,
                                  dds::DataReaderListener* listener, dds::StatusMask mask) {
     return make_reader_of_bus(bus, make_topic(topic, dds::TypeSupport(new Type())),
                               reader_qos(topic), listener, mask);
   }
-  // Who this participant is by DDS Security; nothing without it.
+  // The DDS Security identity of this participant; `std::nullopt` without DDS Security.
   [[nodiscard]] const std::optional<security::Member>& member() const { return member_; }
 
-  // The folder of the member has a renewed certificate, which a new participant would take.
+  // Returns true if the folder of the member has a renewed certificate, which a new participant
+  // would use.
   [[nodiscard]] bool has_new_identity() const { return watch_ && watch_->has_new_identity(); }
-  // The discovery servers of the configuration that do not answer. Any thread.
+  // The configured discovery servers that do not respond. Any thread.
   [[nodiscard]] std::vector<std::string> missing_servers() const { return servers_.missing(); }
 
-  // Bridges that were found and have shown no writer yet. Any thread.
+  // Number of bridges that were found but have not shown a writer yet. Any thread.
   [[nodiscard]] std::size_t unknown_bridges() const { return servers_.unknown_bridges(); }
 
-  // Its listener is not called any more when these return.
+  // The listener of the endpoint is not called after these return.
   void remove(dds::DataWriter* writer);
   void remove(dds::DataReader* reader);
 
@@ -96,7 +95,7 @@ class Domain {
   dds::DataReader* make_reader_of_bus(const std::string& bus, dds::Topic* topic,
                                       const dds::DataReaderQos& qos,
                                       dds::DataReaderListener* listener, dds::StatusMask mask);
-  // Throws DdsError where this member may not do it.
+  // Throws DdsError if this member has no right to create the endpoint.
   void check_right(const dds::Topic& topic, bool writes) const;
   dds::DataReader* make_reader(dds::Topic* topic, const dds::DataReaderQos& qos,
                                dds::DataReaderListener* listener, dds::StatusMask mask);
@@ -110,7 +109,7 @@ class Domain {
   const bool has_max_rate_;
   std::unique_ptr<dds::DomainParticipant, Leave> participant_;
   dds::Publisher* publisher_ = nullptr;
-  dds::Publisher* held_publisher_ = nullptr;  // of what is by bus, for a member held to buses
+  dds::Publisher* held_publisher_ = nullptr;  // for topics by bus, for a member restricted to buses
   dds::Subscriber* subscriber_ = nullptr;
   std::map<dds::DataReader*, dds::Subscriber*> of_buses_;  // readers with a subscriber of their own
   std::map<std::string, dds::Topic*> topics_;

@@ -11,7 +11,6 @@ namespace {
 
 using eprosima::fastrtps::rtps::CDRMessage_t;
 using Receivers = std::vector<eprosima::fastrtps::rtps::GuidPrefix_t>;
-// SecurityManager is none of the library's public types.
 using Encode = bool (*)(const void* security_manager, const CDRMessage_t& message,
                         CDRMessage_t& encoded, const Receivers& receivers);
 
@@ -21,7 +20,6 @@ using Encode = bool (*)(const void* security_manager, const CDRMessage_t& messag
   "_ZNK8eprosima8fastrtps4rtps8security15SecurityManager19encode_rtps_messageERKNS1_12CDRMessage" \
   "_tERS4_RKSt6vectorINS1_12GuidPrefix_tESaIS9_EE"
 
-// A version of the library without it never calls ours.
 Encode library_encode() {
   static const auto found = reinterpret_cast<Encode>(::dlsym(RTLD_NEXT, ENCODE_RTPS_MESSAGE));
   return found;
@@ -29,7 +27,7 @@ Encode library_encode() {
 
 }  // namespace
 
-// False: it was not encoded, and is not sent.
+// Returns false if the message was not encoded and is not sent.
 [[gnu::visibility("default")]] bool encode_rtps_message(
     const void* security_manager, const CDRMessage_t& message, CDRMessage_t& encoded,
     const Receivers& receivers) __asm__(ENCODE_RTPS_MESSAGE);

@@ -1,16 +1,17 @@
-// With DDS Security that protects whole messages, Fast DDS 2.9.1 aborts when it is to encode one
-// that nobody receives (an assertion in SecurityManager::encode_rtps_message). That comes about by
-// itself: the thread that sends samples again lets go of their writer before it sends its last
-// message (FlowControllerImpl::run), and the last reader may go in between. A station that leaves
-// would take the bridge with it.
+// Prevents an abort of Fast DDS 2.9.1 with DDS Security that protects whole messages. The library
+// asserts if it encodes a message without receivers (SecurityManager::encode_rtps_message). That
+// can happen in normal operation: the thread that repeats samples releases their writer before it
+// sends its last message (FlowControllerImpl::run), and the last reader may leave at that moment.
+// Without this guard, a station that leaves could end the bridge.
 //
-// The library finds that function by its name, as any other, so that the one of this program comes
-// first. It sends nothing to nobody, and gives everything else to the library's own.
+// The dynamic linker resolves that function by name, so the definition in this program is used. It
+// drops messages without receivers and passes all others to the library's function.
 #pragma once
 
 namespace fieldcast {
 
-// Before the first participant: finds the library's own function. Any number of times.
+// Looks up the library's own function. Call it before the first participant is created; more calls
+// have no effect.
 void guard_encoding();
 
 }  // namespace fieldcast

@@ -50,7 +50,7 @@ void join_discovery_server(dds::DomainParticipantQos& qos, const rtps::Locator_t
 #endif
 }
 
-// 44.53.IDENTITY.5f.45.50.52.4f.53.49.4d.41, "DS" and "_EPROSIMA".
+// Bytes 44.53.IDENTITY.5f.45.50.52.4f.53.49.4d.41: "DS", the identity, "_EPROSIMA".
 std::optional<unsigned> server_identity(const rtps::GuidPrefix_t& participant) {
   static constexpr std::string_view kBefore = "DS", kAfter = "_EPROSIMA";
   const std::string_view bytes(reinterpret_cast<const char*>(participant.value),

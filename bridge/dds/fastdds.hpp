@@ -1,35 +1,34 @@
-// What Fast DDS 2.9 and 3.x call differently. All code takes the library's names that differ from
-// here; headers of fastdds/dds/ are the same in both and are included where they are needed.
+// Hides the differences between Fast DDS 2.9 and 3.x. All code uses the names of this file for
+// them; headers of fastdds/dds/ are the same in both and are included where they are needed.
 //
-// Built and tested with 2.9.1. No package of 3.x exists for Debian 12: a compiler has read this
-// branch with the headers of 3.6.2 and Fast CDR 2 (g++ -fsyntax-only: this header, fastdds.cpp,
-// library.cpp, note_transport.cpp, unregister_note.cpp, and topic_type.hpp with a type that
-// fastddsgen 4 has made); it has NOT been linked and NOT been run.
+// Built and tested with 2.9.1. No package of 3.x exists for Debian 12: only the syntax of this
+// branch was checked with the headers of 3.6.2 and Fast CDR 2 (g++ -fsyntax-only: this header,
+// fastdds.cpp, library.cpp, note_transport.cpp, unregister_note.cpp, and topic_type.hpp with a type
+// that fastddsgen 4 has made). It has NOT been linked and NOT been run.
 //
-// | what                     | 2.9                                 | 3.x                        |
+// | subject                  | 2.9                                 | 3.x                        |
 // | ------------------------ | ----------------------------------- | -------------------------- |
 // | headers                  | fastrtps/, fastdds/rtps/**/*.h      | fastdds/, *.hpp            |
 // | types of RTPS            | eprosima::fastrtps::rtps            | eprosima::fastdds::rtps    |
 // | Duration_t, Time_t       | eprosima::fastrtps                  | eprosima::fastdds::dds     |
 // | ReturnCode_t             | a class that holds its values       | an integer, values beside  |
-// | DataWriter::write        | true: taken                         | RETCODE_OK, which is 0     |
+// | DataWriter::write        | true: success                       | RETCODE_OK, which is 0     |
 // | times of a writer        | heartbeatPeriod                     | heartbeat_period           |
 // | discovery, listener      | on_publisher_discovery(info)        | on_data_writer_discovery   |
 // | discovery, servers       | RemoteServerAttributes              | locators alone             |
 // | settings of the process  | XMLProfileManager                   | DomainParticipantFactory   |
-// | ChainingTransport::send  | one piece of bytes                  | a list of pieces           |
+// | ChainingTransport::send  | one buffer                          | a list of buffers          |
 //
 // | TopicDataType            | getKey, serialize(data, payload)    | compute_key, references,   |
-// |                          |                                     | a representation is said   |
+// |                          |                                     | representation as argument |
 // |                          | createData, deleteData              | create_data, delete_data   |
 // | Fast CDR (cdr.hpp)       | 1: getSerializedDataLength          | 2: get_.., CDR versions    |
 // | keys of a message        | message.serializeKey(cdr)           | serialize_key(cdr, ..)     |
 //
-// What is not here, and waits for a 3.x that can be built: names of generated files (*.hpp of
-// fastddsgen 4, whose enums are scoped), and CMake's package (fastdds instead of fastrtps).
+// Not hidden yet, until a 3.x can be built: names of generated files (*.hpp of fastddsgen 4, whose
+// enums are scoped), and CMake's package (fastdds instead of fastrtps).
 //
-// Small classes, and functions without state, for any thread; what needs more of the library is in
-// fastdds.cpp.
+// Small classes, and functions without state, for any thread; longer functions are in fastdds.cpp.
 #pragma once
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
@@ -90,7 +89,7 @@
 namespace fieldcast {
 
 namespace dds = eprosima::fastdds::dds;
-namespace rtps_transport = eprosima::fastdds::rtps;  // in 2.9 apart from the other types of RTPS
+namespace rtps_transport = eprosima::fastdds::rtps;  // in 2.9 separate from the other types of RTPS
 
 #if FASTDDS_VERSION_MAJOR >= 3
 
@@ -113,7 +112,6 @@ class ReturnCode_t {
   dds::ReturnCode_t code_;
 };
 
-// Whether a write was taken.
 [[nodiscard]] inline bool is_taken(dds::ReturnCode_t written) { return written == dds::RETCODE_OK; }
 
 #else
@@ -124,36 +122,36 @@ using DdsTime = eprosima::fastrtps::Time_t;
 using eprosima::fastrtps::c_TimeInfinite;
 using DiscoveryProtocol = rtps::DiscoveryProtocol_t;
 
-// Whether a write was taken.
 [[nodiscard]] inline bool is_taken(bool written) { return written; }
 
 #endif
 
 // ---- settings
 
-// Participants of one process talk through their transports like all others. Before the first one.
+// Makes participants of one process use their transports. Call it before the first participant is
+// created.
 void turn_off_intraprocess_delivery();
 
-// How a reliable writer repairs what was lost.
+// Times of a reliable writer for repeating lost messages.
 struct RepairTimes {
-  DdsDuration first_heartbeat;   // how long it waits
-  DdsDuration heartbeat_period;  // while something is not acknowledged
-  DdsDuration suppression;       // for so long after a message was sent nobody gets it again
+  DdsDuration first_heartbeat;   // delay of the first heartbeat
+  DdsDuration heartbeat_period;  // while a message is not acknowledged
+  DdsDuration suppression;       // time after a message in which it is not sent again
 };
 void set_repair_times(dds::DataWriterQos& qos, const RepairTimes& times);
 
-// The participant becomes a client of the server with this identity, 0..255, beside those that were
-// named before (`fast-discovery-server -i IDENTITY`).
+// Makes the participant a client of the server with this identity, 0..255 (`fast-discovery-server
+// -i IDENTITY`), in addition to servers that were set before.
 void join_discovery_server(dds::DomainParticipantQos& qos, const rtps::Locator_t& server,
                            unsigned identity);
 
 // ---- discovery
 
-// Of a participant that is a discovery server: its identity.
+// The identity of a discovery server; `std::nullopt` for other participants.
 [[nodiscard]] std::optional<unsigned> server_identity(const rtps::GuidPrefix_t& participant);
 
 struct FoundWriter {
-  bool gone = false;  // it was there, and is no more
+  bool gone = false;  // the writer was removed
   rtps::GUID_t guid;
   std::string topic;
   DdsDuration lifespan;
@@ -165,10 +163,10 @@ struct FoundParticipant {
   std::string user_data;
   bool gone = false;
   rtps::GuidPrefix_t prefix;
-  std::string subject;  // of its certificate, as it says itself; empty without DDS Security
+  std::string subject;  // of its certificate, as its token states; empty without DDS Security
 };
 
-// Told of others in the domain, on a thread of the library.
+// Receives discovery of other participants and writers, on a thread of the library.
 class DiscoveryListener : public dds::DomainParticipantListener {
  public:
   virtual void on_writer(const FoundWriter&) {}
@@ -219,8 +217,8 @@ class DiscoveryListener : public dds::DomainParticipantListener {
 
 // ---- types
 
-// A generated type with one form of the functions that classes of ours change. Unless they are
-// changed they do what was generated. Called by the library from any thread.
+// A generated type with one form of the functions that our classes override. By default they call
+// the generated code. The library calls them from any thread.
 template <class Generated>
 class AdaptedType : public Generated {
  public:
@@ -228,11 +226,12 @@ class AdaptedType : public Generated {
   using Handle = rtps::InstanceHandle_t;
   using Message = typename Generated::type;
 
-  // Messages that the library makes for itself: the one in which a reader looks for keys.
+  // Creates and deletes the messages that the library makes for itself, for example to find the
+  // keys in a reader.
   virtual void* new_message() { return new Message(); }
   virtual void delete_message(void* message) { delete static_cast<Message*>(message); }
 
-  // Bytes that the library allocates for a message: at first the longest that there can be.
+  // Bytes that the library first allocates for a message: by default the largest possible size.
   [[nodiscard]] std::uint32_t first_allocation() const {
     return const_cast<AdaptedType*>(this)->allocation();
   }
@@ -251,7 +250,7 @@ class AdaptedType : public Generated {
     return Generated::calculate_serialized_size(data, dds::XCDR_DATA_REPRESENTATION);
   }
   virtual bool key_of(const void* data, Handle& key, bool force_md5) {
-    Generated clean;  // the buffer of a used one holds bytes of the key before
+    Generated clean;  // the buffer of a used object holds bytes of an earlier key
     return clean.compute_key(data, key, force_md5);
   }
 
@@ -284,9 +283,9 @@ class AdaptedType : public Generated {
   virtual std::uint32_t size_of(const void* data) {
     return Generated::getSerializedSizeProvider(const_cast<void*>(data))();
   }
-  // The generated function works in members of the one object that all endpoints of a participant
-  // share, and does not clear its buffer: the padding between two strings holds bytes of the key
-  // before.
+  // The generated function uses members of the one object that all endpoints of a participant
+  // share, and does not clear its buffer: the padding between two strings would hold bytes of an
+  // earlier key.
   virtual bool key_of(const void* data, Handle& key, bool force_md5) {
     thread_local Generated worker;
     std::memset(worker.m_keyBuffer, 0,
@@ -312,18 +311,18 @@ class AdaptedType : public Generated {
 
 // ---- transport
 
-// One message on its way out.
+// A message to send.
 struct OutgoingMessage {
   using Deadline = std::chrono::steady_clock::time_point;
   using Locators = rtps_transport::LocatorsIterator;
 
   rtps::SenderResource* below;  // of the transport below
   std::span<const std::uint8_t> bytes;
-  Locators *begin, *end;  // its receivers; who walks them moves `begin`
+  Locators *begin, *end;  // its receivers; iteration moves `begin`
   Deadline deadline;
 };
 
-// One message that came. `above` takes it, on this thread.
+// A received message. `above` consumes it on this thread.
 struct IncomingMessage {
   rtps_transport::TransportReceiverInterface* above;
   std::span<const std::uint8_t> bytes;
@@ -335,12 +334,13 @@ struct IncomingMessage {
   }
 };
 
-// A transport over another one that sees every message before it is sent, and each that comes.
+// A transport above another transport that sees every message before it is sent, and every received
+// one.
 class PassingTransport : public rtps_transport::ChainingTransport {
  public:
   using ChainingTransport::ChainingTransport;
 
-  // Hands it to the transport below. Any thread.
+  // Sends the message through the transport below. Any thread.
   bool send_whole(const OutgoingMessage& message) {
     const std::lock_guard lock(mutex_);
     const auto length = static_cast<std::uint32_t>(message.bytes.size());
@@ -355,9 +355,9 @@ class PassingTransport : public rtps_transport::ChainingTransport {
   }
 
  protected:
-  // Sends it, as it is or changed, now or soon.
+  // Sends the message, unchanged or changed, now or soon.
   virtual bool on_message(const OutgoingMessage& message) = 0;
-  // Delivers it, or does not. On the thread of the transport below that received it.
+  // Delivers the message or drops it. Called on the thread of the transport below that received it.
   virtual void on_received(const IncomingMessage& message) { message.deliver(message.bytes); }
 
  private:
@@ -393,7 +393,7 @@ class PassingTransport : public rtps_transport::ChainingTransport {
     on_received({above, {bytes, size}, local, remote});
   }
 
-  std::mutex mutex_;  // of sending: the library's own lock is not held by who sends later
+  std::mutex mutex_;  // for sending: a thread that sends later does not hold the library's lock
 };
 
 }  // namespace fieldcast

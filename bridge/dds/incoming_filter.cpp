@@ -13,8 +13,8 @@ namespace {
 constexpr EntityBytes kHandshakeWriter{0x00, 0x02, 0x01, 0xc3};
 constexpr std::size_t kPrefixOffset = 8;
 
-// Nobody writes as many messages: numbers from here on are ours.
-constexpr std::uint32_t kOurNumbers = 0x40000000;  // the upper half
+// No writer sends that many messages, so numbers from here on are reserved for ours.
+constexpr std::uint32_t kOurNumbers = 0x40000000;
 
 std::uint32_t word_at(std::span<const std::uint8_t> bytes, std::size_t at, bool little) {
   std::uint32_t value = 0;
@@ -22,7 +22,7 @@ std::uint32_t word_at(std::span<const std::uint8_t> bytes, std::size_t at, bool 
   return value;
 }
 
-// Where the identities of reader and writer begin in a submessage; 0: it has none.
+// Offset of the reader and writer identities in a submessage; 0 if it has none.
 std::size_t entities_of(Submessage kind) {
   switch (kind) {
     case Submessage::kData:
@@ -74,7 +74,7 @@ bool may_be_in_clear(std::span<const std::uint8_t> message) {
       return false;
     }
     const std::size_t length = length_of(rest);
-    // RTPS 2.2, 9.4.5.1.3: the last one may say nothing of its length.
+    // RTPS 2.2, 9.4.5.1.3: the last submessage may have length 0.
     if (length == 0 && kind != Submessage::kPad && kind != Submessage::kInfoTs) break;
     at += kSubmessageHeader + (length + 3) / 4 * 4;
   }
@@ -110,7 +110,8 @@ bool IncomingFilter::takes(std::span<const std::uint8_t> message) {
   {
     const std::lock_guard lock(mutex_);
     if (refuses_ && is_refused(prefix)) return false;
-    if (participants_.size() >= kMaxParticipants) participants_.clear();  // who is here sends again
+    // present participants send again
+    if (participants_.size() >= kMaxParticipants) participants_.clear();
     participants_.insert(prefix);
   }
   const bool is_protected =
@@ -122,7 +123,7 @@ bool IncomingFilter::takes(std::span<const std::uint8_t> message) {
 }
 
 std::vector<IncomingFilter::Bytes> IncomingFilter::goodbyes() {
-  // A thread of a transport serves one participant, or one after the other.
+  // A transport thread serves one participant at a time.
   thread_local std::uint64_t of = 0;
   thread_local std::size_t told = 0;
   if (refused_participants_ == 0) return {};
@@ -142,8 +143,8 @@ IncomingFilter::Bytes IncomingFilter::goodbye_of_sender(std::span<const std::uin
   return is_refused(prefix) ? goodbye(prefix) : Bytes{};
 }
 
-// The library takes no lower number of a writer than the last one, and may_be_in_clear() none as
-// high as ours.
+// The library ignores numbers of a writer that are not above the last one, and may_be_in_clear()
+// rejects numbers as high as ours.
 IncomingFilter::Bytes IncomingFilter::goodbye(const Prefix& prefix) {
   return participant_gone(prefix, std::uint64_t{kOurNumbers} << 32 | ++goodbyes_);
 }

@@ -64,8 +64,8 @@ void InterestReceiver::refuse(const std::string& text) {
   if (refused == reported) on_problem_(text + "; refused so far: " + std::to_string(refused));
 }
 
-// The library holds as many instances as we do, and takes no more until one ends. Called under the
-// reader's lock: without ours.
+// The library holds as many instances as this object, and accepts no more until one ends. It calls
+// this function with the reader's lock held, so mutex_ is not locked.
 void InterestReceiver::on_sample_rejected(dds::DataReader*, const dds::SampleRejectedStatus&) {
   refuse("interests are refused: stations declare more than the " + std::to_string(kMaxInterests) +
          " that a bridge holds");
@@ -78,8 +78,8 @@ void InterestReceiver::on_subscription_matched(dds::DataReader*,
   if (status.current_count_change > 0) return_of(status.last_publication_handle);
 }
 
-// A station that dies, or leaves without withdrawing: the library delivers no note for its
-// instances.
+// Handles a station that crashes or leaves without withdrawing: the library delivers no unregister
+// message for its instances.
 void InterestReceiver::end_of(const dds::InstanceHandle_t& writer) {
   for (auto one = known_.begin(); one != known_.end();) {
     if (one->second.writer != writer) {

@@ -1,9 +1,10 @@
-// Receives Interest: what stations are interested in, and when that ends: withdrawn, or the station
-// is dead. Calls come on DDS threads.
+// Receives Interest: the channels that stations are interested in, and the end of an interest when
+// it is withdrawn or the station crashes. Handlers are called on DDS threads.
 //
-// Any vendor's default QoS shall match, so the reader asks for no lease. But then the library tells
-// of a dead writer only when its whole participant is given up. A second reader asks for the lease
-// that our stations promise: it takes no samples, and learns which of their writers are alive.
+// The default QoS of any vendor must match, so the reader requests no lease. But then the library
+// reports a dead writer only when its whole participant is removed. A second reader requests the
+// lease that our stations offer: it reads no samples, and only learns which of their writers are
+// alive.
 #pragma once
 
 #include <atomic>
@@ -18,11 +19,11 @@ namespace fieldcast {
 
 class InterestReceiver : private dds::DataReaderListener {
  public:
-  // `on_problem` is called for interests that are refused: the first, the tenth, the hundredth, and
-  // so on, whatever a station sends.
+  // `on_problem` is called for refused interests: for the first, the tenth, the hundredth and so
+  // on, so that a station cannot flood the log.
   InterestReceiver(Domain& domain, std::function<void(Interest)> handler,
                    std::function<void(std::string)> on_problem);
-  void close();  // nothing is handed on after it returns
+  void close();  // no handler is called after it returns
 
  private:
   void on_data_available(dds::DataReader* reader) override;
@@ -42,7 +43,7 @@ class InterestReceiver : private dds::DataReaderListener {
   struct Known {
     Interest interest;
     dds::InstanceHandle_t writer;
-    bool silent = false;  // its writer is not alive; the interest is back when the writer is
+    bool silent = false;  // its writer is not alive; the interest is restored with the writer
   };
 
   Domain& domain_;
@@ -51,8 +52,8 @@ class InterestReceiver : private dds::DataReaderListener {
   std::atomic<std::uint64_t> refused_{0};
   dds::DataReader* reader_ = nullptr;
   dds::DataReader* lease_reader_ = nullptr;
-  std::mutex mutex_;  // the reader is called on any of the participant's threads
-  // The end of an interest comes without its names; at most kMaxInterests.
+  std::mutex mutex_;  // the reader may be called on any thread of the participant
+  // Needed because the end of an interest arrives without its names; at most kMaxInterests.
   std::map<dds::InstanceHandle_t, Known> known_;
   LostInstances<Interest> lost_{static_cast<std::size_t>(kMaxInterests)};
 };

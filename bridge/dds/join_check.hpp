@@ -1,6 +1,5 @@
-// What is wrong, or will be soon, with the configuration by which a program joins its domain, as
-// far as it is seen before it joins: its identity, and what the library does not stand. For
-// --check, the start and a reload. Any thread.
+// Checks the DDS configuration of a program before it joins its domain: its identity and settings
+// that Fast DDS cannot handle. Used by --check, the start and a reload. Any thread.
 #pragma once
 
 #include <string>
@@ -14,17 +13,17 @@ namespace fieldcast {
 struct JoinRemark {
   std::string of;    // "security" or "dds"
   std::string text;  // human-readable, with the remedy
-  std::string key;   // of `dds:` in the configuration, to which it belongs
+  std::string key;   // of `dds:` in the configuration, to which the remark belongs
 };
-[[nodiscard]] std::string to_text(const JoinRemark& remark);  // "security: .."
+[[nodiscard]] std::string to_text(const JoinRemark& remark);
 
 struct JoinCheck {
-  std::vector<JoinRemark> faults;    // it cannot join, or will not be let in
-  std::vector<JoinRemark> warnings;  // it will soon not be let in
+  std::vector<JoinRemark> faults;    // the program cannot join, or other members will refuse it
+  std::vector<JoinRemark> warnings;  // other members will soon refuse it
 };
-// `bridge`: the name of the bridge; empty for other programs. A bridge needs the identity of a
-// bridge of its name, since others ignore its claims on buses without it (bridge_presence.hpp). All
-// other programs need another identity.
+// `bridge` is the name of the bridge; empty for other programs. A bridge needs the identity of a
+// bridge of its name, because other bridges ignore its claims on buses otherwise
+// (bridge_presence.hpp). All other programs need an identity of another role.
 [[nodiscard]] JoinCheck check_joining(const DdsSpec& spec, const std::string& bridge, UtcTime now);
 
 }  // namespace fieldcast

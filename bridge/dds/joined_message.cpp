@@ -11,14 +11,14 @@ namespace fieldcast {
 
 namespace {
 
-// To every participant again (RTPS 2.2, 9.4.5.8, with GUIDPREFIX_UNKNOWN).
+// Resets the destination to every participant (RTPS 2.2, 9.4.5.8, with GUIDPREFIX_UNKNOWN).
 constexpr std::array<std::uint8_t, 16> kToAll = {static_cast<std::uint8_t>(Submessage::kInfoDst),
                                                  kOwnOrder, kOwnOrder == kLittleEndianFlag ? 12 : 0,
                                                  kOwnOrder == kLittleEndianFlag ? 0 : 12};
 
-// What a message holds behind its header.
+// The content of a message after its header.
 struct Content {
-  std::size_t end = kMessageHeader;  // of what is not statistics
+  std::size_t end = kMessageHeader;  // of the part before the statistics
   std::optional<Submessage> first;
   bool directed = false;
 };
@@ -29,7 +29,7 @@ std::uint16_t length_at(std::span<const std::uint8_t> message, std::size_t begin
   return length;
 }
 
-// Nothing for a message that cannot stand behind another one.
+// Returns `std::nullopt` for a message that cannot be appended to another message.
 std::optional<Content> content_of(std::span<const std::uint8_t> message) {
   if (message.size() < kMessageHeader || std::memcmp(message.data(), "RTPS", 4) != 0)
     return std::nullopt;
@@ -40,7 +40,8 @@ std::optional<Content> content_of(std::span<const std::uint8_t> message) {
     const auto kind = static_cast<Submessage>(message[begin]);
     const std::uint16_t length = length_at(message, begin);
     const std::size_t end = begin + kSubmessageHeader + length;
-    // A length of 0 may mean "to the end", and each begins at a multiple of 4 (9.4.1, 9.4.5.1.3).
+    // A length of 0 may mean "to the end", and each submessage begins at a multiple of 4 (9.4.1,
+    // 9.4.5.1.3).
     if ((message[begin + 1] & kLittleEndianFlag) != kOwnOrder || length == 0 || length % 4 != 0 ||
         end > message.size())
       return std::nullopt;
@@ -48,7 +49,7 @@ std::optional<Content> content_of(std::span<const std::uint8_t> message) {
       case Submessage::kInfoTs: timed = true; break;
       case Submessage::kInfoDst: content.directed = true; break;
       case Submessage::kData:
-        if (!timed) return std::nullopt;  // it would take the time of the one before
+        if (!timed) return std::nullopt;  // it would get the timestamp of the message before it
         break;
       case Submessage::kPad:
       case Submessage::kHeartbeat:

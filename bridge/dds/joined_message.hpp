@@ -1,6 +1,6 @@
-// Several RTPS messages of one sender as one: the header once, then the submessages of each in
-// their order (RTPS 2.2, 8.3.4: a message is a header and any number of submessages, and what one
-// of them sets, as INFO_DST does, holds for those behind it). Pure; one owner.
+// Joins several RTPS messages of one sender into one: the header once, then the submessages of each
+// in their order. RTPS 2.2, 8.3.4: a message is a header and any number of submessages, and a state
+// that one sets, as INFO_DST does, holds for the following ones. Pure; one owner.
 #pragma once
 
 #include <cstddef>
@@ -12,11 +12,10 @@ namespace fieldcast {
 
 class JoinedMessage {
  public:
-  // Bytes of the whole.
   explicit JoinedMessage(std::size_t most_bytes) : most_bytes_(most_bytes) {}
 
-  // False, and nothing changes: it would become too long, comes from another sender, or is no
-  // message whose submessages keep their meaning behind others.
+  // Returns false, without a change, if the result would be too long, the sender differs, or the
+  // message cannot follow others without a change of meaning.
   [[nodiscard]] bool append(std::span<const std::uint8_t> message);
 
   [[nodiscard]] bool empty() const { return bytes_.empty(); }
@@ -27,7 +26,7 @@ class JoinedMessage {
  private:
   std::size_t most_bytes_;
   std::vector<std::uint8_t> bytes_;
-  std::vector<std::uint8_t> tail_;  // the statistics of the library, which must come last
+  std::vector<std::uint8_t> tail_;  // the library's statistics submessage, which must be last
   bool directed_ = false;           // an INFO_DST is in force at the end
 };
 

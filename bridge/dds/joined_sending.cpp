@@ -12,7 +12,7 @@ namespace {
 
 thread_local JoinedSending* of_thread = nullptr;
 
-// The library's statistics count its own messages.
+// Messages are not joined if statistics are on, because the library counts its own messages.
 bool wants_statistics() {
   // NOLINTNEXTLINE(concurrency-mt-unsafe): nothing sets the environment
   static const bool wanted = std::getenv("FASTDDS_STATISTICS") != nullptr;
@@ -54,7 +54,7 @@ bool JoinedSending::send(PassingTransport& transport, const OutgoingMessage& mes
 void JoinedSending::let_go(Kept& kept) {
   if (kept.message.empty()) return;
   rtps_transport::Locators begin(kept.to.begin()), end(kept.to.end());
-  // Nobody can be told of a failure; the writers repeat what was not acknowledged.
+  // A failure cannot be reported here; the writers repeat unacknowledged messages.
   (void)kept.transport->send_whole({kept.below, kept.message.whole(), &begin, &end, kept.deadline});
   kept.message.clear();
 }

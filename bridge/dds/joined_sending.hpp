@@ -1,10 +1,10 @@
-// While one lives, what its thread sends leaves together: messages for the same receivers become
-// one, across writers, up to a bound. A block of samples one by one is then some datagrams instead
-// of one for each sample.
+// While an object of this class exists, the messages that its thread sends are joined: messages for
+// the same receivers become one, across writers, up to a size limit. A series of single samples is
+// then sent as a few datagrams instead of one for each sample.
 //
-// Other threads send as they always do; their heartbeats may name samples that are still kept
-// here, which at worst are sent twice. So it must live shortly, and nothing may wait for
-// acknowledgements meanwhile. One for each thread at a time.
+// Other threads send as usual. Their heartbeats may name samples that are still kept here, which
+// are sent twice at worst. So the object must live only briefly, and the thread must not wait for
+// acknowledgements meanwhile. At most one object for each thread at a time.
 #pragma once
 
 #include <cstddef>
@@ -19,15 +19,15 @@ namespace fieldcast {
 class JoinedSending {
  public:
   explicit JoinedSending(std::size_t most_bytes);
-  ~JoinedSending();  // what is kept leaves
+  ~JoinedSending();  // sends the kept messages
   JoinedSending(const JoinedSending&) = delete;
   JoinedSending& operator=(const JoinedSending&) = delete;
 
-  // Null: this thread sends each message by itself.
+  // Null if this thread sends each message individually.
   static JoinedSending* of_this_thread();
 
-  // Keeps the message; one that cannot be joined leaves at once, behind what is kept for the same
-  // receivers. False if that failed.
+  // Keeps the message. A message that cannot be joined is sent immediately, after the kept messages
+  // for the same receivers. Returns false if that fails.
   bool send(PassingTransport& transport, const OutgoingMessage& message);
 
  private:

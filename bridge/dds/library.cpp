@@ -17,8 +17,9 @@ namespace {
 
 using dds::Log;
 
-// Said when an instance with a deadline is unregistered (Fast DDS 2.9.1, DataWriterImpl): the timer
-// it then looks for is meant to be gone. Every channel that moves to another writer would print it.
+// Fast DDS 2.9.1 prints this when an instance with a deadline is unregistered (DataWriterImpl),
+// because the timer has already been removed as intended. Every channel that moves to another
+// writer would print it.
 constexpr std::string_view kHarmless = "Could not set the next deadline in the history";
 
 std::atomic<LibraryLines> elsewhere{nullptr};
@@ -50,8 +51,7 @@ void prepare_library() {
     guard_encoding();
     Log::ClearConsumers();
     Log::RegisterConsumer(std::make_unique<PlainLines>());
-    // The library's own view of a problem in the field: warnings, beside the errors that are always
-    // shown.
+    // For diagnosis in the field: adds the library's warnings to its errors.
     // NOLINTNEXTLINE(concurrency-mt-unsafe): nothing sets the environment
     if (std::getenv("FIELDCAST_DDS_WARNINGS") != nullptr) Log::SetVerbosity(Log::Warning);
     turn_off_intraprocess_delivery();

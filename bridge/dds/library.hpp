@@ -1,24 +1,24 @@
-// Settings of Fast DDS that hold for the whole process, made before the first participant.
+// Settings of Fast DDS for the whole process, made before the first participant is created.
 #pragma once
 
 #include <string_view>
 
 namespace fieldcast {
 
-// Any thread, any number of times.
-//  - Participants of one process use their transports like all others. The library's short cut
-//    inside a process skips the reliable protocol, and loses what is written before both ends have
-//    matched.
-//  - The library's messages go to standard error, one plain line each. By default they are coloured
-//    and go to standard output, among our JSON lines.
+// May be called from any thread, any number of times.
+// - Participants of one process use their transports. The library's shortcut inside a process skips
+//   the reliable protocol and loses messages that are written before both ends have matched.
+// - The library's messages go to standard error, one plain line each. By default they are coloured
+//   and go to standard output, between our JSON lines.
 void prepare_library();
 
-// Where the library's messages go instead, from any of its threads: a daemon must not wait for the
-// reader of its standard error. `kind` is the library's name for its part that gives the message.
+// Redirects the library's messages; `lines` is called from any of its threads. A daemon must not
+// wait for the reader of its standard error. `kind` is the library's name for the component that
+// logs the message.
 using LibraryLines = void (*)(bool error, std::string_view kind, std::string_view text);
 void set_library_lines(LibraryLines lines);
 
-// What we have to say about DDS Security goes the same way, with this kind.
+// Our messages about DDS Security use the same function, with this kind.
 inline constexpr std::string_view kSecurityLine = "security";
 void say_security(bool error, std::string_view text);
 

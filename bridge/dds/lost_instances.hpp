@@ -1,11 +1,11 @@
-// What a reader had of writers that were lost. Fast DDS 2.9.1 gives each message of a writer once:
-// a writer that was lost for longer than its participant's lease, and returns, is asked only for
-// what it wrote since (RTPSReader::remove_persistence_guid keeps the number of the last message). A
-// reader that forgets the instances of a lost writer keeps them here, and takes them back when the
-// writer returns.
+// Samples of writers that were lost. Fast DDS 2.9.1 delivers each message of a writer once. If a
+// writer is lost for longer than its participant's lease and returns, the library requests only
+// messages written since (RTPSReader::remove_persistence_guid keeps the number of the last
+// message). A reader stores the instances of a lost writer here and restores them when the writer
+// returns.
 //
-// A writer that ended never returns: those that were lost first make room. No thread and no lock of
-// its own.
+// A writer that has ended never returns, so the entries of the writers lost first are dropped when
+// the limit is reached. Not thread-safe.
 #pragma once
 
 #include <deque>
@@ -21,7 +21,7 @@ class LostInstances {
  public:
   using Handle = dds::InstanceHandle_t;
 
-  // `most`: instances of all writers together.
+  // `most` bounds the instances of all writers together.
   explicit LostInstances(std::size_t most) : most_(most) {}
 
   void keep(const Handle& writer, const Handle& instance, Kept kept) {
@@ -30,7 +30,7 @@ class LostInstances {
     size_ += of->second.insert_or_assign(instance, std::move(kept)).second;
     while (size_ > most_) drop(order_.front());
   }
-  // By instance, and no longer here.
+  // Removes and returns the instances of a writer.
   [[nodiscard]] std::map<Handle, Kept> take(const Handle& writer) {
     const auto of = writers_.find(writer);
     if (of == writers_.end()) return {};
@@ -40,7 +40,7 @@ class LostInstances {
     drop(writer);
     return kept;
   }
-  // The library gave a later message of this instance, or the note of its end.
+  // Call it when the library delivers a later message of this instance, or its end.
   void forget(const Handle& writer, const Handle& instance) {
     const auto of = writers_.find(writer);
     if (of != writers_.end()) size_ -= of->second.erase(instance);
@@ -48,7 +48,7 @@ class LostInstances {
   [[nodiscard]] std::size_t size() const { return size_; }
 
  private:
-  void drop(const Handle writer) {  // a copy: it may stand in order_
+  void drop(const Handle writer) {  // a copy: the argument may be an element of order_
     const auto of = writers_.find(writer);
     size_ -= of->second.size();
     writers_.erase(of);
@@ -58,7 +58,7 @@ class LostInstances {
   const std::size_t most_;
   std::size_t size_ = 0;
   std::map<Handle, std::map<Handle, Kept>> writers_;
-  std::deque<Handle> order_;  // of writers_: the one that was lost first stands first
+  std::deque<Handle> order_;  // of writers_: the writer lost first is at the front
 };
 
 }  // namespace fieldcast

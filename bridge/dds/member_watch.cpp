@@ -11,7 +11,7 @@
 namespace fieldcast {
 namespace {
 
-// Empty: it cannot be read.
+// Empty if the file cannot be read.
 std::string identity_in(const std::string& folder) {
   try {
     return security::read_file(folder + '/' + std::string(security::kIdentity));
@@ -55,7 +55,8 @@ bool MemberWatch::has_new_identity() const {
          security::check_member(folder_, utc_now()).faults.empty();
 }
 
-// Said once the files have come to rest.
+// Reports a renewed certificate when two successive checks have seen it, because files may still be
+// copied.
 void MemberWatch::look_at_identity() {
   if (renewed_ >= 2) return;
   renewed_ = has_new_identity() ? renewed_ + 1 : 0;
@@ -66,7 +67,8 @@ void MemberWatch::look_at_identity() {
   }
 }
 
-// The first, the tenth, the hundredth, whatever an outsider sends.
+// Reports the first, the tenth, the hundredth message and so on, so that an outsider cannot flood
+// the log.
 void MemberWatch::look_at_refused() {
   const std::uint64_t refused = filter_->refused_in_clear();
   if (refused < say_refused_) return;
@@ -91,7 +93,7 @@ void MemberWatch::read_list() {
     }
     wrong_ = 0;
   } catch (const security::SecurityError& error) {
-    // A file that is being copied is whole the next time.
+    // A file that is being copied is complete at the next check.
     if (++wrong_ == 2)
       say_security(true, folder_ + ": " + error.what() + "; the list before it holds");
   }

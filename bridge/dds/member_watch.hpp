@@ -1,10 +1,10 @@
-// Looks after the folder of a member while its participant is in the domain: a list of revoked
-// certificates that comes later holds at once, without a new start. A renewed certificate is said:
-// Fast DDS 2.9.1 reads it when a participant is made.
+// Watches the folder of a member while its participant is in the domain. A new list of revoked
+// certificates takes effect immediately, without a restart. A renewed certificate is only reported,
+// because Fast DDS 2.9.1 reads it when a participant is created.
 //
-// Owns a thread, "members", that looks at the files each kPeriod. Who was refused once stays so
-// until the process ends, whatever the folder says then. A list that is not signed by the authority
-// is left alone, and said.
+// Owns a thread, "members", that checks the files every kPeriod. A refused participant stays
+// refused until the process ends, even if the list changes. A list that the authority has not
+// signed is ignored and reported.
 #pragma once
 
 #include <chrono>
@@ -29,7 +29,8 @@ class MemberWatch {
   MemberWatch(const MemberWatch&) = delete;
   MemberWatch& operator=(const MemberWatch&) = delete;
 
-  // The folder has another certificate than when this was made, and is in order. Any thread.
+  // Returns true if the folder has a valid certificate other than the one at construction. Any
+  // thread.
   [[nodiscard]] bool has_new_identity() const;
 
  private:
@@ -40,16 +41,16 @@ class MemberWatch {
 
   const std::string folder_;
   const std::shared_ptr<IncomingFilter> filter_;
-  const std::string identity_;     // the certificate
-  std::uint64_t say_refused_ = 1;  // messages in clear, from so many on
-  std::uint32_t renewed_ = 0;      // how many times running there was another one
-  std::string list_;               // the last one that was good
-  std::uint32_t wrong_ = 0;        // how many times running the file was not good
-  std::set<std::string> refused_;  // common names
+  const std::string identity_;
+  std::uint64_t say_refused_ = 1;  // next count of messages in clear to report
+  std::uint32_t renewed_ = 0;      // successive checks that saw another certificate
+  std::string list_;               // the last valid one
+  std::uint32_t wrong_ = 0;        // successive checks that saw an invalid file
+  std::set<std::string> refused_;
   std::mutex mutex_;
   std::condition_variable changed_;
   bool ends_ = false;
-  std::thread thread_;  // last: it uses what is above
+  std::thread thread_;  // last member: it uses the members above
 };
 
 }  // namespace fieldcast

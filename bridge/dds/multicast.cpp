@@ -19,7 +19,7 @@ namespace {
 
 constexpr const char* kGroup = "239.255.0.1";  // of every domain (RTPS 2.2, 9.6.1.4.1)
 
-// Of the interface with the address, IFF_..; nothing: none has it.
+// The IFF_.. flags of the interface with the address; `std::nullopt` if there is none.
 std::optional<unsigned> flags_of(const in_addr& address) {
   ifaddrs* list = nullptr;
   if (getifaddrs(&list) != 0) return std::nullopt;

@@ -1,6 +1,6 @@
-// Whether participants can find each other by multicast, as DDS does unless a discovery server is
-// named. Fast DDS says nothing when a group cannot be joined: the bridge runs, and nobody finds it.
-// Any thread; nothing of it waits or throws.
+// Checks whether participants can find each other by multicast, which DDS uses unless a discovery
+// server is configured. Fast DDS does not report a group that cannot be joined: the bridge runs,
+// but is not found. Any thread; the functions do not wait or throw.
 #pragma once
 
 #include <optional>
@@ -11,15 +11,16 @@
 
 namespace fieldcast {
 
-// Why a socket of this process gets no multicast on the interface with this IPv4 address; nothing:
-// it gets it, or no interface has the address.
+// Reason why a socket of this process receives no multicast on the interface with this IPv4
+// address. `std::nullopt` if it does, or if no interface has the address.
 [[nodiscard]] std::optional<std::string> multicast_fault(const std::string& address);
 
-// What is to be told of this process in the domain: one line with the remedy. With a discovery
-// server multicast is not needed; a profile's transports are the user's business.
+// A one-line warning for this process, with the remedy. Multicast is not needed with a discovery
+// server; transports of a profile are not checked.
 [[nodiscard]] std::optional<std::string> multicast_remark(const DdsSpec& spec);
 
-// The same of discovery servers that do not answer; nothing: none of `named` is `missing`.
+// A one-line warning for discovery servers that do not respond; `std::nullopt` if none of `named`
+// is `missing`.
 [[nodiscard]] std::optional<std::string> servers_remark(const std::vector<std::string>& named,
                                                         const std::vector<std::string>& missing);
 

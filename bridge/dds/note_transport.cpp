@@ -41,7 +41,7 @@ class NoteTransport : public PassingTransport {
 
  protected:
   void on_received(const IncomingMessage& received) override {
-    thread_local DatagramGuard::Bytes scratch;  // at most one datagram, and room behind it
+    thread_local DatagramGuard::Bytes scratch;  // at most one datagram, and space after it
     DatagramGuard::Address from{};
     std::copy_n(received.remote.address, from.size(), from.begin());
     const auto verdict = descriptor_.guard->check(received.bytes, from, scratch);

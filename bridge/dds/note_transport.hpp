@@ -1,9 +1,12 @@
-// A transport over another one that turns marked messages into notes of unregistered instances
-// (unregister_note.hpp) as they leave, and joins what belongs together (joined_sending.hpp).
-// Everything else is sent unchanged. Each received datagram passes the guard (transport/) before
-// the library reads it, and with DDS Security an IncomingFilter;
-// with discovery servers, the library is told of those that started anew, and what it announces to
-// them gets another number (participant_number.hpp).
+// A transport above another transport that changes RTPS messages:
+// - It turns marked messages into unregister messages (unregister_note.hpp) when they are sent.
+// - It joins messages that are sent together (joined_sending.hpp).
+// - It passes each received datagram to the guard (transport/) before the library reads it, and
+//   with DDS Security to an IncomingFilter.
+// - With discovery servers, it notifies the library of restarted servers, and changes the number of
+//   its announcements to them (participant_number.hpp).
+//
+// All other messages are sent unchanged.
 #pragma once
 
 #include <memory>
@@ -16,7 +19,7 @@
 namespace fieldcast {
 
 struct NoteTransportDescriptor : rtps_transport::ChainingTransportDescriptor {
-  // `what_is_taken`: null without DDS Security. `of_servers`: null without discovery servers.
+  // `what_is_taken` is null without DDS Security, `of_servers` without discovery servers.
   NoteTransportDescriptor(std::shared_ptr<rtps_transport::TransportDescriptorInterface> below,
                           std::shared_ptr<SharedGuard> of_datagrams,
                           std::shared_ptr<IncomingFilter> what_is_taken,
@@ -25,7 +28,7 @@ struct NoteTransportDescriptor : rtps_transport::ChainingTransportDescriptor {
         guard(std::move(of_datagrams)),
         filter(std::move(what_is_taken)),
         restarts(std::move(of_servers)) {}
-  // The library's; the caller owns it.
+  // The caller (the library) owns the result.
   [[nodiscard]] rtps_transport::TransportInterface* create_transport() const override;
 
   std::shared_ptr<SharedGuard> guard;

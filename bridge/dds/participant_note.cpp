@@ -20,7 +20,7 @@ class NoteBytes {
   void add(const std::array<std::uint8_t, size>& more) {
     bytes_.insert(bytes_.end(), more.begin(), more.end());
   }
-  void add_number(std::uint64_t number) {  // RTPS 2.2, 9.3.2: the upper half comes first
+  void add_number(std::uint64_t number) {  // RTPS 2.2, 9.3.2: the upper half is first
     add_little(static_cast<std::uint32_t>(number >> 32));
     add_little(static_cast<std::uint32_t>(number));
   }
@@ -34,14 +34,14 @@ class NoteBytes {
 };
 
 constexpr std::uint8_t kHasKeys = 2, kWantsNoAnswer = 2;
-constexpr std::uint32_t kOurCount = 0x7fffffff;  // no writer has sent as many
+constexpr std::uint32_t kOurCount = 0x7fffffff;  // higher than the count of any writer
 
 void add_heartbeat(NoteBytes& message, std::uint64_t number) {
   message.add({static_cast<std::uint8_t>(Submessage::kHeartbeat),
                kLittleEndianFlag | kWantsNoAnswer, 28, 0});
   message.add(kParticipantReader);
   message.add(kParticipantWriter);
-  message.add_number(number);  // the first that it has, and the last
+  message.add_number(number);  // the first number that it has, and the last
   message.add_number(number);
   message.add_little(kOurCount);
 }

@@ -13,14 +13,14 @@ namespace {
 using Span = std::span<const std::uint8_t>;
 
 // RTPS 2.2, 9.4.5.3: 15 flags length | extra(2) to-parameters(2) reader(4) writer(4) number(8),
-// parameters: id(2) length(2) value.. A number has its upper half first.
+// parameters: id(2) length(2) value.. The upper half of a number is first.
 constexpr std::size_t kPrefix = 8, kPrefixSize = 12, kWriter = kSubmessageHeader + 8;
 constexpr std::size_t kParameters = kWriter + 12, kIdAndLength = 4;
 constexpr std::uint8_t kHasParameters = 2;
-// A parameter of the library: the writer(16) that wrote this at first, and the number(8) there.
+// A parameter of the library: the writer(16) that first wrote this, and its number(8) there.
 constexpr std::uint16_t kSampleIdentity = 0x800f, kLastParameter = 1;
 constexpr std::size_t kNumberInIdentity = 16, kIdentitySize = 24;
-// No server comes to 2^32 messages.
+// A server never sends 2^32 messages.
 constexpr std::uint32_t kUpperHalf = 1;
 
 std::uint16_t short_at(Span bytes, std::size_t at) {
@@ -29,8 +29,8 @@ std::uint16_t short_at(Span bytes, std::size_t at) {
   return value;
 }
 
-// Where the number stands in one submessage; 0: it is no announcement by `prefix`, or not in the
-// order in which the library writes.
+// Offset of the number in a submessage. Returns 0 if it is not an announcement by `prefix`, or not
+// in the byte order in which the library writes.
 std::size_t number_in(Span part, Span prefix) {
   if (part.size() < kParameters || (part[1] & kHasParameters) == 0 ||
       (part[1] & kLittleEndianFlag) != kOwnOrder ||

@@ -15,8 +15,7 @@ std::optional<std::uint32_t> granted_receive_buffer(std::uint32_t asked) {
   if (setsockopt(socket.get(), SOL_SOCKET, SO_RCVBUF, &wanted, sizeof wanted) != 0 ||
       getsockopt(socket.get(), SOL_SOCKET, SO_RCVBUF, &granted, &size) != 0)
     return std::nullopt;
-  return static_cast<std::uint32_t>(granted) /
-         2;  // Linux counts its own overhead as the other half
+  return static_cast<std::uint32_t>(granted) / 2;  // Linux uses the other half for its own overhead
 }
 
 std::optional<std::string> receive_buffer_remark(std::optional<std::uint32_t> granted,

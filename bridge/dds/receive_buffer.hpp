@@ -1,6 +1,6 @@
-// How much the kernel holds of what comes by UDP until it is read. Domain asks for kReceiveBuffer;
-// the kernel gives no more than net.core.rmem_max and says nothing. What does not fit is lost, sent
-// again, and holds up what came after it. Any thread.
+// Size of the kernel's receive buffer for UDP. Domain requests kReceiveBuffer; the kernel grants at
+// most net.core.rmem_max, without an error. Datagrams that do not fit are lost and repeated, and
+// delay later ones. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -11,19 +11,19 @@
 
 namespace fieldcast {
 
-// Bytes for each socket. A datagram costs about 800 there: the usual 200 KiB are full after 270
-// samples, and a bridge of 32 buses publishes bursts beyond that.
+// Bytes for each socket. A datagram needs about 800 bytes there: the usual 200 KiB are full after
+// 270 samples, and a bridge of 32 buses publishes larger bursts.
 inline constexpr std::uint32_t kReceiveBuffer = 1 << 20;
 
-// What a socket of this process gets of so many bytes. Nothing: it cannot be found out.
+// Bytes that a socket of this process is granted. `std::nullopt` if that cannot be determined.
 [[nodiscard]] std::optional<std::uint32_t> granted_receive_buffer(
     std::uint32_t asked = kReceiveBuffer);
 
-// What is to be told where less was granted than asked: one line with the remedy. Pure.
+// A one-line warning with the remedy if less was granted than requested. Pure.
 [[nodiscard]] std::optional<std::string> receive_buffer_remark(
     std::optional<std::uint32_t> granted, std::uint32_t asked = kReceiveBuffer);
 
-// The same for this process in the domain. A profile's transports are the user's business.
+// The warning for this process and configuration. Transports of a profile are not checked.
 [[nodiscard]] std::optional<std::string> receive_buffer_remark(const DdsSpec& spec);
 
 }  // namespace fieldcast

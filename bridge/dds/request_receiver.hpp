@@ -1,5 +1,5 @@
-// Receives what is asked of a bridge, Command or AlarmAction: finds out who asks, whether it was
-// for this bridge and when it expires, and hands it on as it came. Calls come on DDS threads.
+// Receives `Command` and `AlarmAction`: authenticates the requester, checks the target bridge and
+// the expiry, and forwards the request unchanged. Handlers are called on DDS threads.
 #pragma once
 
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
@@ -13,15 +13,15 @@
 
 namespace fieldcast {
 
-// What a receiver listens to: all that comes without a partition (nothing), or what members write
-// who are held to a bus. They write for no other bus: Domain::reader_of_bus().
+// The bus that senders are restricted to; `std::nullopt` for requests without a partition. Members
+// restricted to a bus cannot write for other buses: Domain::reader_of_bus().
 using HeldTo = std::optional<std::string>;
 
 struct RequestTerms {
-  std::string subject;  // who asks, by DDS Security; "" without it
-  Instant expires;      // it may have passed already
+  std::string subject;  // of the requester, by DDS Security; "" without it
+  Instant expires;      // may have passed already
   UtcMapping now;
-  std::string late;  // why it has expired already; empty if it has not
+  std::string late;  // reason why it has expired; empty if it has not
 };
 
 template <class Message>
@@ -30,11 +30,10 @@ struct RequestHandlers {
   // Requests for other buses belong to other bridges.
   std::function<bool(const std::string& bus)> is_ours;
   std::function<void(const Message& message, RequestTerms terms)> accepted;
-  // It was written before this receiver began to listen.
+  // Called for a request that was written before this receiver began to listen.
   std::function<void(const Message& message, const MalformedCommand& why)> refused;
   // Called before accepted() or refused().
   std::function<void(const std::string& requester, const RequestWriters::Guid& writer)> received;
-  // For the log: a request was dropped.
   std::function<void(std::string text)> on_problem;
 };
 
@@ -53,13 +52,13 @@ class RequestReceiver : private dds::DataReaderListener {
     reader_ =
         bus_ ? domain.reader_of_bus(*bus_, topic, this, mask) : domain.reader(topic, this, mask);
   }
-  void close() { domain_.remove(reader_); }  // nothing is handed on after it returns
+  void close() { domain_.remove(reader_); }  // no handler is called after it returns
 
  private:
   void on_data_available(dds::DataReader* reader) override {
     Message message;
     dds::SampleInfo info;
-    // Also takes the notes that an instance was let go, which frees it here.
+    // Also takes unregister messages, which frees their instances in the reader.
     while (reader->take_next_sample(&message, &info) == ReturnCode_t::RETCODE_OK) {
       if (info.valid_data) take(message, info);
     }
@@ -93,7 +92,7 @@ class RequestReceiver : private dds::DataReaderListener {
   const RequestWriters& writers_;
   const RequestHandlers<Message> handlers_;
   const HeldTo bus_;
-  const Instant listening_;  // since when
+  const Instant listening_;  // when it began to listen
   dds::DataReader* reader_ = nullptr;
 };
 

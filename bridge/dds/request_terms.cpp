@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::int64_t kLongestAge = std::int64_t{1} << 60;  // nanoseconds, 36 years
 
-// By the wall clocks of both machines, never negative. Ages beyond kLongestAge count as
-// kLongestAge, which keeps sums in range.
+// Age by the wall clocks of both machines, never negative. Ages above kLongestAge count as
+// kLongestAge, which prevents overflow of sums.
 Duration age_of(UtcTime source, const UtcMapping& now) {
   std::int64_t age = 0;
   if (source.nanoseconds <= 0 ||

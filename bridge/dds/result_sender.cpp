@@ -12,8 +12,8 @@ namespace fieldcast {
 
 namespace {
 
-// RTPS 2.2, 9.3.1.5: a participant's identity begins with its vendor. Readers of Fast DDS keep what
-// comes before the first heartbeat.
+// RTPS 2.2, 9.3.1.5: a participant's identity begins with its vendor. Readers of Fast DDS keep
+// messages that arrive before the first heartbeat.
 bool is_fast_dds(const ResultSender::GuidPrefix& participant) {
   const auto& vendor = rtps::c_VendorId_eProsima;
   return participant.value[0] == vendor[0] && participant.value[1] == vendor[1];
@@ -165,7 +165,7 @@ void ResultSender::close(Duration linger) {
     changed_.notify_one();
   }
   thread_.join();
-  // Nobody sends any more. What is left is due now; instances go with the writer.
+  // The thread has ended. Remaining results are sent now; their instances end with the writer.
   for (const Held& held : std::exchange(held_, {})) write(held.result);
   writer_->wait_for_acknowledgments(to_dds(linger));
   domain_.remove(std::exchange(writer_, nullptr));

@@ -1,16 +1,16 @@
 // Publishes command results, one for each command.
 //
-// Results are volatile. A requester that has just joined may have had its command received before
-// its reader was discovered; its result is held until then, for at most a second. Readers of other
-// vendors get a moment more: Cyclone DDS throws away what comes before the first heartbeat of a
-// writer, and takes that heartbeat for the beginning. A moment after its result, an instance is let
-// go, so that readers keep nothing of it.
+// Results are volatile. The command of a requester that has just joined may arrive before its
+// result reader is discovered; its result is held until then, for at most a second. Readers of
+// other vendors get some more time: Cyclone DDS discards messages before the first heartbeat of a
+// writer. Shortly after its result, an instance is unregistered, so that readers can free it.
 //
-// Nobody is waited for: the writer is a ring (ResultType), and a reader that takes nothing loses
-// the oldest. Any thread; one of its own sends what was held, and lets instances go.
+// Sending never waits for a reader: the writer's history is a ring (ResultType), and a slow reader
+// loses the oldest results. Any thread; a thread of this object sends held results and unregisters
+// instances.
 //
-// That thread is no Worker with a BoundedQueue: what it does next depends on instants that a match
-// changes while results wait, not on the order in which they came.
+// That thread is not a Worker with a BoundedQueue: its next action depends on instants that change
+// when a reader matches, not on the order of arrival.
 #pragma once
 
 #include <condition_variable>
@@ -34,27 +34,27 @@ class ResultSender : private dds::DataWriterListener {
 
   ResultSender(Domain& domain, const std::string& label, std::function<UtcMapping()> clock,
                std::function<void(std::string)> on_problem);
-  ~ResultSender() override;  // close()
+  ~ResultSender() override;  // calls close()
 
-  // The participant that a requester's commands come from. At most kMaxRequesters are remembered;
-  // the results of others are not held.
+  // Stores the participant that sends a requester's commands. The table is cleared when it has
+  // kMaxRequesters; results of requesters that are not stored are not held.
   void remember(const std::string& requester, const GuidPrefix& participant);
 
   void send(const idl::CommandResult& result);
 
-  // Sends what is held, waits at most `linger` until every reader has what was sent, and removes
-  // the writer. Once.
+  // Sends held results, waits at most `linger` until every reader has acknowledged, and removes the
+  // writer. Call it once.
   void close(Duration linger);
 
  private:
   static constexpr std::size_t kMaxRequesters = 4096;
-  static constexpr std::size_t kMaxHeld = 1024;  // the oldest is sent regardless
+  static constexpr std::size_t kMaxHeld = 1024;  // at the limit the oldest is sent regardless
   static constexpr Duration kHold = std::chrono::seconds{1};
-  // Far more than the delay of a writer's first heartbeat, also on a busy machine.
+  // Far longer than the delay of a writer's first heartbeat, also on a busy machine.
   static constexpr Duration kSettle = std::chrono::milliseconds{150};
-  // An instance is let go this long after its result.
+  // Time between a result and the unregistration of its instance.
   static constexpr Duration kKeep = std::chrono::milliseconds{100};
-  // Instances that may wait until they are let go: readers hold kMaxPendingCommands of them.
+  // Instances that may wait for unregistration: readers hold kMaxPendingCommands of them.
   static constexpr std::size_t kMaxKept = kMaxPendingCommands / 4;
 
   struct Requester {
@@ -73,16 +73,17 @@ class ResultSender : private dds::DataWriterListener {
 
   void on_publication_matched(dds::DataWriter* writer,
                               const dds::PublicationMatchedStatus& status) override;
-  // When a result may leave; nothing: at once. REQUIRES: mutex_ held.
+  // Time until which a result is held; `std::nullopt` to send it immediately. REQUIRES: mutex_
+  // held.
   [[nodiscard]] std::optional<Instant> hold_until(const Requester& requester, Instant now) const;
   void write(const idl::CommandResult& result);
   void let_go(const idl::CommandResult& sent);
-  void run();  // the thread
-  // The held results that are to be sent now. REQUIRES: mutex_ held.
+  void run();
+  // Removes and returns the held results that are due. REQUIRES: mutex_ held.
   [[nodiscard]] std::vector<idl::CommandResult> take_due(Instant now);
-  // The instances that are to be let go now. REQUIRES: mutex_ held.
+  // Removes and returns the instances to unregister now. REQUIRES: mutex_ held.
   [[nodiscard]] std::vector<idl::CommandResult> take_kept(Instant now);
-  // When the first of both is due. REQUIRES: mutex_ held.
+  // Time of the next due result or instance. REQUIRES: mutex_ held.
   [[nodiscard]] std::optional<Instant> next_due() const;
 
   Domain& domain_;
@@ -95,7 +96,7 @@ class ResultSender : private dds::DataWriterListener {
   std::map<GuidPrefix, Match> matched_;  // participants with a result reader
   std::deque<Held> held_;
   struct Kept {
-    idl::CommandResult keys;  // of a result that was sent; nothing else is filled in
+    idl::CommandResult keys;  // keys of a sent result; other members are not set
     Instant since;
   };
   std::deque<Kept> kept_;

@@ -1,5 +1,5 @@
-// The form of an RTPS message (RTPS 2.2, 9.4): a header, then submessages, each with a head of
-// kind, flags and length.
+// The structure of an RTPS message (RTPS 2.2, 9.4): a header, then submessages, each with a header
+// of kind, flags and length.
 #pragma once
 
 #include <bit>
@@ -26,7 +26,8 @@ enum class Submessage : std::uint8_t {
   kHeartbeatFrag = 0x13,
   kData = 0x15,
   kDataFrag = 0x16,
-  kStatistics = 0x80,  // of the vendor, as all from here on: Fast DDS counts messages in it
+  // vendor-specific, like all values from here on: Fast DDS counts messages in it
+  kStatistics = 0x80,
   // Of DDS Security 1.1 (OMG formal/18-04-01, 7.3.6).
   kSecBody = 0x30,
   kSecPrefix = 0x31,
@@ -35,21 +36,21 @@ enum class Submessage : std::uint8_t {
   kSrtpsPostfix = 0x34,
 };
 
-// The flag of every submessage for the order of its bytes, and its value where the library writes:
-// in the order of this machine.
+// The flag of every submessage for its byte order, and the value that the library writes: the order
+// of this machine.
 inline constexpr std::uint8_t kLittleEndianFlag = 1;
 inline constexpr std::uint8_t kOwnOrder =
     std::endian::native == std::endian::little ? kLittleEndianFlag : 0;
 
 struct SubmessageView {
   Submessage kind{};
-  bool little = false;                  // the order of its bytes
-  std::size_t begin = 0;                // in the message
-  std::span<const std::uint8_t> bytes;  // with its head
+  bool little = false;  // byte order of the submessage
+  std::size_t begin = 0;
+  std::span<const std::uint8_t> bytes;  // including its header
 };
 
-// Of a message of any bytes: one after the other while `each` says true, up to one that is longer
-// than the message.
+// Calls `each` for each submessage of any bytes, while it returns true. Stops at a submessage that
+// is longer than the message.
 template <class Each>
 void for_each_submessage(std::span<const std::uint8_t> message, Each each) {
   for (std::size_t begin = kMessageHeader; begin + kSubmessageHeader <= message.size();) {
@@ -57,7 +58,7 @@ void for_each_submessage(std::span<const std::uint8_t> message, Each each) {
     SubmessageView one{static_cast<Submessage>(rest[0]), (rest[1] & kLittleEndianFlag) != 0, begin,
                        rest};
     const std::size_t length = one.little ? rest[2] | rest[3] << 8 : rest[2] << 8 | rest[3];
-    // 9.4.5.1.3: 0 means to the end of the message, but of those that may be empty.
+    // 9.4.5.1.3: 0 means to the end of the message, except for kinds that may be empty.
     if (length != 0 || one.kind == Submessage::kPad || one.kind == Submessage::kInfoTs) {
       if (kSubmessageHeader + length > rest.size()) return;
       one.bytes = rest.first(kSubmessageHeader + length);

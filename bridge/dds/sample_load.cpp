@@ -5,16 +5,17 @@
 namespace fieldcast {
 namespace {
 
-// A row of a block: number, kind, quality, value, sequence, and the time where a block has several.
+// Row of a block: number, kind, quality, value, sequence, and the time if a block has several
+// times.
 constexpr double kBytesOfSample = 30;
-// What a message has besides: headers of RTPS, bus, lengths of columns, a heartbeat. A block on a
+// Other bytes of a message: headers of RTPS, bus, lengths of columns, a heartbeat. A block on a
 // network has some 35 rows.
 constexpr double kBytesOfMessage = 200, kRowsOfMessage = 35;
 
 }  // namespace
 
 std::uint64_t sample_load(const BridgeSpec& spec) {
-  double samples = 0;  // a second
+  double samples = 0;  // per second
   for (const BusSpec& bus : spec.buses) {
     for (const DeviceSpec& device : bus.devices) {
       for (const ChannelSpec& channel : device.channels) {

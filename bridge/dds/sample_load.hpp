@@ -1,5 +1,5 @@
-// What the samples of a configuration need on the way to one station that watches everything, for
-// the warning that a bound on the rate is too small for them. Pure.
+// Estimates the data rate that the samples of a configuration need for one station that watches all
+// channels. Used for the warning that `max-rate` is too small. Pure.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,12 @@
 
 namespace fieldcast {
 
-// Bytes a second of SampleBlock, when every channel keeps its refresh: at least, since blocks are
-// counted as full as they can be.
+// Bytes per second of SampleBlock if every channel keeps its refresh. This is a lower bound,
+// because blocks are counted as full.
 [[nodiscard]] std::uint64_t sample_load(const BridgeSpec& spec);
 
-// One line with the remedy; nothing: `max-rate` is enough for one station, or there is none.
+// A one-line warning with the remedy; `std::nullopt` if `max-rate` is enough for one station or not
+// set.
 [[nodiscard]] std::optional<std::string> rate_remark(const BridgeSpec& spec);
 
 }  // namespace fieldcast

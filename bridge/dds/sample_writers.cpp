@@ -17,7 +17,7 @@ struct SampleWriters::Writer : dds::DataWriterListener {
   const std::optional<Duration> refresh;
   dds::DataWriter* entity = nullptr;
   std::atomic<std::uint32_t> channels{0};
-  std::optional<Instant> idle_since;  // without channels; known from the next tidy() on
+  std::optional<Instant> idle_since;  // no channels since; set by the next tidy()
   std::atomic<std::uint64_t> misses{0};
   std::atomic<std::uint32_t> readers{0};
 
@@ -95,7 +95,7 @@ SampleWriters::Woken SampleWriters::wake(std::size_t most) {
     if (!awake_) {
       if (!has_readers()) return {};
       unwoken_ = 0;
-      awake_ = true;  // before values are read: whoever publishes from here on writes here as well
+      awake_ = true;  // before values are read: other threads write here too from now on
     }
   }
   Woken woken;
@@ -127,7 +127,7 @@ bool SampleWriters::write(std::span<const Sample> samples, const UtcMapping& map
   bool taken = ordered.size() == samples.size();
   const JoinedSending joined(most_bytes_);
   for (const auto& [slot, sample] : ordered) {
-    // Its value came from wake(), which was faster.
+    // wake() has already written this value or a later one.
     if (sample->sequence <= slot->value.sequence) continue;
     to_last_value(*sample, mapping, slot->value);
     taken &= write(*slot);
@@ -141,10 +141,11 @@ bool SampleWriters::write(Slot& slot) {
   return is_taken(slot.writer->entity->write(&outgoing));
 }
 
-// DEADLINE keeps a timer for the instance of a writer that is due first; writing that one makes the
-// library look for the next among all, and wakes its timer thread. So the instance that was written
-// least recently comes last: one such scan a block instead of one a sample. The others come in the
-// order in which they were last written, which takes the oldest from the library's history first.
+// Orders the writes of a block. DEADLINE keeps a timer for the instance of a writer that is due
+// first; a write of that instance makes the library search all instances for the next one, and
+// wakes its timer thread. So the instance that was written least recently is written last: one such
+// search for each block instead of each sample. The others are ordered by their last write, which
+// removes the oldest from the library's history first.
 std::vector<SampleWriters::Write>& SampleWriters::in_order(std::span<const Sample> samples) {
   order_.clear();
   for (const Sample& sample : samples) {
@@ -179,8 +180,8 @@ void SampleWriters::tidy_up(Instant now) {
   if (any_idle_) remove_idle_writers(now);
 }
 
-// With new writers in place of the old ones: the library goes on to count the deadlines of an
-// instance that was written once.
+// Replaces the writers by new ones, because the library continues to count the deadlines of each
+// instance that was written.
 void SampleWriters::rest_if_unread(Instant now) {
   const bool read = has_readers();
   if (read && !awake_) hooks_.on_reader();  // again: the bus may not have been found the first time
@@ -190,10 +191,10 @@ void SampleWriters::rest_if_unread(Instant now) {
   }
   if (!unread_since_) unread_since_ = now;
   if (now - *unread_since_ < kRestAfter) return;
-  unread_since_.reset();  // where it fails: again after the same time
+  unread_since_.reset();  // after a failure, retry after the same time
   if (!make_anew()) return;
   awake_ = false;
-  if (has_readers()) hooks_.on_reader();  // it came while they were awake
+  if (has_readers()) hooks_.on_reader();  // it matched while the writers were awake
 }
 
 bool SampleWriters::make_anew() {
@@ -251,8 +252,8 @@ void SampleWriters::let_go(Instant now) {
     if (!one.since) one.since = now;
     if (now - *one.since < kIdle) return false;
     Slot& slot = slots_[one.channel];
-    // Never the last one: Fast DDS 2.9.1 looks for the next deadline of a writer without instances,
-    // and finds nothing to look at.
+    // Never unregister the last instance: Fast DDS 2.9.1 then searches for the next deadline of a
+    // writer without instances, and finds none.
     OutgoingSample outgoing = slot.outgoing();
     if (slot.writer != one.old && one.old->channels > 0)
       one.old->entity->unregister_instance(&outgoing, dds::HANDLE_NIL);

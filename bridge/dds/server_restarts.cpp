@@ -26,7 +26,7 @@ std::uint64_t integer_at(Span bytes, std::size_t at, std::size_t size, bool litt
   return value;
 }
 
-// RTPS 2.2, 9.3.2: of numbers and of instants the upper half comes first.
+// RTPS 2.2, 9.3.2: the upper half of numbers and instants is first.
 std::uint64_t halves_at(Span bytes, std::size_t at, bool little) {
   return integer_at(bytes, at, 4, little) << 32 | integer_at(bytes, at + 4, 4, little);
 }
@@ -47,7 +47,7 @@ constexpr std::size_t kCountInHeartbeat = kLastInHeartbeat + 8;
 constexpr std::size_t kWriterInAckNack = kSubmessageHeader + 4;
 constexpr std::size_t kBaseInAckNack = kWriterInAckNack + 4, kBitsInAckNack = kBaseInAckNack + 8;
 constexpr std::size_t kMapInAckNack = kBitsInAckNack + 4;
-// RTPS 2.2, 9.3.1.3: those who say which endpoints a participant has.
+// RTPS 2.2, 9.3.1.3: the writers that announce the endpoints of a participant.
 constexpr EntityBytes kWritersWriter{0, 0, 3, 0xc2}, kReadersWriter{0, 0, 4, 0xc2};
 
 ParticipantPrefix prefix_of(Span message) {
@@ -70,8 +70,8 @@ std::optional<Acknowledgement> acknowledgement_in(Span part, bool little) {
                          integer_at(part, count, 4, little)};
 }
 
-// What the writer of participants says in this message, and what is acknowledged of endpoints, in
-// its order.
+// Calls the callbacks, in message order, for each announcement and heartbeat of the writer of
+// participants and each acknowledgement of endpoints.
 template <class OnAnnouncement, class OnHeartbeat, class OnAcknowledgement>
 void for_each_news(Span message, OnAnnouncement on_announcement, OnHeartbeat on_heartbeat,
                    OnAcknowledgement on_acknowledgement) {
@@ -133,7 +133,7 @@ std::vector<ParticipantPrefix> ServerRestarts::silent_ones(Instant now) const {
   std::vector<ParticipantPrefix> silent;
   for (const auto& [prefix, other] : others_) {
     const bool is_silent = now - other.heard >= kSilence || now < other.returned + kReturn;
-    // What the server has just told of it, it does not tell again.
+    // The server has just announced this participant and does not repeat that.
     const bool is_told = now - other.announced < kReturn;
     if (is_silent && !is_told && silent.size() < kMostEnds) silent.push_back(prefix);
   }
@@ -151,7 +151,8 @@ std::vector<ParticipantPrefix> ServerRestarts::absent_ones(const Server& server,
   return absent;
 }
 
-// A later one of base 0, where there was one of another base: a reader that is new.
+// Returns true for a later acknowledgement with base 0 after one with another base: the server has
+// a new reader.
 bool ServerRestarts::begins_anew(Server& server, const Acknowledgement& one) {
   std::uint64_t& known = server.acknowledged[one.of_writers ? 1 : 0];
   if (one.base != 0) {
@@ -200,7 +201,7 @@ ServerRestarts::Bytes ServerRestarts::goodbye_before(Span message, Instant now) 
     another = true;
     last = std::max({last, server.announcement.number, server.highest.last});
     server = Server{.here = server.here, .heard = now, .anew = now};
-    (void)is_another(server, news...);  // the first of the new one
+    (void)is_another(server, news...);  // the first message of the restarted server
   };
   for_each_news(
       message, [&](const Announcement& one) { restarted(one); },
@@ -218,7 +219,7 @@ ServerRestarts::Bytes ServerRestarts::goodbye_before(Span message, Instant now) 
     ends = absent_ones(server, now);
   }
   if (!another && ends.empty()) return {};
-  server.here = false;  // once
+  server.here = false;  // notify only once
   return participants_gone(ends, sender, last + 1);
 }
 

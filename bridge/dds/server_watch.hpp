@@ -1,8 +1,8 @@
-// Which of the discovery servers that a configuration names have answered: without one nobody is
-// found, and Fast DDS says nothing. Stands before another listener of the participant, which
-// it tells everything, and tells ServerRestarts which servers the library knows. And which bridges
-// are there that nothing else is known of: DDS Security may still ask who they are. Called by
-// threads of the library; missing() and unknown_bridges() on any thread.
+// Tracks which configured discovery servers respond: without one, no participant is found, and Fast
+// DDS does not report that. Also tracks bridges that were found but have shown no writer, because
+// DDS Security may still authenticate them. Forwards all discovery to another listener of the
+// participant, and reports servers to ServerRestarts. Called by threads of the library; missing()
+// and unknown_bridges() on any thread.
 #pragma once
 
 #include <algorithm>
@@ -19,24 +19,24 @@
 
 namespace fieldcast {
 
-// How the participant of a bridge is called, before the name of the bridge.
+// Prefix of a bridge's participant name, before the name of the bridge.
 inline constexpr std::string_view kBridgeParticipant = "fieldcast-bridge ";
 
 class ServerWatch : public DiscoveryListener {
  public:
-  static constexpr std::size_t kMostBridges = 4096;  // more are not waited for
+  static constexpr std::size_t kMostBridges = 4096;  // further bridges are not tracked
 
-  // `servers` as in DdsSpec. The other listener outlives it; may be null.
+  // `servers` as in DdsSpec. `other` must outlive this object; may be null.
   ServerWatch(std::vector<std::string> servers, DiscoveryListener* other)
       : servers_(std::move(servers)),
         here_(servers_.size()),
         restarts_(servers_.empty() ? nullptr : std::make_shared<ServerRestarts>()),
         other_(other) {}
 
-  // What the transport asks about what comes; null without servers.
+  // Used by the transport for received messages; null without servers.
   [[nodiscard]] const std::shared_ptr<ServerRestarts>& restarts() const { return restarts_; }
 
-  // Those that are not there: never found, or given up after their lease.
+  // Servers that were never found, or were removed after their lease.
   [[nodiscard]] std::vector<std::string> missing() const {
     const std::lock_guard lock(mutex_);
     std::vector<std::string> missing;
@@ -46,7 +46,6 @@ class ServerWatch : public DiscoveryListener {
     return missing;
   }
 
-  // Bridges that were found and have shown no writer yet.
   [[nodiscard]] std::size_t unknown_bridges() const {
     const std::lock_guard lock(mutex_);
     return unknown_.size();

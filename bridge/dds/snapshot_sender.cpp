@@ -46,7 +46,7 @@ void SnapshotSender::on_data_available(dds::DataReader* reader) {
   }
 }
 
-// False: the end has come.
+// Returns false if close() was called.
 bool SnapshotSender::rest(Duration time, std::unique_lock<std::mutex>& lock) {
   return !changed_.wait_for(lock, time, [this] { return ending_; });
 }

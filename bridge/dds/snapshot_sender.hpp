@@ -1,8 +1,9 @@
-// Decides when the last values of a bus are sent again: for readers that are new, and for those
-// that lost blocks and ask (SnapshotRequest). One snapshot serves everybody who asked meanwhile.
+// Decides when the last values of a bus are sent again: for new readers, and for readers that lost
+// blocks and request them (SnapshotRequest). One snapshot serves all requests that arrive
+// meanwhile.
 //
-// request() comes on any thread, DDS threads too, and never waits. Snapshots are sent on a thread
-// of its own.
+// request() may be called on any thread, also DDS threads, and never waits. A thread of this object
+// sends the snapshots.
 #pragma once
 
 #include <condition_variable>
@@ -22,19 +23,19 @@ class SnapshotSender : private dds::DataReaderListener {
   static constexpr Duration kGather = std::chrono::milliseconds{20};  // after the first request
   static constexpr Duration kRest = std::chrono::milliseconds{100};   // between two rounds
   // After each block, so that readers on this machine take it before the next one: their sockets
-  // hold a few.
+  // hold only a few.
   static constexpr Duration kPace = std::chrono::microseconds{500};
 
   struct Sent {
     std::size_t blocks = 0;
-    bool all = true;  // false: the next part is to follow
+    bool all = true;  // false: the next part must follow
   };
   enum class Part : std::uint8_t { kFirst, kNext };
-  // Writes a part of the snapshot of a bus, nothing if there is no such bus.
+  // Writes a part of the snapshot of a bus, or nothing if there is no such bus.
   using Send = std::function<Sent(const std::string& bus, Part part)>;
-  // `asked` is called on a DDS thread for each SnapshotRequest; it may be null.
+  // `asked` is called on a DDS thread for each SnapshotRequest; may be null.
   SnapshotSender(Domain& domain, Send send, std::function<void()> asked);
-  ~SnapshotSender() override;  // close()
+  ~SnapshotSender() override;
 
   void request(const std::string& bus);
   void close();  // nothing is sent after it returns; a second call has no effect
@@ -53,7 +54,7 @@ class SnapshotSender : private dds::DataReaderListener {
   std::set<std::string> requested_;
   bool ending_ = false;
   dds::DataReader* requests_ = nullptr;
-  std::thread thread_;  // last: it uses what is above
+  std::thread thread_;  // last member: it uses the members above
 };
 
 }  // namespace fieldcast

@@ -75,7 +75,7 @@ void StandbyChannel::on_gone(const dds::InstanceHandle_t& writer) {
     if (found == bridges_.end()) return;
     bridge = found->second;
     bridges_.erase(found);
-    // What is given up is its life before, and it is here.
+    // The removed writer is of an earlier run of a bridge that is present again.
     if (std::ranges::any_of(bridges_, [&](const auto& other) { return other.second == bridge; }))
       return;
   }

@@ -1,8 +1,8 @@
-// A member of a standby group among the others: tells them what it is, and receives what they tell.
-// Handlers are called on DDS threads, must not block, and only post.
+// Connects a member of a standby group with the other members: publishes its state, and receives
+// theirs. Handlers are called on DDS threads, must not block, and only post.
 //
-// Owns its endpoints. Made and closed like those of the link (dds_link.hpp); tell() comes from one
-// thread at a time for each kind of message.
+// Owns its endpoints. Created and closed like those of the link (dds_link.hpp). tell() has one
+// caller at a time for each kind of message.
 #pragma once
 
 #include <functional>
@@ -19,7 +19,7 @@
 namespace fieldcast {
 
 struct StandbyChannelHandlers {
-  std::function<void(const StandbyMessage&)> member;    // of the group
+  std::function<void(const StandbyMessage&)> member;    // a message of a member of the group
   std::function<void(const std::string& bridge)> lost;  // it has left the domain
   std::function<void(const StandbyNote&)> note;
   std::function<void(const StandbyRequest&)> request;
@@ -27,18 +27,18 @@ struct StandbyChannelHandlers {
 
 class StandbyChannel {
  public:
-  // `since`: when the member begins. Of two writers of one name the one that began later is heard:
-  // DDS gives up a member that was killed only after its lease, and never where a discovery server
-  // has begun anew meanwhile. Throws DdsError.
+  // `since` is the start time of the member. Of two writers of one name, the reader accepts the one
+  // that started later. DDS removes a member that was killed only after its lease, and never if a
+  // discovery server has restarted meanwhile. Throws DdsError.
   StandbyChannel(Domain& domain, const std::string& label, std::string group, UtcTime since,
                  StandbyChannelHandlers handlers);
-  ~StandbyChannel();  // close()
+  ~StandbyChannel();
   StandbyChannel(const StandbyChannel&) = delete;
   StandbyChannel& operator=(const StandbyChannel&) = delete;
 
   void tell(const StandbyMessage& message);
   void tell(const StandbyNote& note);
-  void close();  // nothing is handed on after it returns; a second call has no effect
+  void close();  // no handler is called after it returns; a second call has no effect
 
  private:
   class MemberTaker : public Taker<idl::Standby> {

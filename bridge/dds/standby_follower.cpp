@@ -39,7 +39,7 @@ void StandbyFollower::close() {
   readers_.clear();
 }
 
-// Blocks of an epoch that is over come from a master that was replaced.
+// Ignores blocks of an earlier epoch: they are from a master that was replaced.
 void StandbyFollower::on_block(const idl::SampleBlock& block) {
   if (!is_whole(block)) return;
   const std::lock_guard lock(mutex_);

@@ -1,8 +1,9 @@
-// What a waiting member of a standby group knows of the buses that the master serves: the last
-// samples, what was learned of devices, alarms, and which commands have their result. It reads the
-// same topics as stations do, so that it knows what they know.
+// State of the buses that the master serves, as a waiting member of a standby group collects it:
+// the last samples, device reports, alarms, and which commands have a result. It reads the same
+// topics as stations do.
 //
-// Owns its readers. Made and closed like endpoints of the link. take() comes from any thread.
+// Owns its readers. Created and closed like endpoints of the link. take() may be called from any
+// thread.
 #pragma once
 
 #include <condition_variable>
@@ -23,22 +24,22 @@
 namespace fieldcast {
 
 struct FollowerHandlers {
-  // A command has its result. On a DDS thread.
+  // A command has its result. Called on a DDS thread.
   std::function<void(const std::string& requester, std::uint64_t request_id)> answered;
 };
 
 class StandbyFollower {
  public:
-  // Follows these buses. Throws DdsError.
+  // Throws DdsError.
   StandbyFollower(Domain& domain, const std::vector<BusSpec>& buses, FollowerHandlers handlers);
-  ~StandbyFollower();  // close()
+  ~StandbyFollower();
   StandbyFollower(const StandbyFollower&) = delete;
   StandbyFollower& operator=(const StandbyFollower&) = delete;
 
   [[nodiscard]] std::vector<StandbyBusFigures> figures() const;
-  // Waits until everything up to these blocks is there. False: not within the limit.
+  // Waits until everything up to these blocks has arrived. Returns false after the limit.
   [[nodiscard]] bool wait_for(const std::vector<StandbyBusFigures>& blocks, Duration limit) const;
-  // What is known now, with instants on this machine's clock.
+  // Returns the current state, with instants on this machine's clock.
   [[nodiscard]] std::map<std::string, FollowedBus> take(const UtcMapping& now) const;
   [[nodiscard]] std::vector<StationAlarmStatus> alarms() const;
   void close();

@@ -1,5 +1,5 @@
-// A listener that takes what a reader receives and hands on each message with data. On threads of
-// the library.
+// A listener that takes the messages of a reader and passes each one with data to a callback, on
+// threads of the library.
 #pragma once
 
 #include <fastdds/dds/subscriber/DataReader.hpp>

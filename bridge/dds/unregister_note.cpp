@@ -18,7 +18,7 @@ constexpr std::uint16_t kKeyHashSize = 16, kStatusInfoSize = 4, kMarkSize = 24;
 constexpr std::uint8_t kUnregistered = 2;
 static_assert(kMarkSize == kKeyHashSize + kParameterHeader + kStatusInfoSize);
 
-// No writer comes to this sequence number.
+// No writer reaches this sequence number.
 constexpr std::int32_t kMarkHigh = 0x46436E6F;
 constexpr std::uint32_t kMarkLow = 0x74652E31;
 
@@ -37,7 +37,7 @@ bool is_mark(std::span<const std::uint8_t> message, std::size_t parameter) {
          at<std::uint32_t>(message, sequence + 4) == kMarkLow;
 }
 
-// The offset of the mark in the submessage of [begin, end); 0: none.
+// Offset of the mark in the submessage of [begin, end); 0 if there is none.
 std::size_t find_mark(std::span<const std::uint8_t> message, std::size_t begin, std::size_t end) {
   const std::uint8_t flags = message[begin + 1];
   if (message[begin] != static_cast<std::uint8_t>(Submessage::kData) ||
@@ -57,7 +57,8 @@ std::size_t find_mark(std::span<const std::uint8_t> message, std::size_t begin, 
   return 0;
 }
 
-// Each marked submessage: where it begins, and its mark. The walk ends with the first false.
+// Calls `found` for each marked submessage with its offset and that of its mark. Stops when `found`
+// returns false.
 template <class Found>
 void for_each_mark(std::span<const std::uint8_t> message, Found found) {
   if (message.size() < kMessageHeader || std::memcmp(message.data(), "RTPS", 4) != 0) return;
@@ -97,7 +98,7 @@ void turn_marks_into_notes(std::span<std::uint8_t> message) {
       std::memcpy(message.data() + offset, &id, sizeof id);
       std::memcpy(message.data() + offset + 2, &size, sizeof size);
     };
-    put(mark, kKeyHash, kKeyHashSize);  // its 16 bytes stand there already
+    put(mark, kKeyHash, kKeyHashSize);  // its 16 bytes are already in place
     const std::size_t status = mark + kParameterHeader + kKeyHashSize;
     put(status, kStatusInfo, kStatusInfoSize);
     const std::uint8_t unregistered[kStatusInfoSize] = {0, 0, 0, kUnregistered};

@@ -1,5 +1,5 @@
-// What the configuration of the programming port says about who may enter, for people: said at the
-// start and by --check. Values only; any thread.
+// Describes who may use the programming port according to the configuration, in human-readable text
+// for the start and --check. Values only; any thread.
 #pragma once
 
 #include <optional>
@@ -15,10 +15,10 @@ namespace fieldcast::program {
 // "engineers connect at 0.0.0.0:4950: TLS, a login with the password of a user"
 [[nodiscard]] std::string to_text(const EngineersSpec& engineers);
 
-// The first file that is named and cannot be used.
+// The first configured file that cannot be used.
 struct AccessFault {
-  std::string key;   // of `program:` in the configuration: "modules.secrets"
-  std::string text;  // one line
+  std::string key;  // of `program:` in the configuration: "modules.secrets"
+  std::string text;
 };
 [[nodiscard]] std::optional<AccessFault> check_files(const ProgramSpec& program);
 

@@ -9,7 +9,7 @@ namespace asio = boost::asio;
 
 namespace {
 
-// Whoever has the device is told that it is taken back; bytes that still leave for it are cut off.
+// Notifies the holder that the device is revoked; bytes still being sent to the device are cut off.
 std::function<void(std::string)> revoker(std::shared_ptr<DeviceLease> lease,
                                          std::function<void(std::string)> revoked) {
   return [lease = std::move(lease), revoked = std::move(revoked)](const std::string& reason) {
@@ -70,7 +70,8 @@ void DeviceRegistry::try_take(const std::shared_ptr<DeviceLease>& lease, Handler
   if (const auto leased = leases_.find(number); leased != leases_.end()) {
     if (leased->second->leaving.expired() || parked_.size() >= kMaxParked)
       return refuse(Reply::kInUse, "in use by " + leased->second->who);
-    parked_.emplace_back(lease, std::move(handlers));  // it is free as soon as its last bytes left
+    // the device is free as soon as its last bytes are sent
+    parked_.emplace_back(lease, std::move(handlers));
     return;
   }
   if (target) {
@@ -90,7 +91,7 @@ void DeviceRegistry::try_take(const std::shared_ptr<DeviceLease>& lease, Handler
   });
 }
 
-// The number is free: whoever came while its last bytes left is served in turn.
+// Frees the number and serves the requests that arrived while its last bytes were sent.
 void DeviceRegistry::free(const std::shared_ptr<DeviceLease>& lease) {
   const auto leased = leases_.find(lease->number);
   if (leased == leases_.end() || leased->second != lease) return;
@@ -114,7 +115,7 @@ void DeviceRegistry::ask_bus(const std::shared_ptr<DeviceLease>& lease,
                                       answer->error().reason});
           }
           LeasedLine& line = answer->value();
-          if (lease->over) {  // given back while the bus was asked
+          if (lease->over) {  // given back while the bus request was pending
             line.line.reset();
             return lease->runner->end_lease(line.lease, std::nullopt);
           }
@@ -135,7 +136,8 @@ void DeviceRegistry::ask_bus(const std::shared_ptr<DeviceLease>& lease,
 void DeviceRegistry::give_back(const std::shared_ptr<DeviceLease>& lease,
                                std::optional<std::string> lost) {
   if (std::exchange(lease->over, true)) return;
-  if (lease->granted && lease->runner) {  // not granted: the answer of the bus finds it over
+  // if not granted, the response of the bus finds the lease ended
+  if (lease->granted && lease->runner) {
     lease->runner->end_lease(lease->bus_lease, std::move(lost));
   } else if (lease->granted && modules_) {
     modules_->end_lease(lease->number, lost.has_value());

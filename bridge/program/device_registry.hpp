@@ -1,6 +1,6 @@
-// Which device is whose: finds what a number stands for, a device of a bus or a module without one,
-// and leases it to one engineer at a time. Lives on the server's io thread; buses are added and
-// removed from any.
+// Finds the device of a number, which is a device of a bus or a module without one, and leases it
+// to one engineer at a time. Runs on the server's io thread; buses may be added and removed on any
+// thread.
 #pragma once
 
 #include <map>
@@ -24,31 +24,32 @@ struct Refusal {
   std::string reason;
 };
 
-// One device leased, or about to be. Whoever has it gives it back once, after closing the
+// A device that is leased, or requested. The holder gives it back once, after it has closed the
 // descriptor.
 struct DeviceLease {
   std::string number, who;
   std::string bus, device;             // names; a module without a bus: "dial-in" and its number
   std::optional<LineFormat> settings;  // of a serial port
-  std::shared_ptr<BusRunner> runner;   // none: a module without a bus
-  std::uint64_t bus_lease = 0;         // the number of it, where a bus grants it
-  std::weak_ptr<RelayEnd> leaving;  // what is still to be sent: goes no further when it is revoked
+  std::shared_ptr<BusRunner> runner;   // null: a module without a bus
+  std::uint64_t bus_lease = 0;         // number of the lease, if a bus grants it
+  // the end that sends the last bytes; closed when the lease is revoked
+  std::weak_ptr<RelayEnd> leaving;
   bool granted = false, over = false;
 };
 
-// Shared with the answers of buses that are still to come.
+// Shared with pending responses of buses.
 class DeviceRegistry : public std::enable_shared_from_this<DeviceRegistry> {
  public:
-  static constexpr std::size_t kMaxParked = 64;  // one more is told that the device is in use
+  static constexpr std::size_t kMaxParked = 64;  // further requests are refused as "in use"
 
-  // Each called at most once and on the io thread, not after give_back().
+  // Each is called at most once, on the io thread, and not after give_back().
   struct Handlers {
     std::function<void(FileDescriptor)> granted;
-    std::function<void(Refusal)> refused;  // the lease is over
+    std::function<void(Refusal)> refused;  // the lease has ended
     std::function<void(std::string reason)> revoked;
   };
 
-  // `modules` may be null. The io_context outlives every bus that is added.
+  // `modules` may be null. The io_context must outlive every added bus.
   DeviceRegistry(boost::asio::io_context& io, std::shared_ptr<ModuleServer> modules)
       : io_(io), modules_(std::move(modules)) {}
 
@@ -57,9 +58,9 @@ class DeviceRegistry : public std::enable_shared_from_this<DeviceRegistry> {
 
   std::shared_ptr<DeviceLease> take(const std::string& number, const std::string& who,
                                     Handlers handlers);
-  // `lost`: why the line is of no use any more.
+  // `lost` is the reason why the line can no longer be used.
   void give_back(const std::shared_ptr<DeviceLease>& lease, std::optional<std::string> lost);
-  // Those leased, or asked for, or to which the last bytes still leave.
+  // Devices that are leased or requested, or whose last bytes are being sent.
   [[nodiscard]] std::vector<LeasedDevice> leased() const;
 
  private:
@@ -75,10 +76,10 @@ class DeviceRegistry : public std::enable_shared_from_this<DeviceRegistry> {
 
   boost::asio::io_context& io_;
   const std::shared_ptr<ModuleServer> modules_;
-  mutable std::mutex mutex_;                                    // of targets_
+  mutable std::mutex mutex_;                                    // protects targets_
   std::map<std::string, Target> targets_;                       // by number
   std::map<std::string, std::shared_ptr<DeviceLease>> leases_;  // by number
-  // For numbers about to be free.
+  // Requests for numbers that will soon be free.
   std::vector<std::pair<std::shared_ptr<DeviceLease>, Handlers>> parked_;
 };
 

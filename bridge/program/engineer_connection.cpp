@@ -16,15 +16,15 @@ namespace {
 
 namespace asio = boost::asio;
 
-// For what is still to be sent when a side is let go: since bytes left last; in all; and in all
-// when the bridge stops.
+// Limits for sending the remaining bytes when a side is closed: since the last bytes were sent; in
+// total; and in total when the bridge stops.
 constexpr Duration kFlushPatience = std::chrono::seconds{5};
 constexpr Duration kFlushLongest = std::chrono::minutes{10};
 constexpr Duration kFlushAtEnd = std::chrono::seconds{2};
 constexpr Duration kFlushCheck = std::chrono::milliseconds{50};
 
-// Watches an end that finishes, until it is closed: by itself, or here when its peer takes no
-// more. Holds nothing of its connection, which may be gone before.
+// Watches an end that finishes until it is closed: by itself, or here when its peer accepts no more
+// bytes. Keeps no reference to its connection, which may be destroyed earlier.
 class Farewell : public std::enable_shared_from_this<Farewell> {
  public:
   Farewell(asio::io_context& io, std::shared_ptr<RelayEnd> end, Duration longest)
@@ -87,7 +87,7 @@ void EngineerConnection::check_certificate() {
   around_.hooks.certified(certified_, host_of(address_), done);
 }
 
-// Any thread may call what this gives.
+// The returned function may be called on any thread.
 std::function<void(LoginAnswer)> EngineerConnection::answer_to(const std::string& user) {
   return [weak = weak_from_this(), &io = around_.io, user](const LoginAnswer& answer) {
     asio::post(io, [weak, user, answer] {
@@ -222,7 +222,7 @@ void EngineerConnection::execute(const FreeDevice&) {
   report(ProgramSessionState::kClosed);
   const auto device = std::exchange(device_, nullptr);
   line_ = -1;
-  // The registry holds the device until what was meant for it has left, or nothing leaves any more.
+  // The registry keeps the device until the remaining bytes are sent, or cannot be sent any more.
   lease_->leaving = device;
   device->finish(RelayEnd::Until::kLeft, [lease = lease_, lost = lost_, devices = around_.devices] {
     devices->give_back(lease, lost);

@@ -1,6 +1,5 @@
-// One engineer's client: its stream, the device leased to it, and the pure Engineer that decides.
-// Executes the Engineer's actions. Lives on the server's io thread; the server keeps it until it is
-// over.
+// One engineer's client: its stream, the device leased to it, and the pure Engineer, whose actions
+// it executes. Runs on the server's io thread; the server owns it until it has ended.
 #pragma once
 
 #include <boost/asio/steady_timer.hpp>
@@ -17,13 +16,13 @@ namespace fieldcast::program {
 
 class EngineerConnection : public std::enable_shared_from_this<EngineerConnection> {
  public:
-  // What it needs of its server, which outlives it.
+  // What it needs of its server, which must outlive it.
   struct Surroundings {
     boost::asio::io_context& io;
     std::shared_ptr<DeviceRegistry> devices;
     const Hooks& hooks;
     std::function<void(const std::shared_ptr<EngineerConnection>&)> over;
-    // It logged in, or was given a device.
+    // Called when the client has logged in or was given a device.
     std::function<void(const std::shared_ptr<EngineerConnection>&)> proven;
   };
 
@@ -31,19 +30,19 @@ class EngineerConnection : public std::enable_shared_from_this<EngineerConnectio
                      const EngineerRules& rules, LoginProof proof = LoginProof::kPassword);
 
   void start();
-  // The bridge stops: the client is told, the device freed.
+  // Called when the bridge stops: notifies the client and frees the device.
   void end(const std::string& reason);
-  // It has not proven itself, and others come: it ends, without a line in log and audit.
+  // Ends an unauthenticated connection in favour of new ones, without a line in log and audit.
   void displace();
-  // Once a second: reports the bytes of a session that goes on, and checks whether queues drain.
+  // Called once a second: reports the bytes of an active session, and checks whether queues drain.
   void tick();
 
  private:
   [[nodiscard]] bool certificate_is_login() const;
   void check_certificate();
-  // What a check of this user is to call with its verdict.
+  // Returns the callback for the verdict on this user.
   [[nodiscard]] std::function<void(LoginAnswer)> answer_to(const std::string& user);
-  // Why a password of this user is not even looked at; empty: it is.
+  // Reason why a password of this user is rejected without a check; empty if it is checked.
   [[nodiscard]] std::string fault_of_password(const std::string& user) const;
   void tell(const EngineerEvent& event);
   void execute(const ToClient& what);
@@ -64,15 +63,15 @@ class EngineerConnection : public std::enable_shared_from_this<EngineerConnectio
   Surroundings& around_;
   const std::string address_;
   const LoginProof proof_;
-  const std::string certified_;  // the user of the certificate that the client has shown
+  const std::string certified_;  // user named by the client's certificate
   std::string user_;
   Engineer engineer_;
   std::shared_ptr<RelayEnd> client_, device_;
   std::shared_ptr<DeviceLease> lease_;
-  int line_ = -1;                    // of the device, while device_ lives: for its settings
-  std::optional<std::string> lost_;  // why the device's line ended
+  int line_ = -1;                    // of the device, while device_ exists: for its settings
+  std::optional<std::string> lost_;  // reason why the device's line ended
   boost::asio::steady_timer timer_;
-  std::string number_;  // the device number asked for last
+  std::string number_;  // the last requested device number
   UtcTime since_{};
   std::uint64_t reported_bytes_ = 0;
   bool over_ = false;

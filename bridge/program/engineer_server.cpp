@@ -93,7 +93,8 @@ void EngineerServer::welcome(std::unique_ptr<ByteStream> stream, const std::stri
   client->start();
 }
 
-// Told once, then counted: whoever floods the port does not flood log and audit.
+// Logs the first displacement and counts the others, so that a flood of connections does not flood
+// log and audit.
 void EngineerServer::displaced(const std::string& address) {
   const auto verdict = displacements_.occurred("silent", steady_now());
   if (!verdict.log) return;

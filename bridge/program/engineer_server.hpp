@@ -1,5 +1,5 @@
-// Where engineers' clients connect: plain TCP on the loopback, TLS wherever a certificate is
-// configured. Lives on the server's io thread.
+// Accepts engineers' clients: plain TCP on the loopback, TLS if a certificate is configured. Runs
+// on the server's io thread.
 #pragma once
 
 #include <boost/asio/ip/tcp.hpp>
@@ -22,24 +22,24 @@ class TlsServer;
 
 namespace fieldcast::program {
 
-// Off the loopback a login is demanded, on it when the spec says so.
+// Off the loopback a login is always required, on the loopback if the spec requires it.
 [[nodiscard]] EngineerRules rules_of(const EngineersSpec& spec);
 
 class EngineerServer {
  public:
-  // Clients in all; and clients that neither logged in nor were given a device, in all and from one
-  // address. One more displaces one of these, or is refused.
+  // Limits for all clients, and for clients that have neither logged in nor were given a device, in
+  // total and from one address. A further client displaces one of the latter, or is refused.
   static constexpr std::size_t kMaxClients = 256, kMaxSilent = 128, kMaxSilentOfOne = 32;
 
   EngineerServer(boost::asio::io_context& io, EngineersSpec spec,
                  std::shared_ptr<DeviceRegistry> devices, const Hooks& hooks);
   ~EngineerServer();
 
-  // The error is one line: why nobody can connect.
+  // The error is one line: the reason why no client can connect.
   [[nodiscard]] tl::expected<void, std::string> listen();
-  [[nodiscard]] std::uint16_t port() const;  // listened at
-  // Ends every pairing; `done` is called when the last client is gone, which takes two seconds at
-  // the most.
+  [[nodiscard]] std::uint16_t port() const;  // that it listens on
+  // Ends every pairing; `done` is called when the last client has disconnected, after two seconds
+  // at most.
   void close(const std::string& reason, std::function<void()> done);
 
  private:
@@ -58,10 +58,11 @@ class EngineerServer {
   boost::asio::steady_timer ticking_;
   std::unique_ptr<TlsServer> tls_;
   std::unordered_set<std::shared_ptr<EngineerConnection>> clients_;
-  SilentConnections silent_{kMaxSilent, kMaxSilentOfOne};  // of clients_, and of TLS handshakes
+  // those of clients_ and of TLS handshakes
+  SilentConnections silent_{kMaxSilent, kMaxSilentOfOne};
   std::map<const EngineerConnection*, SilentConnections::Id> ids_;
   RepeatFilter displacements_;
-  std::size_t greeting_ = 0;  // TLS handshakes under way
+  std::size_t greeting_ = 0;  // TLS handshakes in progress
   std::function<void()> closed_;
   bool closing_ = false;
 };

@@ -1,6 +1,5 @@
-// What the programming server asks of the rest of the bridge: who may log in, where the audit goes,
-// who is told of sessions. Each may be called on the server's thread, must not block, and may be
-// missing.
+// Callbacks of the programming server into the bridge: login checks, audit, session reports. Each
+// may be called on the server's thread, must not block, and may be empty.
 #pragma once
 
 #include <functional>
@@ -12,18 +11,18 @@
 
 namespace fieldcast::program {
 
-// Of the user of a certificate or of a password.
+// Verdict on the user of a certificate or of a password.
 struct LoginAnswer {
   bool allowed = false;
-  std::string reason;  // why not
+  std::string reason;  // reason for a refusal
 };
 
 // One line of the audit.
 struct Transmission {
   std::string who;     // the user and the address, or the address alone
-  std::string target;  // "press-shop/press-1", or the device number asked for
+  std::string target;  // "press-shop/press-1", or the requested device number
   std::uint64_t bytes_to_device = 0, bytes_from_device = 0;
-  std::string result;  // one line for people
+  std::string result;  // one human-readable line
 };
 
 struct Hooks {
@@ -31,7 +30,7 @@ struct Hooks {
   std::function<void(std::string user, Secret password, std::string address,
                      std::function<void(LoginAnswer)> done)>
       login;
-  // The same for a user whose certificate was verified. Missing: every certificate will do.
+  // The same for a user whose certificate was verified. If empty, every certificate is accepted.
   std::function<void(std::string user, std::string address, std::function<void(LoginAnswer)> done)>
       certified;
   std::function<void(const Transmission&)> audit;

@@ -1,4 +1,4 @@
-// A device that is leased to an engineer, as others see it. Plain values.
+// A device that is leased to an engineer, for display. Plain values.
 #pragma once
 
 #include <string>

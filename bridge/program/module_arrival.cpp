@@ -51,7 +51,7 @@ void ModuleServer::Arrival::close() {
   if (const auto cut = std::exchange(cut_handshake_, {})) cut();
 }
 
-// From here on a pipe stands between TLS and the socket that a bus gets.
+// From here on a pipe connects TLS to the socket that a bus gets.
 void ModuleServer::Arrival::secured(TlsResult stream, int descriptor) {
   if (!stream) return end(stream.error());
   common_name_ = (*stream)->peer_name();

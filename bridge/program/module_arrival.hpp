@@ -1,6 +1,6 @@
-// A module that has connected: its TLS handshake, the request for its number, its proof, and the
-// wait for another one of its number that may be about to end. Ends in ModuleServer::registered()
-// or refused(). Lives on the server's io thread; handlers hold it, and do nothing once it is over.
+// Handshake of a connected module: TLS, its number, its proof, and the wait for an older connection
+// of the same number that may be about to end. Ends in ModuleServer::registered() or refused().
+// Runs on the server's io thread; handlers keep it alive, and do nothing after its end.
 #pragma once
 
 #include <array>
@@ -12,12 +12,12 @@ namespace fieldcast::program {
 
 class ModuleServer::Arrival : public std::enable_shared_from_this<Arrival> {
  public:
-  // A module that dials in anew is often quicker than the end of its old connection.
+  // A module that reconnects is often faster than the end of its old connection.
   static constexpr Duration kSecondWait = std::chrono::milliseconds{500};
 
   SilentConnections::Id id = 0;
 
-  // The server outlives it.
+  // The server must outlive it.
   Arrival(ModuleServer& server, std::shared_ptr<ModuleGate> gate,
           boost::asio::ip::tcp::socket socket, std::string address);
 
@@ -31,7 +31,7 @@ class ModuleServer::Arrival : public std::enable_shared_from_this<Arrival> {
   void follow(Registration::Outcome outcome);
   void numbered(const std::string& number);
   void wait_for_other(const std::string& number, Instant until);
-  // Told on the line too.
+  // Also sends the reason to the module.
   void refuse(const std::string& reason);
   void end(const std::string& reason);
   void leave();
@@ -46,7 +46,7 @@ class ModuleServer::Arrival : public std::enable_shared_from_this<Arrival> {
   const Duration limit_;  // for TLS
   const std::string address_;
   std::string common_name_;              // of its certificate
-  std::function<void()> cut_handshake_;  // while it goes on
+  std::function<void()> cut_handshake_;  // set during the handshake
   bool number_known_ = false;
   bool over_ = false;
   std::array<std::uint8_t, 256> buffer_;

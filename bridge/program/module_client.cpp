@@ -18,7 +18,7 @@ using asio::ip::tcp;
 namespace {
 
 constexpr std::chrono::seconds kConnectLimit{10};
-// A refusal comes within this time: the bridge waits half a second for the end of another
+// A refusal arrives within this time: the bridge waits half a second for the end of another
 // connection.
 constexpr std::chrono::seconds kRefusalWait{1};
 constexpr std::size_t kMaxGreeting = 256;
@@ -123,7 +123,7 @@ void ModuleClient::tell_number(std::string_view challenge) {
   });
 }
 
-// The first bytes for the line are here, or no refusal has come.
+// Called when the first bytes for the line have arrived, or no refusal has.
 void ModuleClient::carry() {
   timer_.cancel();
   auto line = open_line_();
@@ -143,13 +143,13 @@ void ModuleClient::carry() {
   line_->send(as_bytes(std::exchange(greeting_, {})));
 }
 
-// And from the beginning, after a rest.
+// Ends the connection and starts again after a pause.
 void ModuleClient::over(const std::string& reason) {
   say_(reason);
   resolver_.cancel();
   boost::system::error_code ignored;
   socket_.close(ignored);
-  // Later: one of the two may be calling this.
+  // Posted, because one of the two may be the caller.
   asio::post(io_, [bridge = std::exchange(bridge_, nullptr), line = std::exchange(line_, nullptr)] {
     for (const auto& end : {bridge, line}) {
       if (end) end->close();

@@ -1,6 +1,6 @@
-// The module's side of a dial-in: connects to the bridge, shows what it is asked for, tells its
-// number, and carries bytes between the bridge and a line. For a small computer in front of a PLC,
-// and for trials. Lives on one io thread, and dials in again when a connection ends.
+// The module's side of a dial-in: connects to the bridge, authenticates as requested, sends its
+// number, and relays bytes between the bridge and a line. For a small computer in front of a PLC,
+// and for trials. Runs on one io thread, and reconnects when a connection ends.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -21,16 +21,17 @@ struct ModuleOptions {
   std::uint16_t port = 0;
   std::string number, prefix;
   bool tls = false;
-  std::string authorities;  // a PEM file of who signs the bridge's certificate; empty: the system's
-  TlsSpec own;              // the module's certificate and key, if it has one
-  Secret secret;            // empty: no challenge is expected
-  Duration again = std::chrono::seconds{2};  // from the end of a connection to the next
+  // a PEM file of the authority of the bridge's certificate; empty: the system's
+  std::string authorities;
+  TlsSpec own;                               // the module's certificate and key, if it has one
+  Secret secret;                             // empty: no challenge is expected
+  Duration again = std::chrono::seconds{2};  // pause between two connections
 };
 
 class ModuleClient : public std::enable_shared_from_this<ModuleClient> {
  public:
-  // `open_line` gives the line anew for each connection, or why there is none; `say` takes one line
-  // for people.
+  // `open_line` opens the line for each connection, or returns the reason why it cannot; `say`
+  // receives one human-readable line.
   using OpenLine = std::function<tl::expected<FileDescriptor, std::string>()>;
   ModuleClient(boost::asio::io_context& io, ModuleOptions options, OpenLine open_line,
                std::function<void(const std::string&)> say);
@@ -55,7 +56,7 @@ class ModuleClient : public std::enable_shared_from_this<ModuleClient> {
   boost::asio::steady_timer timer_;
   std::unique_ptr<TlsClient> tls_;
   std::shared_ptr<RelayEnd> bridge_, line_;
-  std::string greeting_;  // what came before the number was told, or right behind it
+  std::string greeting_;  // bytes received before the number was sent, or directly after it
   bool told_ = false, carried_ = false, stopped_ = false;
 };
 

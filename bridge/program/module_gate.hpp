@@ -1,5 +1,5 @@
-// What a module has to show before it is taken for the one whose number it tells: where it comes
-// from, a certificate, a secret. Made of the configuration; lives on the server's io thread.
+// Checks that a module proves the number it sends: its source address, a certificate, a secret.
+// Built from the configuration; runs on the server's io thread.
 #pragma once
 
 #include <memory>
@@ -19,21 +19,21 @@ namespace fieldcast::program {
 
 class ModuleGate {
  public:
-  // The error is one line: a file that is of no use.
+  // The error is one line: a file that cannot be used.
   [[nodiscard]] static tl::expected<std::shared_ptr<ModuleGate>, std::string> make(
       const ModulesSpec& spec);
 
-  // `host`: an address without its port.
+  // `host` is an address without its port.
   [[nodiscard]] bool admits(const std::string& host) const;
-  [[nodiscard]] TlsServer* tls() { return tls_.get(); }  // null: none
-  // Whether a module has to prove something: it is then told why it is refused. One that only has a
-  // registration text would pass the words on to its PLC.
+  [[nodiscard]] TlsServer* tls() { return tls_.get(); }  // null without TLS
+  // Returns true if a module must authenticate; it then receives the reason of a refusal. A module
+  // with only a registration text would pass the reason on to its PLC.
   [[nodiscard]] bool asks() const { return tls_ || secrets_; }
-  // A new one for each module. Secrets that have changed are read again; while their file is of no
-  // use, nobody knows one.
+  // Returns a new challenge for each module. Reads changed secrets again; while their file is
+  // invalid, no secret is accepted.
   [[nodiscard]] Challenge challenge();
-  // Why the certificate with this common name is none for this number; empty: it is one, or none
-  // is asked for.
+  // Reason why the certificate with this common name is not valid for this number; empty if it is
+  // valid or none is required.
   [[nodiscard]] std::string fault_of(const std::string& common_name,
                                      const std::string& number) const;
 
@@ -44,7 +44,7 @@ class ModuleGate {
   std::vector<access::Network> networks_;
   std::unique_ptr<TlsServer> tls_;
   std::shared_ptr<const ModuleSecrets> secrets_;
-  FileStamp read_;  // their file, when it was read last
+  FileStamp read_;  // stamp of the file when it was last read
 };
 
 }  // namespace fieldcast::program

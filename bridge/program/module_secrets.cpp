@@ -13,7 +13,7 @@ namespace fieldcast::program {
 namespace {
 
 constexpr std::string_view kAny = "*";
-// Keeps the proof apart from whatever else the secret may be used for.
+// Separates the proof from other uses of the secret.
 constexpr std::string_view kPurpose = "fieldcast module ";
 constexpr std::size_t kChallengeBytes = 32;
 

@@ -1,6 +1,6 @@
-// The secrets that modules prove to know, and the proof: the bridge sends a challenge that it never
-// sent before, and the module answers with the HMAC-SHA-256 of it and of its number. The secret
-// itself never crosses the line. Any thread, one at a time.
+// The secrets of modules, and the proof that a module has one: the bridge sends a new random
+// challenge, and the module responds with the HMAC-SHA-256 of the challenge and its number. The
+// secret itself is never sent. Any thread, one at a time.
 #pragma once
 
 #include <map>
@@ -14,14 +14,15 @@ namespace fieldcast::program {
 
 class ModuleSecrets {
  public:
-  static constexpr std::size_t kMinSecret = 16;  // bytes: who listens on the line may try them all
+  // bytes: an eavesdropper could try all shorter ones
+  static constexpr std::size_t kMinSecret = 16;
 
-  // A text file: in each line a number and its secret, or '*' and the secret of all numbers that
-  // have no line of their own; '#' begins a comment. The error is one line, without a word of the
+  // Reads a text file: each line has a number and its secret, or '*' and the secret of all numbers
+  // without their own line; '#' begins a comment. The error is one line and contains no word of the
   // file.
   [[nodiscard]] static tl::expected<ModuleSecrets, std::string> read(const std::string& path);
 
-  // False also for a number without a secret. In a time that does not depend on the answer.
+  // Also returns false for a number without a secret. Its duration does not depend on the response.
   [[nodiscard]] bool fits(std::string_view number, std::string_view challenge,
                           std::string_view answer) const;
 
@@ -29,9 +30,9 @@ class ModuleSecrets {
   std::map<std::string, Secret, std::less<>> secrets_;
 };
 
-// 64 hexadecimal digits by chance.
+// 64 random hexadecimal digits.
 [[nodiscard]] std::string new_challenge();
-// The answer of a module: 64 hexadecimal digits.
+// The response of a module: 64 hexadecimal digits.
 [[nodiscard]] std::string answer_to(std::string_view challenge, std::string_view number,
                                     const Secret& secret);
 

@@ -16,8 +16,8 @@ namespace fieldcast::program {
 namespace asio = boost::asio;
 using asio::ip::tcp;
 
-// A registered module that is no bus. While nobody programs it, what it says is dropped and its
-// loss noticed.
+// A registered module without a bus. While it is not leased, its bytes are dropped and its
+// disconnection is noticed.
 class ModuleServer::Kept : public std::enable_shared_from_this<Kept> {
  public:
   Kept(ModuleServer& server, std::string number, tcp::socket socket, std::uint64_t arrived,
@@ -54,10 +54,10 @@ class ModuleServer::Kept : public std::enable_shared_from_this<Kept> {
   void end_lease(bool lost_now) {
     if (!std::exchange(leased_, false)) return;
     revoked_ = {};
-    tune_socket(socket_.native_handle());  // the session had its own patience
+    tune_socket(socket_.native_handle());  // the session had its own timeout
     lost_now ? lost() : listen();
   }
-  // The connection goes on elsewhere; invalid while it is leased.
+  // Releases the connection; returns an invalid one while it is leased.
   ModuleConnection release() {
     if (leased_ || std::exchange(over_, true)) return {};
     boost::system::error_code fault;
@@ -136,7 +136,7 @@ bool ModuleServer::connected(const std::string& number) const {
 }
 
 std::shared_ptr<void> ModuleServer::appear(const std::string& number) {
-  // Numbers that were there once, and whatever others called themselves.
+  // Removes numbers that are no longer connected, also those of refused modules.
   if (present_.size() >= 2 * kMaxKept)
     std::erase_if(present_, [](const auto& entry) { return entry.second.expired(); });
   const auto presence = std::make_shared<char>();
@@ -144,7 +144,7 @@ std::shared_ptr<void> ModuleServer::appear(const std::string& number) {
   return presence;
 }
 
-// Told once, then counted.
+// Logs the first displacement and counts the others.
 void ModuleServer::displaced(const std::string& address) {
   const auto verdict = displacements_.occurred("silent", steady_now());
   if (!verdict.log) return;
@@ -171,7 +171,7 @@ void ModuleServer::keep(const std::string& number, ModuleConnection connection) 
   const auto before = kept_.find(number);
   if (before != kept_.end() && before->second->arrival > connection.arrival) return;
   drop_kept(number);
-  // A bus may have come meanwhile.
+  // A bus may have been added meanwhile.
   if (auto ours = registry_.offer(number, std::move(connection)))
     keep_new(number, std::move(*ours), "a bus that is gone");
 }

@@ -1,7 +1,7 @@
-// Where serial-to-network modules dial in: lets in those that show what they must (ModuleGate),
-// asks each for its device number and hands its socket to the bus of that number; a module without
-// a bus stays here, to be programmed, until a bus of its number comes. A reload changes where it
-// listens and how it asks; modules that are connected stay. Lives on the server's io thread.
+// Accepts serial-to-network modules that dial in: admits modules that authenticate (ModuleGate),
+// requests the device number of each, and passes its socket to the bus of that number. A module
+// without a bus stays here, for programming, until a bus of its number is added. A reload changes
+// the listening address and the rules; connected modules stay. Runs on the server's io thread.
 #pragma once
 
 #include <boost/asio/ip/tcp.hpp>
@@ -24,29 +24,30 @@ namespace fieldcast::program {
 
 class ModuleServer {
  public:
-  // Modules whose number is not known yet, in all and from one address (many may share it). One
-  // more displaces the oldest.
+  // Limits for modules whose number is not known yet, in total and from one address (many may share
+  // it). A further module displaces the oldest.
   static constexpr std::size_t kMaxAsked = 256, kMaxAskedOfOne = 128;
   static constexpr std::size_t kMaxKept = 1024;  // modules without a bus
 
   ModuleServer(boost::asio::io_context& io, DialInRegistry& registry, const Hooks& hooks);
   ~ModuleServer();
 
-  // Listens there from now on, and nowhere else. The error is one line: why nobody can dial in;
-  // then it listens nowhere.
+  // Listens only at the addresses of `spec` from now on. The error is one line: the reason why no
+  // module can dial in; then it does not listen.
   [[nodiscard]] tl::expected<void, std::string> listen(const ModulesSpec& spec);
-  [[nodiscard]] std::uint16_t port() const;  // listened at; 0: nowhere
-  // Lets every module go.
+  [[nodiscard]] std::uint16_t port() const;  // that it listens on; 0: none
+  // Disconnects every module.
   void close();
 
-  // A module whose number no bus is there for any more. Of two of a number the newer one is kept.
+  // Keeps a module whose bus was removed. Of two with the same number the newer one is kept.
   void keep(const std::string& number, ModuleConnection connection);
-  // A kept module, for the bus that has come for it; an invalid socket when there is none, or
-  // while it is leased: it goes to its bus when its lease ends.
+  // Returns a kept module for the added bus. The socket is invalid if there is none or it is
+  // leased; a leased module moves to its bus when its lease ends.
   [[nodiscard]] ModuleConnection hand_over(const std::string& number);
 
-  // A module without a bus, for a programming session: a descriptor of its socket, invalid when
-  // there is none of this number. `revoked`: it dialled in anew, or the server closes.
+  // Leases a module without a bus to a programming session: returns a descriptor of its socket,
+  // invalid if there is none of this number. `revoked` is called when the module reconnects or the
+  // server closes.
   [[nodiscard]] FileDescriptor lease(const std::string& number,
                                      std::function<void(std::string reason)> revoked);
   void end_lease(const std::string& number, bool lost);
@@ -57,11 +58,12 @@ class ModuleServer {
   void came(boost::asio::ip::tcp::socket socket);
   void registered(const std::string& number, boost::asio::ip::tcp::socket socket,
                   const std::string& address);
-  // Whether a module of this number is connected, wherever its socket is.
+  // Returns true if a module of this number is connected, regardless of the owner of its socket.
   [[nodiscard]] bool connected(const std::string& number) const;
-  // What goes along with the socket of a new one.
+  // Returns a token that has the lifetime of the socket of a new module.
   [[nodiscard]] std::shared_ptr<void> appear(const std::string& number);
-  void drop_kept(const std::string& number);  // if there is one: the module dialled in anew
+  // no effect if there is none; the module has reconnected
+  void drop_kept(const std::string& number);
   void keep_new(const std::string& number, ModuleConnection connection, const std::string& address);
   void refused(const std::string& address, const std::string& reason);
   void displaced(const std::string& address);
@@ -70,8 +72,8 @@ class ModuleServer {
   ModulesSpec spec_;
   DialInRegistry& registry_;
   const Hooks& hooks_;
-  std::unique_ptr<Listener> listener_;  // null: nowhere
-  std::shared_ptr<ModuleGate> gate_;    // of spec_; null: it has never listened
+  std::unique_ptr<Listener> listener_;  // null: not listening
+  std::shared_ptr<ModuleGate> gate_;    // of spec_; null: never listened
   std::unordered_set<std::shared_ptr<Arrival>> arrivals_;
   SilentConnections silent_{kMaxAsked, kMaxAskedOfOne};  // those of arrivals_
   RepeatFilter displacements_;

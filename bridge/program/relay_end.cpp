@@ -75,7 +75,8 @@ void RelayEnd::close() {
 bool RelayEnd::drained() {
   if (closed_) return false;
   const std::int64_t left = taken_ - static_cast<std::int64_t>(stream_->queued());
-  if (left <= left_) return false;  // TLS counts what it adds: less at first, never at the end
+  // TLS counts its overhead, so the value can decrease at first, but not at the end
+  if (left <= left_) return false;
   left_ = left;
   return true;
 }

@@ -21,7 +21,7 @@ constexpr std::chrono::milliseconds kStopLimit{2500};
 struct Server::State {
   State(Hooks given, DialInRegistry& where) : hooks(std::move(given)), registry(where) {}
 
-  // Runs on the io thread and waits for it.
+  // Runs the task on the io thread and waits for it.
   template <typename Task>
   void run(Task task) {
     std::promise<void> done;
@@ -37,15 +37,15 @@ struct Server::State {
 
   const Hooks hooks;
   DialInRegistry& registry;
-  // Of the main thread.
+  // Used by the main thread only.
   std::map<std::string, std::pair<BusSpec, std::shared_ptr<BusRunner>>> buses;
-  IoThread io{"program"};                   // outlives what follows
-  std::shared_ptr<ModuleServer> modules;    // of a server that is started, or keeps them
-  std::shared_ptr<DeviceRegistry> devices;  // of a server that is started
+  IoThread io{"program"};                   // outlives the members below
+  std::shared_ptr<ModuleServer> modules;    // set while the server is started or keeps modules
+  std::shared_ptr<DeviceRegistry> devices;  // set while the server is started
   std::unique_ptr<EngineerServer> engineers;
 };
 
-// Modules whose bus ends come here, and go to the bus that comes for them.
+// Modules whose bus ends are kept here, and move to a bus that is added for them.
 void Server::State::open_modules() {
   modules = std::make_shared<ModuleServer>(io.context(), registry, hooks);
   const auto keep = [this, weak = std::weak_ptr(modules)](const std::string& number,
@@ -69,7 +69,7 @@ void Server::State::close_modules() {
   if (!modules) return;
   registry.set_keeper({});
   run([&] { modules->close(); });
-  run([] {});  // what the closing cancelled has run
+  run([] {});  // handlers cancelled by the close have run
   run([&] { modules.reset(); });
 }
 
@@ -115,7 +115,7 @@ void Server::stop_engineers() {
   });
   if (gone->get_future().wait_for(kStopLimit) != std::future_status::ready)
     log_warning("program", "a client does not let go");
-  s.run([] {});  // what the closing cancelled has run
+  s.run([] {});  // handlers cancelled by the close have run
   s.run([&] {
     s.engineers.reset();
     s.devices.reset();

@@ -10,16 +10,16 @@
 namespace fieldcast::program {
 namespace {
 
-// How often it is seen whether the peer of the TLS connection is there.
+// Period of the check whether the peer of the TLS connection still exists.
 constexpr std::chrono::seconds kWatchPeriod{1};
-// For what is still under way when one end is gone.
+// Limit for sending the remaining bytes after one end has closed.
 constexpr std::chrono::seconds kLastBytes{5};
 
 }  // namespace
 
 TlsPipe::TlsPipe(boost::asio::io_context& io, std::unique_ptr<ByteStream> tls, int socket)
     : io_(io), socket_(socket), tls_(std::make_shared<RelayEnd>(std::move(tls))), timer_(io) {
-  // The patience of a programming session; watch() sees earlier that a peer is gone.
+  // The timeout of a programming session; watch() notices a lost peer earlier.
   tune_socket(socket_, kTunnelPatience);
 }
 
@@ -63,7 +63,7 @@ void TlsPipe::watch() {
   });
 }
 
-// One end is gone: the other one gets what is still under way, and closes.
+// Called when one end has closed: the other end gets the remaining bytes, and closes.
 void TlsPipe::gone(RelayEnd& other) {
   if (std::exchange(ending_, true)) return finish();
   timer_.expires_after(kLastBytes);

@@ -1,5 +1,5 @@
-// What carries the bytes of a TLS connection to whoever wants a plain socket: a bus, which knows no
-// TLS. Both ends close together. Lives on one io thread.
+// Relays the bytes of a TLS connection to a plain socket, for a bus, which has no TLS. Both ends
+// close together. Runs on one io thread.
 #pragma once
 
 #include <boost/asio/steady_timer.hpp>
@@ -13,13 +13,13 @@ namespace fieldcast::program {
 
 class TlsPipe : public std::enable_shared_from_this<TlsPipe> {
  public:
-  // `socket`: the descriptor below the TLS stream, which owns it.
+  // `socket` is the descriptor below the TLS stream, which owns it.
   TlsPipe(boost::asio::io_context& io, std::unique_ptr<ByteStream> tls, int socket);
 
-  // The plain end, invalid when there are no descriptors left. `over` is called once, unless
-  // close() comes before.
+  // Returns the plain end, invalid if no descriptors are left. `over` is called once, unless
+  // close() is called earlier.
   [[nodiscard]] FileDescriptor start(std::function<void()> over);
-  // At once; what is under way is lost.
+  // Closes immediately; bytes in flight are lost.
   void close();
 
  private:

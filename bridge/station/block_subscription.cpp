@@ -12,7 +12,7 @@ namespace fieldcast {
 
 namespace {
 
-// Of one bus two bridges may write for a moment, and each of them may be the one that stays.
+// Two bridges may write the same bus for a moment, and either may remain.
 dds::DataReaderQos catalogue_qos() {
   constexpr std::int32_t kWriters = 4;
   dds::DataReaderQos qos = reader_qos(kCatalogueBlockTopic);
@@ -150,7 +150,8 @@ void BlockSubscription::take_blocks() {
   }
 }
 
-// A writer that dies or leaves without a word: the library delivers no note of its instances.
+// Handles a writer that crashes or leaves without disposing: the library delivers no message for
+// its instances.
 void BlockSubscription::end_of(const dds::InstanceHandle_t& writer) {
   for (auto known = known_.begin(); known != known_.end();) {
     if (known->first.first != writer) {
@@ -163,7 +164,7 @@ void BlockSubscription::end_of(const dds::InstanceHandle_t& writer) {
   }
 }
 
-// The same writer, after a network that was cut: what it had written holds again.
+// Restores the instances of the same writer after a network interruption.
 void BlockSubscription::return_of(const dds::InstanceHandle_t& writer) {
   for (auto& [instance, lost] : lost_.take(writer)) {
     const auto [known, is_new] = known_.try_emplace({writer, instance}, std::move(lost));
@@ -172,14 +173,15 @@ void BlockSubscription::return_of(const dds::InstanceHandle_t& writer) {
 }
 
 void BlockSubscription::gone(const Known& known) {
-  // The bridge that took the bus over goes on with the same epoch: its channels are there.
+  // The bridge that took the bus over continues with the same epoch: its channels remain.
   for (const auto& [written, other] : known_) {
     if (other.bus == known.bus && other.epoch == known.epoch && other.first == known.first) return;
   }
   BusTable& table = bus_of(known.bus).table;
   table.on_catalogue_gone(known.epoch, known.first, handlers_);
   if (table.is_known()) return;
-  // The epoch is over: what another bridge wrote of this bus holds now, under a smaller one too.
+  // The epoch has ended: the catalogue that another bridge wrote of this bus is used now, even with
+  // a smaller epoch.
   for (const auto& [written, other] : known_) {
     if (other.bus == known.bus) table.on_catalogue(other.block, handlers_);
   }
@@ -198,7 +200,7 @@ void BlockSubscription::ask_for_snapshots(Instant now) {
   }
 }
 
-// Whether a snapshot is to be asked for now: blocks are missing.
+// Returns true if a snapshot must be requested now because blocks are missing.
 bool BlockSubscription::is_missing_one(Bus& bus, Instant now) {
   if (!bus.table.wants_snapshot() || !bus.table.is_known()) {
     bus.wanted = false;
@@ -206,7 +208,7 @@ bool BlockSubscription::is_missing_one(Bus& bus, Instant now) {
   }
   if (!bus.wanted) {
     bus.wanted = true;
-    // A bus that is new sends one by itself.
+    // A new bus sends a snapshot by itself.
     bus.due = bus.table.missing() == 0 ? now + kPatience : now;
   }
   if (bus.due > now) return false;
@@ -214,7 +216,7 @@ bool BlockSubscription::is_missing_one(Bus& bus, Instant now) {
   return true;
 }
 
-// The same: samples are ignored.
+// Returns true if a snapshot must be requested now because samples are ignored.
 bool BlockSubscription::is_behind(Bus& bus, Instant now) {
   if (!bus.table.is_behind()) {
     bus.rest_behind = {};

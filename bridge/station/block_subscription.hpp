@@ -1,9 +1,9 @@
-// A station's subscription by blocks: SampleBlock and CatalogueBlock in, channels and samples out.
-// Asks for a snapshot where blocks were lost.
+// A station's subscription to blocks: receives SampleBlock and CatalogueBlock, reports channels and
+// samples. Requests a snapshot if blocks were lost.
 //
-// Callbacks of DDS only wake the subscription's own thread, which takes what came and calls the
-// handlers, one at a time. Functions may be called from any one thread; a handler that is added
-// late is first told, on the caller's thread, what is known already.
+// Callbacks of DDS only wake the subscription's own thread, which takes the messages and calls the
+// handlers, one at a time. Functions may be called from any one thread. A handler that is added
+// late first receives the known state, on the caller's thread.
 #pragma once
 
 #include <condition_variable>
@@ -24,40 +24,41 @@ class BlockSubscription : private dds::DataReaderListener {
   using OnGone = std::function<void(const std::string& bus, const std::string& device,
                                     const std::string& channel)>;
 
-  // `station` is named in requests for snapshots. Throws DdsError.
+  // `station` is the name in snapshot requests. Throws DdsError.
   BlockSubscription(Domain& domain, std::string station);
   ~BlockSubscription() override;
   BlockSubscription(const BlockSubscription&) = delete;
   BlockSubscription& operator=(const BlockSubscription&) = delete;
 
-  // Each once.
+  // Call each at most once.
   void subscribe_channels(std::function<void(const StationChannel&)> on_channel, OnGone gone);
   void subscribe_samples(std::function<void(const StationSample&)> on_sample, OnGone gone);
 
   struct Counters {
-    std::uint64_t blocks = 0;    // received
-    std::uint64_t missing = 0;   // blocks that never came: the station was too slow for them
+    std::uint64_t blocks = 0;
+    std::uint64_t missing = 0;   // lost blocks: the station was too slow for them
     std::uint64_t requests = 0;  // requests for snapshots
   };
   [[nodiscard]] Counters counters() const;  // any thread
 
  private:
-  // How long to wait for a snapshot, from its request or from when the bus is known; then it is
-  // requested again.
+  // Wait for a snapshot, from its request or from the discovery of the bus; then it is requested
+  // again.
   static constexpr Duration kPatience = std::chrono::milliseconds{300};
-  // The same, for a master that is to count above what was taken before; twice as long each time.
+  // Wait before the first such request to a master whose sequence numbers are too low; doubles each
+  // time.
   static constexpr Duration kBehind = std::chrono::seconds{1},
                             kMostBehind = std::chrono::minutes{1};
   static constexpr std::size_t kMostLost = 4096;  // catalogue blocks
 
   struct Bus {
     BusTable table;
-    Instant due{};  // the next request for a snapshot, while one is wanted
+    Instant due{};  // next request for a snapshot, while one is wanted
     bool wanted = false;
-    Instant due_behind{};    // the next one, while samples come that count below those of before
-    Duration rest_behind{};  // zero: none do
+    Instant due_behind{};    // next request, while samples with too low sequence numbers arrive
+    Duration rest_behind{};  // zero: no such samples
   };
-  struct Known {  // an instance of the catalogue: the note that it is gone comes without its keys
+  struct Known {  // an instance of the catalogue, because its end arrives without keys
     std::string bus;
     std::uint64_t epoch;
     std::uint32_t first;
@@ -69,7 +70,7 @@ class BlockSubscription : private dds::DataReaderListener {
                                const dds::SubscriptionMatchedStatus& status) override;
   void wake();
   void run();
-  // REQUIRES, all of them: mutex_ held.
+  // REQUIRES for all: mutex_ held.
   void take_catalogue();
   void take_blocks();
   void end_of(const dds::InstanceHandle_t& writer);
@@ -84,30 +85,30 @@ class BlockSubscription : private dds::DataReaderListener {
   Domain& domain_;
   const std::string station_;
 
-  mutable std::mutex mutex_;  // what is known, and the handlers while they run
+  mutable std::mutex mutex_;  // protects the state, and is held while handlers run
   BusTable::Handlers handlers_;
   OnGone channel_gone_, sample_gone_;
   std::map<std::string, Bus, std::less<>> buses_;
-  // By writer and instance: of one bus two bridges may write.
+  // By writer and instance, because two bridges may write one bus.
   std::map<std::pair<dds::InstanceHandle_t, dds::InstanceHandle_t>, Known> known_;
   LostInstances<Known> lost_{kMostLost};
   idl::CatalogueBlock catalogue_block_;
   idl::SampleBlock block_;
   Counters counters_;
-  dds::DataReader* blocks_ = nullptr;  // null: nobody wants samples
+  dds::DataReader* blocks_ = nullptr;  // null: no subscription to samples
   dds::DataWriter* requests_ = nullptr;
 
-  std::mutex news_mutex_;  // what follows; never held while DDS is called
+  std::mutex news_mutex_;  // protects the members below; never held while DDS is called
   std::condition_variable news_;
   bool fresh_ = false, ending_ = false;
   struct Match {
     dds::InstanceHandle_t writer;  // of the catalogue
-    bool came;                     // or left
+    bool came;                     // false: it left
   };
   std::vector<Match> matches_;
 
   dds::DataReader* catalogue_ = nullptr;
-  std::thread thread_;  // last: it uses what is above
+  std::thread thread_;  // last member: it uses the members above
 };
 
 }  // namespace fieldcast

@@ -49,7 +49,8 @@ void BusServers::on_data_available(dds::DataReader* reader) {
   changed_();
 }
 
-// One that was lost by the network serves what it served before; what it said since comes after.
+// Restores the buses of a bridge that was lost because of the network. Its later announcements
+// arrive after this.
 void BusServers::on_subscription_matched(dds::DataReader*,
                                          const dds::SubscriptionMatchedStatus& status) {
   const Handle& writer = status.last_publication_handle;

@@ -1,8 +1,8 @@
-// Which bridges take commands for a bus, by what they say on fieldcast/Bridge: the one that serves
-// it; while none does, the members of its standby group, who keep a command until one of them is
-// master. A bridge whose lease is over takes none.
+// Determines from fieldcast/Bridge which bridges accept commands for a bus: the one that serves it,
+// or, while none does, the members of its standby group, which keep a command until one of them is
+// master. A bridge whose lease has expired accepts none.
 //
-// DDS calls on its threads. takers() on any thread.
+// Callbacks run on DDS threads. takers() may be called on any thread.
 #pragma once
 
 #include <chrono>
@@ -24,11 +24,11 @@ class BusServers : private dds::DataReaderListener {
   using Participant = rtps::GuidPrefix_t;
   struct Taker {
     Participant participant;
-    // Since when it is heard. One that shows no endpoints for commands a while later is forged.
+    // First announcement. A bridge that shows no command endpoints some time later is forged.
     std::chrono::steady_clock::time_point since;
   };
 
-  // `changed` is called whenever what takers() says may be another. Throws DdsError.
+  // `changed` is called whenever the result of takers() may have changed. Throws DdsError.
   BusServers(Domain& domain, std::function<void()> changed);
   ~BusServers() override;
   BusServers(const BusServers&) = delete;
@@ -39,7 +39,7 @@ class BusServers : private dds::DataReaderListener {
  private:
   using Handle = dds::InstanceHandle_t;
   struct Known {
-    std::map<std::string, bool> buses;  // whether it serves them
+    std::map<std::string, bool> buses;  // true: it serves the bus
     bool in_group = false;
     std::chrono::steady_clock::time_point since;
   };
@@ -49,12 +49,12 @@ class BusServers : private dds::DataReaderListener {
   void on_liveliness_changed(dds::DataReader* reader,
                              const dds::LivelinessChangedStatus& status) override;
 
-  static constexpr std::size_t kMostLost = 256;  // bridges
+  static constexpr std::size_t kMostLost = 256;
   Domain& domain_;
   const std::function<void()> changed_;
   mutable std::mutex mutex_;       // never held while changed_ is called
-  std::map<Handle, Known> known_;  // by writer: what it said last
-  std::set<Handle> silent_;        // writers whose lease is over
+  std::map<Handle, Known> known_;  // last announcement, by writer
+  std::set<Handle> silent_;        // writers whose lease has expired
   LostInstances<Known> lost_{kMostLost};
   dds::DataReader* reader_;
 };

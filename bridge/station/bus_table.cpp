@@ -59,7 +59,7 @@ void BusTable::on_catalogue_gone(std::uint64_t epoch, std::uint32_t first,
   const std::size_t end =
       std::min<std::size_t>(rows_.size(), std::size_t{first} + kEntriesPerBlock);
   for (std::size_t i = first; i < end; ++i) forget(rows_[i], handlers);
-  // With the last entry the epoch is over: the next one may come from a clock that is behind.
+  // The epoch ends with its last entry: the next one may be from a clock that is behind.
   if (has_catalogue()) return;
   rows_ = std::vector<Row>();  // its memory, too: 176 bytes for each channel
   behind_ = 0;
@@ -81,7 +81,7 @@ void BusTable::count(std::uint64_t number) {
 
 void BusTable::on_samples(const idl::SampleBlock& block, const Handlers& handlers) {
   if (!is_whole(block)) return;
-  // Who writes it may be gone before its catalogue comes, and then nobody tells that it is gone.
+  // Its writer may disappear before its catalogue arrives, and its end would not be reported then.
   if (block.epoch() > epoch_ && has_catalogue()) return;
   if (!enter(block.epoch(), handlers)) return;
   count(block.number());

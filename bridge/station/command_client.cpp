@@ -10,7 +10,7 @@ namespace fieldcast {
 
 namespace {
 
-constexpr std::size_t kMaxPerson = 64;          // bytes, as of a user's name
+constexpr std::size_t kMaxPerson = 64;          // bytes, as for a user's name
 constexpr std::size_t kMaxNameWithPerson = 32;  // of the process, so that all fit in 128 bytes
 
 // ":pid:random": unique for each process and object, also across hosts and restarts.
@@ -20,7 +20,7 @@ std::string make_identity() {
   return ":" + std::to_string(getpid()) + ":" + std::to_string(number);
 }
 
-// What separates names, changes a line or is no ASCII never gets into a requester.
+// Rejects separators of names, line breaks and non-ASCII characters in a requester.
 bool is_person(std::string_view name) {
   return !name.empty() && name.size() <= kMaxPerson &&
          std::all_of(name.begin(), name.end(), [](char c) {
@@ -47,7 +47,7 @@ CommandClient::CommandClient(Domain& domain, const std::string& name, const std:
         changed_.notify_all();
       }) {
   listener_.client = this;
-  // Results are volatile: the reader comes before the first command.
+  // Results are volatile, so the reader is created before the first command.
   results_ =
       domain_.reader(kCommandResultTopic, &listener_,
                      dds::StatusMask::data_available() << dds::StatusMask::subscription_matched());
@@ -150,7 +150,8 @@ void CommandClient::send_again() {
         put_back(std::move(kept));
         continue;
       }
-      // In whole seconds: each lifespan has its writer. A new id, as bridges remember the old one.
+      // In whole seconds, because each lifespan has its writer. The id is new, because bridges
+      // store the old one.
       const Duration left = kept.ends - now;
       kept.command.lifespan = std::chrono::floor<std::chrono::seconds>(left);
       kept.command.command.request_id = 0;
@@ -200,7 +201,7 @@ CommandClient::CommandWriter& CommandClient::writer_for(Duration lifespan) {
       return above == writers_.begin() ? *above->second : *std::prev(above)->second;
     }
   }
-  // Not under mutex_: the library may tell of matches while it makes the writer.
+  // Without mutex_: the library may report matches while it creates the writer.
   auto made = std::make_unique<CommandWriter>();
   made->client = this;
   made->entity = domain_.writer(kCommandTopic, command_writer_qos(lifespan), requester_, made.get(),

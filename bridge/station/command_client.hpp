@@ -1,5 +1,5 @@
-// A station's side of commands: writes Command and AlarmAction, matches CommandResult to them. Any
-// thread.
+// A station's side of commands: writes Command and AlarmAction, and matches CommandResult to them.
+// Any thread.
 //
 // A command that was_not_run() is sent again under a new request_id, by a thread that starts with
 // the first such command. The caller sees one command, one request_id and one result.
@@ -38,7 +38,7 @@ class CommandClient {
   [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(AlarmAction action,
                                                                Duration wait_for_bridge,
                                                                bool awaited);
-  // send() and await().
+  // Calls send() and await().
   [[nodiscard]] StationOutcome execute(StationCommand command, Duration wait_for_bridge,
                                        Duration wait_for_result);
   [[nodiscard]] tl::expected<StationResult, StationFault> await(std::uint64_t request_id,
@@ -47,23 +47,23 @@ class CommandClient {
  private:
   CommandClient(Domain& domain, const std::string& name, const std::string& identity);
 
-  // Of one command, with pauses of kTry, twice that, and so on: a bridge that releases a bus may
+  // For one command, with pauses of kTry, twice that, and so on: the bridge that releases a bus may
   // still be the one that is found.
   static constexpr int kMostAttempts = 6;
-  // Commands that are kept until their result is received. Beyond that, a command has one attempt.
+  // Commands that are stored until their result is received. Further commands have one attempt.
   static constexpr std::size_t kMaxKept = 1024;
-  // How often a command that waits for another bridge is tried again.
+  // Period of retries of a command that waits for another bridge.
   static constexpr Duration kTry = std::chrono::milliseconds{50};
 
-  // A bridge that takes no commands so long after it claimed a bus keeps no command back that
-  // another bridge takes: a claim can be forged.
+  // A bridge that does not accept commands within this time after it claimed a bus no longer delays
+  // commands for another bridge: a claim can be forged.
   static constexpr Duration kLongestMatch = std::chrono::seconds{2};
 
   // Distinct lifespans, each with a writer. Beyond that, the nearest shorter one is used.
   static constexpr std::size_t kMaxLifespans = 16;
   static constexpr Duration kActionLifespan = std::chrono::seconds{5};
 
-  // A writer, and the bridges whose readers it has found.
+  // A writer, and the bridges whose readers have matched.
   struct Matches : dds::DataWriterListener {
     void on_publication_matched(dds::DataWriter*,
                                 const dds::PublicationMatchedStatus& status) override;
@@ -76,8 +76,8 @@ class CommandClient {
   };
   template <class Message>
   struct Writer : Matches {
-    // The first message to a bridge that was found just now goes alone: with more than 256 messages
-    // before its reader knows this writer, Fast DDS 2.9.1 loses what lies beyond them and calls it
+    // The first message to a newly found bridge is sent alone: with more than 256 messages before
+    // its reader discovers this writer, Fast DDS 2.9.1 loses the excess and reports them as
     // acknowledged.
     [[nodiscard]] bool write(Message& message) {
       const std::lock_guard lock(writing);
@@ -111,16 +111,16 @@ class CommandClient {
     StationResult refusal;  // of the last attempt
   };
 
-  // LIFESPAN is a writer's: one writer for each that is asked for.
+  // LIFESPAN is a QoS of a writer, so each lifespan has a writer.
   CommandWriter& writer_for(Duration lifespan);
   ActionWriter& action_writer();
-  // Of this process, or of a person who asked it.
+  // True for requesters of this process or of a user who sends through it.
   [[nodiscard]] bool is_ours(std::string_view requester) const;
-  // Each bridge that takes commands for the bus has matched this writer and the reader of results,
-  // but for those that had kLongestMatch for it. REQUIRES: mutex_ held.
+  // True if each bridge that accepts commands for the bus has matched this writer and the reader of
+  // results, except bridges that have had kLongestMatch for it. REQUIRES: mutex_ held.
   [[nodiscard]] bool reaches(const std::string& bus, const Matches& writer) const;
-  // Waits for the bridge of the bus, then writes; gives the request_id, which is filled in here
-  // unless it was reserved. `note(id)` is called before the message is written, with mutex_ held.
+  // Waits for the bridge of the bus, then writes. Returns the request_id, which is set here unless
+  // it was reserved. `note(id)` is called before the message is written, with mutex_ held.
   template <class Message, class Note>
   [[nodiscard]] tl::expected<std::uint64_t, StationFault> write(Message& message,
                                                                 Writer<Message>& writer,
@@ -137,10 +137,10 @@ class CommandClient {
 
   Domain& domain_;
   const std::string requester_;
-  const std::string of_persons_;  // their requesters begin with it
-  std::mutex mutex_;              // everything below but the entities themselves
+  const std::string of_persons_;  // prefix of the requesters of users
+  std::mutex mutex_;              // protects everything below except the entities themselves
   std::condition_variable changed_;
-  std::mutex making_;  // one thread makes writers
+  std::mutex making_;  // one thread creates writers
   std::map<Duration, std::unique_ptr<CommandWriter>> writers_;
   std::unique_ptr<ActionWriter> actions_;
   ResultListener listener_;
@@ -153,7 +153,7 @@ class CommandClient {
   std::vector<Kept> again_;             // those that wait for a bridge
   bool closing_ = false;
   std::thread resender_;
-  BusServers servers_;  // last: it calls what is above
+  BusServers servers_;  // last member: it calls the members above
 };
 
 }  // namespace fieldcast

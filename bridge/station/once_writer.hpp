@@ -1,12 +1,12 @@
-// A writer of messages whose keys never come again: each is an instance that both ends have to
-// forget, or their memory grows for ever.
+// A writer of messages whose keys never repeat. Each message is an instance that both ends must
+// release, or their memory grows without limit.
 //
-// The note that an instance is let go leaves only when the message itself is acknowledged and gone
-// from the history. Fast DDS 2.9.1 walks backwards over what was acknowledged and takes out a
-// message together with its note, while its iterator points at one of them
-// (StatefulWriter::check_acked_status, DataWriterHistory::remove_instance_changes): what comes
-// after is then dropped though nobody has it, and the writer and its readers wait for each other
-// for ever.
+// An instance is unregistered only when the message itself is acknowledged and removed from the
+// history. Fast DDS 2.9.1 iterates backwards over acknowledged messages and removes a message
+// together with its unregister message, while its iterator points at one of them
+// (StatefulWriter::check_acked_status, DataWriterHistory::remove_instance_changes). Later messages
+// are then dropped although no reader has them, and the writer and its readers wait for each other
+// forever.
 #pragma once
 
 #include <algorithm>
@@ -20,14 +20,14 @@
 
 namespace fieldcast {
 
-// Message: a topic type with the keys requester and request_id. Any thread.
+// `Message` is a topic type with the keys requester and request_id. Any thread.
 template <class Message>
 class OnceWriter {
  public:
-  // Before any other call. The caller owns the entity, which outlives this.
+  // Call it before all other functions. The caller owns the entity, which must outlive this object.
   void attach(dds::DataWriter* entity) { entity_ = entity; }
 
-  // False: too many are not acknowledged, see make_room().
+  // Returns false if too many messages are not acknowledged; see make_room().
   [[nodiscard]] bool write(Message& message) {
     const std::lock_guard lock(mutex_);
     let_go();
@@ -38,23 +38,23 @@ class OnceWriter {
     return true;
   }
 
-  // Waits at most `wait` until all readers have what was written. A reader that stays behind costs
-  // this wait once for each kBatch messages, until kMaxPendingCommands are not acknowledged.
+  // Waits at most `wait` until all readers have acknowledged. A slow reader costs this wait once
+  // for each kBatch messages, until kMaxPendingCommands are not acknowledged.
   void make_room(Duration wait) {
     entity_->wait_for_acknowledgments(to_dds(wait));
     const std::lock_guard lock(mutex_);
     if (!let_go()) limit_ = std::min<std::size_t>(limit_ + kBatch, kMaxPendingCommands);
   }
 
-  // Lets go of the instances of what was written, if all of it is acknowledged. False: some are
-  // left.
+  // Unregisters the instances of written messages if all are acknowledged. Returns false if some
+  // remain.
   bool settle() {
     const std::lock_guard lock(mutex_);
     return let_go();
   }
 
  private:
-  // One acknowledgement tells of so many (RTPS 2.2, 9.4.2.6).
+  // Numbers that one acknowledgement covers (RTPS 2.2, 9.4.2.6).
   static constexpr std::size_t kBatch = 256;
 
   bool let_go() {
@@ -72,8 +72,8 @@ class OnceWriter {
 
   dds::DataWriter* entity_ = nullptr;
   std::mutex mutex_;
-  std::deque<Message> written_;  // the keys alone, of instances that are still to be let go
-  std::size_t limit_ = kBatch;   // of written_
+  std::deque<Message> written_;  // only the keys, of instances that are not unregistered yet
+  std::size_t limit_ = kBatch;
 };
 
 }  // namespace fieldcast

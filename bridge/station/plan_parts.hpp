@@ -1,5 +1,5 @@
-// Puts the parts of plans together, which may come in any order and of which one may belong to
-// another plan than the next. Pure: no DDS entity, no clock, no thread; one owner.
+// Assembles plans from their parts, which may arrive in any order and belong to different plans.
+// Pure: no DDS entity, no clock, no thread; one owner.
 #pragma once
 
 #include <cstdint>
@@ -13,14 +13,15 @@ namespace fieldcast {
 
 class PlanParts {
  public:
-  // The whole plan when this part was the last that it lacked.
+  // Returns the whole plan if this part completes it.
   [[nodiscard]] std::optional<StationReadPlan> on_part(const idl::ReadPlan& part);
   void forget(const std::string& bus) { buses_.erase(bus); }
 
  private:
   struct Plan {
     std::uint64_t number = 0;
-    std::map<std::uint32_t, idl::ReadPlan> parts;  // until they are whole; at most kMaxPlanBlocks
+    // until the plan is complete; at most kMaxPlanBlocks
+    std::map<std::uint32_t, idl::ReadPlan> parts;
   };
   std::map<std::string, Plan> buses_;  // as many as the reader has instances
 };

@@ -11,9 +11,9 @@
 namespace fieldcast {
 namespace {
 
-constexpr char kAfterSite = ':';  // no name of a site or a bus has it
+constexpr char kAfterSite = ':';  // not allowed in names of sites and buses
 
-// A handler and the one of what is gone share one turn.
+// Makes a handler and its `gone` handler run one at a time across sites.
 template <class Handler, class Gone>
 void share_turn(Handler& handler, Gone& gone, bool several) {
   if (!several) return;
@@ -54,7 +54,7 @@ std::optional<std::string> pattern_at_site(std::string_view pattern, std::string
     if (!glob_matches(bus.substr(0, colon), site)) return std::nullopt;
     return std::string(bus.substr(colon + 1)).append(rest);
   }
-  // A star has to stand for the end of the site's name; the last one that can leaves the most.
+  // A star must match the end of the site's name; the last one that can leaves the longest pattern.
   const std::string prefix = std::string(site) + kAfterSite;
   for (auto star = bus.rfind('*'); star != bus.npos;
        star = star == 0 ? bus.npos : bus.rfind('*', star - 1)) {
@@ -297,7 +297,7 @@ std::vector<std::string> Sites::missing_servers() const {
   return missing;
 }
 
-// All stations count together, as nobody else asks them.
+// All stations count together: ids are reserved only here.
 std::uint64_t Sites::reserve_request_id() {
   const std::lock_guard lock(reserving_);
   std::uint64_t id = 0;

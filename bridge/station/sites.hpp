@@ -1,10 +1,10 @@
-// Several sites watched at once: a Station for each, told apart by the site's name before the names
-// of bridges and buses ("north:line-7"). What a Station of one domain gives, this gives for all of
-// them; commands, actions and interests go to the site that their bus names. One site without a
-// name is just a Station.
+// Watches several sites: one Station for each, with the site's name before the names of bridges and
+// buses ("north:line-7"). It has the functions of a Station of one domain for all sites; commands,
+// actions and interests are sent to the site that their bus names. With one site without a name it
+// behaves like a Station.
 //
-// Owns its stations. Callbacks come as those of Station do: one at a time for each subscription,
-// whichever site they are of. Subscribe before using what arrives.
+// Owns its stations. Callbacks arrive as those of Station do: one at a time for each subscription,
+// for all sites together. Subscribe before you use received data.
 #pragma once
 
 #include <functional>
@@ -19,21 +19,21 @@
 
 namespace fieldcast {
 
-// The pattern as it is at a site of this name: "north:*/m/t" is "*/m/t" at "north", "*" is "*" at
-// every site, "north:line-7" is none at "south".
+// The pattern that applies at a site of this name: "north:*/m/t" is "*/m/t" at "north", "*" is "*"
+// at every site, "north:line-7" gives `std::nullopt` at "south".
 [[nodiscard]] std::optional<std::string> pattern_at_site(std::string_view pattern,
                                                          std::string_view site);
 
 class Sites {
  public:
-  // Joins all domains; `name` is how other tools see the participants. Throws DdsError, which names
-  // the site. REQUIRES: names are unique, and none is empty unless there is one site alone.
+  // Joins all domains; `name` is the participant name that other tools see. Throws DdsError, which
+  // names the site. REQUIRES: names are unique, and none is empty unless there is only one site.
   Sites(const std::vector<DdsSite>& sites, const std::string& name);
   ~Sites();
   Sites(const Sites&) = delete;
   Sites& operator=(const Sites&) = delete;
 
-  // As those of Station, each once.
+  // As those of Station; call each once.
   void subscribe_samples(Station::OnSample on_sample, Station::OnGone gone = {});
   void subscribe_channels(std::function<void(const StationChannel&)> on_channel,
                           Station::OnGone gone = {});
@@ -50,15 +50,16 @@ class Sites {
                         std::function<void(const StationAlarm& last)> gone = {});
   void subscribe_alarm_status(std::function<void(const StationAlarmStatus&)> on_status,
                               std::function<void(const StationAlarmStatus& last)> gone = {});
-  [[nodiscard]] Station::BlockCounters block_counters() const;  // of all sites
+  [[nodiscard]] Station::BlockCounters block_counters() const;
 
-  // At one site at least.
+  // True if it is possible at one site at least.
   [[nodiscard]] bool may_declare_interest() const;
-  // An interest at every site that the pattern may match and where this program may declare one.
+  // Declares the interest at every site that the pattern may match and where this program may
+  // declare one.
   void declare_interest(const std::string& pattern, Duration refresh);
   void withdraw_interest(const std::string& pattern);
 
-  // As those of Station; kNoSite when the bus names none of the sites.
+  // As those of Station; kNoSite if the bus names none of the sites.
   [[nodiscard]] StationOutcome execute(StationCommand command,
                                        Duration wait_for_bridge = std::chrono::seconds{3},
                                        Duration wait_for_result = std::chrono::seconds{5});
@@ -70,7 +71,7 @@ class Sites {
   [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(
       AlarmAction action, Duration wait_for_bridge = std::chrono::seconds{3});
   [[nodiscard]] StationOutcome write(std::string_view path, Value value, bool verify = false);
-  // Results of all sites. An id is of one command, whatever site it went to.
+  // Results of all sites. An id is unique across sites.
   void on_result(std::function<void(const StationResult&)> handler);
   [[nodiscard]] std::uint64_t reserve_request_id();
 
@@ -83,9 +84,10 @@ class Sites {
     std::string prefix;  // "north:"; empty: none
     std::unique_ptr<Station> station;
   };
-  // The site that a bus names; the prefix is taken off the name. Null: none.
+  // Returns the site that a bus names, and removes the prefix from the name. Null if there is none.
   [[nodiscard]] Station* take_site(std::string& bus);
-  // A handler of all sites, made one of a site: `name(message, prefix)` puts the prefix in.
+  // Makes the handler of one site from a handler of all sites; `name(message, prefix)` adds the
+  // prefix.
   template <class Message, class Name>
   auto at_site(const Site& site, const std::function<void(const Message&)>& handler, Name name);
   // The same for every site: subscribe(station, handler, gone).

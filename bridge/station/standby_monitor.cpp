@@ -58,7 +58,7 @@ bool StandbyMonitor::request(const StandbyRequest& wanted, Duration limit) {
     if (!state_->changed.wait_for(lock, limit, [this] { return state_->bridges > 0; }))
       return false;
   }
-  // All bridges that were found by now get it; one that is found later may be the master.
+  // All bridges found so far receive it; one that is found later may be the master.
   const auto end = std::chrono::steady_clock::now() + limit;
   idl::StandbyRequest out;
   to_idl(wanted, out);

@@ -1,7 +1,7 @@
-// The standby groups of a domain as a station sees them: which bridge is master, which ones wait,
-// and a request for another master.
+// The standby groups of a domain, for a station: reports which bridge is master and which ones
+// wait, and can request another master.
 //
-// Joins the domain with a participant of its own. Handlers come on DDS threads.
+// Joins the domain with its own participant. Handlers are called on DDS threads.
 #pragma once
 
 #include <functional>
@@ -20,14 +20,13 @@ class StandbyMonitor {
     std::function<void(const StandbyMessage&)> member;
     std::function<void(const std::string& group, const std::string& bridge)> gone;
   };
-  // Throws DdsError.
   StandbyMonitor(const DdsSpec& spec, const std::string& name, Handlers handlers);
   ~StandbyMonitor();
   StandbyMonitor(const StandbyMonitor&) = delete;
   StandbyMonitor& operator=(const StandbyMonitor&) = delete;
 
-  // Asks the group for another master. False: no bridge heard it within the limit. Throws DdsError:
-  // this member may not.
+  // Requests another master of the group. Returns false if no bridge received it within the limit.
+  // Throws DdsError if this member has no right to do so.
   [[nodiscard]] bool request(const StandbyRequest& wanted, Duration limit);
 
  private:

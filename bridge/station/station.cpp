@@ -33,7 +33,7 @@ struct Station::State {
     return !member || (right != nullptr && right->writers.has(member->role));
   }
 
-  // Made at the first command: a station that only looks on has no writers.
+  // Created at the first command: a read-only station has no writers.
   CommandClient& client() {
     const std::lock_guard lock(mutex);
     if (!commands) commands = std::make_unique<CommandClient>(domain, name);
@@ -58,7 +58,7 @@ struct Station::State {
   std::unique_ptr<Subscription<idl::ProgramSessionPubSubType>> sessions;
   std::unique_ptr<Subscription<idl::AlarmPubSubType>> alarms;
   std::unique_ptr<Subscription<idl::AlarmStatusPubSubType>> alarm_status;
-  PlanParts plan_parts;  // used by the subscription
+  PlanParts plan_parts;
   std::unique_ptr<Subscription<idl::ReadPlanPubSubType>> plans;
   dds::DataWriter* interests = nullptr;
   std::unique_ptr<CommandClient> commands;

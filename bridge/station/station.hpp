@@ -1,10 +1,10 @@
 // A monitoring station or plant system: the other side of DdsLink, for our tools, tests and
 // benches.
 //
-// Owns its DDS participant. Channels and samples come by blocks, on a thread of the station's own;
-// everything else, and samples that are asked for with a deadline, comes on DDS threads. Callbacks
-// come one at a time for each subscription and must not block. Subscribe before using what arrives;
-// the object may be used from any one thread. No DDS type appears here.
+// Owns its DDS participant. Channels and samples are received as blocks, on the station's own
+// thread. All other data, and samples requested with a deadline, are received on DDS threads.
+// Callbacks are called one at a time for each subscription and must not block. Subscribe before you
+// use received data; the object may be used from any one thread. No DDS type appears here.
 #pragma once
 
 #include <cstdint>
@@ -25,60 +25,62 @@
 namespace fieldcast {
 
 enum class StationFault : std::uint8_t {
-  kNoBridge,  // no bridge that serves the bus was found within the wait: it was not sent
-  kNoResult,  // the command was written and no result came within its lifespan and the wait
+  kNoBridge,  // no bridge that serves the bus was found within the wait: the command was not sent
+  kNoResult,  // the command was written, but no result arrived within its lifespan and the wait
   kNotSent,   // it does not fit the topic: a name or a list is too long
   kNotAPath,  // the channel is not named as BUS/DEVICE/CHANNEL
   kNoSite,    // of several sites, the bus names none
-  kNoPerson,  // the person's name has other characters than those of a user, or too many
-  kNoRight,   // the identity of this station, by DDS Security, is none that commands
+  kNoPerson,  // the user's name is too long or contains characters that are not allowed
+  kNoRight,   // the DDS Security identity of this station may not send commands
 };
 [[nodiscard]] std::string_view to_text(StationFault fault);
 
-// What became of a command: its one result, or why there is none.
+// The result of a command, or the reason why there is none.
 using StationOutcome = tl::expected<StationResult, StationFault>;
 // "verified", "rejected: channel is read-only (READ_ONLY)", "no result came in time".
 [[nodiscard]] std::string to_text(const StationOutcome& outcome);
 
-// True if the result proves that the command was not run, as the bus was stopped or taken over by
-// another bridge at that moment: it may be sent again, under a new request_id.
+// True if the result proves that the command was not run, because the bus was stopped or taken over
+// by another bridge at that moment. It may then be sent again, under a new request_id.
 [[nodiscard]] bool was_not_run(const StationResult& result);
 
-// How old a value is by this machine's clock, against the instant at which the bridge had the last
-// byte of it. Needs clocks that agree. A channel that was never read is as old as the epoch.
+// Age of a value by this machine's clock, from the instant at which the bridge received its last
+// byte. Needs synchronized clocks. A channel that was never read is as old as the epoch.
 [[nodiscard]] Duration age(const StationSample& sample);
 
 class Station {
  public:
-  // Joins the domain; `name` is how other tools see the participant. Throws DdsError.
+  // Joins the domain; `name` is the participant name that other tools see. Throws DdsError.
   Station(const DdsSpec& spec, const std::string& name);
   ~Station();
   Station(const Station&) = delete;
   Station& operator=(const Station&) = delete;
 
-  // Each may be called once. `gone` is called when an instance was disposed or its bridge is gone
-  // (samples, channels).
+  // Call each at most once. `gone` is called when an instance was disposed or its bridge has
+  // disconnected (samples, channels).
   using OnSample = std::function<void(const StationSample&)>;
   using OnGone = std::function<void(const std::string& bus, const std::string& device,
                                     const std::string& channel)>;
   using OnMissed = OnGone;
   struct SampleOptions {
-    // Matches just the channels that promise this refresh or better.
+    // Matches only the channels that promise this refresh or a shorter one.
     std::optional<Duration> deadline;
-    // No sample of the channel came for `deadline`. Called again for each further one that passes.
+    // No sample of the channel arrived within `deadline`. Called again for each further deadline
+    // that passes.
     OnMissed on_deadline_missed;
-    // Each sample by itself (fieldcast/Sample) instead of by blocks; so it is with a deadline too.
+    // Receives each sample individually (fieldcast/Sample) instead of in blocks; a deadline implies
+    // it.
     bool one_by_one = false;
   };
   void subscribe_samples(OnSample on_sample, OnGone gone, SampleOptions options);
   void subscribe_samples(OnSample on_sample, OnGone gone = {}) {
     subscribe_samples(std::move(on_sample), std::move(gone), {});
   }
-  // What came by blocks so far. Any thread.
+  // Counters of received blocks. Any thread.
   struct BlockCounters {
     std::uint64_t blocks = 0;
-    std::uint64_t missing = 0;   // blocks that never came: this station was too slow for them
-    std::uint64_t requests = 0;  // for the last values, where blocks were missing
+    std::uint64_t missing = 0;   // lost blocks: this station was too slow for them
+    std::uint64_t requests = 0;  // for the last values, after blocks were lost
   };
   [[nodiscard]] BlockCounters block_counters() const;
   void subscribe_channels(std::function<void(const StationChannel&)> on_channel, OnGone gone = {});
@@ -86,24 +88,26 @@ class Station {
                             std::function<void(const StationBusStatus& last)> gone = {});
   void subscribe_device_status(std::function<void(const StationDeviceStatus&)> on_status,
                                std::function<void(const StationDeviceStatus& last)> gone = {});
-  // The bridges of the domain. One that ends without a word is gone when its lease is over.
+  // The bridges of the domain. A bridge that crashes is reported as gone when its lease expires.
   void subscribe_bridges(std::function<void(const StationBridge&)> on_bridge,
                          std::function<void(const StationBridge& last)> gone = {});
   void subscribe_program_sessions(std::function<void(const ProgramSessionReport&)> on_session);
-  // The whole plan, whenever another one is in force.
+  // Reports the whole plan whenever a new plan is in force.
   void subscribe_read_plans(std::function<void(const StationReadPlan&)> on_plan,
                             std::function<void(const std::string& bus)> gone = {});
   void subscribe_alarms(std::function<void(const StationAlarm&)> on_alarm,
                         std::function<void(const StationAlarm& last)> gone = {});
-  // What people did about alarms, beside the alarms themselves: acknowledged, shelved, suppressed.
+  // Actions of users on alarms, in addition to the alarms themselves: acknowledged, shelved,
+  // suppressed.
   void subscribe_alarm_status(std::function<void(const StationAlarmStatus&)> on_status,
                               std::function<void(const StationAlarmStatus& last)> gone = {});
 
-  // By DDS Security, what this station may do besides reading. Without it, everything.
+  // Rights of this station by DDS Security in addition to reading. Without DDS Security, everything
+  // is allowed.
   [[nodiscard]] bool may_command() const;
   [[nodiscard]] bool may_declare_interest() const;
 
-  // An interest in channels at a refresh, kept up until withdrawn or until this process dies.
+  // Declares an interest in channels at a refresh, until it is withdrawn or this process ends.
   // Throws DdsError unless may_declare_interest().
   void declare_interest(const std::string& pattern, Duration refresh);
   void withdraw_interest(const std::string& pattern);
@@ -111,7 +115,7 @@ class Station {
   // Writes the command once the bridge that serves the bus is found (at most wait_for_bridge) and
   // blocks for its one result, at most lifespan + wait_for_result. A command that was_not_run() is
   // sent again while its lifespan lasts, here and in send(); the caller sees one command with one
-  // request_id and one result. request_id and requester are set here. kNoRight: as all below.
+  // request_id and one result. Sets request_id and requester. Fails with kNoRight, as all below.
   [[nodiscard]] StationOutcome execute(StationCommand command,
                                        Duration wait_for_bridge = std::chrono::seconds{3},
                                        Duration wait_for_result = std::chrono::seconds{5});
@@ -120,28 +124,28 @@ class Station {
   // value against the channel's type and range.
   [[nodiscard]] StationOutcome write(std::string_view path, Value value, bool verify = false);
 
-  // Does not wait for the result: gives the request_id (on_result, set before the first call, is
-  // called with the result on a thread of the station or of DDS).
+  // Does not wait for the result; returns the request_id. The result is passed to the handler of
+  // on_result(), which must be set before the first call, on a thread of the station or of DDS.
   [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(
       StationCommand command, Duration wait_for_bridge = std::chrono::seconds{3});
   void on_result(std::function<void(const StationResult&)> handler);
-  // A request_id that a command or an action may have when it is sent later, once: so that whoever
-  // waits for its result can be noted before it is sent.
+  // Reserves a request_id for one later command or action, so that the caller can register for its
+  // result before it is sent.
   [[nodiscard]] std::uint64_t reserve_request_id();
 
-  // The same for what a person does about an alarm: acknowledge it, shelve it, put its device into
-  // maintenance. It has one result too, kDone or kRejected, and ids of the same count. requester
-  // and request_id of the action are filled in here.
+  // The same for an operator's action on an alarm: acknowledge it, shelve it, put its device into
+  // maintenance. It also has one result, kDone or kRejected, and its ids are from the same
+  // sequence. Sets requester and request_id of the action.
   [[nodiscard]] StationOutcome execute(AlarmAction action,
                                        Duration wait_for_bridge = std::chrono::seconds{3},
                                        Duration wait_for_result = std::chrono::seconds{5});
   [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(
       AlarmAction action, Duration wait_for_bridge = std::chrono::seconds{3});
 
-  // The discovery servers of the configuration that do not answer. Any thread.
+  // The configured discovery servers that do not respond. Any thread.
   [[nodiscard]] std::vector<std::string> missing_servers() const;
 
-  // Unique for each process and object. The requester of a person's command is made of it:
+  // Unique for each process and object. The requester of a user's command is made from it:
   // ".../anna".
   [[nodiscard]] const std::string& requester() const;
 

@@ -1,5 +1,5 @@
-// One reader of a keyed topic whose samples are converted and handed on as plain structs. Calls
-// come on DDS threads, one at a time.
+// A reader of a keyed topic that converts its samples to plain structs and passes them to handlers.
+// Handlers are called on DDS threads, one at a time.
 #pragma once
 
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
@@ -19,11 +19,11 @@ class Subscription : private dds::DataReaderListener {
   using Message = typename Type::Message;
   struct Handlers {
     std::function<void(const Message&)> sample;
-    // An instance was disposed, or nobody writes it any more: its last message. Null: nobody asks.
-    // Where a lost writer returns, `sample` is told its instances again.
+    // Called with the last message of an instance that was disposed or has no writer any more. May
+    // be null. When a lost writer returns, `sample` is called again for its instances.
     std::function<void(const Message&)> gone;
-    // No sample of an instance came within the reader's deadline, which somebody writes still: the
-    // message with its keys. Null: nobody asks.
+    // Called with the keys of an instance of a live writer whose reader deadline has passed without
+    // a sample. May be null.
     std::function<void(const Message&)> deadline_missed;
   };
 
@@ -54,13 +54,13 @@ class Subscription : private dds::DataReaderListener {
         handlers_.sample(received_);
       } else if (info.instance_state != dds::ALIVE_INSTANCE_STATE) {
         lost_.forget(info.publication_handle, info.instance_handle);
-        // Such a note comes without its keys.
+        // Such a message arrives without its keys.
         if (const auto node = known_.extract(info.instance_handle)) end(node.key(), node.mapped());
       }
     }
   }
-  // A writer that dies or leaves without a word marks its instances, but the library delivers no
-  // note of it.
+  // A writer that crashes or leaves without disposing changes the state of its instances, but the
+  // library delivers no message for them.
   void on_subscription_matched(dds::DataReader*,
                                const dds::SubscriptionMatchedStatus& status) override {
     const std::lock_guard lock(mutex_);
@@ -76,8 +76,8 @@ class Subscription : private dds::DataReaderListener {
       lost_.keep(node.mapped().writer, node.key(), std::move(node.mapped().last));
     }
   }
-  // Fast DDS 2.9.1 goes on counting for an instance whose last writer has gone. Such misses are not
-  // reported. The reader's lock is held here, so that mutex_ must not be taken.
+  // Fast DDS 2.9.1 continues to count for an instance whose last writer has left. Such misses are
+  // not reported. The reader's lock is held here, so mutex_ must not be locked.
   void on_requested_deadline_missed(dds::DataReader*,
                                     const dds::RequestedDeadlineMissedStatus& status) override {
     Message late;
@@ -111,10 +111,10 @@ class Subscription : private dds::DataReaderListener {
       promised_.emplace(instance, received_);
     }
   }
-  // What it had written holds again; what it wrote since is still to come.
+  // Restores the instances that it had written; its later messages are still to arrive.
   void return_of(const dds::InstanceHandle_t& writer) {
     for (auto& [instance, last] : lost_.take(writer)) {
-      if (known_.contains(instance)) continue;  // another one writes it now
+      if (known_.contains(instance)) continue;  // another writer owns it now
       received_ = std::move(last);
       remember(instance, writer);
       handlers_.sample(received_);
@@ -131,12 +131,12 @@ class Subscription : private dds::DataReaderListener {
   Domain& domain_;
   const std::size_t limit_;
   const Handlers handlers_;
-  std::mutex mutex_;  // the library calls on any of the participant's threads
+  std::mutex mutex_;  // the library calls on any thread of the participant
   Message received_;
   std::map<dds::InstanceHandle_t, Known> known_;  // if remembers(); at most limit_
   LostInstances<Message> lost_;
-  std::mutex promised_mutex_;  // after mutex_ and the reader's
-  // Those of known_, for what a missed deadline names; only with `deadline_missed`.
+  std::mutex promised_mutex_;  // lock order: after mutex_ and the reader's lock
+  // Copy of known_ for missed deadlines; only used with `deadline_missed`.
   std::map<dds::InstanceHandle_t, Message> promised_;
   dds::DataReader* reader_ = nullptr;
 };

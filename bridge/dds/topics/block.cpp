@@ -9,11 +9,11 @@ namespace fieldcast {
 
 namespace {
 
-// Of a block without rows: names, counters, the lengths and paddings of its columns.
+// Bytes of a block without rows: names, counters, the lengths and paddings of its columns.
 constexpr std::size_t kEmptyBytes = 192;
-// Of one row in all columns but the texts: 4 + 1 + 1 + 2 + 8 + 8 + 8.
+// Bytes of one row in all columns except texts: 4 + 1 + 1 + 2 + 8 + 8 + 8.
 constexpr std::size_t kRowBytes = 32;
-constexpr std::size_t kTextBytes = 8;  // its length, its end and the padding
+constexpr std::size_t kTextBytes = 8;
 
 }  // namespace
 

@@ -1,7 +1,8 @@
-// SampleBlock and CatalogueBlock: from core types, and back row by row. Pure functions; any thread.
+// SampleBlock and CatalogueBlock: conversion from core types, and back row by row. Pure functions;
+// any thread.
 //
-// From DDS nothing is trusted: columns that do not fit together, unknown kinds and qualities are
-// refused.
+// Data from DDS is not trusted: columns of different lengths and unknown kinds or qualities are
+// rejected.
 #pragma once
 
 #include <cstdint>
@@ -18,12 +19,12 @@ namespace fieldcast {
 
 // ---- samples
 
-// The last value of a channel as the topics carry it.
+// The last value of a channel in the form of the topics.
 struct LastValue {
   idl::ValueKind kind = idl::VALUE_BOOLEAN;
   idl::Quality quality = idl::NOT_YET_READ;
   std::uint16_t device_code = 0;
-  std::uint64_t bits = 0;        // of the value; not of a text
+  std::uint64_t bits = 0;        // of the value; not used for a text
   std::int64_t acquired_at = 0;  // UTC nanoseconds
   std::uint64_t sequence = 0;    // 0: never sampled
   std::string text;
@@ -36,11 +37,12 @@ class BlockFiller {
  public:
   static constexpr std::size_t kMaxRows = 1024;  // IDL sequence<.., 1024>
 
-  // Clears the block; `most_bytes` bounds its size on the wire. It outlives the filler.
+  // Clears the block, which must outlive the filler. `most_bytes` bounds its size on the wire.
   BlockFiller(idl::SampleBlock& block, std::size_t most_bytes);
-  // False: no room, and nothing is added. An empty block always has room for one.
+  // Returns false if the row does not fit; it is then not added. An empty block has space for one
+  // row.
   [[nodiscard]] bool add(ChannelIndex channel, const LastValue& value);
-  // Columns that are the same in every row shrink. No more rows afterwards.
+  // Shortens columns that have the same value in every row. No rows may be added afterwards.
   void finish();
 
  private:
@@ -50,17 +52,17 @@ class BlockFiller {
   bool any_device_code_ = false, one_instant_ = true;
 };
 
-// Whether the columns fit together.
+// Returns true if the lengths of the columns match.
 [[nodiscard]] bool is_whole(const idl::SampleBlock& block);
-// All but the names. False, and `out` is not to be used, for an unknown kind or quality.
-// REQUIRES: is_whole(), row in range.
+// Fills everything except the names. Returns false for an unknown kind or quality; `out` is then
+// undefined. REQUIRES: is_whole(), row in range.
 [[nodiscard]] bool read_row(const idl::SampleBlock& block, std::size_t row, StationSample& out);
 
 // ---- catalogue
 
-// The entry of a block from the entry of the keyed topic.
+// Makes the entry of a block from the entry of the keyed topic.
 void to_idl(const idl::Channel& channel, idl::CatalogueEntry& out);
-// Whether its entries lie within the catalogue that it names.
+// Returns true if its entries are within the catalogue that it names.
 [[nodiscard]] bool is_whole(const idl::CatalogueBlock& block);
 [[nodiscard]] StationChannel from_idl(const idl::CatalogueBlock& block,
                                       const idl::CatalogueEntry& entry);

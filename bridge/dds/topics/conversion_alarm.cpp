@@ -1,11 +1,10 @@
-// Alarms: topic types from core types and back.
 #include "bridge/dds/topics/conversion.hpp"
 #include "core/base/printable.hpp"
 
 namespace fieldcast {
 namespace {
 
-constexpr std::size_t kMaxBy = 64, kMaxNote = 256, kMaxActor = 128;  // bytes, as the IDL says
+constexpr std::size_t kMaxBy = 64, kMaxNote = 256, kMaxActor = 128;  // bytes, as in the IDL
 
 void to_idl(const AlarmNote& note, idl::AlarmNote& out) {
   out.by() = cut_text(note.by, kMaxBy);

@@ -1,4 +1,3 @@
-// Commands, results and interests: topic types from core types and back.
 #include <algorithm>
 #include <cmath>
 

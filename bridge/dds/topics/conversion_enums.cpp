@@ -4,7 +4,7 @@
 
 namespace fieldcast {
 
-// What falls out of a switch of to_idl() is no enumerator: a bug.
+// A value that passes a switch of to_idl() is not an enumerator, which is a bug.
 
 idl::Quality to_idl(Quality value) {
   switch (value) {

@@ -1,5 +1,5 @@
-// Enumerators from core to the topics and back, each by its name: never by its number, which may
-// differ. A switch without default on either side, so that the compiler names what is missing.
+// Converts enumerators between core and the topics by name, never by number, which may differ. The
+// switches have no default, so that the compiler reports a missing enumerator.
 #pragma once
 
 #include <optional>
@@ -32,7 +32,8 @@ namespace idl = ::fieldcast_idl;
 [[nodiscard]] idl::SessionState to_idl(ProgramSessionState value);
 [[nodiscard]] idl::StandbyNoteKind to_idl(StandbyNoteKind value);
 
-// Nothing for a number that the IDL does not name, and for limits that are no alarm's.
+// Return `std::nullopt` for a number that the IDL does not name, and for limits that do not raise
+// alarms.
 [[nodiscard]] std::optional<Quality> from_idl(idl::Quality value);
 [[nodiscard]] std::optional<ValueType> from_idl(idl::ValueType value);
 [[nodiscard]] std::optional<Access> from_idl(idl::Access value);

@@ -1,4 +1,3 @@
-// Plans: parts of a topic from the report of a plan, and back.
 #include <algorithm>
 
 #include "bridge/dds/topics/conversion.hpp"
@@ -47,7 +46,6 @@ idl::PlannedGroup head_of(const PlanReport::Group& group, std::uint32_t number) 
   return out;
 }
 
-// Fills parts one after the other.
 class Parts {
  public:
   void add(const PlanReport::Group& group, std::uint32_t number) {
@@ -72,7 +70,7 @@ class Parts {
 
  private:
   std::vector<idl::ReadPlan> parts_;
-  std::size_t points_ = 0;  // of the last part
+  std::size_t points_ = 0;
 };
 
 }  // namespace

@@ -7,7 +7,6 @@
 namespace fieldcast {
 namespace {
 
-// As in the IDL.
 constexpr std::size_t kHostBytes = 64, kProcessBytes = 128, kAskerBytes = 128, kWhyBytes = 256;
 
 }  // namespace
@@ -74,7 +73,8 @@ void to_idl(const StandbyNote& note, idl::StandbyNote& out) {
 
 StandbyNote from_idl(const idl::StandbyNote& note) {
   return {note.group().c_str(), note.bridge().c_str(), note.term(), note.number(),
-          // What a later version may say beside these does not run again.
+          // An unknown kind of a later version is treated as kBegun, so that the command is not run
+          // again.
           from_idl(note.kind()).value_or(StandbyNoteKind::kBegun), note.bus().c_str(),
           note.requester().c_str(), note.request_id()};
 }

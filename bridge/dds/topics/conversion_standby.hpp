@@ -1,5 +1,5 @@
-// The messages of a standby group, to DDS and back. Pure functions; any thread. Texts are cut at
-// their bounds.
+// Converts the messages of a standby group to DDS and back. Pure functions; any thread. Texts are
+// cut at their bounds.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@ namespace fieldcast {
 namespace idl = ::fieldcast_idl;
 
 void to_idl(const StandbyMessage& message, idl::Standby& out);
-// Nothing for an unknown role.
+// Returns `std::nullopt` for an unknown role.
 [[nodiscard]] std::optional<StandbyMessage> from_idl(const idl::Standby& message);
 
 void to_idl(const StandbyNote& note, idl::StandbyNote& out);

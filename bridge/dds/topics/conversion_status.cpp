@@ -1,4 +1,3 @@
-// Status of buses and devices: topic types from core types and back.
 #include <algorithm>
 
 #include "bridge/dds/topics/conversion.hpp"
@@ -13,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMaxRefused = 64, kMaxRefusedText = 64, kMaxAreas = 32, kMaxAreaText = 32;
 
-// `first`, if it is one, stands before the others.
+// Writes the counters; `first`, unless kNone, is written before the others.
 void to_idl(const CauseCounters& counters, std::vector<idl::CauseCount>& out,
             Cause first = Cause::kNone) {
   out.clear();

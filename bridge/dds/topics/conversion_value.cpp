@@ -1,4 +1,3 @@
-// Values, samples and the catalogue: topic types from core types and back.
 #include <algorithm>
 
 #include "bridge/dds/topics/conversion.hpp"
@@ -9,7 +8,7 @@ std::string cut_text(std::string_view text, std::size_t limit) {
   text = text.substr(0, text.find('\0'));
   if (text.size() <= limit) return std::string(text);
   std::size_t end = limit;
-  // Never inside a character.
+  // never cut inside a character
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
   return std::string(text.substr(0, end));
 }

@@ -1,12 +1,12 @@
-// Instance handles by the bytes of their keys, so that a handle is worked out once for each
+// Caches instance handles by the bytes of their keys, so that a handle is computed once for each
 // instance and not for each sample.
 //
-// Keys come in the same order again and again, as buses are read: the key that was added after the
-// last one is looked at first, in memory that lies side by side. A hash table for all of them costs
-// as much time in cache misses as MD5 does in instructions.
+// Keys arrive in the same order again and again, because buses are read cyclically. So the entry
+// after the last one found is compared first, in contiguous memory. A hash table alone costs as
+// much time in cache misses as MD5 does in instructions.
 //
-// Bytes come from the network: at its limit the cache is emptied and begins anew, and long keys are
-// not kept. Any thread.
+// The bytes are from the network: at its limit the cache is cleared, and long keys are not stored.
+// Any thread.
 #pragma once
 
 #include <algorithm>
@@ -26,12 +26,13 @@ namespace fieldcast {
 class KeyCache {
  public:
   using Handle = rtps::InstanceHandle_t;
-  static constexpr std::size_t kLongestKey = 108;  // bytes; longer ones are worked out each time
+  // bytes; handles of longer keys are computed each time
+  static constexpr std::size_t kLongestKey = 108;
 
-  // At most so many keys are kept.
+  // `limit` is the maximum number of keys.
   explicit KeyCache(std::size_t limit) : limit_(limit) {}
 
-  // The handle of these bytes; `work_out` is called where they are not known.
+  // Returns the handle of these bytes; calls `work_out` if it is not cached.
   template <class WorkOut>
   [[nodiscard]] Handle handle_of(std::string_view bytes, WorkOut&& work_out) {
     const std::lock_guard lock(mutex_);
@@ -50,7 +51,7 @@ class KeyCache {
  private:
   struct Entry {
     Handle handle;
-    std::uint8_t length;  // of the key
+    std::uint8_t length;
     std::array<char, kLongestKey> bytes;
     [[nodiscard]] std::string_view key() const { return {bytes.data(), length}; }
   };
@@ -58,7 +59,7 @@ class KeyCache {
     using is_transparent = void;
   };
 
-  // REQUIRES: mutex_ held, a key that is not long.
+  // REQUIRES: mutex_ held, a key that is not too long.
   const Handle& add(std::string_view bytes, const Handle& handle) {
     if (entries_.size() >= limit_) {
       entries_.clear();
@@ -75,9 +76,9 @@ class KeyCache {
 
   const std::size_t limit_;
   mutable std::mutex mutex_;
-  std::vector<Entry> entries_;  // in the order in which they came first
-  std::unordered_map<std::string, std::size_t, Hash, std::equal_to<>> index_;  // into entries_
-  std::size_t next_ = 0;  // the entry behind the last one that was found
+  std::vector<Entry> entries_;  // in the order of their first arrival
+  std::unordered_map<std::string, std::size_t, Hash, std::equal_to<>> index_;
+  std::size_t next_ = 0;  // entry after the last one found
 };
 
 }  // namespace fieldcast

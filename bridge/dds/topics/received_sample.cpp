@@ -18,7 +18,7 @@ Number number(CdrReader& in) {
   return number;
 }
 
-// False for a kind that the IDL does not name: what follows cannot be read then.
+// Returns false for a kind that the IDL does not name; the rest of the message cannot be read then.
 bool read_value(CdrReader& in, Value& out) {
   switch (static_cast<idl::ValueKind>(number<std::uint32_t>(in))) {
     case idl::VALUE_BOOLEAN: out = number<bool>(in); return true;
@@ -30,7 +30,7 @@ bool read_value(CdrReader& in, Value& out) {
   return false;
 }
 
-// Whether value and quality are known.
+// Returns true if kind and quality are known.
 bool read_sample(CdrReader& in, StationSample& out) {
   read_text(in, kMaxNameLength, out.bus);
   read_text(in, kMaxNameLength, out.device);

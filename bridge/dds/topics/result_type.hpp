@@ -1,8 +1,9 @@
-// CommandResult as the bridge writes it: results, and the notes that their instances are let go.
+// CommandResult in the form in which the bridge writes it: results, and unregister messages of
+// their instances.
 //
-// For the library's history all of them are of one instance, so that it is a ring: what does not
-// fit pushes the oldest out, whether its readers have it or not. A reader that stays behind then
-// loses results and holds nobody up. Readers find the true key in the message.
+// For the library's history all of them belong to one instance, so it is a ring: a new message
+// replaces the oldest one, even if readers have not received it. A slow reader then loses results
+// and delays no other. Readers find the true key in the message.
 #pragma once
 
 #include "bridge/dds/cdr.hpp"
@@ -11,17 +12,16 @@
 
 namespace fieldcast {
 
-// What its writer is given.
 struct OutgoingResult {
   const idl::CommandResult* message;
-  bool note = false;  // the instance is let go: the message's keys alone are written
+  bool note = false;  // an unregister message: only the keys are written
 };
 
 class ResultType : public TopicType<idl::CommandResultPubSubType> {
   using Base = TopicType<idl::CommandResultPubSubType>;
 
  public:
-  // The key hash of a message, as its readers work it out.
+  // The key hash of a message as its readers compute it.
   [[nodiscard]] static Handle hash_of(const idl::CommandResult& message) {
     Handle handle;
     Base().key_of(&message, handle, false);
@@ -30,7 +30,7 @@ class ResultType : public TopicType<idl::CommandResultPubSubType> {
 
   bool key_of(const void*, Handle& key, bool) override {
     key = Handle{};
-    key.value[0] = 1;  // any, the same for all
+    key.value[0] = 1;  // any value, the same for all
     return true;
   }
 

@@ -28,7 +28,7 @@ bool SampleType::to_bytes(const void* data, Payload& payload) {
     switch (value->kind) {
       case idl::VALUE_BOOLEAN: out << (value->bits != 0); break;
       case idl::VALUE_STRING: out << value->text.c_str(); break;
-      default: out << value->bits; break;  // the bits of each kind are those of the wire
+      default: out << value->bits; break;  // the bits of each kind are those on the wire
     }
     out << static_cast<std::uint32_t>(value->quality) << value->device_code << value->acquired_at
         << value->sequence;

@@ -1,5 +1,6 @@
-// Sample as the bridge writes it: the key of each channel is serialized and hashed once, and what
-// changes is written behind it. The bytes are those of the generated type.
+// Sample in the form in which the bridge writes it: the key of each channel is serialized and
+// hashed once, and the changing members are written after it. The bytes are those of the generated
+// type.
 #pragma once
 
 #include <bit>
@@ -11,16 +12,15 @@
 
 namespace fieldcast {
 
-// The keys of a channel in the form of the wire.
+// The serialized keys of a channel.
 struct SampleKey {
   SampleKey() = default;
   SampleKey(std::string_view bus, std::string_view device, std::string_view channel);
 
-  std::string bytes;  // behind the encapsulation
+  std::string bytes;  // after the encapsulation
   rtps::InstanceHandle_t handle;
 };
 
-// What its writer is given.
 struct OutgoingSample {
   const SampleKey* key = nullptr;
   const LastValue* value = nullptr;

@@ -1,4 +1,4 @@
-// What the topics say, as plain values: what a station receives and sends, and what a bridge
+// Content of the topics as plain values: what a station receives and sends, and what a bridge
 // receives. No DDS type appears here. Values; any thread.
 #pragma once
 
@@ -29,7 +29,6 @@ struct StationSample {
   std::uint64_t sequence = 0;
 };
 
-// An entry of the catalogue.
 struct StationChannel {
   std::string bridge, bus, device, channel;
   [[nodiscard]] std::string path() const { return bus + '/' + device + '/' + channel; }
@@ -63,7 +62,6 @@ struct StationDeviceStatus {
   UtcTime reported_at;
 };
 
-// The plan of a bus.
 struct StationReadPlan {
   std::string bus;
   PlanReport plan;
@@ -78,18 +76,17 @@ struct StationAlarm {
   UtcTime since;
 };
 
-// A bridge of the domain, as it tells the others.
 struct StationBridge {
   struct Bus {
     std::string bus;
-    UtcTime since;         // when the bridge first wanted it
-    bool serving = false;  // else another bridge serves a bus of this name
+    UtcTime since;         // when the bridge first claimed it
+    bool serving = false;  // false: another bridge serves a bus of this name
   };
   std::string bridge, host, version;
-  std::string process;        // tells bridges on the same host apart
-  std::string standby_group;  // bridges that stand by for each other; empty: none
-  std::int32_t strength = 0;  // among them
-  UtcTime since;              // when it joined the domain
+  std::string process;        // distinguishes bridges on the same host
+  std::string standby_group;  // group of bridges that stand by for each other; empty: none
+  std::int32_t strength = 0;  // rank within the group
+  UtcTime since;
   std::vector<Bus> buses;
 };
 
@@ -98,15 +95,15 @@ struct StationAlarmStatus {
   AlarmStatus status;
 };
 
-// What a station asks for; Command with the bus it goes to. requester and expires are the station's
-// own business, and so is request_id, unless it was reserved before.
+// A command of a station, with its bus. The station sets requester and expires, and also request_id
+// unless it was reserved before.
 struct StationCommand {
   std::string bus;
   Command command;
-  // The bridge never starts it later than this after it was written.
+  // The bridge never starts the command later than this after it was written.
   Duration lifespan = std::chrono::seconds{5};
-  // Who asks the station for it, for the audit of the bridge: 1 to 64 letters, digits, '-', '_',
-  // '.', '@'. Empty: the process itself.
+  // User who requests it from the station, for the audit of the bridge: 1 to 64 letters, digits,
+  // '-', '_', '.', '@'. Empty: the process itself.
   std::string person{};
 };
 struct StationResult {
@@ -124,7 +121,7 @@ struct StationResult {
 struct Interest {
   std::string station;
   std::string pattern;              // bus/device/channel with *
-  std::optional<Duration> refresh;  // nothing: withdrawn, or the station is dead
+  std::optional<Duration> refresh;  // `std::nullopt`: withdrawn, or the station crashed
 };
 
 }  // namespace fieldcast

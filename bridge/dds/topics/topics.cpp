@@ -7,10 +7,10 @@ namespace {
 using rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
 using rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
 
-// What all endpoints share. The memory policy matters at readers: with the DYNAMIC ones Fast DDS
-// 2.9.1 drops every note that an instance was disposed or unregistered ("Problem copying
-// CacheChange, received data is: 0 bytes"). How large the first allocation is says TopicType.
-// Without a key there are no such notes, and a first allocation is never enlarged.
+// Settings of all endpoints. The memory policy matters at readers: with the DYNAMIC ones Fast DDS
+// 2.9.1 drops every dispose or unregister message ("Problem copying CacheChange, received data is:
+// 0 bytes"). TopicType sets the size of the first allocation. Topics without a key have no such
+// messages, and their first allocation is never enlarged.
 template <class Qos>
 void set_common(Qos& qos, Durability durability, Keys keys = Keys::kKeyed) {
   qos.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;
@@ -35,13 +35,14 @@ void set_holding(Qos& qos, const Holding& holding) {
   auto& limits = qos.resource_limits();
   limits.max_instances = holding.instances;
   limits.max_samples_per_instance = holding.samples;
-  limits.max_samples = holding.instances * holding.samples;  // less is refused as inconsistent
+  // a smaller number is rejected as inconsistent
+  limits.max_samples = holding.instances * holding.samples;
   limits.allocated_samples = 0;
 }
 
-// The last message before a rest, if lost, is missed only at the next heartbeat: the library's
+// The loss of the last message before a pause is noticed only at the next heartbeat: the library's
 // default is 3 s. Heartbeats cost nothing while everything is acknowledged. With a suppression of 0
-// every message would fire a timer that takes the writer's lock.
+// every message would start a timer that locks the writer.
 void set_repair(dds::DataWriterQos& qos, Repair repair) {
   constexpr std::uint32_t kMs = 1'000'000;
   if (repair == Repair::kSoon)
@@ -84,7 +85,7 @@ dds::DataWriterQos writer_qos(const TopicRow& topic) {
   qos.reliability().max_blocking_time = to_dds(topic.longest_write);
   qos.writer_data_lifecycle().autodispose_unregistered_instances =
       topic.unregister == Unregister::kDisposes;
-  // A ring makes room by its depth alone: one more, so that it never waits for a reader.
+  // A ring discards by its depth only. One extra sample ensures that it never waits for a reader.
   if (topic.durability == Durability::kVolatile && topic.writer.history == History::kKeepLast)
     ++qos.resource_limits().max_samples;
   if (topic.lease == Lease::kStandby) {

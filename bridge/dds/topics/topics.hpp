@@ -1,8 +1,8 @@
 // The table of topics: one row for each, which both ends use (docs: bridge/dds/README.md). The QoS
-// of every endpoint comes from its row. Values; any thread.
+// of every endpoint is derived from its row. Values; any thread.
 //
-// Every keyed endpoint has resource limits of its own: the library's default is 10 instances, and
-// of 100 channels 90 would vanish without a message.
+// Every keyed endpoint has its own resource limits: the library's default is 10 instances, so that
+// 90 of 100 channels would be lost without a message.
 #pragma once
 
 #include <array>
@@ -21,17 +21,18 @@ namespace idl = ::fieldcast_idl;
 
 // ---- limits
 
-// DEADLINE costs a scan over a writer's instances at nearly every write.
+// DEADLINE scans a writer's instances at nearly every write.
 inline constexpr std::int32_t kChannelsPerWriter = 256;
 // In the domain, at one reader; and in the catalogue of one bridge.
 inline constexpr std::int32_t kMaxChannels = 100'000;
-// A reader that is found costs time that grows with their square (bus_catalogue.hpp).
+// The time to process a new reader grows with the square of their number (bus_catalogue.hpp).
 inline constexpr std::int32_t kChannelsPerCatalogueWriter = 1024;
-inline constexpr std::int32_t kMaxDevices = 10'000;  // the same limits for status
-inline constexpr std::int32_t kMaxAlarms = 100'000;  // limits that were ever passed, the same
-// Commands not yet acknowledged, commands and results not yet taken.
+inline constexpr std::int32_t kMaxDevices = 10'000;  // also the limit for status
+// limits that ever raised an alarm; also the limit for status
+inline constexpr std::int32_t kMaxAlarms = 100'000;
+// Commands not yet acknowledged; commands and results not yet taken.
 inline constexpr std::int32_t kMaxPendingCommands = 4096;
-// Results, and notes of their instances, that some reader does not have yet.
+// Results and unregister messages that a reader has not yet acknowledged.
 inline constexpr std::int32_t kMaxResults = 2 * kMaxPendingCommands;
 inline constexpr std::int32_t kMaxInterests = 4096;
 inline constexpr std::int32_t kMaxBridges = 1024;
@@ -43,18 +44,18 @@ inline constexpr std::int32_t kEntriesPerBlock = 64;  // of the catalogue: IDL s
 inline constexpr std::int32_t kMaxStandbyMembers = 256;  // in the domain
 inline constexpr std::int32_t kStandbyNotesKept = 4096;
 
-// The lease of what says that its process is alive.
+// Lease of writers that show that their process is alive.
 inline constexpr Duration kLease = std::chrono::seconds{6};
-// The same among bridges that stand by for each other.
+// Lease among bridges that stand by for each other.
 inline constexpr Duration kStandbyLease = std::chrono::milliseconds{300};
 
-// ---- what a row says
+// ---- columns of a row
 
 enum class Keys : std::uint8_t { kKeyed, kNone };
 enum class Durability : std::uint8_t { kVolatile, kTransientLocal };
 enum class History : std::uint8_t { kKeepLast, kKeepAll };
 
-// What an endpoint holds.
+// Samples that an endpoint holds.
 struct Holding {
   History history = History::kKeepLast;
   std::int32_t instances = 1;
@@ -67,36 +68,38 @@ constexpr Holding all_of(std::int32_t instances, std::int32_t samples) {
   return {History::kKeepAll, instances, samples};
 }
 
-// Who takes part in the lease of automatic liveliness.
+// Use of automatic liveliness.
 enum class Lease : std::uint8_t {
   kNone,
-  kWriters,  // writers promise it; a reader that asks for none matches any vendor's default
-  kBoth,     // readers ask for it too
-  kStandby,  // writers promise kStandbyLease by what they write, not by their process being there
+  // writers offer the lease; a reader that requests none matches the default of any vendor
+  kWriters,
+  kBoth,     // readers request it too
+  kStandby,  // writers offer kStandbyLease, asserted by writing, not by a running process
 };
 enum class Ownership : std::uint8_t { kShared, kExclusive };
-// What unregistering an instance means to readers.
+// Effect of unregistering an instance at readers.
 enum class Unregister : std::uint8_t {
-  kDisposes,  // the instance is gone
-  kLetsGo,    // the writer writes it no more
+  kDisposes,  // the instance is disposed
+  kLetsGo,    // the writer no longer writes it
 };
 
-// How a lost message is noticed.
+// How the loss of a message is detected.
 enum class Repair : std::uint8_t {
   kSoon,  // a heartbeat with every message, and each 50 ms: within some 10 ms
-  // A heartbeat each 200 ms while something is not acknowledged. Heartbeats, their answers and the
-  // timers behind them wake threads on both sides: more work than a block.
+  // A heartbeat each 200 ms while a message is not acknowledged. Heartbeats, their responses and
+  // their timers wake threads on both sides, which is more work than a block.
   kSaving,
 };
 
 struct TopicRow {
-  const char* name;  // its type is fieldcast:: and what follows the slash
+  const char* name;  // the name of its type is fieldcast:: and the part after the slash
   Durability durability;
   Holding writer, reader;
   Lease lease = Lease::kNone;
   Unregister unregister = Unregister::kDisposes;
-  // With readers that lag. Fast DDS 2.9.1 also waits so long for the lock of its timers; after that
-  // the writer sends no heartbeat any more (TimedEvent::restart_timer), so it must not be short.
+  // Longest wait of a write, with readers that lag. Fast DDS 2.9.1 also waits at most this long for
+  // the lock of its timers; after that the writer sends no heartbeat any more
+  // (TimedEvent::restart_timer), so it must not be short.
   Duration longest_write = std::chrono::milliseconds{100};
   Keys keys = Keys::kKeyed;
   Repair repair = Repair::kSoon;
@@ -113,7 +116,7 @@ inline constexpr auto kStays = Durability::kTransientLocal;  // late joiners get
 inline constexpr auto kPasses = Durability::kVolatile;
 
 // With a DEADLINE for each refresh. A channel that moves to another writer is unregistered at the
-// old one and lives on.
+// old one, and its instance remains.
 inline constexpr Topic<idl::SamplePubSubType> kSampleTopic{
     {"fieldcast/Sample", kStays, last_of(kChannelsPerWriter), last_of(kMaxChannels), Lease::kNone,
      Unregister::kLetsGo}};
@@ -131,7 +134,7 @@ inline constexpr Topic<idl::AlarmPubSubType> kAlarmTopic{
     {"fieldcast/Alarm", kStays, last_of(kMaxAlarms), last_of(kMaxAlarms)}};
 inline constexpr Topic<idl::AlarmStatusPubSubType> kAlarmStatusTopic{
     {"fieldcast/AlarmStatus", kStays, last_of(kMaxAlarms), last_of(kMaxAlarms)}};
-// One writer for each bus. A reader that stays behind loses the oldest, and delays nobody.
+// One writer for each bus. A slow reader loses the oldest blocks, and delays no other.
 inline constexpr Topic<idl::SampleBlockPubSubType> kSampleBlockTopic{
     {"fieldcast/SampleBlock", kPasses, last_of(1, kBlocksKept), last_of(1, kBlocksTaken),
      Lease::kNone, Unregister::kDisposes, std::chrono::milliseconds{10}, Keys::kNone,
@@ -140,10 +143,11 @@ inline constexpr Topic<idl::SnapshotRequestPubSubType> kSnapshotRequestTopic{
     {"fieldcast/SnapshotRequest", kPasses, last_of(kMaxBuses), last_of(kMaxBuses)}};
 inline constexpr Topic<idl::CatalogueBlockPubSubType> kCatalogueBlockTopic{
     {"fieldcast/CatalogueBlock", kStays, last_of(kMaxChannels / 16), last_of(kMaxChannels / 16)}};
-// With the LIFESPAN of its writer. Two samples of an instance: the command, and the note that it is
-// let go. Whatever came ahead of a lost message counts at a reader against its own instance (Fast
-// DDS 2.9.1, DataReaderHistory): a small number there would reject it. With a bound on the
-// instances the library reuses those that are empty, even when a foreign writer never unregisters.
+// With the LIFESPAN of its writer. Two samples of an instance: the command, and its unregister
+// message. At a reader, messages that arrive before a lost message is repeated count against their
+// own instance (Fast DDS 2.9.1, DataReaderHistory): a small limit there would reject the lost
+// message. With a bound on the instances the library reuses empty ones, even if a foreign writer
+// never unregisters.
 inline constexpr Topic<idl::CommandPubSubType> kCommandTopic{
     {"fieldcast/Command", kPasses, all_of(kMaxPendingCommands, 2),
      all_of(kMaxPendingCommands, kMaxPendingCommands), Lease::kNone, Unregister::kLetsGo,
@@ -152,18 +156,18 @@ inline constexpr Topic<idl::AlarmActionPubSubType> kAlarmActionTopic{
     {"fieldcast/AlarmAction", kPasses, all_of(kMaxPendingCommands, 2),
      all_of(kMaxPendingCommands, kMaxPendingCommands), Lease::kNone, Unregister::kLetsGo,
      std::chrono::seconds{1}}};
-// A ring of one instance for the library (ResultType): a reader that stays behind loses the oldest.
+// For the library a ring of one instance (ResultType): a slow reader loses the oldest.
 inline constexpr Topic<idl::CommandResultPubSubType> kCommandResultTopic{
     {"fieldcast/CommandResult", kPasses, last_of(1, kMaxResults),
      all_of(kMaxPendingCommands, kMaxPendingCommands)}};
 inline constexpr Topic<idl::InterestPubSubType> kInterestTopic{
     {"fieldcast/Interest", kStays, last_of(kMaxInterests), last_of(kMaxInterests),
      Lease::kWriters}};
-// Two bridges of one name are one instance, and both must be received: hence the depth.
+// Two bridges of one name share one instance, and both must be received: hence the depth.
 inline constexpr Topic<idl::BridgePubSubType> kBridgeTopic{
     {"fieldcast/Bridge", kStays, last_of(1), last_of(kMaxBridges, 16), Lease::kBoth}};
-// Bridges that stand by for each other: each has an instance of its own, and of two that use one
-// name the stronger is heard.
+// Bridges that stand by for each other. Each has its own instance; of two with the same name,
+// readers accept the one with the higher strength.
 inline constexpr Topic<idl::StandbyPubSubType> kStandbyTopic{
     {"fieldcast/Standby", kStays, last_of(1), last_of(kMaxStandbyMembers), Lease::kStandby,
      Unregister::kDisposes, std::chrono::milliseconds{10}, Keys::kKeyed, Repair::kSoon,
@@ -181,7 +185,7 @@ inline constexpr std::array<const TopicRow*, 19> kTopics{
     &kCommandTopic,     &kCommandResultTopic,   &kInterestTopic,       &kBridgeTopic,
     &kStandbyTopic,     &kStandbyNoteTopic,     &kStandbyRequestTopic};
 
-// "fieldcast::Sample" of "fieldcast/Sample".
+// "fieldcast::Sample" for "fieldcast/Sample".
 [[nodiscard]] std::string type_name(const TopicRow& topic);
 
 // ---- QoS
@@ -189,12 +193,12 @@ inline constexpr std::array<const TopicRow*, 19> kTopics{
 [[nodiscard]] dds::DataWriterQos writer_qos(const TopicRow& topic);
 [[nodiscard]] dds::DataReaderQos reader_qos(const TopicRow& topic);
 
-// Samples of one refresh; nothing: no promise, or none asked for.
+// For samples of one refresh; `std::nullopt`: no promise, or none requested.
 [[nodiscard]] dds::DataWriterQos sample_writer_qos(std::optional<Duration> refresh);
 [[nodiscard]] dds::DataReaderQos sample_reader_qos(std::optional<Duration> deadline);
 [[nodiscard]] dds::DataWriterQos command_writer_qos(Duration lifespan);
 [[nodiscard]] dds::DataWriterQos alarm_action_writer_qos(Duration lifespan);
-// Of a reader that takes nothing and learns which of the writers that promise the lease are alive.
+// For a reader that takes no samples and only learns which writers with a lease are alive.
 [[nodiscard]] dds::DataReaderQos lease_reader_qos();
 [[nodiscard]] dds::DataWriterQos standby_writer_qos(std::int32_t strength);
 

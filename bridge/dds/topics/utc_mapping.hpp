@@ -1,5 +1,5 @@
-// One reading of both clocks: turns monotonic engine instants into UTC where a value leaves the
-// process, and back for what arrives. A plain value; pure; any thread.
+// One reading of both clocks: converts monotonic engine instants to UTC when a value leaves the
+// process, and back for received values. A plain value; pure; any thread.
 #pragma once
 
 #include "core/base/time.hpp"
@@ -10,13 +10,14 @@ struct UtcMapping {
   Instant instant{};  // of the engine's clock
   UtcTime utc{};      // of the wall clock, at the same moment
 
-  // 0 ("no such time") for kLongAgo and kNever. Saturates instead of wrapping.
+  // Returns 0 ("no such time") for kLongAgo and kNever. Saturates instead of wrapping.
   [[nodiscard]] UtcTime to_utc(Instant at) const;
-  [[nodiscard]] Instant to_instant(UtcTime at) const;  // the other way
+  [[nodiscard]] Instant to_instant(UtcTime at) const;
 
-  // Below this a newer reading of the clocks tells nothing: a reading takes time itself.
+  // Differences below this are ignored: a reading of the clocks itself lasts some time.
   static constexpr Duration kSame = std::chrono::microseconds{100};
-  // This one as long as `newer` says the same: one instant is then always told as the same time.
+  // Returns this mapping while `newer` agrees with it, so that one instant is always converted to
+  // the same time.
   [[nodiscard]] UtcMapping followed_by(const UtcMapping& newer) const;
 };
 

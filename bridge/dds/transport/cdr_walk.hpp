@@ -1,5 +1,5 @@
-// Walks over values of CDR without building them: each function returns false if a length or a
-// count is above its limit or past the end. Pure.
+// Walk over CDR values without building them: each function returns false if a length or a count is
+// above its limit or past the end. Pure.
 #pragma once
 
 #include "bridge/dds/transport/rtps_cursor.hpp"

@@ -8,19 +8,19 @@
 namespace fieldcast {
 namespace {
 
-constexpr std::size_t kPrefixAt = 8;  // in the header of a message
+constexpr std::size_t kPrefixAt = 8;  // offset in the header of a message
 constexpr std::size_t kMostWriters = 65'536, kMostAddresses = 1024, kMostFragmented = 1024;
-constexpr std::size_t kBehind = 8;         // bytes that the library may read behind a last fragment
-constexpr std::size_t kSampleSizeAt = 32;  // in DATA_FRAG
+constexpr std::size_t kBehind = 8;  // bytes that the library may read after the last fragment
+constexpr std::size_t kSampleSizeAt = 32;              // offset in DATA_FRAG
 constexpr Duration kGrace = std::chrono::seconds{10};  // beyond the lease of a participant
 constexpr double kFragmentSeconds = 10;
-// The numbers of a writer that is not heard go on at this rate at most.
+// Rate at which the numbers of a writer may grow while it is not heard.
 constexpr double kNumbersPerSecond = 100'000, kCreditSeconds = 60;
-// The number of our own message that a participant has left: above those of its writer, and below
-// the ones with which DDS Security refuses a participant (incoming_filter.cpp).
+// Number of our own message that a participant has left: above those of its writer, and below the
+// numbers that IncomingFilter uses (incoming_filter.cpp).
 constexpr std::uint64_t kOurNumber = std::uint64_t{0x20000000} << 32;
 constexpr std::uint8_t kFinal = 2;                 // the flag of a HEARTBEAT
-constexpr std::size_t kFirstAt = 12;               // in HEARTBEAT and GAP
+constexpr std::size_t kFirstAt = 12;               // offset in HEARTBEAT and GAP
 constexpr std::size_t kMostOfOneParticipant = 16;  // addresses
 
 void put(std::span<std::uint8_t> to, std::uint32_t value, bool little) {
@@ -57,8 +57,8 @@ DatagramGuard::Verdict DatagramGuard::check(std::span<const std::uint8_t> datagr
   before_.clear();
   if (const auto fault = fault_of(datagram, limits_, this)) return {fault, {}, std::move(before_)};
   // The library copies the last fragment by the size of the first one that it has of the sample
-  // (CacheChange.h), which another datagram may have named: behind the datagram it must find
-  // memory of ours.
+  // (CacheChange.h), which another datagram may have named. So the buffer is extended: the library
+  // may read memory after the datagram.
   if (has_fragments_) {
     scratch.reserve(datagram.size() + limits_.sample_bytes + kBehind);
     copy();
@@ -74,7 +74,7 @@ std::span<std::uint8_t> DatagramGuard::copy() {
   return *scratch_;
 }
 
-// False if the event is of discovery and names a participant that speaks from other addresses.
+// Returns false if a discovery event names a participant that sends from other addresses.
 bool DatagramGuard::is_of_sender(const RtpsEvent& event) {
   if (limits_.relayed || (event.writer[3] & kBuiltIn) != kBuiltIn || is_loopback(from_))
     return true;
@@ -84,7 +84,7 @@ bool DatagramGuard::is_of_sender(const RtpsEvent& event) {
   if (found == participants_.end()) return true;
   Participant& of = found->second;
   if (std::ranges::count(of.addresses, from_) != 0) return true;
-  // Its address has changed, if it no longer speaks from the one before.
+  // The participant has changed its address if it no longer sends from the earlier one.
   if (now_ - of.seen <= of.lease + kGrace) return false;
   of.addresses.assign(1, from_);
   return true;
@@ -100,7 +100,8 @@ std::optional<RtpsFault> DatagramGuard::on_event(const RtpsEvent& event) {
     case Submessage::kDataFrag: return on_fragment(event);
     default: break;
   }
-  for (const std::size_t at : event.parameters.hidden) {  // an empty parameter of the same length
+  // replaced by an empty parameter of the same length
+  for (const std::size_t at : event.parameters.hidden) {
     const auto whole = copy();
     whole[event.parameters_at + at] = whole[event.parameters_at + at + 1] = 0;
   }
@@ -114,8 +115,8 @@ std::optional<RtpsFault> DatagramGuard::on_participant(const RtpsEvent& event) {
   ParticipantPrefix prefix{};
   std::copy_n(guid.begin(), prefix.size(), prefix.begin());
   if (facts.status != 0) {
-    // The library would remember the number of a participant that it does not know, and later
-    // ignore its announcements with lower numbers (StatelessReader.cpp).
+    // The library would store the number of an unknown participant, and later ignore its
+    // announcements with lower numbers (StatelessReader.cpp).
     if (!limits_.relayed && !participants_.contains(prefix))
       copy()[event.at] = static_cast<std::uint8_t>(Submessage::kPad);
     forget(prefix);
@@ -148,7 +149,7 @@ void DatagramGuard::add_addresses(Participant& of, const ParameterFacts& facts) 
   }
 }
 
-// A token for each new participant of an address.
+// Takes one token of the sender's address for each new participant.
 bool DatagramGuard::may_join() {
   if (joins_.size() >= kMostAddresses && !joins_.contains(from_)) joins_.clear();
   const double most = 4.0 * limits_.joins_per_second;
@@ -162,8 +163,8 @@ bool DatagramGuard::may_join() {
   return true;
 }
 
-// Removes the participant that has been silent the longest beyond its lease, or else, for another
-// participant, the oldest one that has announced no endpoint.
+// Removes the participant that has been silent the longest beyond its lease. If there is none and a
+// new participant needs the place, removes the oldest one that has announced no endpoint.
 bool DatagramGuard::make_room(bool for_endpoints) {
   auto silent = participants_.end(), idle = participants_.end();
   for (auto one = participants_.begin(); one != participants_.end(); ++one) {
@@ -198,7 +199,8 @@ std::optional<RtpsFault> DatagramGuard::on_endpoint(const RtpsEvent& event) {
   ParticipantPrefix prefix{};
   std::copy_n(guid.begin(), prefix.size(), prefix.begin());
   const auto found = participants_.find(prefix);
-  if (found == participants_.end()) return std::nullopt;  // the library knows nobody of that name
+  // the library has no participant of that name
+  if (found == participants_.end()) return std::nullopt;
   auto& endpoints = found->second.endpoints;
   if (facts.status != 0) {
     endpoints_ -= endpoints.erase(guid);
@@ -207,12 +209,12 @@ std::optional<RtpsFault> DatagramGuard::on_endpoint(const RtpsEvent& event) {
   if (endpoints.contains(guid)) return std::nullopt;
   if (endpoints.size() >= limits_.endpoints) return RtpsFault::kEndpoints;
   if (endpoints_ >= limits_.endpoints_in_all) {
-    found->second.seen = now_;  // it makes no room for itself
+    found->second.seen = now_;  // it must not remove itself
     if (!make_room(true)) return RtpsFault::kEndpoints;
   }
   endpoints.insert(guid);
   ++endpoints_;
-  writers_.erase(guid);  // the library has counted nothing of it
+  writers_.erase(guid);  // the library has not counted its numbers yet
   return std::nullopt;
 }
 
@@ -228,7 +230,7 @@ DatagramGuard::Writer& DatagramGuard::writer_of(const RtpsEvent& event) {
   if (writers_.size() >= kMostWriters && !writers_.contains(guid)) writers_.clear();
   Writer& writer = writers_[guid];
   if (writer.last < 0) return writer;
-  // The numbers of a writer that is not heard for a while go on.
+  // The numbers of a writer grow while it is not heard.
   const double silence = to_seconds(now_ - writer.seen);
   writer.credit += silence * kNumbersPerSecond;
   if (silence < kCreditSeconds) writer.credit = std::min<double>(writer.credit, kJump);
@@ -236,7 +238,7 @@ DatagramGuard::Writer& DatagramGuard::writer_of(const RtpsEvent& event) {
   return writer;
 }
 
-// False if the writer has no credit to move on to this number.
+// Returns false if the writer has no credit to reach this number.
 bool DatagramGuard::may_reach(Writer& writer, std::int64_t number) const {
   if (writer.last < 0) {
     writer.seen = now_;
@@ -253,7 +255,7 @@ bool DatagramGuard::may_reach(Writer& writer, std::int64_t number) const {
 
 std::optional<RtpsFault> DatagramGuard::on_heartbeat(const RtpsEvent& event) {
   Writer& writer = writer_of(event);
-  const bool is_newer = event.count > writer.count;  // as WriterProxy::process_heartbeat()
+  const bool is_newer = event.count > writer.count;  // as in WriterProxy::process_heartbeat()
   if (event.first > kFarthest || !may_reach(writer, event.base - 1))
     return RtpsFault::kSequenceNumber;
   if (!is_newer) return std::nullopt;  // the library ignores it
@@ -300,7 +302,7 @@ std::optional<RtpsFault> DatagramGuard::on_gap(const RtpsEvent& event) {
   return std::nullopt;
 }
 
-// A sample that begins costs its size; the sum is forgiven within kFragmentSeconds.
+// A new fragmented sample costs its size; the sum is restored within kFragmentSeconds.
 std::optional<RtpsFault> DatagramGuard::on_fragment(const RtpsEvent& event) {
   has_fragments_ = true;
   if (event.buffer_size != event.sample_size)

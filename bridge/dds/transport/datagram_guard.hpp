@@ -1,21 +1,21 @@
 // Decides for each datagram from the network whether the DDS library may read it. The rules for a
-// single datagram are in rtps_validator.hpp; the guard adds what needs memory:
+// single datagram are in rtps_validator.hpp; the guard adds rules that need memory:
 //
-// - How many participants and endpoints exist, and how fast participants join. At a limit, a
-//   participant that has been silent for longer than its lease, or else the oldest one that has
-//   announced no endpoint, makes room: the library gets the message that it has left.
-// - How many bytes of fragmented samples are unfinished.
-// - Which sequence numbers a writer has reached. A GAP makes the library insert each number of its
-//   range into a set. A GAP over a long range therefore reaches the library as a HEARTBEAT whose
-//   first number is the end of the range: a reader has received everything before the range, so it
-//   means the same.
-// - Up to which number of a writer the library has counted. A HEARTBEAT makes it count up to the
-//   first number, one by one (StatefulReader.cpp). A HEARTBEAT with a far first number reaches the
-//   library with a nearer one; the following HEARTBEATs move on from there.
-// - From which addresses a participant speaks: the one of its first announcement and those at which
-//   that announcement says it receives. Discovery in its name from another address is refused.
-//   Loopback addresses are accepted: processes of this machine are not distinguished. With relayed
-//   discovery the rule does not apply.
+// - The number of participants and endpoints, and the rate of new participants. At a limit, the
+//   guard removes a participant that has been silent for longer than its lease, or else the oldest
+//   one that has announced no endpoint. The library gets the message that it has left.
+// - The bytes of unfinished fragmented samples.
+// - The sequence numbers that a writer has reached. A GAP makes the library insert each number of
+//   its range into a set. The guard therefore replaces a GAP over a long range by a HEARTBEAT whose
+//   first number is the end of the range. It has the same effect, because a reader has received
+//   everything before the range.
+// - The number of a writer up to which the library has counted. A HEARTBEAT makes it count up to
+//   the first number, one by one (StatefulReader.cpp). The guard replaces a far first number by a
+//   nearer one; the following HEARTBEATs continue from there.
+// - The addresses of a participant: the source of its first announcement, and the addresses in that
+//   announcement. Discovery in its name from another address is refused. Loopback addresses are
+//   accepted: processes of this machine are not distinguished. With relayed discovery the rule does
+//   not apply.
 //
 // Pure: `now` is an argument. One owner; not thread-safe.
 #pragma once
@@ -49,7 +49,7 @@ class DatagramGuard final : private RtpsEvents {
   explicit DatagramGuard(const RtpsLimits& limits);
 
   // `scratch` receives the datagram if a part of it must be hidden or replaced, or if the library
-  // needs memory of ours behind it.
+  // needs readable memory after it.
   [[nodiscard]] Verdict check(std::span<const std::uint8_t> datagram, const Address& from,
                               Instant now, Bytes& scratch);
 
@@ -58,13 +58,13 @@ class DatagramGuard final : private RtpsEvents {
 
   // Numbers of one writer in GAPs that the library may hold at a time.
   static constexpr std::int64_t kMostGapped = 65'536;
-  // How far the HEARTBEATs of a writer may move on after the first one; this credit comes back at
-  // 100 000 numbers a second.
+  // Limit for the numbers that the HEARTBEATs of a writer may advance after the first one; this
+  // credit is restored at 100 000 numbers a second.
   static constexpr std::int64_t kJump = 1 << 20;
-  // How far the library may count at a time, and how much of this comes back within a second. On
-  // Debian 12 it needs 0.2 to 0.5 us for a number.
+  // Limit for the numbers that the library may count at a time, and the part of it that is restored
+  // within a second. On Debian 12 a number costs 0.2 to 0.5 us.
   static constexpr std::int64_t kStep = 1 << 22, kCountsPerSecond = 1 << 20;
-  // No HEARTBEAT of a writer may begin beyond this number.
+  // Highest first number of a writer's HEARTBEAT.
   static constexpr std::int64_t kFarthest = std::int64_t{1} << 36;
 
  private:
@@ -77,16 +77,16 @@ class DatagramGuard final : private RtpsEvents {
     Duration lease{};
     std::uint64_t order = 0;  // in which it joined
     std::set<Guid> endpoints;
-    std::vector<Address> addresses;  // from which it speaks
+    std::vector<Address> addresses;  // source addresses
   };
   struct Writer {
     Instant seen{};
-    std::int64_t last = -1;    // the highest number that it announced; -1: none yet
-    std::int64_t counted = 0;  // the library has counted up to here
+    std::int64_t last = -1;    // highest announced number; -1: none yet
+    std::int64_t counted = 0;  // number up to which the library has counted
     std::uint32_t count = 0;   // of its newest HEARTBEAT
-    std::int64_t gapped = 0;   // numbers in GAPs since the library forgot them
+    std::int64_t gapped = 0;   // numbers in GAPs since the library last discarded them
     std::int64_t gap_end = 0;
-    double credit = kJump;  // how far it may move on
+    double credit = kJump;  // numbers that it may still advance
   };
   struct Bucket {
     double tokens = 0;
@@ -104,12 +104,12 @@ class DatagramGuard final : private RtpsEvents {
   [[nodiscard]] bool make_room(bool for_endpoints);
   [[nodiscard]] bool may_join();
   void forget(const ParticipantPrefix& prefix);
-  // Of a writer of the sender of the datagram.
+  // GUID of a writer of the datagram's sender.
   [[nodiscard]] Guid guid_of(const EntityBytes& writer) const;
   Writer& writer_of(const RtpsEvent& event);
   bool may_reach(Writer& writer, std::int64_t number) const;
   void limit_count(const RtpsEvent& event, Writer& writer, std::int64_t first);
-  std::span<std::uint8_t> copy();  // of the datagram, to be changed
+  std::span<std::uint8_t> copy();  // a copy of the datagram for changes
 
   const RtpsLimits limits_;
   std::map<ParticipantPrefix, Participant> participants_;
@@ -120,7 +120,7 @@ class DatagramGuard final : private RtpsEvents {
   std::deque<std::pair<Guid, std::int64_t>> fragmented_;  // writer and number, newest last
   Bucket fragment_bytes_, counts_;
 
-  // Of the datagram that is being checked.
+  // State of the datagram that is being checked.
   std::span<const std::uint8_t> datagram_;
   Address from_{};
   Instant now_{};

@@ -1,4 +1,4 @@
-// Reads numbers of one byte order from a span of bytes, as CDR and RTPS lay them out. A read past
+// Reads numbers of one byte order from a span of bytes in the layout of CDR and RTPS. A read past
 // the end makes the cursor bad and returns 0, so that a caller checks once at the end.
 #pragma once
 

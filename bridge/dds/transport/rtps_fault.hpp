@@ -22,7 +22,7 @@ enum class RtpsFault : std::uint8_t {
   kParameter,       // a parameter whose content contradicts its length, or is above a limit
   kEncapsulation,   // an unknown form of the payload
   kService,         // a built-in service of the library that Fieldcast does not use
-  kSender,          // discovery in the name of a participant from an address of another one
+  kSender,          // discovery in the name of a participant from another address
   kParticipants,    // more participants than the limit
   kJoinRate,        // more new participants a second than the limit
   kEndpoints,       // more endpoints of a participant, or in all, than the limit
@@ -40,10 +40,10 @@ struct RtpsLimits {
   std::uint32_t sample_bytes = 1 << 20;     // of a fragmented sample
   std::uint32_t fragment_bytes = 32 << 20;  // of fragmented samples that begin within 10 s
   std::uint32_t participants = 1024;        // at a time
-  std::uint32_t joins_per_second = 200;     // of one address; four times as many at once
+  std::uint32_t joins_per_second = 200;     // of one address; bursts of four times as many
   std::uint32_t endpoints = 8192;           // of one participant
   std::uint32_t endpoints_in_all = 65536;   // of all participants
-  bool relayed = false;  // a discovery server may announce the entities of others
+  bool relayed = false;  // a discovery server may announce entities of other participants
   friend bool operator==(const RtpsLimits&, const RtpsLimits&) = default;
 };
 

@@ -135,7 +135,7 @@ class Validator {
         return (flags_ & kInvalidTime) != 0 || body.size() >= 8 ? Fault{} : RtpsFault::kSubmessage;
       case Submessage::kInfoDst: return body.size() >= 12 ? Fault{} : RtpsFault::kSubmessage;
       case Submessage::kInfoSource: return check_source(body);
-      // They send responses elsewhere; no DDS that Fieldcast meets needs them.
+      // They redirect responses; Fieldcast needs no DDS that uses them.
       case Submessage::kInfoReply:
       case Submessage::kInfoReplyIp4: return RtpsFault::kOrder;
       // The header of DDS Security: kind and key, session, initialization vector.
@@ -148,15 +148,15 @@ class Validator {
     }
   }
 
-  // unused(4) version(2) vendor(2) prefix(12). It lets a sender speak for another one. DDS Security
-  // repeats the sender behind the head of a protected message (DDS Security 1.1, 8.5.1.9.4).
+  // unused(4) version(2) vendor(2) prefix(12). It names another sender. DDS Security repeats the
+  // sender after the header of a protected message (DDS Security 1.1, 8.5.1.9.4).
   Fault check_source(Bytes body) {
     const bool repeats = is_protected_ && body.size() == 20 &&
                          std::ranges::equal(body.subspan(8), datagram_.subspan(8, 12));
     return repeats ? Fault{} : RtpsFault::kOrder;
   }
 
-  // The length is big-endian whatever the flag says (Fast DDS, AESGCMGMAC_Transform).
+  // The length is big-endian regardless of the flag (Fast DDS, AESGCMGMAC_Transform).
   static Fault check_body(Bytes body) {
     RtpsCursor in(body, false);
     const std::uint32_t length = in.u32();
@@ -244,7 +244,7 @@ class Validator {
     }
     if (!has_data && !has_key) return is_discovery() ? report_discovery() : Fault{};
     const std::size_t payload_at = in.at();
-    RtpsCursor head(body.subspan(payload_at), false);  // in this order whatever the flag says
+    RtpsCursor head(body.subspan(payload_at), false);  // big-endian regardless of the flag
     const std::uint16_t encapsulation = head.u16();
     head.u16();
     if (!head.good() || encapsulation > kLastEncapsulation) return RtpsFault::kEncapsulation;
@@ -346,8 +346,8 @@ class Validator {
   RtpsEvent event_;
   Step step_ = Step::kOutside;
   bool is_protected_ = false;  // between the prefix and the postfix of a whole message
-  bool is_closed_ = false;     // behind that postfix
-  bool is_open_ = false;       // something protected has not ended yet
+  bool is_closed_ = false;     // after that postfix
+  bool is_open_ = false;       // a protected part has not ended yet
 };
 
 }  // namespace

@@ -1,10 +1,10 @@
 // Validates one RTPS datagram (RTPS 2.2, chapter 9.4; DDS Security 1.1, 7.3.6) before the DDS
-// library reads it. Pure and stateless: bytes in, the cause of the refusal or the facts that the
-// guard needs out.
+// library reads it. Pure and stateless: returns the cause of the refusal, and reports the facts
+// that the guard needs.
 //
 // Fast DDS 2.9.1 and 3.1.2 trust many lengths and counts of a datagram. The validator accepts a
-// datagram only if every length, count and number that the library uses without a check of its own
-// is within the bounds of the datagram and of RtpsLimits.
+// datagram only if every length, count and number that the library uses without its own check is
+// within the bounds of the datagram and of RtpsLimits.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@
 
 namespace fieldcast {
 
-// What a submessage tells the guard. Spans point into the datagram.
+// Facts of a submessage for the guard. Spans point into the datagram.
 struct RtpsEvent {
   Submessage kind{};
   std::size_t at = 0;  // of the submessage, in the datagram
@@ -27,7 +27,7 @@ struct RtpsEvent {
   bool is_protected = false;  // DDS Security: a change would make it invalid
   EntityBytes reader{}, writer{};
   std::int64_t first = 0;   // a sequence number: of DATA, DATA_FRAG, the start of GAP, of HEARTBEAT
-  std::int64_t base = 0;    // of GAP: the first number behind the range
+  std::int64_t base = 0;    // of GAP: the first number after the range
   std::uint32_t count = 0;  // of HEARTBEAT
   std::uint32_t sample_size = 0;  // of DATA_FRAG
   // Of DATA_FRAG: the bytes that the library needs for the sample. It keeps its list of missing

@@ -1,5 +1,5 @@
-// The guard of one participant, for the threads on which its transports receive; and the counts of
-// all guards of this process.
+// The guard of one participant, shared by the threads on which its transports receive; and the
+// counters of all guards of this process.
 #pragma once
 
 #include <mutex>
@@ -17,7 +17,8 @@ class SharedGuard {
   explicit SharedGuard(const RtpsLimits& limits) : guard_(limits) {}
 
   // As DatagramGuard::check(), with the time of the call; `scratch` belongs to the caller's thread.
-  // Counts and logs what is refused: the first one of a cause, the tenth, the hundredth, ..
+  // Counts refused datagrams, and logs the first one of a cause, the tenth, the hundredth and so
+  // on.
   [[nodiscard]] DatagramGuard::Verdict check(std::span<const std::uint8_t> datagram,
                                              const DatagramGuard::Address& from,
                                              DatagramGuard::Bytes& scratch);
