@@ -211,7 +211,7 @@ ExitCode serve(fieldcast::Signals& signals, const StationSpec& spec) {
   }
 }
 
-// What a file says is good by now; whether the key that it names is one for a service is seen here.
+// The configuration is already valid; this checks the permissions of the TLS key that it names.
 ExitCode check_key(const StationSpec& spec, const Origin& origin) {
   if (spec.web.key.empty()) return ExitCode::kOk;
   const auto closed =
@@ -221,7 +221,7 @@ ExitCode check_key(const StationSpec& spec, const Origin& origin) {
   return ExitCode::kBadConfiguration;
 }
 
-// What is good is said too: silence could be a program that looked at nothing.
+// Also reports success, since silence could mean that nothing was checked.
 ExitCode check(const StationSpec& spec, const Origin& origin) {
   const ExitCode joining = check_joining(spec, origin), key = check_key(spec, origin);
   for (const fieldcast::DdsSite& site : spec.sites) {

@@ -1,4 +1,4 @@
-// The rules of the guard that need memory, in virtual time.
+// Tests the rules of the guard that depend on earlier datagrams, in virtual time.
 #include "bridge/dds/transport/datagram_guard.hpp"
 
 #include <gtest/gtest.h>
@@ -69,7 +69,7 @@ TEST(SharedGuard, CountsRefusedDatagramsByCause) {
   EXPECT_EQ(refused_datagrams(), expected);
 }
 
-// A plant of 200 participants after a power cut: all start at once, at one address.
+// A plant of 200 participants after a power cut: all start at the same time, at one address.
 TEST(DatagramGuard, APlantThatStartsAtOnceIsNotRefused) {
   Checked one;
   for (std::uint32_t i = 0; i < 200; ++i)
@@ -102,7 +102,7 @@ TEST(DatagramGuard, TheOldestWithoutEndpointsMakesRoom) {
   for (std::uint32_t i = 0; i < 3; ++i) ASSERT_EQ(one.cause_of(announcement(numbered(i))), "none");
   ASSERT_EQ(one.cause_of(endpoint(1, numbered(0))), "none");
   ASSERT_EQ(one.cause_of(announcement(numbered(3))), "none");
-  // The library is told that number 1 has left: in its name, with its GUID, disposed.
+  // The guard reports to the library that number 1 has left: in its name, with its GUID, disposed.
   ASSERT_FALSE(one.before.empty());
   EXPECT_TRUE(std::equal(one.before.begin() + 8, one.before.begin() + 20, numbered(1).begin()));
   const Datagram left =
@@ -189,7 +189,7 @@ TEST(DatagramGuard, AHeartbeatThatJumpsFarIsRefused) {
   EXPECT_EQ(one.cause_of(heartbeat(1, 100, 1)), "none");
   EXPECT_EQ(one.cause_of(heartbeat(1, 100 + kJump, 2)), "none");
   EXPECT_EQ(one.cause_of(heartbeat(1, 101 + 2 * kJump, 3)), "SEQUENCE_NUMBER");
-  one.wait(std::chrono::seconds{110});  // the writer was silent, and went on meanwhile
+  one.wait(std::chrono::seconds{110});  // the allowed jump grows with time
   EXPECT_EQ(one.cause_of(heartbeat(1, 101 + 2 * kJump, 3)), "none");
 }
 
@@ -214,7 +214,7 @@ TEST(DatagramGuard, AFastWriterRegainsItsCredit) {
   }
 }
 
-// A writer that has run for days begins far ahead. The library counts to its first number in steps.
+// A writer that has run for days starts at a high number. The library counts to it in steps.
 TEST(DatagramGuard, AFarFirstNumberReachesTheLibraryInSteps) {
   constexpr auto kStep = DatagramGuard::kStep, kMore = DatagramGuard::kCountsPerSecond;
   Checked one;
@@ -238,7 +238,7 @@ TEST(DatagramGuard, AFarFirstNumberReachesTheLibraryInSteps) {
   EXPECT_EQ(one.bytes, whole);
 }
 
-// The library begins to count when it learns of the writer, and ignores a HEARTBEAT whose count is
+// The library begins to count when it discovers the writer, and ignores a HEARTBEAT whose count is
 // not above the last one.
 TEST(DatagramGuard, StepsBeginWithTheAnnouncementOfTheWriter) {
   constexpr auto kStep = DatagramGuard::kStep;
@@ -255,7 +255,7 @@ TEST(DatagramGuard, StepsBeginWithTheAnnouncementOfTheWriter) {
   EXPECT_EQ(one.bytes, expected);
 }
 
-// CVE-2023-50257: the library believes each "has left", and each new address of a participant.
+// CVE-2023-50257: the library accepts each "has left" and each new address of a participant.
 TEST(DatagramGuard, DiscoveryOfAParticipantComesFromItsAddress) {
   Checked one;
   ASSERT_EQ(one.cause_of(announcement(), 1), "none");
@@ -306,7 +306,7 @@ TEST(DatagramGuard, ARelayedAnnouncementComesFromAnyAddress) {
   EXPECT_EQ(one.cause_of(goodbye(kSender), 2), "none");
 }
 
-// The library would remember the number of the message, and ignore the announcements that follow.
+// Otherwise the library would store the message number and ignore later announcements.
 TEST(DatagramGuard, TheLibraryDoesNotReadThatAnUnknownParticipantHasLeft) {
   Checked one;
   Datagram expected = goodbye(kSender);
@@ -315,7 +315,7 @@ TEST(DatagramGuard, TheLibraryDoesNotReadThatAnUnknownParticipantHasLeft) {
   EXPECT_EQ(one.bytes, expected);
 }
 
-// The library keeps its list of missing fragments in 4 bytes of each one.
+// The library stores its list of missing fragments in 4 bytes of each fragment.
 TEST(DatagramGuard, AShortLastFragmentHasRoomForTheListOfTheLibrary) {
   Checked one;
   for (std::uint32_t rest = 1; rest <= 3; ++rest) {
@@ -337,7 +337,7 @@ TEST(DatagramGuard, ALongGapReachesTheLibraryAsAHeartbeat) {
   EXPECT_EQ(one.bytes, allowed);
   const Datagram more = gap(kMost, kMost + 10);
   ASSERT_EQ(one.cause_of(more), "none");
-  // Final, so that no answer follows; it has all from the end of the range on.
+  // Final, so that no response follows; the range of numbers starts after the end of the gap.
   Datagram expected = heartbeat(kMost + 10, kMost + 50, 8);
   expected[21] = 3;
   EXPECT_EQ(one.bytes, expected);
