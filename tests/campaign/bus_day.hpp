@@ -1,6 +1,6 @@
-// Simulates a day of one bus in virtual time, with all faults: noise, lost, late, doubled and
-// truncated responses, devices that restart with other values, a port that vanishes, reloads, a
-// killed engine whose successor finds the wire in use, programming sessions, interests, commands.
+// Simulates a day of one bus in virtual time, with commands, interests, programming sessions and
+// reloads. Its faults are noise, lost, late, doubled and truncated responses, devices that restart
+// with other values, a vanishing port, and a killed engine whose successor finds the wire in use.
 //
 // These invariants are checked at every step; the first that fails is the day's violation:
 //   - a good value is what its device contained a moment ago;
