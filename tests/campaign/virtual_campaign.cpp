@@ -4,10 +4,11 @@
 //                      [--protocol NAME] [--share I/N] [--transcripts FOLDER]
 //
 // For each seed it runs a plant with one bus of each protocol for --hours (24). Then it runs a
-// standby group at one bus of each serial protocol for --group-hours (1). 0 leaves one out. --seconds ends it after
-// the current day. --share uses each N-th seed, for one process on each core. Ctrl-C ends it
-// immediately with the counts so far. A violation writes transcript-SEED-PROTOCOL.txt and does not
-// stop the other days; the exit code is then 1. The last line is one JSON object with the counts.
+// standby group at one bus of each serial protocol for --group-hours (1). 0 leaves one out.
+// --seconds ends it after the current day. --share uses each N-th seed, for one process on each
+// core. Ctrl-C ends it immediately with the counts so far. A violation writes
+// transcript-SEED-PROTOCOL.txt and does not stop the other days; the exit code is then 1. The last
+// line is one JSON object with the counts.
 #include <atomic>
 #include <chrono>
 #include <csignal>
