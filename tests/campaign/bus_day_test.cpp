@@ -57,7 +57,7 @@ INSTANTIATE_TEST_SUITE_P(BackByALateAnswer, BusDaysThatFailed,
                          [](const auto& chosen) {
                            return "seed" + std::to_string(chosen.param.seed);
                          });
-// Noise during a request contained an acknowledgement, and the next request was sent too early.
+// Noise during a request contained an acknowledgement, and the next request overlapped it.
 INSTANTIATE_TEST_SUITE_P(NoiseDuringTheRequest, BusDaysThatFailed,
                          testing::Values(Found{"s7-ppi", 11}), [](const auto& chosen) {
                            return "seed" + std::to_string(chosen.param.seed);

@@ -5,8 +5,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Protocols that detect the garbled frames of a collision with a second master. A collision garbles
-// many characters, and an 8-bit sum misses one in 256 such frames.
+// Returns true for Modbus. Its CRC detects frames that a collision with a second master garbles; an
+// 8-bit sum, as of modbus-ascii, misses one in 256 of them.
 bool has_crc(const std::string& protocol) { return protocol.starts_with("modbus-"); }
 
 double one_of(std::mt19937_64& random, std::initializer_list<double> values) {
