@@ -98,7 +98,6 @@ struct AttackedDomain {
   std::uint64_t written = 0;
 };
 
-// Resident memory of this process, in megabytes.
 inline double resident_megabytes() {
   long pages = 0, resident = 0;
   if (std::FILE* file = std::fopen("/proc/self/statm", "r")) {

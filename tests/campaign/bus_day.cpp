@@ -15,7 +15,6 @@ using namespace std::chrono_literals;
 constexpr Duration kExpires = 20s;  // of a command
 constexpr std::size_t kMemoryMayGrow = 512 * 1024;
 
-// Returns the bytes of memory in use by this process.
 std::size_t allocated() {
   const auto info = ::mallinfo2();
   return info.uordblks + info.hblkhd;

@@ -91,7 +91,6 @@ class GroupDay {
   [[nodiscard]] double chance() { return std::generate_canonical<double, 53>(random_); }
   [[nodiscard]] Duration between(Duration least, Duration most);
 
-  // The day.
   void run_until(Instant until);
   void operate();
   void restart_members();
@@ -141,7 +140,6 @@ class GroupDay {
   Instant served_since_{}, two_since_ = kNever;
   Instant ask_at_ = kNever;  // time of the station's request for samples
   Duration ask_rest_{};
-  // The wire.
   int last_master_ = -1;
   Instant wire_until_{}, busy_since_{};
   Instant other_until_{};  // end of the last frame of a different master

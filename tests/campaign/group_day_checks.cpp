@@ -1,4 +1,3 @@
-// The checks of GroupDay.
 #include <algorithm>
 
 #include "tests/campaign/group_day.hpp"

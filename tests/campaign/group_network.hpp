@@ -20,7 +20,6 @@
 
 namespace fieldcast::test {
 
-// Data that a master publishes for its bus.
 struct GroupBlock {
   std::uint64_t epoch = 0, number = 0;
   // Start of the master's term, only for the checks. A master that remains in a later term counts
@@ -60,7 +59,6 @@ class GroupNetwork {
   void forget(std::size_t node);
 
   [[nodiscard]] Instant next_due() const;
-  // Passes all arrived messages to `take`, in order.
   void deliver(Instant now, const std::function<void(std::size_t to, const GroupMessage&)>& take);
 
  private:

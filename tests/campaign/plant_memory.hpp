@@ -30,7 +30,6 @@ class PlantMemory {
   void begin(const BusSpec& spec, Instant now);
   // Fills the device with random contents, as after a restart.
   void fill(DeviceIndex device, std::mt19937_64& random, Instant now);
-  // Reads the present contents of the device.
   void look(ChannelIndex channel, Instant now);
   [[nodiscard]] const Value& holds(ChannelIndex channel) const { return channels_[channel].holds; }
   // Returns the error, or empty if the device contained `value` within kOldValueMayCome.

@@ -101,7 +101,6 @@ class Campaign {
     return interrupted || (arguments_.seconds > 0 && elapsed() > arguments_.seconds);
   }
 
-  // Returns the simulated hours.
   template <class Day, class Counts>
   double day(const test::StormKind& kind, std::uint64_t seed, double hours,
              const std::string& prefix, Counts& sum) {

@@ -23,7 +23,6 @@ export function readOf(group: PlanGroup, index: number, hyperperiod_ms: number):
   return { index: wrapped, begin_ms: end_ms - readTime_ms(group), end_ms };
 }
 
-// Returns the read nearest to an instant.
 export function readNear(group: PlanGroup, at_ms: number, hyperperiod_ms: number): Read | undefined {
   if (!group.period_ms || group.phase_ms === null) return undefined;
   const middle_ms = (group.phase_ms % group.period_ms) - readTime_ms(group) / 2;

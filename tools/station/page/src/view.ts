@@ -21,7 +21,6 @@ const tones: Record<string, Tone> = {
 export const toneOfState = (state: string): Tone => tones[state] ?? 'unknown';
 export const shape = (tone: Tone): string => shapes[tone];
 
-// A coloured shape with a text beside it.
 export const badge = (tone: Tone, text: string): TemplateResult =>
   html`<span class="badge ${tone}"><span class="shape" aria-hidden="true">${shapes[tone]}</span>${text}</span>`;
 export const stateBadge = (state: string): TemplateResult => badge(toneOfState(state), word('state', state));
@@ -77,14 +76,12 @@ export function ask(question: Question): Promise<FormData | undefined> {
 export const empty = (text: string, hint = ''): TemplateResult =>
   html`<div class="empty"><p>${text}</p>${hint ? html`<p class="muted">${hint}</p>` : nothing}</div>`;
 
-// Returns the error of a request or a command as a sentence.
 export function errorText(error: unknown): string {
   const told = error as { message?: string; hint?: string; status?: number };
   const message = told.message === 'unreachable' || told.message === 'lost' ? t('error.lost') : told.message === 'no-result' ? t('error.no-result') : told.message ?? String(error);
   return told.hint ? `${message} ${told.hint}` : message;
 }
 
-// Makes the element of a page with this class.
 export function makeElement(className: string): HTMLElement {
   const element = document.createElement('div');
   element.className = `page ${className}`;
