@@ -1,6 +1,6 @@
-// A participant of Fieldcast in this process, and what an attacker knows of it: the addresses at
-// which it receives, and a writer that it is matched with. A second writer, which nobody forges,
-// shows that the participant still receives.
+// A participant of Fieldcast in this process, with the data that an attacker needs: its receive
+// addresses, and a writer that it is matched with. A second writer, which is never forged, shows
+// that the participant still receives.
 #pragma once
 
 #include <arpa/inet.h>
@@ -21,7 +21,7 @@
 
 namespace fieldcast::testing {
 
-// The port at which the participant of this reader receives samples; 0 if there is none.
+// Returns the port at which the reader's participant receives samples; 0 if there is none.
 inline std::uint32_t samples_port(dds::DataReader& reader) {
   constexpr std::uint8_t kFirstMulticast = 224;
   eprosima::fastdds::rtps::LocatorList locators;
@@ -31,8 +31,8 @@ inline std::uint32_t samples_port(dds::DataReader& reader) {
   return 0;
 }
 
-// Sends to the port at which the participant of the reader receives samples, or to that of
-// discovery (RTPS 2.2, 9.6.1.1: the one before).
+// Sends to the sample port of the reader's participant, or to its discovery port, which is the
+// previous number (RTPS 2.2, 9.6.1.1).
 inline void send_to(dds::DataReader& reader, int socket, std::span<const std::uint8_t> datagram,
                     bool to_discovery) {
   sockaddr_in to{};
@@ -48,9 +48,9 @@ struct AttackedDomain {
     socket.reset(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   }
 
-  // Discovery ends when samples of both writers arrive.
+  // Returns true once samples of both writers arrive: discovery is complete.
   [[nodiscard]] bool is_ready() { return arrives(*forged_writer) && answers(); }
-  // A new sample of the writer that nobody forges arrives within 10 s.
+  // Returns true if a new sample of the honest writer arrives within 10 s.
   [[nodiscard]] bool answers() { return arrives(*honest_writer); }
 
   [[nodiscard]] ParticipantPrefix forged_sender() const {
@@ -98,7 +98,6 @@ struct AttackedDomain {
   std::uint64_t written = 0;
 };
 
-// Resident memory of this process, in megabytes.
 inline double resident_megabytes() {
   long pages = 0, resident = 0;
   if (std::FILE* file = std::fopen("/proc/self/statm", "r")) {

@@ -15,7 +15,6 @@ using namespace std::chrono_literals;
 constexpr Duration kExpires = 20s;  // of a command
 constexpr std::size_t kMemoryMayGrow = 512 * 1024;
 
-// Bytes of memory in use by this process.
 std::size_t allocated() {
   const auto info = ::mallinfo2();
   return info.uordblks + info.hblkhd;
@@ -63,7 +62,7 @@ BusDay::BusDay(const StormKind& kind, std::uint64_t seed, Duration length)
     if (transcribing_) note("<< " + to_hex(bytes));
   };
   for (DeviceIndex d = 0; d < whole_.devices.size(); ++d) memory_.fill(d, random_, now());
-  begin(1s);  // the engine that began with the plant has gone, and its answers
+  begin(1s);  // the plant's first engine has ended, and its responses have expired
 }
 
 BusDay::~BusDay() = default;
@@ -75,7 +74,7 @@ Duration BusDay::between(Duration least, Duration most) {
                                                     static_cast<double>((most - least).count()))};
 }
 
-// The engine of the variant in force begins after `absence`, with the channels of that variant.
+// Starts the engine of the present variant after `absence`, with the channels of that variant.
 void BusDay::begin(Duration absence, const Opened& opened) {
   channels_.clear();
   const BusSpec& spec = variants_[variant_];
@@ -150,9 +149,9 @@ void BusDay::operate() {
   if (chosen < 0.7) command();
 }
 
-// A reload goes on at once, and knows what was asked. Who takes over from another process does not:
-// answers from before that come later than three timeouts after their request are beyond what a
-// protocol without numbers can tell.
+// A reload (`in_order`) continues immediately and keeps the pending requests. A takeover from a
+// killed process has no list of them, so it starts later: a protocol without numbers cannot detect
+// old responses that arrive later than three timeouts after their request.
 void BusDay::replace_engine(bool in_order) {
   Opened opened;
   if (in_order) {
@@ -167,7 +166,7 @@ void BusDay::replace_engine(bool in_order) {
   } else {
     if (transcribing_) note("-- the engine is killed");
     ++counts_.takeovers;
-    pending_.clear();  // their results are the successor's, by the store
+    pending_.clear();  // the successor reports their results from the store
   }
   begin(in_order ? between(1ms, 200ms) : between(700ms, 1500ms), opened);
 }
@@ -205,7 +204,7 @@ void BusDay::interest() {
   bus_->feed(InterestChanged{channel, refresh});
 }
 
-// A write of a new value, a read, or something that must be refused.
+// Sends a write of a new value, a read, or a command that must be refused.
 void BusDay::command() {
   const auto index = static_cast<ChannelIndex>(random_() % channels_.size());
   const Channel& channel = channels_[index];

@@ -1,12 +1,12 @@
-// A day of one bus in virtual time, with everything that goes wrong: noise, lost, late, doubled and
-// half answers, devices that die and come back with other values, a port that vanishes, reloads,
-// a killed engine whose successor finds the wire in use, programming sessions, interests, commands.
+// Simulates a day of one bus in virtual time, with commands, interests, programming sessions and
+// reloads. Its faults are noise, lost, late, doubled and truncated responses, devices that restart
+// with other values, a vanishing port, and a killed engine whose successor finds the wire in use.
 //
-// What must hold is checked at every step; the first thing that does not is the day's violation:
-//   - a good value is what its device held a moment ago;
-//   - a channel whose last sample is good is published again within its promise, or told otherwise,
-//     and what nothing hinders is good again soon;
-//   - every command has exactly one result, and what is said to be done has been done;
+// These invariants are checked at every step; the first that fails is the day's violation:
+//   - a good value is what its device contained a moment ago;
+//   - a channel whose last sample is good is published again within its promise, or reported as not
+//     good; a channel without a fault is good again soon;
+//   - every command has exactly one result, and a command reported as done was executed;
 //   - requests never overlap, and none is sent into a closed or a leased port;
 //   - memory does not grow.
 // Deterministic by protocol and seed. Owns the bus; one thread; no clock, no I/O.
@@ -29,7 +29,7 @@ namespace fieldcast::test {
 
 struct DayCounts {
   std::uint64_t requests = 0, samples = 0, good = 0;
-  std::uint64_t late = 0, doubled = 0;  // answers
+  std::uint64_t late = 0, doubled = 0;  // responses
   std::uint64_t commands = 0, results = 0, done = 0;
   std::uint64_t unplugged = 0, reloads = 0, takeovers = 0, leases = 0, interests = 0,
                 device_restarts = 0;
@@ -41,15 +41,15 @@ class BusDay {
  public:
   static constexpr std::size_t kTranscriptLines = 600;  // the last ones are kept
 
-  // What a test breaks on purpose, to see that it is found; `at` of the day.
+  // Fault that a test injects to show that the checks find it.
   enum class Sabotage : std::uint8_t {
     kNone,
-    kValue,       // a good sample shows another value
-    kSilence,     // good samples of a channel are kept back
-    kNoResult,    // a result is kept back
-    kTwoResults,  // a result comes twice
+    kValue,       // a good sample has a wrong value
+    kSilence,     // good samples of a channel are dropped
+    kNoResult,    // a result is dropped
+    kTwoResults,  // a result arrives twice
     kOverlap,     // a request is reported a second time while it is on the wire
-    kMemory,      // memory is kept
+    kMemory,      // memory leaks
   };
 
   BusDay(const StormKind& kind, std::uint64_t seed, Duration length);
@@ -58,10 +58,10 @@ class BusDay {
   BusDay& operator=(const BusDay&) = delete;
 
   void sabotage(Sabotage what) { sabotage_ = what; }
-  // Keeps what happens as text from now on.
+  // Records all further events as text.
   void keep_transcript();
-  // Runs to the end of the day, or to its first violation, or until `stop` says true (asked each
-  // virtual minute).
+  // Runs to the end of the day, to its first violation, or until `stop` returns true. `stop` is
+  // called about once a virtual minute.
   void run(const std::function<bool()>& stop = {});
 
   [[nodiscard]] const std::optional<std::string>& violation() const { return violation_; }
@@ -109,7 +109,7 @@ class BusDay {
   std::mt19937_64 random_;
   Duration length_;
   Sabotage sabotage_ = Sabotage::kNone;
-  const BusSpec whole_;            // every channel that there ever is
+  const BusSpec whole_;            // all channels of all variants
   std::vector<BusSpec> variants_;  // of the configuration
   std::size_t variant_ = 0;
   PlantMemory memory_;
@@ -119,9 +119,9 @@ class BusDay {
   std::vector<std::pair<Duration, DeviceIndex>> restarts_;  // ends of dead times, in order
   std::size_t restarted_ = 0;
   std::vector<Instant> dead_until_;  // each device
-  Instant disturbed_{};              // the last time that something else kept the bus from reading
+  Instant disturbed_{};              // last time that an event kept the bus from reading
   bool leased_ = false, transcribing_ = false;
-  bool busy_ = false;  // the engine of the day runs
+  bool busy_ = false;  // the engine runs
   Instant wire_free_{};
   std::size_t first_bytes_ = 0;  // of memory, after the first hours
   std::vector<std::unique_ptr<Bytes>> kept_;

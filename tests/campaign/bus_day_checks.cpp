@@ -1,4 +1,4 @@
-// What a day of a bus checks: at each action of its engine, and at each sweep.
+// The checks of BusDay: at each action of its engine, and at each sweep.
 #include <algorithm>
 
 #include "tests/campaign/bus_day.hpp"
@@ -8,15 +8,15 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// A channel that nothing hinders is good within this time and some of its refreshes. The longest
-// death of a device, which is noted when it ends, is within it.
+// A channel without a fault is good within this time and some of its refreshes. The time includes
+// the longest failure of a device, which is recorded when it ends.
 constexpr Duration kChannelMustBeGood = 8min;
 constexpr Duration kTellTolerance = 10ms;
-constexpr Duration kResultWithin = 30s;  // of a command's sending
+constexpr Duration kResultWithin = 30s;  // after a command was sent
 
 }  // namespace
 
-// What must hold although nothing happens.
+// Checks that do not depend on an action.
 void BusDay::sweep() {
   for (const auto& [id, pending] : pending_) {
     if (now() - pending.sent > kResultWithin)
@@ -108,7 +108,7 @@ void BusDay::judge(ChannelIndex channel, const Value& value) {
   if (const auto wrong = memory_.wrong(channel, value, now())) violate(*wrong);
 }
 
-// What is said to be done has been done; and what was read back is what the device held.
+// A write reported as done was executed, and a value that was read is the device's value.
 void BusDay::judge_done(const Pending& pending, const CommandResult& result) {
   if (pending.written) memory_.look(pending.channel, now());
   const bool done = result.state == CommandState::kDone || result.state == CommandState::kVerified;

@@ -1,4 +1,4 @@
-// A few short days of every protocol, and that each invariant finds what breaks it.
+// Runs a few short days of every protocol, and shows that each check finds its injected fault.
 #include "tests/campaign/bus_day.hpp"
 
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ INSTANTIATE_TEST_SUITE_P(Protocols, BusDays, testing::Range<std::size_t>(0, stor
                            return name;
                          });
 
-// Days that showed a fault when it was there.
+// Days that showed a fault of an earlier version.
 struct Found {
   std::string protocol;
   std::uint64_t seed;
@@ -51,31 +51,31 @@ TEST_P(BusDaysThatFailed, Hold) {
   EXPECT_FALSE(day.violation()) << day.violation().value_or("");
 }
 
-// A late answer brought an offline device back, which was not read from then on.
+// A late response set an offline device online, but the device was not read after that.
 INSTANTIATE_TEST_SUITE_P(BackByALateAnswer, BusDaysThatFailed,
                          testing::Values(Found{"s7-ppi", 3}, Found{"modbus-tcp", 8}),
                          [](const auto& chosen) {
                            return "seed" + std::to_string(chosen.param.seed);
                          });
-// An acknowledgement in the noise during the request: the next one was sent into it.
+// Noise during a request contained an acknowledgement, and the next request overlapped it.
 INSTANTIATE_TEST_SUITE_P(NoiseDuringTheRequest, BusDaysThatFailed,
                          testing::Values(Found{"s7-ppi", 11}), [](const auto& chosen) {
                            return "seed" + std::to_string(chosen.param.seed);
                          });
 
-// Retries into a device that died now and then made it rest for a second after each answer.
+// Retries to a device that failed repeatedly made the bus learn a pause of a second.
 INSTANTIATE_TEST_SUITE_P(APauseThatWasNotNeeded, BusDaysThatFailed,
                          testing::Values(Found{"mitsubishi-fx", 31, 24h}), [](const auto& chosen) {
                            return "seed" + std::to_string(chosen.param.seed);
                          });
 
-// Each probe of a slow device came in a pause of the wire that was too short for it.
+// Each probe of a slow device was sent in a pause of the wire that was too short for it.
 INSTANTIATE_TEST_SUITE_P(ProbedInShortPauses, BusDaysThatFailed,
                          testing::Values(Found{"modbus-rtu-declared", 229, 24h}),
                          [](const auto& chosen) {
                            return "seed" + std::to_string(chosen.param.seed);
                          });
-// Silence behind a refusal was taken for a refusal, and nothing was owed.
+// A timeout after a refusal was handled as a refusal, and no response was pending.
 INSTANTIATE_TEST_SUITE_P(SilenceBehindARefusal, BusDaysThatFailed,
                          testing::Values(Found{"mitsubishi-fx", 442, 24h}), [](const auto& chosen) {
                            return "seed" + std::to_string(chosen.param.seed);

@@ -1,11 +1,11 @@
-"""The fault campaign: runs its parts in shares of the time, shows how far it is, and writes a report.
+"""Runs the parts of the fault campaign in shares of the time, shows the progress, and writes a report.
 
 usage: campaign.py --minutes N [--seed S] [--part NAME].. [--counts FILE] [--report FILE] [--grown DIR]
        [--bin DIR] [--fuzz-bin DIR] [--fuzz-fast-bin DIR]
 
-Each part is a program of its own. It prints lines that begin with FAIL or VIOLATION for what does not hold, and its counts as one JSON
-object in its last line. Counts are added to those in FILE, over all runs. Ctrl-C ends the part under way and writes the report so far.
-Exit code: 0 all held, 1 something did not, 2 wrong usage, 130 ended by Ctrl-C while all had held.
+Each part is a separate program. It prints a line that begins with FAIL or VIOLATION for each failed check, and its counts as one JSON
+object in its last line. Counts are added to those in FILE, over all runs. Ctrl-C ends the current part and writes the report so far.
+Exit code: 0 all checks passed, 1 a check failed, 2 wrong usage, 130 ended by Ctrl-C without a failed check.
 """
 
 import argparse
@@ -22,10 +22,10 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 
 
 class Part:
-    """One row: its name, its share of the time, and its processes for so many seconds."""
+    """One row of the campaign: name, share of the time, and the commands of its processes for a number of seconds."""
 
     def __init__(self, name, share, what, commands, grace=30):
-        """`grace`: seconds that it may take beyond its share."""
+        """`grace`: seconds that it may run longer than its share."""
         self.name, self.share, self.what, self.commands, self.grace = name, share, what, commands, grace
 
 
@@ -73,7 +73,7 @@ PARTS = [
 
 
 class Run:
-    """The processes of one part, read line by line as they speak."""
+    """The running processes of one part; reads their output line by line."""
 
     def __init__(self, commands):
         self.failures, self.counts, self.codes = [], {}, []
@@ -133,7 +133,7 @@ def show(text):
 
 
 def run_part(part, options, seconds, stopped, left):
-    """What a part counted, and what did not hold in it."""
+    """Runs a part; returns its counts and its failures."""
     began = time.monotonic()
     run = Run(part.commands(options, max(1, int(seconds)), options.seed))
     shown = -1000.0

@@ -1,4 +1,4 @@
-"""The driver of the fault campaign, with small parts of its own.
+"""Tests the driver of the fault campaign with small parts.
 
 usage: campaign_test.py
 """
@@ -31,7 +31,7 @@ BREAKS = part("breaks", "raise SystemExit('a bad day')")
 
 
 def run(parts, *words):
-    """Exit code and report of a campaign of `parts`."""
+    """Returns exit code and report of a campaign of `parts`."""
     before, argv = campaign.PARTS, sys.argv
     campaign.PARTS, sys.argv = parts, ["campaign", "--minutes", "0.05", *words]
     out = io.StringIO()

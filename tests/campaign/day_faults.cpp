@@ -5,9 +5,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Whether what is wrong with an answer is always seen: by a CRC, or since each error is one
-// character. Collisions with another master garble many at once, which a sum of 8 bits lets pass
-// once in 256 times.
+// Returns true for Modbus. Its CRC detects frames that a collision with a second master garbles; an
+// 8-bit sum, as of modbus-ascii, misses one in 256 of them.
 bool has_crc(const std::string& protocol) { return protocol.starts_with("modbus-"); }
 
 double one_of(std::mt19937_64& random, std::initializer_list<double> values) {
@@ -20,12 +19,12 @@ sim::DeviceFaults device_faults(std::mt19937_64& random, Duration length, bool t
   faults.queues = true;
   faults.delay.base = std::chrono::milliseconds{1 + random() % 20};
   faults.delay.spread = std::chrono::milliseconds{random() % 10};
-  if (random() % 4 == 0) return faults;  // a healthy one
+  if (random() % 4 == 0) return faults;  // a healthy device
   faults.loss = one_of(random, {0, 0.001, 0.01, 0.05});
   faults.late_probability = one_of(random, {0, 0.001, 0.01, 0.05});
   faults.late = kLate[random() % std::size(kLate)];
   faults.doubled = one_of(random, {0, 0.001, 0.02});
-  // On a TCP stream half an answer comes with the end of the connection only.
+  // On a TCP stream, half a response occurs only when the connection ends.
   if (!tcp) faults.truncate = one_of(random, {0, 0.001, 0.02});
   for (Duration from{};;) {
     from += std::chrono::seconds{600 + random() % 14'400};
@@ -41,7 +40,7 @@ sim::DeviceFaults device_faults(std::mt19937_64& random, Duration length, bool t
 sim::BusFaults bus_faults(const StormKind& kind, const BusSpec& spec, std::mt19937_64& random,
                           Duration length) {
   sim::BusFaults faults;
-  // Nothing checks the answers of the one, and of the other TCP does.
+  // s7-freeport has no checksum, so noise would give wrong values; TCP removes noise.
   const bool tcp = std::holds_alternative<TcpPortSpec>(spec.port);
   if (kind.protocol != "s7-freeport" && !tcp) faults.noise = one_of(random, {0, 1e-7, 1e-6});
   if (has_crc(kind.protocol) && kind.protocol != "modbus-ascii")

@@ -1,5 +1,4 @@
-// What goes wrong in a day of a bus, and which configurations it has: chosen by chance, the same
-// for the same seed. Pure functions.
+// Random faults and configurations for a day of a bus, deterministic by seed. Pure functions.
 #pragma once
 
 #include <random>
@@ -9,12 +8,12 @@
 
 namespace fieldcast::test {
 
-// The last part of a day is calm.
+// Time without faults at the end of a day.
 inline constexpr Duration kCalm = std::chrono::minutes{20};
 
 [[nodiscard]] sim::BusFaults bus_faults(const StormKind& kind, const BusSpec& spec,
                                         std::mt19937_64& random, Duration length);
-// Some channels of each device, with refreshes, deadbands and interests of their own.
+// Selects some channels of each device, with random refreshes, deadbands and interests.
 [[nodiscard]] BusSpec variant_of(const BusSpec& whole, std::mt19937_64& random);
 
 }  // namespace fieldcast::test

@@ -1,9 +1,9 @@
-"""A plant that runs for a while with a store, a station and a command each second: memory, descriptors and threads stay flat.
+"""Runs a plant with a store, a station and a command each second; memory, descriptors and threads must not grow.
 
 usage: endurance_campaign.py --bin DIR --shim LIBRARY [--seconds S] [--seed N]
 
-Looks every second at the bridge. After the first third of the time the greatest memory of each later third may exceed that of the third
-before by 2 MB, and descriptors and threads may differ by 4. Then 72 hours of every protocol in virtual time. What does not hold is a
+Measures the bridge every second. The greatest memory of the second and the last third of the time may exceed that of the previous third
+by 2 MB, and descriptors and threads may differ by 4. Then runs 72 hours of every protocol in virtual time. Each failure is printed as a
 line that begins with FAIL; the last line is the counts.
 """
 
@@ -30,7 +30,7 @@ def look(pid):
 
 
 def flat(looks):
-    """What grew, or None; and the greatest of each third."""
+    """Returns what grew, or None, and the greatest values of each third."""
     third = len(looks) // 3
     most = [tuple(max(column) for column in zip(*looks[i * third:(i + 1) * third])) for i in range(3)]
     for before, after in zip(most, most[1:]):

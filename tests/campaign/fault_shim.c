@@ -1,9 +1,9 @@
 // A library for LD_PRELOAD that makes the disk and the clock fail on demand, for one process.
 //
-// FAULT_FILE names a file with a struct Faults, which whoever runs the campaign writes; it is
-// mapped, so that it counts at once. What is done to files below FAULT_FOLDER is counted there, and
-// fails, is slow or kills the process as the struct says. CLOCK_REALTIME is moved by
-// `clock_offset_ns`. Everything else is untouched. Any thread.
+// FAULT_FILE names a file with a struct Faults, which the campaign writes. The file is mapped, so
+// changes take effect immediately. The library counts operations on files below FAULT_FOLDER there.
+// As set in the struct, an operation fails, is slow or kills the process. CLOCK_REALTIME is moved
+// by `clock_offset_ns`. All other calls are unchanged. Any thread.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -64,8 +64,8 @@ static void die(void) {
   for (;;) pause();
 }
 
-// What becomes of one operation: 0: it is done; else errno. Kills the process before it, if that is
-// wanted.
+// Returns 0 if the operation must be executed, else its errno. Kills the process before it if
+// `kill_at` and `kill_how` request that.
 static int strike(int64_t* number) {
   *number = atomic_fetch_add(&faults->operations, 1) + 1;
   const int64_t delay = atomic_load(&faults->delay_us);

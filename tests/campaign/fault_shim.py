@@ -1,4 +1,4 @@
-"""The faults of fault_shim.c from outside: a mapped file that the process reads at once.
+"""Controls the faults of fault_shim.c by a mapped file; changes take effect immediately.
 
     shim = FaultShim(LIBRARY, folder, below=store_folder)
     subprocess.Popen(.., env=shim.environment())

@@ -2,10 +2,10 @@
 
 usage: fuzz_campaign.py --seconds S [--seed N] --bin DIR [--fast-bin DIR] [--target NAME].. [--artifacts DIR] [--grown DIR] [--jobs N]
 
-DIR of --bin has the programs with sanitizers, DIR of --fast-bin those of small decoders without them, which execute ten times as
-many inputs and are counted apart: which branches an input takes guides them, not how often it takes each. Every program gets the
-same time. An input that fails is kept in the folder of artifacts, and named in a line that begins with FAIL. With --grown the
-inputs that it found are kept there, and the next run begins with them. The last line is the counts as JSON.
+DIR of --bin has the programs with sanitizers. DIR of --fast-bin has those of small decoders without sanitizers, which execute ten
+times as many inputs and are counted separately. They are guided by the branches of an input, not by the count of each branch. Every
+program gets the same time. A failing input is stored in the folder of artifacts, and a line that begins with FAIL names it. With --grown
+new inputs are stored in that folder, and the next run begins with them. The last line is the counts as JSON.
 """
 
 import argparse
@@ -22,10 +22,10 @@ import time
 
 CORPUS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "fuzz", "corpus")
 EXECUTED = re.compile(r"stat::number_of_executed_units:\s*(\d+)")
-# Longer inputs than these say nothing new, and each takes longer: bytes of a frame, of a program's messages. Others: libFuzzer's own.
+# Largest useful input in bytes, of a frame or of a program's messages; longer inputs only cost time. Others: libFuzzer's default.
 LONGEST = {"dtc": 600, "lzw": 300, "mitsubishi_fx": 600, "modbus": 600, "modbus_rtu_declared": 600, "omron_fins": 600, "omron_hostlink": 600,
            "program": 600, "s7_freeport": 600, "s7_ppi": 600, "instrument": 600, "address": 120}
-# Where memory was taken, in all its detail, is needed once an input failed: replay it without these.
+# Shortens allocation stacks, which are needed only for a failed input: replay it without these options.
 SANITIZER = "malloc_context_size=0:quarantine_size_mb=16"
 PULSE = re.compile(r"^#(\d+)\s")
 
@@ -44,13 +44,13 @@ def parse():
 
 
 class Fuzzer:
-    """One program at work."""
+    """One running fuzz program."""
 
     def __init__(self, options, program, seconds, scratch):
         self.name, self.program, self.executed = os.path.basename(program)[len("fuzz_"):], program, 0
         self.fast = bool(options.fast_bin) and os.path.dirname(program) == options.fast_bin.rstrip("/")
         name = self.name
-        grown = os.path.join(options.grown or scratch, name)  # what it finds goes here, not into the tree
+        grown = os.path.join(options.grown or scratch, name)  # found inputs are stored here, not in the tree
         os.makedirs(grown, exist_ok=True)
         command = [program, f"-max_total_time={max(1, int(seconds))}", "-print_final_stats=1",
                    f"-seed={options.seed}", "-timeout=25", "-rss_limit_mb=2048", f"-max_len={LONGEST.get(name, 0)}",

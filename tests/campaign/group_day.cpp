@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Between two looks at what has arrived.
+// Interval between two deliveries of messages.
 constexpr Duration kStep = 2ms, kLeastStep = 50us;
 constexpr Duration kExpires = 20s;  // of a command
 
@@ -98,7 +98,7 @@ GroupDay::GroupDay(const StormKind& kind, std::uint64_t seed, Duration length,
         GroupMember::Outside{*wire_,
                              [this, i](GroupMessage message) { tell(i, std::move(message)); },
                              [this, i] {
-                               network_->forget(i);  // a new reader gets what is sent from now on
+                               network_->forget(i);  // a new reader gets only later messages
                                for (std::size_t to = 0; to < members_.size(); ++to)
                                  network_->apart(i, to) ? members_[to]->publish_again(now())
                                                         : members_[to]->readers_came(now());
@@ -116,7 +116,7 @@ Duration GroupDay::between(Duration least, Duration most) {
                                                     static_cast<double>((most - least).count()))};
 }
 
-// What members say among themselves does not reach the station.
+// The station does not receive the messages between members.
 void GroupDay::tell(std::size_t from, GroupMessage message) {
   if (const auto* block = std::get_if<GroupBlock>(&message)) judge_values(*block);
   const bool inside = std::holds_alternative<StandbyMessage>(message) ||
@@ -247,7 +247,7 @@ void GroupDay::cut() {
   heal_at_ = now() + (chance() < 0.5 ? between(100ms, 3s) : between(3s, 40s));
 }
 
-// As BlockSubscription does where BusTable::is_behind().
+// Like BlockSubscription if BusTable::is_behind().
 void GroupDay::ask_for_samples() {
   const bool behind =
       std::ranges::any_of(channels_, [](const Channel& channel) { return channel.below >= 2; });
@@ -266,7 +266,7 @@ void GroupDay::ask_for_samples() {
     network_->send(members_.size(), to, shared, now());
 }
 
-// A write of a new value, or a read.
+// Sends a write of a new value, or a read.
 void GroupDay::command() {
   const auto index = static_cast<ChannelIndex>(random_() % channels_.size());
   const Channel& channel = channels_[index];

@@ -1,16 +1,17 @@
-// A day of a standby group in virtual time: two or three bridges at one wire that is fenced by
-// listening, and a network between them and a station that loses, delays and is cut in two.
-// Processes are killed, stand still and come back; masters hand over because somebody wants it;
-// commands and new values come all the time.
+// Simulates a day of a standby group in virtual time: two or three bridges share one wire, which
+// they fence by listening. The network between them and a station loses and delays messages and is
+// partitioned. Processes are killed, paused and restarted; masters hand over on request; commands
+// and new values arrive all the time.
 //
-// What must hold is checked at every step; the first thing that does not is the day's violation:
-//   - a master does not send into what another one sends, and takes the wire after its silence;
-//   - no two are master for longer than it takes them to hear each other;
-//   - the samples of a channel count on, and none of an old master comes after one of the new;
-//   - a command has a result, a write never two that contradict, and it never runs twice;
-//   - a good value is what its device held a moment ago;
-//   - while a bridge could serve, channels are read, and none is shown good in silence.
-// What a cut of the network excuses stands at each check. Deterministic by protocol and seed; one
+// These invariants are checked at every step; the first that fails is the day's violation:
+//   - a master never sends while another master sends, and uses the wire only after its silence;
+//   - two members are master together only until they receive each other's messages;
+//   - the sequence numbers of a channel increase, and no sample of an old master follows one of the
+//     new master;
+//   - a command has a result, a write never has two that contradict, and it never runs twice;
+//   - a good value is what its device contained a moment ago;
+//   - while a bridge could serve, channels are read, and no silent channel is shown as good.
+// Each check names the violations that a partition excuses. Deterministic by protocol and seed; one
 // thread; no clock, no I/O.
 #pragma once
 
@@ -32,16 +33,16 @@
 namespace fieldcast::test {
 
 struct GroupCounts {
-  std::uint64_t frames = 0, garbled = 0, turns = 0;  // of masters; while they begin
+  std::uint64_t frames = 0, garbled = 0, turns = 0;  // of masters; garbled: while two masters begin
   std::uint64_t samples = 0, good = 0;
   std::uint64_t commands = 0, results = 0, executed = 0;
-  std::uint64_t second_results = 0;  // FAILED behind another one, as docs/redundancy.md says
+  std::uint64_t second_results = 0;  // FAILED after a first result: docs/redundancy.md
   std::uint64_t kills = 0, stops = 0, hand_overs = 0, cuts = 0, takeovers = 0;
   std::uint64_t violations = 0;
   void add(const GroupCounts& other);
 };
 
-// The protocols of a line that several masters can stand at.
+// Protocols of lines that several masters can share.
 [[nodiscard]] std::vector<StormKind> group_kinds();
 
 class GroupDay {
@@ -55,7 +56,7 @@ class GroupDay {
   GroupDay& operator=(const GroupDay&) = delete;
 
   void keep_transcript() { transcribing_ = true; }
-  // To the end of the day, or to its first violation, or until `stop` says true.
+  // Runs to the end of the day, to its first violation, or until `stop` returns true.
   void run(const std::function<bool()>& stop = {});
 
   [[nodiscard]] const std::optional<std::string>& violation() const { return violation_; }
@@ -64,17 +65,17 @@ class GroupDay {
   [[nodiscard]] Duration reached() const { return now() - Instant{}; }
 
  private:
-  // As the station sees it.
+  // State of a channel as the station received it.
   struct Channel {
     DeviceIndex device = 0;
     const ChannelSpec* spec = nullptr;
     Duration gap{};  // promised
     std::uint64_t epoch = 0, sequence = 0;
-    Instant master_began{};  // whose sample counts
-    Instant again_began{};   // who told last values once more
+    Instant master_began{};  // start of the master of the last counted sample
+    Instant again_began{};   // start of the master that last repeated its values
     bool shown_good = false;
     Instant published{}, last_good{};
-    int below = 0;  // samples that counted below it, since one was taken
+    int below = 0;  // samples with a lower number since the last accepted one
   };
   struct Pending {
     ChannelIndex channel = 0;
@@ -90,7 +91,6 @@ class GroupDay {
   [[nodiscard]] double chance() { return std::generate_canonical<double, 53>(random_); }
   [[nodiscard]] Duration between(Duration least, Duration most);
 
-  // The day.
   void run_until(Instant until);
   void operate();
   void restart_members();
@@ -128,25 +128,24 @@ class GroupDay {
   std::unique_ptr<GroupNetwork> network_;
   PlantMemory memory_;
   std::vector<std::unique_ptr<GroupMember>> members_;
-  std::vector<Instant> restarts_;  // of each member; kNever: it lives
-  bool one_kernel_ = false;        // members see each other's processes end
+  std::vector<Instant> restarts_;  // of each member; kNever: it runs
+  bool one_kernel_ = false;        // members notice the end of each other's processes
   Instant heal_at_ = kNever, healed_ = kLongAgo;
 
   std::vector<Channel> channels_;
   std::map<std::uint64_t, Pending> pending_;
-  std::set<std::uint64_t> settled_;  // writes that have their result, of the last minutes
+  std::set<std::uint64_t> settled_;  // writes of the last minutes that have their result
   std::uint64_t next_command_ = 1;
   std::vector<Writes> writes_;
   Instant served_since_{}, two_since_ = kNever;
-  Instant ask_at_ = kNever;  // for samples, by the station
+  Instant ask_at_ = kNever;  // time of the station's request for samples
   Duration ask_rest_{};
-  // The wire.
   int last_master_ = -1;
   Instant wire_until_{}, busy_since_{};
-  Instant other_until_{};  // of the frames of another master than the last one
+  Instant other_until_{};  // end of the last frame of a different master
   std::uint64_t garbled_ = 0;
 
-  std::optional<GroupBlock> before_;  // of the master before, for a sabotage
+  std::optional<GroupBlock> before_;  // of the previous master, for kOldSample
   bool transcribing_ = false;
   GroupCounts counts_;
   std::optional<std::string> violation_;

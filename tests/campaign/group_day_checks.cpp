@@ -1,4 +1,3 @@
-// What a day of a standby group checks.
 #include <algorithm>
 
 #include "tests/campaign/group_day.hpp"
@@ -8,20 +7,20 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Two that heard the same silence may begin together, and let go of the wire within this time.
+// Two masters that detected the same silence may begin together; one must stop within this time.
 constexpr Duration kBeginning = 2s;
-// Two masters hear of each other within a message or two, where those may be lost; one of them has
-// stood still and listens.
+// Longest time with two masters: one or two messages, which may be lost, end it. It occurs after a
+// pause of one master, which listens first.
 constexpr Duration kTwoMasters = 500ms;
-// What a takeover takes at most: the lease, the silence of the wire, the first good value.
+// Longest takeover: the lease, the silence of the wire, the first good value.
 constexpr Duration kTakeover = 8s;
-// A channel is good within this time and some of its refreshes, while a bridge could serve.
+// While a bridge can serve, a channel is good within this time and some of its refreshes.
 constexpr Duration kMustBeGood = 25s;
 constexpr Duration kResultWithin = 40s;
 
 }  // namespace
 
-// A cut that was, or ended, since then.
+// Returns true if the network was partitioned at any time since `when`.
 bool GroupDay::was_cut_since(Instant when) const { return network_->is_cut() || healed_ >= when; }
 
 void GroupDay::see_frame(Instant start, int sender, ByteView bytes) {
@@ -41,9 +40,9 @@ void GroupDay::see_frame(Instant start, int sender, ByteView bytes) {
     }
     last_master_ = sender;
   }
-  // The frame itself is counted after this; the one before is known.
+  // The counter includes the previous frame, but not yet this one.
   const std::uint64_t garbled = wire_->counts().garbled;
-  const bool two = start - other_until_ < kBeginning;  // else it was a late answer
+  const bool two = start - other_until_ < kBeginning;  // else it was a late response
   if (garbled > garbled_ && two && start - busy_since_ >= kBeginning)
     violate("a frame was garbled");
   garbled_ = garbled;
@@ -63,7 +62,7 @@ void GroupDay::see_action(std::size_t index, const Action& action) {
   member.on_action(action, now());
 }
 
-// When they leave.
+// Checks values when their block is sent.
 void GroupDay::judge_values(const GroupBlock& block) {
   if (block.again) return;
   for (const Sample& sample : block.samples) {
@@ -102,7 +101,7 @@ void GroupDay::see_sample(const GroupBlock& block, const Sample& sample) {
   Channel& channel = channels_[sample.channel];
   if (sabotage_ == GroupSabotage::kSilence && sample.channel == 0 && now() - Instant{} > 5min)
     return;
-  // A catalogue is there as long as a bridge serves it.
+  // A catalogue exists as long as a bridge serves it.
   const bool gone = std::ranges::none_of(
       members_, [&](const auto& member) { return member->epoch() == channel.epoch; });
   if (block.epoch < channel.epoch && !gone) return;
@@ -110,10 +109,10 @@ void GroupDay::see_sample(const GroupBlock& block, const Sample& sample) {
     channel.epoch = block.epoch;
     channel.sequence = 0;
     channel.below = 0;
-    channel.master_began = {};  // nobody knew what was before
+    channel.master_began = {};  // a new catalogue has no previous samples
   }
   const std::string text = "channel " + std::to_string(sample.channel);
-  // While the network was cut both sides had a master: what counts is the greater number.
+  // During a partition both sides had a master; the higher number is valid.
   const bool cut = was_cut_since(std::max(block.began, channel.master_began) - 2s);
   channel.below = sample.sequence < channel.sequence   ? channel.below + 1
                   : sample.sequence > channel.sequence ? 0
@@ -129,7 +128,7 @@ void GroupDay::see_sample(const GroupBlock& block, const Sample& sample) {
     violate(text + " has a sample of an old master after one of the new");
   ++counts_.samples;
   channel.sequence = sample.sequence;
-  // Last values once more may be those of the master before, and come sooner than from that one.
+  // Repeated values may be those of the previous master and may arrive before its own samples.
   (block.again ? channel.again_began : channel.master_began) = block.began;
   channel.published = now();
   channel.shown_good = sample.quality == Quality::kGood;
@@ -148,12 +147,12 @@ void GroupDay::see_result(const CommandResult& result) {
     found->second.results.push_back(result);
 }
 
-// At the end of its time. A cut excuses all but what was read or done wrongly.
+// Called after kResultWithin. A partition excuses all violations but wrong values and wrong writes.
 void GroupDay::judge_results(std::uint64_t id, const Pending& pending) {
   const std::string text = "command " + std::to_string(id);
   const bool cut = was_cut_since(pending.sent - 1s);
-  // What may come beside the result: the bridge that ran it is gone, or the command reached a
-  // master that had stood still.
+  // Results that may arrive in addition: the bridge that ran the command has ended, or the command
+  // reached a master whose process had been paused.
   const auto is_beside = [](const CommandResult& result) {
     return (result.state == CommandState::kFailed && result.cause == Cause::kShutdown) ||
            (result.state == CommandState::kRejected && result.cause == Cause::kOffline);
@@ -181,7 +180,7 @@ void GroupDay::judge_results(std::uint64_t id, const Pending& pending) {
   writes.refused += refused;
 }
 
-// Of two masters one hears the other and steps back.
+// One of two masters must receive the other's messages and step back.
 void GroupDay::judge_masters() {
   const auto masters = std::ranges::count_if(
       members_, [this](const auto& member) { return member->may_send(now()); });
@@ -194,7 +193,7 @@ void GroupDay::judge_masters() {
     violate("two are master for " + to_text(now() - two_since_));
 }
 
-// No device has executed more writes than there were, without those that were refused.
+// No device has executed more writes than were sent, without refused ones.
 void GroupDay::judge_writes() {
   std::vector<std::uint64_t> excused(writes_.size());
   for (const auto& [id, pending] : pending_)
@@ -216,13 +215,13 @@ void GroupDay::sweep() {
     each = pending_.erase(each);
   }
   judge_writes();
-  // One that stands still while no other one is there cannot serve; then it listens first.
+  // A paused process cannot serve, and listens first when it continues.
   const bool somebody = std::ranges::any_of(members_, [&](const auto& member) {
     return member->alive() && member->fit_since() != kNever && now() - member->fit_since() > 5s &&
            now() >= member->stopped_until() + 1s;
   });
   if (network_->is_cut() || !somebody) served_since_ = now();
-  Instant promoted = kLongAgo;  // a new master has each refresh once more
+  Instant promoted = kLongAgo;  // a new master may use each refresh once more
   for (const auto& member : members_) promoted = std::max(promoted, member->promoted());
   for (std::size_t c = 0; c < channels_.size(); ++c) {
     const Channel& channel = channels_[c];

@@ -1,5 +1,5 @@
-// Some minutes of a standby group at a bus of each protocol of a line, and that each invariant
-// finds what breaks it.
+// Runs some minutes of a standby group for each serial protocol, and shows that each check finds
+// its injected fault.
 #include "tests/campaign/group_day.hpp"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ TEST_P(GroupDays, HoldEveryInvariant) {
 INSTANTIATE_TEST_SUITE_P(Protocols, GroupDays, testing::Range<std::size_t>(0, group_kinds().size()),
                          name_of_kind);
 
-// Days that showed a fault when it was there.
+// Days that showed a fault of an earlier version.
 struct Found {
   std::string protocol;
   std::uint64_t seed;
@@ -54,48 +54,48 @@ std::string seed_of(const testing::TestParamInfo<Found>& chosen) {
   return "seed" + std::to_string(chosen.param.seed);
 }
 
-// What another master was answered was taken for an answer to this one.
+// A response to another master was matched to a request of this one.
 INSTANTIATE_TEST_SUITE_P(AnswersOfTheOtherMaster, GroupDaysThatFailed,
                          testing::Values(Found{"omron-hostlink C-mode", 38, 3min},
                                          Found{"omron-hostlink C-mode", 101, 3min}),
                          seed_of);
-// Each of several masters in a row began the refresh of a slow channel anew.
+// Several masters in a row each restarted the refresh of a slow channel.
 INSTANTIATE_TEST_SUITE_P(HandedOverAgainAndAgain, GroupDaysThatFailed,
                          testing::Values(Found{"dtc", 116, 5min}, Found{"dtc", 42, 8min}), seed_of);
-// A member that joined anew ran what it had held before, whose result it had not heard.
+// A rejoined member ran a command that it had held before, because it had missed the result.
 INSTANTIATE_TEST_SUITE_P(HeldFromBefore, GroupDaysThatFailed,
                          testing::Values(Found{"dtc", 65, 6min}), seed_of);
 
-// After a cut whose other master was killed the station ignored the samples of the one that
-// remained.
+// A partition ended after one of its two masters was killed, and the station ignored the samples of
+// the remaining one.
 INSTANTIATE_TEST_SUITE_P(OnlyTheStationHeardTheOtherMaster, GroupDaysThatFailed,
                          testing::Values(Found{"s7-freeport", 576, 6min},
                                          Found{"modbus-rtu", 185, 8min}),
                          seed_of);
-// A member that had followed samples, and had not heard their master, became master of a smaller
+// A member had received a master's samples but not its messages, and became master with a lower
 // term.
 INSTANTIATE_TEST_SUITE_P(OnlySamplesWereHeard, GroupDaysThatFailed,
                          testing::Values(Found{"modbus-ascii", 163, 27min}), seed_of);
-// A command reached only a member that did not become master.
+// Only a member that did not become master received a command.
 INSTANTIATE_TEST_SUITE_P(ReachedOneMemberAlone, GroupDaysThatFailed,
                          testing::Values(Found{"modbus-rtu", 44, 1min},
                                          Found{"mitsubishi-fx", 576, 1min}),
                          seed_of);
-// A bridge stood still for 4 s while a device was asked, and left that device alone for ten times
-// as long.
+// A bridge was paused for 4 s during a request, and then did not poll the device for ten times as
+// long.
 INSTANTIATE_TEST_SUITE_P(AskedWhileItStoodStill, GroupDaysThatFailed,
                          testing::Values(Found{"s7-freeport", 16000010, 15min}), seed_of);
 
-// A member got a command behind its result, before it had joined.
+// A member received a command after its result, before it had joined.
 INSTANTIATE_TEST_SUITE_P(ReceivedBehindItsResult, GroupDaysThatFailed,
                          testing::Values(Found{"modbus-ascii", 905, 30min}), seed_of);
 
-// A member that had joined anew in the same process, and been cut off at once, did not know any
-// more that there was another one, which was master out of its sight and then killed.
+// A member rejoined in the same process and was cut off immediately. It had lost the entry of the
+// other member, which was master on the other side and was then killed.
 INSTANTIATE_TEST_SUITE_P(CutOffWhenItJoinedAnew, GroupDaysThatFailed,
                          testing::Values(Found{"modbus-ascii", 3130, 5min}), seed_of);
 
-// Within some days, of which others may find something else first.
+// Expects the violation within some days; a day may show a different violation first.
 void expect_found(GroupSabotage what, const std::string& text) {
   std::string found;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {

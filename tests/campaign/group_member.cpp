@@ -7,7 +7,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// As in bridge/bridge_standby.cpp and bridge/bridge_buses.cpp.
+// Same values as in bridge/bridge_standby.cpp and bridge/bridge_buses.cpp.
 constexpr Duration kFinish = 1s, kLastBlocks = 50ms, kAfterHandOver = 500ms, kProve = 3s;
 constexpr std::uint64_t kSequenceMargin = 1024;
 
@@ -32,7 +32,7 @@ Duration GroupMember::between(Duration least, Duration most) {
          Duration{static_cast<std::int64_t>(chance * static_cast<double>((most - least).count()))};
 }
 
-// ---- its process
+// ---- process
 
 void GroupMember::start(Instant now) {
   alive_ = true;
@@ -70,7 +70,7 @@ bool GroupMember::hand_over(Instant now) {
   return election_ && now >= stopped_until_ && !election_->hand_over({}, now);
 }
 
-// Begins as a waiting member, with an engine that has not begun.
+// Joins as a waiting member, with an engine that is not started.
 void GroupMember::join(Instant now) {
   joins_at_ = kNever;
   serving_ = handing_over_ = false;
@@ -155,7 +155,7 @@ StandbyMessage GroupMember::message(Instant now) {
   return told;
 }
 
-// ---- its role
+// ---- role
 
 void GroupMember::follow_role(Instant now) {
   const StandbyRole role = election_->role();
@@ -190,7 +190,7 @@ void GroupMember::follow_role(Instant now) {
     leave_at_ = now + kAfterHandOver;
   }
   if (serving_ && may_send(now)) {
-    publish({}, now);  // what stayed here
+    publish({}, now);  // samples that were held back
     remain_master(now);
     for (const CommandResult& result : std::exchange(late_, {})) answer(result, now);
   }
@@ -225,9 +225,9 @@ void GroupMember::promote(Instant now) {
   run_held(now);
 }
 
-// In order: what runs ends, then the bus is let go of.
+// Ordered hand-over: waits for running commands, then releases the bus.
 void GroupMember::release(Instant now) {
-  if (give_up_at_ != kNever) return;  // it has not taken over wholly
+  if (give_up_at_ != kNever) return;  // its own takeover is not complete
   if (!std::exchange(handing_over_, true)) {
     note("hands over");
     held_->stand_by();
@@ -246,7 +246,7 @@ void GroupMember::let_go_of_the_bus() {
   serving_ = false;
 }
 
-// Everything begins anew.
+// Leaves the group and joins it again later.
 void GroupMember::leave(Instant now) {
   leave_at_ = promote_by_ = give_up_at_ = kNever;
   fit_since_ = kNever;
@@ -261,7 +261,7 @@ void GroupMember::leave(Instant now) {
   joins_at_ = now + between(300ms, 1500ms);
 }
 
-// ---- what others say
+// ---- messages of other nodes
 
 void GroupMember::receive(const GroupMessage& message, Instant now) {
   if (!alive_) return;
@@ -288,7 +288,7 @@ void GroupMember::receive(const GroupMessage& message, Instant now) {
   }
 }
 
-// In a later term: another one may have been master meanwhile.
+// Continues as master in a later term: a different member may have been master meanwhile.
 void GroupMember::remain_master(Instant now) {
   if (election_->role() != StandbyRole::kMaster || counted_ == term()) return;
   counted_ = term();
@@ -333,7 +333,7 @@ void GroupMember::follow(const GroupBlock& block) {
   }
 }
 
-// ---- what its engine says
+// ---- actions of its engine
 
 void GroupMember::on_action(const Action& action, Instant now) {
   if (!alive_ || !election_) return;

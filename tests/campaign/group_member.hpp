@@ -1,10 +1,9 @@
-// A bridge of a standby group in virtual time: its election, its engine at the wire, what it
-// follows of the master, the commands that it holds and the notes of writes that begin. It does
-// what the shell does (bridge/bridge_standby.cpp, bridge/standby/standby_group.cpp,
-// bridge/publish/bus_output.cpp) without its threads, with the same Election, HeldCommands,
-// CommandLedger and BusEngine.
+// Simulates a bridge of a standby group in virtual time: its election, its engine, the master's
+// data that it follows, held commands, and notes of writes that begin. It mirrors the shell
+// (bridge/bridge_standby.cpp, bridge/standby/standby_group.cpp, bridge/publish/bus_output.cpp)
+// without its threads, with the same Election, HeldCommands, CommandLedger and BusEngine.
 //
-// Deterministic by its seed; one thread; nothing can fail.
+// Deterministic by its seed; one thread; no function fails.
 #pragma once
 
 #include <functional>
@@ -25,17 +24,17 @@
 
 namespace fieldcast::test {
 
-// What a test breaks on purpose, to see that it is found.
+// Fault that a test injects to show that the checks find it.
 enum class GroupSabotage : std::uint8_t {
   kNone,
-  kDeaf,        // two masters that do not listen to the wire
-  kOldSample,   // a master that is replaced publishes once more
-  kSequences,   // a new master counts its samples anew
-  kTwoRuns,     // a new master runs what the old one has begun
-  kNoResult,    // a result is kept back
-  kTwoResults,  // a result comes twice
-  kValue,       // a good sample shows another value
-  kSilence,     // a new master keeps the samples of a channel back
+  kDeaf,        // masters do not listen to the wire
+  kOldSample,   // a replaced master publishes once more
+  kSequences,   // a new master restarts its sequence numbers
+  kTwoRuns,     // a new master runs commands that the old one began
+  kNoResult,    // a result is dropped
+  kTwoResults,  // a result arrives twice
+  kValue,       // a good sample has a wrong value
+  kSilence,     // a new master drops the samples of a channel
   kTwoMasters,  // a master does not step back
 };
 
@@ -51,22 +50,22 @@ class GroupMember {
   GroupMember(std::size_t index, std::int32_t strength, const BusSpec& spec, Outside outside,
               std::uint64_t seed);
 
-  // ---- what happens to its process
+  // ---- events of its process
   void start(Instant now);
   void kill();
-  void stop(Duration time, Instant now);  // it stands still, and goes on
-  // Another member's process was seen to end.
+  void stop(Duration time, Instant now);  // pauses the process for `time`
+  // Reports that the process of member `name` has ended.
   void lost(const std::string& name);
-  // Somebody wants another master. False: refused.
+  // Requests a hand-over to a different master. Returns false if refused.
   bool hand_over(Instant now);
 
   void receive(const GroupMessage& message, Instant now);
   void on_action(const Action& action, Instant now);
   void on_time(Instant now);
   [[nodiscard]] Instant next_due() const;
-  // The last values once more, as for a reader that has just come. Of a master.
+  // Publishes the last values again, as for a new reader. Only for a master.
   void publish_again(Instant now);
-  // The same, for a reader that has come, or asks for what it lacks.
+  // As publish_again(), for a new reader or for one that requests missing samples.
   void readers_came(Instant now);
 
   [[nodiscard]] const std::string& name() const { return name_; }
@@ -74,12 +73,12 @@ class GroupMember {
   [[nodiscard]] bool may_send(Instant now) const;
   [[nodiscard]] bool serving() const { return serving_; }
   [[nodiscard]] Instant promoted() const { return serving_ ? promoted_ : kLongAgo; }
-  // Of the catalogue that it publishes; 0: none.
+  // Epoch of the published catalogue; 0: none.
   [[nodiscard]] std::uint64_t epoch() const { return alive_ && serving_ ? followed_.epoch : 0; }
   [[nodiscard]] StandbyTerm term() const { return election_ ? election_->term() : 0; }
-  // Since when it could be master, without a break; kNever: it cannot.
+  // Start of the time in which it could be master; kNever: it cannot.
   [[nodiscard]] Instant fit_since() const { return fit_since_; }
-  // Its process goes on then, or has gone on since.
+  // End of the last pause of its process.
   [[nodiscard]] Instant stopped_until() const { return stopped_until_; }
   [[nodiscard]] std::uint64_t takeovers() const { return takeovers_; }
 
@@ -138,10 +137,10 @@ class GroupMember {
 
   bool alive_ = false;
   Instant stopped_until_ = kLongAgo;
-  std::vector<GroupMessage> inbox_;  // while it stands still
+  std::vector<GroupMessage> inbox_;  // while its process is paused
   Instant joins_at_ = kNever, ready_at_ = kNever, fit_since_ = kNever;
   std::optional<Election> election_;
-  Election::Memory remembered_;  // of the membership before
+  Election::Memory remembered_;  // of its previous membership
   std::unique_ptr<HeldCommands<Command>> held_;
   std::unique_ptr<CommandLedger> ledger_;
   RecentCommands elsewhere_;
@@ -151,7 +150,7 @@ class GroupMember {
   // The group.
   std::map<std::string, StandbyMessage> others_;
   StandbyRole told_ = StandbyRole::kWaiting;
-  std::optional<StandbyBusFigures> released_;  // by the master before
+  std::optional<StandbyBusFigures> released_;  // by the previous master
   Instant next_tick_{}, next_beat_{}, next_look_{};
   bool beat_soon_ = false;
   std::uint64_t written_ = 0, noted_ = 0;
@@ -160,11 +159,11 @@ class GroupMember {
 
   // The bus.
   bool serving_ = false, handing_over_ = false;
-  StandbyTerm counted_ = 0;  // in which its samples count
+  StandbyTerm counted_ = 0;  // term in which it counts its samples
   Instant counted_since_{};
   Instant promoted_{}, promote_by_ = kNever, give_up_at_ = kNever, release_by_ = kNever,
                        leave_at_ = kNever;
-  Followed followed_;  // as a waiting member; as master what it published
+  Followed followed_;  // as a waiting member; a master: its published data
   std::uint64_t in_hand_ = 0;
   std::vector<CommandResult> late_;
   std::unique_ptr<SampleHold> hold_;

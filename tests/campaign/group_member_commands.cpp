@@ -1,4 +1,4 @@
-// How a member of a standby group runs commands, and tells the others of writes that begin.
+// How a GroupMember runs commands and notifies the other members before a write begins.
 #include <algorithm>
 
 #include "core/model/command_refusal.hpp"
@@ -10,7 +10,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Duration kNoteLimit = 1s;  // as StandbyGroup::kNoteLimit
-constexpr Duration kLook = 1s;       // of the thread of roles
+constexpr Duration kLook = 1s;       // interval of the role thread
 
 }  // namespace
 
@@ -19,7 +19,7 @@ void GroupMember::run_held(Instant now) {
   if (held_->waits()) give_up_at_ = now + HeldCommands<Command>::kLastWords;
 }
 
-// What the master before had begun.
+// Finishes the commands that the previous master had begun.
 void GroupMember::finish_begun(Instant now) {
   if (give_up_at_ == kNever || (held_->waits() && now < give_up_at_)) return;
   give_up_at_ = kNever;
@@ -46,14 +46,14 @@ void GroupMember::answer(const CommandResult& result, Instant now) {
   outside_.tell(result);
 }
 
-// As CommandRouter::answered_elsewhere().
+// Mirrors CommandRouter::answered_elsewhere().
 bool GroupMember::answered_elsewhere(const Key& key, Instant now) {
   const bool is_new = ledger_->enter(key.first, key.second);
   if (is_new) elsewhere_.note(key, now);
   return is_new;
 }
 
-// As Bridge::State::seen_answer().
+// Mirrors Bridge::State::seen_answer().
 void GroupMember::seen_answer(const Key& key, Instant now) {
   held_->answered(key);
   answered_elsewhere(key, now);
@@ -85,7 +85,7 @@ void GroupMember::tell_note(StandbyNoteKind kind, const Key& key, std::uint64_t 
   outside_.tell(note);
 }
 
-// Before a write runs, all who could take over have noted that it begins.
+// A write runs only after all possible successors have noted that it begins.
 void GroupMember::begin(Command command, Instant now) {
   const Key key{command.requester, command.request_id};
   if (begun_elsewhere_.lately(key, now)) return refuse(command, Cause::kOffline, now);
@@ -94,7 +94,7 @@ void GroupMember::begin(Command command, Instant now) {
   settle_notes(now);
 }
 
-// As Bridge::State::tell_held() and answer_unknown().
+// Mirrors Bridge::State::tell_held() and answer_unknown().
 void GroupMember::tell_held(Instant now) {
   next_look_ = now + kLook;
   const auto master = election_->master(now);
@@ -110,7 +110,7 @@ void GroupMember::tell_held(Instant now) {
   }
 }
 
-// As Bridge::State::tell_last_words().
+// Mirrors Bridge::State::tell_last_words().
 void GroupMember::tell_last_words(Instant now) {
   if (election_->role() != StandbyRole::kWaiting || !election_->master(now)) return;
   for (const auto& [bus, key, begun] : held_->last_words(now)) {
@@ -133,7 +133,7 @@ void GroupMember::answer_unknown(const StandbyNote& held, Instant now) {
   answer(unfinished(key, held.kind == StandbyNoteKind::kBegun), now);
 }
 
-// As StandbyGroup::give_up_begun().
+// Mirrors StandbyGroup::give_up_begun().
 void GroupMember::give_up_begun(const StandbyNote& note, Instant now) {
   const Key key{note.requester, note.request_id};
   if (note.kind == StandbyNoteKind::kReturned) return begun_elsewhere_.remove(key);

@@ -1,9 +1,9 @@
-// The network between the members of a standby group and a station, in virtual time: it loses what
-// is not repeated (the members' messages of ten times a second), delays everything, and may be cut
-// in two. What is reliable waits for a short cut to end; after a long one it is gone, as for a DDS
-// reader that was away for longer than its lease.
+// Simulates the network between the members of a standby group and a station in virtual time. It
+// loses unreliable messages (those that members send ten times a second), delays all messages, and
+// can be partitioned. Reliable messages wait until a short partition ends; a long one drops them,
+// as for a DDS reader that was away for longer than its lease.
 //
-// Deterministic by its seed; one thread; nothing can fail.
+// Deterministic by its seed; one thread; no function fails.
 #pragma once
 
 #include <deque>
@@ -20,18 +20,17 @@
 
 namespace fieldcast::test {
 
-// What a master publishes of its bus.
 struct GroupBlock {
   std::uint64_t epoch = 0, number = 0;
-  // Of the master's term, for the checks alone. Who remains master in a later term is a new one:
-  // another member may have been master meanwhile.
+  // Start of the master's term, only for the checks. A master that remains in a later term counts
+  // as a new one, because a different member may have been master meanwhile.
   Instant began{};
-  StandbyTerm term = 0;  // of the master, as members hear it from itself
-  bool again = false;    // last values once more
+  StandbyTerm term = 0;  // of the master, as it reports it to the members
+  bool again = false;    // repeats the last values
   std::vector<Sample> samples;
-  std::map<std::string, DeviceReport> devices;  // empty: not this time
+  std::map<std::string, DeviceReport> devices;  // empty: not in this block
 };
-// Of the station, which lacks samples.
+// Sent by a station that lacks samples.
 struct GroupSnapshotRequest {};
 using GroupMessage = std::variant<StandbyMessage, StandbyNote, GroupBlock, CommandResult, Command,
                                   GroupSnapshotRequest>;
@@ -40,27 +39,26 @@ class GroupNetwork {
  public:
   static constexpr Duration kLongCut = std::chrono::seconds{10};
 
-  // Nodes are members and, as the last one, the station.
+  // The last node is the station, all others are members.
   GroupNetwork(std::size_t nodes, std::uint64_t seed);
 
-  double loss = 0;  // of a message; of a reliable one: it is sent again, and comes later
+  double loss = 0;  // probability for a message; a lost reliable message is repeated later
   Duration most_delay = std::chrono::milliseconds{3};
 
   void send(std::size_t from, std::size_t to, std::shared_ptr<const GroupMessage> message,
             Instant now);
-  // Nodes of different sides do not hear each other.
+  // Nodes of different sides do not receive each other's messages.
   void cut(std::vector<bool> side, Instant now);
-  // True: it was a long cut, and what was said meanwhile is gone.
+  // Returns true after a long partition, which has dropped all messages sent meanwhile.
   bool heal(Instant now);
   [[nodiscard]] bool is_cut() const { return !side_.empty(); }
   [[nodiscard]] bool apart(std::size_t a, std::size_t b) const {
     return is_cut() && side_[a] != side_[b];
   }
-  // The process of a node is gone.
+  // Drops all messages to a node.
   void forget(std::size_t node);
 
   [[nodiscard]] Instant next_due() const;
-  // What has arrived, in order.
   void deliver(Instant now, const std::function<void(std::size_t to, const GroupMessage&)>& take);
 
  private:
@@ -70,7 +68,7 @@ class GroupNetwork {
       std::shared_ptr<const GroupMessage> what;
     };
     std::deque<Message> reliable, unreliable;
-    std::deque<std::shared_ptr<const GroupMessage>> kept;  // while it is cut
+    std::deque<std::shared_ptr<const GroupMessage>> kept;  // during a partition
   };
   Link& link(std::size_t from, std::size_t to) { return links_[from * nodes_ + to]; }
   void queue(Link& link, std::shared_ptr<const GroupMessage> message, Instant now);

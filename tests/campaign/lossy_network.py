@@ -1,4 +1,4 @@
-"""Hosts in network namespaces of their own, joined by a switch that loses, doubles, delays and partitions.
+"""Hosts in separate network namespaces, connected by a switch that loses, doubles and delays frames and partitions the network.
 
     with LossyNetwork(["a", "b"], seed=1) as network:
         network.loss = 0.05
@@ -7,7 +7,7 @@
         network.address("a")        # "10.77.0.1"
 
 The switch is this process: each host has a TAP device whose other end is read and written here, so no module of the kernel's traffic
-control is needed. Root alone may make namespaces; NotPermitted says so. On leaving, namespaces and devices are gone.
+control is needed. Only root may make namespaces; otherwise NotPermitted is raised. The context manager removes namespaces and devices.
 """
 
 import ctypes
@@ -23,7 +23,7 @@ import time
 
 TUNSETIFF, IFF_TAP, IFF_NO_PI = 0x400454CA, 0x0002, 0x1000
 CLONE_NEWNET = 0x40000000
-MOST_WAITING = 20_000  # frames; more are lost
+MOST_WAITING = 20_000  # frames; further frames are lost
 
 
 class NotPermitted(Exception):
@@ -41,8 +41,8 @@ class LossyNetwork:
         self.hosts, self.random = list(hosts), random.Random(seed)
         self.prefix = f"fc{os.getpid() % 100000}"
         self.loss = self.doubled = self.delayed = 0.0
-        self.longest_delay = 0.03  # seconds, of a frame that is delayed
-        self.isolated = set()  # hosts that reach each other, but nobody else
+        self.longest_delay = 0.03  # seconds, of a delayed frame
+        self.isolated = set()  # hosts that reach only each other
         self.counts = {"frames": 0, "lost": 0, "doubled": 0, "delayed": 0, "cut": 0}
         self.taps, self.where, self.waiting, self.number = {}, {}, [], 0
         self.processes, self.over = [], threading.Event()
@@ -84,7 +84,7 @@ class LossyNetwork:
         return f"10.77.{os.getpid() % 200}.{self.hosts.index(host) + 1}"
 
     def make_tap(self, host):
-        """The device `wire` in the host's namespace; its descriptor stays here."""
+        """Makes the device `wire` in the host's namespace; this process keeps its descriptor."""
         libc = ctypes.CDLL(None, use_errno=True)
         with open("/proc/self/ns/net", encoding="utf-8") as home, open(f"/run/netns/{self.namespace(host)}", encoding="utf-8") as there:
             if libc.setns(there.fileno(), CLONE_NEWNET) != 0:

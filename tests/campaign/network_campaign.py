@@ -1,20 +1,23 @@
-"""Bridges and stations on hosts of their own, on a network that loses, doubles, reorders and partitions, while everything restarts.
+"""Runs bridges and stations on separate hosts, on a faulty and partitioned network, while all programs restart.
 
 usage: network_campaign.py --bin DIR [--seconds S] [--seed N] [--scenario NAME]..
 
-multicast, discovery-server, discovery-servers (two), and two in which nothing else happens: partition: a station is cut off for 12 s;
-given-up: a bridge behind a discovery server is, and stations are killed before and meanwhile, so that they never acknowledge results, nor
-that the server has given the bridge up. A station that lives on must get results again.
+Scenarios: multicast, discovery-server, discovery-servers (two), and two without other faults. partition: a station is cut off for 12 s.
+given-up: a bridge behind a discovery server is cut off, and stations are killed before and meanwhile. They never acknowledge results, nor
+that the server has removed the bridge. A station that keeps running must get results again.
 
-Two bridges with a bus each, a third one that waits for the bus of the first, a standby pair with a third bus, a plant behind the network,
-two stations of ours, and one on Cyclone DDS (with discovery servers a third one of ours: Cyclone does not know those of Fast DDS). 5 % of the
-frames are lost, 5 % doubled, 10 % delayed by up to 30 ms; hosts are cut off for 12 s; programs are killed and started again in random
-order. Then the network is well again, and must come to rest: every station has every channel, good and new; whatever sample two stations
-both have is the same in both, and sequences grow; every command had one result, and no more writes reached the plant than there were
-commands, except for those that were sent while the pair was cut apart; the pair has one master, and the other one is ready; no bridge holds
-more descriptors or threads than before.
+The hosts are two bridges with a bus each, a third bridge that waits for the bus of the first, a standby pair with a third bus, and a
+plant behind the network. There are two stations of ours and one on Cyclone DDS. With discovery servers the third station is ours too,
+because Cyclone does not support those of Fast DDS. 5 % of the frames are lost, 5 % doubled, 10 % delayed by up to 30 ms. Hosts are cut
+off for 12 s; programs are killed and restarted in random order. Then the network is healthy again, and these checks must pass:
+- every station has every channel, good and new;
+- a sample that two stations have is the same in both, and sequences increase;
+- every command had one result;
+- no more writes reached the plant than there were commands, except commands sent while the pair was partitioned;
+- the pair has one master, and the second member is ready;
+- no bridge has more descriptors or threads than before.
 
-What does not hold is a line that begins with FAIL, what cannot be tried here one that begins with SKIPPED; the last line is the counts.
+Each failure is printed as a line that begins with FAIL, each scenario that cannot run here as SKIPPED; the last line is the counts.
 """
 
 import argparse
@@ -36,7 +39,7 @@ from lossy_network import LossyNetwork, NotPermitted  # noqa: E402
 from plant import Failure, wait_until  # noqa: E402
 from watching_station import NEW, Station, cyclones, ours  # noqa: E402
 
-DOMAIN = 7  # networks of their own: any will do
+DOMAIN = 7  # separate networks: any domain works
 SOON = 60
 PARTITION = 12  # seconds
 COMMAND_CODES = {0: "done", 3: "no bridge", 5: "rejected", 6: "failed", 7: "expired", 8: "no result"}
@@ -66,7 +69,7 @@ class Campaign:
         self.servers = SERVERS.get(scenario, [])
         self.random = random.Random(seed)
         self.counts = {"restarts": 0, "partitions": 0, "commands": {}, "sent_while_divided": 0, "samples_compared": 0}
-        self.divided = False  # the pair has been cut apart, since the last command
+        self.divided = False  # the pair was partitioned after the last command
         self.hosts = ["plant", *self.servers, *BRIDGES, "station-1", "station-2", "station-3"]
         self.programs = {}
         self.over = threading.Event()  # no more commands
@@ -105,7 +108,7 @@ class Campaign:
         return os.path.join(self.folder, name)
 
     def configuration(self, host, buses):
-        """The file of one host; of a station that of all buses."""
+        """Writes the configuration of one host; that of a station has all buses."""
         servers = [f'"{self.network.address(each)}:11811"' for each in self.servers]
         server = f", discovery-servers: [{', '.join(servers)}]" if servers else ""
         name = f"{{ name: {host}, standby: {{ group: pair, strength: {2 - PAIR.index(host)} }} }}" if host in PAIR else host
@@ -124,7 +127,7 @@ class Campaign:
 
     def start_plant(self):
         self.start("plant", [self.program("fieldcast-sim"), "--report", self.path("report.json"), self.configuration("plant", PORTS)])
-        for port in PORTS.values():  # the simulator listens on its own machine
+        for port in PORTS.values():  # the simulator listens only on its own host
             self.network.run("plant", ["socat", f"TCP-LISTEN:{port},bind={self.network.address('plant')},reuseaddr,fork", f"TCP:127.0.0.1:{port}"])
 
     def start_bridge(self, host):
@@ -173,7 +176,7 @@ class Campaign:
         living.process.kill()
 
     def used(self, host):
-        """Descriptors and threads of a bridge: below `ip netns exec`, which becomes it."""
+        """Returns descriptors and threads of a bridge; `ip netns exec` replaces itself by the bridge."""
         pid = self.programs[host].pid
         return len(os.listdir(f"/proc/{pid}/fd")), len(os.listdir(f"/proc/{pid}/task"))
 
@@ -193,7 +196,7 @@ class Campaign:
                     time.sleep(min(PARTITION, max(0.0, end - time.monotonic())))
                     self.network.mend()
                     if divides:
-                        time.sleep(1)  # until one has stepped back
+                        time.sleep(1)  # until one member has stepped back
                         self.divided = False
                 else:
                     self.restart(self.random.choice([*BRIDGES, *BRIDGES, "station-1", "station-2", "station-3", *self.servers]))
@@ -201,7 +204,7 @@ class Campaign:
         finally:
             self.network.mend()
             self.network.loss = self.network.doubled = self.network.delayed = 0.0
-            if sys.exc_info()[0]:  # also by Ctrl-C
+            if sys.exc_info()[0]:  # also after Ctrl-C
                 self.over.set()
             commander.join()
 
@@ -226,7 +229,7 @@ class Campaign:
             self.start_bridge(host)
 
     def command_until(self, end):
-        """Writes one after the other; each ends with one exit code."""
+        """Sends writes one after the other; each must end with a known exit code."""
         configuration = self.configuration("station-1", PORTS)
         value = 0
         while time.monotonic() < end and not self.over.is_set():
@@ -248,7 +251,7 @@ class Campaign:
         strange = set(commands) - set(COMMAND_CODES.values())
         if strange:
             raise Failure(f"commands ended as {commands}")
-        # Without faults a command is done.
+        # Without faults a command succeeds.
         done = self.network.run("station-1", [self.program("fieldcast"), "write", *[f"{bus}/unit/setpoint=1" for bus in PORTS], "--config",
                                               self.path("station-1.yaml")], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         out, _ = done.communicate(timeout=SOON)
@@ -257,25 +260,25 @@ class Campaign:
         self.programs["plant"].send_signal(signal.SIGUSR1)
         report = self.path("report.json")
         wait_until(lambda: os.path.exists(report) and os.path.getsize(report) > 0, 10, "no report of the plant")
-        time.sleep(0.2)  # it is written at once, but not in one step
+        time.sleep(0.2)  # the file is not written in one step
         with open(report, encoding="utf-8") as file:
             writes = sum_of(json.load(file), "write_requests")
         sent = sum(commands.values()) + len(PORTS)
         least = commands.get("done", 0) + len(PORTS)
-        # Two masters that cannot hear each other may both run a command that reaches both (docs/redundancy.md).
+        # Two masters without contact may both run a command that reaches both (docs/redundancy.md).
         if not least <= writes <= sent + self.counts["sent_while_divided"] + self.counts.get("sent_to_stations", 0):
             raise Failure(f"{writes} writes reached the plant: {sent} commands, of which {least} were done")
         self.counts["writes"] = writes
 
     def members(self):
-        """What the members of the pair say, as one station sees it."""
+        """Returns the reports of the pair's members, as one station receives them."""
         process = self.network.run("station-1", [self.program("fieldcast"), "standby", "--json", "--config", self.path("station-1.yaml")],
                                    stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
         out, _ = process.communicate(timeout=SOON)
         return [json.loads(text) for text in out.splitlines() if text.startswith("{")]
 
     def check_pair(self):
-        """One member is master, and the other one could take over."""
+        """Checks that one member is master and that the second could take over."""
         def is_whole():
             self.seen = self.members()
             roles = sorted(member["role"] for member in self.seen)
@@ -283,12 +286,12 @@ class Campaign:
         wait_until(is_whole, SOON, lambda: f"the pair is not whole: {self.seen}")
 
     def compare(self):
-        """What two stations both have is the same in both."""
+        """Checks that samples that two stations have are the same in both."""
         for station in self.stations:
             station.forget()
         time.sleep(NEW)
         for station in self.stations:
-            # Who reads samples one by one sees both members of a pair for a moment: docs/redundancy.md.
+            # A station that reads samples one by one may receive both members of a pair for a moment: docs/redundancy.md.
             fell_back = [text for text in station.fell_back if station.parse is ours or not text.startswith(BRIDGES[PAIR[0]] + "/")]
             if fell_back:
                 raise Failure(f"{station.host}: {fell_back[0]}")
@@ -306,16 +309,16 @@ class Campaign:
     def check_used(self, before):
         for host in BRIDGES:
             descriptors, threads = self.used(host)
-            # A master has more of both than who waits, and either may be the master now.
+            # A master has more of both than a waiting member, and the master may have changed.
             had = max(before[each] for each in (PAIR if host in PAIR else [host]))
             if descriptors > had[0] + 12 or threads > had[1] + 4:
                 raise Failure(f"{host} had {had} descriptors and threads, now {descriptors} and {threads}")
 
 
 class WebStation:
-    """fieldcast-station, which lives as long as the test wants."""
+    """A fieldcast-station process of the test."""
 
-    ADDRESS = "127.0.0.1:8090"  # of its own host
+    ADDRESS = "127.0.0.1:8090"  # on its own host
 
     def __init__(self, campaign, host):
         self.network, self.host, self.sent = campaign.network, host, 0
@@ -336,7 +339,7 @@ class WebStation:
         wait_until(self.has_result, SOON, f"{self.host}, which lives on, gets no result {when}")
 
     def has_result(self):
-        """Whether a write is done within 5 s."""
+        """Returns True if a write is done within 5 s."""
         asked = self.get("/api/commands", "-H", "Content-Type: application/json", "-d", '{"channel": "south/unit/setpoint", "value": 7}')
         if "request_id" not in asked:
             return False

@@ -26,7 +26,7 @@ void PlantMemory::begin(const BusSpec& spec, Instant now) {
 
 void PlantMemory::fill(DeviceIndex device, std::mt19937_64& random, Instant now) {
   sim::SimDevice& simulated = device_of_(device);
-  look_all(device, now);  // what was written since the last look
+  look_all(device, now);  // includes writes since the last read
   for (const ChannelSpec& channel : whole_.devices[device].channels) {
     const Area& area = protocols_[device]->areas()[channel.range.area];
     for (std::uint32_t i = channel.range.first; i < channel.range.end(); ++i) {

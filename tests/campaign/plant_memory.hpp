@@ -1,7 +1,7 @@
-// What the simulated devices of a bus hold, as its channels show it: good values are judged by it.
+// The contents of the simulated devices of a bus as values of its channels, to check good values.
 //
-// Reads and fills the devices, which outlive it. One thread; throws std::runtime_error for a device
-// that cannot be filled or read.
+// Reads and fills the devices, which must outlive it. One thread; throws std::runtime_error for a
+// device that cannot be filled or read.
 #pragma once
 
 #include <functional>
@@ -19,21 +19,20 @@ namespace fieldcast::test {
 
 class PlantMemory {
  public:
-  // An answer that was late by this much may still tell the value of before.
+  // A response that is late by this time may still contain the previous value.
   static constexpr Duration kOldValueMayCome = std::chrono::seconds{2};
   using DeviceOf = std::function<sim::SimDevice&(DeviceIndex)>;
 
-  // `whole`: all channels that there ever are. It outlives the memory.
+  // `whole`: all channels of all configurations; it must outlive this object.
   PlantMemory(const BusSpec& whole, DeviceOf device_of);
 
-  // From here on channels are numbered as in `spec`, which stays as it is.
+  // From now on channels are numbered as in `spec`, which must not change.
   void begin(const BusSpec& spec, Instant now);
-  // New contents, as after a restart of the device.
+  // Fills the device with random contents, as after a restart.
   void fill(DeviceIndex device, std::mt19937_64& random, Instant now);
-  // Looks what the device holds by now.
   void look(ChannelIndex channel, Instant now);
   [[nodiscard]] const Value& holds(ChannelIndex channel) const { return channels_[channel].holds; }
-  // What the device held a moment ago is right. Nothing: the value is right.
+  // Returns the error, or empty if the device contained `value` within kOldValueMayCome.
   [[nodiscard]] std::optional<std::string> wrong(ChannelIndex channel, const Value& value,
                                                  Instant now);
 
@@ -42,7 +41,7 @@ class PlantMemory {
     DeviceIndex device = 0;
     const ChannelSpec* spec = nullptr;
     const Area* area = nullptr;
-    Value holds, held;  // the device's memory, and what it was before `changed`
+    Value holds, held;  // present value, and the value before `changed`
     Instant changed = kLongAgo;
   };
   void look_all(DeviceIndex device, Instant now);

@@ -1,5 +1,5 @@
-// Attacks on a real participant behind the guard, over UDP on the loopback: it goes on to receive
-// the samples of others, and its memory stays as it is.
+// Attacks a real participant behind the guard, over UDP on the loopback. It must continue to
+// receive samples, and its memory must not grow.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -38,7 +38,7 @@ class RtpsAttack : public ::testing::Test {
     return testing::in_name_of(attacked->forged_sender(), attacked->forged_entity(),
                                attacked->reader_entity(), one);
   }
-  // Sends each to the port of samples and to that of discovery.
+  // Sends each datagram to the sample port and to the discovery port.
   static void survives(const std::vector<Datagram>& attacks, bool are_refused) {
     const double memory = testing::resident_megabytes();
     const std::uint64_t refused = refused_in_all();
@@ -72,13 +72,13 @@ TEST_F(RtpsAttack, AGapOverAMillionNumbers) {  // CVE-2025-64438
   survives({testing::heartbeat(1, 1'000'000, 1000), testing::gap(10, 1'000'000)}, false);
 }
 
-// CVE-2025-65016: each number up to the first one costs time. The writer is known by now.
+// CVE-2025-65016: each number up to the first one costs time. The writer is matched already.
 TEST_F(RtpsAttack, AHeartbeatFarAhead) {
   constexpr std::int64_t kFar = std::int64_t{1} << 40;
   survives({testing::heartbeat(kFar, kFar + 1, 1000), testing::heartbeat(1, kFar, 1001)}, true);
 }
 
-// CVE-2026-49863, CVE-2026-22591: the library would parse these values. It gets none of them.
+// CVE-2026-49863, CVE-2026-22591: the guard drops these values before the library parses them.
 TEST_F(RtpsAttack, DescriptionsWhoseLengthsAreNotThere) {
   std::vector<Datagram> all;
   for (const int id : {0x0035, 0x0069, 0x0072, 0x0075}) {
@@ -88,7 +88,7 @@ TEST_F(RtpsAttack, DescriptionsWhoseLengthsAreNotThere) {
   survives(all, false);
 }
 
-// A short last fragment is legal: the library gets more memory for the sample than it announces.
+// A short last fragment is legal: the library allocates more memory than the sample announces.
 TEST_F(RtpsAttack, AFragmentOfOneByte) {
   std::vector<Datagram> all;
   for (std::int64_t number = 1'000'000; number < 1'000'100; ++number) {
@@ -109,8 +109,8 @@ struct Discovered : DiscoveryListener {
   std::atomic<int> left{0};
 };
 
-// CVE-2026-45092: forged participants fill the table. One of ours without endpoints makes room, and
-// returns when it announces itself again.
+// CVE-2026-45092: forged participants fill the table. The guard then removes one of our
+// participants without endpoints; it returns when it announces itself again.
 TEST(RtpsFlood, AParticipantThatMadeRoomReturns) {
   DdsSpec spec = testing::loopback();
   spec.max_participants = 4;

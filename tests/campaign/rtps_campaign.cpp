@@ -1,4 +1,4 @@
-// Hostile datagrams against the guard, and with --library what it accepts against a real
+// Sends hostile datagrams to the guard. With --library it also sends the accepted ones to a real
 // participant of Fieldcast in this process, over UDP on the loopback.
 //
 // usage: rtps_campaign --datagrams N --seed S [--library]
@@ -22,7 +22,7 @@ using testing::Datagram;
 constexpr std::uint64_t kBetweenChecks = 500'000;  // datagrams
 constexpr double kMostGrowth = 256;                // megabytes
 constexpr std::uint32_t kDomain = 97;
-// From which the participant receives them: 127.0.0.1.
+// Sender address that the participant sees: 127.0.0.1.
 constexpr DatagramGuard::Address kLoopback{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 127, 0, 0, 1};
 
 struct Options {
@@ -48,8 +48,8 @@ Options options_of(int argc, char** argv) {
   return options;
 }
 
-// Valid datagrams made by hand and recorded ones of Cyclone DDS, in the name of the writer with
-// which the participant is matched.
+// Returns handmade valid datagrams and recorded ones of Cyclone DDS, in the name of the writer
+// that is matched with the participant.
 std::vector<Datagram> corpus_of(const AttackedDomain* attacked) {
   std::vector<Datagram> all = testing::recorded_datagrams();
   if (all.empty()) {
@@ -61,7 +61,7 @@ std::vector<Datagram> corpus_of(const AttackedDomain* attacked) {
   for (Datagram& one : all) {
     ParticipantPrefix sender{};
     std::copy_n(one.begin() + 8, sender.size(), sender.begin());
-    // Each occurrence of the names; the sender is in GUIDs too.
+    // Replaces each occurrence of the names, since GUIDs contain the sender too.
     const auto replace = [&](const auto& from, const auto& to) {
       for (auto at = one.begin();;) {
         at = std::search(at, one.end(), from.begin(), from.end());
@@ -100,8 +100,8 @@ int run(const Options& options) {
       ++refused[static_cast<std::size_t>(*verdict.fault)];
     } else {
       ++accepted;
-      // The participant's own guard checks again and makes the same changes; a pause for each
-      // group, so that the buffer of its socket holds them.
+      // The participant's own guard checks again and makes the same changes. A pause after each
+      // group keeps its socket buffer from overflowing.
       if (attacked != nullptr) {
         attacked->send(one, n % 2 == 0);
         if (++sent % 32 == 0) std::this_thread::sleep_for(std::chrono::microseconds{200});

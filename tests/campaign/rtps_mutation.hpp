@@ -1,5 +1,5 @@
-// Changes valid RTPS datagrams as an attacker would: numbers at their edges, lengths, cuts,
-// submessages in another order or of two datagrams, parameters doubled and left out.
+// Changes valid RTPS datagrams as an attacker would: numbers at their limits, lengths, cuts,
+// submessages reordered or mixed from two datagrams, parameters doubled and left out.
 #pragma once
 
 #include <random>
@@ -32,7 +32,7 @@ class RtpsMutation {
     });
     return begins;
   }
-  // The beginning of one up to a submessage, and the rest of the other from one of its own.
+  // Joins the start of `first` and the end of `second` at submessage borders.
   Datagram spliced(const Datagram& first, const Datagram& second) {
     const auto of_first = submessages(first), of_second = submessages(second);
     if (of_first.empty() || of_second.empty()) return first;
@@ -83,7 +83,7 @@ class RtpsMutation {
     }
     fit_last(one);
   }
-  // The length of the last submessage ends with the datagram again, mostly.
+  // Mostly corrects the length of the last submessage to the end of the datagram.
   void fit_last(Datagram& one) {
     const auto begins = submessages(one);
     if (begins.empty() || below(8) == 0) return;
@@ -102,7 +102,7 @@ class RtpsMutation {
     else
       one[at + 1] ^= static_cast<std::uint8_t>(1U << below(5));
   }
-  // The sequence number of DATA, DATA_FRAG, HEARTBEAT, GAP, ..: near, so that it is of use.
+  // Sets the sequence number of DATA, DATA_FRAG, HEARTBEAT, GAP, .. to a plausible value.
   void change_number(Datagram& one) {
     const auto begins = submessages(one);
     if (begins.empty()) return;

@@ -1,11 +1,11 @@
-// A participant of the DDS library as its packages have it, without the guard, and one known attack
-// (known_attacks.hpp): shows which attacks do harm. The harm stays in this process, which may use
-// 2 GB of memory and 10 s of processor time.
+// Runs one known attack (known_attacks.hpp) against a participant of the packaged DDS library
+// without the guard, to show which attacks do harm. The harm is limited to this process, which may
+// use 2 GB of memory and 10 s of processor time.
 //
 // usage: rtps_unguarded NUMBER    the attack with this number; without one, lists them
 //
-// Exits with 0 if the participant still receives samples, or with 1; a signal ends it if the attack
-// ends the process.
+// Exits with 0 if the participant still receives samples, else with 1. If the attack kills the
+// process, a signal ends it.
 #include <sys/resource.h>
 
 #include <cstdlib>

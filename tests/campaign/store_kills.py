@@ -1,4 +1,4 @@
-"""A writer of a store that is killed before, within and after each of its operations, for the system campaign."""
+"""Kills the writer of a store before, during and after each of its operations, for the system campaign."""
 
 import os
 import shutil
@@ -11,10 +11,10 @@ from plant import Failure
 
 
 class Writing:
-    """What a store's writer does until it is killed. `made`: into a store that is there; else it makes it first."""
+    """A store writer's work until it is killed. `made`: the store exists already; else the writer makes it first."""
 
     def __init__(self, options, scratch, what, number, report, made, step):
-        """`report`: the word of what it says is there. `step`: of its instants one in so many is among the short ones."""
+        """`report`: first word of its report lines. `step`: --quick uses one of so many kill instants."""
         self.options, self.what, self.number, self.report, self.made, self.step = options, what, number, report, made, step
         self.folder = os.path.join(scratch, f"{what}-{made}")
         self.template = os.path.join(self.folder, "template.db")
@@ -27,7 +27,7 @@ class Writing:
                               env=shim.environment())
 
     def write(self, kill, how):
-        """The writer, killed at this operation before it, within it or after it: (its shim, the store's path, what it said and how it ended)."""
+        """Runs the writer and kills it before, during or after this operation. Returns its shim, the store's path and the ended process."""
         folder = os.path.join(self.folder, "store")
         shutil.rmtree(folder, ignore_errors=True)
         os.makedirs(folder)
@@ -39,13 +39,13 @@ class Writing:
         return shim, path, self.run(shim, path, self.what, str(self.number))
 
     def instants(self):
-        """Each operation of a writer that nobody kills, three times."""
+        """Returns the kill instants: before, during and after each operation of a complete run."""
         operations = self.write(0, 0)[0].operations
         every = [(kill, how) for kill in range(1, operations + 1) for how in range(3)]
         return every[::self.step] if self.options.quick else every
 
     def kill(self, kill, how):
-        """Whether it was killed; Failure when the store lacks what the writer had reported."""
+        """Returns True if the writer was killed. Raises Failure if the store lacks reported data."""
         shim, path, killed = self.write(kill, how)
         shim.clear()
         told = [row.split()[1] for row in killed.stdout.splitlines() if row.startswith(self.report + " ")][-1:] or ["0"]
@@ -57,7 +57,7 @@ class Writing:
 
 
 def killed_at_every_instant(options):
-    """A store's writer is killed before, within and after each of its operations: what was reported is there."""
+    """Kills a store's writer before, during and after each of its operations: all reported data must be stored."""
     counts = {"instants": 0, "kills": 0}
     with tempfile.TemporaryDirectory() as scratch:
         for writing in (Writing(options, scratch, "commands", 8, "taken", True, 5), Writing(options, scratch, "samples", 3, "stored", True, 5),
@@ -65,7 +65,7 @@ def killed_at_every_instant(options):
             for kill, how in writing.instants():
                 counts["instants"] += 1
                 counts["kills"] += writing.kill(kill, how)
-    # Batches are cut as time wants it, so that another run may have some operations fewer.
+    # The number of operations depends on the timing of batches, so a second run may have fewer.
     if counts["kills"] < 0.8 * counts["instants"]:
         raise Failure(f"of {counts['instants']} instants only {counts['kills']} were reached")
     return counts

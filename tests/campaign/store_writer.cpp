@@ -1,10 +1,10 @@
-// Writes into a store and says what was reported as stored, for a process that may be killed at any
-// moment.
+// Writes to a store and prints what the store reported as stored. The test kills this process at
+// any moment.
 //
 //     store_writer FILE samples BATCHES    "stored N" after each batch of 10: samples 0 to N-1
 //     store_writer FILE commands COUNT     "taken N" for each command that may run
 //     store_writer FILE check SAMPLES COMMANDS
-//                       whether so many are there and the file is whole; says what is missing
+//                       checks that the file is valid and has so many; prints what is missing
 #include <unistd.h>
 
 #include <cstdio>
@@ -24,7 +24,7 @@ namespace {
 
 constexpr int kBatch = 10;
 
-// Past every buffer: what was said stays said.
+// Writes without a buffer, so that the text survives a kill.
 void say(const std::string& text) {
   if (::write(STDOUT_FILENO, text.data(), text.size()) < 0) std::abort();
 }

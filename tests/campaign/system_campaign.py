@@ -1,12 +1,12 @@
-"""The real bridge with a simulated plant, on a machine that fails: the disk, the clock, descriptors, memory, the process itself.
+"""Runs the real bridge with a simulated plant while the machine fails: disk, clock, descriptors, memory, the process itself.
 
 usage: system_campaign.py --bin DIR --shim LIBRARY [--seconds S] [--seed N] [--scenario NAME].. [--quick]
 
-Each scenario is a row of SCENARIOS. All run once; with --seconds again, with other random choices, until the time is over. --quick: once,
-the short ones. What does not hold is a line that begins with FAIL, what cannot be tried here one that begins with SKIPPED; the
-last line is the counts as JSON.
+Each scenario is a row of SCENARIOS. All run once; with --seconds they are repeated with other random choices until the time has passed.
+--quick runs the short ones once. Each failure is printed as a line that begins with FAIL, each scenario that cannot run here as SKIPPED;
+the last line is the counts as JSON.
 
-In every scenario values must go on: the longest time between two good samples of a channel has a limit.
+In every scenario the bridge must continue to publish: the longest time between two good samples of a channel has a limit.
 """
 
 import argparse
@@ -34,7 +34,7 @@ from fault_shim import FaultShim  # noqa: E402
 from plant import Failure, Plant, wait_until  # noqa: E402
 
 SOON = 30  # seconds
-LONGEST_GAP = 3.0  # seconds between two good samples, on a machine that does other work
+LONGEST_GAP = 3.0  # seconds between two good samples, on a machine with other load
 COMMAND_WITHIN = 12  # seconds
 
 CONFIG = """
@@ -68,7 +68,7 @@ class Skipped(Exception):
 
 
 class ShimmedPlant(Plant):
-    """A plant whose bridge runs under the shim, with a station that watches all the time."""
+    """A plant whose bridge runs under the shim, with a station that always watches it."""
 
     def __init__(self, below="store"):
         self.port = 21000 + os.getpid() % 9000
@@ -120,7 +120,7 @@ class ShimmedPlant(Plant):
         return int(self.metric("fieldcast_store_samples") or 0)
 
     def write(self, value):
-        """Exit code of a write, and what it said."""
+        """Returns the exit code of a write, and its output."""
         began = time.monotonic()
         result = self.cli("write", f"line/press/setpoint={value}", "--verify", seconds=60)
         if time.monotonic() - began > COMMAND_WITHIN:
@@ -138,7 +138,7 @@ class ShimmedPlant(Plant):
 
 
 class Watching:
-    """A station beside: when each channel was good last, and the longest time between."""
+    """A station that records the last good sample of each channel and the longest gap."""
 
     def __init__(self, plant):
         self.process = subprocess.Popen([os.path.join(plant.bin_dir, "fieldcast"), "watch", "--json", "--config", plant.file],
@@ -189,7 +189,7 @@ def await_stored(plant, more=20):
 
 
 def check_store(path, at_least):
-    """The file is whole, and has what was reported."""
+    """Checks that the file is valid and contains all reported samples; returns their number."""
     with contextlib.closing(sqlite3.connect(path)) as database:
         if (said := database.execute("pragma integrity_check").fetchone()[0]) != "ok":
             raise Failure(f"the store is not whole: {said}")
@@ -199,11 +199,11 @@ def check_store(path, at_least):
     return there
 
 
-# Each scenario returns what it counted.
+# Each scenario returns its counts.
 
 
 def disk_that_fails(number, words, seconds=4):
-    """Every write fails with this error for a while; then the disk is well again."""
+    """Every write fails with this error for a while; then the disk works again."""
     with ShimmedPlant() as plant:
         await_stored(plant)
         plant.watching.begin()
@@ -243,7 +243,7 @@ def disk_broken(seed):
 
 
 def disk_really_full(seed):
-    """A small file system of its own, filled by somebody else."""
+    """The store is on a small file system that a second program fills."""
     with tempfile.TemporaryDirectory() as scratch:
         if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=3m", "campaign", scratch], capture_output=True).returncode != 0:
             raise Skipped("a file system cannot be mounted here (root alone may)")
@@ -282,7 +282,7 @@ def really_full(scratch):
 
 
 def disk_slow(seed):
-    """Each operation on the store takes a fifth of a second."""
+    """Each operation on the store lasts a fifth of a second."""
     with ShimmedPlant() as plant:
         await_stored(plant)
         plant.shim.delay_us = 200_000
@@ -299,7 +299,7 @@ def disk_slow(seed):
 
 
 def clock_steps(seed):
-    """The clock of the day jumps, forward and back, by seconds and by days."""
+    """The wall clock steps forward and back, by seconds and by days."""
     chance = random.Random(seed)
     with ShimmedPlant() as plant:
         await_stored(plant)
@@ -308,7 +308,7 @@ def clock_steps(seed):
             plant.shim.clock_offset_ns = step * 1_000_000_000
             before = plant.metric("fieldcast_bus_samples")
             wait_until(lambda: plant.metric("fieldcast_bus_samples") != before, SOON, f"no samples after a step of {step} s")
-            # The command line has the true clock: the bridge may take what it says for old, and must say so.
+            # The command line uses the true clock: the bridge may refuse its commands as expired.
             result = plant.write(5)
             if result.code not in (0, 5, 7):
                 raise Failure(f"after a step of {step} s: {result}")
@@ -320,10 +320,10 @@ def clock_steps(seed):
 
 
 def descriptors_exhausted(seed):
-    """No descriptor is left: whoever is connected goes on, whoever comes waits or is turned away."""
+    """All descriptors are in use: connected clients continue, new ones wait or are refused."""
     with ShimmedPlant() as plant:
         await_stored(plant)
-        plant.must_write(6)  # opens what notes commands in the store
+        plant.must_write(6)  # opens the store's table of commands
         pid = plant.bridge.pid
         before = resource.prlimit(pid, resource.RLIMIT_NOFILE)
         used = max(int(name) for name in os.listdir(f"/proc/{pid}/fd")) + 1
@@ -352,7 +352,7 @@ def scrapes(plant):
 
 
 def memory_limited(seed):
-    """Little more address space than it has, while stations join: it goes on, or ends with words, and comes back."""
+    """The address space is almost exhausted while stations join: the bridge continues, or ends with a message and restarts."""
     more = random.Random(seed).choice([0, 64, 256, 1024, 8192]) * 1024
     with ShimmedPlant() as plant:
         await_stored(plant)
@@ -382,7 +382,7 @@ def memory_limited(seed):
 
 
 def stop_and_go(seed):
-    """The process stands still for a while, as when a machine is suspended."""
+    """The process is paused for a while, as on a suspended machine."""
     chance = random.Random(seed)
     with ShimmedPlant() as plant:
         await_stored(plant)
@@ -393,7 +393,7 @@ def stop_and_go(seed):
             plant.bridge.send_signal(signal.SIGCONT)
             code = command.wait(SOON)
             command.stdout.close()
-            if code not in (0, 3, 7, 8) or (code != 0 and seconds < 1):  # 3: no bridge is found meanwhile
+            if code not in (0, 3, 7, 8) or (code != 0 and seconds < 1):  # 3: no bridge was found meanwhile
                 raise Failure(f"a command at a bridge that stood still for {seconds:.1f} s: exit code {code}")
             plant.watching.begin()
             plant.must_write(10)
@@ -403,7 +403,7 @@ def stop_and_go(seed):
 
 
 def killed_at_a_write(seed):
-    """The bridge is killed at a random operation on its store, comes again, and has what it reported."""
+    """The bridge is killed at a random operation on its store and restarted; all reported data must be stored."""
     chance = random.Random(seed)
     kills = 0
     plant = ShimmedPlant()
@@ -421,7 +421,7 @@ def killed_at_a_write(seed):
                     raise Failure("it was not killed")
             kills += 1
             plant.shim.kill_at = 0
-            # What another run stored is there too: the counter begins anew with each.
+            # The store contains samples of earlier runs too: the counter restarts with each run.
             check_store(os.path.join(plant.store, "plant.db"), stored)
             plant.restart_bridge()
             plant.must_write(11)
@@ -432,7 +432,7 @@ def killed_at_every_instant(seed):
     return store_kills.killed_at_every_instant(options)
 
 
-SCENARIOS = {  # name: (function, whether it is among the short ones)
+SCENARIOS = {  # name: (function, True if it is short)
     "disk-full": (disk_full, True),
     "disk-really-full": (disk_really_full, False),
     "disk-read-only": (disk_read_only, False),

@@ -1,13 +1,14 @@
-// Days of every protocol in virtual time, one after the other: see bus_day.hpp and group_day.hpp.
+// Runs days of every protocol in virtual time (bus_day.hpp, group_day.hpp), one after the other.
 //
 //     virtual_campaign [--seeds FIRST..LAST] [--hours H] [--group-hours H] [--seconds S]
 //                      [--protocol NAME] [--share I/N] [--transcripts FOLDER]
 //
-// A seed is a plant with one bus of each protocol for --hours (24), and then a standby group at one
-// bus of each protocol of a line for --group-hours (1); 0 leaves them out. --seconds ends it after
-// the day under way, --share takes each N-th seed, for one process on each core. Ctrl-C ends it at
-// once with what was done so far. A violation writes transcript-SEED-PROTOCOL.txt and does not stop
-// the others; the exit code is 1 then. The last line is one JSON object with the counts.
+// For each seed it runs a plant with one bus of each protocol for --hours (24). Then it runs a
+// standby group at one bus of each serial protocol for --group-hours (1). 0 leaves one out.
+// --seconds ends it after the current day. --share uses each N-th seed, for one process on each
+// core. Ctrl-C ends it immediately with the counts so far. A violation writes
+// transcript-SEED-PROTOCOL.txt and does not stop the other days; the exit code is then 1. The last
+// line is one JSON object with the counts.
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -100,7 +101,6 @@ class Campaign {
     return interrupted || (arguments_.seconds > 0 && elapsed() > arguments_.seconds);
   }
 
-  // Returns the hours that passed in it.
   template <class Day, class Counts>
   double day(const test::StormKind& kind, std::uint64_t seed, double hours,
              const std::string& prefix, Counts& sum) {
@@ -109,7 +109,7 @@ class Campaign {
     day.run([] { return interrupted.load(); });
     sum.add(day.counts());
     if (day.violation()) {
-      // The same day once more, with its text.
+      // Repeats the day with a transcript.
       Day again(kind, seed, length);
       again.keep_transcript();
       again.run();

@@ -1,15 +1,15 @@
-"""A station of the network campaign: a program that prints samples, and what is kept of them."""
+"""A station of the network campaign: a program that prints samples, with the latest ones of each channel."""
 
 import json
 import subprocess
 import threading
 import time
 
-NEW = 5  # seconds within which each channel must have come at the end
+NEW = 5  # seconds within which each channel must have a sample at the end
 
 
 class Station:
-    """A program that prints samples; the latest of each channel are kept."""
+    """Runs a program that prints samples, and stores the latest of each channel."""
 
     KEPT = 400
 

@@ -1,4 +1,4 @@
-"""Stations and bridges that start while the machine is busy find each other in time: LONGEST_SECONDS.
+"""Tests that stations and bridges that start on a busy machine discover each other in time (LONGEST_SECONDS).
 
 usage: busy_discovery.py BIN_DIR [--runs N] [--seed N] [--busy N] [--trace FOLDER]
 
@@ -43,7 +43,7 @@ buses:
 
 
 class Capture:
-    """The newest datagrams to the domain's ports on the loopback, each with its time."""
+    """Records the newest datagrams to the domain's ports on the loopback, with their times."""
 
     MOST = 200_000
 
@@ -58,7 +58,7 @@ class Capture:
     def _receive(self):
         while True:
             frame, address = self.socket.recvfrom(65536)
-            if address[2] == socket.PACKET_OUTGOING or frame[23] != 17:  # each passes twice; UDP
+            if address[2] == socket.PACKET_OUTGOING or frame[23] != 17:  # each frame is received twice; UDP
                 continue
             source, target = struct.unpack_from("!HH", frame, 14 + (frame[14] & 15) * 4)
             if target in self.ports:
@@ -72,7 +72,7 @@ KINDS = {0x06: "ACKNACK", 0x07: "HEARTBEAT", 0x08: "GAP", 0x09: "INFO_TS", 0x0e:
 
 
 def describe(message):
-    """One line on an RTPS message: who sent it and its submessages with their endpoints and numbers."""
+    """Describes an RTPS message in one line: its sender, and its submessages with endpoints and numbers."""
     words, at = [message[8:20].hex()], 20
     while at + 4 <= len(message):
         kind, flags, length = message[at], message[at + 1], struct.unpack_from("<H", message, at + 2)[0]
@@ -115,7 +115,7 @@ class Station:
                 self.events[participant].setdefault(event, float(at))
 
     def wait(self, known, deadline):
-        """The time at which everything was there of a bridge that is not `known`; None: not before the deadline."""
+        """Returns the time of complete discovery of a bridge that is not `known`; None after the deadline."""
         while time.monotonic() < deadline:
             for participant, events in list(self.events.items()):
                 if participant not in known and EVENTS <= set(events):
@@ -152,7 +152,7 @@ class Trial:
                                        stderr=self.log)
 
     def stop(self, process, begin, latest):
-        """Stops the process once, for a while: when it was stopped and when it continued."""
+        """Suspends the process once for a while; returns the times of stop and continuation."""
         moment, seconds = begin + self.chance.uniform(0, latest), self.chance.uniform(0.1, 2)
         time.sleep(max(0, moment - time.monotonic()))
         stopped = time.monotonic()
@@ -162,7 +162,7 @@ class Trial:
         return stopped, time.monotonic()
 
     def run(self, number):
-        """One run: (its kind, the seconds without those of the stop, whether both directions matched)."""
+        """Runs once; returns (kind, seconds without the suspension, True if both directions matched)."""
         kind = self.chance.choice(["station", "station", "bridge ended", "bridge killed"])
         victim = self.chance.choice([None, "newcomer", "other", "other"])
         if kind == "station":

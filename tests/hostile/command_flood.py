@@ -1,6 +1,6 @@
-"""One requester that sends a command each millisecond, against a second one that sends one each 100 ms.
+"""Tests a requester with a command each millisecond against a second requester with one each 100 ms.
 
-Usage: command_flood.py BIN_DIR. Prints what each of them got, alone and together, and the memory of the bridge. Fails if a command of the
+Usage: command_flood.py BIN_DIR. Prints the results of each, alone and together, and the memory of the bridge. Fails if a command of the
 second requester is refused or does not run, or if the memory of the bridge grows by more than MOST_GROWTH_MB.
 """
 

@@ -1,6 +1,6 @@
-// Sends reads on demand at an even pace for some seconds, and prints what became of them as one
-// line of JSON: sent, done, refused because the queue was full, others, and the time to a result in
-// milliseconds (median and longest of those that are done).
+// Sends reads on demand at a constant rate for some seconds, and prints one line of JSON: sent,
+// done, refused by a full queue, others, and the time to a result in milliseconds (median and
+// longest of those that are done).
 //
 // usage: command_requester DOMAIN PACE_US SECONDS BUS DEVICE CHANNEL
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Writes forged fieldcast/Bridge messages until it is ended, for forged_bridge.py: another bridge
-// wants the same bus, for longer than any other, and serves it or not.
+// Writes forged fieldcast/Bridge messages until it is ended, for forged_bridge.py: a forged bridge
+// claims the same bus, for longer than any other bridge, as serving or as waiting.
 //
 //   forge-claims DOMAIN BUS serving|waiting|both   "both": by turns, ten times a second
 #include <chrono>

@@ -1,4 +1,4 @@
-"""Forged claims on a bus, on the topic fieldcast/Bridge, take it from no bridge, and hold none up.
+"""Tests that forged claims on a bus, on the topic fieldcast/Bridge, neither take it from a bridge nor delay one.
 
 usage: forged_bridge.py BIN_DIR
 """
@@ -24,11 +24,11 @@ buses:
           - { name: level, at: "holding:0", type: uint16, access: read-write, refresh: 100ms }
 """
 CHANNEL = "line/plc/level"
-SECONDS = 5           # of each attack on a running bridge
+SECONDS = 5           # duration of each attack on a running bridge
 LONGEST_GAP = 2       # seconds between two samples, on a busy machine; without an attack some 0.1
 MOST_LINES = 40       # in the log of the bridge for one attack of 50 claims
-LEASE_SECONDS = 30    # until DDS gives up a forger that was killed: 10 when the machine is idle
-# A bridge that starts among claims that only wait serves after 1 + 5 s on an idle machine; Plant waits 20 s.
+LEASE_SECONDS = 30    # until DDS removes a killed forger: 10 on an idle machine
+# A bridge that starts while forged bridges only wait serves after 1 + 5 s on an idle machine; Plant waits 20 s.
 
 
 @contextlib.contextmanager
@@ -44,7 +44,7 @@ def forger(bin_dir, domain, what):
 
 
 def longest_gap(plant):
-    """Seconds, as a station sees the samples."""
+    """Returns the longest gap between samples of a station, in seconds."""
     watch = plant.start_cli("watch", CHANNEL, "--json", "--for", f"{SECONDS}s")
     last, gap, count = time.monotonic(), 0.0, 0
     for line in watch.stdout:
@@ -57,7 +57,7 @@ def longest_gap(plant):
 
 
 def shown_wrongly(plant, key):
-    """`fieldcast status` names the forger, as the bridge that contests the bus or that is refused it."""
+    """Checks that `fieldcast status` names the forger as contesting the bus or as refused."""
     status = [line for line in plant.cli("status", "--json").json_lines() if line["topic"] == "BusStatus"]
     if [line.get(key) for line in status] == [[{"bridge": "forger", "host": "elsewhere"}]]:
         return []

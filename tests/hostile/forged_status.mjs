@@ -1,4 +1,4 @@
-// The page of a station that receives forged statuses, in chromium; forged_status.py starts the station and the forger.
+// Checks the page of a station that receives forged statuses, in chromium; forged_status.py starts the station and the forger.
 //
 //   node forged_status.mjs ADDRESS NODE_MODULES BROWSER_MJS BUS TEXTS_AS_JSON
 

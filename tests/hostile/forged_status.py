@@ -1,8 +1,8 @@
-"""Forged BusStatus and DeviceStatus messages change nothing but the texts that they hold, which are escaped in every output.
+"""Tests that forged BusStatus and DeviceStatus messages change only their texts, which every output escapes.
 
 usage: forged_status.py BIN_DIR [NODE NODE_MODULES BROWSER_MJS]
 
-With the last three arguments, and with chromium, the page is checked, too.
+With the last three arguments and with chromium, the page is also checked.
 """
 
 import json
@@ -25,7 +25,7 @@ TEXTS = [
     b"{{forged}}%s%n", b"__proto__", b"constructor", b"a\\",
     b"y" * 255,
 ]
-# The IDL allows 32 bytes of a cause and 64 of a name: what is longer is cut.
+# The IDL allows 32 bytes of a cause and 64 of a name; longer texts are cut.
 CAUSES, DEVICES = ([text[:limit].decode("utf-8", "replace") for text in TEXTS] for limit in (32, 64))
 CONFIG = """bridge: honest
 metrics: { listen: 127.0.0.1:{port} }
@@ -39,12 +39,12 @@ buses:
         channels:
           - { name: level, at: "holding:0", type: uint16, refresh: 100ms }
 """
-# Controls other than the end of a line, ends of paragraphs, and marks that turn the writing direction.
+# Controls except the end of a line, ends of paragraphs, and marks that change the writing direction.
 UNPRINTABLE = re.compile("[\x00-\x09\x0b-\x1f\x7f-\x9f\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff]")
 
 
 class Outputs:
-    """What is checked of each output, and the faults that were found."""
+    """The checks of each output, and the faults found."""
 
     def __init__(self):
         self.faults = []
@@ -54,7 +54,7 @@ class Outputs:
             self.faults.append(what)
 
     def text(self, where, data):
-        """Bytes as UTF-8 without a character that a terminal or a reader would obey."""
+        """Returns bytes as UTF-8; a control character in them is a fault."""
         try:
             text = data.decode()
         except UnicodeDecodeError as error:
@@ -67,7 +67,7 @@ class Outputs:
         return text
 
     def status(self, where, buses, devices):
-        """The objects of the bus and of its devices: the honest facts, and the forged texts as names."""
+        """Checks the objects of the bus and its devices: the honest facts, and the forged texts as names."""
         bus = next((bus for bus in buses if bus["bus"] == BUS), {})
         self.check(bus.get("state") == "running" and len(buses) == 1, f"{where}: the bus is {bus.get('state')}, of {len(buses)}")
         forged = {device["device"]: device for device in devices if device["device"] != "plc"}
@@ -109,7 +109,7 @@ def check_page(station, outputs, node, modules, browser_mjs):
     if not shutil.which("chromium"):
         print("chromium is not installed: the page is not checked")
         return
-    # What a page shows of an unprintable character is its own choice: texts are compared that have none.
+    # The page may show unprintable characters in its own way, so only texts without them are compared.
     plain = [text for text in DEVICES if not UNPRINTABLE.search(text) and "\n" not in text]
     script = os.path.join(os.path.dirname(os.path.abspath(__file__)), "forged_status.mjs")
     looked = subprocess.run([node, script, station.origin, modules, browser_mjs, BUS, json.dumps(plain)], capture_output=True, text=True, timeout=120)

@@ -1,4 +1,4 @@
-"""A fieldcast-station of a trial: no bridge, a store with the user anna, everybody else may look. It is stopped on leaving."""
+"""A fieldcast-station for a trial: no bridge, a store with the user anna, read access for everybody. Stopped on exit."""
 
 import os
 import shutil
@@ -49,7 +49,7 @@ class HostileStation:
         return anna
 
     def head(self, request="GET /healthz", more="", origin=False):
-        """A request without a body, up to its empty line."""
+        """Returns the header of a request without a body, with its empty line."""
         origin = f"Origin: {self.station.origin}\r\n" if origin else ""
         return f"{request} HTTP/1.1\r\nHost: 127.0.0.1:{self.port}\r\n{origin}{more}\r\n"
 

@@ -1,5 +1,5 @@
-"""Requests that a proxy and a station could read differently, that are too long, malformed or from elsewhere: each gets its refusal,
-the connection is closed where its end is in doubt, and a second request hidden in a body is never served.
+"""Tests requests that a proxy and a station could read differently, or that are too long, malformed or from another site. Each is refused,
+the connection is closed if the end of the request is uncertain, and a second request hidden in a body is never served.
 
 usage: http_requests.py BIN_DIR
 """
@@ -13,7 +13,7 @@ CLOSED, OPEN = True, False
 
 
 def rows(trial):
-    """(what it is, its bytes, the status of its refusal, whether the connection is closed)"""
+    """Returns rows of (description, bytes, status of the refusal, True if the connection is closed)."""
     def post(more, body=""):
         return trial.head("POST /api/login", "Content-Type: application/json\r\n" + more, origin=True) + body
 
@@ -58,7 +58,7 @@ def rows(trial):
 
 
 def response(trial, bytes):
-    """Everything that comes until the connection is closed or silent, and whether it was closed."""
+    """Returns all data until the connection is closed or silent, and True if it was closed."""
     with trial.connect(seconds=2) as connection:
         received = b""
         try:

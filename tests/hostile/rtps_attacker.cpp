@@ -1,11 +1,11 @@
 // Sends hostile datagrams to the participants of a domain on the loopback, for rtps_attacks.py: the
 // known faults of the DDS library, mutated traffic, and announcements of participants that do not
-// exist. It speaks in no name of a real participant: on one machine the guard does not distinguish
-// senders, and a forged "has left" of a real one is believed there (docs/security.md).
+// exist. It never uses the name of a real participant: on one machine the guard does not
+// distinguish senders, so a forged "has left" of a real one is accepted (docs/security.md).
 //
 //   rtps-attacker DOMAIN SECONDS SEED
 //
-// Prints how many datagrams it sent.
+// Prints the number of sent datagrams.
 #include <arpa/inet.h>
 #include <sys/socket.h>
 
@@ -24,12 +24,11 @@ namespace {
 using namespace fieldcast;
 using Clock = std::chrono::steady_clock;
 
-constexpr int kParticipants = 4;  // whose ports are attacked
+constexpr int kParticipants = 4;  // number of participants whose ports are attacked
 constexpr auto kPause = std::chrono::milliseconds{20};
 constexpr int kInARow = 100;
 
-// RTPS 2.2, 9.6.1.1: the port of discovery for all, which is reached by multicast, and two for each
-// participant.
+// RTPS 2.2, 9.6.1.1: the common multicast port of discovery, and two ports for each participant.
 std::vector<sockaddr_in> targets_of(int domain) {
   const auto target = [domain](const char* address, int offset) {
     sockaddr_in to{};

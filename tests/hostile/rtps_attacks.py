@@ -1,7 +1,7 @@
-"""Hostile datagrams to the ports of a bridge and of a station, while the station receives values.
+"""Sends hostile datagrams to the ports of a bridge and of a station, while the station receives values.
 
-Usage: rtps_attacks.py BIN_DIR. Prints what was sent, the longest time without a value of a channel before and during the attack, the
-memory of the bridge, and what it refused. Fails if a value is late or not good, if the bridge ends or grows by more than MOST_GROWTH_MB, or
+Usage: rtps_attacks.py BIN_DIR. Prints the sent datagrams, the longest time without a value of a channel before and during the attack,
+the memory of the bridge, and its refusals. Fails if a value is late or not good, if the bridge ends or grows by more than MOST_GROWTH_MB, or
 if `status` or the metrics do not show the refusals by cause.
 """
 
@@ -46,7 +46,7 @@ CAUSES = {"SUBMESSAGE", "ORDER", "SEQUENCE_NUMBER", "BITMAP", "FRAGMENT", "SAMPL
 
 
 class Gaps:
-    """The longest time between two samples of a channel, in two phases, and those that are not good."""
+    """Records the longest gap between two samples of a channel in two phases, and samples that are not good."""
 
     def __init__(self, watch):
         self.longest, self.last, self.bad, self.lock = 0.0, {}, [], threading.Lock()
@@ -66,7 +66,7 @@ class Gaps:
                 self.last[sample["channel"]] = now
 
     def end_phase(self):
-        """The longest gap of this phase; one that has not ended counts up to now."""
+        """Returns the longest gap of this phase; a present gap counts up to now."""
         with self.lock:
             longest = max([self.longest, *(time.monotonic() - at for at in self.last.values())])
             self.longest = 0.0
@@ -86,7 +86,7 @@ def in_metrics(port):
 
 
 def in_status(bus):
-    """How many datagrams the bridge refused, by cause; its first bus alone shows them."""
+    """Returns the numbers of datagrams that the bridge refused, by cause; only its first bus shows them."""
     lines = [line for line in bus.cli("status", "--json").json_lines() if line["topic"] == "BusStatus"]
     shown = {line["bus"]: {cause[len("DATAGRAM_"):]: count for cause, count in line["causes"].items() if cause.startswith("DATAGRAM_")}
              for line in lines}

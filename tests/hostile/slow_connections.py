@@ -1,4 +1,4 @@
-"""150 slow connections from one address do not close the station to others: each of its kinds is held open, while a client at another
+"""Tests that 150 slow connections from one address do not block the station. Each kind is kept open, while a client at another
 address and a logged-in user at the same address must get a response within a second.
 
 usage: slow_connections.py BIN_DIR
@@ -69,7 +69,7 @@ def attack(trial, anna, name, bytes):
             slow.append(connection)
             try:
                 connection.sendall(bytes)
-            except OSError:  # the station has closed it already: the aim of the trial
+            except OSError:  # the station has closed it already, as expected
                 pass
         other = slowest(lambda: request_from(trial, "127.0.0.2"))
         logged_in = slowest(lambda: ask_logged_in(anna))

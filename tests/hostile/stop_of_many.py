@@ -1,6 +1,6 @@
-"""A stop of a bridge with 10 000 channels ends within 2 s, while a station receives all of them.
+"""Tests that a bridge with 10 000 channels stops within 2 s, while a station receives all of them.
 
-Usage: stop_of_many.py BIN_DIR. Prints how many channels the station received and how long the stop lasted.
+Usage: stop_of_many.py BIN_DIR. Prints the number of received channels and the duration of the stop.
 """
 
 import os
@@ -28,7 +28,7 @@ def config():
 
 
 def received(path):
-    """Channels with a good value in the lines of a watch."""
+    """Returns the channels with a good value in the output of a watch."""
     with open(path, encoding="utf-8") as file:
         return len({line[: line.index('"value"')] for line in file if '"value"' in line and '"GOOD"' in line})
 
@@ -49,7 +49,7 @@ def run(bin_dir):
             finally:
                 station.terminate()
                 said = station.communicate()[1]
-        print(said.strip())  # channels that left are not GOOD any more
+        print(said.strip())  # removed channels are no longer GOOD
         print(f"channels with a good value: {received(lines)}; the stop lasted {lasted:.2f} s, at most {STOP_SECONDS} s are allowed")
         if lasted > STOP_SECONDS:
             raise plant.Failure("the stop lasted too long")

@@ -107,10 +107,10 @@ def sources():
 NOT_BY_CLANG = re.compile(r"std::(views\b|ranges::(views\b|(search|search_n|find_end|equal_range|unique|remove|remove_if|partition|rotate|subrange)\b))")
 
 
-# All JSON is written by core/base/json.hpp and json_text.hpp, which escape what the network sends. What looks like JSON made by hand:
+# All JSON is written by core/base/json.hpp and json_text.hpp, which escape data from the network. These look like JSON made by hand:
 # a literal that begins an object or ends a name, and the output of nlohmann's library, which is for reading only.
 JSON_BY_HAND = re.compile(r"""\{\\+"|\\":[^ ]|R"\w*\(\s*\{\s*"|\bdump\(""")
-# Constant texts: JSON schemas, and hints that show a client what it should have sent.
+# Constant texts: JSON schemas, and hints that show a client the correct request.
 JSON_BY_HAND_IN = {
     "tools/station/configuration.cpp", "tools/station/api/alarm_request.cpp", "tools/station/api/commands.cpp",
     "tools/station/live/client_message.cpp", "tools/station/web/login_routes.cpp",
@@ -118,7 +118,7 @@ JSON_BY_HAND_IN = {
 
 
 def json_by_hand(path, text):
-    """The numbers of the lines of the file `path` (from the root) that make JSON without the writer."""
+    """Returns the lines of the file `path` (from the root) that make JSON without the writer."""
     if path in JSON_BY_HAND_IN or path.startswith("tools/bench/") or not path.startswith(("bridge/", "core/", "tools/")):
         return []
     return [number for number, line in enumerate(text.splitlines(), 1) if JSON_BY_HAND.search(line.split("//")[0])]

@@ -1,5 +1,5 @@
-// Tests discovery with one lost datagram: the first, the second, and so on until a join needs no
-// more. A station and its bridge must match in both directions in time, whichever is lost.
+// Tests discovery with one lost datagram: the first, the second, and so on to the last of a join.
+// A station and its bridge must match in both directions in time after each loss.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -34,7 +34,7 @@ class ServerFixture : public testing::Test {
   }
   [[nodiscard]] TcpClient engineer() const { return TcpClient(server.engineers_port()); }
 
-  // Repeats the request until the device is registered, which takes some time.
+  // Repeats the request until the device is registered.
   [[nodiscard]] static std::string pair(TcpClient& client, const std::string& request) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds{10};
     std::string reply;

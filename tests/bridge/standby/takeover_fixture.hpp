@@ -199,7 +199,7 @@ struct TakeoverTest : testing::Test {
     EXPECT_TRUE(within([&] { return watch.results().size() == ids.size(); }));
     return ids;
   }
-  // Sends `signal` to the master; the other one logs `told`, and the first returns as standby.
+  // Sends `signal` to the master; the second bridge logs `told`, and the first returns as standby.
   // Repeats takeovers() times. Returns the longest gap of each; empty on a timeout.
   std::vector<milliseconds> take_over_in_turn(int signal, const std::string& told) {
     std::vector<milliseconds> gaps;

@@ -21,7 +21,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-// Holding registers; what is not there is refused.
+// Holding registers; a missing register is refused.
 class Registers {
  public:
   void put(std::uint32_t at, std::initializer_list<std::uint16_t> values) {
@@ -176,7 +176,7 @@ TEST(SunSpecWalk, ALengthBeyondTheAddressSpaceEndsTheList) {
   ASSERT_TRUE(map);
   EXPECT_EQ(map->models.size(), 1u);
   EXPECT_THAT(map->incomplete, HasSubstr("model 103 at holding:40070 has a length of 65535"));
-  // The last register that there is: no room for an end mark.
+  // The model ends at the last register, so no end mark follows.
   registers.put(40070, {103, static_cast<std::uint16_t>(65536 - 40072)});
   const auto full = walk_over(registers).walk.map();
   ASSERT_TRUE(full);
@@ -268,7 +268,7 @@ TEST(SunSpecChannels, InputsOfAModelAndSecondModelsHaveNumbers) {
   EXPECT_THAT(many, Not(Contains(HasSubstr("dc7")))) << "its exponent is too far away for one read";
 }
 
-// The loader of the bridge accepts what a scan writes, whatever a device says of itself.
+// The bridge's loader accepts the output of a scan, with any text that a device returns.
 TEST(SunSpecChannels, TheConfigurationOfAScanLoads) {
   std::vector<ScanLine> scan_line{{{find_protocol("modbus-tcp"), {}}, LineFormat{}, {1, 2}}};
   Scanner scanner(scan_line);

@@ -81,9 +81,9 @@ class LiveModel {
   void on_read_plan(const StationReadPlan& plan) { objects_.put(plan); }
   void on_read_plan_gone(const std::string& bus) { objects_.remove_read_plan(bus); }
 
-  // Null if never announced or forgotten. The channel may be gone.
+  // Null if never announced or forgotten. The channel may have been removed.
   [[nodiscard]] const LiveChannel* find(const PathView& path) const;
-  // Sorted by path, without channels that are gone. O(n log n).
+  // Sorted by path, without removed channels. O(n log n).
   [[nodiscard]] std::vector<const LiveChannel*> channels() const;
   [[nodiscard]] std::size_t count() const { return rows_.size() - gone_; }
   [[nodiscard]] std::size_t remembered() const { return rows_.size(); }
@@ -119,7 +119,7 @@ class LiveModel {
     LiveChannel live;
     std::list<Row*>::iterator changed;  // in changed_ once it has a value, else its end()
     std::list<Row*>::iterator catalogued;
-    std::optional<Instant> left;  // when expire() first saw it as gone
+    std::optional<Instant> left;  // when expire() first found it removed
   };
   void touch_value(Row& row);
   void touch_catalogue(Row& row);

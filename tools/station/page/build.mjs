@@ -1,9 +1,9 @@
-// Bundles the page and writes it as C++: the bytes of each file, gzip'ed, and the table page_files().
+// Bundles the page and writes it as C++: the gzip'ed bytes of each file, and the table page_files().
 //
 //   node build.mjs MODULES OUTPUT.cpp [FOLDER]
 //
-// MODULES: the node_modules of `npm ci`. FOLDER: the files are written there too, for tests without the program. OUTPUT.cpp.d
-// names every source for the build.
+// MODULES: the node_modules of `npm ci`. FOLDER: also receives the files, for tests without the program. OUTPUT.cpp.d
+// lists every source for the build.
 
 import { createHash } from 'node:crypto';
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';

@@ -1,5 +1,5 @@
-// The known faults of Fast DDS (docs/security.md): a datagram for each, built by hand from its
-// public description.
+// A datagram for each known fault of Fast DDS (docs/security.md), built by hand from its public
+// description.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace fieldcast::testing {
 
-// DATA of discovery whose list has this parameter behind the GUID that the library looks for first.
+// Discovery DATA with this parameter behind the GUID, which the library reads first.
 inline Datagram listing(const EntityBytes& writer, std::uint16_t id, const Datagram& value,
                         std::uint16_t to_qos = 16, bool with_end = true) {
   const bool is_participant = writer == kParticipantWriter;
@@ -25,7 +25,7 @@ inline Datagram name_of_length(std::uint32_t length) {
 inline Datagram token(std::uint32_t length_of_class, std::uint32_t properties,
                       std::uint32_t binaries) {
   Datagram all;
-  put_text(all, "DDS:Auth:PKI-DH:1.0", length_of_class);  // 20 with its end
+  put_text(all, "DDS:Auth:PKI-DH:1.0", length_of_class);  // 20 with the terminating zero
   put_u32(all, properties);
   put_u32(all, binaries);
   return all;
@@ -38,7 +38,7 @@ inline Datagram property(std::uint32_t count, std::uint32_t length_of_value) {
   return all;
 }
 
-// A handshake of this many holders, whose first one has this many properties.
+// A handshake with this many holders; the first holder has this many properties.
 inline Datagram handshake_of(std::uint32_t holders, std::uint32_t properties) {
   Datagram content(2 * 24 + 3 * 16, 0);
   put_text(content, "dds.sec.auth", 13);
@@ -57,7 +57,7 @@ inline Datagram binary_of_length(std::uint32_t length) {
   put_u32(all, 0);
   return all;
 }
-// A protected message whose bytes have this length, big-endian whatever the flag says.
+// A protected message with this length of its bytes, big-endian with any flag.
 inline Datagram protected_of_length(std::uint32_t length) {
   Datagram all = of_submessage(0x33, 1, Datagram(20, 0)), body;
   for (int i = 3; i >= 0; --i) body.push_back(static_cast<std::uint8_t>(length >> 8 * i));
@@ -71,7 +71,7 @@ struct Attack {
   const char* name;
   RtpsFault fault;
   Datagram datagram;
-  Datagram right;  // the same without the fault; empty: there is none
+  Datagram right;  // the same without the fault; empty if none exists
 };
 
 inline std::vector<Attack> known_attacks() {
@@ -95,7 +95,7 @@ inline std::vector<Attack> known_attacks() {
        RtpsFault::kSubmessage,
        data_frag(1, 1, 1024, 2048, 1024, 0x7fff),
        {}},
-      // Ranges below are for DatagramGuard: legal GAPs span what a slow channel leaves between.
+      // Shorter ranges are checked by DatagramGuard: slow channels cause long legal GAPs.
       {"CVE-2025-64438, range of 2^50", RtpsFault::kSequenceNumber, gap(1, std::int64_t{1} << 50),
        gap(1, 2)},
       {"CVE-2023-39534, range runs backwards", RtpsFault::kSequenceNumber, gap(10, 5), {}},
@@ -173,8 +173,8 @@ inline std::vector<Attack> known_attacks() {
   };
 }
 
-// In the name of a matched writer, to its reader, and with a number above those that the reader has
-// received: it ignores others.
+// Rewrites the attack in the name of a matched writer, to its reader, with a number above all
+// received ones; the reader ignores lower numbers.
 inline Datagram in_name_of(const ParticipantPrefix& sender, const EntityBytes& writer,
                            const EntityBytes& reader, Datagram attack) {
   const auto replace = [&](const auto& from, const auto& to) {

@@ -1,5 +1,5 @@
-// The validator refuses each known attack with the named cause; each changed back to what is right
-// passes, so that nothing else in it is refused.
+// Tests that the validator refuses each known attack with the named cause. The same datagram
+// without the fault must pass, so that no other part of it is refused.
 #include "tests/bridge/dds/transport/known_attacks.hpp"
 
 #include <gtest/gtest.h>

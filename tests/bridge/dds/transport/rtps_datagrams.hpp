@@ -1,5 +1,5 @@
-// Datagrams of RTPS 2.2 made by hand, for the tests and the bench of the guard: parts, and one
-// valid datagram of each form. Little-endian throughout.
+// Handmade RTPS 2.2 datagrams for the tests and the bench of the guard: parts, and one valid
+// datagram of each form. All are little-endian.
 #pragma once
 
 #include <cstdint>
@@ -67,7 +67,7 @@ inline Datagram of_submessage(std::uint8_t kind, std::uint8_t flags, const Datag
   put_submessage(all, kind, flags, body);
   return all;
 }
-// The second one behind the first one, without its header.
+// Appends `second` without its header to `first`.
 inline Datagram joined(Datagram first, const Datagram& second) {
   first.insert(first.end(), second.begin() + kMessageHeader, second.end());
   return first;
@@ -183,7 +183,7 @@ inline Datagram guid_of(const ParticipantPrefix& prefix, const EntityBytes& enti
   put_all(all, entity);
   return all;
 }
-// Of the announced locators: a real participant must not send to a port of another domain.
+// Port of announced locators, so that a real participant sends to no port of another domain.
 inline constexpr std::uint32_t kNoPort = 9;
 inline Datagram locator(std::uint32_t port) {
   Datagram all = words({1, port, 0, 0, 0});
@@ -198,7 +198,7 @@ inline Datagram property_list(const std::string& key, const std::string& value) 
 }
 inline constexpr EntityBytes kParticipant{0, 0, 1, 0xc1};
 
-// What a participant says of itself; like Fast DDS 2.9.1.
+// Announcement of a participant, as Fast DDS 2.9.1 sends it.
 inline Datagram announcement(const ParticipantPrefix& prefix = kSender) {
   return from(prefix, discovery(kParticipantWriter,
                                 {{0x0015, {2, 2, 0, 0}},
@@ -212,7 +212,7 @@ inline Datagram announcement(const ParticipantPrefix& prefix = kSender) {
                                  {0x0062, text("fieldcast-bridge one")},
                                  {0x0059, property_list("PARTICIPANT_TYPE", "SIMPLE")}}));
 }
-// What it says of one of its writers, with a description of the type.
+// Announcement of a writer of the participant, with a description of the type.
 inline Datagram endpoint(std::uint32_t number, const ParticipantPrefix& prefix = kSender) {
   const EntityBytes entity{static_cast<std::uint8_t>(number >> 16),
                            static_cast<std::uint8_t>(number >> 8),
@@ -238,7 +238,7 @@ struct NamedDatagram {
   Datagram bytes;
 };
 
-// One of each form that Fast DDS 2.9.1 and Cyclone DDS 0.10 send.
+// Returns one datagram of each form that Fast DDS 2.9.1 and Cyclone DDS 0.10 send.
 inline std::vector<NamedDatagram> valid_datagrams() {
   Datagram token;
   put_text(token, "DDS:Auth:PKI-DH:1.0+Req", 24);
@@ -250,7 +250,7 @@ inline std::vector<NamedDatagram> valid_datagrams() {
   Datagram liveliness = guid_of(kSender, {0, 0, 0, 1});
   put_all(liveliness, words({1, 0}));
 
-  Datagram body{0, 0, 0, 16};  // the length of what is protected, big-endian
+  Datagram body{0, 0, 0, 16};  // length of the protected part, big-endian
   body.resize(20, 0x5a);
   Datagram postfix(16, 0x33);
   put_all(postfix, words({0}));

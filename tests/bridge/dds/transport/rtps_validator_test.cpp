@@ -79,7 +79,7 @@ TEST(RtpsValidator, TooManySubmessagesAreAFault) {
   EXPECT_EQ(cause_of(many), "ORDER");
 }
 
-// DDS Security repeats the sender in a signed message; anywhere else it would be a forged one.
+// DDS Security repeats the sender in a signed message; elsewhere a second sender is forged.
 TEST(RtpsValidator, ASourceIsTakenInASignedMessageOfThatSenderAlone) {
   EXPECT_EQ(cause_of(signed_with(source_of(kSender))), "none");
   ParticipantPrefix other = kSender;
@@ -89,7 +89,7 @@ TEST(RtpsValidator, ASourceIsTakenInASignedMessageOfThatSenderAlone) {
   EXPECT_EQ(cause_of(of_submessage(0x0c, 1, source_of(kSender))), "ORDER") << "not signed";
 }
 
-// A participant announces what is its own; a discovery server relays what others announce.
+// A participant announces only its own endpoints; a discovery server relays those of others.
 TEST(RtpsValidator, AnAnnouncementOfAnotherIsTakenFromAServerAlone) {
   ParticipantPrefix other = kSender;
   other[11] ^= 1;
@@ -100,7 +100,7 @@ TEST(RtpsValidator, AnAnnouncementOfAnotherIsTakenFromAServerAlone) {
   }
 }
 
-// The library would parse a content filter of inline QoS; the description of it alone passes.
+// The library would parse a content filter in inline QoS; only its description is allowed.
 TEST(RtpsValidator, AContentFilterInInlineQosIsAFault) {
   const auto with_qos = [](std::uint16_t id) {
     return data(kSamplesWriter, 1, list_of({{id, words({0, 0})}}), payload_of(1, {}));
@@ -109,7 +109,7 @@ TEST(RtpsValidator, AContentFilterInInlineQosIsAFault) {
   EXPECT_EQ(cause_of(with_qos(0x0055)), "none");
 }
 
-// Found by the campaign: the library ends the process by an assertion.
+// Found by the campaign: the library aborts the process by an assertion.
 TEST(RtpsValidator, CountsOfFastDdsAreTheLastSubmessage) {
   const Datagram counts = of_submessage(0x80, 1, Datagram(56, 0));
   EXPECT_EQ(cause_of(joined(heartbeat(1, 2, 1), counts)), "none");
@@ -122,8 +122,8 @@ TEST(RtpsValidator, TakesTheRecordedTrafficOfCycloneDds) {
   for (std::size_t i = 0; i < recorded.size(); ++i) EXPECT_EQ(cause_of(recorded[i]), "none") << i;
 }
 
-// Calls with each datagram in memory of just its size, so that AddressSanitizer sees each read
-// behind it.
+// Calls with each datagram in memory of exactly its size, so that AddressSanitizer detects each
+// read behind it.
 template <class Change>
 void each_is_taken_or_refused(Change change) {
   std::size_t taken = 0, refused = 0;

@@ -1,4 +1,4 @@
-// What people do about alarms: asks, tells the station, and says what became of it.
+// Alarm actions of the user: shows a dialog, sends the request to the station, and reports the outcome.
 
 import type { TemplateResult } from 'lit-html';
 import { request } from './api';
@@ -8,7 +8,7 @@ import { html } from './markup';
 import type { Alarm } from './types';
 import { ask, errorText } from './view';
 
-// Of one request, or one for each alarm.
+// Outcome of one request, or of one request for each alarm.
 interface Accepted {
   request_id?: string | number;
   request_ids?: (string | number)[];
@@ -18,7 +18,7 @@ const mostNamed = 5;
 const longestNote = 256;
 const shelveFor_min = [15, 30, 60, 240, 480, 1440];
 const maintenanceFor_min = [30, 60, 120, 240, 480, 1440];
-const mostAtOnce = 200;  // of one request
+const mostAtOnce = 200;  // alarms in one request
 
 export const limitText = (alarm: { limit: string }): string => word('limit', alarm.limit);
 
@@ -49,7 +49,7 @@ export const lengthText = (minutes: number): string =>
 const lengthField = (lengths: readonly number[], chosen: number): TemplateResult => html`<label class="field">${t('alarms.for')}
   <select name="minutes">${lengths.map((minutes) => html`<option value=${minutes} ?selected=${minutes === chosen}>${lengthText(minutes)}</option>`)}</select></label>`;
 
-// A body for each request: it holds so many alarms at most.
+// Returns a body for each request, with at most mostAtOnce alarms.
 function bodiesOf(alarms: readonly Alarm[], more: Record<string, unknown> = {}): unknown[] {
   const keys = alarms.map(({ bus, device, channel, limit }) => ({ bus, device, channel, limit }));
   const bodies: unknown[] = [];
@@ -77,7 +77,7 @@ export async function unshelve(context: Context, alarms: readonly Alarm[]): Prom
   await perform(context, '/api/alarms/unshelve', bodiesOf(alarms), t('alarms.unshelved', { n: alarms.length }));
 }
 
-// Alarms of the device wait until it ends.
+// Starts maintenance of a device, which suppresses its alarms until it ends.
 export async function startMaintenance(context: Context, bus: string, device: string): Promise<void> {
   const form = await ask({
     title: t('alarms.maintenance-title', { device: `${bus}/${device}` }), confirm: t('alarms.maintenance-start'),

@@ -1,4 +1,4 @@
-// What happened to alarms in a span of time.
+// Alarm events of a time range.
 
 import { limitText } from './alarm_actions';
 import type { Context } from './context';

@@ -1,4 +1,4 @@
-// Which alarms the list shows, and in which order: what wants somebody first. Pure.
+// Filters and sorts alarms; those that need attention are first. Pure.
 
 import { alarmKey } from './plant';
 import type { Alarm } from './types';
@@ -8,7 +8,7 @@ export type Section = (typeof sections)[number];
 
 export const priorities = ['critical', 'high', 'medium', 'low'] as const;
 
-// Who is shelved or in maintenance wants nobody, whatever its state.
+// A shelved alarm, or one in maintenance, needs no attention in any state.
 export function sectionOf(alarm: Alarm, now_ms: number): Section {
   if (isShelved(alarm, now_ms)) return 'shelved';
   if (alarm.suppressed) return 'maintenance';
@@ -25,12 +25,12 @@ function fits(alarm: Alarm, words: readonly string[]): boolean {
 
 export interface AlarmChoice {
   filter: string;
-  section: Section | undefined;  // all of them
+  section: Section | undefined;  // undefined: all sections
 }
 
 export interface ArrangedAlarms {
   alarms: Alarm[];
-  counts: Record<Section, number>;  // of all that fit the filter
+  counts: Record<Section, number>;  // of all alarms that match the filter
 }
 
 export function arrangeAlarms(alarms: Iterable<Alarm>, choice: AlarmChoice, now_ms: number): ArrangedAlarms {

@@ -1,4 +1,4 @@
-// HTTP with the station: JSON in and out, errors with the station's own hint.
+// HTTP requests to the station: JSON in and out, errors with the station's hint.
 
 export class ApiError extends Error {
   constructor(readonly status: number, message: string, readonly hint: string, readonly retryAfter_s = 0) {
@@ -6,7 +6,7 @@ export class ApiError extends Error {
   }
 }
 
-// Throws ApiError; status 0: the station was not reached.
+// Throws ApiError; its status is 0 if the station was not reached.
 export async function request<T>(path: string, body?: unknown, signal?: AbortSignal): Promise<T> {
   const init: RequestInit = { credentials: 'same-origin' };
   if (signal) init.signal = signal;

@@ -1,5 +1,5 @@
-// A trend on a canvas: average as a line, min to max as a band, limits as bands, what was bad in red, gaps that stay gaps. Dragging
-// across it asks for a zoom. Colours come from the style sheet, so that light and dark both hold. Draws at once, when it is told to.
+// Draws a trend on a canvas: average as a line, min to max as a band, limits as bands, bad times in red, gaps without a line. Dragging
+// requests a zoom. Colours are from the style sheet, for light and dark. Each call draws immediately.
 
 import { exactValue } from './format';
 import { numberTicks, timeTicks } from './ticks';
@@ -35,15 +35,15 @@ interface Scale {
 }
 
 const colourNames = ['--s1', '--s2', '--s3', '--s4', '--s5', '--s6', '--s7', '--s8'];
-const dashFrom = 4;  // colours alone tell no more than four lines
-const side = 60;  // for the marks of an axis of values
+const dashFrom = 4;  // colours alone distinguish at most four lines
+const side = 60;  // width of the labels of a value axis
 const foot = 24;
 const head = 20;
 const strip = 5;
 const leastDrag = 6;
 const font = '12px system-ui, sans-serif';
 
-// The index of the last time that is not after `at`; -1: none.
+// Returns the index of the last time not after `at`; -1 if there is none.
 export function indexAt(t: readonly number[], at: number): number {
   let low = 0, high = t.length;
   while (low < high) {
@@ -118,7 +118,7 @@ export class Chart {
     return this.from_ms + share * (this.to_ms - this.from_ms);
   }
 
-  // A variable of the style sheet as a colour that a canvas takes.
+  // Resolves a variable of the style sheet to a canvas colour.
   private colour(name: string, share = 1): string {
     let found = this.colours.get(name);
     if (!found) {
@@ -134,7 +134,7 @@ export class Chart {
     this.draw();
   }
 
-  // A canvas of the right size, cleared, in CSS pixels.
+  // Returns the context of a cleared canvas of the right size, in CSS pixels.
   private begin(canvas: HTMLCanvasElement): CanvasRenderingContext2D {
     const ratio = devicePixelRatio;
     const width = Math.round(this.width * ratio), height = Math.round(this.options.height * ratio);
@@ -164,7 +164,7 @@ export class Chart {
     this.drawOverlay();
   }
 
-  // The points that are seen, and one more on each side.
+  // Range of the visible points, and one more on each side.
   private seen(line: Line): [number, number] {
     return [Math.max(0, indexAt(line.t, this.from_ms)), Math.min(line.t.length, indexAt(line.t, this.to_ms) + 2)];
   }
@@ -185,7 +185,7 @@ export class Chart {
     return scales;
   }
 
-  // Leaves a margin; a limit that is near comes into the picture.
+  // Range of values with a margin; includes limits that are near.
   private widen(scale: Scale, limited: boolean): void {
     if (!Number.isFinite(scale.min)) Object.assign(scale, { min: 0, max: 1 });
     const size = scale.max - scale.min || Math.abs(scale.max) * 0.1 || 1;
@@ -256,7 +256,7 @@ export class Chart {
     }
   }
 
-  // One line: over the whole height. Several: a strip for each at the foot.
+  // Bad times of one line fill the whole height; with several lines, each has a strip at the bottom.
   private drawBad(ctx: CanvasRenderingContext2D, line: Line, index: number): void {
     const alone = this.lines.length === 1;
     const top = this.bottom - strip * (this.lines.length - index);
@@ -295,7 +295,7 @@ export class Chart {
     ctx.lineJoin = 'round';
     ctx.setLineDash(index >= dashFrom ? [7, 4] : []);
     ctx.beginPath();
-    let y = NaN;  // of the point before; NaN after a gap
+    let y = NaN;  // of the previous point; NaN after a gap
     for (let i = first; i < end; i++) {
       const value = line.average[i];
       if (value === null || value === undefined) {
@@ -329,7 +329,7 @@ export class Chart {
     if (from !== undefined && Math.abs(x - from) >= leastDrag) this.options.onZoom?.(this.timeAt(Math.min(x, from)), this.timeAt(Math.max(x, from)));
   }
 
-  // The cursor with its values, and what is being selected.
+  // Draws the cursor with its values, and the current selection.
   private drawOverlay(): void {
     if (!this.width) return;
     const ctx = this.begin(this.overlay);

@@ -1,14 +1,14 @@
-// What every page is given, and what it gives back.
+// The interface between a page and main.ts.
 
 import type { Live } from './live';
 import type { Plant, Topic } from './plant';
 import type { Route } from './router';
 import type { Me } from './types';
 
-// What happened since the last painting.
+// Changes since the last painting.
 export interface Change {
-  values: boolean;  // some value
-  second: boolean;  // ages want to be shown anew
+  values: boolean;  // at least one value changed
+  second: boolean;  // a second has passed: update the ages
   topics: ReadonlySet<Topic>;
 }
 
@@ -20,14 +20,14 @@ export interface Context {
   now(): number;  // the station's clock, Unix ms
   mayOperate(): boolean;  // the role allows writing and acknowledging
   go(address: string): void;  // '#/live'
-  say(text: string, bad?: boolean): void;  // a short message that goes away
+  say(text: string, bad?: boolean): void;  // shows a short message that disappears
 }
 
 export interface Page {
   title: string;
   element: HTMLElement;
-  paint?(change: Change): void;  // inside an animation frame; everything is to be painted at the first call
-  key?(event: KeyboardEvent): boolean;  // true: taken
+  paint?(change: Change): void;  // called in an animation frame; the first call must paint everything
+  key?(event: KeyboardEvent): boolean;  // true: handled
   focusFilter?(): void;  // the key /
   close?(): void;
 }

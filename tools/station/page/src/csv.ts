@@ -1,5 +1,5 @@
-// Tables as CSV by RFC 4180. A text that a spreadsheet would take for a formula gets an apostrophe before it: notes and names come
-// from people.
+// Tables as CSV by RFC 4180. Notes and names are user input, so a text that a spreadsheet would run as a formula gets a leading
+// apostrophe.
 
 export type Cell = string | number | null;
 
@@ -13,10 +13,10 @@ function csvCell(cell: Cell): string {
 export const csvText = (head: readonly string[], rows: readonly (readonly Cell[])[]): string =>
   [head, ...rows].map((row) => row.map(csvCell).join(',')).join('\r\n') + '\r\n';
 
-// ISO 8601 with the milliseconds, in UTC; empty for no time.
+// ISO 8601 with milliseconds, in UTC; empty for null.
 export const csvTime = (ms: number | null): string => (ms === null ? '' : new Date(ms).toISOString());
 
-// Gives the file to the browser's downloads. The mark at the begin tells spreadsheets that it is UTF-8.
+// Starts a browser download. The byte order mark at the start makes spreadsheets read UTF-8.
 export function download(name: string, text: string): void {
   const address = URL.createObjectURL(new Blob(['\uFEFF', text], { type: 'text/csv;charset=utf-8' }));
   const anchor = document.createElement('a');

@@ -1,4 +1,4 @@
-// How a device is, and why. Pure.
+// Health of a device, with the reason. Pure.
 
 import type { Bus, Counts, Device, Session } from './types';
 
@@ -12,14 +12,14 @@ export type Reason =
 export const mostFrequent = (counts: Counts): string | undefined =>
   Object.entries(counts).reduce<[string, number] | undefined>((best, each) => (!best || each[1] > best[1] ? each : best), undefined)?.[0];
 
-// The cause that grew most between two reports; nothing when none did.
+// Returns the cause that grew most between two reports; undefined if none did.
 export function grownCause(before: Counts, after: Counts): string | undefined {
   const growth: Counts = {};
   for (const [cause, n] of Object.entries(after)) if (n > (before[cause] ?? 0)) growth[cause] = n - (before[cause] ?? 0);
   return mostFrequent(growth);
 }
 
-// `recent`: the cause that its failures had last, if this page has seen one.
+// `recent`: the last cause of its failures, if this page has received one.
 export function reasonOf(device: Device, bus: Bus | undefined, session: Session | undefined, recent: string | undefined): Reason {
   if (session?.state === 'open') return { kind: 'programmed', who: session.who };
   if (bus?.state === 'closed') return { kind: 'bus-closed', cause: bus.closed_because ?? 'PORT_CLOSED' };
@@ -35,7 +35,7 @@ export function reasonOf(device: Device, bus: Bus | undefined, session: Session 
 export const pathOf = (device: { bus: string; device: string }): string => `${device.bus}/${device.device}`;
 export const failedShare = (device: Device): number => (device.exchanges ? device.failures / device.exchanges : 0);
 
-// What is worst comes first.
+// Sorts devices, worst state first.
 export const orderedDevices = (devices: Iterable<Device>): Device[] =>
   [...devices].sort((a, b) => rank(a) - rank(b) || pathOf(a).localeCompare(pathOf(b)));
 const rank = (device: Device): number => {

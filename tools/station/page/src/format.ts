@@ -1,10 +1,10 @@
-// Numbers, times and durations as people read them. Pure but for the language.
+// Formats numbers, times and durations for the user. Pure except for the language.
 
 import { language } from './i18n';
 
 const locale = (): string => (language === 'zh' ? 'zh-CN' : 'en-GB');
 
-// How many decimals a channel has shown so far: its column then does not jump.
+// Most decimals that each channel has shown, so that its column does not jump.
 const decimalsSeen = new Map<number, number>();
 const mostDecimals = 6;
 
@@ -16,14 +16,14 @@ function float32Text(value: number): string {
   return String(value);
 }
 
-// All digits that mean something.
+// Formats with all significant digits.
 export function exactValue(value: number, type: string): string {
   if (type === 'bool') return value === 0 ? 'false' : 'true';
   if (type === 'float32') return float32Text(value);
   return String(Number(value.toPrecision(15)));
 }
 
-// A value in a table: as wide as the last one of its channel.
+// Formats a value in a table with as many decimals as the last ones of its channel.
 export function tableValue(id: number, value: number, type: string): string {
   if (Number.isNaN(value)) return '–';
   if (type === 'bool') return value === 0 ? 'false' : 'true';
@@ -74,7 +74,7 @@ export function clock(ms: number): string {
   return `${two(at.getHours())}:${two(at.getMinutes())}:${two(at.getSeconds())}`;
 }
 
-// Local time; the day only when it is not today.
+// Local time, with the date if it is not today.
 export function time(ms: number, now_ms = Date.now()): string {
   const at = new Date(ms);
   const day = `${at.getFullYear()}-${two(at.getMonth() + 1)}-${two(at.getDate())}`;

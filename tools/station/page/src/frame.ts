@@ -1,9 +1,9 @@
-// The binary frame of the socket: little-endian columns that are read where they lie. Pure.
+// Parses the binary frame of the socket: little-endian columns, used in place without a copy. Pure.
 //   u8 kind=1 | u8 0 | u16 0 | u32 n | f64 base_ms | f64 value[n] | u32 id[n] | u32 age_ms[n] | u8 quality[n]
 
 export interface Frame {
   base_ms: number;  // acquired = base - age
-  value: Float64Array;  // NaN: a text, which comes apart
+  value: Float64Array;  // NaN: never acquired, or sent in a `values` message
   id: Uint32Array;
   age_ms: Uint32Array;
   quality: Uint8Array;
@@ -13,7 +13,7 @@ export const neverAcquired = 0xffffffff;
 const headerBytes = 16;
 const rowBytes = 8 + 4 + 4 + 1;
 
-// Nothing when the bytes are no frame of this protocol.
+// Returns undefined if the bytes are not a frame of this protocol.
 export function parseFrame(bytes: ArrayBuffer): Frame | undefined {
   if (bytes.byteLength < headerBytes) return undefined;
   const head = new DataView(bytes);

@@ -1,5 +1,5 @@
-// Texts of the page in English and Chinese. Each page has a file in texts/ with a table for each language; the compiler holds that
-// both have the same keys, a test that all keys are used.
+// Texts of the page in English and Chinese. Each page has a file in texts/ with a table for each language. The compiler checks that
+// both have the same keys; a test checks that all keys are used.
 
 import { printable } from './printable';
 import * as alarms from './texts/alarms';
@@ -40,13 +40,13 @@ export function setLanguage(next: Language): void {
   localStorage.setItem('fieldcast.language', next);
 }
 
-// The text of a key; {name} is replaced by a value.
+// Returns the text of a key; {name} is replaced by a value.
 export function t(key: Key, values?: Record<string, string | number>): string {
   const text = tables[language][key] ?? key;
   return values ? text.replace(/\{(\w+)\}/g, (whole, name: string) => printable(String(values[name] ?? whole))) : text;
 }
 
-// A word of the station (a state, a cause) in the user's language; as it came where there is no text for it.
+// Returns a word of the station (a state, a cause) in the user's language, or unchanged if it has no text.
 export function word(kind: string, value: string): string {
   return tables[language][`${kind}.${value}`] ?? printable(value);
 }

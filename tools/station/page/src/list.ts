@@ -1,19 +1,19 @@
-// A virtual table of objects: each column says what text an object has in it. Keeps the selected object when the order changes.
+// A virtual table of objects: each column returns the text of an object. Keeps the selected object when the order changes.
 
 import { printable } from './printable';
 import { VirtualTable } from './table';
 import type { Row } from './table';
 
-const longText = 14;  // characters; a longer one may be cut off, and stands in the title too
+const longText = 14;  // characters; a longer text may be cut off and is shown in the title too
 
 export interface ListColumn<T> {
   key: string;
   label: string;
   text(item: T): string;
-  link?(item: T): string;  // an address: the text is a link to it; empty: it is none
-  hint?(item: T): string;  // a tooltip; of a link its text, which may be cut off
-  order?(item: T): string | number;  // the column can be sorted by it
-  checked?(item: T): boolean;  // a box instead of the text, which is its name
+  link?(item: T): string;  // address of the link on the text; empty: no link
+  hint?(item: T): string;  // tooltip; for a link its text, which may be cut off
+  order?(item: T): string | number;  // sort key; without it the column cannot be sorted
+  checked?(item: T): boolean;  // a checkbox instead of the text; the text is its name
   toggle?(item: T): void;
 }
 
@@ -24,7 +24,7 @@ export interface ListOwner<T> {
   keyOf(item: T): string;
   tone?(item: T): string;  // classes of the row
   open?(item: T): void;
-  choose?(item: T): void;  // another one is selected
+  choose?(item: T): void;  // called when a different object is selected
 }
 
 function setText(element: Element, received: string): void {
@@ -55,7 +55,7 @@ export class ListTable<T> {
   get selected(): T | undefined { return this.items[this.table.selected]; }
   get sorted(): boolean { return this.sortKey !== ''; }
 
-  // In the owner's order, until a person sorts by a column. `same`: the same objects in the same order with other contents.
+  // Uses the owner's order until the user sorts by a column. `same`: the same objects in the same order with other contents.
   set(items: readonly T[], same = false): void {
     this.noteSelected();
     this.all = items;
@@ -76,7 +76,7 @@ export class ListTable<T> {
     this.table.paint();
   }
 
-  // Gives true when it took the key: the first arrow goes into the table.
+  // Returns true if it handled the key: the first arrow key moves the focus to the table.
   key(event: KeyboardEvent): boolean {
     if (event.key !== 'ArrowDown' || document.activeElement === this.element || !this.items.length) return false;
     this.element.focus();
@@ -145,7 +145,7 @@ export class ListTable<T> {
     if (!box) {
       box = document.createElement('input');
       box.type = 'checkbox';
-      box.tabIndex = -1;  // the key space does it for the row
+      box.tabIndex = -1;  // the space key toggles it for the row
       cell.replaceChildren(box);
     }
     box.onchange = () => column.toggle?.(item);

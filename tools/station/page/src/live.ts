@@ -1,5 +1,5 @@
-// The WebSocket to the station: connects, tells the plant what arrives, finds out when nothing arrives any more, comes back with
-// growing pauses. A result goes to who asked for it.
+// The WebSocket to the station: connects, passes messages to the plant, detects a silent connection, and reconnects with
+// growing pauses. A result is passed to its requester.
 
 import { request } from './api';
 import { StationClock } from './clock';
@@ -15,11 +15,11 @@ interface Waiting {
 }
 
 const pingEvery_ms = 2000;
-const silence_ms = 5000;  // without a byte: the connection is taken for lost
+const silence_ms = 5000;  // without a byte: the connection counts as lost
 const pauses_ms = [250, 500, 1000, 2000, 4000, 8000];
 const resultWithin_ms = 30_000;
 
-// hint: what the station advises.
+// hint: the advice of the station.
 export class Refused extends Error {
   constructor(message: string, readonly hint: string) {
     super(message);
@@ -41,9 +41,9 @@ export class Live {
   private pingSent = 0;
   private retryTimer = 0;
   private ended = false;
-  private readonly asked = new Map<number, Waiting>();  // by the client's number
-  private readonly requests = new Map<string, Waiting>();  // by the station's number
-  private readonly early = new Map<string, Result>();  // results that came before somebody asked
+  private readonly asked = new Map<number, Waiting>();  // by the client's id
+  private readonly requests = new Map<string, Waiting>();  // by the station's request_id
+  private readonly early = new Map<string, Result>();  // results that arrived before resultOf()
   private readonly subscriptions = new Map<string, { count: number; refresh_ms?: number }>();
 
   constructor(private readonly plant: Plant) {
@@ -54,7 +54,7 @@ export class Live {
 
   now(): number { return this.clock.now(); }
 
-  // `catalogue`: one that is under way already, for the first connection.
+  // `catalogue`: a request that is already pending, for the first connection.
   start(catalogue?: Promise<CatalogueAnswer>): void {
     this.ended = false;
     const address = `${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/live`;
@@ -82,7 +82,7 @@ export class Live {
     socket.onclose = () => { if (mine()) this.onLost(opened); };
   }
 
-  // Logout: nothing is tried again.
+  // Closes the connection at logout; no reconnect follows.
   stop(): void {
     this.ended = true;
     clearTimeout(this.retryTimer);
@@ -92,7 +92,7 @@ export class Live {
     this.setState('connecting');
   }
 
-  // Asks for a shorter refresh while somebody looks; give the answer's function a call when nobody does any more.
+  // Requests a shorter refresh while a page shows the channels. Call the returned function to end it.
   subscribe(pattern: string, refresh_ms: number): () => void {
     const entry = this.subscriptions.get(pattern) ?? { count: 0, refresh_ms };
     entry.count++;
@@ -105,7 +105,7 @@ export class Live {
     };
   }
 
-  // Rejects with Refused, or when no result came. A bigint goes as a number with all its digits.
+  // Rejects with Refused, or if no result arrives. A bigint is sent as a number with all its digits.
   write(channel: string, value: string | number | boolean | bigint, verify: boolean): Promise<Result> {
     const text = typeof value === 'bigint' ? String(value) : JSON.stringify(value);
     return this.ask(`"write":{"channel":${JSON.stringify(channel)},"value":${text},"verify":${verify}}`);
@@ -113,7 +113,7 @@ export class Live {
 
   acquire(channel: string): Promise<Result> { return this.ask(`"acquire":{"channel":${JSON.stringify(channel)}}`); }
 
-  // What became of something that was asked for by HTTP.
+  // Resolves with the result of a command that was sent by HTTP.
   resultOf(requestId: string | number): Promise<Result> {
     const key = String(requestId);
     const early = this.early.get(key);
@@ -252,7 +252,7 @@ export class Live {
     this.start();
   }
 
-  // A browser does not say why a socket was refused; the station does.
+  // A browser does not report why a socket was refused, so this requests the reason from the station.
   private async checkLogin(): Promise<void> {
     const me = await request<{ login: string }>('/api/me').catch(() => undefined);
     if (me?.login === 'required') this.onLoginRequired();

@@ -1,5 +1,5 @@
-// The start: who is logged in, which page is shown, the keys, and the one loop that paints. Values only mark what changed; an
-// animation frame paints it, so a fast plant costs at most one painting for each frame of the screen.
+// Entry point: login, the shown page, keys, and the one loop that paints. Received values only mark changes; an animation frame
+// paints them, so a fast plant costs at most one painting for each frame of the screen.
 
 import { request } from './api';
 import type { Change, Context, MakePage, Page } from './context';
@@ -92,7 +92,7 @@ function showPage(): void {
   schedule();
 }
 
-// A wall screen may go round some pages: ?kiosk=overview,alarms&every=20 (seconds).
+// A wall screen may show some pages in turn: ?kiosk=overview,alarms&every=20 (seconds).
 function rotate(): void {
   clearTimeout(rotation);
   const names = (route.query.get('kiosk') ?? '').split(',').filter((name) => pages[name]);
@@ -102,7 +102,7 @@ function rotate(): void {
   rotation = window.setTimeout(() => { location.hash = `#/${next}?${route.query}`; }, every_s * 1000);
 }
 
-// A wall screen's link carries its token behind the #, which no server sees; it leaves the address at once.
+// A wall screen's link has its token behind the #, which is not sent to a server. It is removed from the address immediately.
 async function loginByLink(): Promise<void> {
   const { query } = parseRoute(location.hash);
   const token = query.get('token');
@@ -116,7 +116,7 @@ async function loginByLink(): Promise<void> {
 async function start(): Promise<void> {
   await loginByLink();
   const asked = request<Me>('/api/me');
-  // Both start before the answer is here: most often there is a login, or none is needed.
+  // Starts before the response arrives: usually the user is logged in, or no login is needed.
   const early = request<CatalogueAnswer>('/api/catalogue');
   early.catch(() => undefined);
   try {

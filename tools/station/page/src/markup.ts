@@ -1,4 +1,4 @@
-// The html and svg of lit-html with one rule more: a text that is put into a template is shown by printable().
+// The html and svg of lit-html; in addition, every text in a template is passed through printable().
 
 import { html as litHtml, svg as litSvg } from 'lit-html';
 import { printable } from './printable';

@@ -1,5 +1,5 @@
-// How old values were when they were painted: the last few thousand, for the bench and for a look from the browser's console
-// (`fieldcastMeter`). A painting counts when the frame that holds it has been handed over.
+// Measures the age of values when they were painted: the last few thousand, for the bench and the browser's console
+// (`fieldcastMeter`). The age is taken after the animation frame has been passed to the browser.
 
 const kept = 8192;
 
@@ -18,7 +18,7 @@ class Meter {
     };
   }
 
-  // Within an animation frame.
+  // REQUIRES: called in an animation frame.
   painted(acquired_ms: number): void {
     if (acquired_ms > 0 && this.open.push(acquired_ms) === 1) this.channel.port2.postMessage(0);
   }

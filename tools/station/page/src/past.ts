@@ -1,4 +1,4 @@
-// A list of what happened in a span of time, from the station's store: filter, range, CSV. The page gives the columns.
+// A list of stored events of a time range: filter, range, CSV. The page defines the columns.
 
 import { nothing, render } from 'lit-html';
 import { query, request } from './api';

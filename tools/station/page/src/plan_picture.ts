@@ -1,15 +1,15 @@
-// The geometry of a read plan: when each group is read, how long that takes, which channels a read carries. Pure; times in
-// milliseconds from the begin of the timetable.
+// The geometry of a read plan: time and duration of the reads of each group, and the channels of each read. Pure; times are in
+// milliseconds from the start of the timetable.
 
 import type { PlanGroup, PlanPoint, ReadPlan } from './types';
 
 export interface Read {
-  index: number;  // of the group in its hyperperiod, from 0
+  index: number;  // number of the read in the hyperperiod, from 0
   begin_ms: number;
   end_ms: number;
 }
 
-// A group has a load, its reads have no times of their own: this is the mean of them.
+// Mean duration of a read, computed from the load of the group: the plan has no duration for each read.
 export const readTime_ms = (group: PlanGroup): number => group.load * (group.period_ms ?? 0);
 
 export const readCount = (group: PlanGroup, hyperperiod_ms: number): number =>
@@ -23,7 +23,6 @@ export function readOf(group: PlanGroup, index: number, hyperperiod_ms: number):
   return { index: wrapped, begin_ms: end_ms - readTime_ms(group), end_ms };
 }
 
-// The read that is nearest to an instant.
 export function readNear(group: PlanGroup, at_ms: number, hyperperiod_ms: number): Read | undefined {
   if (!group.period_ms || group.phase_ms === null) return undefined;
   const middle_ms = (group.phase_ms % group.period_ms) - readTime_ms(group) / 2;
@@ -31,7 +30,7 @@ export function readNear(group: PlanGroup, at_ms: number, hyperperiod_ms: number
   return readOf(group, Math.max(0, Math.min(last, Math.round((at_ms - middle_ms) / group.period_ms))), hyperperiod_ms);
 }
 
-// What takes part in a read: a slower point is in every m-th one only.
+// Returns the points of a read; a slower point is only in every m-th read.
 export function pointsOf(group: PlanGroup, read: Read): PlanPoint[] {
   const tolerance_ms = 1e-3;
   return group.points.filter((point) => {
@@ -58,7 +57,7 @@ export function rangeText(points: readonly PlanPoint[]): string {
 
 export type Span = readonly [from: number, to: number];
 
-// Marks of the reads in pixels: at least `least` wide, those that touch are one. So there are never more than pixels.
+// Returns the marks of the reads in pixels, at least `least` wide. Marks that touch are joined, so there are at most as many as pixels.
 export function marksOf(groups: readonly PlanGroup[], hyperperiod_ms: number, width: number, least = 1.5): Span[] {
   const scale = width / hyperperiod_ms;
   const spans: [number, number][] = [];
@@ -69,7 +68,7 @@ export function marksOf(groups: readonly PlanGroup[], hyperperiod_ms: number, wi
     for (let index = 0; index < readCount(group, hyperperiod_ms); index++) {
       const read = readOf(group, index, hyperperiod_ms);
       if (!read) break;
-      if (read.begin_ms < 0) add(hyperperiod_ms + read.begin_ms, hyperperiod_ms);  // it began in the table before
+      if (read.begin_ms < 0) add(hyperperiod_ms + read.begin_ms, hyperperiod_ms);  // it began in the previous table
       add(Math.max(0, read.begin_ms), read.end_ms);
     }
   spans.sort((a, b) => a[0] - b[0]);
@@ -85,14 +84,14 @@ export function marksOf(groups: readonly PlanGroup[], hyperperiod_ms: number, wi
 export const pathOf = (spans: readonly Span[], top: number, height: number): string =>
   spans.map(([from, to]) => `M${from.toFixed(1)} ${top}h${(to - from).toFixed(1)}v${height}H${from.toFixed(1)}z`).join('');
 
-// By device, then area and address; what has no period stands last.
+// Sorts by device, area and address; groups without a period are last.
 export function orderedGroups(plan: ReadPlan): PlanGroup[] {
   const order = (group: PlanGroup): number => group.points[0]?.first ?? 0;
   return [...plan.groups].sort((a, b) => Number(a.period_ms === null) - Number(b.period_ms === null) || a.device.localeCompare(b.device) ||
     (a.points[0]?.area ?? '').localeCompare(b.points[0]?.area ?? '') || order(a) - order(b));
 }
 
-// Instants for the axis: at most `most`, at round distances.
+// Returns at most `most` instants for the axis, at round distances.
 export function axisTicks(hyperperiod_ms: number, most: number): number[] {
   const raw = hyperperiod_ms / Math.max(1, most);
   const power = 10 ** Math.floor(Math.log10(raw));

@@ -1,6 +1,6 @@
-// Everything that the station has told: values by the id of their channel in typed arrays, the catalogue, buses, devices, alarms,
-// sessions, bridges. Knows no network and no screen. Ids hold for one connection: until the catalogue of a new one is there,
-// its frames wait, so that no value ever shows under another channel's name.
+// All data received from the station: values in typed arrays by channel id, the catalogue, buses, devices, alarms,
+// sessions, bridges. No network and no screen. Ids are valid for one connection: frames of a new one wait until its catalogue
+// has arrived, so that no value is shown under the name of a different channel.
 
 import { neverAcquired, parseFrame } from './frame';
 import type { Frame } from './frame';
@@ -29,7 +29,7 @@ export interface Tally {
   unread: number;
 }
 
-const mostWaiting = 1000;  // frames, while the catalogue is under way
+const mostWaiting = 1000;  // frames that wait for the catalogue
 const mostLoads = 300;  // for each bus: five minutes
 const mostIds = 1 << 20;
 
@@ -47,12 +47,12 @@ export class Plant {
   value = new Float64Array(0);
   acquired_ms = new Float64Array(0);  // 0: never
   quality = new Uint8Array(0);
-  stamp = new Uint32Array(0);  // the turn in which the channel last changed
+  stamp = new Uint32Array(0);  // the turn of the channel's last change
   turn = 1;  // grows with each frame
   samples = 0;
   base_ms = 0;  // the station's clock when it made the last frame
   qualityChanges = 0;  // grows when the quality of any channel changes
-  readonly texts = new Map<number, string>();  // values that are no plain number
+  readonly texts = new Map<number, string>();  // values that are not plain numbers
   readonly channels = new Map<number, Channel>();
   readonly ids = new Map<string, number>();  // by path
   readonly buses = new Map<string, Bus>();
@@ -60,15 +60,15 @@ export class Plant {
   readonly alarms = new Map<string, Alarm>();
   readonly sessions = new Map<string, Session>();  // bus/device
   readonly bridges = new Map<string, Bridge>();
-  readonly plans = new Set<string>();  // buses with another read plan, until a page has asked for it
+  readonly plans = new Set<string>();  // buses with a changed read plan, until a page has fetched it
   readonly loads = new Map<string, Load[]>();  // of each bus, oldest first
   readonly changed = new Set<Topic>();  // since the last painting
   onChange: () => void = () => {};
-  onValue: ((id: number) => void) | undefined;  // for a page that wants every sample of a channel
+  onValue: ((id: number) => void) | undefined;  // for a page that needs every sample of a channel
   watched = -1;  // the id for onValue
   private waiting: (ArrayBuffer | Record<string, unknown>)[] | undefined = [];
 
-  // A new connection: its ids mean nothing yet. What was known of buses and alarms is told again by the station.
+  // Called for a new connection: its ids are not yet valid, and the station sends buses and alarms again.
   restart(): void {
     this.waiting = [];
     this.version = -1;
@@ -102,7 +102,7 @@ export class Plant {
     this.touch('catalogue');
   }
 
-  // False: no frame of this protocol.
+  // Returns false if the bytes are not a frame of this protocol.
   applyFrame(bytes: ArrayBuffer): boolean {
     if (this.waiting) {
       if (this.waiting.length < mostWaiting) this.waiting.push(bytes);
@@ -114,7 +114,7 @@ export class Plant {
     return true;
   }
 
-  // The `values` message: texts, and integers that a double cannot hold.
+  // Handles a `values` message: texts, and integers that a double cannot represent.
   applyTexts(message: Record<string, unknown>): void {
     if (this.waiting) {
       if (this.waiting.length < mostWaiting) this.waiting.push(message);
@@ -132,7 +132,7 @@ export class Plant {
     this.onChange();
   }
 
-  // Numbers of channels by bus; '' counts all.
+  // Counts the channels of each bus; '' counts all.
   count(): Map<string, Tally> {
     const total: Tally = { all: 0, bad: 0, unread: 0 };
     const tallies = new Map([['', total]]);
@@ -214,7 +214,7 @@ export class Plant {
     this.qualityChanges++;
   }
 
-  // False: an id beyond all that a station may have.
+  // Returns false if the id exceeds the limit of a station.
   private reserve(id: number): boolean {
     if (id < this.value.length) return true;
     if (id >= mostIds) return false;

@@ -1,14 +1,14 @@
-// The command that lends a device's port to the programming software (docs/programming.md). Pure.
+// Builds the command that connects programming software to a device's port (docs/programming.md). Pure.
 
 export interface PortChoice {
   server: string;  // host:port of the bridge's `program: engineers: listen:`
   number: string;  // the device's `number:`
-  port: string;  // the virtual port that is made
+  port: string;  // the virtual port to make
   user: string;  // empty: no login
   tls: boolean;
 }
 
-// As a shell takes it for one word.
+// Quotes text as one word of a shell.
 export const shellWord = (text: string): string => (/^[\w@%+=:,./-]+$/.test(text) ? text : `'${text.replaceAll("'", `'\\''`)}'`);
 
 export function portCommand({ server, number, port, user, tls }: PortChoice): string {
@@ -16,5 +16,5 @@ export function portCommand({ server, number, port, user, tls }: PortChoice): st
   return words.map(shellWord).join(' ');
 }
 
-// Of a host, an IPv6 address in brackets.
+// Returns the host with an IPv6 address in brackets.
 export const serverOf = (host: string, port = 4950): string => `${host.includes(':') ? `[${host}]` : host}:${port}`;

@@ -1,4 +1,4 @@
-// Addresses: #/page/part/part?name=value. Parts are decoded; a link can be sent.
+// Addresses: #/page/part/part?name=value. Parts are URL-decoded.
 
 export interface Route {
   name: string;

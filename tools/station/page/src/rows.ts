@@ -1,4 +1,4 @@
-// Which channels the live table shows, and in which order. Pure: works on plain columns.
+// Filters and sorts the channels of the live table. Pure: works on plain columns.
 
 import { isBad, notYetRead } from './types';
 import type { Channel } from './types';
@@ -22,14 +22,14 @@ export interface Columns {
   quality: Uint8Array;
 }
 
-// A row is a channel's id, or -1 - the index of a heading.
+// A row is a channel's id, or (-1 - index) for a heading.
 export interface Rows {
   rows: Int32Array;
   headings: string[];
   channels: number;
 }
 
-// A pattern with * fits the whole path; else each word is to be found somewhere.
+// A pattern with * must match the whole path; otherwise the path must contain each word.
 export function matcher(filter: string): (channel: Channel) => boolean {
   const text = filter.trim().toLowerCase();
   if (!text) return () => true;

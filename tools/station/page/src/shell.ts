@@ -1,5 +1,5 @@
-// What stands around every page: the head with its links, the line of state below it, keys, messages. The line never changes its
-// height: when the connection is lost it turns into the banner, and the whole page greys by an attribute of the root.
+// The frame of every page: the head with its links, the status line below it, keys, messages. The line never changes its
+// height. When the connection is lost, it turns into the banner, and an attribute of the root greys the whole page.
 
 import { nothing, render } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
@@ -23,7 +23,7 @@ interface Actions {
   chooseLanguage(language: Language): void;
 }
 
-// The key after g, and the page.
+// Page for each key pressed after g.
 const places: readonly (readonly [string, string])[] = [
   ['o', 'overview'], ['l', 'live'], ['a', 'alarms'], ['d', 'devices'], ['p', 'programming'], ['h', 'history'], ['u', 'audit'],
 ];
@@ -99,7 +99,7 @@ export class Shell {
       if (event.key === 'Escape' && this.menuOpen) return this.toggleMenu();
       if (target.closest('input:not([type="checkbox"]), textarea, select, dialog')) {
         if (event.key === 'Escape' && target.closest('input:not(dialog *)')) {
-          event.preventDefault();  // a search field would lose its text
+          event.preventDefault();  // otherwise a search field would lose its text
           target.blur();
         }
         return;
@@ -158,7 +158,7 @@ export class Shell {
     return n;
   }
 
-  // A tab that nobody looks at tells that there are alarms, too.
+  // Shows alarms in the title, so that a background tab shows them too.
   private showTitle(): void {
     const alarms = this.me?.role ? this.unacknowledged() : 0;
     const title = `${alarms ? `(${alarms}) ` : ''}${this.pageTitle} · Fieldcast`;

@@ -1,4 +1,4 @@
-// The spans of time that one may choose for a trend.
+// Time ranges that the user can select for a trend.
 
 export const spans = [
   { key: '1min', ms: 60_000 }, { key: '10min', ms: 600_000 }, { key: '1h', ms: 3_600_000 }, { key: '8h', ms: 28_800_000 },

@@ -1,5 +1,5 @@
-// A table of any length that holds only the rows that are seen. Rows have one height; a pool of row elements is moved about while
-// one scrolls. The owner says what a row shows; arrows, Page keys, Home, End and Enter work when the table has the focus.
+// A table of any length that has elements only for visible rows. All rows have one height; scrolling reuses a pool of row
+// elements. The owner paints the rows. Arrows, Page keys, Home, End and Enter work while the table has the focus.
 
 export interface Column {
   key: string;
@@ -10,14 +10,14 @@ export interface Column {
 export interface Row {
   element: HTMLElement;
   cells: HTMLElement[];
-  index: number;  // of what it shows; -1: nothing
-  mark: number;  // the owner's own: what was painted last
+  index: number;  // index of the shown item; -1: none
+  mark: number;  // for the owner: what was painted last
 }
 
 export interface TableOwner {
   columns: Column[];
   label: string;
-  paintRow(row: Row, fresh: boolean): void;  // fresh: the row shows another index than before
+  paintRow(row: Row, fresh: boolean): void;  // fresh: the row shows a different index than before
   open?(index: number): void;  // Enter or a click
   sort?(key: string): void;
 }
@@ -72,7 +72,7 @@ export class VirtualTable {
     });
   }
 
-  // Only rows that show something; the owner skips what did not change.
+  // Paints only rows with an item; the owner skips unchanged contents.
   paint(): void {
     for (const row of this.rows) if (row.index >= 0) this.owner.paintRow(row, false);
   }
@@ -130,7 +130,7 @@ export class VirtualTable {
     this.setCount(this.count);
   }
 
-  // Row k of the pool shows an index that is k modulo the pool's size: scrolling by one changes one.
+  // Row k of the pool shows an index equal to k modulo the pool size, so scrolling by one row changes one element.
   private place(): void {
     const size = this.rows.length;
     if (!size) return;

@@ -1,4 +1,4 @@
-// Light or dark: by the system, or as chosen here.
+// Selects the light or dark theme: by the system, or by the user.
 
 export type Theme = 'system' | 'light' | 'dark';
 export const themes: readonly Theme[] = ['system', 'light', 'dark'];

@@ -1,4 +1,4 @@
-// Where the marks of an axis stand and what they say. Pure but for the machine's time zone.
+// Positions and labels of the marks of an axis. Pure except for the machine's time zone.
 
 import { clock } from './format';
 
@@ -14,7 +14,7 @@ export interface Tick {
   text: string;
 }
 
-// Round numbers (1, 2, 5 times a power of ten), at most `most` of them.
+// Returns round numbers (1, 2, 5 times a power of ten), at most `most`.
 export function numberTicks(min: number, max: number, most: number): Tick[] {
   const rough = (max - min) / Math.max(1, most);
   if (!(rough > 0) || !Number.isFinite(rough)) return [];
@@ -29,7 +29,7 @@ export function numberTicks(min: number, max: number, most: number): Tick[] {
   return ticks;
 }
 
-// Round times of the local clock; the day stands with the first mark and where it changes.
+// Returns round times of the local clock; the first mark and each new day show the date.
 export function timeTicks(from_ms: number, to_ms: number, most: number): Tick[] {
   const step = timeSteps.find((each) => (to_ms - from_ms) / each <= Math.max(1, most)) ?? timeSteps.at(-1)!;
   const offset_ms = (at: number): number => new Date(at).getTimezoneOffset() * minute;

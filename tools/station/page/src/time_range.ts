@@ -1,5 +1,5 @@
-// The span of time that a page asks the station for: a length back from now, or from and to. It stands in the address, so that a
-// link shows the same.
+// The time range that a page requests from the station: a length before now, or from and to. It is in the address, so that a
+// link shows the same range.
 
 import type { TemplateResult } from 'lit-html';
 import type { Context } from './context';
@@ -14,7 +14,7 @@ const offered = spans.filter((span) => span.ms >= 3_600_000);
 export interface Range {
   from_ms: number;
   to_ms: number;
-  span: string;  // its length as a word; empty: from and to are fixed
+  span: string;  // name of its length; empty: from and to are fixed
 }
 
 export function rangeOf(context: Context, otherwise: string): Range {
@@ -26,7 +26,7 @@ export function rangeOf(context: Context, otherwise: string): Range {
   return { from_ms: now - spanOf(span, spanOf(otherwise, 86_400_000)), to_ms: now, span };
 }
 
-// For <input type="datetime-local">.
+// Format of <input type="datetime-local">.
 function localText(ms: number): string {
   return new Date(ms - new Date(ms).getTimezoneOffset() * 60_000).toISOString().slice(0, 19);
 }

@@ -1,17 +1,17 @@
-// History of the store and live values as one line. Pure.
+// Joins stored history and live values to one line. Pure.
 
 import type { Line, Span } from './chart';
 import type { Series } from './types';
 
 export interface Sample {
   at_ms: number;
-  value: number | null;  // null: bad from here on
+  value: number | null;  // null: bad from this time on
 }
 
-const gapAfter_ms = 35_000;  // shorter silences of the store are no gap: a value that does not change may be told so seldom
+const gapAfter_ms = 35_000;  // shorter silences of the store are not gaps: an unchanged value may be stored that rarely
 const mostSamples = 20_000;
 
-// A line breaks where no sample was for long, and where one was bad.
+// A line has a gap after a long time without a sample, and at bad samples.
 export function lineOf(series: Series, label: string, refresh_ms = 0): Line {
   const line: Line = { label, unit: series.unit, stepped: series.type === 'bool', t: [], average: [], min: [], max: [], bad: [] };
   const gap_ms = Math.max(3 * series.bucket_ms, 3 * refresh_ms, gapAfter_ms);
@@ -38,13 +38,13 @@ function addSpan(spans: Span[], from_ms: number, to_ms: number): void {
   else spans.push({ from_ms, to_ms });
 }
 
-// What arrived since the page is open: goes on where the store ends.
+// Samples that arrived while the page is open; they continue the stored line.
 export class LiveTail {
   private readonly samples: Sample[] = [];
   private readonly bad: Span[] = [];
   private badFrom_ms = 0;
 
-  // refresh_ms: the promise; 0: none, then no refresh can be missed.
+  // refresh_ms: the promised refresh; 0: none, so no refresh can be missed.
   constructor(private readonly refresh_ms: number) {}
 
   add(at_ms: number, value: number, good: boolean, now_ms: number): void {
@@ -68,7 +68,7 @@ export class LiveTail {
     if (this.bad.length > 1000) this.bad.splice(0, 100);
   }
 
-  // The store's line, gone on with what is newer. An outage that lasts runs up to now.
+  // Returns the stored line continued with newer samples. A present outage extends to now.
   join(line: Line, from_ms: number, now_ms: number): Line {
     const end = line.t.at(-1) ?? from_ms;
     const joined: Line = { ...line, t: [...line.t], average: [...line.average], min: [...line.min], max: [...line.max], bad: line.bad.map((span) => ({ ...span })) };

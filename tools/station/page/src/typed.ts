@@ -1,10 +1,10 @@
-// What a person typed, as a value of a channel's type. Pure.
+// Converts typed text to a value of a channel's type. Pure.
 
 export type Typed = { value: string | number | boolean | bigint } | { fault: 'number' | 'range' };
 
 const integerBits: Record<string, number> = { int8: 8, int16: 16, int32: 32, int64: 64, uint8: 8, uint16: 16, uint32: 32, uint64: 64 };
 
-// `limits`: write-min and write-max, when they are set. A scaled integer takes decimals: the bridge knows its scale.
+// `limits`: write-min and write-max, if they are set. A scaled integer may have decimals; the bridge applies the scale.
 export function typedValue(text: string, type: string, limits: Record<string, number>): Typed {
   if (type.startsWith('string')) return { value: text };
   if (type === 'bool') return { value: text === 'true' };

@@ -1,4 +1,4 @@
-// What the station sends, as JSON: names and units as in tools/station/README.md. Times are Unix milliseconds.
+// JSON messages of the station; names and units as in openapi.yaml and live/README.md. Times are Unix milliseconds.
 
 export type Role = 'viewer' | 'operator' | 'programmer';
 
@@ -138,12 +138,12 @@ export interface PlanPoint {
   stretch: number;
 }
 
-// What is read by the same requests.
+// Channels that share requests.
 export interface PlanGroup {
   device: string;
-  list: boolean;  // a request carries a list of ranges
+  list: boolean;  // a request contains a list of ranges
   period_ms: number | null;
-  phase_ms: number | null;  // from the begin of the table to the end of a read
+  phase_ms: number | null;  // from the start of the table to the end of a read
   slack_ms: number | null;
   load: number;  // share of the wire
   points: PlanPoint[];
@@ -189,14 +189,14 @@ export interface Result {
   completed_ms: number;
 }
 
-// Of a text channel: t, text and quality.
+// A text channel has t, text and quality.
 export interface Series {
   channel: string;
   known: boolean;
   unit: string;
   type: string;
   tier: 'raw' | 'minute' | 'hour';
-  bucket_ms: number;  // 0: samples as they are
+  bucket_ms: number;  // 0: raw samples
   t: number[];
   min: (number | null)[];
   max: (number | null)[];
@@ -214,13 +214,13 @@ export interface History {
   series: Series[];
 }
 
-// In the order of the IDL; the index is the byte of a frame. Names of their texts.
+// Names of the texts of qualities in the order of the IDL; the index is the byte in a frame.
 export const qualities = [
   'good', 'uncertain', 'bad-no-answer', 'bad-frame', 'bad-device-error', 'bad-range', 'bad-configuration', 'not-yet-read',
 ] as const;
 export const notYetRead = 7;
 export const isBad = (quality: number): boolean => quality >= 2 && quality !== notYetRead;
 
-// Older than its bridge promised, with some room for the way: shown so, whatever its quality says.
+// Older than its bridge promised, with a tolerance for the transport; shown as stale with any quality.
 export const isLate = (channel: Channel, age_ms: number): boolean =>
   channel.refresh_ms > 0 && channel.mode !== 'on-demand' && age_ms > 2.2 * channel.refresh_ms + 1500;

@@ -1,4 +1,4 @@
-// Small pieces that several pages show: quality by shape, colour and text, bars of load, states, a confirming dialog.
+// Elements shared by several pages: quality by shape, colour and text, bars of load, states, a confirmation dialog.
 
 import { nothing, render } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
@@ -21,12 +21,11 @@ const tones: Record<string, Tone> = {
 export const toneOfState = (state: string): Tone => tones[state] ?? 'unknown';
 export const shape = (tone: Tone): string => shapes[tone];
 
-// A shape in its colour, and a text beside it.
 export const badge = (tone: Tone, text: string): TemplateResult =>
   html`<span class="badge ${tone}"><span class="shape" aria-hidden="true">${shapes[tone]}</span>${text}</span>`;
 export const stateBadge = (state: string): TemplateResult => badge(toneOfState(state), word('state', state));
 
-// One bar from 0 to 100 %; more than that is full and marked.
+// A bar from 0 to 100 %; a higher value fills and marks it.
 export function bar(name: string, label: string, share: number, hint = ''): TemplateResult {
   const width = Math.max(0, Math.min(1, share || 0)) * 100;
   const tone = share > 1 ? 'bad' : share > 0.85 ? 'warning' : '';
@@ -46,7 +45,7 @@ export interface Question {
   danger?: boolean;
 }
 
-// Asks in a modal dialog; resolves with the form's data, or with nothing when it was left.
+// Shows a modal dialog; resolves with the form's data, or undefined if it was cancelled.
 export function ask(question: Question): Promise<FormData | undefined> {
   const dialog = document.createElement('dialog');
   dialog.setAttribute('aria-labelledby', 'dialog-title');
@@ -77,14 +76,12 @@ export function ask(question: Question): Promise<FormData | undefined> {
 export const empty = (text: string, hint = ''): TemplateResult =>
   html`<div class="empty"><p>${text}</p>${hint ? html`<p class="muted">${hint}</p>` : nothing}</div>`;
 
-// The error of a request or a command as a sentence.
 export function errorText(error: unknown): string {
   const told = error as { message?: string; hint?: string; status?: number };
   const message = told.message === 'unreachable' || told.message === 'lost' ? t('error.lost') : told.message === 'no-result' ? t('error.no-result') : told.message ?? String(error);
   return told.hint ? `${message} ${told.hint}` : message;
 }
 
-// An element of a page: its class, and its heading for who cannot see it.
 export function makeElement(className: string): HTMLElement {
   const element = document.createElement('div');
   element.className = `page ${className}`;

@@ -1,4 +1,4 @@
-// Alarms by ISA-18.2: what wants somebody first. #/alarms shows those that are there, #/alarms/history what happened in a span.
+// Alarms by ISA-18.2, those that need attention first. #/alarms shows present alarms, #/alarms/history the events of a time range.
 
 import { nothing, render } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
@@ -102,7 +102,7 @@ class PresentAlarms {
     this.list.set(alarms);
   }
 
-  // Those that are checked; none is: the selected one.
+  // Returns the checked alarms; if none is checked, the selected one.
   private chosen(fits: (alarm: Alarm) => boolean): Alarm[] {
     const all = this.checked.size ? [...this.context.plant.alarms.values()].filter((alarm) => this.checked.has(alarmKey(alarm))) :
       this.list.selected ? [this.list.selected] : [];

@@ -1,4 +1,4 @@
-// Who did what: #/audit. Who may do what: #/audit/users. Both need the role operator; users are changed by a command only.
+// #/audit shows the actions of users, #/audit/users their roles. Both need the role operator; only a command changes users.
 
 import { nothing, render } from 'lit-html';
 import { request } from '../api';
@@ -12,7 +12,7 @@ import { channelLink, link } from '../router';
 import type { AuditEntry, User } from '../types';
 import { empty, errorText, makeElement } from '../view';
 
-// "write 1800", "acknowledge: looked at it": the word for what was done, and the rest as it is.
+// "write 1800", "acknowledge: looked at it": translates the action, and keeps the rest.
 function whatText({ what }: AuditEntry): string {
   const [, head = what, rest = ''] = /^(end maintenance|user add|user remove|[a-z]+)(.*)$/s.exec(what) ?? [];
   return word('what', head) + rest;
@@ -20,7 +20,7 @@ function whatText({ what }: AuditEntry): string {
 
 const failed = (entry: AuditEntry): boolean => !/^(done|verified|ok|viewer|operator|programmer)?$/.test(entry.result);
 
-// "a/b/c = 7": the channel, if this station knows it.
+// "a/b/c = 7": the channel, if it is in the catalogue.
 function targetLink(context: Context, entry: AuditEntry): string {
   const path = entry.target.split(/[\s=]/, 1)[0] ?? '';
   return context.plant.ids.has(path) ? channelLink(path) : '';
@@ -42,7 +42,7 @@ const audit = (context: Context): PastList<AuditEntry> => new PastList<AuditEntr
   ],
 });
 
-// The same shape as a PastList.
+// Same interface as PastList.
 class Users {
   readonly element = document.createElement('div');
   readonly tools = document.createElement('p');

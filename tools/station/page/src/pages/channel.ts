@@ -1,4 +1,4 @@
-// One channel: its value in large, its trend from the store and live in one line, a write with a question before and its result after.
+// One channel: its value in large, its stored and live trend in one line, a write with confirmation and result.
 
 import { nothing, render } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
@@ -19,7 +19,7 @@ import { ask, badge, empty, errorText, makeElement, qualityText, toneOfQuality }
 
 const points = 1000;
 const chartHeight = 320;
-const againAfter_ms = 4000;  // what the store wrote late, at the opening
+const againAfter_ms = 4000;  // fetches the history again, for samples that the store wrote late
 const mostOutcomes = 8;
 
 interface Outcome {
@@ -82,7 +82,7 @@ class ChannelPage implements Page {
     this.context.plant.watched = -1;
   }
 
-  // The channel may come after the page; after a new connection it may have another id.
+  // The channel may appear after the page; after a reconnect it may have a different id.
   private find(): void {
     const { plant, live } = this.context;
     const id = plant.ids.get(this.path);

@@ -1,4 +1,4 @@
-// Devices: how each is and why, what was learned of it, what it refuses, what failed, maintenance. #/devices/BUS/DEVICE shows one.
+// Devices: health with reason, learned values, refusals, failures, maintenance. #/devices/BUS/DEVICE shows one device.
 
 import { nothing, render } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
@@ -14,7 +14,7 @@ import { link } from '../router';
 import type { Device } from '../types';
 import { bar, empty, makeElement, shape, stateBadge, toneOfState } from '../view';
 
-const staleAfter_ms = 10_000;  // a device that only counts is told every 2 s
+const staleAfter_ms = 10_000;  // a device with changed counters only is reported every 2 s
 
 function reasonText(reason: Reason): string {
   switch (reason.kind) {
@@ -28,8 +28,8 @@ function reasonText(reason: Reason): string {
   }
 }
 
-// What outlives the way to a device and back.
-const causes = new Map<string, Device['causes']>();  // of the report before, by path
+// State that is kept while the user opens a device and returns.
+const causes = new Map<string, Device['causes']>();  // of the previous report, by path
 const recent = new Map<string, string>();  // the cause that grew last
 const kept = { filter: '', state: '' };
 

@@ -1,5 +1,5 @@
-// Up to eight channels over any span: min to max as a band, the average as a line, what was bad at the foot. Every zoom asks the
-// station anew, so that the picture is as fine as the store is. The address holds channels and span.
+// Up to eight channels over any time range: min to max as a band, the average as a line, bad times at the bottom. Every zoom
+// sends a new request, so that the picture has the resolution of the store. The address contains channels and range.
 
 import { render } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
@@ -21,7 +21,7 @@ const chartHeight = 380;
 const mostSuggestions = 50;
 const shortest_ms = 1000;
 
-// For <input type="datetime-local">.
+// Format of <input type="datetime-local">.
 function localText(ms: number): string {
   const at = new Date(ms - new Date(ms).getTimezoneOffset() * 60_000);
   return at.toISOString().slice(0, 19);
@@ -97,7 +97,7 @@ class HistoryPage implements Page {
     return this.fixed ?? { from_ms: this.context.now() - this.span_ms, to_ms: this.context.now() };
   }
 
-  // Every change is an address: the browser's Back is the way out of a zoom.
+  // Every change is a new address, so the browser's Back button leaves a zoom.
   private go(channels: readonly string[], window: { from_ms: number; to_ms: number } | { span: string } | undefined): void {
     const span = this.context.route.query.get('span');
     const when = window === undefined ? (this.fixed ? { from: String(this.fixed.from_ms), to: String(this.fixed.to_ms) } : span ? { span } : {}) :

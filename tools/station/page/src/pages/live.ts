@@ -1,5 +1,5 @@
-// Every channel in one table: filter, sort, group by device, bad ones first, pinned ones on top. Only the rows that are seen are in
-// the document; of them only cells whose value changed are touched.
+// Every channel in one table: filter, sort, group by device, bad ones first, pinned ones on top. The document contains only visible
+// rows, and only cells with a changed value are updated.
 
 import { render } from 'lit-html';
 import type { Context, MakePage } from '../context';
@@ -18,7 +18,7 @@ import { makeElement, qualityText, shape, toneOfQuality } from '../view';
 
 const pinsKey = 'fieldcast.pins';
 const mostPins = 200;
-const longValue = 12;  // characters; a longer one may be cut off
+const longValue = 12;  // characters; a longer text may be cut off
 
 function readPins(): Set<string> {
   try {
@@ -144,7 +144,7 @@ class LiveTable {
     row.cells.forEach((cell, index) => setText(cell, index === 2 ? device || `★ ${t('live.pinned')}` : ''));
   }
 
-  // What does not change while a row shows the same channel.
+  // Paints what does not change while a row shows the same channel.
   private paintAbout(row: Row, id: number): void {
     const channel = this.context.plant.channels.get(id)!;
     const pinned = this.pins.has(channel.path);

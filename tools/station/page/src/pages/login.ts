@@ -1,4 +1,4 @@
-// The login: user and password to the station, which answers with a cookie that no script can read.
+// The login: sends user and password to the station, which returns a cookie that no script can read.
 
 import { nothing, render } from 'lit-html';
 import { ApiError, request } from '../api';

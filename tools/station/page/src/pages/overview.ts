@@ -1,4 +1,4 @@
-// A card for each bus: its state, what the wire was planned to carry beside what it carries, misses by cause, the slowest device.
+// A card for each bus: its state, planned and measured load, misses by cause, the slowest device.
 
 import { nothing, render } from 'lit-html';
 import { repeat } from 'lit-html/directives/repeat.js';
@@ -24,7 +24,7 @@ function slowest(devices: Iterable<Device>, bus: string): Device | undefined {
   return found;
 }
 
-// How much a counter grew in the last minute; nothing while too little was seen.
+// Returns the growth of a counter within the time; undefined if there are too few reports.
 function grown(loads: readonly Load[], field: 'misses' | 'exchanges', within_ms: number): { by: number; in_s: number } | undefined {
   const last = loads.at(-1);
   if (!last) return undefined;
@@ -47,7 +47,7 @@ const causes = (counts: Counts): TemplateResult | string => {
   return rows.length ? html`${rows.map(([cause, n]) => html`<span class="cause">${word('cause', cause)} <b>${count(n)}</b></span>`)}` : t('overview.no-misses');
 };
 
-// Bridges beside the one that reports the bus, and beside its standby group: those that say that they serve it, too, and those that do not.
+// Other bridges that announce this bus, outside the reporting bridge's standby group: those that serve it too, and those that wait.
 function claims(bridges: ReadonlyMap<string, Bridge>, bus: Bus): { serving: string; waiting: string } {
   const group = bridges.get(bus.bridge)?.standby_group;
   const others = [...bridges.values()].filter((each) => each.bridge !== bus.bridge && !(group && each.standby_group === group));

@@ -1,5 +1,5 @@
 // The read plan of a bus as a picture: a row for each group of channels that are read together, a mark for each read, as wide as
-// the time that it takes of the wire. #/plan/BUS. Hovering, or the arrows, tell which channels a read carries.
+// its wire time. #/plan/BUS. Hovering, or the arrow keys, show the channels of a read.
 
 import { nothing, render } from 'lit-html';
 import { repeat } from 'lit-html/directives/repeat.js';
@@ -18,7 +18,7 @@ import { bar, empty, errorText, makeElement } from '../view';
 const rowHeight = 46;
 const mostNames = 60;
 const zooms = [1, 2, 4, 8, 16, 32];
-const slotsFrom_px = 10;  // apart, else they are not drawn
+const slotsFrom_px = 10;  // least distance; closer slots are not drawn
 
 class PlanPage implements Page {
   readonly element = makeElement('plan');
@@ -213,7 +213,7 @@ class PlanPage implements Page {
         ${read ? svg`<rect class="plan-read" x=${from.toFixed(1)} y="8" width=${Math.max(3, read.end_ms * scale - from).toFixed(1)} height="30"></rect>` : nothing}</svg>` : nothing}</li>`;
   }
 
-  // The panel below: its height does not change with what it shows.
+  // The panel below; its height does not depend on its contents.
   private details(plan: ReadPlan): TemplateResult {
     const group = this.groups[this.selected];
     if (!group) return html`<section class="card plan-details">${t('plan.no-groups')}</section>`;

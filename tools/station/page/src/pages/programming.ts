@@ -1,4 +1,4 @@
-// Programming: which devices and modules are there, who programs what since when, and how one starts. #/programming/BUS/DEVICE
+// Programming: devices and modules, the user and start of each session, and how to start one. #/programming/BUS/DEVICE
 // shows the command for one device.
 
 import { nothing, render } from 'lit-html';
@@ -16,7 +16,7 @@ import type { Device, Session } from '../types';
 import { badge, empty, makeElement } from '../view';
 import type { Tone } from '../view';
 
-const dialIn = 'dial-in';  // the bus of a module that has none
+const dialIn = 'dial-in';  // stands for the bus of a module without one
 const keptUnder = 'fieldcast.port';
 
 interface Target {
@@ -99,7 +99,7 @@ class ProgrammingPage implements Page {
     return true;
   }
 
-  // Devices of buses, and modules that have dialled in; those that are programmed first.
+  // Devices of buses and dialled-in modules; those with a session are first.
   private targets(): Target[] {
     const { devices, sessions } = this.context.plant;
     const found = new Map<string, Target>();

@@ -1,4 +1,4 @@
-// Why an exchange, a value or a command failed: names as in core/base/cause.cpp.
+// Causes of failed exchanges, values and commands; names as in core/base/cause.cpp.
 
 export const en = {
   'cause.NONE': 'no error', 'cause.NO_ANSWER': 'no answer', 'cause.TRUNCATED': 'answer broken off', 'cause.CHECKSUM': 'checksum error',

@@ -1,4 +1,4 @@
-// Texts around every page, and the words of the station.
+// Texts of the page frame, and the words of the station.
 
 export const en = {
   'nav.label': 'Pages', 'nav.overview': 'Overview', 'nav.live': 'Live', 'nav.alarms': 'Alarms', 'nav.devices': 'Devices',
