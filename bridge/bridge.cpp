@@ -4,11 +4,11 @@
 
 #include <cstdlib>
 
+#include "bridge/base/check.hpp"
+#include "bridge/base/clock.hpp"
+#include "bridge/base/exit_code.hpp"
 #include "bridge/bridge_state.hpp"
-#include "bridge/bus/clock.hpp"
-#include "bridge/check.hpp"
-#include "bridge/dds/multicast.hpp"
-#include "bridge/exit_code.hpp"
+#include "bridge/dds/transport/multicast.hpp"
 
 namespace fieldcast {
 namespace {

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <future>
 
+#include "bridge/base/check.hpp"
+#include "bridge/base/clock.hpp"
 #include "bridge/bridge_state.hpp"
-#include "bridge/bus/clock.hpp"
-#include "bridge/check.hpp"
 #include "bridge/store/alarm_life_table.hpp"
 
 namespace fieldcast {

@@ -1,7 +1,7 @@
 // Commands in a standby group. A waiting member holds them; the master notes which writes begin; a
 // new master responds for a lost one.
+#include "bridge/base/clock.hpp"
 #include "bridge/bridge_state.hpp"
-#include "bridge/bus/clock.hpp"
 
 namespace fieldcast {
 namespace {

@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "bridge/base/clock.hpp"
 #include "bridge/bridge_state.hpp"
-#include "bridge/bus/clock.hpp"
 #include "bridge/standby/common_configuration.hpp"
 #include "core/base/counted.hpp"
 

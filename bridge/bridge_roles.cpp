@@ -2,7 +2,7 @@
 
 #include <pthread.h>
 
-#include "bridge/bus/clock.hpp"
+#include "bridge/base/clock.hpp"
 
 namespace fieldcast {
 namespace {

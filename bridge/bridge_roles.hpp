@@ -14,12 +14,12 @@
 #include <utility>
 #include <vector>
 
+#include "bridge/base/io_thread.hpp"
 #include "bridge/bus/bus_runner.hpp"
-#include "bridge/bus/io_thread.hpp"
-#include "bridge/command/recent_commands.hpp"
 #include "bridge/publish/bus_output.hpp"
 #include "bridge/standby/election.hpp"
 #include "bridge/standby/held_commands.hpp"
+#include "bridge/standby/recent_commands.hpp"
 #include "core/alarm/alarm_status.hpp"
 #include "core/model/command.hpp"
 

@@ -1,8 +1,8 @@
 // A bridge of a standby group: how it prepares, takes over and releases its buses.
 #include <fmt/format.h>
 
+#include "bridge/base/clock.hpp"
 #include "bridge/bridge_state.hpp"
-#include "bridge/bus/clock.hpp"
 #include "bridge/standby/common_configuration.hpp"
 
 namespace fieldcast {

@@ -18,17 +18,16 @@
 #include <tl/expected.hpp>
 #include <vector>
 
+#include "bridge/base/io_thread.hpp"
 #include "bridge/bridge.hpp"
 #include "bridge/bridge_roles.hpp"
 #include "bridge/bus/bus_runner.hpp"
-#include "bridge/bus/io_thread.hpp"
 #include "bridge/capture/capture_service.hpp"
 #include "bridge/command/alarm_actions.hpp"
-#include "bridge/command/command_audit.hpp"
 #include "bridge/command/command_router.hpp"
-#include "bridge/dds/dds_link.hpp"
-#include "bridge/dds/standby_channel.hpp"
-#include "bridge/dds/standby_follower.hpp"
+#include "bridge/dds/endpoints/dds_link.hpp"
+#include "bridge/dds/endpoints/standby_channel.hpp"
+#include "bridge/dds/receivers/standby_follower.hpp"
 #include "bridge/interest/interest_registry.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/metrics/metrics_server.hpp"
@@ -41,9 +40,10 @@
 #include "bridge/standby/bus_guard.hpp"
 #include "bridge/standby/master_lease.hpp"
 #include "bridge/standby/standby_group.hpp"
-#include "bridge/store/authenticator.hpp"
+#include "bridge/store/command_audit.hpp"
 #include "bridge/store/command_identities.hpp"
 #include "bridge/store/store.hpp"
+#include "bridge/store/users/authenticator.hpp"
 
 namespace fieldcast {
 

@@ -1,11 +1,11 @@
 // The handlers of DDS, the programming server, the store and the other bridges.
 #include <fmt/format.h>
 
+#include "bridge/base/clock.hpp"
 #include "bridge/bridge_state.hpp"
-#include "bridge/bus/clock.hpp"
-#include "bridge/dds/multicast.hpp"
-#include "bridge/dds/receive_buffer.hpp"
-#include "bridge/dds/transport/shared_guard.hpp"
+#include "bridge/dds/guard/shared_guard.hpp"
+#include "bridge/dds/transport/multicast.hpp"
+#include "bridge/dds/transport/receive_buffer.hpp"
 
 namespace fieldcast {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "bridge/exit_code.hpp"
+#include "bridge/base/exit_code.hpp"
 
 namespace fieldcast {
 

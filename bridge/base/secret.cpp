@@ -5,7 +5,7 @@
 #include <cstring>
 #include <new>
 
-#include "bridge/check.hpp"
+#include "bridge/base/check.hpp"
 
 namespace fieldcast {
 namespace {

@@ -10,14 +10,14 @@
 #include <string>
 #include <utility>
 
+#include "bridge/base/back_off.hpp"
+#include "bridge/base/check.hpp"
+#include "bridge/base/clock.hpp"
 #include "bridge/bus/answers_under_way.hpp"
-#include "bridge/bus/back_off.hpp"
-#include "bridge/bus/clock.hpp"
 #include "bridge/bus/engine_timer.hpp"
 #include "bridge/bus/gate.hpp"
 #include "bridge/bus/iconv_codec.hpp"
 #include "bridge/bus/wire_record.hpp"
-#include "bridge/check.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/log/notice_log.hpp"
 #include "bridge/port/device_watch.hpp"

@@ -14,7 +14,7 @@
 
 #include "bridge/base/file_descriptor.hpp"
 #include "bridge/bus/bus_sink.hpp"
-#include "core/bus/event.hpp"
+#include "core/bus/setup/event.hpp"
 #include "core/model/inheritance.hpp"
 #include "core/model/spec.hpp"
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "bridge/dds/topics/utc_mapping.hpp"
+#include "core/base/utc_mapping.hpp"
 #include "core/model/command.hpp"
 #include "core/model/sample.hpp"
 #include "core/model/status.hpp"

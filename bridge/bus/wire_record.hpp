@@ -10,7 +10,7 @@
 
 #include "bridge/capture/capture_tap.hpp"
 #include "core/base/bytes.hpp"
-#include "core/bus/event.hpp"
+#include "core/bus/setup/event.hpp"
 
 namespace fieldcast {
 

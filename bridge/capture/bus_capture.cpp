@@ -7,7 +7,7 @@
 #include "core/capture/pcapng_writer.hpp"
 #include "core/capture/upper_pdu.hpp"
 #include "core/model/port_spec.hpp"
-#include "core/protocol/registry.hpp"
+#include "core/protocol/families/registry.hpp"
 
 namespace fieldcast {
 namespace {

@@ -3,7 +3,7 @@
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/write.hpp>
 
-#include "bridge/bus/clock.hpp"
+#include "bridge/base/clock.hpp"
 #include "bridge/capture/capture_socket.hpp"
 
 namespace fieldcast {

@@ -10,8 +10,8 @@
 #include <list>
 #include <map>
 
-#include "bridge/bus/clock.hpp"
-#include "bridge/bus/io_thread.hpp"
+#include "bridge/base/clock.hpp"
+#include "bridge/base/io_thread.hpp"
 #include "bridge/capture/capture_client.hpp"
 #include "bridge/capture/capture_ring.hpp"
 #include "bridge/capture/capture_socket.hpp"

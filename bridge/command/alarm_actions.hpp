@@ -5,10 +5,10 @@
 
 #include <mutex>
 
-#include "bridge/command/command_audit.hpp"
-#include "bridge/dds/topics/utc_mapping.hpp"
 #include "bridge/publish/alarm_table.hpp"
-#include "core/bus/command_ledger.hpp"
+#include "bridge/store/command_audit.hpp"
+#include "core/base/utc_mapping.hpp"
+#include "core/bus/command/command_ledger.hpp"
 
 namespace fieldcast {
 

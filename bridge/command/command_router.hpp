@@ -10,8 +10,8 @@
 #include <string_view>
 
 #include "bridge/bus/bus_runner.hpp"
-#include "bridge/command/recent_commands.hpp"
-#include "core/bus/command_ledger.hpp"
+#include "bridge/standby/recent_commands.hpp"
+#include "core/bus/command/command_ledger.hpp"
 #include "core/model/command.hpp"
 
 namespace fieldcast {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <pthread.h>
 
-#include "bridge/bus/clock.hpp"
+#include "bridge/base/clock.hpp"
 
 namespace fieldcast {
 

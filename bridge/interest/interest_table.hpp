@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/bus/event.hpp"
+#include "core/bus/setup/event.hpp"
 #include "core/model/pattern.hpp"
 #include "core/model/spec.hpp"
 

@@ -13,7 +13,7 @@
 #include <memory>
 #include <mutex>
 
-#include "bridge/bus/clock.hpp"
+#include "bridge/base/clock.hpp"
 #include "bridge/log/line_budget.hpp"
 #include "bridge/log/line_writer.hpp"
 #include "core/base/printable.hpp"

@@ -7,7 +7,7 @@
 
 #include "bridge/log/log.hpp"
 #include "bridge/log/repeat_filter.hpp"
-#include "core/bus/event.hpp"
+#include "core/bus/setup/event.hpp"
 
 namespace fieldcast {
 

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "bridge/bus/io_thread.hpp"
+#include "bridge/base/io_thread.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/net/listener.hpp"
 

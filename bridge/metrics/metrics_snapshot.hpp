@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "bridge/dds/dds_link.hpp"
-#include "bridge/dds/transport/rtps_fault.hpp"
+#include "bridge/dds/endpoints/dds_link.hpp"
+#include "bridge/dds/guard/rtps_fault.hpp"
 #include "bridge/store/store.hpp"
 #include "core/alarm/alarm_book.hpp"
 #include "core/base/time.hpp"

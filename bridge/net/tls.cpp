@@ -11,9 +11,9 @@
 #include <boost/asio/steady_timer.hpp>
 #include <set>
 
+#include "bridge/base/check.hpp"
 #include "bridge/base/file_stamp.hpp"
 #include "bridge/base/secret_file.hpp"
-#include "bridge/check.hpp"
 
 namespace fieldcast {
 namespace {

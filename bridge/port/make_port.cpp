@@ -1,4 +1,4 @@
-#include "bridge/check.hpp"
+#include "bridge/base/check.hpp"
 #include "bridge/port/dial_in_port.hpp"
 #include "bridge/port/port.hpp"
 #include "bridge/port/serial_port.hpp"

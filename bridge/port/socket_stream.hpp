@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "bridge/bus/clock.hpp"
+#include "bridge/base/clock.hpp"
 #include "bridge/port/stream.hpp"
 
 namespace fieldcast {

@@ -6,8 +6,8 @@
 #include <boost/asio/post.hpp>
 #include <cerrno>
 
+#include "bridge/base/clock.hpp"
 #include "bridge/base/errno_text.hpp"
-#include "bridge/bus/clock.hpp"
 
 namespace fieldcast {
 

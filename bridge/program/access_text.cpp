@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bridge/net/tls.hpp"
-#include "bridge/program/module_gate.hpp"
+#include "bridge/program/module/module_gate.hpp"
 
 namespace fieldcast::program {
 namespace {

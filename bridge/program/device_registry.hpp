@@ -13,8 +13,8 @@
 
 #include "bridge/bus/bus_runner.hpp"
 #include "bridge/program/leased_device.hpp"
-#include "bridge/program/module_server.hpp"
-#include "bridge/program/relay_end.hpp"
+#include "bridge/program/module/module_server.hpp"
+#include "bridge/program/module/relay_end.hpp"
 #include "core/program/frame.hpp"
 
 namespace fieldcast::program {

@@ -5,7 +5,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 
-#include "bridge/bus/clock.hpp"
+#include "bridge/base/clock.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/net/listener.hpp"
 #include "bridge/port/serial_line.hpp"

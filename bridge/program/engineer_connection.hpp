@@ -7,8 +7,8 @@
 #include <string>
 
 #include "bridge/program/device_registry.hpp"
-#include "bridge/program/hooks.hpp"
-#include "bridge/program/relay_end.hpp"
+#include "bridge/program/module/hooks.hpp"
+#include "bridge/program/module/relay_end.hpp"
 #include "core/model/spec.hpp"
 #include "core/program/engineer.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <boost/asio/io_context.hpp>
 
-#include "bridge/bus/clock.hpp"
+#include "bridge/base/clock.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/net/tls.hpp"
 #include "bridge/port/socket_stream.hpp"

@@ -13,7 +13,7 @@
 #include "bridge/log/repeat_filter.hpp"
 #include "bridge/net/listener.hpp"
 #include "bridge/program/engineer_connection.hpp"
-#include "bridge/program/silent_connections.hpp"
+#include "bridge/program/module/silent_connections.hpp"
 #include "core/model/spec.hpp"
 
 namespace fieldcast {

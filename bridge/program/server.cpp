@@ -5,7 +5,7 @@
 #include <future>
 #include <map>
 
-#include "bridge/bus/io_thread.hpp"
+#include "bridge/base/io_thread.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/program/engineer_server.hpp"
 

@@ -7,8 +7,8 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "bridge/program/hooks.hpp"
 #include "bridge/program/leased_device.hpp"
+#include "bridge/program/module/hooks.hpp"
 #include "core/model/spec.hpp"
 
 namespace fieldcast {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "bridge/bus/clock.hpp"
+#include "bridge/base/clock.hpp"
 #include "bridge/log/log.hpp"
 #include "core/base/number_text.hpp"
 

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "bridge/dds/topics/utc_mapping.hpp"
 #include "bridge/publish/alarm_table.hpp"
 #include "core/alarm/alarm_monitor.hpp"
+#include "core/base/utc_mapping.hpp"
 
 namespace fieldcast {
 

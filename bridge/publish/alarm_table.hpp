@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "bridge/store/alarm_sink.hpp"
+#include "bridge/store/records/alarm_sink.hpp"
 #include "core/alarm/alarm_book.hpp"
 
 namespace fieldcast {

@@ -6,12 +6,12 @@
 #include <optional>
 
 #include "bridge/bus/bus_sink.hpp"
-#include "bridge/command/command_audit.hpp"
 #include "bridge/publish/alarm_reporter.hpp"
 #include "bridge/publish/dds_publisher.hpp"
 #include "bridge/publish/sample_hold.hpp"
 #include "bridge/publish/store_recorder.hpp"
 #include "bridge/standby/master_lease.hpp"
+#include "bridge/store/command_audit.hpp"
 
 namespace fieldcast {
 

@@ -10,7 +10,7 @@
 #include <atomic>
 #include <vector>
 
-#include "bridge/dds/dds_link.hpp"
+#include "bridge/dds/endpoints/dds_link.hpp"
 #include "bridge/metrics/metrics_table.hpp"
 #include "bridge/publish/publisher_thread.hpp"
 

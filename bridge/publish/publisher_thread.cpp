@@ -3,7 +3,7 @@
 #include <future>
 #include <utility>
 
-#include "bridge/bus/clock.hpp"
+#include "bridge/base/clock.hpp"
 
 namespace fieldcast {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "bridge/exit_code.hpp"
+#include "bridge/base/exit_code.hpp"
 
 namespace fieldcast {
 namespace {

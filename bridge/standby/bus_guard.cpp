@@ -5,7 +5,7 @@
 
 #include <utility>
 
-#include "bridge/bus/clock.hpp"
+#include "bridge/base/clock.hpp"
 #include "bridge/standby/process_identity.hpp"
 
 namespace fieldcast {

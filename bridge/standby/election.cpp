@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "bridge/check.hpp"
+#include "bridge/base/check.hpp"
 
 namespace fieldcast {
 namespace {

@@ -23,7 +23,7 @@
 #include <vector>
 
 #include "core/base/time.hpp"
-#include "core/bus/command_ledger.hpp"
+#include "core/bus/command/command_ledger.hpp"
 
 namespace fieldcast {
 

@@ -5,7 +5,7 @@
 
 #include <atomic>
 
-#include "bridge/bus/clock.hpp"
+#include "bridge/base/clock.hpp"
 #include "core/base/time.hpp"
 
 namespace fieldcast {

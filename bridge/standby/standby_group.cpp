@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <cerrno>
 
-#include "bridge/bus/clock.hpp"
-#include "bridge/check.hpp"
+#include "bridge/base/check.hpp"
+#include "bridge/base/clock.hpp"
 #include "bridge/standby/process_identity.hpp"
 
 namespace fieldcast {

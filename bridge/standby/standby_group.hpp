@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "bridge/base/file_descriptor.hpp"
-#include "bridge/command/recent_commands.hpp"
 #include "bridge/standby/master_lease.hpp"
+#include "bridge/standby/recent_commands.hpp"
 #include "bridge/standby/standby_values.hpp"
 
 namespace fieldcast {

@@ -13,8 +13,8 @@
 #include <thread>
 #include <vector>
 
-#include "bridge/dds/domain.hpp"
-#include "bridge/dds/lost_instances.hpp"
+#include "bridge/dds/receivers/lost_instances.hpp"
+#include "bridge/dds/transport/domain.hpp"
 #include "bridge/station/bus_table.hpp"
 
 namespace fieldcast {

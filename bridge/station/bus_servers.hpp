@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "bridge/dds/domain.hpp"
-#include "bridge/dds/lost_instances.hpp"
+#include "bridge/dds/receivers/lost_instances.hpp"
+#include "bridge/dds/transport/domain.hpp"
 
 namespace fieldcast {
 

@@ -16,8 +16,8 @@
 #include <thread>
 #include <vector>
 
-#include "bridge/dds/domain.hpp"
 #include "bridge/dds/topics/conversion.hpp"
+#include "bridge/dds/transport/domain.hpp"
 #include "bridge/station/bus_servers.hpp"
 #include "bridge/station/once_writer.hpp"
 #include "bridge/station/station.hpp"

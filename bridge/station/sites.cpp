@@ -4,7 +4,7 @@
 #include <mutex>
 #include <utility>
 
-#include "bridge/check.hpp"
+#include "bridge/base/check.hpp"
 #include "core/model/channel_path.hpp"
 #include "core/model/pattern.hpp"
 

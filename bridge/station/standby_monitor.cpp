@@ -3,8 +3,8 @@
 #include <condition_variable>
 #include <mutex>
 
-#include "bridge/dds/domain.hpp"
 #include "bridge/dds/topics/conversion_standby.hpp"
+#include "bridge/dds/transport/domain.hpp"
 #include "bridge/station/subscription.hpp"
 
 namespace fieldcast {

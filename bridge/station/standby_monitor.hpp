@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "bridge/dds/dds_error.hpp"
+#include "bridge/dds/library/dds_error.hpp"
 #include "bridge/dds/topics/conversion_standby.hpp"
 #include "core/model/spec.hpp"
 

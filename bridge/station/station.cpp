@@ -4,10 +4,10 @@
 #include <chrono>
 #include <mutex>
 
-#include "bridge/check.hpp"
-#include "bridge/dds/domain.hpp"
+#include "bridge/base/check.hpp"
 #include "bridge/dds/topics/conversion.hpp"
 #include "bridge/dds/topics/received_sample.hpp"
+#include "bridge/dds/transport/domain.hpp"
 #include "bridge/station/block_subscription.hpp"
 #include "bridge/station/clock_offsets.hpp"
 #include "bridge/station/command_client.hpp"

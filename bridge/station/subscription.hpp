@@ -8,8 +8,8 @@
 #include <mutex>
 #include <utility>
 
-#include "bridge/dds/domain.hpp"
-#include "bridge/dds/lost_instances.hpp"
+#include "bridge/dds/receivers/lost_instances.hpp"
+#include "bridge/dds/transport/domain.hpp"
 
 namespace fieldcast {
 

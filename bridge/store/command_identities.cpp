@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "bridge/bus/clock.hpp"
+#include "bridge/base/clock.hpp"
 #include "bridge/log/log.hpp"
 
 namespace fieldcast {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "bridge/base/worker.hpp"
-#include "bridge/store/sql.hpp"
+#include "bridge/store/sql/sql.hpp"
 #include "core/base/time.hpp"
 
 namespace fieldcast {

@@ -3,8 +3,8 @@
 
 #include <functional>
 
-#include "bridge/store/records.hpp"
-#include "bridge/store/sql.hpp"
+#include "bridge/store/records/records.hpp"
+#include "bridge/store/sql/sql.hpp"
 
 namespace fieldcast {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "bridge/store/sql.hpp"
+#include "bridge/store/sql/sql.hpp"
 #include "core/base/time.hpp"
 
 namespace fieldcast {

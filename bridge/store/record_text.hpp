@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "bridge/store/alarm_sink.hpp"
-#include "bridge/store/records.hpp"
-#include "bridge/store/sample_table.hpp"
+#include "bridge/store/records/alarm_sink.hpp"
+#include "bridge/store/records/records.hpp"
+#include "bridge/store/tiers/sample_table.hpp"
 
 namespace fieldcast {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "bridge/store/event_table.hpp"
-#include "bridge/store/sample_days.hpp"
-#include "bridge/store/sample_table.hpp"
+#include "bridge/store/tiers/sample_days.hpp"
+#include "bridge/store/tiers/sample_table.hpp"
 #include "bridge/store/tiers/tier_table.hpp"
 #include "core/base/saturated.hpp"
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "bridge/store/sql.hpp"
+#include "bridge/store/sql/sql.hpp"
 #include "bridge/store/tiers/tier.hpp"
 #include "core/model/spec.hpp"
 

@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "bridge/bus/back_off.hpp"
-#include "bridge/bus/clock.hpp"
+#include "bridge/base/back_off.hpp"
+#include "bridge/base/clock.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/store/record_text.hpp"
 #include "bridge/store/store_writer.hpp"

@@ -21,11 +21,11 @@
 #include <variant>
 #include <vector>
 
-#include "bridge/dds/topics/utc_mapping.hpp"
-#include "bridge/store/alarm_sink.hpp"
-#include "bridge/store/audit.hpp"
-#include "bridge/store/records.hpp"
-#include "bridge/store/sample_table.hpp"
+#include "bridge/store/records/alarm_sink.hpp"
+#include "bridge/store/records/audit.hpp"
+#include "bridge/store/records/records.hpp"
+#include "bridge/store/tiers/sample_table.hpp"
+#include "core/base/utc_mapping.hpp"
 #include "core/model/pattern.hpp"
 #include "core/model/sample.hpp"
 #include "core/model/spec.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "bridge/bus/clock.hpp"
+#include "bridge/base/clock.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/store/alarm_life_table.hpp"
 #include "bridge/store/event_table.hpp"

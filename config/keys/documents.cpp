@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "config/keys/key.hpp"
-#include "config/limits.hpp"
-#include "core/protocol/registry.hpp"
+#include "config/document/key.hpp"
+#include "config/document/limits.hpp"
+#include "core/protocol/families/registry.hpp"
 
 namespace fieldcast::config {
 namespace {

@@ -10,12 +10,12 @@
 #include <string>
 #include <vector>
 
-#include "core/bus/action_sink.hpp"
 #include "core/bus/arbiter.hpp"
 #include "core/bus/bus_parts.hpp"
-#include "core/bus/event.hpp"
+#include "core/bus/health/overload_watch.hpp"
 #include "core/bus/outcome_router.hpp"
-#include "core/bus/overload_watch.hpp"
+#include "core/bus/setup/action_sink.hpp"
+#include "core/bus/setup/event.hpp"
 #include "core/model/inheritance.hpp"
 #include "core/model/spec.hpp"
 #include "core/model/status.hpp"

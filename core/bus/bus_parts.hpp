@@ -2,14 +2,14 @@
 // and the outcome router (after it) coordinate them. Owned by the bus engine, on the bus's thread.
 #pragma once
 
-#include "core/bus/bus_setup.hpp"
-#include "core/bus/channel_table.hpp"
-#include "core/bus/command_queue.hpp"
-#include "core/bus/device_monitor.hpp"
-#include "core/bus/late_answers.hpp"
+#include "core/bus/command/channel_table.hpp"
+#include "core/bus/command/command_queue.hpp"
+#include "core/bus/health/device_monitor.hpp"
 #include "core/bus/read_path.hpp"
-#include "core/bus/wire.hpp"
-#include "core/bus/wire_fence.hpp"
+#include "core/bus/setup/bus_setup.hpp"
+#include "core/bus/wire/late_answers.hpp"
+#include "core/bus/wire/wire.hpp"
+#include "core/bus/wire/wire_fence.hpp"
 
 namespace fieldcast {
 

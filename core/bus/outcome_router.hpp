@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "core/bus/action_sink.hpp"
 #include "core/bus/arbiter.hpp"
 #include "core/bus/bus_parts.hpp"
+#include "core/bus/setup/action_sink.hpp"
 
 namespace fieldcast {
 

@@ -17,10 +17,10 @@
 #include <variant>
 #include <vector>
 
-#include "core/bus/action_sink.hpp"
-#include "core/bus/block_learning.hpp"
-#include "core/bus/bus_setup.hpp"
-#include "core/bus/channel_table.hpp"
+#include "core/bus/command/channel_table.hpp"
+#include "core/bus/health/block_learning.hpp"
+#include "core/bus/setup/action_sink.hpp"
+#include "core/bus/setup/bus_setup.hpp"
 #include "core/dispatch/scheduler.hpp"
 #include "core/model/status.hpp"
 #include "core/plan/plan_report.hpp"

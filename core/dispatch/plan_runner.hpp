@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include "core/dispatch/decision.hpp"
-#include "core/dispatch/dispatch_state.hpp"
-#include "core/dispatch/dispatcher.hpp"
 #include "core/dispatch/overrun_watch.hpp"
+#include "core/dispatch/policy/decision.hpp"
+#include "core/dispatch/policy/dispatch_state.hpp"
+#include "core/dispatch/policy/dispatcher.hpp"
 #include "core/dispatch/refusal.hpp"
 #include "core/plan/planner.hpp"
 

@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "core/plan/layout.hpp"
+#include "core/plan/layout/layout.hpp"
 #include "core/plan/shape/point_state.hpp"
 
 namespace fieldcast {

@@ -9,9 +9,9 @@
 #include <memory>
 #include <vector>
 
-#include "core/dispatch/decision.hpp"
 #include "core/dispatch/plan_draft.hpp"
 #include "core/dispatch/plan_runner.hpp"
+#include "core/dispatch/policy/decision.hpp"
 #include "core/plan/planner.hpp"
 
 namespace fieldcast {

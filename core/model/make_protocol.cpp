@@ -1,6 +1,6 @@
 #include "core/model/make_protocol.hpp"
 
-#include "core/protocol/registry.hpp"
+#include "core/protocol/families/registry.hpp"
 
 namespace fieldcast {
 

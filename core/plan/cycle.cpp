@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/plan/time_math.hpp"
+#include "core/plan/layout/time_math.hpp"
 
 namespace fieldcast {
 

@@ -27,7 +27,7 @@
 #include <string>
 #include <vector>
 
-#include "core/plan/layout.hpp"
+#include "core/plan/layout/layout.hpp"
 #include "core/plan/timetable.hpp"
 
 namespace fieldcast {

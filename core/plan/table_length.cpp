@@ -4,7 +4,7 @@
 #include <array>
 #include <limits>
 
-#include "core/plan/time_math.hpp"
+#include "core/plan/layout/time_math.hpp"
 
 namespace fieldcast {
 

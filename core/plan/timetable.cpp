@@ -7,8 +7,8 @@
 #include <tuple>
 #include <utility>
 
+#include "core/plan/layout/time_math.hpp"
 #include "core/plan/table_length.hpp"
-#include "core/plan/time_math.hpp"
 
 namespace fieldcast {
 

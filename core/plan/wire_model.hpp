@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "core/plan/layout.hpp"
-#include "core/plan/point.hpp"
+#include "core/plan/layout/layout.hpp"
+#include "core/plan/layout/point.hpp"
 #include "core/plan/shape/point_state.hpp"
 #include "core/plan/shape/read_selector.hpp"
 

@@ -5,7 +5,7 @@
 
 #include "core/program/device_number.hpp"
 #include "core/program/frame.hpp"
-#include "core/protocol/registry.hpp"
+#include "core/protocol/families/registry.hpp"
 
 namespace fieldcast::program {
 namespace {

@@ -1,4 +1,5 @@
-// A request of another master in unsolicited bytes; used by core/bus/wire_fence.hpp. Any thread.
+// A request of another master in unsolicited bytes; used by core/bus/wire/wire_fence.hpp. Any
+// thread.
 #pragma once
 
 #include <cstddef>

@@ -6,8 +6,8 @@
 #include <fstream>
 #include <functional>
 
-#include "bridge/bus/clock.hpp"
-#include "bridge/exit_code.hpp"
+#include "bridge/base/clock.hpp"
+#include "bridge/base/exit_code.hpp"
 #include "bridge/security/authority.hpp"
 #include "bridge/security/file_access.hpp"
 #include "tests/bridge/security/scratch_folder.hpp"

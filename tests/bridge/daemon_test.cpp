@@ -8,7 +8,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "bridge/exit_code.hpp"
+#include "bridge/base/exit_code.hpp"
 #include "tests/bridge/support/claimed_domain.hpp"
 #include "tests/bridge/support/modbus_device.hpp"
 #include "tests/bridge/support/process.hpp"

@@ -1,4 +1,4 @@
-#include "core/bus/answer_time.hpp"
+#include "core/bus/health/answer_time.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
-#include "core/bus/block_learning.hpp"
+#include "core/bus/health/block_learning.hpp"
 
 #include <gtest/gtest.h>
 
-#include "core/bus/pause_learning.hpp"
+#include "core/bus/health/pause_learning.hpp"
 
 namespace fieldcast {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/bus/bus_setup.hpp"
+#include "core/bus/setup/bus_setup.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/bus/channel_table.hpp"
+#include "core/bus/command/channel_table.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
-#include "core/bus/command_job.hpp"
+#include "core/bus/command/command_job.hpp"
 
 #include <gtest/gtest.h>
 
 #include <array>
 
-#include "core/protocol/registry.hpp"
+#include "core/protocol/families/registry.hpp"
 
 namespace fieldcast {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/bus/command_ledger.hpp"
+#include "core/bus/command/command_ledger.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/bus/command_queue.hpp"
+#include "core/bus/command/command_queue.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "config/loader.hpp"
+#include "config/loader/loader.hpp"
 #include "tests/bus/virtual_bus.hpp"
 
 namespace fieldcast {

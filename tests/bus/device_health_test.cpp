@@ -1,4 +1,4 @@
-#include "core/bus/device_health.hpp"
+#include "core/bus/health/device_health.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/bus/device_monitor.hpp"
+#include "core/bus/health/device_monitor.hpp"
 
 #include <gtest/gtest.h>
 

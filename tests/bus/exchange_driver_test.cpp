@@ -1,8 +1,8 @@
-#include "core/bus/exchange_driver.hpp"
+#include "core/bus/wire/exchange_driver.hpp"
 
 #include <gtest/gtest.h>
 
-#include "core/protocol/registry.hpp"
+#include "core/protocol/families/registry.hpp"
 
 namespace fieldcast {
 namespace {

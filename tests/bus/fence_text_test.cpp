@@ -1,8 +1,8 @@
-#include "core/bus/fence_text.hpp"
+#include "core/bus/wire/fence_text.hpp"
 
 #include <gtest/gtest.h>
 
-#include "core/bus/fence_times.hpp"
+#include "core/bus/wire/fence_times.hpp"
 
 namespace fieldcast {
 namespace {

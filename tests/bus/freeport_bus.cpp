@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "config/loader.hpp"
+#include "config/loader/loader.hpp"
 
 namespace fieldcast::test {
 namespace {

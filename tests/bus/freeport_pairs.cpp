@@ -4,7 +4,7 @@
 #include <functional>
 #include <string_view>
 
-#include "core/protocol/registry.hpp"
+#include "core/protocol/families/registry.hpp"
 #include "tests/bus/freeport_bus.hpp"
 #include "tests/support/drive.hpp"
 

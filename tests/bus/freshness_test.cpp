@@ -1,4 +1,4 @@
-#include "core/bus/freshness.hpp"
+#include "core/bus/command/freshness.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/bus/garbage.hpp"
+#include "core/bus/health/garbage.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "core/bus/late_answers.hpp"
+#include "core/bus/wire/late_answers.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <stdexcept>
 
-#include "config/loader.hpp"
+#include "config/loader/loader.hpp"
 #include "core/codec/value_codec.hpp"
 #include "core/model/make_protocol.hpp"
 

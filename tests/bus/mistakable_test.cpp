@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "config/loader.hpp"
-#include "core/protocol/registry.hpp"
+#include "config/loader/loader.hpp"
+#include "core/protocol/families/registry.hpp"
 #include "tools/sim/check/requests.hpp"
 #include "tools/sim/device/device.hpp"
 

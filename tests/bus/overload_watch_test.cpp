@@ -1,4 +1,4 @@
-#include "core/bus/overload_watch.hpp"
+#include "core/bus/health/overload_watch.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/bus/owed_answers.hpp"
+#include "core/bus/wire/owed_answers.hpp"
 
 #include <gtest/gtest.h>
 

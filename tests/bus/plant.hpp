@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "config/loader.hpp"
+#include "config/loader/loader.hpp"
 #include "tests/bus/virtual_bus.hpp"
 
 namespace fieldcast::test {

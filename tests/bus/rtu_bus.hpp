@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "core/bus/bus_setup.hpp"
+#include "core/bus/setup/bus_setup.hpp"
 
 namespace fieldcast::test {
 

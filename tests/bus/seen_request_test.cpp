@@ -1,8 +1,8 @@
 // Tests that every protocol recognises the requests of another master, but no responses.
 #include <gtest/gtest.h>
 
-#include "config/loader.hpp"
-#include "core/protocol/registry.hpp"
+#include "config/loader/loader.hpp"
+#include "core/protocol/families/registry.hpp"
 #include "tools/sim/check/requests.hpp"
 #include "tools/sim/device/device.hpp"
 

@@ -5,7 +5,7 @@
 #include <sstream>
 #include <vector>
 
-#include "config/loader.hpp"
+#include "config/loader/loader.hpp"
 #include "core/bus/bus_engine.hpp"
 
 namespace fieldcast::test {

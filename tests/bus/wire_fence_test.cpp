@@ -1,4 +1,4 @@
-#include "core/bus/wire_fence.hpp"
+#include "core/bus/wire/wire_fence.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/bus/wire_load.hpp"
+#include "core/bus/wire/wire_load.hpp"
 
 #include <gtest/gtest.h>
 

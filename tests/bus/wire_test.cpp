@@ -1,4 +1,4 @@
-#include "core/bus/wire.hpp"
+#include "core/bus/wire/wire.hpp"
 
 #include <gtest/gtest.h>
 

@@ -14,10 +14,10 @@
 #include <thread>
 
 #include "bridge/base/file_descriptor.hpp"
-#include "bridge/dds/domain.hpp"
-#include "bridge/dds/participant_note.hpp"
+#include "bridge/dds/guard/participant_note.hpp"
+#include "bridge/dds/guard/shared_guard.hpp"
 #include "bridge/dds/topics/conversion.hpp"
-#include "bridge/dds/transport/shared_guard.hpp"
+#include "bridge/dds/transport/domain.hpp"
 
 namespace fieldcast::testing {
 

@@ -14,11 +14,11 @@
 #include <string>
 #include <vector>
 
-#include "bridge/command/recent_commands.hpp"
 #include "bridge/publish/sample_hold.hpp"
 #include "bridge/standby/election.hpp"
 #include "bridge/standby/held_commands.hpp"
-#include "core/bus/command_ledger.hpp"
+#include "bridge/standby/recent_commands.hpp"
+#include "core/bus/command/command_ledger.hpp"
 #include "tests/bus/shared_wire.hpp"
 #include "tests/campaign/group_network.hpp"
 

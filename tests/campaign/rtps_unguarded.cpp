@@ -11,7 +11,7 @@
 #include <cstdlib>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 
-#include "bridge/dds/library.hpp"
+#include "bridge/dds/library/library.hpp"
 #include "tests/bridge/dds/transport/known_attacks.hpp"
 #include "tests/campaign/attacked_domain.hpp"
 

@@ -5,8 +5,8 @@
 
 #include <sstream>
 
-#include "config/suggest.hpp"
-#include "core/protocol/registry.hpp"
+#include "config/document/suggest.hpp"
+#include "core/protocol/families/registry.hpp"
 #include "tests/config/support.hpp"
 
 namespace fieldcast::config {

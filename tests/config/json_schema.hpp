@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "config/document.hpp"
+#include "config/document/document.hpp"
 
 namespace fieldcast::config {
 

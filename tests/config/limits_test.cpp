@@ -1,4 +1,4 @@
-#include "config/limits.hpp"
+#include "config/document/limits.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

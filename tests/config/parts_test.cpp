@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
-#include "config/port.hpp"
-#include "config/scalars.hpp"
-#include "config/suggest.hpp"
+#include "config/document/scalars.hpp"
+#include "config/document/suggest.hpp"
+#include "config/sections/port.hpp"
 #include "tests/config/support.hpp"
 
 namespace fieldcast::config {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
+#include "config/document/key.hpp"
 #include "config/keys/documents.hpp"
-#include "config/keys/key.hpp"
 #include "tests/config/support.hpp"
 
 namespace fieldcast::config {

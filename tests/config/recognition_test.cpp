@@ -1,5 +1,5 @@
 // Tests that foreign files are never quoted, whatever their content and name.
-#include "config/recognition.hpp"
+#include "config/files/recognition.hpp"
 
 #include <gmock/gmock.h>
 

@@ -5,11 +5,11 @@
 #include <set>
 #include <sstream>
 
-#include "config/declaration_keys.hpp"
-#include "config/fault_list.hpp"
+#include "config/declaration/declaration_keys.hpp"
+#include "config/document/fault_list.hpp"
+#include "config/document/key.hpp"
 #include "config/keys/documents.hpp"
-#include "config/keys/key.hpp"
-#include "core/protocol/registry.hpp"
+#include "core/protocol/families/registry.hpp"
 #include "tests/config/json_schema.hpp"
 #include "tests/config/support.hpp"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "config/loader.hpp"
+#include "config/loader/loader.hpp"
 
 namespace fieldcast::config {
 

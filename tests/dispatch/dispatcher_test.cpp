@@ -1,4 +1,4 @@
-#include "core/dispatch/dispatcher.hpp"
+#include "core/dispatch/policy/dispatcher.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/dispatch/due_queue.hpp"
+#include "core/dispatch/policy/due_queue.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/dispatch/line_pace.hpp"
+#include "core/dispatch/policy/line_pace.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 
 #include <set>
 
-#include "core/plan/partition.hpp"
+#include "core/plan/layout/partition.hpp"
 #include "tests/dispatch/virtual_wire.hpp"
 #include "tests/plan/maps.hpp"
 

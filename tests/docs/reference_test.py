@@ -88,7 +88,7 @@ class ExitCodes(unittest.TestCase):
     def test_are_those_of_the_sources(self):
         page = section("docs/operating.md", "Exit codes")
         tables = [re.findall(r"^\| (\d+) \|", table, re.MULTILINE) for table in page.split("`fieldcast`:")]
-        for header, listed in zip(["bridge/exit_code.hpp", "tools/cli/exit_code.hpp"], tables):
+        for header, listed in zip(["bridge/base/exit_code.hpp", "tools/cli/text/exit_code.hpp"], tables):
             self.assertEqual(re.findall(r"\bk\w+ = (\d+)", read(header)), listed, header)
 
 

@@ -3,8 +3,8 @@
 // Input: one byte that selects the protocol, then the text.
 #include <cstdlib>
 
-#include "config/loader.hpp"
-#include "core/protocol/registry.hpp"
+#include "config/loader/loader.hpp"
+#include "core/protocol/families/registry.hpp"
 
 namespace fieldcast {
 namespace {

@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <map>
 
-#include "config/loader.hpp"
-#include "core/protocol/registry.hpp"
+#include "config/loader/loader.hpp"
+#include "core/protocol/families/registry.hpp"
 
 namespace fieldcast {
 namespace {

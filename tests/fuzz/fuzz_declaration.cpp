@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "config/loader.hpp"
+#include "config/loader/loader.hpp"
 #include "tests/fuzz/any_protocol.hpp"
 
 namespace fieldcast {

@@ -1,7 +1,7 @@
 // Fuzzes a declared protocol of Fieldcast, FUZZ_PROTOCOL; input as in any_protocol.hpp.
 #include <cstdlib>
 
-#include "config/loader.hpp"
+#include "config/loader/loader.hpp"
 #include "tests/fuzz/any_protocol.hpp"
 
 namespace fieldcast {

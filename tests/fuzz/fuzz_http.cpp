@@ -7,7 +7,7 @@
 #include <boost/asio/io_context.hpp>
 #include <cstdlib>
 
-#include "bridge/bus/clock.hpp"
+#include "bridge/base/clock.hpp"
 #include "core/base/bytes.hpp"
 #include "tests/tools/station/web/memory_stream.hpp"
 #include "tools/station/web/http_server.hpp"

@@ -6,8 +6,8 @@
 #include <sstream>
 
 #include "core/base/bytes.hpp"
-#include "core/protocol/registry.hpp"
-#include "tools/cli/command/inspect.hpp"
+#include "core/protocol/families/registry.hpp"
+#include "tools/cli/command/line/inspect.hpp"
 
 namespace fieldcast {
 namespace {

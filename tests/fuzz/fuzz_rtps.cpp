@@ -6,12 +6,12 @@
 // Input: for each message length(1), then that many bytes.
 #include <cstdlib>
 
-#include "bridge/dds/incoming_filter.hpp"
-#include "bridge/dds/joined_message.hpp"
-#include "bridge/dds/participant_number.hpp"
-#include "bridge/dds/rtps_message.hpp"
-#include "bridge/dds/server_restarts.hpp"
-#include "bridge/dds/unregister_note.hpp"
+#include "bridge/dds/filter/incoming_filter.hpp"
+#include "bridge/dds/filter/joined_message.hpp"
+#include "bridge/dds/filter/unregister_note.hpp"
+#include "bridge/dds/guard/rtps_message.hpp"
+#include "bridge/dds/transport/participant_number.hpp"
+#include "bridge/dds/transport/server_restarts.hpp"
 #include "core/base/bytes.hpp"
 
 namespace fieldcast {

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "core/protocol/registry.hpp"
+#include "core/protocol/families/registry.hpp"
 #include "tools/sim/bus/fault_file.hpp"
 #include "tools/sim/device/device.hpp"
 

@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "core/base/bytes.hpp"
-#include "tools/station/configuration.hpp"
+#include "tools/station/settings/configuration.hpp"
 
 namespace fieldcast::web {
 namespace {

@@ -14,10 +14,10 @@
 #include <vector>
 
 #include "bridge/base/secret_file.hpp"
-#include "bridge/store/password.hpp"
-#include "bridge/store/token_table.hpp"
-#include "bridge/store/user_table.hpp"
-#include "bridge/store/users.hpp"
+#include "bridge/store/users/password.hpp"
+#include "bridge/store/users/token_table.hpp"
+#include "bridge/store/users/user_table.hpp"
+#include "bridge/store/users/users.hpp"
 #include "core/base/bytes.hpp"
 
 namespace fieldcast {

@@ -16,8 +16,8 @@
 #include <set>
 #include <string>
 
-#include "bridge/dds/domain.hpp"
 #include "bridge/dds/topics/topics.hpp"
+#include "bridge/dds/transport/domain.hpp"
 
 namespace fieldcast {
 namespace {

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <thread>
 
-#include "bridge/dds/domain.hpp"
 #include "bridge/dds/topics/conversion.hpp"
+#include "bridge/dds/transport/domain.hpp"
 
 int main(int argc, char** argv) {
   using namespace fieldcast;

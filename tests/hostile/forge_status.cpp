@@ -8,8 +8,8 @@
 #include <span>
 #include <thread>
 
-#include "bridge/dds/domain.hpp"
 #include "bridge/dds/topics/topics.hpp"
+#include "bridge/dds/transport/domain.hpp"
 
 int main(int argc, char** argv) {
   using namespace fieldcast;

@@ -1,4 +1,4 @@
-#include "core/plan/cost.hpp"
+#include "core/plan/layout/cost.hpp"
 
 #include <gtest/gtest.h>
 

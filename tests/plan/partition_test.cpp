@@ -1,4 +1,4 @@
-#include "core/plan/partition.hpp"
+#include "core/plan/layout/partition.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/protocol/registry.hpp"
+#include "core/protocol/families/registry.hpp"
 
 #include <gtest/gtest.h>
 

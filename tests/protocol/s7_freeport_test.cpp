@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "core/protocol/registry.hpp"
+#include "core/protocol/families/registry.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/matrix.hpp"
 #include "tests/support/vectors.hpp"

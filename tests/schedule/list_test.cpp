@@ -7,7 +7,7 @@
 #include <string>
 
 #include "core/dispatch/scheduler.hpp"
-#include "core/protocol/registry.hpp"
+#include "core/protocol/families/registry.hpp"
 #include "core/schedule/prediction.hpp"
 #include "tests/dispatch/virtual_wire.hpp"
 #include "tests/plan/best_requests.hpp"

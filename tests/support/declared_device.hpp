@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "config/loader.hpp"
+#include "config/loader/loader.hpp"
 #include "tests/support/device.hpp"
 
 namespace fieldcast::test {

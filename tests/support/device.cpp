@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/codec/value_codec.hpp"
-#include "core/protocol/registry.hpp"
+#include "core/protocol/families/registry.hpp"
 
 namespace fieldcast::test {
 

@@ -66,7 +66,7 @@ def station_fault(path, include):
     if include.startswith("bridge/station/") and path.startswith("bridge/") and not path.startswith("bridge/station/"):
         return "the daemon must not need the station's library"
     if path.startswith("bridge/station/") and include.startswith("bridge/") \
-            and not include.startswith(("bridge/station/", "bridge/dds/", "bridge/check.hpp")):
+            and not include.startswith(("bridge/station/", "bridge/dds/", "bridge/base/check.hpp")):
         return "the station's library needs the core, the topics and Fast DDS only"
     return None
 
@@ -112,7 +112,7 @@ NOT_BY_CLANG = re.compile(r"std::(views\b|ranges::(views\b|(search|search_n|find
 JSON_BY_HAND = re.compile(r"""\{\\+"|\\":[^ ]|R"\w*\(\s*\{\s*"|\bdump\(""")
 # Constant texts: JSON schemas, and hints that show a client the correct request.
 JSON_BY_HAND_IN = {
-    "tools/station/configuration.cpp", "tools/station/api/alarm_request.cpp", "tools/station/api/commands.cpp",
+    "tools/station/settings/configuration.cpp", "tools/station/api/alarm_request.cpp", "tools/station/api/commands.cpp",
     "tools/station/live/client_message.cpp", "tools/station/web/login_routes.cpp",
 }
 
@@ -154,12 +154,12 @@ class Rules(unittest.TestCase):
     def test_a_foreign_header_is_found(self):
         self.assertIsNone(include_fault("base", "tl/expected.hpp"))
         self.assertIsNone(include_fault("base", "vector"))
-        for header in ["boost/asio.hpp", "unistd.h", "sys/socket.h", "config/loader.hpp", "thread", "fstream"]:
+        for header in ["boost/asio.hpp", "unistd.h", "sys/socket.h", "config/loader/loader.hpp", "thread", "fstream"]:
             self.assertIsNotNone(include_fault("base", header), header)
 
     def test_an_include_between_the_daemon_and_the_station_is_found(self):
         self.assertIsNone(station_fault("tools/cli/session.hpp", "bridge/station/station.hpp"))
-        self.assertIsNone(station_fault("bridge/station/station.cpp", "bridge/dds/domain.hpp"))
+        self.assertIsNone(station_fault("bridge/station/station.cpp", "bridge/dds/transport/domain.hpp"))
         self.assertIsNotNone(station_fault("bridge/bridge.cpp", "bridge/station/station.hpp"))
         self.assertIsNotNone(station_fault("bridge/dds/topics/conversion.hpp", "bridge/station/station.hpp"))
         self.assertIsNotNone(station_fault("bridge/station/station.cpp", "bridge/log/log.hpp"))

@@ -15,7 +15,7 @@
 #include <string>
 #include <thread>
 
-#include "tools/bench/bare.hpp"
+#include "tools/bench/plant/bare.hpp"
 
 namespace fieldcast::bench {
 namespace {

@@ -12,8 +12,8 @@
 #include <thread>
 #include <vector>
 
-#include "bridge/bus/clock.hpp"
-#include "bridge/dds/dds_link.hpp"
+#include "bridge/base/clock.hpp"
+#include "bridge/dds/endpoints/dds_link.hpp"
 
 namespace fieldcast::bench {
 namespace {

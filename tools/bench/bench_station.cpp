@@ -16,7 +16,7 @@
 #include <unordered_map>
 
 #include "bridge/station/station.hpp"
-#include "tools/bench/lossy_receive.hpp"
+#include "tools/bench/support/lossy_receive.hpp"
 
 namespace fieldcast::bench {
 namespace {

@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "tools/bench/figures.hpp"
-#include "tools/bench/plant.hpp"
+#include "tools/bench/plant/plant.hpp"
+#include "tools/bench/support/figures.hpp"
 
 namespace fieldcast::bench {
 namespace {

@@ -11,8 +11,8 @@
 #include <random>
 #include <string>
 
-#include "tools/bench/figures.hpp"
-#include "tools/bench/plant.hpp"
+#include "tools/bench/plant/plant.hpp"
+#include "tools/bench/support/figures.hpp"
 
 namespace fieldcast::bench {
 namespace {

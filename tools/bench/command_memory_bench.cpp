@@ -16,9 +16,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "bridge/dds/dds_link.hpp"
+#include "bridge/dds/endpoints/dds_link.hpp"
 #include "bridge/station/station.hpp"
-#include "tools/bench/process.hpp"
+#include "tools/bench/plant/process.hpp"
 #include "tools/progress/progress_line.hpp"
 
 namespace fieldcast::bench {

@@ -16,13 +16,13 @@
 #include <vector>
 
 #include "core/codec/checksum.hpp"
-#include "core/plan/partition.hpp"
+#include "core/plan/layout/partition.hpp"
 #include "core/protocol/dtc/packet.hpp"
 #include "core/protocol/dtc/threshold.hpp"
-#include "core/protocol/registry.hpp"
+#include "core/protocol/families/registry.hpp"
 #include "tests/plan/best_requests.hpp"
 #include "tests/plan/maps.hpp"
-#include "tools/bench/figures.hpp"
+#include "tools/bench/support/figures.hpp"
 
 namespace {
 

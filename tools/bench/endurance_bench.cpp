@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "tests/plan/maps.hpp"
-#include "tools/bench/figures.hpp"
-#include "tools/bench/plant.hpp"
+#include "tools/bench/plant/plant.hpp"
+#include "tools/bench/support/figures.hpp"
 
 namespace fieldcast::bench {
 namespace {

@@ -1,13 +1,13 @@
-// Ten devices on one line. First one of them is dead, then half of its responses are noise. Measures
-// the missed refreshes of the nine others.
+// Ten devices on one line. First one of them is dead, then half of its responses are noise.
+// Measures the missed refreshes of the nine others.
 //
 // usage: fault_bench [--seconds N]
 #include <cstdio>
 #include <exception>
 #include <string>
 
-#include "tools/bench/figures.hpp"
-#include "tools/bench/plant.hpp"
+#include "tools/bench/plant/plant.hpp"
+#include "tools/bench/support/figures.hpp"
 
 namespace fieldcast::bench {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "tests/bus/freeport_bus.hpp"
 #include "tests/bus/freeport_pairs.hpp"
-#include "tools/bench/figures.hpp"
+#include "tools/bench/support/figures.hpp"
 #include "tools/progress/progress_line.hpp"
 
 namespace {

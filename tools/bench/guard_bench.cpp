@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "bridge/dds/transport/datagram_guard.hpp"
+#include "bridge/dds/guard/datagram_guard.hpp"
 #include "tests/bridge/dds/transport/rtps_datagrams.hpp"
-#include "tools/bench/figures.hpp"
+#include "tools/bench/support/figures.hpp"
 
 namespace {
 

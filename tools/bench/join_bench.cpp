@@ -15,9 +15,9 @@
 #include <string>
 #include <vector>
 
-#include "tools/bench/figures.hpp"
-#include "tools/bench/plant.hpp"
-#include "tools/bench/stations.hpp"
+#include "tools/bench/plant/plant.hpp"
+#include "tools/bench/support/figures.hpp"
+#include "tools/bench/support/stations.hpp"
 #include "tools/progress/progress_line.hpp"
 
 namespace fieldcast::bench {

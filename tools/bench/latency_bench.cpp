@@ -27,11 +27,11 @@
 #include "bridge/station/station.hpp"
 #include "core/base/bytes.hpp"
 #include "core/codec/checksum.hpp"
-#include "tools/bench/bare.hpp"
-#include "tools/bench/block_times.hpp"
-#include "tools/bench/figures.hpp"
-#include "tools/bench/plant.hpp"
-#include "tools/bench/process.hpp"
+#include "tools/bench/plant/bare.hpp"
+#include "tools/bench/plant/plant.hpp"
+#include "tools/bench/plant/process.hpp"
+#include "tools/bench/support/block_times.hpp"
+#include "tools/bench/support/figures.hpp"
 
 namespace fieldcast::bench {
 namespace {

@@ -12,11 +12,11 @@
 #include <vector>
 
 #include "core/dispatch/scheduler.hpp"
-#include "core/protocol/registry.hpp"
+#include "core/protocol/families/registry.hpp"
 #include "tests/dispatch/virtual_wire.hpp"
 #include "tests/plan/best_requests.hpp"
 #include "tests/plan/maps.hpp"
-#include "tools/bench/sustained.hpp"
+#include "tools/bench/support/sustained.hpp"
 #include "tools/progress/step_progress.hpp"
 
 namespace {

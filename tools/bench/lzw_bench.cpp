@@ -14,7 +14,7 @@
 #include "core/codec/lzw.hpp"
 #include "core/protocol/dtc/packet.hpp"
 #include "tests/core/lzw_reference.hpp"
-#include "tools/bench/figures.hpp"
+#include "tools/bench/support/figures.hpp"
 #include "tools/progress/step_progress.hpp"
 
 namespace {

@@ -3,7 +3,7 @@
 #include <csignal>
 #include <cstdio>
 
-#include "tools/bench/program_net.hpp"
+#include "tools/bench/support/program_net.hpp"
 
 int main(int argc, char** argv) {
   using namespace fieldcast::bench;

@@ -9,9 +9,9 @@
 
 #include "bridge/station/station.hpp"
 #include "core/codec/checksum.hpp"
-#include "tools/bench/figures.hpp"
-#include "tools/bench/plant.hpp"
-#include "tools/bench/program_net.hpp"
+#include "tools/bench/plant/plant.hpp"
+#include "tools/bench/support/figures.hpp"
+#include "tools/bench/support/program_net.hpp"
 
 namespace fieldcast::bench {
 namespace {

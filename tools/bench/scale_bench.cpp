@@ -22,11 +22,11 @@
 #include <string>
 #include <vector>
 
-#include "tools/bench/bare_pair.hpp"
-#include "tools/bench/figures.hpp"
-#include "tools/bench/plant.hpp"
-#include "tools/bench/scraper.hpp"
-#include "tools/bench/stations.hpp"
+#include "tools/bench/plant/bare_pair.hpp"
+#include "tools/bench/plant/plant.hpp"
+#include "tools/bench/support/figures.hpp"
+#include "tools/bench/support/scraper.hpp"
+#include "tools/bench/support/stations.hpp"
 
 namespace fieldcast::bench {
 namespace {

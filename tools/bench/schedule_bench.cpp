@@ -22,13 +22,13 @@
 #include <vector>
 
 #include "core/dispatch/scheduler.hpp"
-#include "core/plan/partition.hpp"
-#include "core/protocol/registry.hpp"
+#include "core/plan/layout/partition.hpp"
+#include "core/protocol/families/registry.hpp"
 #include "core/schedule/prediction.hpp"
 #include "tests/dispatch/virtual_wire.hpp"
 #include "tests/plan/maps.hpp"
-#include "tools/bench/engine_agreement.hpp"
-#include "tools/bench/sustained.hpp"
+#include "tools/bench/support/engine_agreement.hpp"
+#include "tools/bench/support/sustained.hpp"
 #include "tools/progress/step_progress.hpp"
 
 namespace {

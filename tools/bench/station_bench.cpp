@@ -14,10 +14,10 @@
 #include <fstream>
 #include <string>
 
-#include "tools/bench/figures.hpp"
-#include "tools/bench/live_clients.hpp"
-#include "tools/bench/live_hours.hpp"
-#include "tools/bench/plant.hpp"
+#include "tools/bench/plant/plant.hpp"
+#include "tools/bench/support/figures.hpp"
+#include "tools/bench/support/live_clients.hpp"
+#include "tools/bench/support/live_hours.hpp"
 
 namespace fieldcast::bench {
 namespace {

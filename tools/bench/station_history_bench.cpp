@@ -12,9 +12,9 @@
 #include <cstdlib>
 #include <thread>
 
-#include "tools/bench/figures.hpp"
-#include "tools/bench/process.hpp"
-#include "tools/bench/store_history.hpp"
+#include "tools/bench/plant/process.hpp"
+#include "tools/bench/support/figures.hpp"
+#include "tools/bench/support/store_history.hpp"
 #include "tools/progress/step_progress.hpp"
 #include "tools/station/api/history.hpp"
 #include "tools/station/record/recorder.hpp"

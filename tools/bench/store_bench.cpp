@@ -16,11 +16,11 @@
 #include <filesystem>
 #include <set>
 
-#include "bridge/bus/clock.hpp"
+#include "bridge/base/clock.hpp"
 #include "bridge/store/store.hpp"
-#include "tools/bench/figures.hpp"
-#include "tools/bench/plant.hpp"
-#include "tools/bench/store_history.hpp"
+#include "tools/bench/plant/plant.hpp"
+#include "tools/bench/support/figures.hpp"
+#include "tools/bench/support/store_history.hpp"
 
 namespace fieldcast::bench {
 namespace {

@@ -15,13 +15,13 @@
 #include <stdexcept>
 #include <string>
 
-#include "config/loader.hpp"
+#include "config/loader/loader.hpp"
 #include "core/codec/checksum.hpp"
-#include "core/plan/cost.hpp"
-#include "core/plan/partition.hpp"
-#include "core/protocol/registry.hpp"
-#include "tools/bench/figures.hpp"
-#include "tools/bench/plant.hpp"
+#include "core/plan/layout/cost.hpp"
+#include "core/plan/layout/partition.hpp"
+#include "core/protocol/families/registry.hpp"
+#include "tools/bench/plant/plant.hpp"
+#include "tools/bench/support/figures.hpp"
 
 namespace fieldcast::bench {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <tl/expected.hpp>
 
-#include "tools/cli/command/command.hpp"
+#include "tools/cli/command/base/command.hpp"
 
 namespace fieldcast::cli {
 

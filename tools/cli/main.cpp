@@ -8,7 +8,7 @@
 #include "bridge/base/guarded_process.hpp"
 #include "bridge/write_faults.hpp"
 #include "tools/cli/arguments.hpp"
-#include "tools/cli/console.hpp"
+#include "tools/cli/terminal/console.hpp"
 
 namespace fieldcast::cli {
 namespace {

@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "config/loader.hpp"
+#include "config/loader/loader.hpp"
 #include "core/schedule/bus_schedule.hpp"
 #include "core/schedule/overload.hpp"
 #include "tools/import/arrange.hpp"

@@ -6,12 +6,12 @@
 #include <set>
 #include <utility>
 
-#include "config/limits.hpp"
+#include "config/document/limits.hpp"
 #include "core/base/number_text.hpp"
 #include "core/model/port_spec.hpp"
-#include "core/protocol/registry.hpp"
-#include "tools/import/names.hpp"
-#include "tools/import/types.hpp"
+#include "core/protocol/families/registry.hpp"
+#include "tools/import/points/names.hpp"
+#include "tools/import/points/types.hpp"
 
 namespace fieldcast::importing {
 namespace {

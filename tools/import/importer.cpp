@@ -8,11 +8,11 @@
 #include "core/base/number_text.hpp"
 #include "tools/import/accept.hpp"
 #include "tools/import/arrange.hpp"
-#include "tools/import/channel_keys.hpp"
 #include "tools/import/options_fault.hpp"
-#include "tools/import/text.hpp"
-#include "tools/import/types.hpp"
-#include "tools/import/xlsx.hpp"
+#include "tools/import/points/channel_keys.hpp"
+#include "tools/import/points/types.hpp"
+#include "tools/import/text/text.hpp"
+#include "tools/import/text/xlsx.hpp"
 
 namespace fieldcast::importing {
 namespace {

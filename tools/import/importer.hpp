@@ -8,9 +8,9 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "tools/import/format.hpp"
-#include "tools/import/model.hpp"
-#include "tools/import/writer.hpp"
+#include "tools/import/formats/format.hpp"
+#include "tools/import/points/model.hpp"
+#include "tools/import/points/writer.hpp"
 
 namespace fieldcast::importing {
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <array>
 
-#include "config/loader.hpp"
-#include "core/protocol/registry.hpp"
-#include "tools/import/writer.hpp"
+#include "config/loader/loader.hpp"
+#include "core/protocol/families/registry.hpp"
+#include "tools/import/points/writer.hpp"
 
 namespace fieldcast::importing {
 namespace {

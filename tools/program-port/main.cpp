@@ -7,7 +7,7 @@
 #include "bridge/base/guarded_process.hpp"
 #include "bridge/base/secret_file.hpp"
 #include "bridge/write_faults.hpp"
-#include "config/port.hpp"
+#include "config/sections/port.hpp"
 #include "core/base/duration_text.hpp"
 #include "core/program/device_number.hpp"
 #include "tools/program-port/port_session.hpp"

@@ -7,7 +7,7 @@
 #include <boost/asio/post.hpp>
 #include <csignal>
 
-#include "bridge/bus/clock.hpp"
+#include "bridge/base/clock.hpp"
 #include "bridge/port/serial_line.hpp"
 #include "bridge/port/socket_stream.hpp"
 

@@ -9,10 +9,10 @@
 #include <memory>
 
 #include "bridge/net/tls.hpp"
-#include "bridge/program/relay_end.hpp"
+#include "bridge/program/module/relay_end.hpp"
 #include "core/program/port_client.hpp"
 #include "tools/program-port/port_report.hpp"
-#include "tools/sim/pty_port.hpp"
+#include "tools/sim/port/pty_port.hpp"
 
 namespace fieldcast::port {
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "tools/cli/screen/cell_text.hpp"
+#include "tools/cli/text/cell_text.hpp"
 
 namespace fieldcast {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "bridge/base/command_line.hpp"
 #include "bridge/write_faults.hpp"
-#include "config/loader.hpp"
+#include "config/loader/loader.hpp"
 #include "core/base/duration_text.hpp"
 #include "core/base/json.hpp"
 #include "tools/sim/bus/fault_file.hpp"

@@ -9,20 +9,20 @@
 #include <utility>
 #include <vector>
 
+#include "bridge/base/clock.hpp"
 #include "bridge/base/command_line.hpp"
+#include "bridge/base/exit_code.hpp"
 #include "bridge/base/guarded_process.hpp"
 #include "bridge/base/secret_file.hpp"
-#include "bridge/bus/clock.hpp"
-#include "bridge/dds/dds_error.hpp"
-#include "bridge/dds/join_check.hpp"
-#include "bridge/dds/library.hpp"
-#include "bridge/exit_code.hpp"
+#include "bridge/dds/library/dds_error.hpp"
+#include "bridge/dds/library/library.hpp"
+#include "bridge/dds/transport/join_check.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/service/identity_watch.hpp"
 #include "bridge/service/service.hpp"
 #include "bridge/service/signals.hpp"
 #include "bridge/write_faults.hpp"
-#include "tools/station/configuration.hpp"
+#include "tools/station/settings/configuration.hpp"
 #include "tools/station/station.hpp"
 
 namespace {

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "bridge/store/store.hpp"
-#include "tools/station/api/database.hpp"
+#include "tools/station/api/base/database.hpp"
+#include "tools/station/http/route_table.hpp"
 #include "tools/station/live/live_domain.hpp"
 #include "tools/station/record/recorder.hpp"
 #include "tools/station/web/http_server.hpp"
-#include "tools/station/web/route_table.hpp"
 
 namespace fieldcast::web {
 

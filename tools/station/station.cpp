@@ -13,13 +13,13 @@
 #include <optional>
 #include <utility>
 
-#include "bridge/bus/clock.hpp"
-#include "bridge/bus/io_thread.hpp"
-#include "bridge/dds/multicast.hpp"
+#include "bridge/base/clock.hpp"
+#include "bridge/base/io_thread.hpp"
+#include "bridge/dds/transport/multicast.hpp"
 #include "bridge/log/log.hpp"
-#include "bridge/store/authenticator.hpp"
 #include "bridge/store/store.hpp"
-#include "tools/station/api/database.hpp"
+#include "bridge/store/users/authenticator.hpp"
+#include "tools/station/api/base/database.hpp"
 #include "tools/station/api/tokens.hpp"
 #include "tools/station/live/live_domain.hpp"
 #include "tools/station/record/recorder.hpp"

@@ -9,7 +9,7 @@
 #include <tl/expected.hpp>
 
 #include "bridge/service/standing_bus.hpp"
-#include "tools/station/configuration.hpp"
+#include "tools/station/settings/configuration.hpp"
 
 namespace fieldcast::web {
 

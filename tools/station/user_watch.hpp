@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "bridge/store/user_table.hpp"
-#include "tools/station/configuration.hpp"
+#include "bridge/store/users/user_table.hpp"
+#include "tools/station/settings/configuration.hpp"
 #include "tools/station/web/site.hpp"
 
 namespace fieldcast::web {

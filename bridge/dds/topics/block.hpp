@@ -10,7 +10,7 @@
 
 #include "bridge/dds/topics/topic_values.hpp"
 #include "bridge/dds/topics/topics.hpp"
-#include "bridge/dds/topics/utc_mapping.hpp"
+#include "core/base/utc_mapping.hpp"
 #include "core/model/sample.hpp"
 #include "core/model/spec.hpp"
 #include "idl/topics.h"

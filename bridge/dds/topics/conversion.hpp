@@ -13,9 +13,9 @@
 
 #include "bridge/dds/topics/conversion_enums.hpp"
 #include "bridge/dds/topics/topic_values.hpp"
-#include "bridge/dds/topics/utc_mapping.hpp"
 #include "bridge/standby/bus_claims.hpp"
 #include "core/alarm/alarm_monitor.hpp"
+#include "core/base/utc_mapping.hpp"
 #include "core/model/command.hpp"
 #include "core/model/sample.hpp"
 #include "core/model/spec.hpp"

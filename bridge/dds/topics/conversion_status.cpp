@@ -1,7 +1,7 @@
 #include <algorithm>
 
+#include "bridge/dds/guard/rtps_fault.hpp"
 #include "bridge/dds/topics/conversion.hpp"
-#include "bridge/dds/transport/rtps_fault.hpp"
 
 namespace fieldcast {
 

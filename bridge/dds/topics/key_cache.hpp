@@ -19,7 +19,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "bridge/dds/fastdds.hpp"
+#include "bridge/dds/library/fastdds.hpp"
 
 namespace fieldcast {
 

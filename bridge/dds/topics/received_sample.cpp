@@ -1,6 +1,6 @@
 #include "bridge/dds/topics/received_sample.hpp"
 
-#include "bridge/dds/cdr.hpp"
+#include "bridge/dds/library/cdr.hpp"
 #include "bridge/dds/topics/conversion.hpp"
 
 namespace fieldcast {

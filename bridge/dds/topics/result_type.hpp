@@ -6,7 +6,7 @@
 // and delays no other. Readers find the true key in the message.
 #pragma once
 
-#include "bridge/dds/cdr.hpp"
+#include "bridge/dds/library/cdr.hpp"
 #include "bridge/dds/topics/conversion.hpp"
 #include "bridge/dds/topics/topic_type.hpp"
 

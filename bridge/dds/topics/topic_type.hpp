@@ -15,7 +15,7 @@
 #include <algorithm>
 #include <exception>
 
-#include "bridge/dds/fastdds.hpp"
+#include "bridge/dds/library/fastdds.hpp"
 #include "idl/topicsPubSubTypes.h"
 
 namespace fieldcast {

@@ -11,7 +11,7 @@
 #include <optional>
 #include <string>
 
-#include "bridge/dds/fastdds.hpp"
+#include "bridge/dds/library/fastdds.hpp"
 #include "core/base/time.hpp"
 #include "idl/topicsPubSubTypes.h"
 

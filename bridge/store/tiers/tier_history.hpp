@@ -6,7 +6,7 @@
 #include <functional>
 #include <optional>
 
-#include "bridge/store/sample_table.hpp"
+#include "bridge/store/tiers/sample_table.hpp"
 #include "bridge/store/tiers/tier_table.hpp"
 
 namespace fieldcast {

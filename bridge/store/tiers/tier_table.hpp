@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "bridge/store/sql.hpp"
+#include "bridge/store/sql/sql.hpp"
 #include "bridge/store/tiers/tier.hpp"
 
 namespace fieldcast {

@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "bridge/store/sample_table.hpp"
 #include "bridge/store/tiers/open_buckets.hpp"
+#include "bridge/store/tiers/sample_table.hpp"
 #include "bridge/store/tiers/tier_table.hpp"
 
 namespace fieldcast {

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <span>
 
-#include "core/plan/cost.hpp"
-#include "core/plan/partition.hpp"
+#include "core/plan/layout/cost.hpp"
+#include "core/plan/layout/partition.hpp"
 #include "core/plan/shape/point_state.hpp"
 
 namespace fieldcast {

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "core/plan/list_cost.hpp"
+#include "core/plan/layout/list_cost.hpp"
 #include "core/plan/shape/block_shape.hpp"
 #include "core/plan/shape/point_state.hpp"
 #include "core/plan/shape/selection.hpp"

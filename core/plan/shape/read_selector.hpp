@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/plan/layout.hpp"
+#include "core/plan/layout/layout.hpp"
 #include "core/plan/shape/block_shape.hpp"
 #include "core/plan/shape/list_shape.hpp"
 #include "core/plan/shape/point_state.hpp"

@@ -1,6 +1,6 @@
 // A device family described by data: its areas, and for each operation the fields of its request
-// and response frames. The loader (config/declaration.hpp) creates it from text and has checked
-// every REQUIRES here; DeclaredProtocol executes it.
+// and response frames. The loader (config/declaration/declaration.hpp) creates it from text and has
+// checked every REQUIRES here; DeclaredProtocol executes it.
 //
 //     Declaration > Operation > Frame > Field
 //

@@ -12,7 +12,7 @@
 #include "core/protocol/dtc/threshold.hpp"
 #include "core/protocol/dtc/types.hpp"
 #include "core/protocol/option_reader.hpp"
-#include "core/protocol/registry.hpp"
+#include "core/protocol/protocol_entry.hpp"
 
 namespace fieldcast::dtc {
 namespace {

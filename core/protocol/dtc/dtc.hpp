@@ -1,7 +1,7 @@
 // DTC: scattered variables of several types in one message, compressed if that saves time.
 #pragma once
 
-#include "core/protocol/registry.hpp"
+#include "core/protocol/protocol_entry.hpp"
 
 namespace fieldcast::dtc {
 

@@ -20,7 +20,7 @@
 #include "core/protocol/address_text.hpp"
 #include "core/protocol/mitsubishi_fx/areas.hpp"
 #include "core/protocol/option_reader.hpp"
-#include "core/protocol/registry.hpp"
+#include "core/protocol/protocol_entry.hpp"
 
 namespace fieldcast::mitsubishi_fx {
 namespace {

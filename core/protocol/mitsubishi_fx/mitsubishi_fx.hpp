@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/protocol/registry.hpp"
+#include "core/protocol/protocol_entry.hpp"
 
 namespace fieldcast::mitsubishi_fx {
 

@@ -6,7 +6,7 @@
 #include "core/protocol/modbus/areas.hpp"
 #include "core/protocol/modbus/exchange.hpp"
 #include "core/protocol/option_reader.hpp"
-#include "core/protocol/registry.hpp"
+#include "core/protocol/protocol_entry.hpp"
 
 namespace fieldcast::modbus {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "core/protocol/modbus/framing.hpp"
 #include "core/protocol/modbus/request.hpp"
-#include "core/protocol/registry.hpp"
+#include "core/protocol/protocol_entry.hpp"
 
 namespace fieldcast::modbus {
 

@@ -7,7 +7,7 @@
 #include "core/protocol/omron_hostlink/fins.hpp"
 #include "core/protocol/omron_hostlink/limits.hpp"
 #include "core/protocol/option_reader.hpp"
-#include "core/protocol/registry.hpp"
+#include "core/protocol/protocol_entry.hpp"
 
 namespace fieldcast::omron {
 namespace {

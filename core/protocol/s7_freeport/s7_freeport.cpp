@@ -19,7 +19,7 @@
 #include "core/codec/digits.hpp"
 #include "core/codec/value_codec.hpp"
 #include "core/protocol/option_reader.hpp"
-#include "core/protocol/registry.hpp"
+#include "core/protocol/protocol_entry.hpp"
 
 namespace fieldcast::s7_freeport {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "core/protocol/registry.hpp"
+#include "core/protocol/protocol_entry.hpp"
 
 namespace fieldcast::s7_freeport {
 

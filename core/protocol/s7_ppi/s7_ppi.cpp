@@ -14,7 +14,7 @@
 
 #include "core/protocol/address_text.hpp"
 #include "core/protocol/option_reader.hpp"
-#include "core/protocol/registry.hpp"
+#include "core/protocol/protocol_entry.hpp"
 #include "core/protocol/s7_ppi/areas.hpp"
 #include "core/protocol/s7_ppi/telegram.hpp"
 #include "core/protocol/s7_ppi/unit.hpp"

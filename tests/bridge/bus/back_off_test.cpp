@@ -1,4 +1,4 @@
-#include "bridge/bus/back_off.hpp"
+#include "bridge/base/back_off.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "bridge/bus/io_thread.hpp"
+#include "bridge/base/io_thread.hpp"
 #include "tests/bridge/support/modbus_device.hpp"
 #include "tests/bridge/support/recording_sink.hpp"
 

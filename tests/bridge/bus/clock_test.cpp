@@ -1,4 +1,4 @@
-#include "bridge/bus/clock.hpp"
+#include "bridge/base/clock.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "bridge/command/command_audit.hpp"
+#include "bridge/store/command_audit.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

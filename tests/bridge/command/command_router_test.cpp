@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "bridge/bus/clock.hpp"
-#include "bridge/bus/io_thread.hpp"
+#include "bridge/base/clock.hpp"
+#include "bridge/base/io_thread.hpp"
 #include "tests/bridge/support/pty.hpp"
 #include "tests/bridge/support/recording_sink.hpp"
 

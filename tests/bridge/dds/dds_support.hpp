@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "bridge/dds/dds_link.hpp"
+#include "bridge/dds/endpoints/dds_link.hpp"
 #include "bridge/station/station.hpp"
 #include "tests/bridge/support/claimed_domain.hpp"
 

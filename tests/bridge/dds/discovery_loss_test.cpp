@@ -6,9 +6,9 @@
 #include <chrono>
 #include <cstdio>
 
-#include "bridge/dds/domain.hpp"
+#include "bridge/dds/transport/domain.hpp"
 #include "tests/bridge/dds/dds_support.hpp"
-#include "tools/bench/lossy_receive.hpp"
+#include "tools/bench/support/lossy_receive.hpp"
 
 namespace fieldcast::testing {
 namespace {

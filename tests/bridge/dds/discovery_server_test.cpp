@@ -1,10 +1,10 @@
 // Tests which discovery server addresses are rejected. e2e_sites.py uses a real server.
-#include "bridge/dds/discovery_server.hpp"
+#include "bridge/dds/transport/discovery_server.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "bridge/dds/dds_error.hpp"
+#include "bridge/dds/library/dds_error.hpp"
 
 namespace fieldcast {
 namespace {

@@ -1,4 +1,4 @@
-#include "bridge/dds/domain.hpp"
+#include "bridge/dds/transport/domain.hpp"
 
 #include <future>
 

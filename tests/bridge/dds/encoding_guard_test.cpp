@@ -1,4 +1,4 @@
-#include "bridge/dds/encoding_guard.hpp"
+#include "bridge/dds/library/encoding_guard.hpp"
 
 #include <dlfcn.h>
 #include <fastdds/rtps/common/CDRMessage_t.h>

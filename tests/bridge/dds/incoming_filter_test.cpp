@@ -1,4 +1,4 @@
-#include "bridge/dds/incoming_filter.hpp"
+#include "bridge/dds/filter/incoming_filter.hpp"
 
 #include <gtest/gtest.h>
 

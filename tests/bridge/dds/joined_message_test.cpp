@@ -1,5 +1,5 @@
 // Tests that RTPS messages are joined into one, byte by byte (RTPS 2.2, 8.3.4, 9.4).
-#include "bridge/dds/joined_message.hpp"
+#include "bridge/dds/filter/joined_message.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

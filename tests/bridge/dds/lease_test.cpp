@@ -7,7 +7,7 @@
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
 
-#include "bridge/dds/library.hpp"
+#include "bridge/dds/library/library.hpp"
 #include "bridge/dds/topics/conversion.hpp"
 #include "bridge/dds/topics/topic_type.hpp"
 #include "bridge/dds/topics/topics.hpp"

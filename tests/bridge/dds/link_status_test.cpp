@@ -3,8 +3,8 @@
 #include <atomic>
 #include <map>
 
-#include "bridge/dds/domain.hpp"
-#include "bridge/dds/taker.hpp"
+#include "bridge/dds/receivers/taker.hpp"
+#include "bridge/dds/transport/domain.hpp"
 #include "tests/bridge/dds/dds_support.hpp"
 
 namespace fieldcast::testing {

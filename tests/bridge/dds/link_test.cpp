@@ -7,9 +7,9 @@
 #include <map>
 #include <set>
 
-#include "bridge/dds/bridge_presence.hpp"
-#include "bridge/dds/domain.hpp"
+#include "bridge/dds/endpoints/bridge_presence.hpp"
 #include "bridge/dds/topics/topics.hpp"
+#include "bridge/dds/transport/domain.hpp"
 #include "bridge/station/subscription.hpp"
 #include "tests/bridge/dds/dds_support.hpp"
 

@@ -9,7 +9,7 @@
 
 #include "bridge/dds/topics/topics.hpp"
 #include "tests/bridge/dds/dds_support.hpp"
-#include "tools/bench/lossy_receive.hpp"
+#include "tools/bench/support/lossy_receive.hpp"
 
 namespace fieldcast::testing {
 namespace {

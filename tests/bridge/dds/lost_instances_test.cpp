@@ -1,4 +1,4 @@
-#include "bridge/dds/lost_instances.hpp"
+#include "bridge/dds/receivers/lost_instances.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Tests the messages if multicast discovery fails. e2e_machine.py uses a real machine.
-#include "bridge/dds/multicast.hpp"
+#include "bridge/dds/transport/multicast.hpp"
 
 #include <gtest/gtest.h>
 

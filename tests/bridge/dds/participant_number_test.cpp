@@ -1,4 +1,4 @@
-#include "bridge/dds/participant_number.hpp"
+#include "bridge/dds/transport/participant_number.hpp"
 
 #include <gtest/gtest.h>
 

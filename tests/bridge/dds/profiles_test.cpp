@@ -6,10 +6,10 @@
 #include <map>
 #include <set>
 
-#include "bridge/dds/domain.hpp"
-#include "bridge/dds/library.hpp"
+#include "bridge/dds/library/library.hpp"
 #include "bridge/dds/topics/conversion.hpp"
 #include "bridge/dds/topics/topics.hpp"
+#include "bridge/dds/transport/domain.hpp"
 #include "tests/bridge/dds/dds_support.hpp"
 
 namespace fieldcast::testing {

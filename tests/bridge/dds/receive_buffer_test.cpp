@@ -1,4 +1,4 @@
-#include "bridge/dds/receive_buffer.hpp"
+#include "bridge/dds/transport/receive_buffer.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <random>
 
-#include "bridge/dds/cdr.hpp"
+#include "bridge/dds/library/cdr.hpp"
 #include "bridge/dds/topics/conversion.hpp"
 
 namespace fieldcast {

@@ -3,8 +3,8 @@
 
 #include <cstdlib>
 
-#include "bridge/dds/domain.hpp"
 #include "bridge/dds/topics/conversion.hpp"
+#include "bridge/dds/transport/domain.hpp"
 #include "tests/bridge/dds/dds_support.hpp"
 #include "tests/bridge/support/role.hpp"
 

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "tests/bridge/dds/dds_support.hpp"
-#include "tools/bench/lossy_receive.hpp"
+#include "tools/bench/support/lossy_receive.hpp"
 
 namespace fieldcast::testing {
 namespace {

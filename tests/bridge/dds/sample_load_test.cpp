@@ -1,4 +1,4 @@
-#include "bridge/dds/sample_load.hpp"
+#include "bridge/dds/receivers/sample_load.hpp"
 
 #include <gtest/gtest.h>
 

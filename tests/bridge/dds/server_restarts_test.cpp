@@ -1,4 +1,4 @@
-#include "bridge/dds/server_restarts.hpp"
+#include "bridge/dds/transport/server_restarts.hpp"
 
 #include <gtest/gtest.h>
 

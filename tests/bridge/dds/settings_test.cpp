@@ -10,9 +10,9 @@
 #include <map>
 #include <set>
 
-#include "bridge/dds/domain.hpp"
-#include "bridge/dds/fastdds.hpp"
-#include "bridge/dds/library.hpp"
+#include "bridge/dds/library/fastdds.hpp"
+#include "bridge/dds/library/library.hpp"
+#include "bridge/dds/transport/domain.hpp"
 #include "tests/bridge/dds/dds_support.hpp"
 
 namespace fieldcast::testing {

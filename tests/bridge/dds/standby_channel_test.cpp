@@ -1,6 +1,6 @@
 // Tests that a standby member receives a second one that was killed and restarted, over real DDS on
 // loopback. The old participant of the killed one has not expired yet.
-#include "bridge/dds/standby_channel.hpp"
+#include "bridge/dds/endpoints/standby_channel.hpp"
 
 #include <gtest/gtest.h>
 

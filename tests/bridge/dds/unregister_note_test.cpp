@@ -1,5 +1,5 @@
 // Tests the notes of unregistered instances byte by byte (RTPS 2.2, 9.4.5.3, 9.6.3).
-#include "bridge/dds/unregister_note.hpp"
+#include "bridge/dds/filter/unregister_note.hpp"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 #include <csignal>
 #include <filesystem>
 
-#include "bridge/bus/clock.hpp"
+#include "bridge/base/clock.hpp"
 #include "bridge/port/port_lock.hpp"
 #include "bridge/port/serial_line.hpp"
 #include "tests/bridge/support/port_probe.hpp"

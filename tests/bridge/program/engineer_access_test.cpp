@@ -1,4 +1,4 @@
-#include "bridge/bus/clock.hpp"
+#include "bridge/base/clock.hpp"
 #include "bridge/security/pki.hpp"
 #include "tests/bridge/program/program_support.hpp"
 #include "tests/bridge/support/certificates.hpp"

@@ -10,8 +10,8 @@
 #include <memory>
 #include <string>
 
+#include "bridge/base/io_thread.hpp"
 #include "bridge/bus/bus_runner.hpp"
-#include "bridge/bus/io_thread.hpp"
 #include "tests/bridge/program/program_support.hpp"
 #include "tests/bridge/support/recording_sink.hpp"
 

@@ -1,4 +1,4 @@
-#include "bridge/program/module_client.hpp"
+#include "bridge/program/module/module_client.hpp"
 
 #include <boost/asio/post.hpp>
 #include <future>

@@ -7,8 +7,8 @@
 #include <memory>
 #include <mutex>
 
+#include "bridge/base/io_thread.hpp"
 #include "bridge/bus/bus_runner.hpp"
-#include "bridge/bus/io_thread.hpp"
 #include "bridge/port/dial_in_registry.hpp"
 #include "bridge/program/server.hpp"
 #include "tests/bridge/support/recording_sink.hpp"

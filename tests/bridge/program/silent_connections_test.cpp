@@ -1,4 +1,4 @@
-#include "bridge/program/silent_connections.hpp"
+#include "bridge/program/module/silent_connections.hpp"
 
 #include <gmock/gmock.h>
 

@@ -4,7 +4,7 @@
 
 #include <future>
 
-#include "bridge/bus/clock.hpp"
+#include "bridge/base/clock.hpp"
 
 namespace fieldcast {
 namespace {

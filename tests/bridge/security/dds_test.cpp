@@ -15,9 +15,9 @@
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <thread>
 
-#include "bridge/dds/domain.hpp"
-#include "bridge/dds/library.hpp"
+#include "bridge/dds/library/library.hpp"
 #include "bridge/dds/topics/conversion.hpp"
+#include "bridge/dds/transport/domain.hpp"
 #include "bridge/security/authority.hpp"
 #include "bridge/security/file_access.hpp"
 #include "bridge/security/member_folder.hpp"

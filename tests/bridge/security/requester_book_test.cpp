@@ -1,4 +1,4 @@
-#include "bridge/dds/requester_book.hpp"
+#include "bridge/dds/receivers/requester_book.hpp"
 
 #include <gtest/gtest.h>
 

@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "bridge/dds/standby_channel.hpp"
+#include "bridge/dds/endpoints/standby_channel.hpp"
 #include "bridge/dds/topics/conversion.hpp"
 #include "bridge/station/subscription.hpp"
 #include "tests/bridge/support/claimed_domain.hpp"

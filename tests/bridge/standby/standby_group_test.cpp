@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "bridge/bus/clock.hpp"
+#include "bridge/base/clock.hpp"
 
 namespace fieldcast {
 namespace {

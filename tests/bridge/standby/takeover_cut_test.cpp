@@ -5,8 +5,8 @@
 #include <atomic>
 #include <utility>
 
-#include "bridge/dds/standby_channel.hpp"
-#include "bridge/dds/taker.hpp"
+#include "bridge/dds/endpoints/standby_channel.hpp"
+#include "bridge/dds/receivers/taker.hpp"
 #include "bridge/dds/topics/block.hpp"
 #include "tests/bridge/standby/takeover_fixture.hpp"
 

@@ -10,7 +10,7 @@
 #include <regex>
 
 #include "bridge/store/event_table.hpp"
-#include "bridge/store/sample_table.hpp"
+#include "bridge/store/tiers/sample_table.hpp"
 #include "tests/bridge/store/postgres_server.hpp"
 #include "tests/bridge/store/scratch.hpp"
 

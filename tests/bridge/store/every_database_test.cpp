@@ -9,7 +9,7 @@
 #include "bridge/store/alarm_life_table.hpp"
 #include "bridge/store/event_table.hpp"
 #include "bridge/store/retention.hpp"
-#include "bridge/store/user_table.hpp"
+#include "bridge/store/users/user_table.hpp"
 #include "tests/bridge/store/older_store.hpp"
 #include "tests/bridge/store/postgres_server.hpp"
 #include "tests/bridge/store/refused_rows.hpp"

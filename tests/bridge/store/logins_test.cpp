@@ -6,8 +6,8 @@
 #include <future>
 #include <sstream>
 
-#include "bridge/store/authenticator.hpp"
-#include "bridge/store/user_table.hpp"
+#include "bridge/store/users/authenticator.hpp"
+#include "bridge/store/users/user_table.hpp"
 #include "tests/bridge/store/scratch.hpp"
 
 namespace fieldcast {

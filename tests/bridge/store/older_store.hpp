@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "bridge/store/sql.hpp"
+#include "bridge/store/sql/sql.hpp"
 
 namespace fieldcast::test {
 

@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "bridge/store/sql.hpp"
+#include "bridge/store/sql/sql.hpp"
 
 namespace fieldcast::test {
 

@@ -1,4 +1,4 @@
-#include "bridge/store/sample_days.hpp"
+#include "bridge/store/tiers/sample_days.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

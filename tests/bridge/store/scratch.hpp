@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "bridge/store/audit.hpp"
+#include "bridge/store/records/audit.hpp"
 
 namespace fieldcast::test {
 

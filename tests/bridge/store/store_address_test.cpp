@@ -1,9 +1,9 @@
-#include "bridge/store/store_address.hpp"
+#include "bridge/store/sql/store_address.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "bridge/store/schema.hpp"
+#include "bridge/store/sql/schema.hpp"
 
 namespace fieldcast {
 namespace {

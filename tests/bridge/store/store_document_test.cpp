@@ -8,7 +8,7 @@
 #include <set>
 #include <sstream>
 
-#include "bridge/store/sql.hpp"
+#include "bridge/store/sql/sql.hpp"
 #include "tests/bridge/store/postgres_server.hpp"
 #include "tests/bridge/store/scratch.hpp"
 

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "bridge/store/sample_table.hpp"
-#include "bridge/store/schema.hpp"
+#include "bridge/store/sql/schema.hpp"
 #include "bridge/store/store.hpp"
+#include "bridge/store/tiers/sample_table.hpp"
 #include "bridge/store/tiers/tier_writer.hpp"
 
 namespace fieldcast::test {

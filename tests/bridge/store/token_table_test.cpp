@@ -1,12 +1,12 @@
-#include "bridge/store/token_table.hpp"
+#include "bridge/store/users/token_table.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "bridge/store/schema.hpp"
-#include "bridge/store/user_table.hpp"
+#include "bridge/store/sql/schema.hpp"
+#include "bridge/store/users/user_table.hpp"
 #include "tests/bridge/store/older_store.hpp"
 #include "tests/bridge/store/postgres_server.hpp"
 #include "tests/bridge/store/scratch.hpp"

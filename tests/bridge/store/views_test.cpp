@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "bridge/store/event_table.hpp"
-#include "bridge/store/sample_table.hpp"
-#include "bridge/store/schema.hpp"
+#include "bridge/store/sql/schema.hpp"
+#include "bridge/store/tiers/sample_table.hpp"
 #include "tests/bridge/store/older_store.hpp"
 #include "tests/bridge/store/postgres_server.hpp"
 #include "tests/bridge/store/scratch.hpp"

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <string>
 
-#include "bridge/dds/fastdds.hpp"
+#include "bridge/dds/library/fastdds.hpp"
 
 namespace fieldcast::test {
 

@@ -21,8 +21,8 @@
 #include <string>
 #include <thread>
 
-#include "bridge/dds/fastdds.hpp"
-#include "bridge/dds/library.hpp"
+#include "bridge/dds/library/fastdds.hpp"
+#include "bridge/dds/library/library.hpp"
 #include "bridge/dds/topics/topic_type.hpp"
 #include "bridge/dds/topics/topics.hpp"
 

@@ -4,7 +4,7 @@
 
 #include "core/codec/checksum.hpp"
 #include "core/protocol/dtc/threshold.hpp"
-#include "core/protocol/registry.hpp"
+#include "core/protocol/families/registry.hpp"
 #include "tests/protocol/dtc/dtc_text.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/matrix.hpp"

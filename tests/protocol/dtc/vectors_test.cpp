@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/codec/value_codec.hpp"
-#include "core/protocol/registry.hpp"
+#include "core/protocol/families/registry.hpp"
 #include "tests/protocol/dtc/dtc_text.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/matrix.hpp"

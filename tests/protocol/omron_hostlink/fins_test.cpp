@@ -2,7 +2,7 @@
 
 #include "core/codec/checksum.hpp"
 #include "core/codec/digits.hpp"
-#include "core/protocol/registry.hpp"
+#include "core/protocol/families/registry.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/matrix.hpp"
 #include "tests/support/vectors.hpp"

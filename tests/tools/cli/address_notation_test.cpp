@@ -4,7 +4,7 @@
 
 #include <map>
 
-#include "core/protocol/registry.hpp"
+#include "core/protocol/families/registry.hpp"
 
 namespace fieldcast::cli {
 namespace {

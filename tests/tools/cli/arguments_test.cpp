@@ -5,16 +5,16 @@
 
 #include <vector>
 
-#include "tools/cli/command/acquire.hpp"
-#include "tools/cli/command/alarms.hpp"
-#include "tools/cli/command/history.hpp"
+#include "tools/cli/command/line/acquire.hpp"
 #include "tools/cli/command/plan.hpp"
-#include "tools/cli/command/records.hpp"
-#include "tools/cli/command/status.hpp"
+#include "tools/cli/command/station/alarms.hpp"
+#include "tools/cli/command/station/history.hpp"
+#include "tools/cli/command/station/records.hpp"
+#include "tools/cli/command/station/status.hpp"
+#include "tools/cli/command/station/watch.hpp"
+#include "tools/cli/command/station/write.hpp"
 #include "tools/cli/command/token.hpp"
 #include "tools/cli/command/user.hpp"
-#include "tools/cli/command/watch.hpp"
-#include "tools/cli/command/write.hpp"
 
 namespace fieldcast::cli {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/cli/view/command_text.hpp"
+#include "tools/cli/model/command_text.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -8,14 +8,14 @@
 #include <sstream>
 #include <thread>
 
-#include "config/loader.hpp"
+#include "config/loader/loader.hpp"
 #include "core/capture/pcapng_reader.hpp"
 #include "core/capture/upper_pdu.hpp"
 #include "core/model/make_protocol.hpp"
 #include "tests/bridge/support/modbus_device.hpp"
-#include "tools/cli/command/poke.hpp"
-#include "tools/cli/command/read.hpp"
-#include "tools/cli/command/scan.hpp"
+#include "tools/cli/command/line/poke.hpp"
+#include "tools/cli/command/line/read.hpp"
+#include "tools/cli/command/line/scan.hpp"
 #include "tools/cli/direct/address_steps.hpp"
 #include "tools/cli/direct/meanings.hpp"
 #include "tools/cli/model/address_notation.hpp"

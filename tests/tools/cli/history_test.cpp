@@ -1,4 +1,4 @@
-#include "tools/cli/command/history.hpp"
+#include "tools/cli/command/station/history.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -6,14 +6,14 @@
 #include <fstream>
 #include <sstream>
 
-#include "config/loader.hpp"
+#include "config/loader/loader.hpp"
 #include "core/capture/pcapng_writer.hpp"
 #include "core/capture/upper_pdu.hpp"
 #include "core/model/make_protocol.hpp"
 #include "tests/tools/cli/parsed_json.hpp"
-#include "tools/cli/command/inspect.hpp"
+#include "tools/cli/command/line/inspect.hpp"
 #include "tools/cli/inspect/value_decoder.hpp"
-#include "tools/cli/view/sample_text.hpp"
+#include "tools/cli/model/sample_text.hpp"
 
 namespace fieldcast::cli {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/cli/command/inspect.hpp"
+#include "tools/cli/command/line/inspect.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

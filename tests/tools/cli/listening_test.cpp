@@ -1,4 +1,4 @@
-#include "tools/cli/listening.hpp"
+#include "tools/cli/domain/listening.hpp"
 
 #include <gtest/gtest.h>
 

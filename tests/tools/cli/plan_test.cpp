@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/protocol/registry.hpp"
+#include "core/protocol/families/registry.hpp"
 #include "tests/tools/cli/parsed_json.hpp"
 #include "tools/cli/model/bus_plan.hpp"
 #include "tools/cli/view/plan_view.hpp"

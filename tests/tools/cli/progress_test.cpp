@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <ostream>
 
-#include "tools/cli/gzip_file.hpp"
+#include "tools/cli/terminal/gzip_file.hpp"
 #include "tools/progress/progress_text.hpp"
 
 namespace fieldcast::cli {

@@ -1,4 +1,4 @@
-#include "tools/cli/view/sample_text.hpp"
+#include "tools/cli/model/sample_text.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <set>
 
-#include "config/loader.hpp"
+#include "config/loader/loader.hpp"
 #include "core/codec/checksum.hpp"
 #include "core/protocol/omron_hostlink/hostlink.hpp"
 #include "tests/tools/sim/device_setup.hpp"
@@ -16,7 +16,7 @@
 #include "tools/cli/scan/scan_view.hpp"
 #include "tools/cli/scan/scanner.hpp"
 #include "tools/cli/scan/template_match.hpp"
-#include "tools/sim/device/hostlink_device.hpp"
+#include "tools/sim/families/hostlink_device.hpp"
 
 namespace fieldcast::cli {
 namespace {

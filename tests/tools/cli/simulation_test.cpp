@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "config/loader.hpp"
+#include "config/loader/loader.hpp"
 #include "tests/plan/maps.hpp"
 #include "tests/tools/cli/parsed_json.hpp"
 #include "tools/cli/model/bus_simulation.hpp"

@@ -1,10 +1,10 @@
-#include "tools/cli/view/status_view.hpp"
+#include "tools/cli/view/status/status_view.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/tools/cli/parsed_json.hpp"
-#include "tools/cli/view/claims_view.hpp"
+#include "tools/cli/view/status/claims_view.hpp"
 
 namespace fieldcast::cli {
 namespace {

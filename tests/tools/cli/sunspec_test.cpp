@@ -5,7 +5,7 @@
 
 #include <map>
 
-#include "config/loader.hpp"
+#include "config/loader/loader.hpp"
 #include "tests/tools/cli/parsed_json.hpp"
 #include "tools/cli/scan/scan_view.hpp"
 #include "tools/cli/scan/sunspec_channels.hpp"

@@ -1,4 +1,4 @@
-#include "tools/cli/view/text_table.hpp"
+#include "tools/cli/text/text_table.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

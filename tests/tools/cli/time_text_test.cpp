@@ -1,4 +1,4 @@
-#include "tools/cli/view/time_text.hpp"
+#include "tools/cli/model/time_text.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <ctime>
 #include <optional>
 
-#include "tools/cli/view/sample_text.hpp"
+#include "tools/cli/model/sample_text.hpp"
 
 namespace fieldcast::cli {
 namespace {

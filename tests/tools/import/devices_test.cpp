@@ -1,5 +1,5 @@
 #include "tests/tools/import/support.hpp"
-#include "tools/import/formats/epics_files.hpp"
+#include "tools/import/formats/epics/epics_files.hpp"
 #include "tools/import/formats/wb_condition.hpp"
 
 namespace fieldcast::importing {

@@ -1,7 +1,7 @@
 #include "tests/tools/import/support.hpp"
-#include "tools/import/address.hpp"
-#include "tools/import/table.hpp"
-#include "tools/import/types.hpp"
+#include "tools/import/points/address.hpp"
+#include "tools/import/points/types.hpp"
+#include "tools/import/text/table.hpp"
 
 namespace fieldcast::importing {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "config/loader.hpp"
-#include "core/protocol/registry.hpp"
+#include "config/loader/loader.hpp"
+#include "core/protocol/families/registry.hpp"
 #include "tools/sim/check/sim_check.hpp"
 
 namespace fieldcast::sim {

@@ -1,4 +1,4 @@
-#include "tools/sim/device/dtc_device.hpp"
+#include "tools/sim/families/dtc_device.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include <random>
 
 #include "core/codec/checksum.hpp"
-#include "core/protocol/registry.hpp"
+#include "core/protocol/families/registry.hpp"
 #include "tests/tools/sim/listen.hpp"
-#include "tools/sim/device/dtc_lzw.hpp"
+#include "tools/sim/families/dtc_lzw.hpp"
 
 namespace fieldcast::sim {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "config/loader.hpp"
+#include "config/loader/loader.hpp"
 
 namespace fieldcast::sim {
 namespace {

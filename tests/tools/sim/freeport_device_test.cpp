@@ -1,4 +1,4 @@
-#include "tools/sim/device/freeport_device.hpp"
+#include "tools/sim/families/freeport_device.hpp"
 
 #include <gtest/gtest.h>
 

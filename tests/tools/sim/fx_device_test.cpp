@@ -1,4 +1,4 @@
-#include "tools/sim/device/fx_device.hpp"
+#include "tools/sim/families/fx_device.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tools/sim/device/hostlink_device.hpp"
+#include "tools/sim/families/hostlink_device.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 
 #include "core/codec/checksum.hpp"
 #include "tests/tools/sim/listen.hpp"
-#include "tools/sim/device/modbus_receivers.hpp"
+#include "tools/sim/families/modbus/modbus_receivers.hpp"
 
 namespace fieldcast::sim {
 namespace {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/sim/listen.hpp"
-#include "tools/sim/device/modbus_receivers.hpp"
+#include "tools/sim/families/modbus/modbus_receivers.hpp"
 
 namespace fieldcast::sim {
 namespace {

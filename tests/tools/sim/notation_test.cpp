@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <set>
 
-#include "config/loader.hpp"
-#include "core/protocol/registry.hpp"
+#include "config/loader/loader.hpp"
+#include "core/protocol/families/registry.hpp"
 #include "tools/sim/bus/virtual_bus.hpp"
 #include "tools/sim/check/notations.hpp"
 

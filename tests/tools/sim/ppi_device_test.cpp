@@ -1,4 +1,4 @@
-#include "tools/sim/device/ppi_device.hpp"
+#include "tools/sim/families/ppi_device.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tools/sim/pty_port.hpp"
+#include "tools/sim/port/pty_port.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "tools/sim/tcp_listener.hpp"
+#include "tools/sim/port/tcp_listener.hpp"
 
 namespace fieldcast::sim {
 namespace {

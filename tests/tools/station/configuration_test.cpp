@@ -1,4 +1,4 @@
-#include "tools/station/configuration.hpp"
+#include "tools/station/settings/configuration.hpp"
 
 #include <gmock/gmock.h>
 

@@ -3,8 +3,8 @@
 #include <optional>
 #include <ostream>
 
-#include "config/loader.hpp"
-#include "tools/cli/command/command.hpp"
+#include "config/loader/loader.hpp"
+#include "tools/cli/command/base/command.hpp"
 #include "tools/cli/doctor/clocks.hpp"
 #include "tools/cli/doctor/findings.hpp"
 #include "tools/cli/doctor/gather.hpp"

@@ -4,8 +4,8 @@
 #include <iosfwd>
 #include <string>
 
-#include "tools/cli/exit_code.hpp"
-#include "tools/cli/view/text_table.hpp"
+#include "tools/cli/text/exit_code.hpp"
+#include "tools/cli/text/text_table.hpp"
 
 namespace fieldcast::cli {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/cli/exit_code.hpp"
-#include "tools/cli/view/text_table.hpp"
+#include "tools/cli/text/exit_code.hpp"
+#include "tools/cli/text/text_table.hpp"
 #include "tools/import/importer.hpp"
 
 namespace fieldcast::cli {

@@ -10,9 +10,9 @@
 #include "bridge/base/errno_text.hpp"
 #include "bridge/base/secret_file.hpp"
 #include "bridge/port/serial_line.hpp"
-#include "config/port.hpp"
+#include "config/sections/port.hpp"
 #include "core/program/device_number.hpp"
-#include "tools/cli/command/command.hpp"
+#include "tools/cli/command/base/command.hpp"
 
 namespace fieldcast::cli {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <tl/expected.hpp>
 
-#include "bridge/program/module_client.hpp"
+#include "bridge/program/module/module_client.hpp"
 #include "core/model/port_spec.hpp"
-#include "tools/cli/exit_code.hpp"
+#include "tools/cli/text/exit_code.hpp"
 
 namespace fieldcast::cli {
 

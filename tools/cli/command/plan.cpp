@@ -5,11 +5,11 @@
 #include <ostream>
 #include <utility>
 
-#include "config/loader.hpp"
-#include "tools/cli/command/command.hpp"
-#include "tools/cli/end_at_once.hpp"
+#include "config/loader/loader.hpp"
+#include "tools/cli/command/base/command.hpp"
 #include "tools/cli/model/bus_plan.hpp"
 #include "tools/cli/model/bus_simulation.hpp"
+#include "tools/cli/terminal/end_at_once.hpp"
 #include "tools/cli/view/plan_view.hpp"
 #include "tools/cli/view/simulation_view.hpp"
 #include "tools/progress/progress_line.hpp"

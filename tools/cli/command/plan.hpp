@@ -6,8 +6,8 @@
 #include <string>
 
 #include "core/schedule/bus_schedule.hpp"
-#include "tools/cli/exit_code.hpp"
-#include "tools/cli/view/text_table.hpp"
+#include "tools/cli/text/exit_code.hpp"
+#include "tools/cli/text/text_table.hpp"
 
 namespace fieldcast::cli {
 

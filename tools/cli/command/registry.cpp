@@ -1,7 +1,7 @@
 #include <array>
 #include <ostream>
 
-#include "tools/cli/command/command.hpp"
+#include "tools/cli/command/base/command.hpp"
 
 namespace fieldcast::cli {
 

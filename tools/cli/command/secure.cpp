@@ -9,9 +9,9 @@
 
 #include "bridge/security/member_folder.hpp"
 #include "core/base/json.hpp"
-#include "tools/cli/clock.hpp"
-#include "tools/cli/command/command.hpp"
-#include "tools/cli/interrupt.hpp"
+#include "tools/cli/command/base/command.hpp"
+#include "tools/cli/terminal/clock.hpp"
+#include "tools/cli/terminal/interrupt.hpp"
 
 namespace fieldcast::cli {
 namespace {

@@ -5,14 +5,14 @@
 #include <ostream>
 
 #include "bridge/store/event_table.hpp"
-#include "bridge/store/password.hpp"
-#include "bridge/store/token_table.hpp"
-#include "bridge/store/user_table.hpp"
-#include "tools/cli/clock.hpp"
-#include "tools/cli/command/command.hpp"
-#include "tools/cli/console.hpp"
+#include "bridge/store/users/password.hpp"
+#include "bridge/store/users/token_table.hpp"
+#include "bridge/store/users/user_table.hpp"
+#include "tools/cli/command/base/command.hpp"
+#include "tools/cli/model/sample_text.hpp"
+#include "tools/cli/terminal/clock.hpp"
+#include "tools/cli/terminal/console.hpp"
 #include "tools/cli/view/record_view.hpp"
-#include "tools/cli/view/sample_text.hpp"
 
 namespace fieldcast::cli {
 namespace {

@@ -5,12 +5,12 @@
 #include <ostream>
 
 #include "bridge/store/event_table.hpp"
-#include "bridge/store/password.hpp"
-#include "bridge/store/user_table.hpp"
-#include "tools/cli/clock.hpp"
-#include "tools/cli/command/command.hpp"
-#include "tools/cli/console.hpp"
-#include "tools/cli/password_prompt.hpp"
+#include "bridge/store/users/password.hpp"
+#include "bridge/store/users/user_table.hpp"
+#include "tools/cli/command/base/command.hpp"
+#include "tools/cli/terminal/clock.hpp"
+#include "tools/cli/terminal/console.hpp"
+#include "tools/cli/terminal/password_prompt.hpp"
 #include "tools/cli/view/record_view.hpp"
 
 namespace fieldcast::cli {

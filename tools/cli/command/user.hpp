@@ -5,8 +5,8 @@
 #include <string>
 
 #include "core/access/role.hpp"
-#include "tools/cli/exit_code.hpp"
-#include "tools/cli/store_source.hpp"
+#include "tools/cli/domain/store_source.hpp"
+#include "tools/cli/text/exit_code.hpp"
 
 namespace fieldcast::cli {
 

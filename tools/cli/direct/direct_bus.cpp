@@ -3,9 +3,9 @@
 #include <condition_variable>
 #include <mutex>
 
+#include "bridge/base/io_thread.hpp"
 #include "bridge/bus/bus_runner.hpp"
 #include "bridge/bus/bus_sink.hpp"
-#include "bridge/bus/io_thread.hpp"
 #include "bridge/log/log.hpp"
 #include "core/model/port_spec.hpp"
 #include "tools/cli/direct/line_capture.hpp"

@@ -9,7 +9,7 @@
 
 #include "core/model/command.hpp"
 #include "core/model/spec.hpp"
-#include "tools/cli/interrupt.hpp"
+#include "tools/cli/terminal/interrupt.hpp"
 
 namespace fieldcast::cli {
 

@@ -6,8 +6,8 @@
 #include <ostream>
 #include <utility>
 
-#include "tools/cli/clock.hpp"
-#include "tools/cli/view/text_table.hpp"
+#include "tools/cli/terminal/clock.hpp"
+#include "tools/cli/text/text_table.hpp"
 
 namespace fieldcast::cli {
 

@@ -12,7 +12,7 @@
 
 #include "bridge/capture/bus_capture.hpp"
 #include "bridge/capture/capture_file.hpp"
-#include "tools/cli/exit_code.hpp"
+#include "tools/cli/text/exit_code.hpp"
 
 namespace fieldcast::cli {
 

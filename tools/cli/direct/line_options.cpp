@@ -4,9 +4,9 @@
 
 #include <filesystem>
 
-#include "config/port.hpp"
+#include "config/sections/port.hpp"
 #include "core/model/make_protocol.hpp"
-#include "tools/cli/view/text_table.hpp"
+#include "tools/cli/text/text_table.hpp"
 
 namespace fieldcast::cli {
 namespace {

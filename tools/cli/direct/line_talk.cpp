@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
 
-#include "bridge/bus/clock.hpp"
+#include "bridge/base/clock.hpp"
 #include "bridge/port/port.hpp"
 
 namespace fieldcast::cli {

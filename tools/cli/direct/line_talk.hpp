@@ -9,10 +9,10 @@
 #include <tl/expected.hpp>
 
 #include "bridge/capture/capture_tap.hpp"
-#include "core/bus/exchange_driver.hpp"
-#include "core/bus/garbage.hpp"
+#include "core/bus/health/garbage.hpp"
+#include "core/bus/wire/exchange_driver.hpp"
 #include "core/model/port_spec.hpp"
-#include "tools/cli/interrupt.hpp"
+#include "tools/cli/terminal/interrupt.hpp"
 
 namespace fieldcast::cli {
 

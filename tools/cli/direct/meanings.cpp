@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "tools/cli/view/command_text.hpp"
-#include "tools/cli/view/sample_text.hpp"
+#include "tools/cli/model/command_text.hpp"
+#include "tools/cli/model/sample_text.hpp"
 
 namespace fieldcast::cli {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "core/base/value.hpp"
 #include "core/codec/value_codec.hpp"
-#include "tools/cli/view/text_table.hpp"
+#include "tools/cli/text/text_table.hpp"
 
 namespace fieldcast::cli {
 

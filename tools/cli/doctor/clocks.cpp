@@ -3,10 +3,10 @@
 #include <map>
 
 #include "bridge/base/bounded_queue.hpp"
-#include "bridge/dds/dds_error.hpp"
+#include "bridge/dds/library/dds_error.hpp"
 #include "bridge/station/sites.hpp"
-#include "tools/cli/clock.hpp"
-#include "tools/cli/interrupt.hpp"
+#include "tools/cli/terminal/clock.hpp"
+#include "tools/cli/terminal/interrupt.hpp"
 
 namespace fieldcast::cli {
 

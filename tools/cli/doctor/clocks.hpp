@@ -2,8 +2,8 @@
 // nothing. Main thread.
 #pragma once
 
-#include "tools/cli/connection.hpp"
 #include "tools/cli/doctor/facts.hpp"
+#include "tools/cli/domain/connection.hpp"
 
 namespace fieldcast::cli {
 

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "tools/cli/view/status_words.hpp"
-#include "tools/cli/view/time_text.hpp"
+#include "tools/cli/model/time_text.hpp"
+#include "tools/cli/view/status/status_words.hpp"
 
 namespace fieldcast::cli {
 

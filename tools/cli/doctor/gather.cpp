@@ -16,9 +16,9 @@
 #include <string>
 #include <system_error>
 
-#include "bridge/dds/multicast.hpp"
-#include "bridge/dds/receive_buffer.hpp"
-#include "bridge/store/store_address.hpp"
+#include "bridge/dds/transport/multicast.hpp"
+#include "bridge/dds/transport/receive_buffer.hpp"
+#include "bridge/store/sql/store_address.hpp"
 
 namespace fieldcast::cli {
 

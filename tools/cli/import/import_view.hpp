@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/base/json.hpp"
-#include "tools/cli/view/text_table.hpp"
+#include "tools/cli/text/text_table.hpp"
 #include "tools/import/importer.hpp"
 
 namespace fieldcast::cli {

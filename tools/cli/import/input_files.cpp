@@ -6,8 +6,8 @@
 #include <fstream>
 
 #include "bridge/base/errno_text.hpp"
-#include "config/limits.hpp"
-#include "tools/cli/view/text_table.hpp"
+#include "config/document/limits.hpp"
+#include "tools/cli/text/text_table.hpp"
 
 namespace fieldcast::cli {
 namespace {

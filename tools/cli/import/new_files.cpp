@@ -11,7 +11,7 @@
 #include "bridge/base/errno_text.hpp"
 #include "bridge/security/file_access.hpp"
 #include "bridge/security/pki.hpp"
-#include "tools/cli/view/text_table.hpp"
+#include "tools/cli/text/text_table.hpp"
 
 namespace fieldcast::cli {
 namespace {

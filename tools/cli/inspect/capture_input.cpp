@@ -12,8 +12,8 @@
 #include "core/capture/pcapng_reader.hpp"
 #include "core/capture/trace_text.hpp"
 #include "core/capture/upper_pdu.hpp"
-#include "core/protocol/registry.hpp"
-#include "tools/cli/view/sample_text.hpp"
+#include "core/protocol/families/registry.hpp"
+#include "tools/cli/model/sample_text.hpp"
 
 namespace fieldcast::cli {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
-#include "tools/cli/exit_code.hpp"
 #include "tools/cli/inspect/frame_report.hpp"
+#include "tools/cli/text/exit_code.hpp"
 
 namespace fieldcast::cli {
 

@@ -6,9 +6,9 @@
 #include <ostream>
 
 #include "core/base/json.hpp"
-#include "core/protocol/registry.hpp"
+#include "core/protocol/families/registry.hpp"
+#include "tools/cli/model/sample_text.hpp"
 #include "tools/cli/view/inspect_view.hpp"
-#include "tools/cli/view/sample_text.hpp"
 
 namespace fieldcast::cli {
 namespace {

@@ -10,7 +10,7 @@
 #include "core/model/spec.hpp"
 #include "tools/cli/inspect/value_decoder.hpp"
 #include "tools/cli/model/named_protocol.hpp"
-#include "tools/cli/view/text_table.hpp"
+#include "tools/cli/text/text_table.hpp"
 
 namespace fieldcast::cli {
 

@@ -11,9 +11,9 @@
 
 #include "core/model/fit.hpp"
 #include "core/model/implied_type.hpp"
-#include "core/protocol/registry.hpp"
-#include "tools/cli/view/command_text.hpp"
-#include "tools/cli/view/text_table.hpp"
+#include "core/protocol/families/registry.hpp"
+#include "tools/cli/model/command_text.hpp"
+#include "tools/cli/text/text_table.hpp"
 
 namespace fieldcast::cli {
 namespace {

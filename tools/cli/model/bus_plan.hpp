@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/model/spec.hpp"
-#include "core/plan/point.hpp"
+#include "core/plan/layout/point.hpp"
 #include "core/protocol/protocol.hpp"
 #include "core/schedule/prediction.hpp"
 

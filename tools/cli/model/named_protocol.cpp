@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "config/loader.hpp"
+#include "config/loader/loader.hpp"
 #include "core/base/near_miss.hpp"
-#include "core/protocol/registry.hpp"
-#include "tools/cli/view/text_table.hpp"
+#include "core/protocol/families/registry.hpp"
+#include "tools/cli/text/text_table.hpp"
 
 namespace fieldcast::cli {
 namespace {

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "core/protocol/declared/declaration.hpp"
-#include "core/protocol/registry.hpp"
+#include "core/protocol/families/registry.hpp"
 
 namespace fieldcast::cli {
 

@@ -7,7 +7,7 @@
 #include <charconv>
 #include <set>
 
-#include "tools/cli/view/text_table.hpp"
+#include "tools/cli/text/text_table.hpp"
 
 namespace fieldcast::cli {
 namespace {

@@ -8,7 +8,7 @@
 #include "core/base/json.hpp"
 #include "core/model/port_spec.hpp"
 #include "tools/cli/scan/scanner.hpp"
-#include "tools/cli/view/text_table.hpp"
+#include "tools/cli/text/text_table.hpp"
 #include "tools/progress/progress_text.hpp"
 
 namespace fieldcast::cli {

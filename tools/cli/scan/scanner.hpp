@@ -14,7 +14,7 @@
 
 #include "core/base/cause.hpp"
 #include "core/base/time.hpp"
-#include "core/bus/garbage.hpp"
+#include "core/bus/health/garbage.hpp"
 #include "tools/cli/scan/scan_plan.hpp"
 #include "tools/cli/scan/sunspec_walk.hpp"
 

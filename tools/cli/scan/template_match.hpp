@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "config/loader.hpp"
+#include "config/loader/loader.hpp"
 
 namespace fieldcast::cli {
 

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "tools/cli/screen/cell_text.hpp"
+#include "tools/cli/model/sample_text.hpp"
 #include "tools/cli/screen/list_control.hpp"
-#include "tools/cli/view/sample_text.hpp"
+#include "tools/cli/text/cell_text.hpp"
 
 namespace fieldcast::cli {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tools/cli/screen/channel_rows.hpp"
-#include "tools/cli/screen/frame.hpp"
+#include "tools/cli/text/frame.hpp"
 
 namespace fieldcast::cli {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "tools/cli/model/watch_model.hpp"
-#include "tools/cli/screen/frame.hpp"
 #include "tools/cli/screen/row_list.hpp"
+#include "tools/cli/text/frame.hpp"
 
 namespace fieldcast::cli {
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "tools/cli/screen/frame.hpp"
+#include "tools/cli/text/frame.hpp"
 
 namespace fieldcast::cli {
 

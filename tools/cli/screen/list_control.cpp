@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "tools/cli/screen/cell_text.hpp"
+#include "tools/cli/text/cell_text.hpp"
 
 namespace fieldcast::cli {
 namespace {

@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/cli/screen/frame.hpp"
 #include "tools/cli/screen/line_edit.hpp"
 #include "tools/cli/screen/row_list.hpp"
+#include "tools/cli/text/frame.hpp"
 
 namespace fieldcast::cli {
 

@@ -4,12 +4,12 @@
 
 #include <string>
 
-#include "tools/cli/screen/cell_text.hpp"
+#include "tools/cli/model/sample_text.hpp"
 #include "tools/cli/screen/list_control.hpp"
 #include "tools/cli/screen/status_rows.hpp"
-#include "tools/cli/view/claims_view.hpp"
-#include "tools/cli/view/sample_text.hpp"
-#include "tools/cli/view/standby_facts.hpp"
+#include "tools/cli/text/cell_text.hpp"
+#include "tools/cli/view/status/claims_view.hpp"
+#include "tools/cli/view/status/standby_facts.hpp"
 
 namespace fieldcast::cli {
 namespace {

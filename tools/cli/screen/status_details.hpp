@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "core/model/channel_path.hpp"
-#include "tools/cli/screen/frame.hpp"
-#include "tools/cli/view/status_facts.hpp"
+#include "tools/cli/text/frame.hpp"
+#include "tools/cli/view/status/status_facts.hpp"
 
 namespace fieldcast::cli {
 

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "tools/cli/screen/channel_rows.hpp"
-#include "tools/cli/view/claims_view.hpp"
-#include "tools/cli/view/standby_facts.hpp"
+#include "tools/cli/view/status/claims_view.hpp"
+#include "tools/cli/view/status/standby_facts.hpp"
 
 namespace fieldcast::cli {
 namespace {

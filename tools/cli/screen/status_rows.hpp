@@ -4,7 +4,7 @@
 #include <string>
 
 #include "tools/cli/screen/row_list.hpp"
-#include "tools/cli/view/status_facts.hpp"
+#include "tools/cli/view/status/status_facts.hpp"
 
 namespace fieldcast::cli {
 

@@ -8,11 +8,11 @@
 #include <set>
 #include <utility>
 
-#include "tools/cli/screen/cell_text.hpp"
+#include "tools/cli/model/sample_text.hpp"
 #include "tools/cli/screen/status_details.hpp"
 #include "tools/cli/screen/status_rows.hpp"
-#include "tools/cli/view/sample_text.hpp"
-#include "tools/cli/view/standby_facts.hpp"
+#include "tools/cli/text/cell_text.hpp"
+#include "tools/cli/view/status/standby_facts.hpp"
 
 namespace fieldcast::cli {
 namespace {

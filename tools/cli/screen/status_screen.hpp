@@ -5,9 +5,9 @@
 #include <optional>
 #include <string>
 
-#include "tools/cli/screen/frame.hpp"
 #include "tools/cli/screen/list_control.hpp"
-#include "tools/cli/view/status_facts.hpp"
+#include "tools/cli/text/frame.hpp"
+#include "tools/cli/view/status/status_facts.hpp"
 
 namespace fieldcast::cli {
 

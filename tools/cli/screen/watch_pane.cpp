@@ -4,11 +4,11 @@
 #include <algorithm>
 
 #include "core/base/escaped.hpp"
-#include "tools/cli/screen/cell_text.hpp"
+#include "tools/cli/model/sample_text.hpp"
 #include "tools/cli/screen/status_details.hpp"
 #include "tools/cli/screen/watch_screen.hpp"
-#include "tools/cli/view/sample_text.hpp"
-#include "tools/cli/view/status_words.hpp"
+#include "tools/cli/text/cell_text.hpp"
+#include "tools/cli/view/status/status_words.hpp"
 
 namespace fieldcast::cli {
 namespace {

@@ -6,10 +6,10 @@
 #include <array>
 #include <utility>
 
-#include "tools/cli/screen/cell_text.hpp"
+#include "tools/cli/model/sample_text.hpp"
 #include "tools/cli/screen/channel_columns.hpp"
 #include "tools/cli/screen/status_details.hpp"
-#include "tools/cli/view/sample_text.hpp"
+#include "tools/cli/text/cell_text.hpp"
 
 namespace fieldcast::cli {
 namespace {

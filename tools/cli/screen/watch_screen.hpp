@@ -7,12 +7,12 @@
 #include <string>
 #include <variant>
 
+#include "tools/cli/model/command_text.hpp"
 #include "tools/cli/screen/channel_rows.hpp"
-#include "tools/cli/screen/frame.hpp"
 #include "tools/cli/screen/list_control.hpp"
 #include "tools/cli/screen/trend.hpp"
-#include "tools/cli/view/command_text.hpp"
-#include "tools/cli/view/status_view.hpp"
+#include "tools/cli/text/frame.hpp"
+#include "tools/cli/view/status/status_view.hpp"
 
 namespace fieldcast::cli {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <tuple>
 
-#include "tools/cli/view/sample_text.hpp"
+#include "tools/cli/model/sample_text.hpp"
 
 namespace fieldcast::cli {
 namespace {

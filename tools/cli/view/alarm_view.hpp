@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "bridge/dds/topics/topic_values.hpp"
-#include "bridge/store/records.hpp"
+#include "bridge/store/records/records.hpp"
 #include "core/base/json.hpp"
-#include "tools/cli/view/text_table.hpp"
+#include "tools/cli/text/text_table.hpp"
 
 namespace fieldcast::cli {
 

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "core/base/number_text.hpp"
+#include "tools/cli/model/sample_text.hpp"
 #include "tools/cli/view/record_view.hpp"
-#include "tools/cli/view/sample_text.hpp"
 
 namespace fieldcast::cli {
 namespace {

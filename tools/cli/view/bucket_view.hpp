@@ -3,10 +3,10 @@
 
 #include <string>
 
-#include "bridge/store/sample_table.hpp"
 #include "bridge/store/tiers/bucket.hpp"
+#include "bridge/store/tiers/sample_table.hpp"
 #include "core/base/json.hpp"
-#include "tools/cli/view/time_text.hpp"
+#include "tools/cli/model/time_text.hpp"
 
 namespace fieldcast::cli {
 

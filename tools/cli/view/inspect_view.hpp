@@ -9,7 +9,7 @@
 #include "core/base/bytes.hpp"
 #include "core/base/json.hpp"
 #include "core/protocol/protocol.hpp"
-#include "tools/cli/view/text_table.hpp"
+#include "tools/cli/text/text_table.hpp"
 
 namespace fieldcast::cli {
 

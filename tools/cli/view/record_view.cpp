@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "tools/cli/view/sample_text.hpp"
+#include "tools/cli/model/sample_text.hpp"
 
 namespace fieldcast::cli {
 namespace {

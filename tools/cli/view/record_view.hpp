@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
-#include "bridge/store/records.hpp"
-#include "bridge/store/token_table.hpp"
-#include "bridge/store/user_table.hpp"
+#include "bridge/store/records/records.hpp"
+#include "bridge/store/users/token_table.hpp"
+#include "bridge/store/users/user_table.hpp"
 #include "core/base/json.hpp"
-#include "tools/cli/view/text_table.hpp"
-#include "tools/cli/view/time_text.hpp"
+#include "tools/cli/model/time_text.hpp"
+#include "tools/cli/text/text_table.hpp"
 
 namespace fieldcast::cli {
 

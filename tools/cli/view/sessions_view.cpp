@@ -1,6 +1,6 @@
 #include "tools/cli/view/sessions_view.hpp"
 
-#include "tools/cli/view/sample_text.hpp"
+#include "tools/cli/model/sample_text.hpp"
 
 namespace fieldcast::cli {
 

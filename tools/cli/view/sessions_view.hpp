@@ -7,7 +7,7 @@
 
 #include "core/base/json.hpp"
 #include "core/model/status.hpp"
-#include "tools/cli/view/text_table.hpp"
+#include "tools/cli/text/text_table.hpp"
 
 namespace fieldcast::cli {
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <cstdio>
 
-#include "tools/cli/view/sample_text.hpp"
+#include "tools/cli/model/sample_text.hpp"
 
 namespace fieldcast::cli {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "core/base/json.hpp"
 #include "tools/cli/model/watch_model.hpp"
-#include "tools/cli/view/text_table.hpp"
+#include "tools/cli/text/text_table.hpp"
 
 namespace fieldcast::cli {
 

@@ -9,13 +9,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/import/address.hpp"
-#include "tools/import/array_points.hpp"
-#include "tools/import/columns.hpp"
 #include "tools/import/formats/kepware_family.hpp"
 #include "tools/import/formats/readers.hpp"
-#include "tools/import/number.hpp"
-#include "tools/import/types.hpp"
+#include "tools/import/points/address.hpp"
+#include "tools/import/points/array_points.hpp"
+#include "tools/import/points/types.hpp"
+#include "tools/import/text/columns.hpp"
+#include "tools/import/text/number.hpp"
 
 namespace fieldcast::importing {
 namespace {

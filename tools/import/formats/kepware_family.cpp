@@ -7,10 +7,10 @@
 #include <cctype>
 #include <optional>
 
-#include "tools/import/array_points.hpp"
-#include "tools/import/number.hpp"
-#include "tools/import/text.hpp"
-#include "tools/import/types.hpp"
+#include "tools/import/points/array_points.hpp"
+#include "tools/import/points/types.hpp"
+#include "tools/import/text/number.hpp"
+#include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {
 namespace {

@@ -13,7 +13,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "tools/import/model.hpp"
+#include "tools/import/points/model.hpp"
 
 namespace fieldcast::importing {
 

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <array>
 
-#include "tools/import/number.hpp"
-#include "tools/import/text.hpp"
+#include "tools/import/text/number.hpp"
+#include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {
 namespace {

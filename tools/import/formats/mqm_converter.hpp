@@ -6,7 +6,7 @@
 #include <string_view>
 #include <tl/expected.hpp>
 
-#include "tools/import/model.hpp"
+#include "tools/import/points/model.hpp"
 
 namespace fieldcast::importing {
 

@@ -3,7 +3,7 @@
 #include <charconv>
 
 #include "tools/import/formats/mqm_converter.hpp"
-#include "tools/import/text.hpp"
+#include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {
 namespace {

@@ -8,14 +8,14 @@
 #include <map>
 
 #include "core/base/duration_text.hpp"
-#include "tools/import/address.hpp"
-#include "tools/import/array_points.hpp"
 #include "tools/import/formats/mqm_converter.hpp"
 #include "tools/import/formats/readers.hpp"
-#include "tools/import/number.hpp"
-#include "tools/import/other_keys.hpp"
-#include "tools/import/text.hpp"
-#include "tools/import/tree.hpp"
+#include "tools/import/points/address.hpp"
+#include "tools/import/points/array_points.hpp"
+#include "tools/import/points/other_keys.hpp"
+#include "tools/import/text/number.hpp"
+#include "tools/import/text/text.hpp"
+#include "tools/import/text/tree.hpp"
 
 namespace fieldcast::importing {
 namespace {

@@ -8,14 +8,14 @@
 #include <algorithm>
 #include <array>
 
-#include "tools/import/address.hpp"
 #include "tools/import/formats/neuron_tag.hpp"
 #include "tools/import/formats/readers.hpp"
-#include "tools/import/number.hpp"
-#include "tools/import/other_keys.hpp"
-#include "tools/import/table.hpp"
-#include "tools/import/text.hpp"
-#include "tools/import/tree.hpp"
+#include "tools/import/points/address.hpp"
+#include "tools/import/points/other_keys.hpp"
+#include "tools/import/text/number.hpp"
+#include "tools/import/text/table.hpp"
+#include "tools/import/text/text.hpp"
+#include "tools/import/text/tree.hpp"
 
 namespace fieldcast::importing {
 namespace {

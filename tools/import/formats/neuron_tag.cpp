@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <array>
 
-#include "tools/import/address.hpp"
-#include "tools/import/number.hpp"
-#include "tools/import/text.hpp"
-#include "tools/import/types.hpp"
+#include "tools/import/points/address.hpp"
+#include "tools/import/points/types.hpp"
+#include "tools/import/text/number.hpp"
+#include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {
 namespace {

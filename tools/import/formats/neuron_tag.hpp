@@ -5,7 +5,7 @@
 #include <string>
 #include <tl/expected.hpp>
 
-#include "tools/import/model.hpp"
+#include "tools/import/points/model.hpp"
 
 namespace fieldcast::importing {
 

@@ -1,7 +1,7 @@
 // Readers of all formats, each defined in the file of its name.
 #pragma once
 
-#include "tools/import/format.hpp"
+#include "tools/import/formats/format.hpp"
 
 namespace fieldcast::importing {
 

@@ -7,12 +7,12 @@
 #include <algorithm>
 
 #include "core/base/duration_text.hpp"
-#include "tools/import/address.hpp"
 #include "tools/import/formats/readers.hpp"
-#include "tools/import/number.hpp"
-#include "tools/import/other_keys.hpp"
-#include "tools/import/tree.hpp"
-#include "tools/import/types.hpp"
+#include "tools/import/points/address.hpp"
+#include "tools/import/points/other_keys.hpp"
+#include "tools/import/points/types.hpp"
+#include "tools/import/text/number.hpp"
+#include "tools/import/text/tree.hpp"
 
 namespace fieldcast::importing {
 namespace {

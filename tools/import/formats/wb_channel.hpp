@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "tools/import/model.hpp"
-#include "tools/import/tree.hpp"
+#include "tools/import/points/model.hpp"
+#include "tools/import/text/tree.hpp"
 
 namespace fieldcast::importing {
 

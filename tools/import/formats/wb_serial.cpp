@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <map>
 
-#include "tools/import/address.hpp"
 #include "tools/import/formats/readers.hpp"
 #include "tools/import/formats/wb_channel.hpp"
 #include "tools/import/formats/wb_condition.hpp"
-#include "tools/import/number.hpp"
-#include "tools/import/other_keys.hpp"
-#include "tools/import/tree.hpp"
+#include "tools/import/points/address.hpp"
+#include "tools/import/points/other_keys.hpp"
+#include "tools/import/text/number.hpp"
+#include "tools/import/text/tree.hpp"
 
 namespace fieldcast::importing {
 namespace {

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <array>
 
-#include "config/loader.hpp"
-#include "config/map_reader.hpp"
-#include "config/recognition.hpp"
-#include "config/scalars.hpp"
-#include "config/suggest.hpp"
+#include "config/document/map_reader.hpp"
+#include "config/document/scalars.hpp"
+#include "config/document/suggest.hpp"
+#include "config/files/recognition.hpp"
+#include "config/loader/loader.hpp"
 #include "tools/sim/device/device.hpp"
 
 namespace fieldcast::sim {

@@ -7,7 +7,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "config/fault.hpp"
+#include "config/document/fault.hpp"
 #include "core/model/spec.hpp"
 #include "tools/sim/bus/faults.hpp"
 

@@ -7,7 +7,7 @@
 #include <array>
 #include <cerrno>
 
-#include "tools/sim/tcp_listener.hpp"
+#include "tools/sim/port/tcp_listener.hpp"
 
 namespace fieldcast::sim {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "bridge/base/file_descriptor.hpp"
 #include "tools/sim/bus/sim_bus.hpp"
-#include "tools/sim/pty_port.hpp"
+#include "tools/sim/port/pty_port.hpp"
 
 namespace fieldcast::sim {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "core/model/make_protocol.hpp"
-#include "core/protocol/registry.hpp"
+#include "core/protocol/families/registry.hpp"
 #include "tools/sim/device/waveform.hpp"
 
 namespace fieldcast::sim {

@@ -5,7 +5,7 @@
 
 #include "core/bus/bus_engine.hpp"
 #include "core/codec/value_codec.hpp"
-#include "core/protocol/registry.hpp"
+#include "core/protocol/families/registry.hpp"
 #include "tools/sim/check/requests.hpp"
 #include "tools/sim/check/sim_check.hpp"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/bus/exchange_driver.hpp"
+#include "core/bus/wire/exchange_driver.hpp"
 #include "tools/sim/bus/sim_bus.hpp"
 #include "tools/sim/check/subject.hpp"
 

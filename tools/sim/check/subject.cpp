@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/model/make_protocol.hpp"
-#include "core/protocol/registry.hpp"
+#include "core/protocol/families/registry.hpp"
 
 namespace fieldcast::sim {
 namespace {

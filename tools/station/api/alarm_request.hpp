@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/alarm/alarm_status.hpp"
-#include "tools/station/api/parameters.hpp"
+#include "tools/station/api/base/parameters.hpp"
 
 namespace fieldcast::web {
 

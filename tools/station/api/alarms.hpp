@@ -2,9 +2,9 @@
 // store, newest first. Runs on the io thread.
 #pragma once
 
-#include "tools/station/api/database.hpp"
-#include "tools/station/live/live_model.hpp"
-#include "tools/station/web/route_table.hpp"
+#include "tools/station/api/base/database.hpp"
+#include "tools/station/http/route_table.hpp"
+#include "tools/station/model/live_model.hpp"
 
 namespace fieldcast::web {
 

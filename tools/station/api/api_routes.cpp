@@ -2,11 +2,11 @@
 
 #include "tools/station/api/alarms.hpp"
 #include "tools/station/api/audit.hpp"
+#include "tools/station/api/base/openapi.hpp"
 #include "tools/station/api/channels.hpp"
 #include "tools/station/api/commands.hpp"
 #include "tools/station/api/export.hpp"
 #include "tools/station/api/history.hpp"
-#include "tools/station/api/openapi.hpp"
 #include "tools/station/api/plan.hpp"
 
 namespace fieldcast::web {

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "tools/station/api/metrics.hpp"
+#include "tools/station/http/route_table.hpp"
 #include "tools/station/live/command_sink.hpp"
-#include "tools/station/live/live_model.hpp"
-#include "tools/station/web/route_table.hpp"
+#include "tools/station/model/live_model.hpp"
 
 namespace fieldcast::web {
 

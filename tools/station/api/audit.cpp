@@ -1,10 +1,10 @@
 #include "tools/station/api/audit.hpp"
 
 #include "bridge/store/event_table.hpp"
-#include "bridge/store/user_table.hpp"
+#include "bridge/store/users/user_table.hpp"
 #include "core/base/json_text.hpp"
-#include "tools/station/api/parameters.hpp"
-#include "tools/station/api/response.hpp"
+#include "tools/station/api/base/parameters.hpp"
+#include "tools/station/api/base/response.hpp"
 
 namespace fieldcast::web {
 namespace {

@@ -1,8 +1,8 @@
 // GET /api/audit: the audit log, newest first. GET /api/users: the users without their hashes.
 #pragma once
 
-#include "tools/station/api/database.hpp"
-#include "tools/station/web/route_table.hpp"
+#include "tools/station/api/base/database.hpp"
+#include "tools/station/http/route_table.hpp"
 
 namespace fieldcast::web {
 

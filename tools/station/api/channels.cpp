@@ -4,10 +4,10 @@
 #include <charconv>
 
 #include "core/base/json_text.hpp"
-#include "tools/station/api/parameters.hpp"
-#include "tools/station/api/response.hpp"
-#include "tools/station/live/live_json.hpp"
-#include "tools/station/web/gzip.hpp"
+#include "tools/station/api/base/parameters.hpp"
+#include "tools/station/api/base/response.hpp"
+#include "tools/station/http/gzip.hpp"
+#include "tools/station/model/live_json.hpp"
 
 namespace fieldcast::web {
 namespace {

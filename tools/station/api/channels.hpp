@@ -2,8 +2,8 @@
 // devices, sessions and bridges for scripts. Runs on the io thread.
 #pragma once
 
-#include "tools/station/live/live_model.hpp"
-#include "tools/station/web/route_table.hpp"
+#include "tools/station/http/route_table.hpp"
+#include "tools/station/model/live_model.hpp"
 
 namespace fieldcast::web {
 

@@ -5,8 +5,8 @@
 
 #include "core/base/json_text.hpp"
 #include "tools/station/api/alarm_request.hpp"
-#include "tools/station/api/response.hpp"
-#include "tools/station/web/json_body.hpp"
+#include "tools/station/api/base/response.hpp"
+#include "tools/station/http/json_body.hpp"
 
 namespace fieldcast::web {
 namespace {

@@ -3,9 +3,9 @@
 // thread.
 #pragma once
 
+#include "tools/station/http/route_table.hpp"
 #include "tools/station/live/command_sink.hpp"
-#include "tools/station/live/live_model.hpp"
-#include "tools/station/web/route_table.hpp"
+#include "tools/station/model/live_model.hpp"
 
 namespace fieldcast::web {
 

@@ -2,9 +2,9 @@
 
 #include <atomic>
 
+#include "tools/station/api/base/parameters.hpp"
+#include "tools/station/api/base/response.hpp"
 #include "tools/station/api/exporter.hpp"
-#include "tools/station/api/parameters.hpp"
-#include "tools/station/api/response.hpp"
 
 namespace fieldcast::web {
 namespace {

@@ -1,8 +1,8 @@
 // GET /api/export: streams the history of any number of channels as CSV or JSON lines.
 #pragma once
 
-#include "tools/station/api/database.hpp"
-#include "tools/station/web/route_table.hpp"
+#include "tools/station/api/base/database.hpp"
+#include "tools/station/http/route_table.hpp"
 
 namespace fieldcast::web {
 

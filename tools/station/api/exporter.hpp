@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
-#include "bridge/store/sample_table.hpp"
+#include "bridge/store/tiers/sample_table.hpp"
 #include "core/model/pattern.hpp"
-#include "tools/station/web/gzip.hpp"
+#include "tools/station/http/gzip.hpp"
 
 namespace fieldcast::web {
 

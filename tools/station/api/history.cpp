@@ -1,8 +1,8 @@
 #include "tools/station/api/history.hpp"
 
 #include "bridge/store/tiers/tier_history.hpp"
-#include "tools/station/api/parameters.hpp"
-#include "tools/station/api/response.hpp"
+#include "tools/station/api/base/parameters.hpp"
+#include "tools/station/api/base/response.hpp"
 
 namespace fieldcast::web {
 namespace {

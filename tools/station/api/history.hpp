@@ -2,9 +2,9 @@
 #pragma once
 
 #include "core/model/channel_path.hpp"
-#include "tools/station/api/database.hpp"
+#include "tools/station/api/base/database.hpp"
 #include "tools/station/api/history_series.hpp"
-#include "tools/station/web/route_table.hpp"
+#include "tools/station/http/route_table.hpp"
 
 namespace fieldcast::web {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "bridge/store/sample_table.hpp"
+#include "bridge/store/tiers/sample_table.hpp"
 #include "bridge/store/tiers/tier.hpp"
 
 namespace fieldcast::web {

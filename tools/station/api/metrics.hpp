@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "tools/station/api/database.hpp"
+#include "tools/station/api/base/database.hpp"
+#include "tools/station/http/route_table.hpp"
 #include "tools/station/record/recorder.hpp"
-#include "tools/station/web/route_table.hpp"
 
 namespace fieldcast::web {
 

@@ -1,9 +1,9 @@
 #include "tools/station/api/plan.hpp"
 
 #include "core/base/json_text.hpp"
-#include "tools/station/api/parameters.hpp"
-#include "tools/station/api/response.hpp"
-#include "tools/station/live/live_json.hpp"
+#include "tools/station/api/base/parameters.hpp"
+#include "tools/station/api/base/response.hpp"
+#include "tools/station/model/live_json.hpp"
 
 namespace fieldcast::web {
 

@@ -1,7 +1,7 @@
 #include "tools/station/api/tokens.hpp"
 
-#include "bridge/store/password.hpp"
-#include "bridge/store/token_table.hpp"
+#include "bridge/store/users/password.hpp"
+#include "bridge/store/users/token_table.hpp"
 
 namespace fieldcast::web {
 namespace {

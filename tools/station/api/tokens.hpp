@@ -2,9 +2,9 @@
 // never the token. A peer that sends wrong tokens must wait.
 #pragma once
 
-#include "bridge/store/audit.hpp"
+#include "bridge/store/records/audit.hpp"
 #include "core/access/login_throttle.hpp"
-#include "tools/station/api/database.hpp"
+#include "tools/station/api/base/database.hpp"
 #include "tools/station/web/login_check.hpp"
 
 namespace fieldcast::web {

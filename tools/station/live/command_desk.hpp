@@ -12,7 +12,7 @@
 #include <string>
 
 #include "bridge/base/worker.hpp"
-#include "bridge/store/audit.hpp"
+#include "bridge/store/records/audit.hpp"
 #include "tools/station/live/command_book.hpp"
 #include "tools/station/live/command_sink.hpp"
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "bridge/dds/topics/topic_values.hpp"
+#include "tools/station/http/http_message.hpp"
 #include "tools/station/live/client_message.hpp"
-#include "tools/station/web/http_message.hpp"
 
 namespace fieldcast::web {
 

@@ -13,8 +13,8 @@
 #include <unordered_map>
 #include <variant>
 
-#include "tools/station/live/live_model.hpp"
-#include "tools/station/live/path_key.hpp"
+#include "tools/station/model/live_model.hpp"
+#include "tools/station/model/path_key.hpp"
 
 namespace fieldcast::web {
 

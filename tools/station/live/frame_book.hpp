@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "core/base/time.hpp"
-#include "tools/station/live/live_model.hpp"
 #include "tools/station/live/subscription.hpp"
+#include "tools/station/model/live_model.hpp"
 
 namespace fieldcast::web {
 

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/station/live/live_model.hpp"
+#include "tools/station/model/live_model.hpp"
 
 namespace fieldcast::web {
 

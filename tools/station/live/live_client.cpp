@@ -6,7 +6,7 @@
 #include "core/base/json_text.hpp"
 #include "core/base/printable.hpp"
 #include "tools/station/live/frame_writer.hpp"
-#include "tools/station/live/live_json.hpp"
+#include "tools/station/model/live_json.hpp"
 
 namespace fieldcast::web {
 namespace {

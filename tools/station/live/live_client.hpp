@@ -15,9 +15,9 @@
 #include "tools/station/live/command_sink.hpp"
 #include "tools/station/live/frame_book.hpp"
 #include "tools/station/live/interest_book.hpp"
-#include "tools/station/live/live_model.hpp"
 #include "tools/station/live/live_peer.hpp"
 #include "tools/station/live/subscription.hpp"
+#include "tools/station/model/live_model.hpp"
 
 namespace fieldcast::web {
 

@@ -8,12 +8,12 @@
 #include <string>
 
 #include "bridge/station/sites.hpp"
-#include "bridge/store/audit.hpp"
+#include "bridge/store/records/audit.hpp"
 #include "tools/station/live/command_desk.hpp"
 #include "tools/station/live/domain_inbox.hpp"
 #include "tools/station/live/live_hub.hpp"
-#include "tools/station/live/live_model.hpp"
 #include "tools/station/live/live_peer.hpp"
+#include "tools/station/model/live_model.hpp"
 
 namespace fieldcast::web {
 

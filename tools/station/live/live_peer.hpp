@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "core/base/time.hpp"
-#include "tools/station/web/http_message.hpp"
+#include "tools/station/http/http_message.hpp"
 
 namespace fieldcast::web {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/model/pattern.hpp"
-#include "tools/station/live/live_model.hpp"
+#include "tools/station/model/live_model.hpp"
 
 namespace fieldcast::web {
 

@@ -63,7 +63,7 @@ const array = (file, index) => {
   return `constexpr unsigned char kFile${index}[] = {\n${numbers.join('\n')}\n};`;
 };
 writeFileSync(output, `// Made by tools/station/page/build.mjs: ${total} bytes in all.
-#include "tools/station/web/embedded_file.hpp"
+#include "tools/station/http/embedded_file.hpp"
 
 namespace fieldcast::web {
 namespace {

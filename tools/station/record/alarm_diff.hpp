@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bridge/dds/topics/topic_values.hpp"
-#include "bridge/store/records.hpp"
+#include "bridge/store/records/records.hpp"
 #include "core/alarm/alarm_book.hpp"
 
 namespace fieldcast::web {

@@ -7,7 +7,7 @@
 #include <array>
 #include <utility>
 
-#include "bridge/check.hpp"
+#include "bridge/base/check.hpp"
 
 namespace fieldcast::web {
 namespace {

@@ -7,8 +7,8 @@
 #include <boost/asio/post.hpp>
 #include <utility>
 
-#include "bridge/bus/clock.hpp"
-#include "bridge/check.hpp"
+#include "bridge/base/check.hpp"
+#include "bridge/base/clock.hpp"
 #include "bridge/log/log.hpp"
 
 namespace fieldcast::web {

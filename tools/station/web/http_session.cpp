@@ -9,9 +9,9 @@
 #include <boost/beast/websocket/rfc6455.hpp>
 #include <utility>
 
-#include "bridge/bus/clock.hpp"
+#include "bridge/base/clock.hpp"
+#include "tools/station/http/response_head.hpp"
 #include "tools/station/web/head_check.hpp"
-#include "tools/station/web/response_head.hpp"
 
 namespace fieldcast::web {
 namespace {

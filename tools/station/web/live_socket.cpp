@@ -8,8 +8,8 @@
 #include <deque>
 #include <utility>
 
-#include "bridge/bus/clock.hpp"
-#include "bridge/check.hpp"
+#include "bridge/base/check.hpp"
+#include "bridge/base/clock.hpp"
 #include "tools/station/web/stream_adapter.hpp"
 
 namespace fieldcast::web {

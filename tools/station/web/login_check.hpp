@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "bridge/store/users.hpp"
+#include "bridge/store/users/users.hpp"
 #include "core/access/role.hpp"
 #include "core/base/time.hpp"
 #include "tools/station/web/session_book.hpp"

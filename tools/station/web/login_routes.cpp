@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/json.hpp"
-#include "tools/station/web/json_body.hpp"
+#include "tools/station/http/json_body.hpp"
 #include "tools/station/web/site.hpp"
 
 namespace fieldcast::web {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/station/web/http_message.hpp"
+#include "tools/station/http/http_message.hpp"
 
 namespace fieldcast::web {
 

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "core/model/spec.hpp"
+#include "tools/station/http/route_table.hpp"
+#include "tools/station/settings/origin_check.hpp"
 #include "tools/station/web/login_check.hpp"
-#include "tools/station/web/origin_check.hpp"
-#include "tools/station/web/route_table.hpp"
 #include "tools/station/web/security_headers.hpp"
 #include "tools/station/web/session_book.hpp"
 

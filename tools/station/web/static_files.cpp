@@ -1,6 +1,6 @@
 #include "tools/station/web/static_files.hpp"
 
-#include "tools/station/web/gzip.hpp"
+#include "tools/station/http/gzip.hpp"
 
 namespace fieldcast::web {
 namespace {

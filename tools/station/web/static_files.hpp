@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "tools/station/web/embedded_file.hpp"
-#include "tools/station/web/route_table.hpp"
+#include "tools/station/http/embedded_file.hpp"
+#include "tools/station/http/route_table.hpp"
 
 namespace fieldcast::web {
 

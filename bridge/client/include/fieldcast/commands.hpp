@@ -19,7 +19,8 @@ struct CommandOptions {
   Duration lifespan = std::chrono::seconds{5};
   Duration wait_for_bridge = std::chrono::seconds{3};  ///< until the bridge of the bus is found
   Duration wait_for_result = std::chrono::seconds{5};  ///< beyond the lifespan
-  /// The user for whom the station acts, for the audit: 1 to 64 letters, digits, '-', '_', '.', '@'.
+  /// The user for whom the station acts, for the audit: 1 to 64 letters, digits, '-', '_', '.',
+  /// '@'.
   std::string person;
 };
 

@@ -9,8 +9,8 @@
 /// @endcode
 ///
 /// Threads. Any thread may use a Station. Handlers run on threads of the library, one at a time for
-/// each subscription, and must not block: a handler that blocks delays the other handlers. A handler
-/// may use the Station, except for its blocking functions (write, acquire, acknowledge).
+/// each subscription, and must not block: a handler that blocks delays the other handlers. A
+/// handler may use the Station, except for its blocking functions (write, acquire, acknowledge).
 ///
 /// Lifetime. A subscription ends when its Subscription is destroyed. The destructor returns after a
 /// running handler of the subscription has returned, unless the handler itself destroys it. A
@@ -73,9 +73,9 @@ class Station {
   Station(const Station&) = delete;
   Station& operator=(const Station&) = delete;
 
-  /// A pattern is BUS/DEVICE/CHANNEL with `*` for any characters; "line" means "line/*/*". A pattern
-  /// that is not valid throws std::invalid_argument with the reason. Each subscription begins with
-  /// the last values known, so that the order of calls does not matter.
+  /// A pattern is BUS/DEVICE/CHANNEL with `*` for any characters; "line" means "line/*/*". A
+  /// pattern that is not valid throws std::invalid_argument with the reason. Each subscription
+  /// begins with the last values known, so that the order of calls does not matter.
   [[nodiscard]] Subscription subscribe(std::string_view pattern,
                                        std::function<void(const Sample&)> on_sample,
                                        SampleOptions options = {});
@@ -92,13 +92,13 @@ class Station {
   /// Empty if this station, by DDS Security, may not declare interests.
   [[nodiscard]] Subscription interest(std::string_view pattern, Duration refresh);
 
-  /// Writes one value to the channel BUS/DEVICE/CHANNEL and blocks for the result. The bridge checks
-  /// type and range. A command that was not run since another bridge took over the bus is sent again
-  /// within its lifespan.
+  /// Writes one value to the channel BUS/DEVICE/CHANNEL and blocks for the result. The bridge
+  /// checks type and range. A command that was not run since another bridge took over the bus is
+  /// sent again within its lifespan.
   [[nodiscard]] Result write(std::string_view path, Value value,
                              const CommandOptions& options = {});
-  /// Reads the channel now, or all channels of BUS/DEVICE, and blocks for the result; the values are
-  /// published as samples too.
+  /// Reads the channel now, or all channels of BUS/DEVICE, and blocks for the result; the values
+  /// are published as samples too.
   [[nodiscard]] Result acquire(std::string_view path, const CommandOptions& options = {});
   /// Acknowledges the present occurrence of an alarm and blocks for the result.
   [[nodiscard]] Result acknowledge(const Alarm& alarm, const std::string& person,

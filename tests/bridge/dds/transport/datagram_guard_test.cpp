@@ -1,9 +1,9 @@
 // The rules of the guard that need memory, in virtual time.
-#include "bridge/dds/transport/datagram_guard.hpp"
+#include "bridge/dds/guard/datagram_guard.hpp"
 
 #include <gtest/gtest.h>
 
-#include "bridge/dds/transport/shared_guard.hpp"
+#include "bridge/dds/guard/shared_guard.hpp"
 #include "tests/bridge/dds/transport/rtps_datagrams.hpp"
 
 namespace fieldcast {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "bridge/dds/transport/rtps_validator.hpp"
+#include "bridge/dds/guard/rtps_validator.hpp"
 
 namespace fieldcast::testing {
 

@@ -1,4 +1,4 @@
-#include "bridge/dds/transport/rtps_validator.hpp"
+#include "bridge/dds/guard/rtps_validator.hpp"
 
 #include <gtest/gtest.h>
 

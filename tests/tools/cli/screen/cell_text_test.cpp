@@ -1,4 +1,4 @@
-#include "tools/cli/screen/cell_text.hpp"
+#include "tools/cli/text/cell_text.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/tools/cli/screen/screen_text.hpp"
-#include "tools/cli/screen/cell_text.hpp"
+#include "tools/cli/text/cell_text.hpp"
 
 namespace fieldcast::cli {
 namespace {

@@ -1,6 +1,6 @@
 #include "tools/station/api/audit.hpp"
 
-#include "bridge/store/user_table.hpp"
+#include "bridge/store/users/user_table.hpp"
 #include "tests/tools/station/api/api_support.hpp"
 
 namespace fieldcast::web {

@@ -1,4 +1,4 @@
-#include "tools/station/api/database.hpp"
+#include "tools/station/api/base/database.hpp"
 
 #include <future>
 

@@ -1,10 +1,10 @@
 // Compares tools/station/openapi.yaml with the table of routes and with actual responses.
-#include "tools/station/api/openapi.hpp"
+#include "tools/station/api/base/openapi.hpp"
 
 #include <set>
 
-#include "config/document.hpp"
-#include "config/fault_list.hpp"
+#include "config/document/document.hpp"
+#include "config/document/fault_list.hpp"
 #include "tests/config/json_schema.hpp"
 #include "tests/tools/station/api/api_support.hpp"
 #include "tools/station/api/api_routes.hpp"

@@ -1,4 +1,4 @@
-#include "tools/station/api/parameters.hpp"
+#include "tools/station/api/base/parameters.hpp"
 
 #include "tests/tools/station/api/api_support.hpp"
 

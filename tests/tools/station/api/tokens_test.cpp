@@ -1,6 +1,6 @@
 #include "tools/station/api/tokens.hpp"
 
-#include "bridge/store/token_table.hpp"
+#include "bridge/store/users/token_table.hpp"
 #include "tests/tools/station/api/api_support.hpp"
 
 namespace fieldcast::web {

@@ -1,4 +1,4 @@
-#include "tools/station/live/live_json.hpp"
+#include "tools/station/model/live_json.hpp"
 
 #include <gtest/gtest.h>
 

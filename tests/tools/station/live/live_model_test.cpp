@@ -1,4 +1,4 @@
-#include "tools/station/live/live_model.hpp"
+#include "tools/station/model/live_model.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "tools/station/live/live_objects.hpp"
+#include "tools/station/model/live_objects.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "tools/station/live/live_model.hpp"
+#include "tools/station/model/live_model.hpp"
 
 namespace fieldcast::web {
 

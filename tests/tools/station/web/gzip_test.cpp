@@ -1,4 +1,4 @@
-#include "tools/station/web/gzip.hpp"
+#include "tools/station/http/gzip.hpp"
 
 #include <gtest/gtest.h>
 

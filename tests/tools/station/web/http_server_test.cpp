@@ -7,8 +7,8 @@
 #include <future>
 #include <thread>
 
-#include "bridge/bus/clock.hpp"
-#include "bridge/bus/io_thread.hpp"
+#include "bridge/base/clock.hpp"
+#include "bridge/base/io_thread.hpp"
 #include "tests/tools/station/web/raw_client.hpp"
 
 namespace fieldcast::web {

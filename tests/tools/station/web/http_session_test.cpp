@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "bridge/bus/clock.hpp"
+#include "bridge/base/clock.hpp"
 #include "tests/tools/station/web/memory_stream.hpp"
 #include "tools/station/web/http_server.hpp"
 

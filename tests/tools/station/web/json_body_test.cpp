@@ -1,4 +1,4 @@
-#include "tools/station/web/json_body.hpp"
+#include "tools/station/http/json_body.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tools/station/web/origin_check.hpp"
+#include "tools/station/settings/origin_check.hpp"
 
 #include <gtest/gtest.h>
 

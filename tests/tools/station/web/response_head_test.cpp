@@ -1,4 +1,4 @@
-#include "tools/station/web/response_head.hpp"
+#include "tools/station/http/response_head.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,301 @@
+#include "bridge/dds/endpoints/dds_link.hpp"
+
+#include <algorithm>
+
+#include "bridge/dds/endpoints/dds_link_state.hpp"
+#include "core/model/command_refusal.hpp"
+
+namespace fieldcast {
+
+namespace {
+
+// Returns true if every peer is on this machine, so that a message may have the maximum length of
+// UDP. Transports of the user's profile are not examined.
+bool stays_on_this_machine(const DdsSpec& spec) {
+  const std::vector<std::string> used = used_interfaces(spec);
+  return !spec.profile && !used.empty() &&
+         std::all_of(used.begin(), used.end(),
+                     [](const std::string& address) { return address.starts_with("127."); });
+}
+
+// Number of single samples that fill a reader's socket like one block.
+constexpr std::size_t kSamplesOfBlock = 32;
+
+}  // namespace
+
+LinkedBus::LinkedBus(Domain& domain, const std::string& bridge, const BusSpec& spec,
+                     dds::DataWriter* catalogue_blocks, const BlockWriter::Stream& stream,
+                     std::function<void()> on_reader, const std::function<void()>& on_match)
+    : catalogue(domain, catalogue_blocks, bridge, spec.name, stream.epoch),
+      blocks(domain, "fieldcast-bridge " + bridge + ": " + spec.name, stream,
+             [on_reader, on_match] {
+               on_match();
+               on_reader();
+             }),
+      samples(domain, bridge, spec, stream.most_bytes,
+              {std::move(on_reader), on_match, [this](ChannelIndex channel, LastValue& out) {
+                 return blocks.last_value(channel, out);
+               }}) {
+  ChannelIndex index = 0;
+  for (const DeviceSpec& device : spec.devices) {
+    for (const ChannelSpec& channel : device.channels)
+      catalogue.add(device, channel, samples.refresh_of(index++));
+  }
+}
+
+DdsLink::State::State(const DdsSpec& spec, const std::string& name, Handlers given)
+    : bridge(name),
+      handlers(std::move(given)),
+      domain(spec, std::string(kBridgeParticipant) + name, &writers),
+      block_bytes(stays_on_this_machine(spec) ? BlockWriter::kBytesOnLoopback
+                                              : BlockWriter::kBytesOnNetworks),
+      results(domain, "fieldcast-bridge " + name, handlers.clock, handlers.on_problem) {
+  const std::string label = "fieldcast-bridge " + name;
+  catalogue_blocks = domain.writer(kCatalogueBlockTopic, label);
+  bus_status = domain.writer(kBusStatusTopic, label);
+  alarms = domain.writer(kAlarmTopic, label);
+  alarm_status = domain.writer(kAlarmStatusTopic, label);
+  plans = domain.writer(kReadPlanTopic, label);
+  device_status = domain.writer(kDeviceStatusTopic, label);
+  sessions = domain.writer(kProgramSessionTopic, label);
+  interests = std::make_unique<InterestReceiver>(domain, handlers.on_interest, handlers.on_problem);
+  if (handlers.bridges.received)
+    presence = std::make_unique<BridgePresence>(domain, writers, label, handlers.bridges,
+                                                handlers.on_problem);
+  snapshots = std::make_unique<SnapshotSender>(
+      domain,
+      [this](const std::string& bus, SnapshotSender::Part part) {
+        return send_snapshot(bus, part);
+      },
+      handlers.on_readers);
+}
+
+SnapshotSender::Sent DdsLink::State::send_snapshot(const std::string& name,
+                                                   SnapshotSender::Part part) {
+  const std::shared_lock lock(mutex);
+  LinkedBus* bus = find(name);
+  if (bus == nullptr) return {};
+  std::size_t blocks = 0;
+  if (part == SnapshotSender::Part::kFirst) {
+    bus->catalogue.flush();
+    blocks = bus->blocks.write_snapshot();
+  }
+  const SampleWriters::Woken woken = bus->samples.wake(kSamplesOfBlock);
+  return {blocks + (woken.written == 0 ? 0 : 1), woken.all};
+}
+
+bool DdsLink::State::is_ours(const std::string& name) {
+  const std::lock_guard lock(names_mutex);
+  return names.contains(name);
+}
+
+template <class Message>
+RequestHandlers<Message> DdsLink::State::request_handlers() {
+  return {.clock = handlers.clock,
+          .is_ours = [this](const std::string& name) { return is_ours(name); },
+          .accepted = [this](const Message& message,
+                             RequestTerms terms) { accept(message, std::move(terms)); },
+          .refused = [this](const Message& message,
+                            const MalformedCommand& why) { reject(message, why); },
+          .received =
+              [this](const std::string& requester, const RequestWriters::Guid& writer) {
+                results.remember(requester, writer.guidPrefix);
+              },
+          .on_problem = handlers.on_problem};
+}
+
+void DdsLink::State::accept(const idl::Command& message, RequestTerms terms) {
+  auto command = from_idl(message);
+  if (!command) return reject(message, command.error());
+  command->subject = std::move(terms.subject);
+  command->expires = terms.expires;
+  if (!terms.late.empty() && handlers.on_late_command)
+    return handlers.on_late_command(message.bus().c_str(), *std::move(command),
+                                    std::move(terms.late));
+  handlers.on_command(message.bus().c_str(), *std::move(command));
+}
+
+void DdsLink::State::accept(const idl::AlarmAction& message, const RequestTerms& terms) {
+  if (!terms.late.empty()) return reject(message, {Cause::kExpired, terms.late});
+  auto action = from_idl(message);
+  if (!action) return reject(message, action.error());
+  action->subject = terms.subject;
+  handlers.on_alarm_action(*std::move(action));
+}
+
+DdsLink::State::Receivers DdsLink::State::listen(const HeldTo& bus) {
+  Receivers made;
+  made.commands = std::make_unique<Commands>(domain, kCommandTopic, writers,
+                                             request_handlers<idl::Command>(), bus);
+  if (handlers.on_alarm_action)
+    made.actions = std::make_unique<Actions>(domain, kAlarmActionTopic, writers,
+                                             request_handlers<idl::AlarmAction>(), bus);
+  return made;
+}
+
+void DdsLink::State::Receivers::close() const {
+  if (commands) commands->close();
+  if (actions) actions->close();
+}
+
+template <class Message>
+void DdsLink::State::reject(const Message& message, const MalformedCommand& why) {
+  if (standing_by) return;
+  const UtcMapping now = handlers.clock();
+  Command refused;
+  refused.requester = message.requester().c_str();
+  refused.request_id = message.request_id();
+  idl::CommandResult out;
+  to_idl(message.bus().c_str(), rejection(refused, why.cause, why.reason, now.instant), now, out);
+  results.send(out);
+}
+
+LinkedBus* DdsLink::State::find(std::string_view name) {
+  const auto found = buses.find(name);
+  return found == buses.end() ? nullptr : found->second.get();
+}
+
+void DdsLink::State::dispose(LinkedBus& bus, Duration linger, Duration limit) {
+  const auto begun = std::chrono::steady_clock::now();
+  bus.catalogue.dispose_blocks();
+  bus.samples.dispose(linger, limit);
+  if (std::chrono::steady_clock::now() - begun >= limit) return;
+  bus.catalogue.dispose_channels();
+  for (auto& [name, status] : bus.devices)
+    device_status->unregister_instance(&status, dds::HANDLE_NIL);
+  for (auto& [key, alarm] : bus.alarms) alarms->unregister_instance(&alarm, dds::HANDLE_NIL);
+  for (auto& [key, status] : bus.alarm_status)
+    alarm_status->unregister_instance(&status, dds::HANDLE_NIL);
+  for (idl::ReadPlan& part : bus.plan) plans->unregister_instance(&part, dds::HANDLE_NIL);
+  if (bus.reported) bus_status->unregister_instance(&bus.status, dds::HANDLE_NIL);
+}
+
+DdsLink::DdsLink(const DdsSpec& spec, const std::string& bridge_name, Handlers handlers)
+    : state_(std::make_unique<State>(spec, bridge_name, std::move(handlers))) {}
+
+DdsLink::~DdsLink() { close(); }
+
+std::unique_ptr<LinkedBus> DdsLink::State::made(const BusSpec& spec) {
+  if (auto ready = prepared.extract(spec.name)) return std::move(ready.mapped());
+  std::size_t channels = 0;
+  for (const DeviceSpec& device : spec.devices) channels += device.channels.size();
+  const auto epoch = static_cast<std::uint64_t>(handlers.clock().utc.nanoseconds);
+  return std::make_unique<LinkedBus>(
+      domain, bridge, spec, catalogue_blocks,
+      BlockWriter::Stream{spec.name, channels, epoch, block_bytes},
+      [this, name = spec.name] { snapshots->request(name); },
+      [this] {
+        if (handlers.on_readers) handlers.on_readers();
+      });
+}
+
+void DdsLink::State::serve(const std::string& name, std::unique_ptr<LinkedBus> bus) {
+  {
+    const std::unique_lock lock(mutex);
+    buses[name] = std::move(bus);
+  }
+  listen_for(name);
+  snapshots->request(name);  // for readers that matched before the bus was added
+}
+
+void DdsLink::State::listen_for(const std::string& bus) {
+  {
+    const std::lock_guard names_lock(names_mutex);
+    names.insert(bus);
+  }
+  if (!receivers.commands) receivers = listen({});
+  if (domain.member() && !held.contains(bus)) held[bus] = listen(bus);
+}
+
+void DdsLink::add_bus(const BusSpec& spec) {
+  auto bus = state_->made(spec);
+  if (!bus->catalogue.publish())
+    throw DdsError("dds: the catalogue of bus " + spec.name + " does not fit");
+  state_->serve(spec.name, std::move(bus));
+}
+
+void DdsLink::prepare_bus(const BusSpec& spec) {
+  state_->prepared[spec.name] = state_->made(spec);
+  state_->listen_for(spec.name);
+}
+
+void DdsLink::take_over_bus(const BusSpec& spec, const FollowedBus& followed) {
+  auto bus = state_->made(spec);
+  bus->catalogue.go_on_with(followed.epoch);
+  bus->blocks.go_on_with(followed.epoch, followed.blocks, followed.state.samples,
+                         state_->handlers.clock());
+  state_->serve(spec.name, std::move(bus));
+}
+
+void DdsLink::stand_by(bool standing_by) { state_->standing_by = standing_by; }
+
+std::vector<StandbyBusFigures> DdsLink::stream_figures() const {
+  const std::shared_lock lock(state_->mutex);
+  std::vector<StandbyBusFigures> figures;
+  for (const auto& [name, bus] : state_->buses)
+    figures.push_back({name, bus->catalogue.epoch(), bus->blocks.written()});
+  return figures;
+}
+
+Domain& DdsLink::domain() { return state_->domain; }
+
+void DdsLink::listen_for_commands() {
+  if (!state_->receivers.commands) state_->receivers = state_->listen({});
+}
+
+std::string DdsLink::id() const { return state_->presence->id(); }
+
+void DdsLink::announce(const BridgeClaims& claims) { state_->presence->announce(claims); }
+
+void DdsLink::publish_again(std::string_view name) {
+  const std::unique_lock lock(state_->mutex);  // set_refresh() writes the catalogue too
+  LinkedBus* bus = state_->find(name);
+  if (bus == nullptr) return;
+  (void)bus->catalogue.publish();
+  for (auto& [key, alarm] : bus->alarms) state_->alarms->write(&alarm);
+  for (auto& [key, status] : bus->alarm_status) state_->alarm_status->write(&status);
+  for (idl::ReadPlan& part : bus->plan) state_->plans->write(&part);
+}
+
+void DdsLink::remove_bus(std::string_view name, Duration linger, Duration limit) {
+  std::unique_ptr<LinkedBus> bus;
+  {
+    const std::unique_lock lock(state_->mutex);
+    const auto found = state_->buses.find(name);
+    if (found == state_->buses.end()) return;
+    bus = std::move(found->second);
+    state_->buses.erase(found);
+    const std::lock_guard names_lock(state_->names_mutex);
+    state_->names.erase(std::string(name));
+  }
+  if (const auto held = state_->held.extract(std::string(name))) held.mapped().close();
+  state_->dispose(*bus, linger, limit);
+  bus->catalogue.wait_for_readers(linger);
+}
+
+// The order matters: first stop receiving, then send the last results, then dispose the buses. The
+// participant leaves when the state is destroyed.
+void DdsLink::close(Duration linger, Leave leave) {
+  if (state_->closed) return;
+  state_->closed = true;
+  state_->receivers.close();
+  for (const auto& [bus, receivers] : state_->held) receivers.close();
+  state_->interests->close();
+  state_->snapshots->close();
+  state_->results.close(linger);
+  std::map<std::string, std::unique_ptr<LinkedBus>, std::less<>> buses;
+  {
+    const std::unique_lock lock(state_->mutex);
+    buses.swap(state_->buses);
+  }
+  if (leave == Leave::kDispose) {
+    for (auto& [name, bus] : buses) state_->dispose(*bus, Duration::zero());
+  }
+  const auto end = std::chrono::steady_clock::now() + linger;
+  for (auto& [name, bus] : buses)
+    bus->catalogue.wait_for_readers(end - std::chrono::steady_clock::now());
+  // last: a bridge that waits for a bus takes it over now
+  if (state_->presence) state_->presence->close();
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,186 @@
+// The bridge's side of DDS: publishes catalogue, samples, results and status of its buses, and
+// receives commands and interests.
+//
+// Owns every DDS entity of the process. Handlers are called on DDS threads, must not block, and
+// only post. No DDS type appears here.
+//
+// Threads. "One caller for a bus" means: any thread, one call at a time for each bus. In the daemon
+// that is the bus's own thread if no item of the bus is queued, else the publisher thread
+// (bridge/publish/dds_publisher.hpp). Functions of different buses may run at the same time.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bridge/dds/library/dds_error.hpp"
+#include "bridge/dds/topics/topic_values.hpp"
+#include "bridge/standby/bus_claims.hpp"
+#include "bridge/standby/standby_values.hpp"
+#include "core/alarm/alarm_monitor.hpp"
+#include "core/alarm/alarm_status.hpp"
+#include "core/base/utc_mapping.hpp"
+#include "core/model/command.hpp"
+#include "core/model/sample.hpp"
+#include "core/model/spec.hpp"
+#include "core/model/status.hpp"
+#include "core/plan/plan_report.hpp"
+
+namespace fieldcast {
+
+class Domain;
+
+class DdsLink {
+ public:
+  // Notifications about other bridges of the domain, each identified by a unique id. Called on DDS
+  // threads.
+  struct BridgeHandlers {
+    std::function<void(const std::string& id)> found;  // before its first announcement
+    std::function<void(const std::string& id, BridgeClaims claims)> received;
+    // its lease expired or is valid again
+    std::function<void(const std::string& id, bool alive)> alive;
+    std::function<void(const std::string& id)> lost;
+  };
+  struct Handlers {
+    std::function<UtcMapping()> clock;  // reads both clocks now; called on any thread
+    // A command for a bus that was added. `expires` is its source timestamp plus the writer's
+    // LIFESPAN on the engine's clock. It may have passed already: the engine then responds with
+    // kExpired. Commands for other buses are not delivered.
+    std::function<void(const std::string& bus, Command command)> on_command;
+    std::function<void(Interest interest)> on_interest;
+    // A text for the log: incompatible QoS, a limit reached, a malformed command.
+    std::function<void(std::string text)> on_problem;
+    BridgeHandlers bridges{};  // set all of them or none
+    // An operator's action on an alarm of an added bus. complete() sends the response. Null: alarm
+    // actions are not received.
+    std::function<void(AlarmAction action)> on_alarm_action{};
+    // Called when readers of samples match or a station requests the last values. May be null.
+    std::function<void()> on_readers{};
+    // Called for a command that has expired on arrival, with the reason and both clock readings. If
+    // null, on_command() is called.
+    std::function<void(const std::string& bus, Command command, std::string why)> on_late_command{};
+  };
+
+  struct BusCounters {
+    std::uint64_t deadline_misses = 0;  // offered deadlines missed, over all channels of the bus
+    std::uint32_t sample_readers = 0;   // readers matched by the bus's busiest Sample writer
+    std::uint32_t sample_writers = 0;   // Sample writers that have channels
+    std::uint64_t blocks = 0;           // blocks written to SampleBlock, including snapshots
+    std::uint32_t block_readers = 0;    // readers matched by the bus's SampleBlock writer
+  };
+
+  // Joins the domain. Throws DdsError, for example if an interface does not exist or a profile
+  // cannot be loaded.
+  DdsLink(const DdsSpec& spec, const std::string& bridge_name, Handlers handlers);
+  ~DdsLink();  // calls close()
+  DdsLink(const DdsLink&) = delete;
+  DdsLink& operator=(const DdsLink&) = delete;
+
+  // Returns true if the folder of the bridge's identity has a renewed certificate, which a new link
+  // would use. Any thread.
+  [[nodiscard]] bool has_new_identity() const;
+
+  // Publishes the catalogue of the bus and creates its Sample writers: one for each distinct
+  // refresh, each with at most 256 channels. Its commands arrive from now on
+  // (listen_for_commands()). One thread at a time. Throws DdsError. REQUIRES: no bus of this name.
+  void add_bus(const BusSpec& bus);
+  // Prepares a bus that another bridge of the standby group serves. Creates its writers, which
+  // match their readers, and receives its commands, but writes no data. add_bus() or
+  // take_over_bus() must follow. Threads and exceptions as for add_bus().
+  void prepare_bus(const BusSpec& bus);
+  // Like add_bus(), for a bus that another bridge has served until now: sample numbers and blocks
+  // continue where that bridge stopped. publish_again() writes the catalogue, and may be called
+  // later.
+  void take_over_bus(const BusSpec& bus, const FollowedBus& followed);
+  // While another bridge of the group serves the buses, this bridge does not reject malformed
+  // commands.
+  void stand_by(bool standing_by);
+  [[nodiscard]] std::vector<StandbyBusFigures> stream_figures() const;
+  // For endpoints of the standby group, which must be removed before the link is destroyed.
+  [[nodiscard]] Domain& domain();
+  // Makes this bridge discoverable by plant systems. Call it on a bridge whose buses are all served
+  // by other bridges: otherwise, commands written at a takeover are lost before discovery has
+  // finished. A second call has no effect. One thread at a time. Throws DdsError.
+  void listen_for_commands();
+
+  // The identity of this bridge, and its announcement to other bridges. REQUIRES:
+  // `Handlers::bridges` is set. One thread at a time.
+  [[nodiscard]] std::string id() const;
+  void announce(const BridgeClaims& claims);
+  // Writes again the data that is written only once, after another bridge that also served the bus
+  // has disposed it. One thread at a time.
+  void publish_again(std::string_view bus);
+
+  // Disposes every instance of the bus in all topics, so that stations see its end, and waits at
+  // most `linger` until the readers of its samples have received that. `limit` bounds the disposal,
+  // for a participant that leaves the domain anyway, which ends the remaining instances. Threads as
+  // for add_bus(). REQUIRES: no thread publishes on the bus any more. No effect for an unknown bus.
+  void remove_bus(std::string_view bus, Duration linger = std::chrono::milliseconds{100},
+                  Duration limit = Duration::max());
+
+  // Publishes the samples of an exchange: as a block, then one by one for readers of Sample.
+  // Samples of one channel are sent in order; a channel out of range is a bug. One caller for a
+  // bus; the call lasts some 10 us a sample, longer with readers that lag.
+  void publish(std::string_view bus, std::span<const Sample> samples, const UtcMapping& mapping);
+  // The two parts of publish(). Each has one caller for a bus, and the two callers may differ. A
+  // block costs some 10 us, regardless of its number of samples. publish_block() returns true if
+  // readers of Sample are matched, so that publish_each() must follow.
+  [[nodiscard]] bool publish_block(std::string_view bus, std::span<const Sample> samples,
+                                   const UtcMapping& mapping);
+  void publish_each(std::string_view bus, std::span<const Sample> samples,
+                    const UtcMapping& mapping);
+
+  // Moves a channel to the writer of another refresh. Writes its last sample again there, then
+  // unregisters it at the old writer, and republishes the catalogue entry. `std::nullopt` means no
+  // promise (on-demand). One caller for a bus.
+  void set_refresh(std::string_view bus, ChannelIndex channel, std::optional<Duration> refresh);
+
+  // Publishes the result of a command and releases its instance. Any thread. A result whose
+  // requester's reader is not matched yet is held for up to a second.
+  void complete(std::string_view bus, const CommandResult& result, const UtcMapping& mapping);
+
+  // Publishes status, once a second and at changes. One caller for a bus.
+  void report(std::string_view bus, const BusReport& report, UtcTime at);
+  void report(std::string_view bus, std::string_view device, const DeviceReport& report,
+              UtcTime at);
+  // Publishes the plan that is now in force. One caller for a bus.
+  void report(std::string_view bus, const PlanReport& plan, UtcTime since);
+
+  // Publishes the state of a programming session: begun, more bytes, ended. Any thread. One
+  // instance for each device; at most as many as the bridge has devices.
+  void report(const ProgramSessionReport& session);
+  // Publishes that an alarm was raised or cleared. Its instance remains, active or clear, until the
+  // bus is removed. One caller for a bus.
+  void report(std::string_view bus, const AlarmChange& change, const UtcMapping& mapping);
+
+  // Publishes the status of an alarm. Its instance remains until the bus is removed. No effect for
+  // an unknown bus. One caller for a bus.
+  void report(const AlarmKey& alarm, const AlarmStatus& status);
+  // Disposes an alarm whose limit was removed. One caller for its bus.
+  void forget(const AlarmKey& alarm);
+
+  [[nodiscard]] BusCounters counters(std::string_view bus) const;  // any thread
+  // The configured discovery servers that do not respond. Any thread.
+  [[nodiscard]] std::vector<std::string> missing_servers() const;
+  // Number of bridges that were found but have not shown a writer yet. Any thread.
+  [[nodiscard]] std::size_t unknown_bridges() const;
+
+  enum class Leave : std::uint8_t {
+    kDispose,   // stations see the end of the buses
+    kHandOver,  // another bridge serves the buses now
+  };
+  // Removes every bus, waits up to `linger` until readers have the last results, and leaves the
+  // domain. Handlers are not called after it returns. Main thread; a second call has no effect.
+  void close(Duration linger = std::chrono::milliseconds{200}, Leave leave = Leave::kDispose);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace fieldcast

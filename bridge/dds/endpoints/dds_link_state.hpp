@@ -1,0 +1,110 @@
+// The state of a DdsLink, private to it. Its functions are in two files: dds_link.cpp joins the
+// domain, adds and removes buses and leaves; dds_link_publish.cpp publishes.
+#pragma once
+
+#include <atomic>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <shared_mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bridge/dds/endpoints/block_writer.hpp"
+#include "bridge/dds/endpoints/bridge_presence.hpp"
+#include "bridge/dds/endpoints/bus_catalogue.hpp"
+#include "bridge/dds/endpoints/dds_link.hpp"
+#include "bridge/dds/endpoints/result_sender.hpp"
+#include "bridge/dds/endpoints/sample_writers.hpp"
+#include "bridge/dds/endpoints/snapshot_sender.hpp"
+#include "bridge/dds/receivers/interest_receiver.hpp"
+#include "bridge/dds/receivers/request_receiver.hpp"
+
+namespace fieldcast {
+
+// The entities of one bus, except the writers that all buses share.
+struct LinkedBus {
+  LinkedBus(Domain& domain, const std::string& bridge, const BusSpec& spec,
+            dds::DataWriter* catalogue_blocks, const BlockWriter::Stream& stream,
+            std::function<void()> on_reader, const std::function<void()>& on_match);
+
+  BusCatalogue catalogue;
+  BlockWriter blocks;  // keeps the last values for blocks and single samples
+  SampleWriters samples;
+  std::map<std::string, idl::DeviceStatus> devices;                 // published at least once
+  std::map<std::pair<ChannelIndex, LimitKind>, idl::Alarm> alarms;  // raised at least once
+  std::map<AlarmKey, idl::AlarmStatus> alarm_status;                // published at least once
+  idl::BusStatus status;
+  std::vector<idl::ReadPlan> plan;  // its parts, as published
+  bool reported = false;
+  bool write_failed = false;
+};
+
+struct DdsLink::State {
+  using Commands = RequestReceiver<idl::Command>;
+  using Actions = RequestReceiver<idl::AlarmAction>;
+  // Receivers of requests: of unrestricted senders, or of members restricted to one bus.
+  struct Receivers {
+    std::unique_ptr<Commands> commands;
+    std::unique_ptr<Actions> actions;  // null if alarm actions are not wanted
+
+    void close() const;
+  };
+
+  State(const DdsSpec& spec, const std::string& name, Handlers given);
+
+  // Runs on the snapshot thread: writes changed catalogue entries, then the last values.
+  SnapshotSender::Sent send_snapshot(const std::string& name, SnapshotSender::Part part);
+
+  bool is_ours(const std::string& name);
+  template <class Message>
+  RequestHandlers<Message> request_handlers();
+  void accept(const idl::Command& message, RequestTerms terms);
+  void accept(const idl::AlarmAction& message, const RequestTerms& terms);
+  Receivers listen(const HeldTo& bus);
+  // Responds to requests that are not forwarded: malformed ones and expired alarm actions.
+  template <class Message>
+  void reject(const Message& message, const MalformedCommand& why);
+
+  // Returns null if there is no such bus. REQUIRES: mutex held, shared or exclusive.
+  LinkedBus* find(std::string_view name);
+  void dispose(LinkedBus& bus, Duration linger, Duration limit = kInfinite);
+  // Returns the prepared bus, or creates it.
+  std::unique_ptr<LinkedBus> made(const BusSpec& spec);
+  void serve(const std::string& name, std::unique_ptr<LinkedBus> bus);
+  void listen_for(const std::string& bus);
+
+  const std::string bridge;
+  const Handlers handlers;
+  RequestWriters writers;
+  Domain domain;
+  const std::size_t block_bytes;
+  ResultSender results;
+  dds::DataWriter* catalogue_blocks = nullptr;
+  dds::DataWriter* bus_status = nullptr;
+  dds::DataWriter* device_status = nullptr;
+  dds::DataWriter* sessions = nullptr;
+  dds::DataWriter* alarms = nullptr;
+  dds::DataWriter* alarm_status = nullptr;
+  dds::DataWriter* plans = nullptr;
+  std::unique_ptr<InterestReceiver> interests;
+  Receivers receivers;  // set by listen_for_commands()
+  // Receivers for members restricted to a bus, by bus.
+  std::map<std::string, Receivers, std::less<>> held;
+  std::unique_ptr<BridgePresence> presence;
+  std::shared_mutex mutex;  // shared to use a bus, exclusive to add or remove one
+  std::map<std::string, std::unique_ptr<LinkedBus>, std::less<>> buses;
+  std::map<std::string, std::unique_ptr<LinkedBus>, std::less<>> prepared;
+  std::atomic<bool> standing_by = false;
+  // A copy of the bus names. A DDS thread looks up names while it holds locks of the library, and a
+  // thread that holds `mutex` may wait for these locks when it creates a writer. No function is
+  // called while `names_mutex` is held.
+  std::mutex names_mutex;
+  std::set<std::string, std::less<>> names;
+  bool closed = false;
+  std::unique_ptr<SnapshotSender> snapshots;  // last member: its thread uses the buses
+};
+
+}  // namespace fieldcast

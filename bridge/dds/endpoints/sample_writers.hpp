@@ -1,0 +1,144 @@
+// The Sample writers of one bus: one for each distinct promise, each with at most 256 channels,
+// because DEADLINE makes the library scan a writer's instances at nearly every write (100 000
+// writes over 100 instances 0.26 s, over 10 000 instances 25 s).
+//
+// The writers rest while no reader is matched, because a write costs some 10 us even without
+// readers. The first reader wakes them, and gets the last value of every channel, which the bus
+// keeps anyway. They rest again some time after the last reader has left.
+//
+// Owns the writers and the last written value of each channel. Any thread; samples of one channel
+// are in order if one thread at a time writes them (dds_link.hpp).
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bridge/dds/endpoints/dds_link.hpp"
+#include "bridge/dds/topics/conversion.hpp"
+#include "bridge/dds/topics/sample_type.hpp"
+#include "bridge/dds/transport/domain.hpp"
+
+namespace fieldcast {
+
+class SampleWriters {
+ public:
+  struct Hooks {
+    // Called on a DDS thread for a reader that matches while the writers rest. The owner must call
+    // wake() soon, on another thread.
+    std::function<void()> on_reader;
+    // Called on a DDS thread for each matched reader, before on_reader.
+    std::function<void()> on_match;
+    // Returns the last value of a channel, false if it has none. Any thread.
+    std::function<bool(ChannelIndex, LastValue&)> last_value;
+  };
+  // Creates the writers of every channel that is read. `most_bytes` bounds a datagram. Throws
+  // DdsError.
+  SampleWriters(Domain& domain, const std::string& bridge, const BusSpec& bus,
+                std::size_t most_bytes, Hooks hooks);
+  ~SampleWriters();  // calls dispose() unless done
+  SampleWriters(const SampleWriters&) = delete;
+  SampleWriters& operator=(const SampleWriters&) = delete;
+
+  // If false, the writers rest and write() has no effect.
+  [[nodiscard]] bool awake() const { return awake_; }
+  struct Woken {
+    std::size_t written = 0;
+    bool all = true;  // false: call again
+  };
+  // Ends the rest if a reader is matched: writes the last value of every channel, at most `most`
+  // with each call. Other threads may write meanwhile.
+  Woken wake(std::size_t most);
+
+  // Writes samples of one channel in order and skips one that is not newer than the last written
+  // value. Returns false if the library rejected a sample (limits, or readers that do not
+  // acknowledge); the others are written.
+  bool write(std::span<const Sample> samples, const UtcMapping& mapping);
+
+  // Returns false if nothing changes. Writes the last sample again at the new writer, so that late
+  // joiners find it, before the old writer unregisters the instance. Throws DdsError if a writer is
+  // needed and cannot be created.
+  bool move(ChannelIndex channel, std::optional<Duration> refresh);
+  [[nodiscard]] std::optional<Duration> refresh_of(ChannelIndex channel) const;
+
+  // Removes writers whose last channel moved away some time ago, and lets the writers rest some
+  // time after the last reader has left. Call it regularly, also without samples: readers count the
+  // deadlines that such a writer misses. Does not throw: if new writers cannot be created, the old
+  // ones stay.
+  void tidy(Instant now);
+
+  // Disposes every instance, waits at most `linger` for all readers, and deletes the writers.
+  // Instances that remain after `limit` end with their writers.
+  void dispose(Duration linger, Duration limit = kInfinite);
+
+  [[nodiscard]] DdsLink::BusCounters counters() const;
+
+ private:
+  struct Writer;
+  struct Slot {
+    SampleKey key;
+    LastValue value;           // last written at its writer; sequence 0: none
+    Writer* writer = nullptr;  // null: write-only, and not acquired so far
+    std::uint64_t order = 0;   // of its last write among all of the bus
+    [[nodiscard]] bool written() const { return value.sequence != 0; }
+    [[nodiscard]] OutgoingSample outgoing() const { return {&key, &value}; }
+  };
+  struct Write {
+    Slot* slot;
+    const Sample* sample;
+  };
+  // A writer whose last channel has moved away stays this long, so that its readers receive the
+  // channel from the new writer first.
+  static constexpr Duration kIdle = std::chrono::seconds{1};
+  // Time without readers before the writers rest; a reader that returns earlier finds them awake.
+  static constexpr Duration kRestAfter = std::chrono::seconds{10};
+  // Samples that wake() writes before it releases the lock: some 100 us.
+  static constexpr std::size_t kWakeChunk = 8;
+
+  // A moved channel is unregistered at its old writer after kIdle too, because messages of two
+  // writers may overtake each other.
+  struct Leaving {
+    ChannelIndex channel;
+    Writer* old;
+    std::optional<Instant> since;  // set by the next tidy()
+  };
+  // REQUIRES for all: mutex_ held.
+  // Returns the samples that have a writer, in writing order; see the definition.
+  [[nodiscard]] std::vector<Write>& in_order(std::span<const Sample> samples);
+  bool write(Slot& slot);
+  void let_go(Instant now);
+  Writer& writer_for(std::optional<Duration> refresh);
+  dds::DataWriter* entity_for(Writer& writer);
+  void tidy_up(Instant now);
+  void remove_idle_writers(Instant now);
+  void rest_if_unread(Instant now);
+  bool make_anew();  // false: the library cannot create writers; nothing changed
+  void attach(Slot& slot, std::optional<Duration> refresh);  // throws DdsError
+  // Assigns a writer without refresh to a write-only channel that was acquired. Returns false if
+  // the library cannot create a writer.
+  bool has_writer(Slot& slot);
+  [[nodiscard]] bool has_readers() const;
+
+  Domain& domain_;
+  const std::string label_;
+  const std::size_t most_bytes_;
+  const Hooks hooks_;
+  std::atomic<bool> awake_{false};
+  mutable std::mutex mutex_;  // protects the members below
+  std::vector<Slot> slots_;
+  std::vector<std::unique_ptr<Writer>> writers_;
+  std::vector<Leaving> leaving_;
+  std::vector<Write> order_;  // of one write(), kept for its memory
+  std::uint64_t writes_ = 0;
+  std::size_t unwoken_ = 0;  // first slot that wake() has not processed
+  bool any_idle_ = false;
+  std::uint64_t retired_misses_ = 0;     // of removed writers
+  std::optional<Instant> unread_since_;  // awake without readers since; set by the next tidy()
+};
+
+}  // namespace fieldcast

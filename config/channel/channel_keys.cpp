@@ -1,0 +1,264 @@
+#include "config/channel/channel_keys.hpp"
+
+#include "config/channel/channel.hpp"
+#include "config/channel/exponent.hpp"
+#include "config/channel/not_available.hpp"
+#include "config/document/limits.hpp"
+#include "config/document/scalars.hpp"
+#include "config/document/text_number.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+constexpr std::pair<std::string_view, Mode> kModes[] = {{"intensive", Mode::kIntensive},
+                                                        {"scheduled", Mode::kScheduled},
+                                                        {"on-demand", Mode::kOnDemand}};
+constexpr std::pair<std::string_view, Access> kAccesses[] = {{"read-only", Access::kReadOnly},
+                                                             {"read-write", Access::kReadWrite},
+                                                             {"write-only", Access::kWriteOnly}};
+constexpr std::pair<std::string_view, AlarmPriority> kAlarmPriorities[] = {
+    {"critical", AlarmPriority::kCritical},
+    {"high", AlarmPriority::kHigh},
+    {"medium", AlarmPriority::kMedium},
+    {"low", AlarmPriority::kLow}};
+constexpr std::pair<std::string_view, bool> kAcquires[] = {{"always", false},
+                                                           {"on-interest", true}};
+constexpr std::pair<std::string_view, WordOrder> kWordOrders[] = {
+    {"big-endian", WordOrder::kBigEndian}, {"little-endian", WordOrder::kLittleEndian}};
+constexpr std::pair<std::string_view, ByteOrder> kByteOrders[] = {
+    {"big-endian", ByteOrder::kBigEndian}, {"little-endian", ByteOrder::kLittleEndian}};
+constexpr std::pair<std::string_view, Charset> kCharsets[] = {{"utf-8", Charset::kUtf8},
+                                                              {"latin-1", Charset::kLatin1},
+                                                              {"gbk", Charset::kGbk},
+                                                              {"shift-jis", Charset::kShiftJis}};
+
+using ChannelRow = Field<ChannelDefaults>;
+
+template <typename T, typename Rule>
+ChannelRow channel_row(Key key, T ChannelSpec::*member, Rule rule) {
+  return field<ChannelDefaults>(
+      std::move(key), [member](ChannelDefaults& channel) -> T& { return channel.spec.*member; },
+      rule);
+}
+template <typename T, typename Rule>
+ChannelRow channel_row(Key key, T Encoding::*member, Rule rule) {
+  return field<ChannelDefaults>(
+      std::move(key),
+      [member](ChannelDefaults& channel) -> T& { return channel.spec.encoding.*member; }, rule);
+}
+template <typename T, typename Rule>
+ChannelRow channel_row(Key key, T ChannelDefaults::*member, Rule rule) {
+  return field<ChannelDefaults>(std::move(key), member, rule);
+}
+
+// Read by channel.cpp, as it depends on the address or the type.
+template <typename Rule>
+ChannelRow by_channel(Key key, const Rule& rule) {
+  if (key.schema.empty()) key.schema = rule.schema();
+  if (key.form.empty()) key.form = rule.form();
+  return {std::move(key), {}};
+}
+
+std::vector<ChannelRow> channel_fields() {
+  const ChoiceRule<std::uint8_t> byte{kByteWords};
+  return {
+      channel_row({.name = "name",
+                   .fallback = "needed",
+                   .text = "unique in the device",
+                   .example = "a name for the channel"},
+                  &ChannelSpec::name, NameRule{}),
+      {{.name = "at",
+        .fallback = "needed",
+        .text = "the address, in the PLC's own notation: holding:100, 40101, coil:3, VW100",
+        .schema = R"({ "type": ["string", "number"] })"}},
+      by_channel({.name = "type",
+                  .fallback = "`bool` for a bit, else needed",
+                  .text = "see above; may be left out where the address is one bit"},
+                 TypeRule{}),
+      channel_row({.name = "refresh",
+                   .fallback = "1s",
+                   .text = "the promise that a sample is never older",
+                   .flows_down = true},
+                  &ChannelSpec::refresh, DurationRule{kMinRefresh, kMaxRefresh}),
+      channel_row(
+          {.name = "mode",
+           .fallback = "scheduled",
+           .text = "`scheduled` reads in time for the refresh, then the wire rests; `intensive` "
+                   "reads without pause, the oldest first; `on-demand` reads by command only",
+           .flows_down = true},
+          &ChannelSpec::mode, ChoiceRule<Mode>{kModes}),
+      channel_row({.name = "access",
+                   .fallback = "read-only",
+                   .text = "what commands may do",
+                   .flows_down = true},
+                  &ChannelSpec::access, ChoiceRule<Access>{kAccesses}),
+      channel_row({.name = "acquire",
+                   .fallback = "always",
+                   .text = "`on-interest` reads only while a station declares interest",
+                   .flows_down = true},
+                  &ChannelSpec::on_interest, ChoiceRule<bool>{kAcquires}),
+      channel_row({.name = "priority",
+                   .fallback = "0",
+                   .text = "a higher one is kept fresh longer when the wire is too slow",
+                   .flows_down = true},
+                  &ChannelSpec::priority, WholeRule{-kMaxPriority, kMaxPriority}),
+      channel_row(
+          {.name = "elasticity",
+           .fallback = "1",
+           .text = "its share of the stretch when the wire is too slow, beside the others of its "
+                   "priority: with 2 its refresh grows by twice as much",
+           .flows_down = true},
+          &ChannelSpec::elasticity, NumberRule{kMinElasticity, kMaxElasticity}),
+      channel_row({.name = "unit", .fallback = "none"}, &ChannelSpec::unit, TextRule{kMaxUnit}),
+      channel_row({.name = "description", .fallback = "none"}, &ChannelSpec::description,
+                  TextRule{kMaxDescription}),
+      channel_row({.name = "scale", .fallback = "1", .text = "value = raw × scale + offset"},
+                  &Encoding::scale, NumberRule{}),
+      channel_row({.name = "offset", .fallback = "0", .text = "value = raw × scale + offset"},
+                  &Encoding::offset, NumberRule{}),
+      {{.name = kExponentKey,
+        .fallback = "none",
+        .text = "the register that holds the decimal exponent of the value, as in SunSpec "
+                "(`_SF`): value = raw × 10^exponent × scale + offset. An int16 from -10 "
+                "to 10; any other is BAD_RANGE, 0x8000 the reason `not available`. For "
+                "integer and BCD types in 16-bit registers. One request reads the value, "
+                "the exponent and the registers between; the channel is read-only",
+        .schema = R"({ "type": ["string", "number"] })"}},
+      channel_row(
+          {.name = "word-order",
+           .fallback = "the family's own",
+           .text = "of the 16-bit words of a wider value: `big-endian` has the high word first",
+           .flows_down = true},
+          &ChannelDefaults::word_order, ChoiceRule<WordOrder>{kWordOrders}),
+      channel_row({.name = "byte-order",
+                   .fallback = "big-endian; of texts the family's own",
+                   .text = "of the two bytes of each word",
+                   .flows_down = true},
+                  &ChannelDefaults::byte_order, ChoiceRule<ByteOrder>{kByteOrders}),
+      channel_row(
+          {.name = "encoding",
+           .fallback = "utf-8",
+           .text =
+               "of the device's texts, for channels of type `string(n)`, read and written. What is "
+               "no character of it, and control characters, are shown as `\\xE4`; a write that it "
+               "has no character for is rejected. A text of more than 256 bytes of UTF-8 does not "
+               "fit into a sample: BAD_RANGE",
+           .flows_down = true},
+          &ChannelDefaults::charset, ChoiceRule<Charset>{kCharsets}),
+      by_channel({.name = "bit",
+                  .fallback = "none",
+                  .text = "of a word, for a bool; 0 is the least significant; another way to write "
+                          "`holding:100.5`"},
+                 WholeRule{0, 63}),
+      by_channel({.name = "byte",
+                  .fallback = "none",
+                  .text = "of a wider item, with an 8-bit type: `low` or `high` of a word; of a "
+                          "wider one `0` (the least significant) to `7`"},
+                 byte),
+      by_channel({.name = "text",
+                  .fallback = "none: the bytes are the number",
+                  .text = "the number stands as text of n characters: `decimal(7)`, "
+                          "`decimal-comma(7)`, `hex(4)` (the bits of the type), or a picture whose "
+                          "form a write keeps: `\"+000.00\"`, `\"000,0\"`. Read with sign, blanks "
+                          "and exponent; what spells no number of the type is BAD_RANGE. Where a "
+                          "declared place is a text, n may be left out"},
+                 TextFormRule{}),
+      {{.name = "not-available",
+        .fallback = "none",
+        .text = "raw values by which the device says that it has no value, before scale and "
+                "offset: a value or a list of up to 8. `0x8000` is the bits of the type, `-1` a "
+                "number of it, `nan` any NaN of a float. Such a reading is BAD_RANGE, and the last "
+                "good value stays; a command cannot write it. In a cell of a channel list: "
+                "`0x7FFF 0x8000`",
+        .schema = not_available_schema()}},
+      channel_row({.name = "deadband",
+                   .fallback = "none: every reading is published",
+                   .text = "changes of more than this are published; 0: every change",
+                   .schema = R"({ "type": "number", "minimum": 0 })",
+                   .form = "0 and above"},
+                  &ChannelSpec::deadband, NumberRule{}),
+      channel_row(
+          {.name = "heartbeat",
+           .fallback = "the refresh",
+           .text = "with a deadband the value is published at the latest after this, which is at "
+                   "least the refresh",
+           .flows_down = true},
+          &ChannelSpec::heartbeat, DurationRule{kMinRefresh, kMaxRefresh}),
+      {{.name = "limits",
+        .fallback = "none",
+        .text = "alarms, see below",
+        .schema = R"({ "$ref": "#/$defs/limits" })"}},
+      {{.name = "write",
+        .fallback = "none",
+        .text = "what commands may write, see below",
+        .schema = R"({ "$ref": "#/$defs/write" })"}},
+  };
+}
+
+}  // namespace
+
+const Rows<ChannelDefaults>& channel_rows() {
+  static const Rows<ChannelDefaults> rows("channel", "a channel", channel_fields());
+  return rows;
+}
+
+const Rows<Limits>& limit_rows() {
+  static const Rows<Limits> rows(
+      "limits", "'limits'",
+      {
+          field<Limits>({.name = "low-low", .fallback = "none", .text = "below `low`"},
+                        &Limits::low_low, NumberRule{}),
+          field<Limits>({.name = "low", .fallback = "none", .text = "a value below it is an alarm"},
+                        &Limits::low, NumberRule{}),
+          field<Limits>(
+              {.name = "high", .fallback = "none", .text = "a value above it is an alarm"},
+              &Limits::high, NumberRule{}),
+          field<Limits>({.name = "high-high", .fallback = "none", .text = "above `high`"},
+                        &Limits::high_high, NumberRule{}),
+          field<Limits>({.name = "hysteresis",
+                         .fallback = "0",
+                         .text = "how far a value must be back inside until the alarm is clear",
+                         .schema = R"({ "type": "number", "minimum": 0 })",
+                         .form = "0 and above"},
+                        &Limits::hysteresis, NumberRule{}),
+          field<Limits>({.name = "delay",
+                         .fallback = "0ms",
+                         .text = "how long a value must be outside until the alarm is raised",
+                         .column = "alarm-delay"},
+                        &Limits::delay, DurationRule{Duration{}, kMaxAlarmDelay}),
+          field<Limits>(
+              {.name = "priority",
+               .fallback = "high for low-low and high-high, medium for low and high",
+               .text = "how soon somebody has to do something about the alarms of the channel",
+               .column = "alarm-priority"},
+              &Limits::priority, ChoiceRule<AlarmPriority>{kAlarmPriorities}),
+      },
+      "Alarms: low-low < low < high < high-high.");
+  return rows;
+}
+
+const Rows<ChannelSpec>& write_rows() {
+  static const Rows<ChannelSpec> rows(
+      "write", "'write'",
+      {
+          field<ChannelSpec>({.name = "min",
+                              .fallback = "none",
+                              .text = "the least value of a command",
+                              .column = "write-min"},
+                             &ChannelSpec::write_min, NumberRule{}),
+          field<ChannelSpec>({.name = "max",
+                              .fallback = "none",
+                              .text = "the greatest value of a command",
+                              .column = "write-max"},
+                             &ChannelSpec::write_max, NumberRule{}),
+          field<ChannelSpec>({.name = "interval",
+                              .fallback = "0ms: none",
+                              .text = "the least time between two commands",
+                              .column = "write-interval"},
+                             &ChannelSpec::write_interval, DurationRule{Duration{}, kMaxRefresh}),
+      },
+      "What commands may write.");
+  return rows;
+}
+
+}  // namespace fieldcast::config

@@ -1,0 +1,114 @@
+#include "config/channel/channel_limits.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "config/channel/channel_keys.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+// Empty for floats.
+std::optional<std::pair<double, double>> span_of(const Encoding& encoding) {
+  double least = 0, greatest = 0;
+  switch (encoding.type) {
+    case ValueType::kInt16:
+    case ValueType::kInt32:
+    case ValueType::kInt64:
+      least = -std::ldexp(1.0, static_cast<int>(width_bits(encoding)) - 1);
+      greatest = -least - 1;
+      break;
+    case ValueType::kUint16:
+    case ValueType::kUint32:
+    case ValueType::kUint64:
+      greatest = std::ldexp(1.0, static_cast<int>(width_bits(encoding))) - 1;
+      break;
+    case ValueType::kBcd16: greatest = 9'999; break;
+    case ValueType::kBcd32: greatest = 99'999'999; break;
+    default: return std::nullopt;
+  }
+  return std::minmax(
+      {least * encoding.scale + encoding.offset, greatest * encoding.scale + encoding.offset});
+}
+
+// A value back inside one limit by the hysteresis must not exceed the opposite one.
+void check_hysteresis(MapReader& map, const Limits& limits) {
+  if (limits.hysteresis < 0)
+    map.faults().add(map.position_of("hysteresis"), "hysteresis is negative", "0 and above");
+  const auto lower = limits.low ? limits.low : limits.low_low;
+  const auto upper = limits.high ? limits.high : limits.high_high;
+  if (lower && upper && limits.hysteresis >= *upper - *lower && *upper > *lower) {
+    map.faults().add(map.position_of("hysteresis"), "hysteresis is as wide as the limits are apart",
+                     "less than their distance");
+  }
+}
+
+}  // namespace
+
+void read_limits(MapReader& channel, ChannelSpec& spec) {
+  const Node* node = channel.find("limits");
+  if (node == nullptr) return;
+  MapReader map(*node, limit_rows(), channel.faults());
+  limit_rows().read(map, spec.limits);
+  const std::pair<std::string_view, const std::optional<double>*> ladder[] = {
+      {"low-low", &spec.limits.low_low},
+      {"low", &spec.limits.low},
+      {"high", &spec.limits.high},
+      {"high-high", &spec.limits.high_high}};
+  std::string_view below;
+  const std::optional<double>* bound = nullptr;
+  for (const auto& [key, limit] : ladder) {
+    if (!*limit) continue;
+    if (bound != nullptr && **limit <= **bound) {
+      map.faults().add(map.position_of(key),
+                       fmt::format("limit '{}' is not above '{}'", key, below),
+                       "low-low < low < high < high-high");
+    }
+    below = key, bound = limit;
+  }
+  check_hysteresis(map, spec.limits);
+  for (const std::string_view key : {"hysteresis", "delay", "priority"}) {
+    if (bound == nullptr && map.has(key)) {
+      map.faults().add(map.position_of(key), fmt::format("'{}' without a limit", key),
+                       "low-low, low, high, high-high");
+    }
+  }
+}
+
+void read_write(MapReader& channel, ChannelSpec& spec) {
+  const Node* node = channel.find("write");
+  if (node == nullptr) return;
+  MapReader map(*node, write_rows(), channel.faults());
+  write_rows().read(map, spec);
+  if (spec.write_min && spec.write_max && *spec.write_min > *spec.write_max) {
+    map.faults().add(map.position_of("max"), "write max is below min", "min <= max");
+  }
+}
+
+void check_write_span(MapReader& map, const ChannelSpec& spec) {
+  const auto span = span_of(spec.encoding);
+  if (!span || (spec.write_min.value_or(span->first) <= span->second &&
+                spec.write_max.value_or(span->second) >= span->first))
+    return;
+  map.faults().add(
+      map.position_of("write"), "no value of this channel is within its write limits",
+      fmt::format("limits that overlap with {} to {}", fieldcast::to_text(Value{span->first}),
+                  fieldcast::to_text(Value{span->second})));
+}
+
+// A value held back by the deadband must not hide a change from one limit to the other.
+void check_deadband(MapReader& map, const ChannelSpec& spec) {
+  if (!spec.deadband) return;
+  if (*spec.deadband < 0)
+    map.faults().add(map.position_of("deadband"), "deadband is negative", "0 and above");
+  const auto lower = spec.limits.low ? spec.limits.low : spec.limits.low_low;
+  const auto upper = spec.limits.high ? spec.limits.high : spec.limits.high_high;
+  if (lower && upper && *upper > *lower && *spec.deadband >= *upper - *lower) {
+    map.faults().add(map.position_of("deadband"), "deadband is as wide as the limits are apart",
+                     "less than their distance");
+  }
+}
+
+}  // namespace fieldcast::config

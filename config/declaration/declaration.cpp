@@ -1,0 +1,262 @@
+#include "config/declaration/declaration.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "config/declaration/declaration_keys.hpp"
+#include "config/declaration/declared_frame.hpp"
+#include "config/document/limits.hpp"
+#include "config/document/scalars.hpp"
+#include "config/document/unique_names.hpp"
+#include "core/model/spec.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+using declared::Declaration;
+using declared::DeclaredArea;
+using declared::Notation;
+
+constexpr std::size_t kMaxAreas = 64;
+constexpr std::size_t kMaxCodes = 1'000;
+constexpr std::int64_t kMaxItems = 1 << 24;
+
+constexpr std::pair<std::string_view, Notation> kEncodings[] = {{"binary", Notation::kBinary},
+                                                                {"hex", Notation::kHex}};
+constexpr std::pair<std::string_view, bool> kOrders[] = {{"big-endian", false},
+                                                         {"little-endian", true}};
+constexpr std::pair<std::string_view, bool> kBitOrders[] = {{"low-first", false},
+                                                            {"high-first", true}};
+constexpr std::pair<std::string_view, std::uint8_t> kItems[] = {
+    {"bit", 1}, {"byte", 8}, {"16bit", 16}, {"32bit", 32}, {"64bit", 64}};
+constexpr std::pair<std::string_view, std::uint8_t> kBases[] = {
+    {"octal", 8}, {"decimal", 10}, {"hexadecimal", 16}};
+
+class DeclarationReader {
+ public:
+  DeclarationReader(const Node& root, const std::string& name, FaultList& faults)
+      : map_(root, kDeclarationKeys, faults), faults_(faults) {
+    declaration_.name = name;
+  }
+
+  Declaration run() {
+    map_.read_required("summary", declaration_.summary, TextRule{kMaxDescription},
+                       "one line for people");
+    read_addresses();
+    map_.read("encoding", defaults_.notation, ChoiceRule<Notation>{kEncodings});
+    map_.read("order", defaults_.little_endian, ChoiceRule<bool>{kOrders});
+    map_.read("bit-order", defaults_.high_first, ChoiceRule<bool>{kBitOrders});
+    if (const Node* areas = list("areas", kMaxAreas)) {
+      for (const Node* node : areas->items) read_area(*node);
+    }
+    if (const Node* operations = list("operations", declared::kMaxOperations)) {
+      for (const Node* node : operations->items) read_operation(*node);
+    }
+    place_values(declaration_, operations_, faults_);
+    for (const auto& draft : operations_) check_operation(declaration_, draft, faults_);
+    read_errors();
+    check_areas();
+    for (auto& draft : operations_) {
+      draft.operation.request = draft.request.frame();
+      draft.operation.answer = draft.answer.frame();
+      declaration_.operations.push_back(std::move(draft.operation));
+    }
+    return std::move(declaration_);
+  }
+
+ private:
+  const Node* list(std::string_view key, std::size_t most) {
+    const Node* node = map_.require(key, "a list");
+    if (node == nullptr) return nullptr;
+    if (node->kind == Kind::kList && !node->items.empty() && node->items.size() <= most)
+      return node;
+    const bool is_list = node->kind == Kind::kList;
+    faults_.add(node->position,
+                fmt::format("{} is {}", key,
+                            is_list ? (node->items.empty() ? "empty" : "too long")
+                                    : std::string(to_text(node->kind))),
+                fmt::format("a list of 1 to {}", most));
+    return nullptr;
+  }
+
+  void read_addresses() {
+    const Node* node = map_.require("addresses", "addresses: { from: 1, to: 31 }");
+    if (node == nullptr) return;
+    MapReader map(*node, kAddressesKeys, faults_);
+    map.read_required("from", declaration_.lowest_address, WholeRule{0, 65535},
+                      "the lowest address of a device");
+    map.read_required("to", declaration_.highest_address, WholeRule{0, 65535},
+                      "the highest address of a device");
+    if (map.has("from") && map.has("to") &&
+        declaration_.lowest_address > declaration_.highest_address)
+      faults_.add(map.position_of("to"), "addresses end below their beginning", "from <= to");
+  }
+
+  void read_area(const Node& node) {
+    MapReader map(node, kAreaKeys, faults_);
+    DeclaredArea area;
+    map.read_required("name", area.name, NameRule{}, "a name for the area");
+    area_names_.add("area", area.name, node.position, faults_);
+    area_positions_.push_back(node.position);
+    map.read("record", area.record, FlagRule{});
+    map.read("item", area.item_bits, ChoiceRule<std::uint8_t>{kItems});
+    map.read("items", area.items, WholeRule{1, kMaxItems});
+    area.prefix = area.name + ':';
+    map.read("prefix", area.prefix, TextRule{kMaxNameLength});
+    map.read("base", area.base, ChoiceRule<std::uint8_t>{kBases});
+    map.read("origin", area.origin, WholeRule{0, kMaxItems});
+    for (const auto* key : {"item", "items", "prefix", "base", "origin"}) {
+      if (area.record && map.has(key))
+        faults_.add(map.position_of(key), fmt::format("'{}' has no meaning for a record", key),
+                    "a record's places are the values of its answer");
+    }
+    if (area.record) area.items = 0, area.item_bits = 16;
+    declaration_.areas.push_back(std::move(area));
+  }
+
+  void read_operation(const Node& node) {
+    MapReader map(node, kOperationKeys, faults_);
+    DraftOperation draft;
+    draft.position = node.position;
+    map.read_required("name", draft.operation.name, TextRule{kMaxNameLength},
+                      "a name for the operation");
+    const Node* read = map.find("read");
+    const Node* write = map.find("write");
+    if (read != nullptr && write != nullptr)
+      faults_.add(write->position, "an operation reads and writes", "one of read, write");
+    if (map.is_map() && !map.has_or_means("read") && !map.has_or_means("write"))
+      faults_.add(map.position(), "an operation neither reads nor writes",
+                  "read: AREA, or write: AREA");
+    draft.operation.write = read == nullptr;
+    const Node* naming = read != nullptr ? read : write;
+    draft.good = naming != nullptr && area_named(*naming, draft.operation.area);
+    draft.has_command = map.read("command", draft.operation.command, WholeRule{0, INT64_MAX});
+    read_count(map, draft);
+    const unsigned item_bits = draft.good ? declaration_.areas[draft.operation.area].item_bits : 16;
+    const auto frame = [&](std::string_view key) {
+      const Node* list = map.require(key, "a list of fields");
+      if (list != nullptr) return read_frame(*list, key, defaults_, item_bits, faults_);
+      DraftFrame missing;
+      missing.good = false;
+      return missing;
+    };
+    draft.request = frame("request");
+    draft.answer = frame("answer");
+    operations_.push_back(std::move(draft));
+  }
+
+  bool area_named(const Node& naming, AreaIndex& index) {
+    std::vector<std::string_view> names;
+    for (const auto& area : declaration_.areas) names.push_back(area.name);
+    if (names.empty()) return false;  // a fault was already added
+    const auto* text = scalar_of(naming, "area", joined(names), faults_);
+    if (text == nullptr) return false;
+    const auto found = std::ranges::find(names, *text);
+    if (found == names.end()) {
+      faults_.add(naming.position, fmt::format("no area is named '{}'", *text), joined(names),
+                  closest(*text, names));
+      return false;
+    }
+    index = static_cast<AreaIndex>(found - names.begin());
+    return true;
+  }
+
+  // count: 125, or { from: 2, to: 125 }.
+  void read_count(MapReader& map, DraftOperation& draft) {
+    auto& operation = draft.operation;
+    const Node* node = map.find("count");
+    draft.count_position = node == nullptr ? draft.position : node->position;
+    if (node == nullptr) return;
+    if (node->kind != Kind::kMap) {
+      if (const auto most = WholeRule{1, 65535}(*node, "count", faults_))
+        operation.max_count = static_cast<std::uint16_t>(*most);
+    } else {
+      MapReader range(*node, kCountKeys, faults_);
+      range.read_required("from", operation.min_count, WholeRule{1, 65535}, "the fewest items");
+      range.read_required("to", operation.max_count, WholeRule{1, 65535}, "the most items");
+      if (range.has("from") && range.has("to") && operation.min_count > operation.max_count)
+        faults_.add(range.position_of("to"), "count ends below its beginning", "from <= to");
+    }
+    if (draft.good && declaration_.areas[operation.area].record)
+      faults_.add(node->position, "'count' has no meaning for a record", "a record is read whole");
+  }
+
+  void read_errors() {
+    const Node* node = map_.find("errors");
+    if (node == nullptr) return;
+    MapReader map(*node, kErrorsKeys, faults_);
+    if (const Node* frame = map.require("frame", "the fields of a refusal")) {
+      const DraftFrame refusal = read_frame(*frame, "frame", defaults_, 16, faults_);
+      check_refusal(declaration_, operations_, refusal, faults_);
+      declaration_.refusal = refusal.frame();
+    }
+    if (const Node* codes = map.find("codes")) read_codes(*codes);
+    const Node* busy = map.find("busy");
+    if (busy == nullptr) return;
+    if (busy->kind != Kind::kList) {
+      faults_.add(busy->position, fmt::format("busy is {}", to_text(busy->kind)), "a list of codes",
+                  fmt::format("[{}]", busy->text));
+      return;
+    }
+    for (const Node* item : busy->items) {
+      if (const auto code = WholeRule{0, 65535}(*item, "busy", faults_))
+        declaration_.busy.push_back(static_cast<std::uint16_t>(*code));
+    }
+  }
+
+  void read_codes(const Node& node) {
+    if (node.kind != Kind::kMap || node.entries.size() > kMaxCodes) {
+      faults_.add(
+          node.position,
+          "codes is " + (node.kind == Kind::kMap ? "too long" : std::string(to_text(node.kind))),
+          fmt::format("at most {} lines CODE: TEXT", kMaxCodes));
+      return;
+    }
+    for (const auto& [key, value] : node.entries) {
+      const auto code = WholeRule{0, 65535}(*key, "code", faults_);
+      const auto text = TextRule{kMaxDescription}(*value, key->text, faults_);
+      if (code && text) declaration_.codes[static_cast<std::uint16_t>(*code)] = *text;
+    }
+  }
+
+  void check_areas() {
+    if (operations_.empty()) return;
+    for (std::size_t i = 0; i < declaration_.areas.size(); ++i) {
+      const auto uses = [&](bool write) {
+        return std::ranges::count_if(operations_, [&](const DraftOperation& draft) {
+          return (draft.operation.area == i && draft.operation.write == write) || !draft.good;
+        });
+      };
+      const auto same = [&](const DeclaredArea& other) {
+        return other.name == declaration_.areas[i].name;
+      };
+      // Two areas with one name: a fault was already added.
+      if (std::ranges::count_if(declaration_.areas, same) > 1) continue;
+      const std::string area = fmt::format("area '{}'", declaration_.areas[i].name);
+      if (uses(false) == 0)
+        faults_.add(area_positions_[i], area + " is read by no operation",
+                    "an operation with read: " + declaration_.areas[i].name);
+    }
+  }
+
+  MapReader map_;
+  FaultList& faults_;
+  Declaration declaration_;
+  FieldDefaults defaults_;
+  UniqueNames area_names_;
+  std::vector<Position> area_positions_;
+  std::vector<DraftOperation> operations_;
+};
+
+}  // namespace
+
+declared::SharedDeclaration read_declaration(const Node& root, const std::string& name,
+                                             FaultList& faults) {
+  const std::size_t before = faults.size();
+  auto declaration = DeclarationReader(root, name, faults).run();
+  if (faults.size() != before) return {};
+  return {std::make_shared<const Declaration>(std::move(declaration))};
+}
+
+}  // namespace fieldcast::config

@@ -1,0 +1,358 @@
+// Checks a declaration for contradictions. Each rule adds its fault where the text must change.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "config/declaration/declared_frame.hpp"
+#include "config/document/suggest.hpp"
+#include "core/protocol/declared/frame.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+using declared::Declaration;
+using declared::DeclaredArea;
+using declared::Field;
+using declared::FieldKind;
+
+class OperationCheck {
+ public:
+  OperationCheck(const Declaration& declaration, const DraftOperation& draft, FaultList& faults)
+      : declaration_(declaration),
+        draft_(draft),
+        operation_(draft.operation),
+        area_(declaration.areas[draft.operation.area]),
+        faults_(faults) {}
+
+  void run() {
+    check_frame(draft_.request);
+    check_frame(draft_.answer);
+    check_payload();
+    check_addressing();
+    check_variable(draft_.answer);
+    for (const auto& draft : draft_.request.fields) {
+      if (draft.field.variable)
+        faults_.add(draft.position, "a variable text in a request",
+                    "a fixed one: requests have one length");
+    }
+  }
+
+ private:
+  void needs(bool there, const Position& position, const std::string& what,
+             const std::string& allowed) {
+    if (!there) faults_.add(position, what, allowed);
+  }
+
+  void check_frame(const DraftFrame& frame) {
+    for (const DraftField& draft : frame.fields) {
+      if (draft.fits) check_field(frame, draft);  // otherwise a fault was already added
+    }
+    if (!frame.good) return;
+    const auto whole = declared::size_of(frame.frame(), area_.item_bits, operation_.max_count);
+    if (whole > declared::kMaxFrame)
+      faults_.add(draft_.count_position, fmt::format("a frame of {} characters is too long", whole),
+                  fmt::format("at most {}", declared::kMaxFrame));
+  }
+
+  void check_field(const DraftFrame& frame, const DraftField& draft) {
+    const Field& field = draft.field;
+    const std::uint64_t last = area_.items == 0 ? 0 : area_.items - 1, count = operation_.max_count;
+    switch (field.kind) {
+      case FieldKind::kAddress:
+        check_numbers(draft, declaration_.lowest_address, declaration_.highest_address,
+                      "the address");
+        break;
+      case FieldKind::kCommand:
+        needs(draft_.has_command, draft.position,
+              fmt::format("the operation '{}' has no command", operation_.name),
+              "command: a number, in the operation");
+        check_numbers(draft, operation_.command, operation_.command, "the command");
+        break;
+      case FieldKind::kFirst: check_numbers(draft, 0, last * field.times, "the last item"); break;
+      case FieldKind::kCount:
+        check_numbers(draft, operation_.min_count * std::uint64_t{field.times}, count * field.times,
+                      "the count");
+        break;
+      case FieldKind::kLength: check_length(frame, draft); break;
+      case FieldKind::kItems: check_items(draft); break;
+      case FieldKind::kValue:
+        needs(area_.record, draft.position,
+              fmt::format("'{}' is no record and has no values", area_.name),
+              "is: items, or record: true in the area");
+        break;
+      default: break;
+    }
+  }
+
+  void check_numbers(const DraftField& draft, std::uint64_t lowest, std::uint64_t highest,
+                     const std::string& what) {
+    const Field& field = draft.field;
+    const auto largest = std::min(declared::largest(field.word), UINT64_MAX >> (64 - field.bits));
+    const bool below = field.plus < 0 && lowest < static_cast<std::uint64_t>(-field.plus);
+    const std::uint64_t reached = highest + static_cast<std::uint64_t>(field.plus);
+    if (!below && reached <= largest) return;
+    faults_.add(draft.position,
+                fmt::format("'{}' is too narrow: {} {}", field.name, what,
+                            below ? "falls below 0" : fmt::format("reaches {}", reached)),
+                fmt::format("0 to {}, or a wider field", largest));
+  }
+
+  void check_items(const DraftField& draft) {
+    const Field& field = draft.field;
+    needs(!area_.record, draft.position,
+          fmt::format("'{}' is a record and has no items", area_.name),
+          "is: value, for each of its values");
+    if (area_.item_bits > 1 && field.word.notation == declared::Notation::kDecimal &&
+        declared::largest(field.word) < UINT64_MAX >> (64 - area_.item_bits))
+      faults_.add(
+          draft.position,
+          fmt::format("'{}' is too narrow for items of {} bits", field.name, area_.item_bits),
+          "more digits");
+  }
+
+  void check_length(const DraftFrame& frame, const DraftField& draft) {
+    if (!frame.good) return;
+    std::uint64_t longest = 0;
+    const auto fields = frame.frame();
+    for (std::size_t i = draft.field.of.from; i <= draft.field.of.to; ++i) {
+      const Field& counted = fields.fields[i];
+      const auto size = declared::size_of(fields, i, i + 1, area_.item_bits, operation_.max_count);
+      const bool digits = counted.word.notation == declared::Notation::kHex &&
+                          counted.text.empty() && counted.text_size == 0 &&
+                          !draft.field.in_characters;
+      longest += digits ? size / 2 : size;
+    }
+    check_numbers(draft, longest, longest, "the length");
+  }
+
+  static std::size_t number_of(const DraftFrame& frame, FieldKind kind) {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        frame.fields, [&](const DraftField& draft) { return draft.field.kind == kind; }));
+  }
+
+  // The response must contain the read items, the request the written ones.
+  void check_payload() {
+    const auto kind = area_.record ? FieldKind::kValue : FieldKind::kItems;
+    const std::string wanted = area_.record ? "is: value" : "is: items";
+    const DraftFrame& carrier = operation_.write ? draft_.request : draft_.answer;
+    if (!carrier.good) return;
+    const std::string where = operation_.write ? "the request of a write carries no "
+                                               : "the answer of a read carries no ";
+    needs(number_of(carrier, kind) > 0, carrier.position,
+          where + (area_.record ? "values" : "items"), "a field that " + wanted);
+    for (const auto* frame : {&draft_.request, &draft_.answer}) {
+      if (number_of(*frame, FieldKind::kItems) > 1)
+        faults_.add(frame->position, "items stand twice in one frame", "one field that is: items");
+    }
+    if (!operation_.write && draft_.request.find(FieldKind::kItems) != nullptr)
+      faults_.add(draft_.request.find(FieldKind::kItems)->position,
+                  "the request of a read carries items", "is: count, is: first");
+    if (!operation_.write && draft_.request.find(FieldKind::kValue) != nullptr)
+      faults_.add(draft_.request.find(FieldKind::kValue)->position,
+                  "the request of a read carries a value", "a constant, or is: unused");
+  }
+
+  // The request must contain the items' address and, if it varies, their count.
+  void check_addressing() {
+    if (area_.record || !draft_.request.good) return;
+    needs(area_.items == 1 || draft_.request.find(FieldKind::kFirst) != nullptr,
+          draft_.request.position,
+          fmt::format("the request does not say which of {} items it means", area_.items),
+          "a field that is: first");
+    if (operation_.min_count == operation_.max_count) return;
+    const bool counted = draft_.request.find(FieldKind::kCount) != nullptr ||
+                         draft_.request.find(FieldKind::kLength) != nullptr;
+    needs(counted, draft_.request.position, "the request does not say how many items it means",
+          "a field that is: count, or no 'count' in the operation");
+  }
+
+  // A text of variable length must end at a constant, or a length field must precede it.
+  void check_variable(const DraftFrame& frame) {
+    for (std::size_t i = 0; i < frame.fields.size(); ++i) {
+      const Field& field = frame.fields[i].field;
+      if (!field.variable || !frame.fields[i].fits) continue;
+      const bool told =
+          std::any_of(frame.fields.begin(), frame.fields.begin() + static_cast<std::ptrdiff_t>(i),
+                      [&](const DraftField& other) {
+                        return other.field.kind == FieldKind::kLength && other.field.of.holds(i);
+                      });
+      const bool ended = i + 1 < frame.fields.size() &&
+                         frame.fields[i + 1].field.kind == FieldKind::kConstant &&
+                         !frame.fields[i + 1].shares;
+      needs(told || ended, frame.fields[i].position,
+            fmt::format("nothing tells where '{}' ends", field.name),
+            "a constant behind it, or a length of it before it");
+      if (std::ranges::count_if(frame.fields,
+                                [](const DraftField& each) { return each.field.variable; }) > 1)
+        faults_.add(frame.fields[i].position, "two variable texts in one frame", "one");
+    }
+  }
+
+  const Declaration& declaration_;
+  const DraftOperation& draft_;
+  const declared::Operation& operation_;
+  const DeclaredArea& area_;
+  FaultList& faults_;
+};
+
+// The response of a read defines the places.
+class Placing {
+ public:
+  Placing(Declaration& declaration, FaultList& faults)
+      : declaration_(declaration), faults_(faults) {}
+
+  void define(DraftOperation& draft) {
+    DeclaredArea& area = declaration_.areas[draft.operation.area];
+    if (!area.places.empty()) {
+      faults_.add(draft.position, fmt::format("the record '{}' is read twice", area.name),
+                  "one operation that reads it");
+      return;
+    }
+    for (DraftField& field : draft.answer.fields) {
+      if (field.field.kind != FieldKind::kValue) continue;
+      const auto items = declared::items_of(field.field);
+      for (const auto& other : declaration_.areas) {
+        if (std::ranges::find(other.places, field.field.name, &declared::Place::name) !=
+            other.places.end())
+          faults_.add(field.position, fmt::format("value '{}' exists already", field.field.name),
+                      "names that occur once");
+      }
+      field.field.place = static_cast<std::uint16_t>(area.items);
+      const auto bits = field.field.text_size != 0 ? std::uint8_t{0} : field.field.bits;
+      area.places.push_back({field.field.name, field.field.place, items, bits,
+                             field.field.is_signed, field.field.text_size,
+                             field.field.text_number});
+      area.items += items;
+    }
+  }
+
+  void resolve(DraftOperation& draft) {
+    DeclaredArea& area = declaration_.areas[draft.operation.area];
+    std::uint32_t low = UINT32_MAX, high = 0, sum = 0;
+    for (DraftFrame* frame : {&draft.request, &draft.answer}) {
+      for (DraftField& field : frame->fields) {
+        if (field.field.kind != FieldKind::kValue || !find(area, field)) continue;
+        if (frame != &draft.request) continue;
+        const std::uint32_t items = declared::items_of(field.field);
+        low = std::min<std::uint32_t>(low, field.field.place);
+        high = std::max(high, field.field.place + items);
+        sum += items;
+      }
+    }
+    if (sum == 0) return;
+    if (high - low != sum)
+      faults_.add(draft.request.position,
+                  "the values of a write do not follow each other in the record",
+                  "neighbours, or a write for each");
+    draft.operation.first = static_cast<std::uint16_t>(low);
+    draft.operation.min_count = draft.operation.max_count = static_cast<std::uint16_t>(high - low);
+  }
+
+ private:
+  bool find(const DeclaredArea& area, DraftField& draft) {
+    std::vector<std::string_view> names;
+    for (const auto& place : area.places) names.push_back(place.name);
+    const auto place = std::ranges::find(area.places, draft.field.name, &declared::Place::name);
+    if (place == area.places.end()) {
+      faults_.add(draft.position, fmt::format("no answer brings a value '{}'", draft.field.name),
+                  joined(names), closest(draft.field.name, names));
+      return false;
+    }
+    const unsigned bits = draft.field.text_size != 0 ? 0u : draft.field.bits;
+    if (bits != place->bits || declared::items_of(draft.field) != place->items) {
+      faults_.add(draft.position,
+                  fmt::format("value '{}' has another width than in the answer that brings it",
+                              draft.field.name),
+                  fmt::format("{} bits", place->bits));
+      return false;
+    }
+    draft.field.place = place->first;
+    return true;
+  }
+
+  Declaration& declaration_;
+  FaultList& faults_;
+};
+
+}  // namespace
+
+void place_values(Declaration& declaration, std::vector<DraftOperation>& operations,
+                  FaultList& faults) {
+  Placing placing(declaration, faults);
+  const auto of_record = [&](const DraftOperation& draft) {
+    return draft.good && declaration.areas[draft.operation.area].record;
+  };
+  for (auto& draft : operations) {
+    if (of_record(draft) && !draft.operation.write) placing.define(draft);
+  }
+  for (auto& draft : operations) {
+    if (of_record(draft) && draft.operation.write && draft.request.good && draft.answer.good)
+      placing.resolve(draft);
+  }
+}
+
+void check_operation(const Declaration& declaration, const DraftOperation& draft,
+                     FaultList& faults) {
+  if (draft.good) OperationCheck(declaration, draft, faults).run();
+}
+
+namespace {
+
+void check_refusal_field(const Declaration& declaration, const DraftField& draft,
+                         FaultList& faults) {
+  const auto kind = draft.field.kind;
+  if (kind == FieldKind::kItems || kind == FieldKind::kValue || kind == FieldKind::kFirst ||
+      kind == FieldKind::kCount)
+    faults.add(draft.position, fmt::format("a refusal brings no '{}'", draft.field.name),
+               "constant, address, command, error, length, sequence, checksum, unused");
+  if (kind == FieldKind::kAddress &&
+      declaration.highest_address > declared::largest(draft.field.word))
+    faults.add(draft.position,
+               fmt::format("'{}' is too narrow: the address reaches {}", draft.field.name,
+                           declaration.highest_address),
+               "a wider field");
+}
+
+// Constants and commands distinguish frames of equal length.
+std::vector<std::string> marks_of(const DraftFrame& frame) {
+  std::vector<std::string> all;
+  for (const auto& draft : frame.fields) {
+    const Field& field = draft.field;
+    if (field.kind == FieldKind::kConstant || field.kind == FieldKind::kCommand)
+      all.push_back(fmt::format("{}/{}/{}", field.text, field.number, field.plus));
+  }
+  return all;
+}
+
+bool told_apart(const DraftFrame& refusal, const DraftOperation& draft, const DeclaredArea& area) {
+  const auto size = declared::size_of(refusal.frame(), 16, 0);
+  const auto answer_size = [&](std::uint32_t count) {
+    return declared::size_of(draft.answer.frame(), area.item_bits, count);
+  };
+  return size < answer_size(draft.operation.min_count) ||
+         size > answer_size(draft.operation.max_count) ||
+         marks_of(refusal) != marks_of(draft.answer) ||
+         draft.answer.find(FieldKind::kError) != nullptr;
+}
+
+}  // namespace
+
+void check_refusal(const Declaration& declaration, const std::vector<DraftOperation>& operations,
+                   const DraftFrame& refusal, FaultList& faults) {
+  if (refusal.fields.empty()) return;
+  if (refusal.find(FieldKind::kError) == nullptr)
+    faults.add(refusal.position, "a refusal without a code", "a field that is: error");
+  for (const DraftField& draft : refusal.fields) check_refusal_field(declaration, draft, faults);
+  if (!refusal.good) return;
+  for (const auto& draft : operations) {
+    if (!draft.good || !draft.answer.good) continue;
+    if (!told_apart(refusal, draft, declaration.areas[draft.operation.area]))
+      faults.add(
+          refusal.position,
+          fmt::format("a refusal cannot be told from the answer of '{}'", draft.operation.name),
+          "another length, constant or command, or is: error in the answer too");
+  }
+}
+
+}  // namespace fieldcast::config

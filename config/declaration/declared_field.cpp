@@ -1,0 +1,321 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "config/declaration/declaration_keys.hpp"
+#include "config/declaration/declared_frame.hpp"
+#include "config/document/limits.hpp"
+#include "config/document/scalars.hpp"
+#include "config/document/text_number.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+using declared::Check;
+using declared::CheckKind;
+using declared::Complement;
+using declared::Crc16;
+using declared::Field;
+using declared::FieldKind;
+using declared::Notation;
+
+constexpr std::pair<std::string_view, FieldKind> kKinds[] = {
+    {"address", FieldKind::kAddress}, {"command", FieldKind::kCommand},
+    {"first", FieldKind::kFirst},     {"count", FieldKind::kCount},
+    {"length", FieldKind::kLength},   {"items", FieldKind::kItems},
+    {"value", FieldKind::kValue},     {"checksum", FieldKind::kChecksum},
+    {"error", FieldKind::kError},     {"sequence", FieldKind::kSequence},
+    {"unused", FieldKind::kUnused}};
+constexpr std::pair<std::string_view, Notation> kNotations[] = {
+    {"binary", Notation::kBinary}, {"hex", Notation::kHex}, {"decimal", Notation::kDecimal}};
+constexpr std::pair<std::string_view, bool> kOrders[] = {{"big-endian", false},
+                                                         {"little-endian", true}};
+constexpr std::pair<std::string_view, bool> kOver[] = {{"characters", false}, {"bytes", true}};
+constexpr std::pair<std::string_view, bool> kCounts[] = {{"bytes", false}, {"characters", true}};
+constexpr std::pair<std::string_view, Complement> kComplements[] = {
+    {"none", Complement::kNone}, {"ones", Complement::kOnes}, {"twos", Complement::kTwos}};
+
+// Parameters from the catalogue of parametrised CRC algorithms (reveng.sourceforge.io).
+constexpr std::pair<std::string_view, Check> kChecks[] = {
+    {"sum", {CheckKind::kSum, Complement::kNone, {}, false}},
+    {"and", {CheckKind::kAnd, Complement::kNone, {}, false}},
+    {"xor", {CheckKind::kXor, Complement::kNone, {}, false}},
+    {"lrc", {CheckKind::kSum, Complement::kTwos, {}, false}},
+    {"crc16-modbus", {CheckKind::kCrc16, Complement::kNone, {0x8005, 0xFFFF, 0x0000, true}, false}},
+    {"crc16-arc", {CheckKind::kCrc16, Complement::kNone, {0x8005, 0x0000, 0x0000, true}, false}},
+    {"crc16-usb", {CheckKind::kCrc16, Complement::kNone, {0x8005, 0xFFFF, 0xFFFF, true}, false}},
+    {"crc16-ccitt", {CheckKind::kCrc16, Complement::kNone, {0x1021, 0xFFFF, 0x0000, false}, false}},
+    {"crc16-xmodem",
+     {CheckKind::kCrc16, Complement::kNone, {0x1021, 0x0000, 0x0000, false}, false}},
+    {"crc16-kermit", {CheckKind::kCrc16, Complement::kNone, {0x1021, 0x0000, 0x0000, true}, false}},
+    {"crc16-x25", {CheckKind::kCrc16, Complement::kNone, {0x1021, 0xFFFF, 0xFFFF, true}, false}},
+    {"crc16-dnp", {CheckKind::kCrc16, Complement::kNone, {0x3D65, 0x0000, 0xFFFF, true}, false}},
+};
+
+// Valid keys per kind, in addition to name, is, constant and the widths.
+struct Meaning {
+  std::string_view key;
+  std::initializer_list<FieldKind> kinds;
+};
+const Meaning kMeanings[] = {
+    {"plus",
+     {FieldKind::kAddress, FieldKind::kCommand, FieldKind::kFirst, FieldKind::kCount,
+      FieldKind::kLength}},
+    {"times", {FieldKind::kFirst, FieldKind::kCount}},
+    {"of", {FieldKind::kLength, FieldKind::kChecksum}},
+    {"kind", {FieldKind::kChecksum}},
+    {"complement", {FieldKind::kChecksum}},
+    {"over", {FieldKind::kChecksum}},
+    {"on", {FieldKind::kItems}},
+    {"off", {FieldKind::kItems}},
+    {"ok", {FieldKind::kError}},
+    {"text", {FieldKind::kValue}},
+    {"variable", {FieldKind::kValue}},
+    {"signed", {FieldKind::kValue}},
+    {"fill", {FieldKind::kUnused}},
+    {"counts", {FieldKind::kLength}},
+};
+
+std::string_view word_of(FieldKind kind) {
+  for (const auto& [word, each] : kKinds) {
+    if (each == kind) return word;
+  }
+  return "constant";
+}
+
+class FieldReader {
+ public:
+  FieldReader(const Node& node, const FieldDefaults& defaults, unsigned item_bits,
+              FaultList& faults)
+      : map_(node, kFieldKeys, faults),
+        faults_(faults),
+        defaults_(defaults),
+        item_bits_(item_bits),
+        before_(faults.size()) {
+    draft_.position = node.position;
+  }
+
+  DraftField run() {
+    Field& field = draft_.field;
+    read_kind();
+    field.name = word_of(field.kind);
+    map_.read("name", field.name, NameRule{});
+    field.word.notation = defaults_.notation;
+    map_.read("as", field.word.notation, ChoiceRule<Notation>{kNotations});
+    field.word.little_endian = defaults_.little_endian;
+    map_.read("order", field.word.little_endian, ChoiceRule<bool>{kOrders});
+    read_width();
+    read_numbers();
+    read_checksum();
+    refuse_meaningless();
+    draft_.fits = faults_.size() == before_;
+    return std::move(draft_);
+  }
+
+ private:
+  void read_kind() {
+    Field& field = draft_.field;
+    const Node* constant = map_.find("constant");
+    const bool is = map_.read("is", field.kind, ChoiceRule<FieldKind>{kKinds});
+    if (constant == nullptr) {
+      if (!is && map_.is_map() && !map_.has_or_means("is") && !map_.has_or_means("constant"))
+        faults_.add(map_.position(), "a field is neither constant nor anything else",
+                    "constant: 0x55, or is: address, is: value, ...");
+      return;
+    }
+    if (map_.has("is"))
+      faults_.add(map_.position_of("is"), "a field is a constant and something else",
+                  "one of constant, is");
+    if (constant->kind == Kind::kScalar && constant->quoted) {
+      if (constant->text.empty() || constant->text.size() > 64)
+        faults_.add(constant->position,
+                    fmt::format("constant is {}", constant->text.empty() ? "empty" : "too long"),
+                    "1 to 64 characters");
+      field.text = constant->text;
+    } else if (const auto number = WholeRule{0, INT64_MAX}(*constant, "constant", faults_)) {
+      field.number = static_cast<std::uint64_t>(*number);
+    }
+  }
+
+  void read_width() {
+    Field& field = draft_.field;
+    unsigned bytes = 0, bits = 0, digits = 0;
+    const bool in_bytes = map_.read("bytes", bytes, WholeRule{1, 8});
+    const bool in_bits = map_.read("bits", bits, WholeRule{1, 64});
+    const bool in_digits = map_.read(
+        "digits", digits, WholeRule{1, field.word.notation == Notation::kDecimal ? 18 : 16});
+    read_text();
+    map_.read("variable", field.variable, FlagRule{});
+    draft_.width_position = map_.has("bytes")  ? map_.position_of("bytes")
+                            : map_.has("bits") ? map_.position_of("bits")
+                                               : map_.position_of("digits");
+    check_width(in_digits);
+    const bool bit_items = field.kind == FieldKind::kItems && item_bits_ == 1;
+    read_items_width(bit_items, in_bytes || in_bits);
+    if (field.kind == FieldKind::kItems && !bit_items) bytes = std::max(1u, item_bits_ / 8);
+    if (!in_bits) bits = bytes != 0 ? 8 * bytes : 8;
+    draft_.in_bits = in_bits;
+    draft_.shares = in_bits && bits % 8 != 0;
+    field.bits = static_cast<std::uint8_t>(bits);
+    field.word.characters =
+        static_cast<std::uint8_t>(field.word.notation == Notation::kHex ? bits / 4 : bits / 8);
+    if (in_digits) set_digits(digits);
+  }
+
+  void check_width(bool in_digits) {
+    const Field& field = draft_.field;
+    const int widths = map_.has("bytes") + map_.has("bits") + map_.has("digits") +
+                       map_.has("text") + !field.text.empty();
+    if (widths > 1)
+      faults_.add(draft_.position, "the width of a field is given twice",
+                  "one of bytes, bits, digits, text");
+    if (field.variable && field.text_size == 0 && !map_.has_or_means("text"))
+      faults_.add(map_.position_of("variable"), "only a text can be variable",
+                  "text: the most characters that it has");
+    if (in_digits && field.word.notation == Notation::kBinary)
+      faults_.add(map_.position_of("digits"), "a binary field has no digits",
+                  "as: hex or as: decimal", "bytes");
+    if (!in_digits && field.word.notation == Notation::kDecimal && field.text.empty() &&
+        field.text_size == 0)
+      faults_.add(draft_.position, "a decimal field does not say how many digits it has",
+                  "digits: 1 to 18");
+  }
+
+  void read_items_width(bool bit_items, bool has_width) {
+    Field& field = draft_.field;
+    if (field.kind == FieldKind::kItems && !bit_items && has_width)
+      faults_.add(draft_.width_position, "the width of items is that of their area",
+                  "no bytes, no bits");
+    if (bit_items) field.packed = !map_.has("on") && !map_.has("off");
+    if (field.packed && has_width)
+      faults_.add(draft_.width_position, "bits stand eight in a byte",
+                  "no width, or on and off for one that has a word of its own");
+  }
+
+  void set_digits(unsigned digits) {
+    Field& field = draft_.field;
+    field.word.characters = static_cast<std::uint8_t>(digits);
+    field.bits = static_cast<std::uint8_t>(field.word.notation == Notation::kHex ? 4 * digits : 64);
+    if (field.word.notation == Notation::kHex && field.word.little_endian && digits % 2 != 0)
+      faults_.add(map_.position_of("digits"), "pairs of digits cannot be turned in an odd number",
+                  "an even number of digits");
+  }
+
+  // text: 7, or a number written as text: decimal(7), "+000.00".
+  void read_text() {
+    const Node* node = map_.find("text");
+    if (node == nullptr) return;
+    const bool plain = node->kind != Kind::kScalar || node->text.starts_with('-') ||
+                       (whole_from(node->text) && !node->text.starts_with("00"));
+    if (plain) {
+      if (const auto size = WholeRule{1, kMaxTextCharacters}(*node, "text", faults_))
+        draft_.field.text_size = static_cast<std::uint16_t>(*size);
+      return;
+    }
+    const auto form = TextFormRule{}(*node, "text", faults_);
+    if (!form) return;
+    if (form->characters == 0) {
+      faults_.add(node->position,
+                  fmt::format("text '{}' does not say how many characters it has", node->text),
+                  std::string(kTextNumberForms), node->text + "(7)");
+      return;
+    }
+    draft_.field.text_size = form->characters;
+    draft_.field.text_number = form->number;
+  }
+
+  std::uint64_t most() const {
+    const auto& field = draft_.field;
+    return draft_.shares ? (std::uint64_t{1} << field.bits) - 1 : declared::largest(field.word);
+  }
+  void read_number(std::string_view key, std::uint64_t& target) {
+    const Node* node = map_.find(key);
+    if (node == nullptr) return;
+    if (const auto number = WholeRule{0, INT64_MAX}(*node, key, faults_)) {
+      target = static_cast<std::uint64_t>(*number);
+      too_wide(target, node->position, key);
+    }
+  }
+  void too_wide(std::uint64_t number, const Position& position, std::string_view key) {
+    if (number > most())
+      faults_.add(position, fmt::format("{} {} does not fit its field", key, number),
+                  fmt::format("0 to {}, or a wider field", most()));
+  }
+
+  void read_numbers() {
+    Field& field = draft_.field;
+    if (map_.has("constant") && field.text.empty())
+      too_wide(field.number, map_.position_of("constant"), "constant");
+    map_.read("plus", field.plus, WholeRule{-65535, 65535});
+    map_.read("times", field.times, WholeRule{1, 65535});
+    read_number("on", field.on);
+    read_number("off", field.off);
+    if (map_.has("on") && field.on == field.off)
+      faults_.add(map_.position_of("on"), "on and off are the same", "two numbers");
+    read_number("ok", field.number);
+    read_number("fill", field.number);
+    map_.read("signed", field.is_signed, FlagRule{});
+    map_.read("counts", field.in_characters, ChoiceRule<bool>{kCounts});
+    const bool measures = field.kind == FieldKind::kLength || field.kind == FieldKind::kChecksum;
+    const Node* of = measures ? map_.require("of", "a field, or FIRST..LAST") : map_.find("of");
+    if (of == nullptr) return;
+    draft_.of_position = of->position;
+    if (const auto* text = scalar_of(*of, "of", "a field, or FIRST..LAST", faults_))
+      draft_.of = *text;
+  }
+
+  void read_checksum() {
+    Field& field = draft_.field;
+    static const std::string kWords = [] {
+      std::vector<std::string_view> words;
+      for (const auto& [word, check] : kChecks) words.push_back(word);
+      return joined(words);
+    }();
+    const bool checks = field.kind == FieldKind::kChecksum;
+    const Node* kind = checks ? map_.require("kind", kWords) : map_.find("kind");
+    if (kind != nullptr) {
+      if (const auto check = ChoiceRule<Check>{kChecks}(*kind, "kind", faults_))
+        field.check = *check;
+    }
+    map_.read("complement", field.check.complement, ChoiceRule<Complement>{kComplements});
+    map_.read("over", field.check.over_bytes, ChoiceRule<bool>{kOver});
+    if (!checks || kind == nullptr) return;
+    const unsigned needed = field.check.kind == CheckKind::kCrc16 ? 16 : 8;
+    if (draft_.shares || field.word.notation == Notation::kDecimal || field.bits % 8 != 0 ||
+        field.bits < needed || field.bits > 32)
+      faults_.add(map_.has("bytes") || map_.has("bits") || map_.has("digits")
+                      ? draft_.width_position
+                      : kind->position,
+                  fmt::format("a checksum {} does not fit its field", kind->text),
+                  fmt::format("bytes: {}", needed == 16 ? "2" : "1 to 4"));
+  }
+
+  void refuse_meaningless() {
+    for (const auto& [key, kinds] : kMeanings) {
+      if (!map_.has(key) || std::ranges::find(kinds, draft_.field.kind) != kinds.end()) continue;
+      std::vector<std::string_view> words;
+      for (const auto kind : kinds) words.push_back(word_of(kind));
+      faults_.add(map_.position_of(key),
+                  fmt::format("'{}' has no meaning for a field that is {}", key,
+                              word_of(draft_.field.kind)),
+                  "it belongs to " + joined(words));
+    }
+  }
+
+  MapReader map_;
+  FaultList& faults_;
+  const FieldDefaults& defaults_;
+  const unsigned item_bits_;
+  const std::size_t before_;
+  DraftField draft_;
+};
+
+}  // namespace
+
+DraftField read_field(const Node& node, const FieldDefaults& defaults, unsigned item_bits,
+                      FaultList& faults) {
+  return FieldReader(node, defaults, item_bits, faults).run();
+}
+
+}  // namespace fieldcast::config

@@ -1,0 +1,172 @@
+#include "config/declaration/declared_frame.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "config/document/scalars.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+using declared::Field;
+using declared::FieldKind;
+using declared::Notation;
+
+// Combines fields narrower than a byte into words of whole bytes.
+class Sharing {
+ public:
+  Sharing(DraftFrame& frame, bool high_first, FaultList& faults)
+      : frame_(frame), high_first_(high_first), faults_(faults) {}
+
+  void run() {
+    for (std::size_t i = 0; i < frame_.fields.size(); ++i) {
+      DraftField& draft = frame_.fields[i];
+      const bool joins = draft.shares || (bits_ > 0 && draft.in_bits);
+      if (!joins) {
+        close();
+        continue;
+      }
+      if (bits_ == 0) first_ = i;
+      draft.field.opens = bits_ == 0;
+      bits_ += draft.field.bits;
+      if (bits_ % 8 == 0) share(i + 1);
+    }
+    close();
+  }
+
+ private:
+  void close() {
+    if (bits_ == 0) return;
+    faults_.add(frame_.fields[first_].position,
+                fmt::format("the bits from '{}' on fill no whole byte: they are {}",
+                            frame_.fields[first_].field.name, bits_),
+                "fields of 8, 16, ... bits together", "");
+    frame_.good = false;
+    bits_ = 0;
+  }
+
+  void share(std::size_t end) {
+    const Field& opener = frame_.fields[first_].field;
+    if (bits_ > 64) {
+      faults_.add(frame_.fields[first_].position, "more than 64 bits stand together",
+                  "at most 64 bits before they fill whole bytes");
+      frame_.good = false;
+    } else {
+      unsigned below = 0;
+      for (std::size_t i = first_; i < end; ++i) {
+        Field& field = frame_.fields[i].field;
+        if (field.word.notation != opener.word.notation ||
+            field.word.little_endian != opener.word.little_endian) {
+          faults_.add(frame_.fields[i].position,
+                      fmt::format("'{}' shares a byte with '{}', which is written otherwise",
+                                  field.name, opener.name),
+                      "the same 'as' and 'order'");
+          frame_.good = false;
+        }
+        field.shift = static_cast<std::uint8_t>(high_first_ ? bits_ - below - field.bits : below);
+        below += field.bits;
+      }
+      const auto characters =
+          static_cast<std::uint8_t>(opener.word.notation == Notation::kHex ? bits_ / 4 : bits_ / 8);
+      for (std::size_t i = first_; i < end; ++i)
+        frame_.fields[i].field.word.characters = characters;
+    }
+    bits_ = 0;
+  }
+
+  DraftFrame& frame_;
+  const bool high_first_;
+  FaultList& faults_;
+  std::size_t first_ = 0;
+  unsigned bits_ = 0;  // of the current word
+};
+
+// Adds a fault if there is none, or several.
+std::optional<std::uint8_t> field_named(const DraftFrame& frame, std::string_view name,
+                                        const Position& position, FaultList& faults) {
+  std::vector<std::string_view> names;
+  std::optional<std::uint8_t> found;
+  unsigned times = 0;
+  for (std::size_t i = 0; i < frame.fields.size(); ++i) {
+    names.push_back(frame.fields[i].field.name);
+    if (names.back() == name) found = static_cast<std::uint8_t>(i), ++times;
+  }
+  if (times == 1) return found;
+  if (times == 0)
+    faults.add(position, fmt::format("no field is named '{}'", name), joined(names),
+               closest(name, names));
+  else
+    faults.add(position, fmt::format("{} fields are named '{}'", times, name),
+               "names that occur once");
+  return std::nullopt;
+}
+
+void resolve_span(DraftFrame& frame, std::size_t at, FaultList& faults) {
+  DraftField& draft = frame.fields[at];
+  if (draft.of.empty()) return;
+  const std::string_view text = draft.of;
+  const auto dots = text.find("..");
+  const auto from = field_named(frame, text.substr(0, dots), draft.of_position, faults);
+  const auto to = dots == text.npos
+                      ? from
+                      : field_named(frame, text.substr(dots + 2), draft.of_position, faults);
+  frame.good = frame.good && from && to;
+  if (!from || !to) return;
+  draft.field.of = {*from, *to};
+  if (*from > *to) {
+    faults.add(draft.of_position, fmt::format("'{}' runs backwards", text), {},
+               fmt::format("{}..{}", text.substr(dots + 2), text.substr(0, dots)));
+  } else if (draft.field.kind == FieldKind::kChecksum && draft.field.of.holds(at)) {
+    faults.add(draft.of_position, "a checksum over itself", "fields before or behind it");
+  } else if (!frame.fields[*from].field.opens ||
+             (*to + 1u < frame.fields.size() && !frame.fields[*to + 1u].field.opens)) {
+    faults.add(draft.of_position, fmt::format("'{}' begins or ends within a byte", text),
+               "whole bytes");
+  } else {
+    return;
+  }
+  frame.good = false;
+}
+
+}  // namespace
+
+declared::Frame DraftFrame::frame() const {
+  declared::Frame frame;
+  for (const auto& draft : fields) frame.fields.push_back(draft.field);
+  return frame;
+}
+
+const DraftField* DraftFrame::find(FieldKind kind) const {
+  for (const auto& draft : fields) {
+    if (draft.field.kind == kind) return &draft;
+  }
+  return nullptr;
+}
+
+DraftFrame read_frame(const Node& node, std::string_view what, const FieldDefaults& defaults,
+                      unsigned item_bits, FaultList& faults) {
+  DraftFrame frame;
+  frame.position = node.position;
+  if (node.kind != Kind::kList || node.items.empty() || node.items.size() > declared::kMaxFields) {
+    const bool list = node.kind == Kind::kList;
+    faults.add(node.position,
+               fmt::format("{} is {}", what,
+                           list ? (node.items.empty() ? "empty" : "too long")
+                                : std::string(to_text(node.kind))),
+               fmt::format("a list of 1 to {} fields", declared::kMaxFields));
+    frame.good = false;
+    return frame;
+  }
+  for (const Node* item : node.items) {
+    frame.fields.push_back(read_field(*item, defaults, item_bits, faults));
+    frame.good = frame.good && frame.fields.back().fits;
+  }
+  const bool readable = frame.good;
+  if (readable) Sharing(frame, defaults.high_first, faults).run();
+  // Names in fields with faults may be incomplete.
+  for (std::size_t i = 0; i < frame.fields.size() && readable; ++i) resolve_span(frame, i, faults);
+  return frame;
+}
+
+}  // namespace fieldcast::config

@@ -1,0 +1,64 @@
+// A frame of a declared protocol during parsing. Only used in config/.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "config/document/map_reader.hpp"
+#include "core/protocol/declared/declaration.hpp"
+
+namespace fieldcast::config {
+
+struct FieldDefaults {
+  declared::Notation notation = declared::Notation::kBinary;
+  bool little_endian = false;
+  // The first field of a shared byte uses the highest bits instead of the lowest.
+  bool high_first = false;
+};
+
+struct DraftField {
+  declared::Field field;
+  Position position;
+  Position width_position, of_position;
+  std::string of;
+  bool in_bits = false;  // its width is given in bits
+  bool shares = false;   // its bits are not whole bytes: it shares one with other fields
+  bool fits = true;      // read without a fault
+};
+
+struct DraftFrame {
+  std::vector<DraftField> fields;
+  Position position;
+  bool good = true;
+  [[nodiscard]] declared::Frame frame() const;
+  [[nodiscard]] const DraftField* find(declared::FieldKind kind) const;
+};
+
+struct DraftOperation {
+  declared::Operation operation;
+  Position position, count_position;
+  DraftFrame request, answer;
+  bool has_command = false;
+  bool good = true;  // its area is known
+};
+
+// `item_bits`: of the area of the frame's items.
+[[nodiscard]] DraftField read_field(const Node& node, const FieldDefaults& defaults,
+                                    unsigned item_bits, FaultList& faults);
+
+// Resolves spans and combines shared bytes.
+[[nodiscard]] DraftFrame read_frame(const Node& node, std::string_view what,
+                                    const FieldDefaults& defaults, unsigned item_bits,
+                                    FaultList& faults);
+
+// Sets the offset of every value in its record, from the responses of the reads.
+void place_values(declared::Declaration& declaration, std::vector<DraftOperation>& operations,
+                  FaultList& faults);
+
+void check_operation(const declared::Declaration& declaration, const DraftOperation& operation,
+                     FaultList& faults);
+void check_refusal(const declared::Declaration& declaration,
+                   const std::vector<DraftOperation>& operations, const DraftFrame& refusal,
+                   FaultList& faults);
+
+}  // namespace fieldcast::config

@@ -1,0 +1,99 @@
+#include "config/document/document.hpp"
+
+#include <fmt/format.h>
+
+#include "config/document/fault_list.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+// 0 if invalid (RFC 3629, 4: no overlong forms, no surrogates).
+std::size_t sequence_length(std::string_view text) {
+  const auto at = [&](std::size_t i) {
+    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u;
+  };
+  const auto tail = [&](std::size_t i) { return at(i) >= 0x80 && at(i) <= 0xBF; };
+  const unsigned first = at(0);
+  if (first < 0x80) return 1;
+  if (first >= 0xC2 && first <= 0xDF) return tail(1) ? 2 : 0;
+  if (first >= 0xE0 && first <= 0xEF) {
+    const bool second =
+        tail(1) && (first != 0xE0 || at(1) >= 0xA0) && (first != 0xED || at(1) <= 0x9F);
+    return second && tail(2) ? 3 : 0;
+  }
+  if (first >= 0xF0 && first <= 0xF4) {
+    const bool second =
+        tail(1) && (first != 0xF0 || at(1) >= 0x90) && (first != 0xF4 || at(1) <= 0x8F);
+    return second && tail(2) && tail(3) ? 4 : 0;
+  }
+  return 0;
+}
+
+std::string hex_byte(unsigned char byte) {
+  static constexpr std::string_view kDigits = "0123456789ABCDEF";
+  return {'0', 'x', kDigits[byte >> 4], kDigits[byte & 15]};
+}
+
+}  // namespace
+
+unsigned column_of(const Position& position) {
+  unsigned column = 1;
+  for (const char c : position.source->line(position.line).substr(0, position.column))
+    column += (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+  return column;
+}
+
+bool check_text(Source& source, FaultList& faults) {
+  if (source.text.starts_with("\xEF\xBB\xBF")) source.text.erase(0, 3);
+  Position position{&source, 0, 0};
+  const std::string_view text = source.text;
+  for (std::size_t i = 0; i < text.size();) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    if ((byte < 0x20 && byte != '\n' && byte != '\r' && byte != '\t') || byte == 0x7F) {
+      faults.add(position, "control character " + hex_byte(byte), "text in UTF-8");
+      return false;
+    }
+    const auto length = sequence_length(text.substr(i));
+    if (length == 0) {
+      faults.add(position, fmt::format("byte {} is not UTF-8", hex_byte(byte)),
+                 "text in UTF-8; an editor can save the file so");
+      return false;
+    }
+    position.column += static_cast<std::uint32_t>(length);
+    if (byte == '\n') ++position.line, position.column = 0;
+    i += length;
+  }
+  return true;
+}
+
+std::string_view Source::line(std::uint32_t number) const {
+  if (line_starts.empty()) {
+    line_starts.push_back(0);
+    for (auto end = text.find('\n'); end != std::string::npos; end = text.find('\n', end + 1))
+      line_starts.push_back(end + 1);
+  }
+  if (number >= line_starts.size()) return {};
+  const auto rest = std::string_view(text).substr(line_starts[number]);
+  return number + 1 < line_starts.size()
+             ? rest.substr(0, line_starts[number + 1] - 1 - line_starts[number])
+             : rest;
+}
+
+std::string_view to_text(Kind kind) {
+  switch (kind) {
+    case Kind::kNull: return "nothing";
+    case Kind::kScalar: return "a single value";
+    case Kind::kList: return "a list";
+    case Kind::kMap: return "a map";
+  }
+  return "?";
+}
+
+std::string_view directory_of(std::string_view path) { return path.substr(0, path.rfind('/') + 1); }
+
+std::string resolve(const Source& from, std::string_view path) {
+  if (path.starts_with('/')) return std::string(path);
+  return std::string(directory_of(from.file)).append(path);
+}
+
+}  // namespace fieldcast::config

@@ -1,0 +1,98 @@
+#include "config/sections/bus.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+
+#include "config/document/limits.hpp"
+#include "config/document/scalars.hpp"
+#include "config/document/unique_names.hpp"
+#include "config/sections/bus_keys.hpp"
+#include "config/sections/capture.hpp"
+#include "config/sections/port.hpp"
+#include "core/base/duration_text.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+void read_defaults(MapReader& bus, BusSpec& spec, DeviceDefaults& defaults) {
+  const Node* node = bus.find("defaults");
+  if (node == nullptr) return;
+  MapReader map(*node, bus_default_rows(), bus.faults());
+  BusDefaults both{spec, defaults};
+  bus_default_rows().read(map, both);
+}
+
+void read_devices(MapReader& bus, const DeviceContext& context, BusSpec& spec, LoadState& state) {
+  const Node* list = bus.require("devices", "a list of devices");
+  if (list == nullptr) return;
+  auto& faults = state.faults;
+  if (list->kind != Kind::kList || list->items.empty()) {
+    faults.add(
+        list->position,
+        "devices is " + (list->kind == Kind::kList ? "empty" : std::string(to_text(list->kind))),
+        "a list of devices");
+    return;
+  }
+  UniqueNames names;
+  for (const Node* node : list->items) {
+    if (spec.devices.size() == kMaxDevices) {
+      faults.add(node->position, "too many devices", fmt::format("{} of a bus", kMaxDevices));
+      return;
+    }
+    spec.devices.push_back(read_device(*node, context, state));
+    names.add("device", spec.devices.back().name, node->position, faults);
+  }
+}
+
+}  // namespace
+
+std::optional<SilenceRule> SilenceReader::operator()(const Node& node, std::string_view key,
+                                                     FaultList& faults) const {
+  static constexpr std::string_view kForms =
+      "standard, characters such as 3.5c, a duration such as 500us";
+  const std::string* text = scalar_of(node, key, kForms, faults);
+  if (text == nullptr) return std::nullopt;
+  if (*text == "standard") return StandardSilence{};
+  if (text->ends_with('c')) {
+    const auto characters = number_from(std::string_view(*text).substr(0, text->size() - 1));
+    if (characters && *characters >= 0 && *characters <= kMaxSilenceCharacters)
+      return CharacterSilence{*characters};
+  }
+  if (duration_from(*text)) {
+    if (const auto duration = DurationRule{Duration{}, kMaxSilence}(node, key, faults))
+      return *duration;
+    return std::nullopt;
+  }
+  const std::string meant = number_from(*text)
+                                ? *text + 'c'
+                                : closest(*text, std::array<std::string_view, 1>{"standard"});
+  faults.add(node.position, fmt::format("{} '{}' is unknown", key, *text), std::string(kForms),
+             meant);
+  return std::nullopt;
+}
+
+std::string SilenceReader::schema() const {
+  return R"({ "type": "string", )"
+         R"("pattern": "^(standard|[0-9]+(\\.[0-9]+)?(c|us|ms|s|m|min|h|d))$" })";
+}
+std::string SilenceReader::form() const { return {}; }
+
+BusSpec read_bus(const Node& node, LoadState& state) {
+  MapReader map(node, bus_rows(), state.faults);
+  BusSpec spec;
+  UniqueNames addresses;
+  DeviceContext context{{}, map.has("protocol"), map.position_of("protocol"),
+                        {}, spec.port,           addresses};
+  bus_rows().read(map, spec);
+  if (const Node* protocol = map.find("protocol"))
+    context.protocol = read_protocol(*protocol, "protocol", state);
+  if (const Node* port = map.require("port", port_forms()))
+    spec.port = read_port(*port, context.protocol.name, state.faults);
+  read_capture(map, spec.capture);
+  read_defaults(map, spec, context.defaults);
+  read_devices(map, context, spec, state);
+  return spec;
+}
+
+}  // namespace fieldcast::config

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "config/document/document.hpp"
+#include "config/sections/device.hpp"
+#include "core/model/spec.hpp"
+
+namespace fieldcast::config {
+
+// Adds faults; with faults the result is incomplete.
+[[nodiscard]] BusSpec read_bus(const Node& node, LoadState& state);
+
+// The silence between a response and the next request: "standard", "3.5c" or a duration.
+struct SilenceReader {
+  std::optional<SilenceRule> operator()(const Node& node, std::string_view key,
+                                        FaultList& faults) const;
+  [[nodiscard]] std::string schema() const;
+  [[nodiscard]] std::string form() const;
+};
+
+}  // namespace fieldcast::config

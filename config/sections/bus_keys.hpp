@@ -1,0 +1,18 @@
+#pragma once
+
+#include "config/channel/cascade.hpp"
+#include "config/document/key.hpp"
+
+namespace fieldcast::config {
+
+// `defaults` of a bus, for the bus itself and for its devices.
+struct BusDefaults {
+  BusSpec& bus;
+  DeviceDefaults& devices;
+};
+
+[[nodiscard]] const Rows<BusSpec>& bus_rows();
+[[nodiscard]] const Rows<CaptureSpec>& capture_rows();
+[[nodiscard]] const Rows<BusDefaults>& bus_default_rows();
+
+}  // namespace fieldcast::config

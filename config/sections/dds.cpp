@@ -1,0 +1,216 @@
+#include "config/sections/dds.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "config/document/limits.hpp"
+#include "config/document/scalars.hpp"
+#include "config/document/unique_names.hpp"
+#include "config/sections/bridge_keys.hpp"
+#include "config/sections/port.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+void read_interfaces(MapReader& map, DdsSpec& spec) {
+  const Node* node = map.find("interfaces");
+  if (node == nullptr) return;
+  if (node->kind != Kind::kList || node->items.empty() || node->items.size() > kMaxInterfaces) {
+    const bool count = node->kind == Kind::kList;
+    map.faults().add(
+        node->position,
+        "interfaces is " + (count ? (node->items.empty() ? "empty" : "too long")
+                                  : std::string(to_text(node->kind))),
+        fmt::format("a list of 1 to {} IPv4 addresses", kMaxInterfaces),
+        node->kind == Kind::kScalar && is_ipv4(node->text) ? '[' + node->text + ']' : "");
+    return;
+  }
+  spec.interfaces.clear();
+  for (const Node* item : node->items) {
+    const std::string* text = scalar_of(*item, "interface", "an IPv4 address", map.faults());
+    if (text == nullptr) continue;
+    if (!is_ipv4(*text)) {
+      const bool loopback = *text == "lo" || *text == "localhost";
+      map.faults().add(item->position, fmt::format("interface '{}' is no IPv4 address", *text),
+                       "the address of a network interface of this machine",
+                       loopback ? "127.0.0.1" : "");
+    }
+    spec.interfaces.push_back(*text);
+  }
+}
+
+constexpr int kServerPort = 11811;  // default of a discovery server
+
+void check_host_port(MapReader& map, const Position& position, std::string_view key,
+                     const std::string& text, int usual_port) {
+  if (host_port_from(text)) return;
+  map.faults().add(position, fmt::format("{} '{}' names no host and port", key, text),
+                   "HOST:PORT with a port 1 to 65535",
+                   text.find(':') == text.npos ? fmt::format("{}:{}", text, usual_port) : "");
+}
+
+void read_hosts(MapReader& map, std::string_view key, std::size_t most, int usual_port,
+                std::vector<std::string>& target) {
+  const Node* node = map.find(key);
+  if (node == nullptr) return;
+  if (node->kind != Kind::kList || node->items.empty() || node->items.size() > most) {
+    const bool list = node->kind == Kind::kList;
+    map.faults().add(node->position,
+                     fmt::format("{} is {}", key,
+                                 list ? (node->items.empty() ? "empty" : "too long")
+                                      : std::string(to_text(node->kind))),
+                     fmt::format("a list of 1 to {} HOST:PORT", most),
+                     node->kind == Kind::kScalar ? '[' + node->text + ']' : "");
+    return;
+  }
+  for (const Node* item : node->items) {
+    const std::string* text = scalar_of(*item, key, "HOST:PORT", map.faults());
+    if (text == nullptr) continue;
+    check_host_port(map, item->position, key, *text, usual_port);
+    if (std::find(target.begin(), target.end(), *text) != target.end())
+      map.faults().add(item->position, fmt::format("{} names '{}' twice", key, *text), "each once");
+    target.push_back(*text);
+  }
+}
+
+void read_servers(MapReader& map, DdsSpec& spec) {
+  std::string one;
+  if (map.read("discovery-server", one, TextRule{kMaxPath})) {
+    check_host_port(map, map.position_of("discovery-server"), "discovery-server", one, kServerPort);
+    spec.discovery_servers = {one};
+  }
+  std::vector<std::string> several;
+  read_hosts(map, "discovery-servers", kMaxServers, kServerPort, several);
+  if (several.empty()) return;
+  if (!one.empty()) {
+    map.faults().add(map.position_of("discovery-server"),
+                     "'discovery-server' and 'discovery-servers' in one map", "one of them");
+  }
+  spec.discovery_servers = std::move(several);
+}
+
+constexpr std::string_view kSecurityForm =
+    "the folder of a member, as `fieldcast secure add` makes it, or none";
+
+// Must be explicit: without security, every host in the network can read and command.
+void read_security(MapReader& map, DdsSpec& spec) {
+  std::string given;
+  if (map.read("security", given, TextRule{kMaxPath})) {
+    if (given == "none") {
+      spec.without_security = true;
+    } else {
+      spec.security = resolve(*map.find("security")->position.source, given);
+    }
+    if (spec.security && !spec.discovery_servers.empty()) {
+      map.faults().add(map.position_of("security"),
+                       "security with a discovery server: Fast DDS 2.9 ends the program with it",
+                       "one of them; without a discovery server members find each other by "
+                       "multicast");
+    }
+    if (spec.security && spec.domain > kMaxSecureDomain) {
+      map.faults().add(map.position_of("domain"),
+                       fmt::format("security in domain {}: Cyclone DDS reads no document that "
+                                   "names it",
+                                   spec.domain),
+                       fmt::format("a domain 0 to {} with security", kMaxSecureDomain));
+    }
+    return;
+  }
+  if (map.find("security") != nullptr) return;
+  for (const std::string& address : spec.interfaces) {
+    if (address.starts_with("127.") || !is_ipv4(address)) continue;
+    return map.faults().add(
+        map.position_of("interfaces"),
+        fmt::format("DDS is open to the network at {}, and nothing is said about security",
+                    address),
+        fmt::format("security: {}", kSecurityForm));
+  }
+}
+
+}  // namespace
+
+std::optional<std::uint64_t> RateRule::operator()(const Node& node, std::string_view key,
+                                                  FaultList& faults) const {
+  static constexpr std::string_view kAllowed = "50kB/s to 1000MB/s, with kB/s or MB/s";
+  static constexpr std::pair<std::string_view, std::uint64_t> kUnits[] = {{"kB/s", 1'000},
+                                                                          {"MB/s", 1'000'000}};
+  const std::string* text = scalar_of(node, key, kAllowed, faults);
+  if (text == nullptr) return std::nullopt;
+  for (const auto& [unit, worth] : kUnits) {
+    if (!text->ends_with(unit)) continue;
+    const auto number = number_from(std::string_view(*text).substr(0, text->size() - unit.size()));
+    if (!number) continue;
+    const double rate = *number * static_cast<double>(worth);
+    if (rate >= static_cast<double>(kMinRate) && rate <= static_cast<double>(kMaxRate))
+      return static_cast<std::uint64_t>(rate);
+    faults.add(node.position, fmt::format("{} '{}' is too small or too large", key, *text),
+               std::string(kAllowed));
+    return std::nullopt;
+  }
+  faults.add(node.position, fmt::format("{} '{}' cannot be understood", key, *text),
+             std::string(kAllowed));
+  return std::nullopt;
+}
+std::string RateRule::schema() const {
+  return R"({ "type": "string", "pattern": "^[0-9]+(\\.[0-9]+)?(kB|MB)/s$" })";
+}
+std::string RateRule::form() const { return "50kB/s to 1000MB/s"; }
+
+void read_dds(MapReader& file, DdsSpec& spec, Library& library) {
+  const Node* node = file.find("dds");
+  if (node == nullptr) return;
+  MapReader map(*node, dds_rows(), file.faults());
+  dds_rows().read(map, spec);
+  read_interfaces(map, spec);
+  read_servers(map, spec);
+  std::string profile;
+  if (map.read("profile", profile, TextRule{kMaxPath}))
+    spec.profile = library.check_file(*map.find("profile"));
+  read_security(map, spec);
+}
+
+std::vector<DdsSite> read_sites(MapReader& file, Library& library) {
+  std::vector<DdsSite> sites;
+  const Node* node = file.find("sites");
+  if (node == nullptr) {
+    read_dds(file, sites.emplace_back().dds, library);
+    return sites;
+  }
+  if (file.find("dds") != nullptr) {
+    file.faults().add(file.position_of("dds"), "'dds' and 'sites' in one map",
+                      "one of them: each site has a 'dds' of its own");
+  }
+  if (node->kind != Kind::kList || node->items.empty() || node->items.size() > kMaxSites) {
+    const bool list = node->kind == Kind::kList;
+    file.faults().add(
+        node->position,
+        fmt::format("sites is {}", list ? (node->items.empty() ? "empty" : "too long")
+                                        : std::string(to_text(node->kind))),
+        fmt::format("a list of 1 to {} sites, each {{ name: N, dds: {{ .. }} }}", kMaxSites));
+    return sites;
+  }
+  UniqueNames names;
+  for (const Node* item : node->items) {
+    MapReader map(*item, site_rows(), file.faults());
+    DdsSite& site = sites.emplace_back();
+    site_rows().read(map, site);
+    if (!site.name.empty()) names.add("site", site.name, map.position_of("name"), file.faults());
+    read_dds(map, site.dds, library);
+    // The library keeps one participant profile per name until the process ends.
+    if (site.dds.profile && sites.size() > 1 && sites.front().dds.profile != site.dds.profile) {
+      file.faults().add(item->position, "sites with different profiles",
+                        "the same profile for all sites, or a program for each");
+    }
+  }
+  return sites;
+}
+
+void read_log(MapReader& file, LogSpec& spec) {
+  const Node* node = file.find("log");
+  if (node == nullptr) return;
+  MapReader map(*node, log_rows(), file.faults());
+  log_rows().read(map, spec);
+}
+
+}  // namespace fieldcast::config

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+
+#include "config/channel/cascade.hpp"
+#include "config/declaration/protocol_choice.hpp"
+#include "config/document/unique_names.hpp"
+#include "core/model/spec.hpp"
+
+namespace fieldcast::config {
+
+struct DeviceContext {
+  ProtocolChoice protocol;      // of the bus; unknown if it has none, or an invalid one
+  bool protocol_named = false;  // the bus has the key, valid or not
+  Position protocol_position;
+  DeviceDefaults defaults;
+  const PortSpec& port;
+  UniqueNames& addresses;  // of the bus, each with its protocol
+};
+
+// Adds faults; with faults the result is incomplete.
+[[nodiscard]] DeviceSpec read_device(const Node& node, const DeviceContext& context,
+                                     LoadState& state);
+
+}  // namespace fieldcast::config

@@ -1,0 +1,390 @@
+#include "config/sections/port.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "config/document/common_forms.hpp"
+#include "config/document/key.hpp"
+#include "config/document/limits.hpp"
+#include "config/document/map_reader.hpp"
+#include "config/document/scalars.hpp"
+#include "config/sections/program.hpp"
+#include "core/base/near_miss.hpp"
+#include "core/protocol/families/registry.hpp"
+
+namespace fieldcast::config {
+namespace {
+
+// Rates of termios(3) from 300 on, of the S7-200's PPI (93750, 187500), and of common crystals.
+constexpr std::array<std::uint32_t, 29> kBauds{
+    300,    600,    1200,   1800,    2400,    4800,    9600,    14400,   19200,  28800,
+    38400,  57600,  76800,  93750,   115200,  125000,  187500,  230400,  250000, 460800,
+    500000, 576000, 921600, 1000000, 1152000, 1500000, 2000000, 3000000, 4000000};
+
+std::string baud_list() {
+  std::string text;
+  for (const auto baud : kBauds) text += fmt::format("{}{}", text.empty() ? "" : ", ", baud);
+  return text;
+}
+
+// The default of LineFormat for unknown protocols.
+LineFormat factory_line(std::string_view protocol) {
+  const ProtocolEntry* entry = find_protocol(protocol);
+  return entry == nullptr ? LineFormat{} : entry->factory_line;
+}
+
+struct BaudRule {
+  std::optional<std::uint32_t> operator()(const Node& node, std::string_view key,
+                                          FaultList& faults) const {
+    const auto value = WholeRule{1, kBauds.back()}(node, key, faults);
+    if (!value) return std::nullopt;
+    const auto baud = static_cast<std::uint32_t>(*value);
+    if (std::ranges::find(kBauds, baud) != kBauds.end()) return baud;
+    faults.add(node.position, fmt::format("baud {} is no rate of serial ports", baud), baud_list(),
+               likely_bauds(baud));
+    return std::nullopt;
+  }
+
+  // A similar number (an extra or wrong digit), and the nearest common rate.
+  static std::string likely_bauds(std::uint32_t baud) {
+    static constexpr std::array<std::uint32_t, 10> kUsual{1200,  2400,  4800,   9600,   19200,
+                                                          38400, 57600, 115200, 230400, 460800};
+    std::vector<std::string> usual(kUsual.size());
+    std::ranges::transform(kUsual, usual.begin(), [](auto rate) { return std::to_string(rate); });
+    const auto slip = near_miss(std::to_string(baud), usual);
+    const auto ratio = [&](std::uint32_t rate) {
+      return std::max(rate, baud) / static_cast<double>(std::min(rate, baud));
+    };
+    const auto near = *std::ranges::min_element(kUsual, {}, ratio);
+    std::string text = slip;
+    if (ratio(near) < 1.25 && std::to_string(near) != slip)
+      text += fmt::format("{}{}", text.empty() ? "" : " or ", near);
+    return text;
+  }
+
+  [[nodiscard]] static std::string form() { return "a rate that serial ports have"; }
+  [[nodiscard]] static std::string schema() {
+    std::vector<std::string> texts(kBauds.size());
+    std::ranges::transform(kBauds, texts.begin(), [](auto rate) { return std::to_string(rate); });
+    return schema_of_words(std::vector<std::string_view>(texts.begin(), texts.end()));
+  }
+};
+
+struct FormatRule {
+  std::optional<LineFormat> operator()(const Node& node, std::string_view key,
+                                       FaultList& faults) const {
+    static constexpr std::string_view kForm =
+        "data bits 7 or 8, parity N, E or O, stop bits 1 or 2, such as 8E1";
+    const std::string* text = scalar_of(node, key, kForm, faults);
+    if (text == nullptr) return std::nullopt;
+    const auto format = format_from(*text);
+    if (format) return format;
+    std::string upper;  // without separators, as in 8-n-1 or 8/N/1
+    for (const char c : *text) {
+      if (std::string_view(" -/,.").find(c) != std::string_view::npos) continue;
+      upper += c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+    }
+    faults.add(node.position, fmt::format("format '{}' is unknown", *text), std::string(kForm),
+               format_from(upper) ? upper : "");
+    return std::nullopt;
+  }
+
+  [[nodiscard]] static std::string schema() {
+    return R"({ "type": ["string", "number"], "pattern": "^[78][NEO][12]$" })";
+  }
+  [[nodiscard]] static std::string form() { return {}; }
+};
+
+DurationRule connect_timeout() { return {std::chrono::milliseconds{10}, kMaxTimeout}; }
+
+constexpr std::pair<std::string_view, Fence> kFences[] = {{"none", Fence::kNone},
+                                                          {"listen", Fence::kListen},
+                                                          {"lock", Fence::kLock},
+                                                          {"one-client", Fence::kOneClient}};
+// The lower limit must exceed the delay of an adapter (16 ms).
+DurationRule hold_time() { return {std::chrono::milliseconds{50}, std::chrono::seconds{5}}; }
+
+// `fits`: valid fences of this port type.
+FenceSpec read_fence(MapReader& map, std::initializer_list<Fence> fits, std::string_view allowed) {
+  FenceSpec fence;
+  Fence kind{};
+  if (map.read("fence", kind, ChoiceRule<Fence>{kFences})) {
+    fence.kind = kind;
+    if (std::ranges::find(fits, kind) == fits.end()) {
+      map.faults().add(map.position_of("fence"),
+                       fmt::format("'fence: {}' does not fit this port", to_text(kind)),
+                       std::string(allowed));
+    }
+  }
+  const bool held = map.read("hold", fence.hold, hold_time());
+  if (held && !fence.is(Fence::kListen))
+    map.faults().add(map.position_of("hold"), "'hold' without 'fence: listen'");
+  return fence;
+}
+
+PortSpec read_serial(MapReader& map, const LineFormat& factory) {
+  SerialPortSpec port;
+  std::uint32_t baud = factory.baud;
+  port.line = factory;
+  if (map.read("serial", port.path, TextRule{kMaxPath}) &&
+      port.path.find('/') == std::string::npos) {
+    map.faults().add(map.position_of("serial"),
+                     fmt::format("'{}' is no path of a serial port", port.path),
+                     "a path such as /dev/ttyUSB0 or /dev/serial/by-id/..");
+  }
+  map.read("format", port.line, FormatRule{});
+  map.read("baud", baud, BaudRule{});
+  port.line.baud = baud;
+  map.read("rs485", port.rs485, FlagRule{});
+  map.read("low-latency", port.low_latency, FlagRule{});
+  map.read("exclusive", port.exclusive, FlagRule{});
+  port.fence = read_fence(map, {Fence::kNone, Fence::kListen, Fence::kLock}, "listen, lock, none");
+  if (port.fence.is(Fence::kLock) && !port.exclusive) {
+    map.faults().add(map.position_of("fence"), "'fence: lock' with 'exclusive: false'",
+                     "exclusive: true, which takes the lock");
+  }
+  return port;
+}
+// Empty if there is no serial line behind the network.
+std::optional<LineFormat> read_far_line(MapReader& map, const LineFormat& factory) {
+  LineFormat format = factory;
+  std::uint32_t baud = 0;
+  const bool has_format = map.read("format", format, FormatRule{});
+  if (map.read("baud", baud, BaudRule{})) {
+    format.baud = baud;
+    return format;
+  }
+  if (has_format && !map.has("baud")) {
+    map.faults().add(map.position_of("format"), "'format' without 'baud'",
+                     "both for the line behind a serial server, none for a plain TCP device");
+  }
+  return std::nullopt;
+}
+
+PortSpec read_tcp(MapReader& map, const LineFormat& factory) {
+  TcpPortSpec port;
+  std::pair<std::string, std::uint16_t> endpoint;
+  if (map.read("tcp", endpoint, HostPortRule{}))
+    port.host = endpoint.first, port.port = endpoint.second;
+  map.read("connect-timeout", port.connect_timeout, connect_timeout());
+  port.line = read_far_line(map, factory);
+  port.fence = port.line ? read_fence(map, {Fence::kNone, Fence::kListen, Fence::kOneClient},
+                                      "one-client, listen, none")
+                         : read_fence(map, {Fence::kNone, Fence::kOneClient},
+                                      "one-client, none; listen with 'baud', for a serial line "
+                                      "behind a serial server");
+  return port;
+}
+
+PortSpec read_dial_in(MapReader& map, const LineFormat& factory) {
+  DialInPortSpec port;
+  map.read("dial-in", port.number, DeviceNumberRule{});
+  port.line = read_far_line(map, factory);
+  return port;
+}
+
+// One row per port type: its key, its value, the other allowed keys.
+struct PortType {
+  std::string_view key, value;
+  std::vector<std::string_view> takes;
+  PortSpec (*read)(MapReader& map, const LineFormat& factory);
+};
+const std::array<PortType, 3>& port_types() {
+  static const std::array<PortType, 3> types{{
+      {"serial",
+       "PATH",
+       {"baud", "format", "rs485", "low-latency", "exclusive", "fence", "hold"},
+       read_serial},
+      {"tcp", "HOST:PORT", {"baud", "format", "connect-timeout", "fence", "hold"}, read_tcp},
+      {"dial-in", "NUMBER", {"baud", "format"}, read_dial_in},
+  }};
+  return types;
+}
+
+std::vector<std::string_view> type_keys() {
+  std::vector<std::string_view> keys;
+  for (const PortType& type : port_types()) keys.push_back(type.key);
+  return keys;
+}
+
+// "serial nor tcp nor dial-in".
+std::string joined_with(std::string_view word) {
+  std::string text;
+  for (const auto key : type_keys()) {
+    if (!text.empty()) text.append(word);
+    text += key;
+  }
+  return text;
+}
+
+// "serial: PATH, tcp: HOST:PORT".
+std::string examples(std::string_view before, std::string_view after, std::string_view between,
+                     std::string_view last) {
+  std::string text;
+  const auto& types = port_types();
+  for (std::size_t i = 0; i < types.size(); ++i) {
+    if (i != 0) text.append(i + 1 == types.size() ? last : between);
+    text.append(before).append(types[i].key).append(": ").append(types[i].value).append(after);
+  }
+  return text;
+}
+
+// Reads the keys of the type; keys of other types are faults.
+PortSpec read_type(const PortType& type, MapReader& map, const LineFormat& factory) {
+  for (const std::string_view key : port_rows().keys) {
+    if (std::ranges::find(type.takes, key) != type.takes.end()) continue;
+    const bool names_a_type =
+        std::ranges::find(port_types(), key, &PortType::key) != port_types().end();
+    if (map.find(key) == nullptr || names_a_type) continue;
+    map.faults().add(map.position_of(key),
+                     fmt::format("'{}' has no meaning for a {} port", key, type.key));
+  }
+  return type.read(map, factory);
+}
+
+}  // namespace
+
+std::optional<std::pair<std::string, std::uint16_t>> HostPortRule::operator()(
+    const Node& node, std::string_view key, FaultList& faults) const {
+  const std::string* text = scalar_of(node, key, "HOST:PORT", faults);
+  if (text == nullptr) return std::nullopt;
+  auto endpoint = host_port_from(*text);
+  if (!endpoint) {
+    const bool host_alone = !text->empty() && text->find(':') == std::string::npos;
+    faults.add(node.position, fmt::format("{} '{}' names no host and port", key, *text),
+               "HOST:PORT with a port 1 to 65535", host_alone ? *text + ":502" : "");
+  }
+  return endpoint;
+}
+
+std::string HostPortRule::schema() const {
+  return R"({ "type": "string", "pattern": "^.+:[0-9]{1,5}$" })";
+}
+std::string HostPortRule::form() const { return "`HOST:PORT`"; }
+
+std::optional<LineFormat> format_from(std::string_view text) {
+  if (text.size() != 3 || (text[0] != '7' && text[0] != '8') || (text[2] != '1' && text[2] != '2'))
+    return std::nullopt;
+  LineFormat format;
+  format.data_bits = static_cast<std::uint8_t>(text[0] - '0');
+  format.stop_bits = static_cast<std::uint8_t>(text[2] - '0');
+  switch (text[1]) {
+    case 'N': format.parity = Parity::kNone; return format;
+    case 'E': format.parity = Parity::kEven; return format;
+    case 'O': format.parity = Parity::kOdd; return format;
+    default: return std::nullopt;
+  }
+}
+
+std::optional<std::pair<std::string, std::uint16_t>> host_port_from(std::string_view text) {
+  const auto colon = text.rfind(':');
+  if (colon == std::string_view::npos || colon == 0) return std::nullopt;
+  std::string_view host = text.substr(0, colon);
+  const auto port = whole_from(text.substr(colon + 1));
+  if (!port || *port < 1 || *port > 65535 || text.substr(colon + 1).starts_with("0x"))
+    return std::nullopt;
+  const bool bracketed = host.starts_with('[') && host.ends_with(']');
+  if (bracketed) host = host.substr(1, host.size() - 2);
+  if (host.empty() || host.size() > 253 || (!bracketed && host.find(':') != std::string_view::npos))
+    return std::nullopt;
+  for (const char c : host) {
+    const bool fits = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                      c == '.' || c == '-' || c == '_' || (bracketed && (c == ':' || c == '%'));
+    if (!fits) return std::nullopt;
+  }
+  return std::pair{std::string(host), static_cast<std::uint16_t>(*port)};
+}
+
+void check_port(const std::string& protocol, const PortSpec& port, const Position& position,
+                FaultList& faults) {
+  const ProtocolEntry* entry = find_protocol(protocol);
+  if (entry == nullptr) return;
+  const std::string instead(entry->instead);
+  if (entry->network_only && std::holds_alternative<SerialPortSpec>(port))
+    faults.add(position, protocol + " over a serial port", "port: { tcp: HOST:PORT }", instead);
+  if (entry->whole_bytes && line_of(port).data_bits != 8) {
+    faults.add(position, protocol + " over a line of 7 data bits", "format: 8E1, 8N2, 8O1, 8N1",
+               instead);
+  }
+}
+
+const RowTable& port_rows() {
+  using Row = Field<PortSpec>;
+  const auto row = [](Key key, const auto& rule) {
+    if (key.schema.empty()) key.schema = rule.schema();
+    if (key.form.empty()) key.form = rule.form();
+    return Row{std::move(key), {}};
+  };
+  static const Rows<PortSpec> rows(
+      "port", "'port'",
+      {
+          {{.name = "serial",
+            .text = "path of a serial port; `/dev/serial/by-id/...` stays the same when adapters "
+                    "move",
+            .schema = R"({ "type": "string", "minLength": 1 })"}},
+          row({.name = "tcp", .text = "of a TCP device or a serial server"}, HostPortRule{}),
+          row({.name = "dial-in",
+               .text = "device number of a module that dials in (`program`, `modules`)"},
+              DeviceNumberRule{}),
+          row({.name = "baud",
+               .fallback = factory_bauds(),
+               .text = "with `tcp` or `dial-in`: of the line behind a serial server, so that its "
+                       "load can be planned; without it a plain TCP device"},
+              BaudRule{}),
+          row({.name = "format",
+               .fallback = factory_formats(),
+               .text = "data bits, parity, stop bits: `8N1`, `7E2`"},
+              FormatRule{}),
+          row({.name = "rs485",
+               .fallback = "false",
+               .text = "the kernel switches the direction of the line"},
+              FlagRule{}),
+          row({.name = "low-latency",
+               .fallback = "true",
+               .text = "asks the driver not to hold bytes back"},
+              FlagRule{}),
+          row({.name = "exclusive", .fallback = "true", .text = "nobody else may open the port"},
+              FlagRule{}),
+          row({.name = "connect-timeout", .fallback = "3s", .text = "with `tcp`"},
+              connect_timeout()),
+          row({.name = "fence",
+               .fallback = "not said",
+               .text = "what keeps a second master off the wire (docs/redundancy.md): `listen` "
+                       "before sending; `lock` of a serial port, for bridges on one host; "
+                       "`one-client`: a serial server that takes one connection"},
+              ChoiceRule<Fence>{kFences}),
+          row({.name = "hold",
+               .fallback = "100ms",
+               .text = "with `fence: listen`: the longest pause between two requests"},
+              hold_time()),
+      },
+      {}, type_keys());
+  return rows;
+}
+
+std::string port_forms() { return "port: " + examples("{ ", " }", ", ", " or "); }
+
+PortSpec read_port(const Node& node, std::string_view protocol, FaultList& faults) {
+  MapReader map(node, port_rows(), faults);
+  std::vector<const PortType*> named;
+  for (const PortType& type : port_types()) {
+    if (map.has(type.key)) named.push_back(&type);
+  }
+  if (named.size() > 1) {
+    faults.add(map.position_of(named[1]->key),
+               fmt::format("a port is both {} and {}", named[0]->key, named[1]->key),
+               "one of " + joined(type_keys()));
+  }
+  const bool means_one = std::ranges::any_of(
+      port_types(), [&](const PortType& type) { return map.has_or_means(type.key); });
+  if (map.is_map() && !means_one) {
+    faults.add(map.position(), "'port' names neither " + joined_with(" nor "),
+               examples("", "", ", ", ", "));
+  }
+  return read_type(named.empty() ? port_types().front() : *named.back(), map,
+                   factory_line(protocol));
+}
+
+}  // namespace fieldcast::config

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "config/document/document.hpp"
+#include "config/document/fault_list.hpp"
+#include "config/document/key.hpp"
+#include "core/model/spec.hpp"
+
+namespace fieldcast::config {
+
+// { serial: PATH, baud, format, rs485, low-latency, exclusive, fence, hold }
+//     { tcp: HOST:PORT, baud, format, connect-timeout, fence, hold }
+//     { dial-in: NUMBER, baud, format }
+//
+// Without baud and format, the line has the factory setting of the protocol's devices
+// (ProtocolEntry::factory_line).
+[[nodiscard]] PortSpec read_port(const Node& node, std::string_view protocol, FaultList& faults);
+
+[[nodiscard]] const RowTable& port_rows();
+// "port: { serial: PATH }, { tcp: HOST:PORT } or ..", for faults.
+[[nodiscard]] std::string port_forms();
+
+void check_port(const std::string& protocol, const PortSpec& port, const Position& position,
+                FaultList& faults);
+
+// Data bits, parity and stop bits of "8N1".
+[[nodiscard]] std::optional<LineFormat> format_from(std::string_view text);
+
+// "10.0.0.7:502", "[::1]:502"; the port is 1..65535.
+[[nodiscard]] std::optional<std::pair<std::string, std::uint16_t>> host_port_from(
+    std::string_view text);
+
+struct HostPortRule {
+  std::optional<std::pair<std::string, std::uint16_t>> operator()(const Node& node,
+                                                                  std::string_view key,
+                                                                  FaultList& faults) const;
+  [[nodiscard]] std::string schema() const;
+  [[nodiscard]] std::string form() const;
+};
+
+}  // namespace fieldcast::config

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "config/document/map_reader.hpp"
+#include "config/files/library.hpp"
+#include "core/model/spec.hpp"
+
+namespace fieldcast::config {
+
+// program:
+//       engineers: { listen, certificate, key, authority, .., login, proof, heartbeat, idle }
+//       modules: { listen, ask, prefix, unit, .., certificate, key, authority, .., from, second }
+void read_program(MapReader& bridge, ProgramSpec& spec, Library& library);
+
+// Each number must be unique and usable by an engineer or a module. `buses`: as written.
+void check_device_numbers(const Node& buses, const BridgeSpec& spec, FaultList& faults);
+
+// A host name is not allowed, as it would not show which clients can connect.
+struct ListenRule {
+  int usual_port;  // of the example in its faults
+  std::optional<ListenSpec> operator()(const Node& node, std::string_view key,
+                                       FaultList& faults) const;
+  [[nodiscard]] std::string schema() const;
+  [[nodiscard]] std::string form() const;
+};
+
+// See core/program/device_number.hpp.
+struct DeviceNumberRule {
+  std::optional<std::string> operator()(const Node& node, std::string_view key,
+                                        FaultList& faults) const;
+  [[nodiscard]] std::string schema() const;
+  [[nodiscard]] std::string form() const;
+};
+
+}  // namespace fieldcast::config

@@ -1,0 +1,26 @@
+// Explains a YAML syntax error; its cause is often lines above the position where the parser
+// stopped.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "config/document/document.hpp"
+
+namespace fieldcast::config {
+
+struct YamlTrouble {
+  Position position;       // of the cause
+  std::string what;        // "a value cannot begin with '%'"
+  std::string allowed;     // "a text in quotes"; may be empty
+  std::string suggestion;  // "\"%\""; may be empty
+};
+
+// `stopped` and `message`: from the parser.
+[[nodiscard]] YamlTrouble explain_yaml_error(const Source& source, const Position& stopped,
+                                             std::string_view message);
+
+// A second document began without "---", because the first one ended early.
+[[nodiscard]] YamlTrouble explain_second_document(const Source& source, const Position& position);
+
+}  // namespace fieldcast::config

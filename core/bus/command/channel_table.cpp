@@ -1,0 +1,234 @@
+#include "core/bus/command/channel_table.hpp"
+
+#include <cmath>
+
+namespace fieldcast {
+namespace {
+
+Value zero_of(const Encoding& encoding) {
+  if (encoding.type == ValueType::kBool) return false;
+  if (encoding.type == ValueType::kString) return std::string{};
+  if (encoding.scaled() || encoding.type == ValueType::kFloat32 ||
+      encoding.type == ValueType::kFloat64)
+    return 0.0;
+  switch (encoding.type) {
+    case ValueType::kInt8:
+    case ValueType::kInt16:
+    case ValueType::kInt32:
+    case ValueType::kInt64: return std::int64_t{0};
+    default: return std::uint64_t{0};
+  }
+}
+
+bool moved(const Value& a, const Value& b, double deadband) {
+  const auto x = as_number(a);
+  const auto y = as_number(b);
+  return x && y ? std::abs(*x - *y) > deadband : a != b;
+}
+
+// Longest promised time between two samples: with a deadband, the heartbeat.
+Duration gap_of(const ChannelSpec& spec, std::optional<Duration> refresh) {
+  if (!refresh) return Duration::zero();
+  return spec.on_interest ? *refresh : promised_gap(spec).value_or(*refresh);
+}
+
+}  // namespace
+
+ChannelTable::ChannelTable(const BusSpec& bus, TextCodec& codec)
+    : codec_(codec), names_(bus.devices.size()) {
+  DeviceIndex device = 0;
+  for (const DeviceSpec& spec : bus.devices) {
+    first_.push_back(static_cast<ChannelIndex>(entries_.size()));
+    for (const ChannelSpec& channel : spec.channels) {
+      const auto index = static_cast<ChannelIndex>(entries_.size());
+      Entry entry;
+      entry.spec = &channel;
+      entry.device = device;
+      entry.last.channel = index;
+      entry.last.value = zero_of(channel.encoding);
+      if (read_by_itself(channel))
+        entry.freshness = Freshness(channel.refresh, gap_of(channel, channel.refresh));
+      entries_.push_back(std::move(entry));
+      names_[device].emplace(channel.name, index);
+    }
+    ++device;
+  }
+  first_.push_back(static_cast<ChannelIndex>(entries_.size()));
+}
+
+std::optional<ChannelIndex> ChannelTable::find(DeviceIndex device, std::string_view name) const {
+  const auto found = names_[device].find(name);
+  if (found == names_[device].end()) return std::nullopt;
+  return found->second;
+}
+
+void ChannelTable::inherit(const Sample& sample) {
+  if (sample.channel >= entries_.size() || sample.sequence == 0) return;
+  Sample& last = entries_[sample.channel].last;
+  if (sample.value.index() != last.value.index()) {
+    last.sequence = sample.sequence;
+  } else {
+    last = sample;
+  }
+}
+
+std::optional<Duration> ChannelTable::refresh(ChannelIndex channel) const {
+  return entries_[channel].freshness.refresh();
+}
+
+void ChannelTable::set_refresh(ChannelIndex channel, std::optional<Duration> refresh, Instant now) {
+  Entry& entry = entries_[channel];
+  entry.freshness.promise(refresh, gap_of(*entry.spec, refresh), now, misses_);
+  entry.read = refresh ? now : kLongAgo;
+  queue(channel);
+}
+
+ChannelReport ChannelTable::report(ChannelIndex channel, Instant now) const {
+  const Entry& entry = entries_[channel];
+  return {entry.readings, entry.freshness.missed(now), entry.worst_gap,
+          entry.freshness.last_miss()};
+}
+
+CauseCounters ChannelTable::misses(Instant now) const {
+  CauseCounters all = misses_;
+  for (const Entry& entry : entries_) entry.freshness.add_passed(now, all);
+  return all;
+}
+
+// Does nothing if an earlier entry is queued; that entry is queued again when it expires.
+void ChannelTable::queue(ChannelIndex channel) {
+  Entry& entry = entries_[channel];
+  const Instant due = entry.freshness.due();
+  if (due >= entry.queued) return;
+  expiries_.push({due, channel});
+  entry.queued = due;
+}
+
+bool ChannelTable::held_back(const Entry& entry, const Value& value, Instant acquired) const {
+  if (!entry.spec->deadband || entry.last.quality != Quality::kGood) return false;
+  if (moved(value, entry.last.value, *entry.spec->deadband)) return false;
+  const Duration heartbeat = entry.spec->heartbeat.value_or(entry.spec->refresh);
+  // The next acquisition may be a whole refresh later, so the heartbeat must allow for it.
+  return acquired + entry.spec->refresh <= entry.published + heartbeat;
+}
+
+void ChannelTable::publish(Entry& entry, std::vector<Sample>& out, Instant when) {
+  entry.last.sequence = std::max(entry.last.sequence, above_) + 1;
+  entry.published = when;
+  out.push_back(entry.last);
+}
+
+void ChannelTable::acquired(ChannelIndex channel, unsigned item_bits, ByteView items,
+                            Instant acquired, std::vector<Sample>& out) {
+  Entry& entry = entries_[channel];
+  entry.freshness.acquired(acquired, misses_);
+  queue(channel);
+  ++entry.readings;
+  if (entry.read != kLongAgo) entry.worst_gap = std::max(entry.worst_gap, acquired - entry.read);
+  entry.read = acquired;
+  auto value = decode_value(entry.spec->encoding, item_bits, items, codec_);
+  entry.freshness.explain(value ? Cause::kNone : value.error());
+  if (!value) {
+    entry.last.quality = quality_of(value.error());
+    entry.last.device_code = value.error() == Cause::kNotAvailable ? kNotAvailableCode : 0;
+    publish(entry, out, acquired);
+    return;
+  }
+  if (held_back(entry, *value, acquired)) return;
+  entry.last.value = std::move(*value);
+  entry.last.quality = Quality::kGood;
+  entry.last.device_code = 0;
+  entry.last.acquired = acquired;
+  publish(entry, out, acquired);
+}
+
+void ChannelTable::refused(ChannelIndex channel, Cause cause, std::uint16_t device_code,
+                           Instant now, std::vector<Sample>& out) {
+  Entry& entry = entries_[channel];
+  const Quality quality = quality_of(cause);
+  const bool told = entry.freshness.late() && entry.last.quality == quality &&
+                    entry.last.device_code == device_code;
+  if (told) return entry.freshness.explain(cause);
+  entry.freshness.refused(cause, now, misses_);
+  entry.last.quality = quality;
+  entry.last.device_code = device_code;
+  publish(entry, out, now);
+}
+
+void ChannelTable::failing(ChannelIndex channel, Cause cause, Instant now,
+                           std::uint16_t device_code) {
+  Entry& entry = entries_[channel];
+  entry.failing_code = device_code;
+  const bool uncertain =
+      entry.last.quality == Quality::kUncertain || entry.last.quality == Quality::kNotYetRead;
+  if (entry.freshness.failing(cause, uncertain, now)) queue(channel);
+}
+
+void ChannelTable::start(Instant now) {
+  for (ChannelIndex channel = 0; channel < entries_.size(); ++channel) {
+    Entry& entry = entries_[channel];
+    if (entry.freshness.refresh() && entry.read == kLongAgo) entry.read = now;
+    entry.freshness.start(now);
+    queue(channel);
+  }
+}
+
+void ChannelTable::expire(Instant now, std::vector<Sample>& out) {
+  while (!expiries_.empty() && expiries_.top().at <= now) {
+    const auto [at, channel] = expiries_.top();
+    expiries_.pop();
+    Entry& entry = entries_[channel];
+    if (at != entry.queued) continue;
+    entry.queued = kNever;
+    if (entry.freshness.due() > now) {
+      queue(channel);
+      continue;
+    }
+    if (!entry.freshness.expire(now, misses_)) continue;
+    const Quality before = entry.last.quality;
+    entry.last.quality = quality_of(entry.freshness.cause());
+    if (entry.last.quality != before) entry.last.device_code = 0;
+    if (entry.freshness.cause() == Cause::kDeviceBusy) entry.last.device_code = entry.failing_code;
+    if (entry.last.quality == Quality::kGood) entry.last.quality = Quality::kUncertain;
+    // A value that was never read stays kNotYetRead; kUncertain is for old values.
+    if (entry.last.quality == Quality::kUncertain && entry.last.acquired == kLongAgo)
+      entry.last.quality = Quality::kNotYetRead;
+    publish(entry, out, now);
+  }
+}
+
+void ChannelTable::interest_ended(ChannelIndex channel, std::vector<Sample>& out) {
+  Entry& entry = entries_[channel];
+  if (entry.last.quality != Quality::kGood) return;
+  entry.last.quality = Quality::kUncertain;
+  publish(entry, out, entry.published);
+}
+
+void ChannelTable::all_uncertain(Instant now, std::vector<Sample>& out) {
+  for (Entry& entry : entries_) {
+    const bool good = entry.last.quality == Quality::kGood;
+    entry.freshness.leased(good, now, misses_);
+    if (!good) continue;
+    entry.last.quality = Quality::kUncertain;
+    publish(entry, out, entry.published);
+  }
+}
+
+// Good values are not repeated, as another bridge may have read later ones: the next reading is
+// published regardless of the deadband.
+void ChannelTable::again(std::vector<Sample>& out) {
+  for (Entry& entry : entries_) {
+    entry.published = kLongAgo;
+    const bool bad = entry.last.sequence != 0 && entry.last.quality != Quality::kGood;
+    const bool known = entry.freshness.refresh() || entry.last.acquired != kLongAgo;
+    if (bad && known) publish(entry, out, kLongAgo);
+  }
+}
+
+void ChannelTable::not_yet_read(std::vector<Sample>& out) {
+  for (Entry& entry : entries_) {
+    if (!entry.freshness.refresh() && entry.last.sequence == 0) publish(entry, out, kLongAgo);
+  }
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,266 @@
+#include <algorithm>
+
+#include "core/base/escaped.hpp"
+#include "core/bus/command/command_job.hpp"
+#include "core/model/fit.hpp"
+
+namespace fieldcast {
+namespace {
+
+tl::unexpected<CommandFault> fault(Cause cause, std::string reason = {}) {
+  if (reason.empty()) reason = to_text(cause);
+  return tl::make_unexpected(CommandFault{cause, std::move(reason)});
+}
+
+tl::unexpected<CommandFault> never_written(const std::string& at) {
+  return fault(Cause::kReadOnly,
+               "'" + at + "' is read-only: the protocol has no operation that writes it alone");
+}
+
+std::string type_text(const Encoding& encoding) {
+  const std::string type(to_text(encoding.type));
+  if (encoding.type == ValueType::kString)
+    return type + '(' + std::to_string(encoding.string_bytes) + ')';
+  if (!encoding.text_number) return type;
+  return "a " + type + " as text of " + std::to_string(encoding.string_bytes) + " characters";
+}
+
+// The family's order is the default.
+tl::expected<Encoding, CommandFault> encoding_of(const AddressTarget& target,
+                                                 const ParsedAddress& address, const Area& area) {
+  Encoding encoding = target.encoding;
+  if (address.bit && encoding.bit && *address.bit != *encoding.bit)
+    return fault(Cause::kWrongType, "the bit is named twice: '" + target.at + "' has one already");
+  if (address.bit) encoding.bit = address.bit;
+  const bool number = encoding.type != ValueType::kBool && encoding.type != ValueType::kString;
+  if (number && !is_bcd(encoding.type) && address.text_number) {
+    encoding.text_number = address.text_number;
+    encoding.string_bytes = address.text_characters;
+  }
+  if (encoding.word_order == WordOrder::kBigEndian) encoding.word_order = area.word_order;
+  if (encoding.is_text() && encoding.byte_order == ByteOrder::kBigEndian)
+    encoding.byte_order = area.text_order;
+  if (const auto misfit = check_fit(target.at, address, area, encoding))
+    return fault(Cause::kWrongType, misfit->what + "; allowed: " + misfit->allowed);
+  return encoding;
+}
+
+tl::expected<void, CommandFault> check_limits(const ChannelSpec& channel, const Value& value) {
+  const auto number = as_number(value);
+  if (!number) return {};
+  if (channel.write_min && *number < *channel.write_min)
+    return fault(Cause::kRange, to_text(value) + " is below the lowest value allowed, " +
+                                    to_text(Value{*channel.write_min}) + " (write: min)");
+  if (channel.write_max && *number > *channel.write_max)
+    return fault(Cause::kRange, to_text(value) + " is above the highest value allowed, " +
+                                    to_text(Value{*channel.write_max}) + " (write: max)");
+  return {};
+}
+
+// Joins ranges that touch or overlap, up to the size of one read. Never bridges a gap.
+std::vector<Range> joined(std::vector<Range> ranges, const Protocol& protocol) {
+  std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) {
+    return std::pair(a.area, a.first) < std::pair(b.area, b.first);
+  });
+  std::vector<Range> result;
+  for (const Range& range : ranges) {
+    if (!result.empty() && result.back().area == range.area && range.first <= result.back().end()) {
+      Range wider = result.back();
+      wider.count = std::max(wider.end(), range.end()) - wider.first;
+      if (protocol.size(ReadRequest{{wider}})) {
+        result.back() = wider;
+        continue;
+      }
+    }
+    result.push_back(range);
+  }
+  return result;
+}
+
+}  // namespace
+
+tl::expected<CommandJob, CommandFault> CommandJob::make(const Command& command,
+                                                        const DeviceSpec& device, DeviceIndex index,
+                                                        ChannelIndex first_channel,
+                                                        const Protocol& protocol,
+                                                        TextCodec& codec) {
+  CommandJob job(command, index, protocol, codec);
+  job.max_rewrites_ = device.retries;
+  if (auto found = job.find_subjects(device, first_channel); !found)
+    return tl::make_unexpected(found.error());
+  const ChannelSpec* channel = nullptr;
+  if (job.subjects_.size() == 1 && job.subjects_[0].channel)
+    channel = &device.channels[*job.subjects_[0].channel - first_channel];
+  const auto prepared =
+      command.operation == Operation::kWrite ? job.prepare_write(channel) : job.prepare_acquire();
+  if (!prepared) return tl::make_unexpected(prepared.error());
+  return job;
+}
+
+tl::expected<void, CommandFault> CommandJob::find_subjects(const DeviceSpec& device,
+                                                           ChannelIndex first_channel) {
+  if (const auto* channel = std::get_if<ChannelTarget>(&command_.target))
+    return find_channels(device, channel->name, first_channel);
+  return find_address(device, std::get<AddressTarget>(command_.target));
+}
+
+tl::expected<void, CommandFault> CommandJob::find_channels(const DeviceSpec& device,
+                                                           const std::string& name,
+                                                           ChannelIndex first_channel) {
+  const bool write = command_.operation == Operation::kWrite;
+  ChannelIndex index = first_channel;
+  for (const ChannelSpec& channel : device.channels) {
+    const bool readable = channel.access != Access::kWriteOnly;
+    if (name.empty() ? readable : channel.name == name) {
+      if (write && channel.access == Access::kReadOnly)
+        return fault(Cause::kReadOnly,
+                     "channel '" + channel.name +
+                         (channel.exponent_from.empty()
+                              ? "' is read-only; its configuration would have to say access: "
+                                "read-write"
+                              : "' has an exponent of the device and cannot be written"));
+      if (!write && !readable)
+        return fault(Cause::kUnsupported, "channel '" + channel.name +
+                                              "' is write-only; its configuration would have to "
+                                              "say access: read-write");
+      subjects_.push_back({channel.range, channel.encoding, index, readable});
+    }
+    ++index;
+  }
+  if (write && name.empty())
+    return fault(Cause::kUnknownChannel, "a write needs a channel or an address");
+  if (subjects_.empty())
+    return fault(Cause::kUnknownChannel,
+                 "device '" + device.name + "' has no channel '" + name + "'");
+  return {};
+}
+
+tl::expected<void, CommandFault> CommandJob::find_address(const DeviceSpec& device,
+                                                          const AddressTarget& target) {
+  const bool write = command_.operation == Operation::kWrite;
+  if (write ? !device.allow_raw_write : !device.allow_raw_read)
+    return fault(Cause::kRawNotAllowed, "device '" + device.name + "' does not allow " +
+                                            (write ? "raw-write" : "raw-read") +
+                                            "; its configuration would have to say allow: [" +
+                                            (write ? "raw-write" : "raw-read") + ']');
+  const auto address = protocol_->parse_address(target.at);
+  if (!address)
+    return fault(Cause::kBadAddress,
+                 address.error().what + "; allowed: " + address.error().allowed +
+                     (address.error().suggestion.empty()
+                          ? ""
+                          : "; did you mean " + address.error().suggestion + '?'));
+  const std::size_t count = write ? command_.values.size() : command_.count;
+  if (count == 0 || count > kMaxRawValues)
+    return fault(Cause::kRange,
+                 "between 1 and " + std::to_string(kMaxRawValues) + " values in one command");
+  const Area& area = protocol_->areas()[address->area];
+  if (write && !area.writable)
+    return fault(Cause::kReadOnly, std::string(area.name) + " cannot be written");
+  const auto encoding = encoding_of(target, *address, area);
+  if (!encoding) return tl::make_unexpected(encoding.error());
+  const std::uint32_t width = item_count(*encoding, area.item_bits);
+  const std::uint32_t most = device.max_block == 0 || write
+                                 ? (write ? area.max_write : area.max_read)
+                                 : std::min(area.max_read, device.max_block);
+  if (width > most && write && is_field(*address)) return never_written(target.at);
+  if (width > most)
+    return fault(Cause::kRange, "'" + target.at + "' needs " + std::to_string(width) +
+                                    " items in one " + (write ? "write" : "read") +
+                                    "; allowed: at most " + std::to_string(most));
+  return add_values(target, *address, *encoding, static_cast<std::uint32_t>(count));
+}
+
+// For a bit of an item, the next value is the next bit.
+tl::expected<void, CommandFault> CommandJob::add_values(const AddressTarget& target,
+                                                        const ParsedAddress& address,
+                                                        const Encoding& encoding,
+                                                        std::uint32_t count) {
+  const Area& area = protocol_->areas()[address.area];
+  const bool bits = encoding.type == ValueType::kBool && encoding.bit && area.item_bits > 1;
+  if (count > 1 && !bits && is_part(encoding, area.item_bits))
+    return fault(Cause::kUnsupported, "bytes of an item are read and written one at a time");
+  const std::uint32_t width = item_count(encoding, area.item_bits);
+  const std::uint64_t last_bit = bits ? *encoding.bit + std::uint64_t{count} - 1 : 0;
+  const std::uint64_t items = bits ? last_bit / area.item_bits + 1 : std::uint64_t{width} * count;
+  // A declared field is one value; its bits do not extend into the next field.
+  const bool past_field = is_field(address) && (bits ? items > 1 : count > 1);
+  if (address.first + items > area.items || past_field)
+    return fault(Cause::kBadAddress, "'" + target.at + "' with " + std::to_string(count) +
+                                         " values reaches beyond the " +
+                                         (past_field ? "field" : "area"));
+  for (std::uint32_t i = 0; i < count; ++i) {
+    CommandSubject subject{{address.area, address.first + i * width, width}, encoding, {}, true};
+    if (bits) {
+      const std::uint32_t bit = *encoding.bit + i;
+      subject.range.first = address.first + bit / area.item_bits;
+      subject.encoding.bit = static_cast<std::uint8_t>(bit % area.item_bits);
+    }
+    subjects_.push_back(subject);
+  }
+  return {};
+}
+
+CommandFault CommandJob::unfit(const CommandSubject& subject, const Value& value,
+                               Cause cause) const {
+  const auto* text = std::get_if<std::string>(&value);
+  const std::string shown = text == nullptr ? to_text(value) : "'" + escaped(*text) + "'";
+  const Encoding& encoding = subject.encoding;
+  if (cause != Cause::kRange) return {cause, shown + " is no value of type " + type_text(encoding)};
+  if (text != nullptr && !codec_->from_utf8(encoding.charset, *text))
+    return {cause,
+            shown + (is_utf8(*text) ? " has a character that " +
+                                          std::string(to_text(encoding.charset)) + " does not have"
+                                    : " is no UTF-8")};
+  return {cause, shown + " does not fit " + type_text(encoding)};
+}
+
+tl::expected<void, CommandFault> CommandJob::prepare_write(const ChannelSpec* channel) {
+  if (command_.values.size() != subjects_.size())
+    return fault(Cause::kRange,
+                 "one value expected, " + std::to_string(command_.values.size()) + " given");
+  for (std::size_t i = 0; i < subjects_.size(); ++i) {
+    const CommandSubject& subject = subjects_[i];
+    auto items =
+        encode_value(subject.encoding, area(subject.range).item_bits, command_.values[i], *codec_);
+    if (!items) return tl::make_unexpected(unfit(subject, command_.values[i], items.error()));
+    if (channel) {
+      if (auto ok = check_limits(*channel, command_.values[i]); !ok) return ok;
+    }
+    append(image_, *items);
+  }
+  const CommandSubject& first = subjects_.front();
+  if (is_part(first.encoding, area(first.range).item_bits)) {
+    if (subjects_.size() > 1)
+      return fault(Cause::kUnsupported, "bits of a word are written one at a time");
+    bit_ = *first.encoding.bit;
+    part_bits_ = width_bits(first.encoding);
+    if (part_bits_ > 1) {
+      const std::string& at =
+          channel != nullptr ? channel->at : std::get<AddressTarget>(command_.target).at;
+      if (const auto why = why_no_byte_write("'" + at + "'", area(first.range)))
+        return fault(Cause::kUnsupported, *why);
+    }
+    merge_needed_ = part_bits_ == 1 && !area(first.range).bit_write;
+    if (merge_needed_ && !first.readable)
+      return fault(Cause::kUnsupported, "a bit of a word that cannot be read cannot be written");
+  }
+  if (!protocol_->size(write_request())) {
+    if (const auto* address = std::get_if<AddressTarget>(&command_.target);
+        address != nullptr && is_field(*protocol_->parse_address(address->at)))
+      return never_written(address->at);
+    return fault(Cause::kRange, "too many values for one request");
+  }
+  phase_ = merge_needed_ ? Phase::kReadBefore : Phase::kWrite;
+  return {};
+}
+
+tl::expected<void, CommandFault> CommandJob::prepare_acquire() {
+  std::vector<Range> ranges;
+  for (const CommandSubject& subject : subjects_) ranges.push_back(subject.range);
+  reads_ = joined(std::move(ranges), *protocol_);
+  phase_ = Phase::kAcquire;
+  return {};
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,253 @@
+#include "core/bus/health/device_monitor.hpp"
+
+#include <algorithm>
+
+namespace fieldcast {
+
+DeviceMonitor::DeviceMonitor(const BusSetup& setup, std::vector<std::optional<Range>> probed)
+    : setup_(setup), probed_(std::move(probed)) {
+  for (DeviceIndex index = 0; index < setup_.devices(); ++index) {
+    const Duration timeout = setup_.device(index).timeout;
+    const AnswerTime unknown(timeout, std::max(setup_.spec().gap_allowance, timeout / 4));
+    devices_.emplace_back(unknown);
+    devices_.back().area_times.assign(setup_.protocol(index).areas().size(), unknown);
+  }
+}
+
+void DeviceMonitor::Device::forget() {
+  answer_time.forget();
+  for (AnswerTime& area : area_times) area.forget();
+  pauses.forget();
+  answered_at = kLongAgo;
+}
+
+Duration DeviceMonitor::rest_before(DeviceIndex index, Instant now) const {
+  const Instant answered = devices_[index].answered_at;
+  return answered == kLongAgo ? Duration::max() : now - answered;
+}
+
+Duration DeviceMonitor::timeout(DeviceIndex index, const Request& request, bool command) const {
+  if (command || setup_.protocol(index).traits().identity == AnswerIdentity::kNone)
+    return setup_.device(index).timeout;
+  return devices_[index].area_times[area_of(request)].timeout();
+}
+
+void DeviceMonitor::tried(const Try& ended, Instant now, ActionSink& sink) {
+  Device& device = devices_[ended.device];
+  const bool done = ended.cause == Cause::kNone;
+  const bool answered =
+      done || ended.cause == Cause::kDeviceError || ended.cause == Cause::kDeviceBusy;
+  if (done || ended.cause == Cause::kNoAnswer) device.pauses.tried(ended.rest, done);
+  if (done) device.answered_at = ended.answered;
+  if (ended.cause == Cause::kDeviceBusy)
+    ++device.busy_in_a_row;
+  else if (answered)
+    device.busy_in_a_row = 0;
+  device.paused_until =
+      now + std::max(setup_.device(ended.device).pause, device.pauses.next_pause());
+  if (ended.cause == Cause::kNoAnswer || ended.cause == Cause::kTruncated) {
+    device.answer_time.timed_out();
+    for (AnswerTime& area : device.area_times) area.timed_out();
+  }
+  device.failure_share += ((answered && !device.busy() ? 0.0 : 1.0) - device.failure_share) / 8;
+  judge_garbage(ended, answered, sink);
+  if (!done) device.report.causes.add(ended.cause);
+}
+
+void DeviceMonitor::judge_garbage(const Try& ended, bool answered, ActionSink& sink) {
+  Garbage& garbage = devices_[ended.device].garbage;
+  anybody_answered_ = anybody_answered_ || answered;
+  // An echo alone is reported only if no device ever responded and `echo` is not configured.
+  const bool echo = ended.echo_alone && !anybody_answered_ && !setup_.spec().echo;
+  if (answered) {
+    if (garbage.answered())
+      sink.notice(Notice::Kind::kGarbageEnded, ended.device, Cause::kNone,
+                  "its answers can be read again");
+  } else if (garbage.received(echo ? ended.sent : ended.received, ended.sent, ended.expected)) {
+    sink.notice(Notice::Kind::kGarbage, ended.device, Cause::kNone,
+                garbage.text(setup_.line(), over_network(setup_.spec().port)));
+  }
+}
+
+void DeviceMonitor::answered(DeviceIndex index, ActionSink& sink) {
+  DeviceHealth& health = devices_[index].health;
+  const bool was_offline = health.offline();
+  if (health.answered() && was_offline)
+    sink.notice(Notice::Kind::kDeviceBack, index, Cause::kNone, "answers again");
+}
+
+void DeviceMonitor::learn(DeviceIndex index, const Request& request, Duration answer_time) {
+  devices_[index].answer_time.learn(answer_time);
+  if (std::holds_alternative<ReadRequest>(request))
+    devices_[index].area_times[area_of(request)].learn(answer_time);
+}
+
+void DeviceMonitor::inherit(DeviceIndex index, const DeviceReport& learned) {
+  if (learned.answer_time > Duration::zero())
+    devices_[index].answer_time.learn(learned.answer_time);
+  const auto areas = setup_.protocol(index).areas();
+  for (const AreaReport& of_area : learned.areas) {
+    for (std::size_t area = 0; area < areas.size(); ++area) {
+      if (areas[area].name == of_area.area && of_area.answer_time > Duration::zero())
+        devices_[index].area_times[area].learn(of_area.answer_time);
+    }
+  }
+}
+
+void DeviceMonitor::learn_late(DeviceIndex index, Duration answer_time) {
+  devices_[index].answer_time.late(answer_time);
+  for (AnswerTime& area : devices_[index].area_times) area.late(answer_time);
+}
+
+void DeviceMonitor::busy(DeviceIndex index, Instant now) {
+  Device& device = devices_[index];
+  device.paused_until = std::max(device.paused_until, now + kBusyPause);
+}
+
+bool DeviceMonitor::failed(DeviceIndex index, Cause cause, Instant now, ActionSink& sink) {
+  Device& device = devices_[index];
+  ++device.report.failures;
+  if (!device.health.failed(cause, now)) return false;
+  if (!device.health.offline()) {
+    sink.notice(Notice::Kind::kDeviceErrors, index, cause, std::string(to_text(cause)));
+    return false;
+  }
+  device.forget();
+  sink.notice(Notice::Kind::kDeviceLost, index, cause,
+              cause == Cause::kDeviceBusy
+                  ? "answers only that it cannot now; asked ever more rarely until it can"
+                  : "does not answer; asked ever more rarely until it does");
+  return true;
+}
+
+bool DeviceMonitor::all_offline() const {
+  return std::all_of(devices_.begin(), devices_.end(),
+                     [](const Device& device) { return device.health.offline(); });
+}
+
+void DeviceMonitor::defer_if_sick(DeviceIndex index, Duration wasted, Instant now) {
+  Device& device = devices_[index];
+  if (!device.sick()) return;
+  device.wasted = wasted;
+  device.deferred_until = now + wasted * kSickShare;
+}
+
+Instant DeviceMonitor::admit_deferred(Instant now, const Slack& slack,
+                                      std::vector<DeviceIndex>& admitted) {
+  Instant next = kNever;
+  std::optional<Duration> spare;
+  for (DeviceIndex index = 0; index < devices_.size(); ++index) {
+    Device& device = devices_[index];
+    if (device.deferred_until == kLongAgo) continue;
+    if (!spare) spare = slack();
+    if (now >= device.deferred_until || *spare > device.wasted) {
+      device.deferred_until = kLongAgo;
+      admitted.push_back(index);
+    } else {
+      next = std::min(next, device.deferred_until);
+    }
+  }
+  return next;
+}
+
+std::optional<Instant> DeviceMonitor::suspension(DeviceIndex index, Instant now) {
+  Device& device = devices_[index];
+  const bool stopped = device.health.offline() || device.deferred_until != kLongAgo;
+  const Instant until = stopped ? kNever : std::max(now, device.paused_until);
+  if (until == now && !device.suspended) return std::nullopt;
+  device.suspended = until != now;
+  return until;
+}
+
+std::optional<DeviceMonitor::Probe> DeviceMonitor::probe(Instant now, const Gate& gate,
+                                                         const Slack& slack) {
+  for (DeviceIndex index = 0; index < devices_.size(); ++index) {
+    Device& device = devices_[index];
+    if (!device.health.offline() || next_probe_of(index) > now) continue;
+    const Request request = ReadRequest{{*probed_[index]}};
+    if (const Instant from = gate(index, request); from > now) {
+      device.probe_not_before = from;
+      continue;
+    }
+    if (const auto timeout = probe_timeout(index, request, now, slack))
+      return Probe{index, request, *timeout};
+    device.probe_not_before = now + kProbeRetry;
+  }
+  return std::nullopt;
+}
+
+std::optional<DeviceMonitor::Probe> DeviceMonitor::sign(Instant now, const Gate& gate) const {
+  std::optional<Probe> best;
+  bool best_is_sick = true;
+  for (DeviceIndex index = 0; index < devices_.size(); ++index) {
+    const Device& device = devices_[index];
+    if (!probed_[index] || device.health.offline() || device.paused_until > now) continue;
+    Request request = ReadRequest{{*probed_[index]}};
+    if (gate(index, request) > now) continue;
+    const bool sick = device.deferred_until != kLongAgo;
+    const Duration takes =
+        setup_.wire_time(index, request) + longest_answer(index) + setup_.silence();
+    const bool better = !best || (sick == best_is_sick ? takes < best->timeout : best_is_sick);
+    if (!better) continue;
+    best = Probe{index, std::move(request), takes};
+    best_is_sick = sick;
+  }
+  return best;
+}
+
+// Empty if too short. After a while the probe is sent anyway.
+std::optional<Duration> DeviceMonitor::probe_timeout(DeviceIndex index, const Request& request,
+                                                     Instant now, const Slack& slack) const {
+  const Duration wire = setup_.wire_time(index, request) + setup_.silence();
+  const Duration spare = slack() - wire;
+  const Duration whole = setup_.device(index).timeout;
+  if (spare >= whole) return whole;
+  const Instant due = devices_[index].health.probe_at();
+  if (now < due + kProbePatience) return std::nullopt;
+  const bool overdue = now >= due + DeviceHealth::kLastProbe;
+  if (!overdue && spare < kShortestProbe) return std::nullopt;
+  return std::clamp(spare, kShortestProbe, whole);
+}
+
+Instant DeviceMonitor::next_probe_of(DeviceIndex index) const {
+  const Device& device = devices_[index];
+  if (!device.health.offline() || !probed_[index]) return kNever;
+  return std::max({device.health.probe_at(), device.paused_until, device.probe_not_before});
+}
+
+Instant DeviceMonitor::next_probe() const {
+  Instant next = kNever;
+  for (DeviceIndex index = 0; index < devices_.size(); ++index)
+    next = std::min(next, next_probe_of(index));
+  return next;
+}
+
+void DeviceMonitor::opened(Instant now) {
+  for (Device& device : devices_) {
+    if (device.health.offline()) device.health.probe_from(now);
+    device.probe_not_before = kLongAgo;
+  }
+}
+
+bool DeviceMonitor::too_early(DeviceIndex index, Duration began) const {
+  return devices_[index].answer_time.too_early(began, setup_.line().characters(1));
+}
+
+DeviceReport DeviceMonitor::report(DeviceIndex index) const {
+  const Device& device = devices_[index];
+  DeviceReport report = device.report;
+  report.state = device.health.state();
+  report.answer_time = device.answer_time.mean();
+  report.answer_spread = device.answer_time.spread();
+  report.timeout = device.answer_time.timeout();
+  report.pause = std::max(setup_.device(index).pause, device.pauses.pause());
+  for (AreaIndex area = 0; area < device.area_times.size(); ++area) {
+    const AnswerTime& time = device.area_times[area];
+    if (time.known())
+      report.areas.push_back(
+          {std::string(setup_.area(index, area).name), time.mean(), time.spread(), 0, 0});
+  }
+  return report;
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,61 @@
+#include "core/bus/setup/bus_setup.hpp"
+
+#include <cassert>
+
+#include "core/model/make_protocol.hpp"
+#include "core/schedule/bus_schedule.hpp"
+
+namespace fieldcast {
+
+BusSetup::BusSetup(const BusSpec& spec)
+    : spec_(spec), line_(line_of(spec_.port)), silence_(silence_for(spec_)) {
+  for (const DeviceSpec& device : spec_.devices) {
+    auto protocol = make_protocol(device, line_);
+    assert(protocol && "the loader checks protocols, addresses and options");
+    names_.emplace(device.name, static_cast<DeviceIndex>(protocols_.size()));
+    protocols_.push_back(std::move(*protocol));
+  }
+}
+
+bool BusSetup::plain_tcp() const {
+  const auto* tcp = std::get_if<TcpPortSpec>(&spec_.port);
+  return tcp != nullptr && !tcp->line;
+}
+
+std::optional<DeviceIndex> BusSetup::find(std::string_view name) const {
+  const auto found = names_.find(name);
+  if (found == names_.end()) return std::nullopt;
+  return found->second;
+}
+
+Duration BusSetup::wire_time(DeviceIndex device, const Request& request) const {
+  const auto size = protocol(device).size(request);
+  return line_.characters(size ? size->request_characters + size->answer_characters : 0);
+}
+
+Duration BusSetup::answer_wire_time(DeviceIndex device, const Request& request) const {
+  const auto size = protocol(device).size(request);
+  return line_.characters(size ? size->answer_characters : 0);
+}
+
+bool BusSetup::answer_differs(DeviceIndex device, const Request& request) const {
+  if (!protocol(device).traits().echo_is_ambiguous) return true;
+  const auto exchange = protocol(device).begin(request, {});
+  Bytes sent, out;
+  (void)exchange->start(sent);
+  return exchange->on_bytes(sent, out).kind != Step::Kind::kDone;
+}
+
+std::string BusSetup::text(DeviceIndex device, const Range& range) const {
+  std::string text = std::string(area(device, range.area).name) + ':' + std::to_string(range.first);
+  if (range.count > 1) text += ".." + std::to_string(range.end() - 1);
+  return text;
+}
+
+AreaIndex area_of(const Request& request) {
+  if (const auto* read = std::get_if<ReadRequest>(&request)) return read->ranges.front().area;
+  if (const auto* write = std::get_if<WriteRequest>(&request)) return write->range.area;
+  return std::get<WriteReadRequest>(request).read.area;
+}
+
+}  // namespace fieldcast

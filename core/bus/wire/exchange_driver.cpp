@@ -1,0 +1,128 @@
+#include "core/bus/wire/exchange_driver.hpp"
+
+#include <algorithm>
+
+namespace fieldcast {
+
+void ExchangeDriver::begin(std::unique_ptr<Exchange> exchange, Duration timeout,
+                           bool echo_is_distinct, Instant now, Bytes& out) {
+  exchange_ = std::move(exchange);
+  timeout_ = timeout;
+  echo_is_distinct_ = echo_is_distinct;
+  cause_ = Cause::kNone;
+  device_code_ = 0;
+  requests_ = 0;
+  out.clear();
+  const Step step = exchange_->start(out);
+  sending(step, now, out);
+}
+
+void ExchangeDriver::sending(const Step& step, Instant now, const Bytes& out) {
+  ++requests_;
+  sent_ = out;
+  received_.clear();
+  echo_stripped_ = echo_ == Echo::kAbsent;
+  missing_ = 0;
+  expected_ = step.characters;
+  bytes_sent_ += out.size();
+  sent_until_ = now + line_.characters(static_cast<double>(out.size()));
+  answer_deadline_ = sent_until_ + timeout_;
+  hard_deadline_ = answer_deadline_ + line_.characters(1.25 * step.characters) + 2 * gap_allowance_;
+  deadline_ = answer_deadline_;
+  last_byte_ = now;
+}
+
+bool ExchangeDriver::strip_echo() {
+  if (echo_stripped_) return true;
+  const std::size_t common = std::min(received_.size(), sent_.size());
+  const bool same = std::equal(
+      received_.begin(), received_.begin() + static_cast<std::ptrdiff_t>(common), sent_.begin());
+  if (!same) {
+    // Not an echo. The exchange resynchronises if noise broke the echo.
+    echo_stripped_ = true;
+    return true;
+  }
+  // An echo, or a response that begins the same.
+  if (received_.size() < sent_.size()) return false;
+  if (echo_ == Echo::kUnknown && !echo_is_distinct_) return true;
+  echo_ = Echo::kPresent;
+  received_.erase(received_.begin(), received_.begin() + static_cast<std::ptrdiff_t>(sent_.size()));
+  echo_stripped_ = true;
+  return !received_.empty();
+}
+
+ExchangeDriver::Outcome ExchangeDriver::on_bytes(ByteView bytes, Instant now, Bytes& out) {
+  bytes_received_ += bytes.size();
+  last_byte_ = now;
+  if (received_.size() + bytes.size() > kMaxReceived)
+    return follow(Step::failed(Cause::kOverlong), now, out);
+  append(received_, bytes);
+  if (!strip_echo()) {
+    deadline_ = std::max(
+        deadline_,
+        std::min(now + line_.characters(static_cast<double>(sent_.size())) + gap_allowance_,
+                 hard_deadline_));
+    return Outcome::kWaiting;
+  }
+  out.clear();
+  return follow(exchange_->on_bytes(received_, out), now, out);
+}
+
+ExchangeDriver::Outcome ExchangeDriver::on_timer(Instant now, Bytes& out) {
+  out.clear();
+  return follow(exchange_->on_silence(out), now, out);
+}
+
+ExchangeDriver::Outcome ExchangeDriver::follow(const Step& step, Instant now, Bytes& out) {
+  missing_ =
+      step.kind == Step::Kind::kNeedMore && step.wait == Wait::kRestOfFrame ? step.characters : 0;
+  switch (step.kind) {
+    case Step::Kind::kSend: sending(step, now, out); return Outcome::kSend;
+    case Step::Kind::kNeedMore:
+      switch (step.wait) {
+        case Wait::kAnswer: deadline_ = answer_deadline_; break;
+        case Wait::kRestOfFrame:
+          deadline_ =
+              std::min(now + line_.characters(step.characters) + gap_allowance_, hard_deadline_);
+          break;
+        // The pause starts after the end of the request, even if bytes arrived during it.
+        case Wait::kPause: deadline_ = std::max(now, sent_until_) + step.pause; break;
+      }
+      return Outcome::kWaiting;
+    case Step::Kind::kDone:
+    case Step::Kind::kFailed: break;
+  }
+  const bool done = step.kind == Step::Kind::kDone;
+  cause_ = step.cause;
+  device_code_ = step.device_code;
+  deadline_ = kNever;
+  // An echo does not depend on a device, so a whole exchange or silence without one excludes it.
+  if (echo_ == Echo::kUnknown && !echo_stripped_ && received_.size() < sent_.size() && !done)
+    echo_ = received_.empty() ? Echo::kAbsent : echo_;
+  // A response without an echo shows the same. A refusal never equals its request.
+  const bool refused = cause_ == Cause::kDeviceError || cause_ == Cause::kDeviceBusy;
+  if (echo_ == Echo::kUnknown && ((done && echo_is_distinct_) || refused)) echo_ = Echo::kAbsent;
+  return done ? Outcome::kDone : Outcome::kFailed;
+}
+
+void ExchangeDriver::wait_on(std::unique_ptr<Exchange> again) {
+  exchange_ = std::move(again);
+  Bytes same;
+  (void)exchange_->start(same);
+  received_.clear();
+  missing_ = 0;
+  cause_ = Cause::kNone;
+  deadline_ = answer_deadline_;
+}
+
+Duration ExchangeDriver::answer_time() const {
+  return last_byte_ - sent_until_ - line_.characters(static_cast<double>(received_.size()));
+}
+
+Duration ExchangeDriver::answer_began() const {
+  const std::size_t answer =
+      expected_ > 0 ? std::min<std::size_t>(received_.size(), expected_) : received_.size();
+  return last_byte_ - sent_until_ - line_.characters(static_cast<double>(answer));
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,108 @@
+// The wire of one bus: the exchange in flight, the time when the wire is free again, and its load.
+//
+// Owned by the bus engine, on the bus's thread. Invariants: at most one flight; bytes are sent only
+// through it; after an exchange the wire stays silent for the line's silence.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "core/bus/setup/bus_setup.hpp"
+#include "core/bus/wire/exchange_driver.hpp"
+#include "core/bus/wire/owed_answers.hpp"
+#include "core/bus/wire/wire_load.hpp"
+
+namespace fieldcast {
+
+// An exchange from its first request to its last try.
+struct Flight {
+  enum class Kind : std::uint8_t { kRead, kCommand, kProbe };
+  Kind kind = Kind::kRead;
+  Asked asked;              // context and sent_until are those of the last try
+  Block block;              // for kRead: the values requested
+  bool longer = false;      // for kRead: requests more than the block
+  std::size_t batch = 1;    // for kCommand: number of commands in the request
+  Duration timeout{};       // for kProbe: time that can be spared
+  Instant started{};        // first try
+  Duration idle{};          // time since then between tries, and while this process was suspended
+  unsigned tries = 0;       // failed tries
+  bool unanswered = false;  // a try got no response: the next bytes may be it
+  Duration rest{};          // between the device's last response and the last try
+
+  [[nodiscard]] bool is_command() const { return kind == Kind::kCommand; }
+};
+
+class Wire {
+ public:
+  // Limit of the time for which unsolicited bytes block the wire.
+  static constexpr Duration kLongestStray = std::chrono::milliseconds{300};
+  static constexpr Duration kNotSentRest = std::chrono::milliseconds{20};
+
+  struct Ended {
+    bool done = false;
+    bool answered = false;  // with values or with a refusal
+    Cause cause = Cause::kNone;
+    std::uint16_t device_code = 0;
+    std::unique_ptr<Exchange> exchange;  // contains the reply if `done`
+    Duration spent{};                    // wire time of all tries, with silences
+  };
+  struct Send {
+    ExchangeContext context;
+    Duration timeout{};
+    Duration rest{};  // between the device's last response and now
+  };
+
+  explicit Wire(const BusSetup& setup);  // `setup` must outlive the wire
+
+  // REQUIRES: no flight.
+  void launch(Flight flight);
+  [[nodiscard]] Bytes send(const Send& with, Instant now);
+  // REQUIRES: exchanging().
+  ExchangeDriver::Outcome on_bytes(ByteView bytes, Instant now, Bytes& out);
+  ExchangeDriver::Outcome on_timer(Instant now, Bytes& out);
+  // The bytes were not the response: the wait continues. REQUIRES: the last outcome was kDone.
+  void wait_on();
+  // Call after kDone or kFailed. The flight is kept until repeat() or take().
+  [[nodiscard]] Ended conclude(bool done, Instant now);
+  void repeat();
+  [[nodiscard]] Flight take();
+  std::optional<Flight> abort();
+  // No response is pending; the wire rests for a moment. REQUIRES: first_request().
+  [[nodiscard]] Flight not_sent(Instant now);
+  [[nodiscard]] bool first_request() const {
+    return exchanging() && flight_->tries == 0 && driver_.requests() == 1;
+  }
+  // Discards the flight that waits to be repeated.
+  void drop() { flight_.reset(); }
+
+  // The line must become silent before it is used.
+  void count_stray(std::size_t bytes) { driver_.count_stray(bytes); }
+  void stray(Instant now);
+  void opened(Instant now) { free_at_ = now + setup_.silence(); }
+
+  [[nodiscard]] bool exchanging() const { return driver_.active(); }
+  // A flight waits to be sent or repeated.
+  [[nodiscard]] bool waiting() const { return flight_.has_value() && !driver_.active(); }
+  // REQUIRES: exchanging() or waiting().
+  [[nodiscard]] const Flight& flight() const { return *flight_; }
+  [[nodiscard]] const ExchangeDriver& driver() const { return driver_; }
+  [[nodiscard]] Instant free_at() const { return free_at_; }
+
+  [[nodiscard]] std::uint64_t exchanges() const { return exchanges_; }
+  [[nodiscard]] WireLoad::Shares shares(Instant now);
+
+ private:
+  void look(Instant now);
+
+  const BusSetup& setup_;
+  ExchangeDriver driver_;
+  std::optional<Flight> flight_;
+  Instant free_at_ = kLongAgo;
+  Instant strays_since_ = kNever;  // while they keep the wire from being free
+  std::uint64_t exchanges_ = 0;
+  WireLoad load_;
+  Duration spent_{};         // since the first try, when the last one ended
+  Instant looked_ = kNever;  // last event of the exchange
+};
+
+}  // namespace fieldcast

@@ -1,0 +1,84 @@
+#include "core/plan/layout/cost.hpp"
+
+#include <algorithm>
+
+#include "core/plan/layout/time_math.hpp"
+
+namespace fieldcast {
+
+Range ReadCost::aligned(std::uint32_t first, std::uint32_t end) const {
+  const std::uint32_t from = first / alignment_ * alignment_;
+  const std::uint32_t to = std::min(items_, (end + alignment_ - 1) / alignment_ * alignment_);
+  return {area_, from, std::max(to, end) - from};
+}
+
+Duration wire_time(const ExchangeSize& size, const LineFormat& line, Duration silence,
+                   const DeviceTiming& device) {
+  return line.characters(size.request_characters + size.answer_characters) +
+         size.rounds * (device.answer_time + silence) + size.pauses + device.pause;
+}
+
+ReadCost::ReadCost(const DeviceTiming& device, AreaIndex area, const LineFormat& line,
+                   Duration silence, std::uint32_t span)
+    : area_(area), max_gap_(device.max_gap) {
+  const Area& rules = device.protocol->areas()[area];
+  items_ = rules.items;
+  item_bits_ = rules.item_bits;
+  alignment_ = std::max<std::uint32_t>(1, rules.alignment);
+  bank_ = rules.bank;
+  window_ = rules.window;
+  limit_ = rules.max_read;
+  if (device.max_block != 0) limit_ = std::min<std::uint32_t>(limit_, device.max_block);
+  if (window_) limit_ = span = items_;
+  most_ = limit_;
+
+  // Includes single points beyond the device's limit, and alignment at both ends.
+  const std::uint32_t longest = std::min<std::uint32_t>({span + 2 * alignment_, items_, 65536});
+  variable_.assign(longest + 1, kRefused);
+  Request request = ReadRequest{{Range{area, 0, 1}}};
+  Range& range = std::get<ReadRequest>(request).ranges.front();
+  const std::uint32_t step = window_ ? longest : 1;
+  for (std::uint32_t count = step; count != 0 && count <= longest; count += step) {
+    range.count = count;
+    const auto size = device.protocol->size(request);
+    if (!size) continue;
+    rounds_ = size->rounds;
+    pauses_ = size->rounds * silence + device.pause;
+    variable_[count] =
+        line.characters(size->request_characters + size->answer_characters) + size->pauses;
+  }
+  set_answer_time(device.answer_time);
+}
+
+void ReadCost::set_answer_time(Duration answer_time) {
+  fixed_ = pauses_ + rounds_ * answer_time;
+  find_bridge();
+}
+
+void ReadCost::set_longest(std::uint32_t items) {
+  limit_ = items == 0 || window_ ? most_ : std::min(most_, items);
+}
+
+void ReadCost::find_bridge() {
+  std::uint32_t longest = static_cast<std::uint32_t>(variable_.size()) - 1;
+  while (longest > 0 && variable_[longest] == kRefused) --longest;
+  const std::uint32_t one = std::min(alignment_, longest);
+  if (window_ || longest == 0 || variable_[one] == kRefused) {
+    bridge_ = items_;
+    return;
+  }
+  item_ns_ = longest > one ? ns(variable_[longest] - variable_[one]) / (longest - one) : 0.0;
+  // Two requests cost fixed + variable twice; one that bridges g items reads those instead.
+  const double request = ns(fixed_ + variable_[one]) - item_ns_ * one;
+  bridge_ =
+      item_ns_ > 0 ? static_cast<std::uint32_t>(std::min(request / item_ns_, 65535.0)) : items_;
+  bridge_ += item_bits_ < 8 ? 8 / item_bits_ - 1 : 0;  // items of one byte are read together
+  if (max_gap_) bridge_ = std::min<std::uint32_t>(bridge_, *max_gap_);
+}
+
+std::optional<Duration> ReadCost::of_single(const Range& range) const {
+  if (at(range.count) == kRefused || !in_one_bank(range)) return std::nullopt;
+  return of(range);
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,45 @@
+#include "core/protocol/families/registry.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "core/protocol/dtc/dtc.hpp"
+#include "core/protocol/mitsubishi_fx/mitsubishi_fx.hpp"
+#include "core/protocol/modbus/modbus.hpp"
+#include "core/protocol/omron_hostlink/omron_hostlink.hpp"
+#include "core/protocol/s7_freeport/s7_freeport.hpp"
+#include "core/protocol/s7_ppi/s7_ppi.hpp"
+
+namespace fieldcast {
+
+std::span<const ProtocolEntry> protocols() {
+  // A new family adds its rows here.
+  // clang-format off
+  static const std::array entries{
+      dtc::entry(),
+      mitsubishi_fx::entry(),
+      modbus::rtu_entry(),
+      modbus::ascii_entry(),
+      modbus::tcp_entry(),
+      omron::hostlink_entry(),
+      s7_freeport::entry(),
+      s7_ppi::entry(),
+  };
+  // clang-format on
+  return entries;
+}
+
+const ProtocolEntry* find_protocol(std::string_view name) {
+  const auto all = protocols();
+  const auto found = std::find_if(all.begin(), all.end(),
+                                  [&](const ProtocolEntry& entry) { return entry.name == name; });
+  return found == all.end() ? nullptr : &*found;
+}
+
+DeviceLink link_of(const ProtocolVariant& variant, std::uint16_t address) {
+  DeviceLink link{.address = address};
+  for (const auto& [name, value] : variant.options) link.options.emplace(name, value);
+  return link;
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,59 @@
+// The row that describes a built-in protocol: names, options, limits of its lines and the functions
+// that make it and explain its frames. core/protocol/families/registry.hpp lists all rows.
+//
+// Constant data, any thread.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string_view>
+#include <tl/expected.hpp>
+
+#include "core/frame/line.hpp"
+#include "core/protocol/protocol.hpp"
+#include "core/protocol/seen_request.hpp"
+
+namespace fieldcast {
+
+struct ProtocolOption {
+  std::string_view name, value;
+};
+
+// Options that change a protocol's frames or addresses.
+struct ProtocolVariant {
+  std::span<const ProtocolOption> options{};
+  std::span<const std::string_view> addresses{};  // at least one example of each form of address
+};
+
+// Another name that users write for this protocol: "rtu".
+struct ProtocolAlias {
+  std::string_view alias;
+  std::string_view hint{};  // text to write instead, if the protocol's name alone is not enough
+};
+
+struct ProtocolEntry {
+  using Maker = tl::expected<std::unique_ptr<Protocol>, OptionFault> (*)(const DeviceLink& link);
+
+  std::string_view name;
+  std::string_view summary;  // one human-readable line
+  Maker make = nullptr;
+  Explainer explain = nullptr;
+  RequestMatcher seen_request =
+      nullptr;  // null if there is no line on which another master could be heard
+  std::span<const std::string_view> options{};  // names supported by `make`
+  std::string_view options_text{};              // their description, for config/README.md
+  LineFormat factory_line{};                    // factory setting of the devices
+  bool network_only = false;    // frames its own stream, so no serial line carries it
+  bool whole_bytes = false;     // needs 8 data bits
+  std::string_view instead{};   // protocol to use if one of these two rules is broken
+  bool one_device = false;      // a device has its own line
+  bool carrier_checks = false;  // its frames have no check of their own
+  // Wireshark's own dissector; empty: that of share/wireshark/fieldcast.lua.
+  std::string_view dissector{};
+  std::span<const ProtocolAlias> aliases{};
+  std::span<const ProtocolVariant> variants{};  // the first one has no options, if possible
+};
+
+// In the order of human-readable lists.
+
+}  // namespace fieldcast

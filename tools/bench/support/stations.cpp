@@ -1,0 +1,69 @@
+#include "tools/bench/support/stations.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <sstream>
+
+namespace fieldcast::bench {
+
+StationProcess::StationProcess(const ScratchFolder& folder, unsigned domain,
+                               const std::string& name, bool one_by_one, double loss,
+                               const std::string& program)
+    : log_(folder.path() + '/' + name + ".log"),
+      process_(
+          program,
+          {std::to_string(domain), one_by_one ? "one-by-one" : "by-blocks", std::to_string(loss)},
+          log_) {}
+
+Received StationProcess::received() const {
+  std::ifstream file(log_);
+  Received received, line;
+  std::string text;
+  while (std::getline(file, text)) {
+    std::istringstream numbers(text);
+    if (numbers >> line.samples >> line.missing >> line.channels >> line.listed >>
+        line.missing_blocks)
+      received = line;
+  }
+  return received;
+}
+
+std::uint64_t dropped_datagrams() {
+  std::ifstream file("/proc/net/snmp");
+  std::string names, values;
+  while (std::getline(file, names) && std::getline(file, values)) {
+    if (!names.starts_with("Udp:")) continue;
+    std::istringstream name(names), value(values);
+    std::string one;
+    std::string number;
+    while (name >> one && value >> number) {
+      if (one == "RcvbufErrors") return std::stoull(number);
+    }
+  }
+  return 0;
+}
+
+std::uint64_t dropped_datagrams(pid_t process) {
+  std::set<std::string> sockets;  // their inodes
+  std::error_code gone;           // files may close while they are listed
+  const std::string of_process = "/proc/" + std::to_string(process);
+  for (const auto& file : std::filesystem::directory_iterator(of_process + "/fd", gone)) {
+    const std::string target = std::filesystem::read_symlink(file.path(), gone).string();
+    if (target.starts_with("socket:[")) sockets.insert(target.substr(8, target.size() - 9));
+  }
+  std::ifstream file(of_process + "/net/udp");
+  std::uint64_t dropped = 0;
+  std::string line;
+  std::getline(file, line);  // skips the heading
+  while (std::getline(file, line)) {
+    std::istringstream fields(line);
+    const std::vector<std::string> words{std::istream_iterator<std::string>(fields), {}};
+    // proc(5): inode is the tenth field, drops the last.
+    if (words.size() > 10 && sockets.contains(words[9])) dropped += std::stoull(words.back());
+  }
+  return dropped;
+}
+
+}  // namespace fieldcast::bench

@@ -1,0 +1,40 @@
+// Stations in separate processes with their counters. Main thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tools/bench/plant/process.hpp"
+
+namespace fieldcast::bench {
+
+struct Received {
+  std::uint64_t samples = 0, missing = 0;  // by sequence
+  std::uint64_t channels = 0;              // with a value
+  std::uint64_t listed = 0;                // in the catalogue
+  std::uint64_t missing_blocks = 0;
+};
+
+class StationProcess {
+ public:
+  // `one_by_one`: fieldcast/Sample instead of blocks. `loss`: share of dropped datagrams.
+  // `program`: prints like bench_station.
+  StationProcess(const ScratchFolder& folder, unsigned domain, const std::string& name,
+                 bool one_by_one, double loss = 0, const std::string& program = "bench_station");
+  [[nodiscard]] Received received() const;  // at most 20 ms old while it runs
+  [[nodiscard]] double cpu_seconds() const { return process_.cpu_seconds(); }
+  [[nodiscard]] pid_t id() const { return process_.id(); }
+
+ private:
+  std::string log_;
+  Process process_;
+};
+
+// Datagrams that the kernel dropped since boot because a socket buffer was full.
+[[nodiscard]] std::uint64_t dropped_datagrams();
+// The same for the open sockets of a process (/proc/net/udp).
+[[nodiscard]] std::uint64_t dropped_datagrams(pid_t process);
+
+}  // namespace fieldcast::bench

@@ -1,0 +1,143 @@
+#include "tools/cli/command/line/inspect.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <fstream>
+#include <istream>
+#include <ostream>
+
+#include "bridge/base/errno_text.hpp"
+#include "config/loader/loader.hpp"
+#include "core/base/bytes.hpp"
+#include "core/base/json.hpp"
+#include "core/capture/trace_text.hpp"
+#include "tools/cli/command/base/command.hpp"
+#include "tools/cli/inspect/capture_input.hpp"
+#include "tools/cli/model/sample_text.hpp"
+#include "tools/cli/view/inspect_view.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+// Limits wrong input; a real frame is far shorter.
+constexpr std::size_t kMaxHexCharacters = 65536;
+constexpr std::size_t kMaxTraceCharacters = 64 << 20;
+
+std::string text_of(const InspectOptions& options, std::istream& in) {
+  std::string text;
+  for (const auto& part : options.hex) text += part + (parse_trace_text(part) ? '\n' : ' ');
+  if (options.hex.empty()) {
+    for (char c; text.size() <= kMaxTraceCharacters && in.get(c);) text += c;
+  }
+  return text;
+}
+
+ExitCode inspect_hex(const NamedProtocol& protocol, const std::string& hex,
+                     const InspectOptions& options, std::ostream& out, std::ostream& err,
+                     const Screen& screen) {
+  const auto frame = hex.size() <= kMaxHexCharacters ? from_hex(hex) : std::nullopt;
+  if (!frame || frame->empty()) {
+    err << "fieldcast inspect: "
+        << (hex.size() > kMaxHexCharacters ? "more than 65536 characters are" : "that is")
+        << " no frame; write its bytes in hexadecimal, for instance 01 03 00 64 00 02 85 D4 or "
+           "01030064000285D4, or lines of the bridge's trace\n";
+    return ExitCode::kUsage;
+  }
+  const auto fields = protocol.built_in != nullptr
+                          ? protocol.built_in->explain(*frame)
+                          : declared::explain(*protocol.declaration.value, *frame);
+  const std::string_view name = protocol.name();
+  if (options.json) {
+    out << inspect_json(name, *frame, fields).text() << '\n';
+  } else {
+    for (const auto& line : inspect_lines(name, *frame, fields, screen)) out << line << '\n';
+  }
+  return count_faults(fields) == 0 ? ExitCode::kOk : ExitCode::kFound;
+}
+
+// Prints the faults to `err`.
+std::optional<BridgeSpec> load_configuration(const std::string& path, std::ostream& err) {
+  auto loaded = config::load_file(path);
+  if (loaded) return *std::move(loaded);
+  err << config::to_text(loaded.error()) << '\n';
+  return std::nullopt;
+}
+
+FrameReport::Options report_options(const InspectOptions& options,
+                                    const std::optional<BridgeSpec>& spec) {
+  return {.json = options.json, .fields = options.fields, .spec = spec ? &*spec : nullptr};
+}
+
+}  // namespace
+
+ExitCode inspect(const InspectOptions& given, std::istream& in, std::ostream& out,
+                 std::ostream& err, const Screen& screen) {
+  InspectOptions options = given;
+  std::optional<BridgeSpec> spec;
+  if (!options.config.empty()) {
+    spec = load_configuration(options.config, err);
+    if (!spec) return ExitCode::kUsage;
+  }
+  auto how = report_options(options, spec);
+  const bool named = has_name_of_capture(options.protocol);
+  std::ifstream file(options.protocol, std::ios::binary);
+  if (named && !file) {
+    err << fmt::format("fieldcast inspect: {}: {}\n", printable(options.protocol),
+                       errno_text(errno));
+    return ExitCode::kUsage;
+  }
+  if (named || (file && is_capture(file))) {
+    FrameReport report(how, out, screen);
+    return show_capture(file, options.protocol, report, err);
+  }
+  // With a configuration, the first word may be the input.
+  if (options.protocol.empty() || parse_trace_text(options.protocol)) {
+    if (!spec) {
+      err << "fieldcast inspect: which protocol? Name it, or the configuration with --config\n";
+      return ExitCode::kUsage;
+    }
+    if (!options.protocol.empty()) options.hex.insert(options.hex.begin(), options.protocol);
+  } else {
+    how.protocol = named_protocol(options.protocol, "inspect", err);
+    if (!how.protocol) return ExitCode::kUsage;
+  }
+  const std::string text = text_of(options, in);
+  FrameReport report(how, out, screen);
+  if (show_trace(text, report)) return report.faulty() > 0 ? ExitCode::kFound : ExitCode::kOk;
+  if (how.protocol) return inspect_hex(*how.protocol, text, options, out, err, screen);
+  err << "fieldcast inspect: that are no lines of the bridge's trace, which look like "
+         "2026-11-22T14:24:21.126358Z line >> 01 03 00 64 00 02 85 D4; of a frame alone the "
+         "protocol must be named\n";
+  return ExitCode::kUsage;
+}
+
+namespace {
+
+class InspectCommand final : public CommandWith<InspectOptions> {
+ public:
+  void describe(CommandLine& line) override {
+    line.text("PROTOCOL", options_.protocol,
+              std::string(kProtocolHelp) + "; or the file of a capture (.pcapng)");
+    line.texts("HEX", options_.hex,
+               "The frame's bytes, or lines of the bridge's trace; from standard input when there "
+               "are none");
+    line.text("--config", options_.config, "Shows values by the channels of this configuration")
+        .existing_file();
+    line.flag("--fields", options_.fields, "Every field of each frame of a capture or a trace");
+    line.flag("--json", options_.json, "One JSON object for each frame");
+  }
+  ExitCode run(const Streams& streams) override {
+    return inspect(options_, streams.in, streams.out, streams.err, streams.wide_screen());
+  }
+};
+
+}  // namespace
+
+CommandEntry inspect_command();
+CommandEntry inspect_command() {
+  return {"inspect", "Explain a frame, a trace or a capture; needs no bridge",
+          make_command<InspectCommand>};
+}
+
+}  // namespace fieldcast::cli

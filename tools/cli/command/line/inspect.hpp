@@ -1,0 +1,26 @@
+// `fieldcast inspect`: explains a frame in hexadecimal, lines of a trace, or a capture. PROTOCOL: a
+// built-in name, the path of a declaration, or the name of an installed one. Needs no DDS.
+#pragma once
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "tools/cli/text/exit_code.hpp"
+#include "tools/cli/text/text_table.hpp"
+
+namespace fieldcast::cli {
+
+struct InspectOptions {
+  std::string protocol;          // or the path of a capture; empty: from the configuration
+  std::vector<std::string> hex;  // or lines of a trace; empty: read from `in`
+  bool json = false;
+  std::string config;   // used to decode values; empty: no decoding
+  bool fields = false;  // prints every field of each frame of a capture or trace
+};
+
+// Returns kFound if a frame is invalid or a capture is truncated, kUsage for invalid input.
+[[nodiscard]] ExitCode inspect(const InspectOptions& options, std::istream& in, std::ostream& out,
+                               std::ostream& err, const Screen& screen);
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,28 @@
+// `fieldcast poke`: writes to addresses on a line, without a bridge and a configuration.
+#pragma once
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "tools/cli/direct/line_options.hpp"
+#include "tools/cli/terminal/interrupt.hpp"
+#include "tools/cli/text/exit_code.hpp"
+
+namespace fieldcast::cli {
+
+struct PokeOptions {
+  LineOptions line;
+  std::vector<std::string> assignments;  // "holding:100=7"; commas separate consecutive values
+  std::string type;                      // empty: default of the address
+  bool verify = false;
+  bool trace = false;
+  std::string capture;  // new capture file; empty: none
+  bool json = false;
+};
+
+// Checks all assignments first, then writes in order until one fails.
+[[nodiscard]] ExitCode poke(const PokeOptions& options, const Interrupt& interrupt,
+                            std::ostream& out, std::ostream& err);
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,31 @@
+// `fieldcast read`: reads addresses on a line, without a bridge and a configuration.
+#pragma once
+
+#include <cstdint>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "tools/cli/direct/line_options.hpp"
+#include "tools/cli/terminal/interrupt.hpp"
+#include "tools/cli/text/exit_code.hpp"
+#include "tools/cli/text/text_table.hpp"
+
+namespace fieldcast::cli {
+
+struct ReadOptions {
+  LineOptions line;
+  std::vector<std::string> addresses;
+  std::uint32_t count = 1;  // values at each address
+  std::string type;         // empty: default of the address
+  std::string as;           // "float32,int32", "all": types for --as
+  bool trace = false;
+  std::string capture;  // new capture file; empty: none
+  bool json = false;
+};
+
+// Continues after a refused address; returns the code of the last fault.
+[[nodiscard]] ExitCode read(const ReadOptions& options, const Interrupt& interrupt,
+                            std::ostream& out, std::ostream& err, const Screen& screen);
+
+}  // namespace fieldcast::cli

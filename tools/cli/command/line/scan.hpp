@@ -1,0 +1,34 @@
+// `fieldcast scan`: finds baud rate, format and devices of a line by requests that change nothing,
+// and writes a first configuration.
+#pragma once
+
+#include <iosfwd>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/time.hpp"
+#include "tools/cli/terminal/interrupt.hpp"
+#include "tools/cli/text/exit_code.hpp"
+#include "tools/cli/text/text_table.hpp"
+
+namespace fieldcast::cli {
+
+struct ScanOptions {
+  std::string port;
+  std::vector<std::string> protocols;  // empty: modbus-rtu, for HOST:PORT modbus-tcp
+  std::optional<std::uint32_t> baud;
+  std::string format;
+  std::string addresses = "1-32";
+  std::optional<Duration> timeout;  // for each response; disables the quick search
+  bool all = false;                 // searches every line; disables the quick search
+  std::string out;                  // new configuration file; must not exist
+  std::string capture;              // new capture file; empty: none
+  bool json = false;
+};
+
+// Also shows what was found before an interrupt.
+[[nodiscard]] ExitCode scan(const ScanOptions& options, const Interrupt& interrupt,
+                            std::ostream& out, std::ostream& err, const Screen& screen);
+
+}  // namespace fieldcast::cli

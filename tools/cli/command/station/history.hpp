@@ -1,0 +1,36 @@
+// `fieldcast history`: prints stored samples or buckets as lines, CSV or JSON lines. Needs no
+// bridge.
+#pragma once
+
+#include <cstdint>
+#include <iosfwd>
+#include <optional>
+#include <string>
+
+#include "core/model/pattern.hpp"
+#include "tools/cli/domain/store_source.hpp"
+#include "tools/cli/model/time_text.hpp"
+#include "tools/cli/terminal/interrupt.hpp"
+#include "tools/cli/text/exit_code.hpp"
+
+namespace fieldcast::cli {
+
+struct HistoryOptions {
+  StoreSource source;
+  Pattern pattern;
+  TimeSpan span;
+  // Without either option, samples are printed.
+  std::optional<Duration> every;
+  std::optional<std::uint32_t> points;  // maximum for each channel
+  Zone zone = Zone::kUtc;               // of times in text and CSV
+  std::string gzip;                     // new compressed file; empty: standard output
+  bool csv = false;
+  bool json = false;
+};
+
+// Returns kOk, kNothing with the reason, or kInterrupted after a whole line. `interrupt` may be
+// null. Throws StoreError.
+[[nodiscard]] ExitCode history(const HistoryOptions& options, std::ostream& out, std::ostream& err,
+                               const Interrupt* interrupt = nullptr);
+
+}  // namespace fieldcast::cli

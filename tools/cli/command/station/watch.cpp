@@ -1,0 +1,259 @@
+#include "tools/cli/command/station/watch.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <ostream>
+#include <utility>
+
+#include "bridge/dds/transport/receive_buffer.hpp"
+#include "core/base/json.hpp"
+#include "tools/cli/command/base/command.hpp"
+#include "tools/cli/command/base/in_domain.hpp"
+#include "tools/cli/command/base/pattern_option.hpp"
+#include "tools/cli/command/station/watch_live.hpp"
+#include "tools/cli/domain/domain_view.hpp"
+#include "tools/cli/domain/listening.hpp"
+#include "tools/cli/model/sample_text.hpp"
+#include "tools/cli/model/watch_model.hpp"
+#include "tools/cli/terminal/clock.hpp"
+#include "tools/cli/terminal/console.hpp"
+#include "tools/cli/terminal/terminal.hpp"
+#include "tools/cli/view/watch_view.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+constexpr Duration kLook = std::chrono::milliseconds{200};
+constexpr Duration kInterestWait = std::chrono::seconds{1};
+constexpr Duration kLagAgain = std::chrono::seconds{1};  // shortest time between two lag events
+constexpr Duration kOnceWait = std::chrono::seconds{10};
+
+class Watch {
+ public:
+  Watch(const WatchOptions& options, const Connection& connection, Interrupt& interrupt,
+        std::ostream& out, std::ostream& err)
+      : options_(options),
+        connection_(connection),
+        domain_(connection, interrupt),
+        model_(options.pattern),
+        out_(out),
+        err_(err) {}
+
+  ExitCode run();
+
+ private:
+  void read(const DomainEvent& event, Instant now);
+  void print_lines(Instant began, Instant end);
+  [[nodiscard]] bool screen_wanted();
+  void remark_interest(Instant now, Instant began);
+  void tell_lag(Instant now);
+  [[nodiscard]] bool complete(Instant now) const;
+  void print_all();
+  void print_table(const Screen& screen);
+  void print(const StationSample& sample);
+  [[nodiscard]] std::string what_matches() const;
+  [[nodiscard]] ExitCode verdict() const;
+
+  const WatchOptions& options_;
+  const Connection& connection_;
+  DomainView domain_;
+  WatchModel model_;
+  std::ostream& out_;
+  std::ostream& err_;
+  std::optional<std::string> remark_;   // about the interest; empty until known
+  Instant last_news_{};                 // last growth of the catalogue
+  std::optional<Listening> listening_;  // for --once
+  std::uint64_t missing_told_ = 0;      // missing blocks in the last lag event
+  std::optional<Instant> lag_told_;     // time of the last lag event
+};
+
+ExitCode Watch::run() {
+  const auto began = instant_now();
+  const auto limit = options_.time   ? options_.time
+                     : options_.once ? std::optional{kOnceWait}
+                                     : std::nullopt;
+  const auto end = limit ? began + *limit : kNever;
+  last_news_ = began;
+  listening_.emplace(connection_, began);
+  if (const auto small = receive_buffer_remark(connection_.sites.front().dds);
+      small && !options_.once)
+    err_ << "fieldcast watch: " << *small << '\n' << std::flush;
+  domain_.subscribe_channels();
+  domain_.subscribe_samples();
+  if (options_.refresh)
+    domain_.station().declare_interest(options_.pattern.text(), *options_.refresh);
+
+  if (screen_wanted()) {
+    watch_live(options_, connection_, domain_, model_, end);
+    print_table(output_screen());
+  } else {
+    print_lines(began, end);
+  }
+  if (options_.once && !domain_.interrupted()) print_all();
+  out_.flush();
+  if (const std::string silent = listening_->silent_text();
+      options_.once && listening_->anybody() && !silent.empty())
+    err_ << "fieldcast watch: " << silent << '\n';
+  err_ << "fieldcast watch: " << model_.summary();
+  if (const auto lag = model_.lag_remark()) err_ << "; " << *lag;
+  if (domain_.inbox().dropped() != 0)
+    err_ << "; " << domain_.inbox().dropped() << " more were not shown: the output was too slow";
+  err_ << '\n';
+  return verdict();
+}
+
+void Watch::print_lines(Instant began, Instant end) {
+  bool hinted = false;
+  for (auto now = began; now < end && !domain_.inbox().closed() && out_; now = instant_now()) {
+    for (const auto& event : domain_.inbox().take_all(to_steady(std::min(end, now + kLook))))
+      read(event, instant_now());
+    now = instant_now();
+    remark_interest(now, began);
+    tell_lag(now);
+    if (options_.once && complete(now)) break;
+    if (!model_.anything_announced() && now - began > kBridgeWait && !hinted) {
+      hinted = true;
+      if (options_.once) break;
+      err_ << "fieldcast watch: " << no_bridge_text(connection_, domain_.missing_servers())
+           << "; still waiting\n"
+           << std::flush;
+    }
+    out_.flush();
+  }
+}
+
+void Watch::read(const DomainEvent& event, Instant now) {
+  if (const auto* sample = std::get_if<StationSample>(&event)) {
+    if (model_.on_sample(*sample, now) && !options_.once) print(*sample);
+  } else if (const auto* channel = std::get_if<StationChannel>(&event)) {
+    model_.on_channel(*channel);
+    last_news_ = now;
+    listening_->news(channel->bus, now);
+  } else if (const auto* gone = std::get_if<ChannelGone>(&event)) {
+    model_.on_gone(gone->path);
+  }
+}
+
+// Bridges announce their channels again when an interest becomes effective.
+void Watch::remark_interest(Instant now, Instant began) {
+  if (!options_.refresh || remark_ || !model_.anything_announced() ||
+      now - std::max(began, last_news_) < kInterestWait)
+    return;
+  remark_ = model_.interest_remark(*options_.refresh).value_or("");
+  if (!remark_->empty()) err_ << "fieldcast watch: " << *remark_ << '\n' << std::flush;
+}
+
+// Otherwise the table's footer and the last line report the lag.
+void Watch::tell_lag(Instant now) {
+  model_.on_counters(domain_.station().block_counters());
+  const Station::BlockCounters& counters = model_.counters();
+  if (!options_.json || options_.once || counters.missing == missing_told_ ||
+      (lag_told_ && now - *lag_told_ < kLagAgain))
+    return;
+  missing_told_ = counters.missing;
+  lag_told_ = now;
+  out_ << lag_json(counters).text() << '\n';
+}
+
+// Prints the reason if the terminal cannot show a screen.
+bool Watch::screen_wanted() {
+  if (options_.once || options_.json || options_.plain || !output_is_terminal()) return false;
+  const std::string reason = no_screen_reason();
+  if (!reason.empty()) err_ << "fieldcast watch: " << reason << ": lines instead\n" << std::flush;
+  return reason.empty();
+}
+
+bool Watch::complete(Instant now) const {
+  return model_.anything_announced() && model_.awaited(options_.refresh.has_value()) == 0 &&
+         now > listening_->over_at();
+}
+
+void Watch::print_all() {
+  if (!options_.json && output_is_terminal()) {
+    auto screen = output_screen();
+    screen.rows = 0;
+    return print_table(screen);
+  }
+  for (const auto& [path, row] : model_.rows()) print(row.sample);
+}
+
+void Watch::print_table(const Screen& screen) {
+  for (const auto& line : watch_lines(model_, instant_now(), utc_now(), screen))
+    out_ << line << '\n';
+}
+
+void Watch::print(const StationSample& sample) {
+  if (options_.json) {
+    out_ << sample_json(sample).text() << '\n';
+  } else {
+    out_ << sample_line(sample,
+                        model_.catalogue().find({sample.bus, sample.device, sample.channel}))
+         << '\n';
+  }
+}
+
+std::string Watch::what_matches() const {
+  const std::string meant = model_.meant();
+  return meant.empty() ? "fieldcast watch --once lists them"
+                       : fmt::format("did you mean '{}'?", meant);
+}
+
+ExitCode Watch::verdict() const {
+  if (!out_) return ExitCode::kTrouble;
+  if (domain_.interrupted())
+    return options_.once || options_.time ? ExitCode::kInterrupted : ExitCode::kOk;
+  if (model_.sampled() != 0 || (options_.once && !model_.rows().empty())) return ExitCode::kOk;
+  if (!model_.anything_announced()) {
+    err_ << "fieldcast watch: " << no_bridge_text(connection_, domain_.missing_servers()) << '\n';
+    return ExitCode::kNoBridge;
+  }
+  err_ << "fieldcast watch: a bridge is there, but "
+       << (model_.rows().empty()
+               ? fmt::format("none of its channels matches {}; {}", model_.pattern().text(),
+                             what_matches())
+               : std::string("no sample came; fieldcast status says what the bus does"))
+       << '\n';
+  return ExitCode::kNothing;
+}
+
+}  // namespace
+
+ExitCode watch(const WatchOptions& options, const Connection& connection, Interrupt& interrupt,
+               std::ostream& out, std::ostream& err) {
+  return Watch(options, connection, interrupt, out, err).run();
+}
+
+namespace {
+
+class WatchCommand final : public CommandWith<WatchOptions> {
+ public:
+  void describe(CommandLine& line) override {
+    line.value("PATTERN", pattern_into(options_.pattern), kPatternHelp);
+    line.flag("--json", options_.json, "JSON lines");
+    line.flag("--plain", options_.plain, "Lines, where a terminal would get the screen");
+    line.flag("--once", options_.once, "Each matching channel once, then end");
+    line.duration("--for", options_.time, CommandLine::kShortest,
+                  "End after this time (20, 500ms, 2min); with --once the longest wait (10s)");
+    line.duration("--refresh", options_.refresh, CommandLine::kShortest,
+                  "Keep the channels as fresh as this while watching");
+    add_connection(line, options_.connection);
+  }
+  ExitCode run(const Streams& streams) override {
+    options_.unicode = use_terminal_locale();
+    return in_domain(options_.connection, streams,
+                     [&](const Connection& connection, Interrupt& interrupt) {
+                       return watch(options_, connection, interrupt, streams.out, streams.err);
+                     });
+  }
+};
+
+}  // namespace
+
+CommandEntry watch_command();
+CommandEntry watch_command() {
+  return {"watch", "Show samples: a screen, lines, or JSON lines", make_command<WatchCommand>};
+}
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,157 @@
+#include "tools/cli/command/station/write.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <ostream>
+
+#include "tools/cli/command/base/command.hpp"
+#include "tools/cli/command/base/command_run.hpp"
+#include "tools/cli/command/base/in_domain.hpp"
+#include "tools/cli/model/command_text.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+ExitCode usage(std::ostream& err, const std::string& fault) {
+  err << "fieldcast write: " << fault << '\n';
+  return ExitCode::kUsage;
+}
+
+Errand errand_of(const Assignment& assignment, const Catalogue& catalogue, bool verify) {
+  const auto* channel = catalogue.find(assignment.path);
+  const auto refused = [&](Cause cause, std::string reason) {
+    return Errand{{}, refused_here(assignment.path, true, cause, std::move(reason))};
+  };
+  if (channel == nullptr)
+    return refused(Cause::kUnknownChannel, catalogue.explain_unknown(assignment.path));
+  const auto encoding = parse_type(channel->type);
+  if (!encoding) return refused(Cause::kUnsupported, encoding.error());
+  const auto value = value_from_text(*encoding, assignment.value);
+  if (!value) return refused(Cause::kWrongType, value.error());
+
+  return channel_write(assignment.path, *value, {channel->type, channel->unit, verify});
+}
+
+// If one assignment is refused, none is sent.
+void hold_back_if_any_is_refused(std::vector<Errand>& errands) {
+  const bool all = std::all_of(errands.begin(), errands.end(),
+                               [](const auto& errand) { return errand.to_be_sent(); });
+  for (auto& errand : errands) {
+    if (all || !errand.to_be_sent()) continue;
+    errand.outcome.state = Outcome::State::kNotSent;
+    errand.outcome.result.reason = "another of these assignments is refused";
+  }
+}
+
+ExitCode write_channels(const WriteOptions& options, const Connection& connection,
+                        Interrupt& interrupt, std::ostream& out, std::ostream& err) {
+  std::vector<Assignment> assignments;
+  std::vector<ChannelPath> paths;
+  for (const auto& word : options.words) {
+    auto assignment = Assignment::parse(word);
+    if (!assignment) return usage(err, assignment.error());
+    paths.push_back(assignment->path);
+    assignments.push_back(*std::move(assignment));
+  }
+  DomainView domain(connection, interrupt);
+  CommandRun run(domain, connection, {options.json, options.timeout}, out, err);
+  if (!run.learn(paths)) return run.why_not();
+  std::vector<Errand> errands;
+  for (const auto& assignment : assignments)
+    errands.push_back(errand_of(assignment, run.catalogue(), options.verify));
+  hold_back_if_any_is_refused(errands);
+  return run.execute(std::move(errands));
+}
+
+// The error is one line.
+tl::expected<Errand, std::string> address_errand(const WriteOptions& options,
+                                                 const ChannelPath& device,
+                                                 const AddressType& type) {
+  Errand errand;
+  errand.command.bus = device.bus;
+  auto& command = errand.command.command;
+  command.device = device.device;
+  command.target = AddressTarget{options.at, type.encoding};
+  command.operation = Operation::kWrite;
+  command.verify = options.verify;
+  for (auto word = options.words.begin() + 1; word != options.words.end(); ++word) {
+    const auto value = value_from_text(type.encoding, *word);
+    if (!value) return tl::unexpected(value.error());
+    command.values.push_back(*value);
+  }
+  command.count = static_cast<std::uint32_t>(command.values.size());
+  errand.outcome = {Outcome::State::kResult, device.bus, device.device, options.at, true,
+                    command.values,          {},         type.text,     {}};
+  return errand;
+}
+
+ExitCode write_address(const WriteOptions& options, const Connection& connection,
+                       Interrupt& interrupt, std::ostream& out, std::ostream& err) {
+  const auto device = parse_device_or_channel(options.words.front());
+  if (!device || !device->channel.empty())
+    return usage(err, "with --at write BUS/DEVICE and then the values");
+  if (options.words.size() < 2)
+    return usage(err, fmt::format("no value for {}; write them after BUS/DEVICE", options.at));
+  auto type = address_type(options);
+  if (!type && !options.type.empty()) return usage(err, type.error());
+  std::vector<Errand> errands;
+  if (type) {
+    auto errand = address_errand(options, *device, *type);
+    if (!errand) return usage(err, errand.error());
+    errands.push_back(*std::move(errand));
+  }
+
+  DomainView domain(connection, interrupt);
+  CommandRun run(domain, connection, {options.json, options.timeout}, out, err);
+  if (!run.learn({*device}, type ? CommandRun::Wanted::kDevice : CommandRun::Wanted::kChannels))
+    return run.why_not();
+  if (!run.catalogue().has_bus(device->bus)) {
+    errands = {unknown_bus(*device, options.at, true, run.catalogue())};
+  } else if (errands.empty()) {
+    auto errand = address_type(options, channels_of(run.catalogue(), *device))
+                      .and_then([&](const AddressType& told) {
+                        return address_errand(options, *device, told);
+                      });
+    if (!errand) return usage(err, errand.error());
+    errands.push_back(*std::move(errand));
+  }
+  return run.execute(std::move(errands));
+}
+
+}  // namespace
+
+ExitCode write(const WriteOptions& options, const Connection& connection, Interrupt& interrupt,
+               std::ostream& out, std::ostream& err) {
+  return options.at.empty() ? write_channels(options, connection, interrupt, out, err)
+                            : write_address(options, connection, interrupt, out, err);
+}
+
+namespace {
+
+class WriteCommand final : public CommandWith<WriteOptions> {
+ public:
+  void describe(CommandLine& line) override {
+    line.texts("ASSIGNMENT", options_.words,
+               "BUS/DEVICE/CHANNEL=VALUE ..; with --at: BUS/DEVICE VALUE ..")
+        .required();
+    line.flag("--verify", options_.verify, "Read back what was written");
+    add_command_options(line, options_, "Write to");
+  }
+  ExitCode run(const Streams& streams) override {
+    return in_domain(options_.connection, streams,
+                     [&](const Connection& connection, Interrupt& interrupt) {
+                       return write(options_, connection, interrupt, streams.out, streams.err);
+                     });
+  }
+};
+
+}  // namespace
+
+CommandEntry write_command();
+CommandEntry write_command() {
+  return {"write", "Write values to channels, and wait for the results",
+          make_command<WriteCommand>};
+}
+
+}  // namespace fieldcast::cli

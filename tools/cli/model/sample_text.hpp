@@ -1,0 +1,40 @@
+// Formats samples as text and JSON. Pure functions.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "bridge/station/station.hpp"
+#include "core/base/json.hpp"
+#include "tools/cli/text/text_table.hpp"
+
+namespace fieldcast::cli {
+
+// {"bus", "device", "channel", "value", "quality", "acquired_at", "sequence"}, and "device_code" if
+// the device sent one. A channel that was never read has the value null and acquired_at 0.
+[[nodiscard]] Json sample_json(const StationSample& sample);
+
+// All digits (core/base/number_text.hpp); a float32 with those of a float. `type` is that of the
+// catalogue; empty: double.
+[[nodiscard]] std::string value_text(const Value& value, std::string_view type);
+
+[[nodiscard]] Tone tone_of(Quality quality);
+
+// "BAD_DEVICE_ERROR (02 illegal data address)"; the text only if the address determines the
+// protocol. `about` may be null.
+[[nodiscard]] std::string quality_text(const StationSample& sample,
+                                       const StationChannel* about = nullptr);
+
+// "0.12 s", "48 s", "3 min", "2 h"; "-" if unset. A future time counts as now.
+[[nodiscard]] std::string age_text(UtcTime then, UtcTime now);
+
+// "2026-11-21T03:04:05.678Z"; "-" if unset.
+[[nodiscard]] std::string utc_text(UtcTime time);
+
+// "03:04:05Z"; "-" if unset.
+[[nodiscard]] std::string clock_text(UtcTime time);
+
+// One line for logs: time, path, value and unit, quality. `about` may be null.
+[[nodiscard]] std::string sample_line(const StationSample& sample, const StationChannel* about);
+
+}  // namespace fieldcast::cli

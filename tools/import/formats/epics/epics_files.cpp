@@ -1,0 +1,355 @@
+#include "tools/import/formats/epics/epics_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <set>
+
+#include "tools/import/formats/epics/epics_templates.hpp"
+#include "tools/import/formats/epics/epics_tokens.hpp"
+
+namespace fieldcast::importing {
+namespace {
+
+constexpr unsigned kMaxMacroDepth = 10;
+constexpr unsigned kMaxMacroSteps = 10'000;      // in one text
+constexpr std::size_t kMaxScanned = 256u << 20;  // bytes of databases; each load counts
+
+std::string expand_at(std::string_view text, const Macros& macros, unsigned depth,
+                      unsigned& steps) {
+  std::string result;
+  for (std::size_t i = 0; i < text.size() && result.size() < kMaxExpanded; ++i) {
+    const bool begins =
+        text[i] == '$' && i + 1 < text.size() && (text[i + 1] == '(' || text[i + 1] == '{');
+    if (!begins) {
+      result += text[i];
+      continue;
+    }
+    if (++steps > kMaxMacroSteps) break;
+    const char open = text[i + 1], close = open == '(' ? ')' : '}';
+    std::size_t end = i + 2;
+    for (unsigned inner = 1; end < text.size(); ++end) {
+      if (text[end] == open) ++inner;
+      if (text[end] == close && --inner == 0) break;
+    }
+    const std::string_view body = text.substr(i + 2, end - i - 2);
+    const std::size_t equals = body.find('=');
+    const auto known = macros.find(trimmed(body.substr(0, equals)));
+    if (known != macros.end() && depth < kMaxMacroDepth) {
+      result += expand_at(known->second, macros, depth + 1, steps);
+    } else if (equals != std::string_view::npos && depth < kMaxMacroDepth) {
+      result += expand_at(body.substr(equals + 1), macros, depth + 1, steps);
+    } else {
+      result += text.substr(i, end - i + 1);
+    }
+    i = end;
+  }
+  return result;
+}
+
+// "/opt/db/meter.db" gives "meter.db".
+std::string_view base_of(std::string_view path) {
+  const std::size_t slash = path.rfind('/');
+  return slash == std::string_view::npos ? path : path.substr(slash + 1);
+}
+
+class EpicsLoader {
+ public:
+  explicit EpicsLoader(std::span<const SourceText> sources) : sources_(sources) {}
+
+  EpicsFiles load() {
+    for (const SourceText& source : sources_) {
+      if (is_startup_script(source.text)) load_script(source);
+    }
+    // Then reads files that no script has loaded.
+    for (const SourceText& source : sources_) {
+      if (!used_.contains(source.file) && is_substitutions(source.text))
+        load_substitutions(source, {});
+    }
+    for (const SourceText& source : sources_) {
+      if (!used_.contains(source.file) && is_database(source.text)) load_database(source, {});
+    }
+    return std::move(files_);
+  }
+
+ private:
+  void load_script(const SourceText& source) {
+    used_.insert(source.file);
+    files_.has_script = true;
+    unsigned line = 0;
+    for (std::size_t at = 0; at < source.text.size();) {
+      const std::size_t end = std::min(source.text.find('\n', at), source.text.size());
+      ++line;
+      const std::string text =
+          expand(trimmed(std::string_view(source.text).substr(at, end - at)), environment_);
+      at = end + 1;
+      if (text.empty() || text[0] == '#' || text[0] == '<') continue;
+      IocCall call = call_of(text);
+      call.origin = {source.file, line};
+      obey(call);
+      files_.calls.push_back(std::move(call));
+    }
+  }
+
+  // "command(a, "b c", 3)" or "command a "b c" 3".
+  static IocCall call_of(std::string_view text) {
+    IocCall call;
+    std::size_t at = std::min(text.find_first_of(" \t(,"), text.size());
+    call.command = text.substr(0, at);
+    while (at < text.size()) {
+      at = text.find_first_not_of(" \t(),", at);
+      if (at == std::string_view::npos || text[at] == '#') break;
+      std::string argument;
+      if (text[at] == '"') {
+        for (++at; at < text.size() && text[at] != '"'; ++at) {
+          if (text[at] == '\\' && at + 1 < text.size()) ++at;
+          argument += text[at];
+        }
+        if (at < text.size()) ++at;
+      } else {
+        const std::size_t end = std::min(text.find_first_of(" \t),", at), text.size());
+        argument = text.substr(at, end - at);
+        at = end;
+      }
+      call.arguments.push_back(std::move(argument));
+    }
+    return call;
+  }
+
+  void obey(const IocCall& call) {
+    if (call.command == "epicsEnvSet") {
+      environment_[std::string(call.argument(0))] = call.argument(1);
+    } else if (call.command == "dbLoadRecords") {
+      load_named(call, call.argument(0), macros_from(call.argument(1)), false);
+    } else if (call.command == "dbLoadTemplate") {
+      load_named(call, call.argument(0), macros_from(call.argument(1)), true);
+    }
+  }
+
+  void load_named(const IocCall& call, std::string_view path, Macros macros, bool substitutions) {
+    for (const auto& [name, value] : environment_) macros.try_emplace(name, value);
+    if (substitutions) {
+      const SourceText* source = given(path);
+      if (source == nullptr) return missing(path, call.origin);
+      load_substitutions(*source, macros);
+    } else if (const SourceText* source = given(path)) {
+      load_database(*source, macros);
+    } else {
+      load_template(path, macros, call.origin);
+    }
+  }
+
+  const SourceText* given(std::string_view path) {
+    const auto found = std::ranges::find_if(
+        sources_, [&](const SourceText& source) { return base_of(source.file) == base_of(path); });
+    if (found == sources_.end()) return nullptr;
+    used_.insert(found->file);
+    return &*found;
+  }
+
+  void missing(std::string_view path, const Origin& origin) {
+    files_.refusals.push_back(
+        {std::string(path), origin, "the file is not among those that were given; give it, too"});
+  }
+
+  void load_template(std::string_view path, const Macros& macros, const Origin& origin) {
+    if (const SourceText* source = given(path)) return load_database(*source, macros, &origin);
+    const std::string_view base = base_of(path);
+    if (is_driver_template(base)) {
+      ++files_.driver_records;
+    } else if (auto record = module_template(base)) {
+      expand_record(*record, macros);
+      record->origin = origin;
+      keep(std::move(*record));
+    } else {
+      missing(path, origin);
+    }
+  }
+
+  static void expand_record(EpicsRecord& record, const Macros& macros) {
+    record.name = expand(record.name, macros);
+    for (auto& [field, value] : record.fields) value = expand(value, macros);
+  }
+
+  void keep(EpicsRecord record) {
+    if (files_.records.size() < kMaxRecords) files_.records.push_back(std::move(record));
+  }
+
+  // record(ai, "name") { field(DTYP, "..") .. }
+  void load_database(const SourceText& source, const Macros& macros,
+                     const Origin* named_at = nullptr) {
+    scanned_ += source.text.size();
+    if (scanned_ > kMaxScanned || files_.records.size() == kMaxRecords) return;
+    EpicsTokens tokens(source.text);
+    while (auto token = tokens.next()) {
+      if (!token->is("record") && !token->is("grecord")) continue;
+      EpicsRecord record;
+      record.origin = named_at != nullptr ? *named_at : Origin{source.file, token->line};
+      if (!read_head(tokens, record)) continue;
+      if (!read_fields(tokens, record)) break;
+      expand_record(record, macros);
+      keep(std::move(record));
+    }
+  }
+
+  static bool read_head(EpicsTokens& tokens, EpicsRecord& record) {
+    std::vector<EpicsToken> head;
+    for (auto token = tokens.next(); token && !token->is(")"); token = tokens.next()) {
+      head.push_back(*token);
+      if (head.size() > 4) return false;
+    }
+    if (head.size() != 4 || !head[0].is("(") || !head[2].is(",")) return false;
+    record.type = head[1].text;
+    record.name = head[3].text;
+    return true;
+  }
+
+  static bool read_fields(EpicsTokens& tokens, EpicsRecord& record) {
+    auto token = tokens.next();
+    if (!token || !token->is("{")) return token.has_value();
+    while ((token = tokens.next()) && !token->is("}")) {
+      if (!token->is("field")) continue;
+      const auto open = tokens.next(), name = tokens.next(), comma = tokens.next(),
+                 value = tokens.next();
+      if (!value || !open->is("(") || !comma->is(",")) return false;
+      record.fields[name->text] = value->text;
+    }
+    return token.has_value();
+  }
+
+  // file "x.template" { pattern {A, B} {1, 2} .. } or { {A=1, B=2} .. }
+  void load_substitutions(const SourceText& source, const Macros& outer) {
+    used_.insert(source.file);
+    EpicsTokens tokens(source.text);
+    Macros global = outer;
+    while (auto token = tokens.next()) {
+      if (token->is("global")) {
+        if (!tokens.next()) return;  // the bracket
+        for (const auto& [name, value] : read_assignments(tokens)) global[name] = value;
+        continue;
+      }
+      if (!token->is("file")) continue;
+      const auto path = tokens.next();
+      const auto open = tokens.next();
+      if (!path || !open || !open->is("{")) return;
+      read_rows(tokens, source, expand(path->text, outer), global);
+    }
+  }
+
+  void read_rows(EpicsTokens& tokens, const SourceText& source, const std::string& path,
+                 const Macros& global) {
+    std::optional<std::vector<std::string>> pattern;
+    while (auto token = tokens.next()) {
+      if (token->is("}")) return;
+      if (token->is("pattern")) {
+        if (!tokens.next()) return;  // the bracket
+        pattern = read_list(tokens);
+        continue;
+      }
+      if (!token->is("{")) continue;
+      Macros macros = global;
+      if (pattern) {
+        const auto values = read_list(tokens);
+        for (std::size_t i = 0; i < std::min(values.size(), pattern->size()); ++i)
+          macros[(*pattern)[i]] = values[i];
+      } else {
+        for (const auto& [name, value] : read_assignments(tokens)) macros[name] = value;
+      }
+      load_template(path, macros, {source.file, token->line});
+    }
+  }
+
+  static std::vector<std::string> read_list(EpicsTokens& tokens) {
+    std::vector<std::string> list;
+    while (auto token = tokens.next()) {
+      if (token->is("}")) break;
+      if (!token->is(",")) list.push_back(token->text);
+    }
+    return list;
+  }
+
+  // A=1, B="x y": a quoted value is the next token after its name.
+  static Macros read_assignments(EpicsTokens& tokens) {
+    Macros macros;
+    std::string name;
+    while (auto token = tokens.next()) {
+      if (token->is("}")) break;
+      if (token->is(",")) continue;
+      const std::size_t equals = token->quoted ? std::string::npos : token->text.find('=');
+      if (equals != std::string::npos) {
+        name = token->text.substr(0, equals);
+        macros[name] = token->text.substr(equals + 1);
+      } else if (!name.empty()) {
+        macros[name] += token->text;
+      }
+    }
+    return macros;
+  }
+
+  std::span<const SourceText> sources_;
+  EpicsFiles files_;
+  Macros environment_;
+  std::set<std::string> used_;
+  std::size_t scanned_ = 0;
+};
+
+}  // namespace
+
+std::string expand(std::string_view text, const Macros& macros) {
+  unsigned steps = 0;
+  return expand_at(text, macros, 0, steps);
+}
+
+Macros macros_from(std::string_view text) {
+  Macros macros;
+  for (const std::string_view part : split(text, ',')) {
+    const std::size_t equals = part.find('=');
+    if (equals == std::string_view::npos) continue;
+    macros[std::string(trimmed(part.substr(0, equals)))] = trimmed(part.substr(equals + 1));
+  }
+  return macros;
+}
+
+EpicsFiles load_epics(std::span<const SourceText> sources) { return EpicsLoader(sources).load(); }
+
+bool is_startup_script(std::string_view text) {
+  return text.find("drvModbusAsynConfigure") != std::string_view::npos ||
+         text.find("drvAsyn") != std::string_view::npos ||
+         text.find("dbLoadRecords") != std::string_view::npos ||
+         text.find("dbLoadTemplate") != std::string_view::npos;
+}
+
+bool is_database(std::string_view text) {
+  const std::size_t record = text.find("record(");
+  const bool spaced = text.find("record (") != std::string_view::npos;
+  return (record != std::string_view::npos || spaced) &&
+         text.find("field") != std::string_view::npos;
+}
+
+bool is_substitutions(std::string_view text) {
+  const std::size_t file = text.find("file ");
+  return file != std::string_view::npos && text.find('{', file) != std::string_view::npos &&
+         (text.find("pattern") != std::string_view::npos ||
+          text.find(".template") != std::string_view::npos ||
+          text.find(".db") != std::string_view::npos);
+}
+
+std::optional<std::int64_t> c_number(std::string_view text) {
+  text = trimmed(text);
+  const bool minus = text.starts_with('-');
+  if (minus) text.remove_prefix(1);
+  int base = 10;
+  if (text.starts_with("0x") || text.starts_with("0X")) {
+    base = 16;
+    text.remove_prefix(2);
+  } else if (text.size() > 1 && text[0] == '0') {
+    base = 8;
+  }
+  std::int64_t number = 0;
+  const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), number, base);
+  if (fault != std::errc{} || text.empty() || end != text.data() + text.size()) return std::nullopt;
+  return minus ? -number : number;
+}
+
+}  // namespace fieldcast::importing

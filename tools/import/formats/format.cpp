@@ -1,0 +1,53 @@
+#include "tools/import/formats/format.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "tools/import/formats/readers.hpp"
+
+namespace fieldcast::importing {
+
+std::span<const Format> formats() {
+  static constexpr std::array kFormats{
+      Format{"kepware", "Kepware tag export (CSV)", recognise_kepware, read_kepware},
+      Format{"telegraf", "Telegraf inputs.modbus (TOML)", recognise_telegraf, read_telegraf, "0"},
+      Format{"mqmgateway", "mqmgateway, modmqttd (YAML)", recognise_mqmgateway, read_mqmgateway,
+             "1, hexadecimal ones from 0"},
+      Format{"epics", "EPICS modbus: st.cmd, databases, substitutions", recognise_epics, read_epics,
+             "0"},
+      Format{"wb-mqtt-serial", "wb-mqtt-serial template or configuration (JSON)", recognise_wb,
+             read_wb, "0"},
+      Format{"neuron", "Neuron tags (JSON, CSV, Excel)", recognise_neuron, read_neuron},
+      Format{"modbus-list", "list of Modbus registers (CSV, Excel)", recognise_modbus_list,
+             read_modbus_list},
+  };
+  return kFormats;
+}
+
+const Format* format_by_name(std::string_view name) {
+  const auto found = std::ranges::find(formats(), name, &Format::name);
+  return found == formats().end() ? nullptr : &*found;
+}
+
+Recognised recognise(const SourceText& source) {
+  Recognised best;
+  for (const Format& format : formats()) {
+    const Confidence confidence = format.recognise(source);
+    if (confidence > best.confidence) best = {&format, confidence};
+  }
+  return best;
+}
+
+std::string_view to_text_of(Confidence confidence) {
+  if (confidence >= kCertain) return "certainly";
+  return confidence >= kLikely ? "probably" : "perhaps";
+}
+
+std::string stem_of(std::string_view path) {
+  const std::size_t slash = path.rfind('/');
+  if (slash != std::string_view::npos) path.remove_prefix(slash + 1);
+  const std::size_t point = path.rfind('.');
+  return std::string(point == 0 ? path : path.substr(0, point));
+}
+
+}  // namespace fieldcast::importing

@@ -1,0 +1,40 @@
+// Parses the cells for type and length of a register list. Pure.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <tl/expected.hpp>
+
+#include "tools/import/points/model.hpp"
+#include "tools/import/points/types.hpp"
+
+namespace fieldcast::importing {
+
+enum class LengthUnit : std::uint8_t { kWords, kBytes, kBits };
+
+struct Length {
+  unsigned number = 0;
+  std::optional<LengthUnit> unit;  // "32 bits", "2 words"; empty: a number only
+  [[nodiscard]] unsigned bits(LengthUnit as) const;
+};
+
+// Contains no value if the cell is empty or a dash. Fails for other text.
+[[nodiscard]] tl::expected<std::optional<Length>, std::string> length_from(std::string_view cell);
+
+struct ListType {
+  std::optional<TypeName> type;  // empty: the cell has no type
+  bool open = false;             // "INT", "signed", "BCD", "Float": the length determines the width
+  unsigned bits = 0;             // "2 words", "32 bits": only a width; else 0
+};
+
+// Fails for unknown words.
+[[nodiscard]] tl::expected<ListType, std::string> list_type_from(std::string_view cell);
+
+// Width of the name alone; 0: a text without a length, or a bit.
+[[nodiscard]] unsigned bits_of(const TypeName& type);
+
+// "INT" of 32 bits is int32, "BCD" of 32 bits is bcd32. Empty if there is no such type.
+[[nodiscard]] std::optional<ValueType> as_wide(ValueType type, unsigned bits);
+
+}  // namespace fieldcast::importing

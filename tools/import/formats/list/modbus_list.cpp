@@ -1,0 +1,433 @@
+// Register lists of vendors and of people: one row for each value, the titles in many words and in
+// any order (modbus_list_columns.cpp).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "tools/import/formats/list/length_vote.hpp"
+#include "tools/import/formats/list/list_address.hpp"
+#include "tools/import/formats/list/list_columns.hpp"
+#include "tools/import/formats/list/list_overlap.hpp"
+#include "tools/import/formats/list/list_point.hpp"
+#include "tools/import/formats/list/list_type.hpp"
+#include "tools/import/formats/list/modbus_list_columns.hpp"
+#include "tools/import/formats/list/reference_vote.hpp"
+#include "tools/import/formats/readers.hpp"
+#include "tools/import/points/address.hpp"
+#include "tools/import/points/types.hpp"
+#include "tools/import/text/columns.hpp"
+#include "tools/import/text/number.hpp"
+
+namespace fieldcast::importing {
+namespace {
+
+constexpr unsigned kTitleRows = 20;  // a title may stand above the header row
+
+// The row that names the columns: the first one with an address and three names that are known.
+std::optional<std::size_t> header_row(const Table& table) {
+  for (std::size_t i = 0; i < std::min<std::size_t>(table.rows.size(), kTitleRows); ++i) {
+    const Columns columns = list_columns(table.rows[i]);
+    if (columns.has(Field::kAddress) && columns.known() >= 3) return i;
+  }
+  return std::nullopt;
+}
+
+class ListReader {
+ public:
+  ListReader(const SourceText& source, const ReadOptions& options, const Table& table,
+             std::size_t header)
+      : source_(source),
+        options_(options),
+        table_(table),
+        header_(header),
+        list_(table, header),
+        columns_(list_.columns),
+        base_(options.base ? options.base : list_.counts_from),
+        length_unit_(list_.length_unit),
+        points_(list_, table.rows[header], options.word_order) {}
+
+  void read(Bus& bus, Found& found) {
+    for (std::size_t i = header_ + 1; i < table_.rows.size(); ++i) {
+      const Row& row = table_.rows[i];
+      if (columns_.cell(row, Field::kAddress).empty() && known_cells(row) < 2) continue;  // a title
+      ListEntry& entry = entries_.emplace_back(ListEntry{.row = &row});
+      entry.point.name = name_of(row);
+      entry.point.origin = {source_.file, row.line};
+      entry.fault = read_cells(entry);
+    }
+    doubt_bare_numbers();
+    decide_lengths();
+    for (ListEntry& entry : entries_) {
+      if (!entry.fault) entry.fault = set_width(entry);
+    }
+    decide_references(found);
+    std::vector<Placed> placed;
+    for (ListEntry& entry : entries_) {
+      if (!entry.fault) entry.fault = place(entry, placed);
+    }
+    note_overlaps(std::move(placed));
+    for (ListEntry& entry : entries_) {
+      Point& point = entry.point;
+      if (entry.fault) {
+        found.refusals.push_back({point.name, point.origin, *entry.fault});
+      } else {
+        device_of(entry, bus).points.push_back(std::move(point));
+      }
+    }
+    for (const std::string& title : columns_.ignored())
+      found.notes.push_back(fmt::format("{}: column '{}' is not used", source_.file, title));
+    tell_decisions(found);
+    tell_base(found);
+    if (took_unsigned_)
+      found.notes.push_back(fmt::format(
+          "{}: values without a data type are taken for unsigned numbers", source_.file));
+    if (took_holding_)
+      found.notes.push_back(
+          fmt::format("{}: no function code: addresses without one are taken for holding registers",
+                      source_.file));
+  }
+
+ private:
+  using MayFail = std::optional<std::string>;
+
+  [[nodiscard]] std::size_t known_cells(const Row& row) const {
+    std::size_t filled = 0;
+    for (const std::string& cell : row.cells) filled += !cell.empty();
+    return filled;
+  }
+
+  [[nodiscard]] std::string name_of(const Row& row) const {
+    for (const Field field : {Field::kName, Field::kDescription, Field::kAddress}) {
+      if (const auto cell = columns_.cell(row, field); !cell.empty()) return std::string(cell);
+    }
+    return {};
+  }
+
+  Device& device_of(const ListEntry& entry, Bus& bus) const {
+    const auto address = entry.unit;
+    for (Device& device : bus.devices) {
+      if (device.address == address && device.name.starts_with(stem_of(source_.file)))
+        return device;
+    }
+    Device& device = bus.devices.emplace_back();
+    device.address = address;
+    device.name = stem_of(source_.file) + (address ? fmt::format("-{}", *address) : "");
+    return device;
+  }
+
+  // What the row says by itself.
+  MayFail read_cells(ListEntry& entry) {
+    const Row& row = *entry.row;
+    const auto address = list_address_from(columns_.cell(row, Field::kAddress),
+                                           {list_.hex, options_.base.value_or(1)});
+    if (!address) {
+      entry.point.origin.column =
+          static_cast<unsigned>(columns_.index_of(Field::kAddress).value_or(0)) + 1;
+      return address.error();
+    }
+    entry.address = *address;
+    if (base_ == 0u && address->is_open()) entry.address.reference.reset();
+    if (base_ == 1u && address->plain) {
+      if (*address->plain == 0) return "the addresses of the list count from 1";
+      entry.address.plain = *address->plain - 1;
+    }
+    const std::string_view type_cell = columns_.cell(row, Field::kType);
+    const std::string_view area_cell = columns_.cell(row, Field::kArea);
+    entry.said = area_by_name(area_cell);
+    if (!entry.said && !is_empty_cell(area_cell))
+      return fmt::format("table or function '{}' is not understood", area_cell);
+    const auto type = list_type_from(type_cell);
+    if (!type) return type.error();
+    entry.type = *type;
+    // One cell of a column of types may name the table.
+    if (!entry.said && !type->type && is_area_word(type_cell)) entry.said = area_by_name(type_cell);
+    const auto length = length_from(columns_.cell(row, Field::kLength));
+    if (!length) return length.error();
+    entry.length = *length;
+    if (const std::string_view cell = columns_.cell(row, Field::kBit); !is_empty_cell(cell)) {
+      const auto bit = whole_from(cell);
+      if (!bit || *bit > 15) return fmt::format("bit '{}' is not 0 to 15", cell);
+      entry.address.bit = static_cast<std::uint8_t>(*bit);
+    }
+    if (const auto fault = read_unit(entry)) return fault;
+    if (const auto& reference = entry.address.reference;
+        reference && !entry.address.plain && entry.said && *entry.said != *reference->area)
+      return contradiction(entry);
+    return std::nullopt;
+  }
+
+  // Words, bytes or bits: all rows that are understood tell.
+  void decide_lengths() {
+    if (length_unit_ || !columns_.has(Field::kLength)) return;
+    LengthVote vote;
+    std::map<std::string, std::map<std::uint32_t, const ListEntry*>> places;
+    for (const ListEntry& entry : entries_) {
+      if (entry.fault) continue;
+      const bool explicit_width = entry.type.type && !entry.type.open;
+      // Of a byte, "1" may be its register too.
+      if (entry.length && explicit_width && bits_of(*entry.type.type) > 8)
+        vote.add_type(*entry.length, bits_of(*entry.type.type));
+      const std::string where = fmt::format("{}/{}", entry.unit.value_or(0),
+                                            entry.said ? static_cast<int>(*entry.said) : -1);
+      const auto& address = entry.address;
+      places[where].try_emplace(address.plain ? *address.plain : address.reference->first, &entry);
+    }
+    for (const auto& [where, entries] : places) {
+      for (auto it = entries.begin(); std::next(it) != entries.end(); ++it) {
+        if (it->second->length)
+          vote.add_step(*it->second->length, std::next(it)->first - it->first);
+      }
+    }
+    length_unit_ = vote.unit();
+  }
+
+  // How many bits the row says besides its type; nothing: it does not.
+  std::optional<unsigned> said_bits(ListEntry& entry) const {
+    if (entry.type.bits > 0) return entry.type.bits;
+    if (entry.length) {
+      const Length& length = *entry.length;
+      if (const auto unit = length.unit ? length.unit : length_unit_; unit) {
+        // "64" among "16 bits" and "32 bits", though other rows count otherwise.
+        const bool fits = length.bits(*unit) <= 64 || !entry.type.open;
+        if (fits || length.unit || length.number > 64) return length.bits(*unit);
+        return length.number;
+      }
+      if (length.number == 16 || length.number == 32 || length.number == 64) {
+        const bool text = entry.type.type && entry.type.type->type == ValueType::kString;
+        if (!text) return length.number;
+      }
+      if (entry.type.open || !entry.type.type || bits_of(*entry.type.type) == 0)
+        entry.point.changes.push_back(
+            fmt::format("length {} is taken as registers", length.number));
+      return length.bits(LengthUnit::kWords);
+    }
+    if (entry.address.registers > 0) return entry.address.registers * 16;
+    return std::nullopt;
+  }
+
+  // The type as wide as the row says.
+  MayFail set_width(ListEntry& entry) {
+    auto& type = entry.type.type;
+    if (type && type->type == ValueType::kBool) return std::nullopt;
+    const auto bits = said_bits(entry);
+    if (!type) {
+      entry.no_type = true;
+      type = TypeName{};
+      entry.type.open = true;
+    }
+    if (!bits) return std::nullopt;
+    if (entry.no_type && *bits == 1) {
+      entry.no_type = false;
+      type->type = ValueType::kBool;
+      return std::nullopt;
+    }
+    if (entry.type.open) {
+      const auto wide = as_wide(type->type, *bits);
+      if (!wide && !entry.no_type)
+        return fmt::format("no '{}' has {} bits", columns_.cell(*entry.row, Field::kType), *bits);
+      if (!wide) return fmt::format("no data type, and no number has {} bits", *bits);
+      type->type = *wide;
+      return std::nullopt;
+    }
+    const unsigned own = bits_of(*type);
+    if (own == 0) {
+      const unsigned bytes = *bits / 8;
+      if (bytes == 0 || bytes > kMaxStringBytes) return kTextLength;
+      type->string_bytes = static_cast<std::uint16_t>(bytes);
+    } else if ((own + 15) / 16 != (*bits + 15) / 16) {
+      entry.point.changes.push_back(fmt::format("the type '{}' is taken, which {} bits do not fit",
+                                                columns_.cell(*entry.row, Field::kType), *bits));
+    }
+    return std::nullopt;
+  }
+
+  // A blank cell below a filled one: a spreadsheet had merged them.
+  MayFail read_unit(ListEntry& entry) {
+    const std::string_view cell = columns_.cell(*entry.row, Field::kDevice);
+    if (is_empty_cell(cell)) {
+      if (odd_unit_) return "no address of its device, and that of the row above is odd";
+      entry.unit = last_unit_;
+      if (last_unit_ && !merged_) merged_ = entry.row->line;
+      return std::nullopt;
+    }
+    const auto unit = whole_from(cell);
+    odd_unit_ = !unit || *unit > 255;
+    if (odd_unit_) return fmt::format("'{}' is no address of a device", cell);
+    last_unit_ = entry.unit = static_cast<std::uint16_t>(*unit);
+    return std::nullopt;
+  }
+
+  // Of a list whose addresses are marked ("0x10", "10h") a bare number may be of either kind.
+  void doubt_bare_numbers() {
+    const auto understood = [](const ListEntry& entry) { return !entry.fault; };
+    const auto is_bare = [](const ListEntry& entry) {
+      return !entry.address.marked_hex && entry.address.plain && !entry.address.reference;
+    };
+    if (list_.hex || std::ranges::none_of(entries_, [&](const ListEntry& entry) {
+          return understood(entry) && entry.address.marked_hex;
+        }))
+      return;
+    for (ListEntry& entry : entries_) {
+      if (!understood(entry) || !is_bare(entry)) continue;
+      const std::string_view cell = columns_.cell(*entry.row, Field::kAddress);
+      if (cell.size() > 1 && cell[0] == '0') {
+        entry.fault = fmt::format("address '{}' may be hexadecimal, as others of the list", cell);
+      } else {
+        entry.point.changes.push_back(
+            fmt::format("address '{}' is read as decimal, others are hexadecimal", cell));
+      }
+    }
+  }
+
+  void tell_decisions(Found& found) const {
+    const auto tell = [&](std::string_view text) {
+      found.notes.push_back(fmt::format("{}: {}", source_.file, text));
+    };
+    if (!list_.hex_note.empty()) tell(list_.hex_note);
+    if (merged_)
+      tell(
+          fmt::format("rows without an address of their device (line {}, ..) are taken to have "
+                      "that of the row above",
+                      *merged_));
+    if (list_.gain == ListColumns::Gain::kDivides)
+      tell("column 'Gain': raw values are divided by it");
+    if (list_.gain == ListColumns::Gain::kMultiplies)
+      tell("column 'Gain': raw values are multiplied by it, for it is below 1");
+  }
+
+  void tell_base(Found& found) const {
+    if (list_.counts_from && base_ != list_.counts_from)
+      found.notes.push_back(
+          fmt::format("{}: the addresses count from {} by --base, not from {} as {}", source_.file,
+                      *base_, *list_.counts_from, list_.counts_note));
+    if (options_.base) return;
+    if (base_) {
+      found.notes.push_back(fmt::format("{}: the addresses count from {}, as {}", source_.file,
+                                        *base_, list_.counts_note));
+      return;
+    }
+    BaseGuess guess{source_.file, 0,
+                    "no title, no digit of a table and no second column says more"};
+    for (const ListEntry& entry : entries_) {
+      const std::string_view cell = columns_.cell(*entry.row, Field::kAddress);
+      if (entry.fault || cell.empty()) continue;
+      if (entry.address.plain == 0u) {
+        guess.reason = fmt::format("the list has an address 0 (line {})", entry.row->line);
+        break;
+      }
+      const bool reference = entry.address.reference && cell[0] >= '0' && cell[0] <= '9' &&
+                             (counts_from_one_ || !entry.address.plain);
+      if (!reference) continue;
+      guess.base = 1;
+      guess.reason = fmt::format(
+          "'{}' (line {}) begins with the digit of its table, and such references count from 1",
+          cell, entry.row->line);
+      break;
+    }
+    found.guesses.push_back(std::move(guess));
+  }
+
+  [[nodiscard]] std::string contradiction(const ListEntry& entry) const {
+    return fmt::format("the address '{}' and '{}' name different tables",
+                       columns_.cell(*entry.row, Field::kAddress),
+                       columns_.cell(*entry.row, Field::kArea));
+  }
+
+  // "40001" may be the first holding register, or register 40001: the whole list tells.
+  void decide_references(Found& found) {
+    ReferenceVote vote;
+    for (const ListEntry& entry : entries_) {
+      if (entry.fault || !entry.address.plain) continue;
+      vote.add({.line = entry.row->line,
+                .cell = columns_.cell(*entry.row, Field::kAddress),
+                .reference = entry.address.is_open() ? entry.address.reference->area : std::nullopt,
+                .said = entry.said,
+                .is_number = !entry.no_type && is_number(entry.type.type->type)});
+    }
+    counts_from_one_ = vote.counts_from_one();
+    for (ListEntry& entry : entries_) {
+      if (counts_from_one_ && !entry.fault && entry.address.is_open() && entry.said &&
+          *entry.said != *entry.address.reference->area)
+        entry.fault = contradiction(entry);
+    }
+    if (const std::string note = vote.note(); !note.empty())
+      found.notes.push_back(fmt::format("{}: {}", source_.file, note));
+  }
+
+  // The address as the whole list has it, and the type that depends on it.
+  MayFail place(ListEntry& entry, std::vector<Placed>& placed) {
+    const ListAddress& address = entry.address;
+    Reference reference;
+    if (address.reference && (counts_from_one_ || !address.plain)) {
+      reference = *address.reference;
+    } else {
+      reference.area = entry.said;
+      reference.first = *address.plain;
+    }
+    reference.bit = address.bit;
+    if (!reference.area) {
+      took_holding_ = true;
+      reference.area = ModbusArea::kHolding;
+    }
+    if (entry.no_type && !holds_bits(*reference.area) && !reference.bit) took_unsigned_ = true;
+    if (const auto fault = points_.read(entry, reference)) return fault;
+    const Point& point = entry.point;
+    placed.push_back({.device = entry.unit,
+                      .area = *reference.area,
+                      .first = reference.first,
+                      .bit = point.type == ValueType::kBool ? reference.bit : std::nullopt,
+                      .registers = holds_bits(*reference.area)
+                                       ? 1
+                                       : registers_of(point.type, point.string_bytes),
+                      .point = &entry.point});
+    return std::nullopt;
+  }
+
+  const SourceText& source_;
+  const ReadOptions& options_;
+  const Table& table_;
+  std::size_t header_;
+  const ListColumns list_;
+  const Columns& columns_;
+  const std::optional<unsigned> base_;  // of the addresses, as the user or the list says it
+  std::vector<ListEntry> entries_;
+  bool counts_from_one_ = false;
+  std::optional<std::uint16_t> last_unit_;
+  bool odd_unit_ = false;           // of the last row that has one
+  std::optional<unsigned> merged_;  // the first line that has the unit of the row above
+  bool took_holding_ = false;
+  bool took_unsigned_ = false;
+  std::optional<LengthUnit> length_unit_;  // of the numbers in the column of lengths
+  const ListPointReader points_;
+};
+
+}  // namespace
+
+Confidence recognise_modbus_list(const SourceText& source) {
+  const auto table =
+      read_table(std::string_view(source.text).substr(0, source.text.find('\n', 8192)));
+  if (!table) return 0;
+  const auto header = header_row(*table);
+  if (!header || table->rows.size() < *header + 2) return 0;
+  return list_columns(table->rows[*header]).known() >= 5 ? kLikely : kGuess;
+}
+
+Read read_modbus_list(std::span<const SourceText> sources, const ReadOptions& options) {
+  Found found;
+  Bus& bus = found.buses.emplace_back();
+  for (const SourceText& source : sources) {
+    const auto table = read_table(source.text);
+    if (!table) return tl::unexpected(fmt::format("{}: {}", source.file, table.error()));
+    const auto header = header_row(*table);
+    if (!header)
+      return tl::unexpected(fmt::format(
+          "{}: none of its first {} rows names the columns: an address (Address, Register) and "
+          "two more (Name, Type, Unit, Scale, Function, ..) are needed",
+          source.file, kTitleRows));
+    ListReader(source, options, *table, *header).read(bus, found);
+  }
+  return found;
+}
+
+}  // namespace fieldcast::importing

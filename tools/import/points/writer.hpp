@@ -1,0 +1,53 @@
+// Writes a readable configuration: YAML, channel lists, or a device template. Pure.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tools/import/points/model.hpp"
+
+namespace fieldcast::importing {
+
+// Each channel has its own line, so that a fault of a line belongs to one channel.
+struct WrittenChannel {
+  unsigned line = 0;  // from 1
+  std::size_t bus = 0, device = 0, point = 0;
+};
+
+struct WrittenHead {
+  unsigned first = 0, last = 0;  // from 1
+  std::size_t bus = 0;
+  std::optional<std::size_t> device;
+};
+
+struct WrittenFile {
+  std::string name;  // "plant.yaml", "devices/meter.yaml"
+  std::string text;
+  std::vector<WrittenChannel> channels;  // in the order of the lines
+  std::vector<WrittenHead> heads;
+};
+
+struct WriteOptions {
+  std::string head;    // comment lines of every file, without '#'
+  std::string bridge;  // name of the bridge
+  std::string file;    // name of the configuration file
+  bool lists = false;  // writes a channel list for each device
+};
+
+// The configuration is first. REQUIRES: names are unique, every bus has devices, every device has
+// points and an address.
+[[nodiscard]] std::vector<WrittenFile> write_configuration(const std::vector<Bus>& buses,
+                                                           const WriteOptions& options);
+
+// The template of one device; `name` of the result is empty.
+[[nodiscard]] WrittenFile write_template(const Device& device, std::string_view head);
+
+// "serial: /dev/ttyS1, baud: 9600, format: 8N1": the keys of a port.
+[[nodiscard]] std::string port_text(const Port& port);
+
+// A YAML scalar, quoted if necessary.
+[[nodiscard]] std::string yaml_text(std::string_view text);
+
+}  // namespace fieldcast::importing

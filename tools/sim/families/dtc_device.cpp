@@ -1,0 +1,236 @@
+#include "tools/sim/families/dtc_device.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+
+#include "core/codec/checksum.hpp"
+#include "tools/sim/device/digits.hpp"
+#include "tools/sim/families/dtc_lzw.hpp"
+
+namespace fieldcast::sim {
+namespace {
+
+constexpr std::size_t kHead = 3, kMostBytes = 4096, kLeastMessage = 4;
+enum Refusal : std::uint8_t { kCommand = 1, kAddress, kType, kTooLong, kCount };
+
+std::size_t size_of(std::uint8_t type, std::size_t count) {
+  return (count * kDtcBits[type] + 7) / 8;
+}
+
+bool crc_holds(ByteView message) {
+  const std::uint16_t crc = crc16_modbus(message.first(message.size() - 2));
+  return message[message.size() - 2] == (crc & 0xFFu) && message[message.size() - 1] == crc >> 8;
+}
+
+// After a packet without a valid flag the receiver waits for silence.
+class DtcReceiver : public Receiver {
+ public:
+  DtcReceiver(DtcDevice& device, const LineFormat& line, bool stream)
+      : device_(device),
+        character_(line.characters(1)),
+        gap_(stream ? Duration{100'000'000} : line.characters(3.5)) {}
+
+  void on_character(std::uint8_t character, Instant end, Reaction& reaction) override {
+    if (silence_due() != kNever && end - character_ >= silence_due())
+      on_silence(silence_due(), reaction);
+    last_ = end;
+    if (lost_) return;
+    bytes_.push_back(character);
+    if (bytes_[0] > 1) return lose();
+    if (bytes_.size() < kHead) return;
+    const std::size_t length = read_u16(bytes_, 1);
+    if (length < 3 || length > kMostBytes) return lose();
+    if (bytes_.size() < kHead + length) return;
+    if (!device_.take(bytes_[0] == 1, ByteView(bytes_).subspan(kHead), end, reaction.answer))
+      return lose();
+    bytes_.clear();
+  }
+  Instant silence_due() const override { return bytes_.empty() && !lost_ ? kNever : last_ + gap_; }
+  void on_silence(Instant, Reaction&) override {
+    bytes_.clear();
+    lost_ = false;
+  }
+
+ private:
+  void lose() {
+    bytes_.clear();
+    lost_ = true;
+  }
+
+  DtcDevice& device_;
+  Duration character_, gap_;
+  Bytes bytes_;
+  bool lost_ = false;
+  Instant last_ = kLongAgo;
+};
+
+// Returns false if the option is not a number up to `highest`.
+bool read_option(const DeviceLink& link, const char* name, std::size_t highest,
+                 std::size_t& value) {
+  const auto found = link.options.find(name);
+  if (found == link.options.end() || found->second == "auto") return true;
+  const std::string& text = found->second;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size() && value <= highest;
+}
+
+std::vector<ItemArea> dtc_areas() {
+  std::vector<ItemArea> areas;
+  for (std::size_t type = 0; type < kDtcAreaNames.size(); ++type)
+    areas.push_back({kDtcAreaNames[type], kDtcBits[type], 65536});
+  return areas;
+}
+
+}  // namespace
+
+std::optional<ItemAddress> parse_dtc_address(std::string_view at) {
+  const std::size_t colon = at.find(':'), dot = at.find('.');
+  const auto name = std::ranges::find(kDtcAreaNames, at.substr(0, colon));
+  if (colon == std::string_view::npos || name == kDtcAreaNames.end()) return std::nullopt;
+  ItemAddress address{.area = static_cast<std::size_t>(name - kDtcAreaNames.begin())};
+  const auto first =
+      address_number(at.substr(colon + 1, dot == std::string_view::npos ? dot : dot - colon - 1));
+  if (!first || *first > 65535) return std::nullopt;
+  address.first = static_cast<std::uint32_t>(*first);
+  if (dot == std::string_view::npos) return address;
+  const bool integer = address.area == 1 || address.area == 2;
+  const auto bit = address_number(at.substr(dot + 1));
+  if (!integer || !bit || *bit >= kDtcBits[address.area]) return std::nullopt;
+  address.bit = static_cast<std::uint8_t>(*bit);
+  return address;
+}
+
+DtcDevice::DtcDevice(const DeviceSetup& setup)
+    : address_(static_cast<std::uint8_t>(setup.spec.link.address)),
+      line_(setup.line),
+      stream_(setup.stream),
+      memory_(dtc_areas(), setup) {
+  (void)read_option(setup.spec.link, "max-message", kMostBytes, max_message_);
+  (void)read_option(setup.spec.link, "threshold", 65535, threshold_);
+}
+
+std::unique_ptr<Receiver> DtcDevice::open_receiver() {
+  return std::make_unique<DtcReceiver>(*this, line_, stream_);
+}
+
+bool DtcDevice::take(bool compressed, ByteView body, Instant now, Bytes& answer) {
+  std::optional<Bytes> message(Bytes(body.begin(), body.end()));
+  if (compressed) {
+    const std::size_t length = read_u16(body);
+    message = length <= kMostBytes ? dtc_expand(body.subspan(2), length) : std::nullopt;
+  }
+  if (!message || message->size() < kLeastMessage || !crc_holds(*message)) {
+    ++statistics_.bad_frames;
+    return false;
+  }
+  const std::uint8_t command = (*message)[1];
+  if ((*message)[0] != address_ || command >= 0x80) return true;
+  ++statistics_.requests[command == 0 ? "read" : command == 1 ? "write" : "other"];
+  answer = packet(execute(*message, now));
+  ++statistics_.answers;
+  return true;
+}
+
+Bytes DtcDevice::execute(ByteView message, Instant now) {
+  const std::uint8_t command = message[1];
+  const auto refused = [&](std::uint8_t code) {
+    ++statistics_.exceptions[code];
+    return Bytes{address_, static_cast<std::uint8_t>(command | 0x80u), code};
+  };
+  if (command > 1) return refused(kCommand);
+  if (message.size() > max_message_) return refused(kTooLong);
+  const bool write = command == 1;
+  const auto groups = groups_of(message.subspan(2, message.size() - 4), write);
+  if (!groups) return refused(groups.error());
+  std::size_t size = kLeastMessage;
+  for (const Group& group : *groups) size += write ? 0 : size_of(group.type, group.count);
+  if (size > max_message_) return refused(kTooLong);
+  Bytes answer{address_, command};
+  for (const Group& group : *groups) write ? store(group) : append_values(group, now, answer);
+  if (write) ++statistics_.write_requests;
+  return answer;
+}
+
+tl::expected<std::vector<DtcDevice::Group>, std::uint8_t> DtcDevice::groups_of(ByteView bytes,
+                                                                               bool write) const {
+  std::vector<Group> groups;
+  while (!bytes.empty()) {
+    if (bytes.size() < 5) return tl::unexpected(std::uint8_t{kTooLong});
+    Group group{.type = bytes[2], .first = read_u16(bytes, 0), .count = read_u16(bytes, 3)};
+    if (const std::uint8_t code = refusal_of(group); code != 0) return tl::unexpected(code);
+    bytes = bytes.subspan(5);
+    const std::size_t size = write ? size_of(group.type, group.count) : 0;
+    if (size > bytes.size()) return tl::unexpected(std::uint8_t{kTooLong});
+    group.data = bytes.first(size);
+    bytes = bytes.subspan(size);
+    groups.push_back(group);
+  }
+  return groups;
+}
+
+std::uint8_t DtcDevice::refusal_of(const Group& group) const {
+  if (group.type >= kDtcAreaNames.size()) return kType;
+  if (group.count == 0) return kCount;
+  return memory_.refusal(group.type, group.first, group.count, kAddress);
+}
+
+void DtcDevice::store(const Group& group) {
+  const std::size_t width = kDtcBits[group.type] / 8;
+  for (std::size_t i = 0; i < group.count; ++i) {
+    std::uint64_t bits = group.type == 0 ? group.data[i / 8] >> i % 8 & 1u : 0u;
+    for (std::size_t byte = 0; byte < width; ++byte)
+      bits = bits << 8 | group.data[i * width + byte];
+    memory_.write(group.type, static_cast<std::uint32_t>(group.first + i), bits, statistics_);
+  }
+}
+
+void DtcDevice::append_values(const Group& group, Instant now, Bytes& out) const {
+  for (std::size_t i = 0; i < group.count; ++i) {
+    const std::uint64_t bits =
+        memory_.read(group.type, static_cast<std::uint32_t>(group.first + i), now);
+    if (group.type == 0) {
+      if (i % 8 == 0) out.push_back(0);
+      out.back() = static_cast<std::uint8_t>(out.back() | bits << i % 8);
+    }
+    for (unsigned left = kDtcBits[group.type] / 8; left-- > 0;)
+      out.push_back(static_cast<std::uint8_t>(bits >> 8 * left));
+  }
+}
+
+Bytes DtcDevice::packet(Bytes message) const {
+  const std::uint16_t crc = crc16_modbus(message);
+  message.push_back(static_cast<std::uint8_t>(crc));
+  message.push_back(static_cast<std::uint8_t>(crc >> 8));
+  Bytes packet{0}, body = message;
+  if (message.size() >= threshold_) {
+    Bytes smaller;
+    append_u16(smaller, static_cast<std::uint16_t>(message.size()));
+    append(smaller, dtc_compress(message));
+    if (smaller.size() < message.size()) packet = {1}, body = smaller;
+  }
+  append_u16(packet, static_cast<std::uint16_t>(body.size()));
+  append(packet, body);
+  return packet;
+}
+
+tl::expected<std::unique_ptr<SimDevice>, std::string> make_dtc_device(const DeviceSetup& setup) {
+  const DeviceSpec& spec = setup.spec;
+  if (spec.link.address > 255) {
+    return tl::unexpected(
+        fmt::format("{}: address {} is not 0..255", spec.name, spec.link.address));
+  }
+  std::size_t ignored = 0;
+  for (const auto& [option, highest] :
+       {std::pair{"max-message", kMostBytes}, std::pair{"threshold", std::size_t{65535}}}) {
+    if (!read_option(spec.link, option, highest, ignored))
+      return tl::unexpected(fmt::format("{}: option {} is no such number", spec.name, option));
+  }
+  auto device = std::make_unique<DtcDevice>(setup);
+  if (auto added = device->memory().add_channels(setup, parse_dtc_address); !added)
+    return tl::unexpected(added.error());
+  return device;
+}
+
+}  // namespace fieldcast::sim

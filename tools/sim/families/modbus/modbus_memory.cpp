@@ -1,0 +1,122 @@
+#include "tools/sim/families/modbus/modbus_memory.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+namespace fieldcast::sim {
+namespace {
+
+// Decimal, or hexadecimal with the prefix 0x.
+std::optional<std::uint32_t> number(std::string_view text, std::uint32_t limit) {
+  std::uint32_t value = 0;
+  const bool hex = text.starts_with("0x") || text.starts_with("0X");
+  if (hex) text.remove_prefix(2);
+  const auto [end, error] =
+      std::from_chars(text.data(), text.data() + text.size(), value, hex ? 16 : 10);
+  if (text.empty() || error != std::errc{} || end != text.data() + text.size() || value > limit)
+    return std::nullopt;
+  return value;
+}
+
+}  // namespace
+
+std::optional<ModbusAddress> parse_modbus_address(std::string_view at) {
+  ModbusAddress address;
+  if (const auto dot = at.rfind('.'); dot != std::string_view::npos) {
+    const auto bit = number(at.substr(dot + 1), 15);
+    if (!bit) return std::nullopt;
+    address.bit = static_cast<std::uint8_t>(*bit);
+    at = at.substr(0, dot);
+  }
+  if (const auto colon = at.find(':'); colon != std::string_view::npos) {
+    const std::string_view word = at.substr(0, colon);
+    const auto name = std::ranges::find(
+        kModbusAreaNames, word == "discrete-input" ? to_text(ModbusArea::kInput) : word);
+    const auto first = number(at.substr(colon + 1), ModbusMemory::kItems - 1);
+    if (name == kModbusAreaNames.end() || !first) return std::nullopt;
+    address.area = static_cast<ModbusArea>(name - kModbusAreaNames.begin());
+    address.first = static_cast<std::uint16_t>(*first);
+    return address;
+  }
+  // Classic reference numbers: area digit, then a number from 1; six digits for all 65536 items.
+  if (at.size() != 5 && at.size() != 6) return std::nullopt;
+  const auto rest = number(at.substr(1), ModbusMemory::kItems);
+  if (!rest || *rest == 0) return std::nullopt;
+  switch (at[0]) {
+    case '0': address.area = ModbusArea::kCoil; break;
+    case '1': address.area = ModbusArea::kInput; break;
+    case '3': address.area = ModbusArea::kInputRegister; break;
+    case '4': address.area = ModbusArea::kHolding; break;
+    default: return std::nullopt;
+  }
+  address.first = static_cast<std::uint16_t>(*rest - 1);
+  return address;
+}
+
+bool ModbusMemory::add_channel(const ModbusAddress& at, const Encoding& encoding,
+                               const Waveform& waveform) {
+  const std::uint32_t count = is_bits(at.area) ? 1u : waveform_registers(encoding);
+  if (at.first + count > kItems || (is_bits(at.area) && encoding.type != ValueType::kBool))
+    return false;
+  Cells& cells = cells_[static_cast<std::size_t>(at.area)];
+  const auto position =
+      std::ranges::upper_bound(cells.live, std::uint32_t{at.first}, {}, &Live::first);
+  cells.live.insert(position,
+                    Live{at.first, count, at.bit ? at.bit : encoding.bit, encoding, waveform});
+  cells.longest = std::max(cells.longest, count);
+  return true;
+}
+
+void ModbusMemory::refresh(Cells& cells, ModbusArea area, std::uint32_t first, std::uint32_t count,
+                           Instant now) {
+  const std::uint32_t from = first >= cells.longest ? first - cells.longest : 0;
+  for (auto live = std::ranges::lower_bound(cells.live, from, {}, &Live::first);
+       live != cells.live.end() && live->first < first + count; ++live) {
+    bool held = false;
+    for (std::uint32_t i = 0; i < live->count; ++i) held = held || cells.held[live->first + i];
+    if (held || live->first + live->count <= first) continue;
+    const auto items = waveform_items(live->waveform, live->encoding, now - start_);
+    if (is_bits(area) || !live->bit) {
+      std::ranges::copy(items, cells.values.begin() + live->first);
+    } else {
+      std::uint16_t& word = cells.values[live->first];
+      const unsigned ones = (1u << waveform_bits(live->encoding)) - 1;
+      const unsigned own = live->encoding.type == ValueType::kBool ? items[0] != 0 : items[0];
+      word =
+          static_cast<std::uint16_t>((word & ~(ones << *live->bit)) | (own & ones) << *live->bit);
+    }
+  }
+}
+
+std::vector<std::uint16_t> ModbusMemory::read(ModbusArea area, std::uint32_t first,
+                                              std::uint32_t count, Instant now) {
+  Cells& cells = cells_[static_cast<std::size_t>(area)];
+  refresh(cells, area, first, count, now);
+  return {cells.values.begin() + first, cells.values.begin() + first + count};
+}
+
+void ModbusMemory::preset(ModbusArea area, std::uint32_t first,
+                          const std::vector<std::uint16_t>& values) {
+  Cells& cells = cells_[static_cast<std::size_t>(area)];
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    cells.values[first + i] = values[i];
+    cells.held[first + i] = true;
+  }
+}
+
+void ModbusMemory::write(ModbusArea area, std::uint32_t first,
+                         const std::vector<std::uint16_t>& values) {
+  preset(area, first, values);
+}
+
+bool ModbusMemory::configured(ModbusArea area, std::uint32_t item) const {
+  const Cells& cells = cells_[static_cast<std::size_t>(area)];
+  const std::uint32_t from = item >= cells.longest ? item - cells.longest : 0;
+  for (auto live = std::ranges::lower_bound(cells.live, from, {}, &Live::first);
+       live != cells.live.end() && live->first <= item; ++live) {
+    if (item < live->first + live->count) return true;
+  }
+  return false;
+}
+
+}  // namespace fieldcast::sim

@@ -1,0 +1,222 @@
+#include "tools/sim/families/modbus/modbus_receivers.hpp"
+
+#include <optional>
+
+#include "core/codec/checksum.hpp"
+#include "tools/sim/device/digits.hpp"
+
+namespace fieldcast::sim {
+namespace {
+
+constexpr std::size_t kMaxRtuFrame = 256;
+constexpr std::size_t kMaxAsciiDigits = 510;  // 513 without ':' CR LF
+constexpr std::size_t kTcpHeader = 7;
+
+// Length of an RTU frame, as far as its first bytes determine it.
+struct Length {
+  enum class Known : std::uint8_t { kYes, kNotYet, kNever } known;
+  std::size_t bytes = 0;
+};
+constexpr Length kNotYet{Length::Known::kNotYet};
+constexpr Length kUnknowable{Length::Known::kNever};
+constexpr Length exactly(std::size_t bytes) { return {Length::Known::kYes, bytes}; }
+
+// fixed + the byte count at `at`.
+Length counted(ByteView frame, std::size_t at, std::size_t fixed) {
+  return frame.size() > at ? exactly(fixed + frame[at]) : kNotYet;
+}
+
+Length request_length(ByteView frame) {
+  if (frame.size() < 2) return kNotYet;
+  switch (frame[1]) {
+    case 0x01:
+    case 0x02:
+    case 0x03:
+    case 0x04:
+    case 0x05:
+    case 0x06:
+    case 0x08: return exactly(8);
+    case 0x07: return exactly(4);
+    case 0x0F:
+    case 0x10: return counted(frame, 6, 9);
+    case 0x14:
+    case 0x15: return counted(frame, 2, 5);
+    case 0x16: return exactly(10);
+    case 0x17: return counted(frame, 10, 13);
+    case 0x18: return exactly(6);
+    case 0x2B: return exactly(7);
+    default: return kUnknowable;
+  }
+}
+
+Length answer_length(ByteView frame) {
+  if (frame.size() < 2) return kNotYet;
+  if ((frame[1] & 0x80u) != 0) return exactly(5);
+  switch (frame[1]) {
+    case 0x01:
+    case 0x02:
+    case 0x03:
+    case 0x04:
+    case 0x14:
+    case 0x15:
+    case 0x17: return counted(frame, 2, 5);
+    case 0x05:
+    case 0x06:
+    case 0x08:
+    case 0x0F:
+    case 0x10: return exactly(8);
+    case 0x07: return exactly(5);
+    case 0x16: return exactly(10);
+    default: return kUnknowable;
+  }
+}
+
+bool crc_holds(ByteView frame) {
+  if (frame.size() < 4) return false;
+  const std::uint16_t crc = crc16_modbus(frame.first(frame.size() - 2));
+  return frame[frame.size() - 2] == (crc & 0xFFu) && frame[frame.size() - 1] == crc >> 8;
+}
+
+// Whether the frame ends with the last received character.
+enum class Fit : std::uint8_t { kWhole, kOpen, kNot };
+Fit fit(Length length, ByteView frame) {
+  if (length.known != Length::Known::kYes) return Fit::kOpen;
+  if (length.bytes > kMaxRtuFrame || length.bytes < frame.size()) return Fit::kNot;
+  if (length.bytes > frame.size()) return Fit::kOpen;
+  return crc_holds(frame) ? Fit::kWhole : Fit::kNot;
+}
+
+}  // namespace
+
+// Modbus over Serial Line V1.02, 2.5.1.1: 3.5 characters up to 19200 baud, 1.750 ms above.
+RtuReceiver::RtuReceiver(ModbusUnit& unit, const LineFormat& line, bool stream)
+    : unit_(unit),
+      character_(line.characters(1)),
+      gap_(stream              ? Duration{100'000'000}
+           : line.baud > 19200 ? Duration{1'750'000}
+                               : Duration{static_cast<std::int64_t>(3.5 * 11 * 1e9 / line.baud)}) {}
+
+Instant RtuReceiver::silence_due() const {
+  return frame_.empty() && !lost_ ? kNever : last_ + gap_;
+}
+
+void RtuReceiver::on_character(std::uint8_t character, Instant end, Reaction& reaction) {
+  if (silence_due() != kNever && end - character_ >= silence_due())
+    on_silence(silence_due(), reaction);
+  last_ = end;
+  if (lost_) return;
+  frame_.push_back(character);
+  const Fit as_request = fit(request_length(frame_), frame_);
+  // Only other units send responses, and none to a broadcast.
+  const bool others = frame_[0] != 0 && frame_[0] != unit_.address();
+  const Fit as_answer = others ? fit(answer_length(frame_), frame_) : Fit::kNot;
+  const bool awaited =
+      asked_.size() == 2 && frame_.size() >= 2 && frame_[0] == asked_[0] && frame_[1] == asked_[1];
+  if (as_request == Fit::kWhole && !others) {
+    answer(end, reaction);
+    frame_.clear();
+    asked_.clear();
+  } else if (as_answer == Fit::kWhole && (awaited || as_request != Fit::kWhole)) {
+    frame_.clear();
+    asked_.clear();
+  } else if (as_request == Fit::kWhole && !(awaited && as_answer == Fit::kOpen)) {
+    asked_.assign(frame_.begin(), frame_.begin() + 2);
+    frame_.clear();
+  } else if ((as_request == Fit::kNot && as_answer == Fit::kNot) || frame_.size() >= kMaxRtuFrame) {
+    ++unit_.statistics().bad_frames;
+    frame_.clear();
+    lost_ = true;
+  }
+}
+
+// Ends a frame whose function does not determine its length.
+void RtuReceiver::on_silence(Instant now, Reaction& reaction) {
+  if (!frame_.empty()) {
+    const bool mine = frame_[0] == 0 || frame_[0] == unit_.address();
+    if (!crc_holds(frame_)) {
+      ++unit_.statistics().bad_frames;
+    } else if (mine) {
+      answer(now, reaction);
+    }
+  }
+  frame_.clear();
+  lost_ = false;
+}
+
+void RtuReceiver::answer(Instant now, Reaction& reaction) {
+  const Bytes pdu = unit_.execute(ByteView(frame_).subspan(1, frame_.size() - 3), now);
+  if (frame_[0] == 0) {
+    ++unit_.statistics().broadcasts;
+    return;
+  }
+  reaction.answer.push_back(unit_.address());
+  append(reaction.answer, pdu);
+  const std::uint16_t crc = crc16_modbus(reaction.answer);
+  reaction.answer.push_back(static_cast<std::uint8_t>(crc));
+  reaction.answer.push_back(static_cast<std::uint8_t>(crc >> 8));
+}
+
+void AsciiReceiver::on_character(std::uint8_t character, Instant end, Reaction& reaction) {
+  if (character == ':') {  // starts a frame at any position
+    digits_.clear();
+    inside_ = true;
+  } else if (inside_ && character == '\n') {
+    inside_ = false;
+    answer(end, reaction);
+  } else if (inside_) {
+    digits_.push_back(character);
+    if (digits_.size() > kMaxAsciiDigits + 1) {  // includes the CR
+      ++unit_.statistics().bad_frames;
+      inside_ = false;
+    }
+  }
+}
+
+void AsciiReceiver::answer(Instant now, Reaction& reaction) {
+  Bytes frame;
+  const bool ended = !digits_.empty() && digits_.back() == '\r';
+  if (ended) frame = bytes_in(ByteView(digits_).first(digits_.size() - 1)).value_or(Bytes{});
+  const bool good =
+      frame.size() >= 3 && lrc8(ByteView(frame).first(frame.size() - 1)) == frame.back();
+  if (!good) {
+    ++unit_.statistics().bad_frames;
+    return;
+  }
+  if (frame[0] != 0 && frame[0] != unit_.address()) return;
+  Bytes said{frame[0]};
+  append(said, unit_.execute(ByteView(frame).subspan(1, frame.size() - 2), now));
+  if (frame[0] == 0) {
+    ++unit_.statistics().broadcasts;
+    return;
+  }
+  said.push_back(lrc8(said));
+  reaction.answer.push_back(':');
+  for (const std::uint8_t byte : said) append_hex(reaction.answer, byte, 2);
+  reaction.answer.push_back('\r');
+  reaction.answer.push_back('\n');
+}
+
+void TcpReceiver::on_character(std::uint8_t character, Instant end, Reaction& reaction) {
+  frame_.push_back(character);
+  if (frame_.size() < kTcpHeader) return;
+  const std::size_t length = read_u16(frame_, 4);
+  if (read_u16(frame_, 2) != 0 || length < 2 || length > 1 + kMaxPdu) {
+    ++unit_.statistics().bad_frames;
+    frame_.clear();
+    reaction.hang_up = true;  // the start of the next frame is unknown
+    return;
+  }
+  if (frame_.size() < 6 + length) return;
+  const bool mine =
+      frame_[6] == unit_.address() || (any_unit_ && (frame_[6] == 0 || frame_[6] == 255));
+  if (mine) {
+    const Bytes pdu = unit_.execute(ByteView(frame_).subspan(kTcpHeader), end);
+    reaction.answer.assign(frame_.begin(), frame_.begin() + 4);
+    append_u16(reaction.answer, static_cast<std::uint16_t>(1 + pdu.size()));
+    reaction.answer.push_back(frame_[6]);
+    append(reaction.answer, pdu);
+  }
+  frame_.clear();
+}
+
+}  // namespace fieldcast::sim

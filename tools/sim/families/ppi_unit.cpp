@@ -1,0 +1,187 @@
+#include "tools/sim/families/ppi_unit.hpp"
+
+#include <algorithm>
+
+namespace fieldcast::sim {
+namespace {
+
+constexpr std::size_t kHead = 10, kItem = 12, kMostAnswer = 240;
+constexpr std::uint8_t kGood = 0xFF, kNotAccessible = 0x03, kOutOfRange = 0x05, kTypeWrong = 0x06,
+                       kSizeWrong = 0x07, kMissing = 0x0A;
+constexpr std::uint16_t kUnknownFunction = 0x8104, kTooLong = 0x8500;
+
+Bytes acknowledge(ByteView reference, std::uint16_t error, ByteView parameters, ByteView data) {
+  const std::uint8_t kind = error == 0 ? 0x03 : 0x02;  // with data, without data
+  Bytes answer{0x32, kind, 0x00, 0x00};
+  append(answer, reference);
+  append_u16(answer, static_cast<std::uint16_t>(parameters.size()));
+  append_u16(answer, static_cast<std::uint16_t>(data.size()));
+  append_u16(answer, error);
+  append(answer, parameters);
+  append(answer, data);
+  return answer;
+}
+
+}  // namespace
+
+std::uint8_t PpiUnit::counted(std::uint8_t fault) {
+  if (fault != kGood) ++statistics_.exceptions[fault];
+  return fault;
+}
+
+Bytes PpiUnit::refuse(ByteView reference, std::uint16_t error) {
+  ++statistics_.exceptions[error];
+  return acknowledge(reference, error, {}, {});
+}
+
+Bytes PpiUnit::execute(ByteView job, Instant now) {
+  if (job.size() < kHead + 1 || job[0] != 0x32 || job[1] != 0x01) return {};
+  const ByteView reference = job.subspan(4, 2);
+  const std::size_t parameter_size = read_u16(job, 6), data_size = read_u16(job, 8);
+  if (parameter_size == 0 || kHead + parameter_size + data_size != job.size()) return {};
+  const ByteView parameters = job.subspan(kHead, parameter_size),
+                 data = job.subspan(kHead + parameter_size);
+  ++statistics_.answers;
+  const std::uint8_t function = parameters[0];
+  const bool items = function == 0x04 || function == 0x05;
+  if (items && (parameter_size < 2 || parameter_size != 2 + kItem * parameters[1])) {
+    --statistics_.answers;
+    return {};
+  }
+  switch (function) {
+    case 0x04: return read(reference, parameters.subspan(2), now);
+    case 0x05: return write(reference, parameters.subspan(2), data, now);
+    case 0x28:
+    case 0x29:  // start and stop have no effect on the simulated plant
+      ++statistics_.requests[function == 0x28 ? "start" : "stop"];
+      return acknowledge(reference, 0, parameters.first(1), {});
+    case 0xF0: {
+      ++statistics_.requests["negotiate"];
+      const Bytes granted{0xF0, 0x00, 0x00, 0x01, 0x00, 0x01, 0x00, kMostAnswer};
+      return acknowledge(reference, 0, granted, {});
+    }
+    default: ++statistics_.requests["other"]; return refuse(reference, kUnknownFunction);
+  }
+}
+
+// 12 0A 10 TS count(2) DB(2) area address(3)
+PpiUnit::Item PpiUnit::item_of(ByteView bytes) const {
+  Item item{.count = read_u16(bytes, 4)};
+  if (bytes[0] != 0x12 || bytes[1] != 0x0A || bytes[2] != 0x10) return {.fault = kTypeWrong};
+  const std::uint8_t transport = bytes[3];
+  const auto area = std::ranges::find(kPpiAreas, bytes[8], &PpiArea::code);
+  if (area == kPpiAreas.end()) return {.fault = kMissing};
+  item.area = static_cast<std::size_t>(area - kPpiAreas.begin());
+  const std::uint32_t address = read_u32(bytes, 8) & 0xFFFFFFu;
+  if (area->counted) {
+    item.first = address;
+    item.fault = transport == area->code ? 0 : kNotAccessible;
+    return item;
+  }
+  item.first = address / area->bits;
+  const std::uint32_t within = address % area->bits;
+  if (transport == 0x01) {
+    item.bit = static_cast<std::uint8_t>(within);
+    item.fault = area->bits != 8 ? kNotAccessible : item.count != 1 ? kTypeWrong : 0;
+    return item;
+  }
+  const std::uint32_t bytes_each = transport == 0x02   ? 1
+                                   : transport == 0x04 ? 2
+                                   : transport == 0x06 ? 4
+                                                       : 0;
+  if (bytes_each == 0) item.fault = kTypeWrong;
+  if (area->bits == 16 && bytes_each != 2) item.fault = kNotAccessible;
+  if (within != 0) item.fault = kOutOfRange;
+  item.count = item.count * bytes_each * 8 / area->bits;
+  return item;
+}
+
+std::uint8_t PpiUnit::fault_of(const Item& item) const {
+  if (item.fault != 0) return item.fault;
+  if (item.count == 0) return kTypeWrong;
+  return memory_.refusal(item.area, item.first, item.count, kOutOfRange);
+}
+
+// A timer, counter or high-speed counter has a leading status byte.
+Bytes PpiUnit::value_of(const Item& item, Instant now) const {
+  Bytes value;
+  for (std::uint32_t i = item.first; i < item.first + item.count; ++i) {
+    const std::uint64_t bits = memory_.read(item.area, i, now);
+    if (item.bit) return {static_cast<std::uint8_t>(bits >> *item.bit & 1u)};
+    if (kPpiAreas[item.area].counted) value.push_back(0);
+    for (unsigned left = kPpiAreas[item.area].bits / 8; left-- > 0;)
+      value.push_back(static_cast<std::uint8_t>(bits >> 8 * left));
+  }
+  return value;
+}
+
+Bytes PpiUnit::read(ByteView reference, ByteView items, Instant now) {
+  ++statistics_.requests["read"];
+  Bytes data;
+  for (std::size_t at = 0; at < items.size(); at += kItem) {
+    const Item item = item_of(items.subspan(at, kItem));
+    // all but the last value are padded to an even length
+    if (data.size() % 2 != 0) data.push_back(0);
+    if (const std::uint8_t fault = fault_of(item); fault != 0) {
+      append(data, Bytes{counted(fault), 0, 0, 0});
+      continue;
+    }
+    const Bytes value = value_of(item, now);
+    const bool octets = kPpiAreas[item.area].counted;
+    append(data, Bytes{kGood, static_cast<std::uint8_t>(item.bit ? 0x03 : octets ? 0x09 : 0x04)});
+    append_u16(data,
+               static_cast<std::uint16_t>(item.bit || octets ? value.size() : 8 * value.size()));
+    append(data, value);
+    if (data.size() > kMostAnswer) return refuse(reference, kTooLong);
+  }
+  const Bytes parameters{0x04, static_cast<std::uint8_t>(items.size() / kItem)};
+  if (12 + parameters.size() + data.size() > kMostAnswer) return refuse(reference, kTooLong);
+  return acknowledge(reference, 0, parameters, data);
+}
+
+// Data for each item: 00 TS length(2) value, padded to an even length.
+Bytes PpiUnit::write(ByteView reference, ByteView items, ByteView data, Instant now) {
+  ++statistics_.requests["write"];
+  Bytes codes;
+  for (std::size_t at = 0; at < items.size(); at += kItem) {
+    const Item item = item_of(items.subspan(at, kItem));
+    const std::uint8_t transport = data.size() >= 4 ? data[1] : 0;
+    const std::uint16_t length = data.size() >= 4 ? read_u16(data, 2) : 0;
+    const std::size_t size = transport == 0x04 ? length / 8u : length;
+    if (data.size() < 4 || data.size() - 4 < size) {
+      codes.push_back(counted(kSizeWrong));
+      data = {};
+      continue;
+    }
+    codes.push_back(counted(store(item, transport, length, data.subspan(4, size), now)));
+    data = data.subspan(std::min(data.size(), 4 + size + size % 2));
+  }
+  const Bytes parameters{0x05, static_cast<std::uint8_t>(items.size() / kItem)};
+  return acknowledge(reference, 0, parameters, codes);
+}
+
+std::uint8_t PpiUnit::store(const Item& item, std::uint8_t transport, std::uint16_t length,
+                            ByteView value, Instant now) {
+  if (const std::uint8_t fault = fault_of(item); fault != 0) return fault;
+  const PpiArea& area = kPpiAreas[item.area];
+  if (item.first < area.locked) return kNotAccessible;
+  if (item.bit) {
+    if (transport != 0x03 || length != 1) return kSizeWrong;
+    const std::uint64_t old =
+        memory_.read(item.area, item.first, now) & ~(std::uint64_t{1} << *item.bit);
+    memory_.write(item.area, item.first, old | std::uint64_t{value[0] & 1u} << *item.bit,
+                  statistics_);
+  } else {
+    const std::size_t width = area.bits / 8;
+    if (transport != 0x04 || value.size() != item.count * width) return kSizeWrong;
+    for (std::uint32_t i = 0; i < item.count; ++i) {
+      std::uint64_t bits = 0;
+      for (std::size_t byte = 0; byte < width; ++byte) bits = bits << 8 | value[i * width + byte];
+      memory_.write(item.area, item.first + i, bits, statistics_);
+    }
+  }
+  ++statistics_.write_requests;
+  return kGood;
+}
+
+}  // namespace fieldcast::sim

@@ -1,0 +1,96 @@
+// Runs queries of the store on a thread of its own over one read-only connection. Queries are
+// posted from the io thread and their results return there. The first query opens the store, and so
+// does the next one after a failure. Failures are logged; responses have no detail.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <tl/expected.hpp>
+
+#include "bridge/base/worker.hpp"
+#include "bridge/store/sql/sql.hpp"
+#include "core/base/time.hpp"
+#include "tools/station/http/http_message.hpp"
+
+namespace fieldcast::web {
+
+enum class DatabaseFault : std::uint8_t {
+  kBusy,
+  kTooSlow,  // the query lasts longer than kLongest
+  kAway,     // the store cannot be opened or is damaged
+};
+[[nodiscard]] HttpResponse response_of(DatabaseFault fault);
+
+// Runs a function on the io thread.
+using PostToIo = std::function<void(std::function<void()>)>;
+
+class Database {
+ public:
+  static constexpr std::size_t kMaxWaiting = 64;
+  static constexpr Duration kLongest = std::chrono::seconds{10};
+
+  Database(StoreAddress address, PostToIo post);
+  ~Database();  // waiting queries fail with kAway
+  Database(const Database&) = delete;
+  Database& operator=(const Database&) = delete;
+
+  // `question` runs on the database thread and may throw StoreError; `done` on the io thread, once.
+  template <class Answer>
+  using Done = std::function<void(tl::expected<Answer, DatabaseFault>)>;
+  template <class Answer>
+  void ask(std::function<Answer(SqlConnection&)> question, Done<Answer> done) {
+    Task task = task_of(std::move(question), std::move(done));
+    if (waiting_.load() >= kMaxWaiting) return refuse(std::move(task));
+    put(std::move(task));
+  }
+  // Follow-up query; never fails with kBusy. REQUIRES: at most one for each server connection.
+  template <class Answer>
+  void ask_further(std::function<Answer(SqlConnection&)> question, Done<Answer> done) {
+    put(task_of(std::move(question), std::move(done)));
+  }
+  using Question = std::function<HttpResponse(SqlConnection&)>;
+  void answer(Question question, Reply reply);
+
+  struct Counters {
+    std::uint64_t answered = 0;
+    std::uint64_t busy = 0, too_slow = 0, away = 0;  // failed queries
+    std::size_t waiting = 0;
+  };
+  [[nodiscard]] Counters counters() const;  // thread-safe
+
+ private:
+  struct Task {
+    std::function<void(SqlConnection&)> run;  // may throw StoreError, before it posts a result
+    std::function<void(DatabaseFault)> refuse;
+  };
+  template <class Answer>
+  Task task_of(std::function<Answer(SqlConnection&)> question, Done<Answer> done) {
+    auto shared = std::make_shared<Done<Answer>>(std::move(done));
+    return {[this, question = std::move(question), shared](SqlConnection& connection) {
+              auto answer = std::make_shared<Answer>(question(connection));
+              ++answered_;
+              post_([shared, answer] { (*shared)(std::move(*answer)); });
+            },
+            [this, shared](DatabaseFault fault) {
+              post_([shared, fault] { (*shared)(tl::make_unexpected(fault)); });
+            }};
+  }
+  void put(Task task);
+  void refuse(Task task);
+  void run(BoundedQueue<Task>& queue);
+  void serve(Task task);
+  void fail(Task& task, DatabaseFault fault, const char* reason);
+
+  // Larger than kMaxWaiting, because ask_further() has no limit of its own.
+  static constexpr std::size_t kQueue = 4096;
+
+  const StoreAddress address_;
+  const PostToIo post_;
+  std::unique_ptr<SqlConnection> connection_;  // used on the database thread only; null: not open
+  std::atomic<std::size_t> waiting_{0};
+  std::atomic<std::uint64_t> answered_{0}, busy_{0}, too_slow_{0}, away_{0};
+  Worker<Task> worker_;  // last member: its thread uses the members above
+};
+
+}  // namespace fieldcast::web

@@ -1,0 +1,80 @@
+#include "tools/station/http/route_table.hpp"
+
+#include <algorithm>
+
+#include "bridge/base/check.hpp"
+
+namespace fieldcast::web {
+namespace {
+
+HttpResponse refusal(bool logged_in) {
+  if (logged_in)
+    return error_response(403, "not allowed", "your role may not do this; ask for another role");
+  return error_response(401, "login required", "log in with POST /api/login");
+}
+
+}  // namespace
+
+HttpResponse method_refusal(const std::string& allowed) {
+  HttpResponse refused = error_response(405, "method not allowed", "allowed here: " + allowed);
+  refused.headers.emplace_back("allow", allowed);
+  return refused;
+}
+
+bool may_use(Access access, const std::optional<Role>& role) {
+  switch (access) {
+    case Access::kPublic: return true;
+    case Access::kViewer: return role && may(*role, Role::kViewer);
+    case Access::kOperator: return role && may(*role, Role::kOperator);
+  }
+  return false;
+}
+
+void RouteTable::add(Route route) {
+  FIELDCAST_CHECK(route.path.starts_with('/') && route.handler);
+  const std::string path = route.path;
+  const Method method = route.method;
+  const bool added = routes_[path].emplace(method, std::move(route)).second;
+  FIELDCAST_CHECK(added);
+}
+
+tl::expected<std::string, HttpResponse> RouteTable::allowed(const std::string& path,
+                                                            const std::optional<Role>& role) const {
+  const auto at = routes_.find(path);
+  if (at == routes_.end())
+    return tl::make_unexpected(
+        error_response(404, "no such page", "the addresses are in /api/openapi.yaml"));
+  const bool usable = std::ranges::any_of(
+      at->second, [&](const auto& each) { return may_use(each.second.access, role); });
+  if (!usable) return tl::make_unexpected(refusal(role.has_value()));
+  std::string methods;
+  for (const auto& [each, route] : at->second) {
+    methods += to_text(each);
+    methods += each == Method::kGet ? ", HEAD, " : ", ";
+  }
+  return methods + "OPTIONS";
+}
+
+tl::expected<const Route*, HttpResponse> RouteTable::find(Method method, const std::string& path,
+                                                          const std::optional<Role>& role) const {
+  if (const auto at = routes_.find(path); at != routes_.end()) {
+    const auto row = at->second.find(method);
+    if (row != at->second.end()) {
+      if (!may_use(row->second.access, role)) return tl::make_unexpected(refusal(role.has_value()));
+      return &row->second;
+    }
+  }
+  const auto methods = allowed(path, role);
+  if (!methods) return tl::make_unexpected(methods.error());
+  return tl::make_unexpected(method_refusal(*methods));
+}
+
+std::vector<const Route*> RouteTable::rows() const {
+  std::vector<const Route*> rows;
+  for (const auto& [path, methods] : routes_) {
+    for (const auto& [method, route] : methods) rows.push_back(&route);
+  }
+  return rows;
+}
+
+}  // namespace fieldcast::web

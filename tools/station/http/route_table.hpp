@@ -1,0 +1,53 @@
+// Routes of the station, constant after start. Each states its access; there is no default.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <tl/expected.hpp>
+#include <vector>
+
+#include "tools/station/http/http_message.hpp"
+
+namespace fieldcast::web {
+
+enum class Access : std::uint8_t {
+  kPublic,    // everybody
+  kViewer,    // logged-in users
+  kOperator,  // users who may also write
+};
+
+struct Route {
+  Method method;
+  std::string path;  // exact: "/api/history"
+  Access access;
+  Handler handler;
+};
+
+// `role`: empty without a login.
+[[nodiscard]] bool may_use(Access access, const std::optional<Role>& role);
+
+// 405 with the header `allow`.
+[[nodiscard]] HttpResponse method_refusal(const std::string& allowed);
+
+class RouteTable {
+ public:
+  // REQUIRES: the method and path are new, the path starts with "/", the handler is set.
+  void add(Route route);
+
+  // Fails with 404, 405 (with `allow`), 401 (no login) or 403 (role too low). Checks the access
+  // first, so that a 405 does not reveal a restricted path.
+  [[nodiscard]] tl::expected<const Route*, HttpResponse> find(
+      Method method, const std::string& path, const std::optional<Role>& role) const;
+
+  // The header `allow`: "GET, HEAD, OPTIONS". Fails as find() does.
+  [[nodiscard]] tl::expected<std::string, HttpResponse> allowed(
+      const std::string& path, const std::optional<Role>& role) const;
+
+  [[nodiscard]] std::vector<const Route*> rows() const;  // sorted by path
+
+ private:
+  std::map<std::string, std::map<Method, Route>> routes_;
+};
+
+}  // namespace fieldcast::web

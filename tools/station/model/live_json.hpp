@@ -1,0 +1,37 @@
+// Encodes reports as JSON for /live and /api, with IDL names in snake_case, times in Unix
+// milliseconds (`.._ms`, null if unset) and durations in milliseconds. Pure functions.
+#pragma once
+
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "tools/station/model/live_model.hpp"
+
+namespace fieldcast::web {
+
+[[nodiscard]] std::string bus_json(const StationBusStatus& bus);
+[[nodiscard]] std::string device_json(const StationDeviceStatus& device);
+[[nodiscard]] std::string alarm_json(const LiveAlarm& alarm);
+[[nodiscard]] std::string session_json(const ProgramSessionReport& session);
+[[nodiscard]] std::string bridge_json(const StationBridge& bridge);
+// {"bus", "in_force_since_ms", "load", "stretch", "slot_ms", "hyperperiod_ms", "groups":
+// [{"device", "list", "period_ms", "phase_ms", "slack_ms", "load", "points": [{"area", "first",
+// "count", "channels": [names], "period_ms", "phase_ms", "worst_gap_ms", "stretch"}]}]}. Slot and
+// hyperperiod are null without a timetable, as are times of entries outside it.
+[[nodiscard]] std::string read_plan_json(const StationReadPlan& plan);
+// For scripts: {"channel", "type", "unit", "access", "refresh_ms", "value", "quality",
+// "acquired_ms", "sequence"}, and "device_code" if the device sent one. The value is null if it was
+// never acquired.
+[[nodiscard]] std::string channel_json(const LiveChannel& channel);
+[[nodiscard]] std::string names_json(
+    std::initializer_list<std::pair<std::string_view, std::string_view>> names);
+
+[[nodiscard]] std::string kind_message(std::string_view kind, const std::string& object);
+
+// Changes of the catalogue since that version: {"version", "full", "channels": [[id, path, type,
+// unit, at, access, mode, refresh_ms, {"high": ..}, description, bridge]..], "gone": [ids]}.
+[[nodiscard]] std::string catalogue_json(const LiveModel& model, std::uint64_t after);
+
+}  // namespace fieldcast::web

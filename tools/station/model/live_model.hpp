@@ -1,0 +1,141 @@
+// Current state of the domain. Pure; used on the io thread. Pointers and references are valid until
+// the next non-const call.
+//
+// A channel that no bridge announces keeps its id for kRemembered and is then forgotten. Ids are
+// never reused. A full model (kMaxChannels) forgets such channels earlier, or refuses and counts
+// new ones.
+//
+// Changed channels are in a list, newest last: a client with version N gets the entries after N.
+// The first catalogue version should be the start time, so that versions of a previous process are
+// recognized.
+#pragma once
+
+#include <cstdint>
+#include <list>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "bridge/dds/topics/topic_values.hpp"
+#include "core/model/channel_path.hpp"
+#include "tools/station/model/live_objects.hpp"
+#include "tools/station/model/path_key.hpp"
+
+namespace fieldcast::web {
+
+struct LiveValue {
+  Value value;  // the last good value if the quality is bad
+  Quality quality = Quality::kNotYetRead;
+  std::uint16_t device_code = 0;
+  UtcTime acquired_at;         // 0: never acquired
+  std::uint64_t sequence = 0;  // 0: no sample received
+};
+
+struct LiveChannel {
+  std::uint32_t id = 0;
+  StationChannel channel;
+  LiveValue last;
+  Instant arrived{};             // arrival of the value at this station
+  bool gone = false;             // no bridge announces it
+  std::uint64_t version = 0;     // model version of the last change of the value
+  std::uint64_t catalogued = 0;  // catalogue version of the last change of the entry
+};
+
+class LiveModel {
+ public:
+  static constexpr std::size_t kMaxChannels = 200'000;
+
+  explicit LiveModel(std::uint64_t first_version = 0, std::size_t max_channels = kMaxChannels)
+      : max_channels_(max_channels), catalogue_version_(first_version), forgotten_(first_version) {}
+  LiveModel(const LiveModel&) = delete;
+  LiveModel& operator=(const LiveModel&) = delete;
+
+  void on_channel(const StationChannel& channel);
+  // Ignores a sample of a channel outside the catalogue. `now`: its arrival.
+  void on_sample(const PathView& path, LiveValue value, Instant now);
+  void on_sample(const StationSample& sample, Instant now = {});
+  // A good value becomes uncertain.
+  void on_gone(const PathView& path);
+  // Makes overdue good values uncertain and forgets at most kMostForgotten old channels. Call it
+  // once a second. Returns the number of values that became uncertain.
+  std::size_t expire(Instant now);
+  static constexpr Duration kRemembered = std::chrono::seconds{60};
+  static constexpr std::size_t kMostForgotten = 20'000;
+  // A value is overdue after this many refreshes, and at least after this time for the transport.
+  static constexpr int kPatienceRefreshes = 2;
+  static constexpr Duration kPatience = std::chrono::seconds{2};
+  void on_bus_status(const StationBusStatus& status) { objects_.put(status); }
+  void on_bus_gone(const std::string& bus) { objects_.remove_bus(bus); }
+  void on_device_status(const StationDeviceStatus& status) { objects_.put(status); }
+  void on_device_gone(const std::string& bus, const std::string& device) {
+    objects_.remove_device(bus, device);
+  }
+  void on_alarm(const LiveAlarm& alarm) { objects_.put(alarm); }
+  void on_alarm_gone(const LiveAlarm& alarm) { objects_.remove(alarm); }
+  void on_session(const ProgramSessionReport& session) { objects_.put(session); }
+  void on_bridge(const StationBridge& bridge) { objects_.put(bridge); }
+  void on_bridge_gone(const std::string& bridge) { objects_.remove_bridge(bridge); }
+  void on_read_plan(const StationReadPlan& plan) { objects_.put(plan); }
+  void on_read_plan_gone(const std::string& bus) { objects_.remove_read_plan(bus); }
+
+  // Null if never announced or forgotten. The channel may have been removed.
+  [[nodiscard]] const LiveChannel* find(const PathView& path) const;
+  // Sorted by path, without removed channels. O(n log n).
+  [[nodiscard]] std::vector<const LiveChannel*> channels() const;
+  [[nodiscard]] std::size_t count() const { return rows_.size() - gone_; }
+  [[nodiscard]] std::size_t remembered() const { return rows_.size(); }
+
+  // Increases with each value.
+  [[nodiscard]] std::uint64_t version() const { return version_; }
+  // Channels with a value newer than `version`, oldest first.
+  [[nodiscard]] std::vector<const LiveChannel*> changed_since(std::uint64_t version,
+                                                              std::size_t limit) const;
+
+  // Increases with each change of the catalogue.
+  [[nodiscard]] std::uint64_t catalogue_version() const { return catalogue_version_; }
+  struct CatalogueChange {
+    bool full = false;  // all channels, because changes since `version` are no longer stored
+    std::vector<const LiveChannel*> changed;  // oldest first
+    std::vector<std::uint32_t> gone;
+  };
+  // Version 0: all channels.
+  [[nodiscard]] CatalogueChange catalogue_since(std::uint64_t version) const;
+
+  [[nodiscard]] const LiveObjects& objects() const { return objects_; }
+
+  struct Counters {
+    std::uint64_t samples = 0;  // samples that changed a channel
+    std::uint64_t unknown = 0;  // samples of channels that were not announced
+    std::uint64_t refused = 0;  // channels beyond the limit
+    std::uint64_t forgotten = 0;
+  };
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+
+ private:
+  struct Row {
+    LiveChannel live;
+    std::list<Row*>::iterator changed;  // in changed_ once it has a value, else its end()
+    std::list<Row*>::iterator catalogued;
+    std::optional<Instant> left;  // when expire() first found it removed
+  };
+  void touch_value(Row& row);
+  void touch_catalogue(Row& row);
+  [[nodiscard]] bool make_room();
+  void forget(Row& row);
+
+  const std::size_t max_channels_;
+  std::unordered_map<ChannelPath, std::unique_ptr<Row>, PathHash, PathEqual> rows_;
+  std::list<Row*> changed_;     // by version of the value
+  std::list<Row*> catalogued_;  // by version of the catalogue
+  std::size_t gone_ = 0;        // number in rows_
+  std::uint32_t next_id_ = 1;
+  std::uint64_t version_ = 0, catalogue_version_;
+  std::uint64_t forgotten_;  // catalogue version of the newest forgotten row
+  LiveObjects objects_;
+  Counters counters_;
+};
+
+}  // namespace fieldcast::web
