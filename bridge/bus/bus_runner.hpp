@@ -15,8 +15,8 @@
 #include "bridge/base/file_descriptor.hpp"
 #include "bridge/bus/bus_sink.hpp"
 #include "core/bus/setup/event.hpp"
+#include "core/model/bus_spec.hpp"
 #include "core/model/inheritance.hpp"
-#include "core/model/spec.hpp"
 
 namespace boost::asio {
 class io_context;

@@ -10,7 +10,7 @@
 
 #include "bridge/capture/capture_tap.hpp"
 #include "core/capture/frame_gatherer.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/bus_spec.hpp"
 
 namespace fieldcast {
 

@@ -11,7 +11,7 @@
 
 #include "bridge/capture/bus_capture.hpp"
 #include "bridge/capture/capture_file.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/bus_spec.hpp"
 
 namespace fieldcast {
 

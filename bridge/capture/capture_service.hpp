@@ -11,7 +11,7 @@
 #include <string>
 
 #include "bridge/capture/capture_tap.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/bus_spec.hpp"
 
 namespace fieldcast {
 

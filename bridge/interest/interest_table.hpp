@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "core/bus/setup/event.hpp"
+#include "core/model/bus_spec.hpp"
 #include "core/model/pattern.hpp"
-#include "core/model/spec.hpp"
 
 namespace fieldcast {
 

@@ -12,7 +12,8 @@
 #include <string>
 
 #include "bridge/metrics/metrics_text.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/channel_kind.hpp"
+#include "core/model/program_spec.hpp"
 
 namespace fieldcast {
 

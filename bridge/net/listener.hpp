@@ -7,7 +7,7 @@
 #include <string>
 #include <tl/expected.hpp>
 
-#include "core/model/spec.hpp"
+#include "core/model/program_spec.hpp"
 
 namespace fieldcast {
 

@@ -9,7 +9,7 @@
 
 #include "bridge/net/byte_stream.hpp"
 #include "core/base/time.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/program_spec.hpp"
 
 namespace fieldcast {
 

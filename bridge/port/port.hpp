@@ -11,7 +11,7 @@
 #include "core/base/bytes.hpp"
 #include "core/base/cause.hpp"
 #include "core/base/time.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/bus_spec.hpp"
 
 namespace boost::asio {
 class io_context;

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "core/model/spec.hpp"
+#include "core/model/program_spec.hpp"
 
 namespace fieldcast::program {
 

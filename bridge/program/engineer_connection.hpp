@@ -9,7 +9,7 @@
 #include "bridge/program/device_registry.hpp"
 #include "bridge/program/module/hooks.hpp"
 #include "bridge/program/module/relay_end.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/program_spec.hpp"
 #include "core/program/engineer.hpp"
 
 namespace fieldcast::program {

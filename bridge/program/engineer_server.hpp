@@ -14,7 +14,7 @@
 #include "bridge/net/listener.hpp"
 #include "bridge/program/engineer_connection.hpp"
 #include "bridge/program/module/silent_connections.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/program_spec.hpp"
 
 namespace fieldcast {
 class TlsServer;

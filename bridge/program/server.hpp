@@ -9,7 +9,8 @@
 
 #include "bridge/program/leased_device.hpp"
 #include "bridge/program/module/hooks.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/bus_spec.hpp"
+#include "core/model/program_spec.hpp"
 
 namespace fieldcast {
 class BusRunner;

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "bridge/station/station.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/dds_spec.hpp"
 
 namespace fieldcast {
 

@@ -10,7 +10,7 @@
 
 #include "bridge/dds/library/dds_error.hpp"
 #include "bridge/dds/topics/conversion_standby.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/dds_spec.hpp"
 
 namespace fieldcast {
 

@@ -19,7 +19,7 @@
 #include "bridge/dds/library/dds_error.hpp"
 #include "bridge/dds/topics/topic_values.hpp"
 #include "core/base/time.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/dds_spec.hpp"
 #include "core/model/status.hpp"
 
 namespace fieldcast {

@@ -10,7 +10,7 @@
 
 #include "bridge/store/sql/sql.hpp"
 #include "bridge/store/tiers/tier.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/store_spec.hpp"
 
 namespace fieldcast {
 

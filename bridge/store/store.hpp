@@ -26,9 +26,10 @@
 #include "bridge/store/records/records.hpp"
 #include "bridge/store/tiers/sample_table.hpp"
 #include "core/base/utc_mapping.hpp"
+#include "core/model/bus_spec.hpp"
 #include "core/model/pattern.hpp"
 #include "core/model/sample.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/store_spec.hpp"
 
 namespace fieldcast {
 

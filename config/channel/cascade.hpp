@@ -8,7 +8,7 @@
 #include <string>
 
 #include "config/document/map_reader.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/bus_spec.hpp"
 
 namespace fieldcast::config {
 

@@ -3,7 +3,7 @@
 #include "config/channel/cascade.hpp"
 #include "config/document/document.hpp"
 #include "config/document/fault_list.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/channel_spec.hpp"
 #include "core/protocol/protocol.hpp"
 
 namespace fieldcast::config {

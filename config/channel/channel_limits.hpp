@@ -2,7 +2,7 @@
 #pragma once
 
 #include "config/document/map_reader.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/channel_spec.hpp"
 
 namespace fieldcast::config {
 

@@ -9,7 +9,7 @@
 #include "config/document/limits.hpp"
 #include "config/document/scalars.hpp"
 #include "config/document/unique_names.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/channel_kind.hpp"
 
 namespace fieldcast::config {
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "core/base/duration_text.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/channel_kind.hpp"
 
 namespace fieldcast::config {
 namespace {

@@ -7,7 +7,7 @@
 #include "config/document/limits.hpp"
 #include "config/document/suggest.hpp"
 #include "config/files/recognition.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/channel_kind.hpp"
 
 namespace fieldcast::config {
 namespace {

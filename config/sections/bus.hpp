@@ -2,7 +2,7 @@
 
 #include "config/document/document.hpp"
 #include "config/sections/device.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/bus_spec.hpp"
 
 namespace fieldcast::config {
 

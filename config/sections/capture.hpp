@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "config/document/map_reader.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/bus_spec.hpp"
 
 namespace fieldcast::config {
 

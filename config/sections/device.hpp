@@ -5,7 +5,7 @@
 #include "config/channel/cascade.hpp"
 #include "config/declaration/protocol_choice.hpp"
 #include "config/document/unique_names.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/bus_spec.hpp"
 
 namespace fieldcast::config {
 

@@ -8,7 +8,7 @@
 #include "config/document/document.hpp"
 #include "config/document/fault_list.hpp"
 #include "config/document/key.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/bus_spec.hpp"
 
 namespace fieldcast::config {
 

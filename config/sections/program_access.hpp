@@ -2,7 +2,7 @@
 
 #include "config/document/map_reader.hpp"
 #include "config/files/library.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/program_spec.hpp"
 
 namespace fieldcast::config {
 

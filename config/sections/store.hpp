@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "config/document/map_reader.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/store_spec.hpp"
 
 namespace fieldcast::config {
 

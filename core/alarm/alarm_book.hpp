@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "core/alarm/alarm_life.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/bus_spec.hpp"
 
 namespace fieldcast {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/alarm/limit_watch.hpp"
+#include "core/model/bus_spec.hpp"
 #include "core/model/sample.hpp"
-#include "core/model/spec.hpp"
 
 namespace fieldcast {
 

@@ -8,7 +8,7 @@
 
 #include "core/alarm/limit_watch.hpp"
 #include "core/base/time.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/channel_kind.hpp"
 
 namespace fieldcast {
 

@@ -16,8 +16,8 @@
 #include "core/bus/outcome_router.hpp"
 #include "core/bus/setup/action_sink.hpp"
 #include "core/bus/setup/event.hpp"
+#include "core/model/bus_spec.hpp"
 #include "core/model/inheritance.hpp"
-#include "core/model/spec.hpp"
 #include "core/model/status.hpp"
 
 namespace fieldcast {

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "core/model/spec.hpp"
+#include "core/model/bus_spec.hpp"
 
 namespace fieldcast {
 

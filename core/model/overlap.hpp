@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/model/spec.hpp"
+#include "core/model/bus_spec.hpp"
 
 namespace fieldcast {
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/model/planner_choice.hpp"
 #include "core/plan/read_plan.hpp"
 #include "core/plan/wire_model.hpp"
 

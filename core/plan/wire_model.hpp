@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "core/model/planner_choice.hpp"
 #include "core/plan/layout/layout.hpp"
 #include "core/plan/layout/point.hpp"
 #include "core/plan/shape/point_state.hpp"

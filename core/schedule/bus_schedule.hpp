@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/model/spec.hpp"
+#include "core/model/bus_spec.hpp"
 #include "core/plan/planner.hpp"
 
 namespace fieldcast {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "core/model/spec.hpp"
+#include "core/model/bus_spec.hpp"
 #include "core/plan/planner.hpp"
 
 namespace fieldcast {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "core/model/bus_spec.hpp"
 #include "core/model/sample.hpp"
-#include "core/model/spec.hpp"
 #include "core/plan/planner.hpp"
 
 namespace fieldcast {

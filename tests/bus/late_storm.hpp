@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "core/model/spec.hpp"
+#include "core/model/bus_spec.hpp"
 #include "tools/sim/bus/virtual_bus.hpp"
 
 namespace fieldcast::test {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "core/model/spec.hpp"
+#include "core/model/bus_spec.hpp"
 #include "core/protocol/protocol.hpp"
 #include "tools/sim/device/device.hpp"
 

@@ -25,9 +25,10 @@
 #include "core/alarm/alarm_monitor.hpp"
 #include "core/alarm/alarm_status.hpp"
 #include "core/base/utc_mapping.hpp"
+#include "core/model/bus_spec.hpp"
 #include "core/model/command.hpp"
+#include "core/model/dds_spec.hpp"
 #include "core/model/sample.hpp"
-#include "core/model/spec.hpp"
 #include "core/model/status.hpp"
 #include "core/plan/plan_report.hpp"
 

@@ -18,7 +18,7 @@
 #include "bridge/dds/transport/domain.hpp"
 #include "bridge/standby/standby_values.hpp"
 #include "core/base/utc_mapping.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/bus_spec.hpp"
 #include "idl/topics.h"
 
 namespace fieldcast {

@@ -11,8 +11,8 @@
 #include "bridge/dds/topics/topic_values.hpp"
 #include "bridge/dds/topics/topics.hpp"
 #include "core/base/utc_mapping.hpp"
+#include "core/model/bus_spec.hpp"
 #include "core/model/sample.hpp"
-#include "core/model/spec.hpp"
 #include "idl/topics.h"
 
 namespace fieldcast {

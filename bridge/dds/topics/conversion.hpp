@@ -16,9 +16,9 @@
 #include "bridge/standby/bus_claims.hpp"
 #include "core/alarm/alarm_monitor.hpp"
 #include "core/base/utc_mapping.hpp"
+#include "core/model/bus_spec.hpp"
 #include "core/model/command.hpp"
 #include "core/model/sample.hpp"
-#include "core/model/spec.hpp"
 #include "core/model/status.hpp"
 #include "idl/topics.h"
 

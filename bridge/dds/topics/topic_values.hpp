@@ -12,8 +12,8 @@
 #include "core/base/quality.hpp"
 #include "core/base/time.hpp"
 #include "core/base/value.hpp"
+#include "core/model/channel_kind.hpp"
 #include "core/model/command.hpp"
-#include "core/model/spec.hpp"
 #include "core/model/status.hpp"
 #include "core/plan/plan_report.hpp"
 

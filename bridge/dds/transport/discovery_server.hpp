@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/model/spec.hpp"
+#include "core/model/dds_spec.hpp"
 
 namespace fieldcast {
 

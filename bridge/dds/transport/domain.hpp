@@ -22,7 +22,7 @@
 #include "bridge/dds/transport/member_watch.hpp"
 #include "bridge/dds/transport/server_watch.hpp"
 #include "bridge/security/topic_rights.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/dds_spec.hpp"
 
 namespace fieldcast {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/time.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/dds_spec.hpp"
 
 namespace fieldcast {
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "core/model/spec.hpp"
+#include "core/model/dds_spec.hpp"
 
 namespace fieldcast {
 

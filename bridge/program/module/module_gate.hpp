@@ -12,7 +12,7 @@
 #include "bridge/net/tls.hpp"
 #include "bridge/program/module/module_secrets.hpp"
 #include "core/access/network.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/program_spec.hpp"
 #include "core/program/registration.hpp"
 
 namespace fieldcast::program {

@@ -18,7 +18,7 @@
 #include "bridge/program/module/module_gate.hpp"
 #include "bridge/program/module/silent_connections.hpp"
 #include "bridge/program/module/tls_pipe.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/program_spec.hpp"
 
 namespace fieldcast::program {
 

@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "bridge/store/tiers/bucket.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/store_spec.hpp"
 
 namespace fieldcast {
 

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "core/bus/command/freshness.hpp"
+#include "core/model/bus_spec.hpp"
 #include "core/model/sample.hpp"
-#include "core/model/spec.hpp"
 #include "core/model/status.hpp"
 #include "core/plan/layout/point.hpp"
 

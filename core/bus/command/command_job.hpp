@@ -8,9 +8,9 @@
 #include <tl/expected.hpp>
 #include <vector>
 
+#include "core/model/bus_spec.hpp"
 #include "core/model/command.hpp"
 #include "core/model/sample.hpp"
-#include "core/model/spec.hpp"
 #include "core/protocol/protocol.hpp"
 
 namespace fieldcast {

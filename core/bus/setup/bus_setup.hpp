@@ -8,8 +8,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/model/bus_spec.hpp"
 #include "core/model/sample.hpp"
-#include "core/model/spec.hpp"
 #include "core/protocol/protocol.hpp"
 
 namespace fieldcast {

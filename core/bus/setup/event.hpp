@@ -11,9 +11,9 @@
 #include "core/base/bytes.hpp"
 #include "core/base/cause.hpp"
 #include "core/base/time.hpp"
+#include "core/model/bus_spec.hpp"
 #include "core/model/command.hpp"
 #include "core/model/sample.hpp"
-#include "core/model/spec.hpp"
 
 namespace fieldcast {
 

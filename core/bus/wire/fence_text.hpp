@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "core/model/spec.hpp"
+#include "core/model/bus_spec.hpp"
 
 namespace fieldcast {
 

@@ -9,7 +9,7 @@
 #pragma once
 
 #include "core/base/time.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/bus_spec.hpp"
 
 namespace fieldcast {
 

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "core/model/spec.hpp"
+#include "core/model/bus_spec.hpp"
 #include "core/protocol/families/registry.hpp"
 
 namespace fieldcast {

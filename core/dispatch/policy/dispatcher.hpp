@@ -9,6 +9,7 @@
 #include "core/dispatch/policy/dynamic_blocks_dispatcher.hpp"
 #include "core/dispatch/policy/earliest_due_dispatcher.hpp"
 #include "core/dispatch/policy/intensive_dispatcher.hpp"
+#include "core/model/planner_choice.hpp"
 
 namespace fieldcast {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/base/time.hpp"
+#include "core/model/channel_kind.hpp"
 #include "core/model/sample.hpp"
-#include "core/model/spec.hpp"
 #include "core/plan/layout/cost.hpp"
 #include "core/protocol/protocol.hpp"
 

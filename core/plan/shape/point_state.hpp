@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "core/model/spec.hpp"
+#include "core/model/channel_kind.hpp"
 #include "core/plan/layout/time_math.hpp"
 #include "core/protocol/protocol.hpp"
 

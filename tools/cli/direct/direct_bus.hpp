@@ -7,8 +7,8 @@
 #include <string>
 #include <tl/expected.hpp>
 
+#include "core/model/bus_spec.hpp"
 #include "core/model/command.hpp"
-#include "core/model/spec.hpp"
 #include "tools/cli/terminal/interrupt.hpp"
 
 namespace fieldcast::cli {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bridge/base/command_line.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/bus_spec.hpp"
 #include "tools/cli/model/named_protocol.hpp"
 
 namespace fieldcast::cli {

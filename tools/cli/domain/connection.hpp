@@ -11,7 +11,7 @@
 
 #include "bridge/base/command_line.hpp"
 #include "core/base/time.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/dds_spec.hpp"
 
 namespace fieldcast::cli {
 

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "core/capture/capture_record.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/bus_spec.hpp"
 #include "core/protocol/protocol.hpp"
 
 namespace fieldcast::cli {

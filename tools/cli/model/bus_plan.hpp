@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/model/spec.hpp"
+#include "core/model/bus_spec.hpp"
 #include "core/plan/layout/point.hpp"
 #include "core/protocol/protocol.hpp"
 #include "core/schedule/prediction.hpp"

@@ -9,7 +9,7 @@
 
 #include "core/base/time.hpp"
 #include "core/codec/value_codec.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/channel_kind.hpp"
 
 namespace fieldcast::importing {
 

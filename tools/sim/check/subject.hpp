@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/model/spec.hpp"
+#include "core/model/bus_spec.hpp"
 
 namespace fieldcast::sim {
 

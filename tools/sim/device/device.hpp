@@ -19,7 +19,7 @@
 #include "core/base/bytes.hpp"
 #include "core/base/time.hpp"
 #include "core/frame/line.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/bus_spec.hpp"
 
 namespace fieldcast::sim {
 

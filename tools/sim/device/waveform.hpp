@@ -8,7 +8,7 @@
 
 #include "core/base/time.hpp"
 #include "core/codec/value_codec.hpp"
-#include "core/model/spec.hpp"
+#include "core/model/channel_spec.hpp"
 
 namespace fieldcast::sim {
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/model/spec.hpp"
+#include "core/model/program_spec.hpp"
 
 namespace fieldcast::web {
 

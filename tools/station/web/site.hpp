@@ -10,7 +10,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "core/model/spec.hpp"
+#include "core/model/program_spec.hpp"
 #include "tools/station/http/route_table.hpp"
 #include "tools/station/settings/origin_check.hpp"
 #include "tools/station/web/login_check.hpp"

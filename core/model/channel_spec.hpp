@@ -1,0 +1,41 @@
+// A configured channel, with every default filled in. A plain value; the loader makes it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "core/base/time.hpp"
+#include "core/codec/value_codec.hpp"
+#include "core/model/channel_kind.hpp"
+#include "core/protocol/protocol.hpp"
+
+namespace fieldcast {
+
+struct ChannelSpec {
+  std::string name;
+  std::string at;             // as written: "holding:100"
+  std::string exponent_from;  // as written, the item of the decimal exponent; empty: none
+  Range range;                // as understood, with the item of the exponent
+  Encoding encoding;
+  Duration refresh = std::chrono::seconds{1};
+  Mode mode = Mode::kScheduled;
+  Access access = Access::kReadOnly;
+  bool on_interest = false;           // `acquire: on-interest`
+  int priority = 0;                   // higher values are stretched later under overload; -100..100
+  double elasticity = 1;              // its share of a stretch within its priority; 0.1..10
+  std::string unit;                   // "°C", up to 32 bytes
+  std::string description;            // up to 256 bytes
+  std::optional<double> deadband;     // smaller changes are not published
+  std::optional<Duration> heartbeat;  // with a deadband: the longest gap; default: the refresh
+  Limits limits;
+  std::optional<double> write_min, write_max;
+  Duration write_interval{};  // rate limit of commands; 0 for none
+  friend bool operator==(const ChannelSpec&, const ChannelSpec&) = default;
+};
+[[nodiscard]] bool read_by_itself(const ChannelSpec& channel);
+
+// The refresh, or the heartbeat with a deadband; empty for channels only read on request.
+[[nodiscard]] std::optional<Duration> promised_gap(const ChannelSpec& channel);
+
+}  // namespace fieldcast

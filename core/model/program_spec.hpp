@@ -1,0 +1,68 @@
+// How engineers and modules reach the bridge for programming, and where it listens. Plain values.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/time.hpp"
+#include "core/program/registration.hpp"
+
+namespace fieldcast {
+
+struct ListenSpec {
+  std::string host;  // an IP address
+  std::uint16_t port = 0;
+  friend bool operator==(const ListenSpec&, const ListenSpec&) = default;
+};
+[[nodiscard]] bool on_loopback(const ListenSpec& listen);
+
+enum class LoginRule : std::uint8_t { kOffLoopback, kAlways };  // when a login is required
+
+enum class LoginProof : std::uint8_t { kPassword, kCertificate, kEither, kBoth };
+
+// TLS of a listening port; all are paths of PEM files.
+struct TlsSpec {
+  std::string certificate, key;  // of the bridge; if set, TLS is used
+  std::string authority;         // issuer of client certificates; empty: clients need none
+  std::string revoked;           // certificate revocation list; empty: none
+  friend bool operator==(const TlsSpec&, const TlsSpec&) = default;
+};
+
+struct EngineersSpec {
+  ListenSpec listen;
+  TlsSpec tls;
+  LoginRule login = LoginRule::kOffLoopback;
+  LoginProof proof = LoginProof::kPassword;
+  Duration heartbeat = std::chrono::seconds{5};
+  Duration idle = std::chrono::minutes{10};
+  // Timeout of TLS and of the request for a device; not a key of the configuration.
+  Duration handshake = std::chrono::seconds{10};
+  friend bool operator==(const EngineersSpec&, const EngineersSpec&) = default;
+};
+
+// Action if a second module connects with the same number.
+enum class SecondModule : std::uint8_t { kRefuse, kReplace };
+
+struct ModulesSpec {
+  ListenSpec listen;
+  program::RegistrationRule registration;
+  TlsSpec tls;
+  // By common name: device numbers of that certificate. Others may only use their common name.
+  std::map<std::string, std::vector<std::string>> subjects;
+  std::string secrets;            // path of the modules' secrets; empty: none
+  std::vector<std::string> from;  // addresses and networks, "10.0.0.0/8"; empty: any
+  SecondModule second = SecondModule::kRefuse;
+  bool without_security = false;  // explicitly configured
+  friend bool operator==(const ModulesSpec&, const ModulesSpec&) = default;
+};
+
+struct ProgramSpec {
+  std::optional<EngineersSpec> engineers;
+  std::optional<ModulesSpec> modules;
+  friend bool operator==(const ProgramSpec&, const ProgramSpec&) = default;
+};
+
+}  // namespace fieldcast
