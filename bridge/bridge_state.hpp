@@ -41,7 +41,7 @@
 #include "bridge/standby/master_lease.hpp"
 #include "bridge/standby/standby_group.hpp"
 #include "bridge/store/command_audit.hpp"
-#include "bridge/store/command_identities.hpp"
+#include "bridge/store/command_id_table.hpp"
 #include "bridge/store/store.hpp"
 #include "bridge/store/users/authenticator.hpp"
 
@@ -63,8 +63,8 @@ struct Bridge::State {
   std::mutex store_mutex;
   std::unique_ptr<Store> store;           // outlives the sinks of the buses; null without a store
   std::unique_ptr<Authenticator> logins;  // only with a store
-  std::unique_ptr<CommandIdentities> identities;  // only with a store; closed before the link
-  MetricsTable figures;                           // outlives the sinks
+  std::unique_ptr<CommandIdTable> identities;  // only with a store; closed before the link
+  MetricsTable figures;                        // outlives the sinks
   MasterLease lease;  // outlives the sinks; always held by a bridge without a group
   Standby standby;
   IoThread plans{"plans"};

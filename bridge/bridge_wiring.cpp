@@ -11,7 +11,7 @@ namespace fieldcast {
 
 program::Hooks Bridge::State::program_hooks() {
   program::Hooks hooks;
-  const auto verdict = [](std::function<void(program::LoginAnswer)> done) {
+  const auto verdict = [](std::function<void(program::LoginResponse)> done) {
     return [done = std::move(done)](const LoginResult& result) {
       if (!result) return done({false, to_text(result.error())});
       done({may(*result, Role::kProgrammer),
@@ -20,13 +20,13 @@ program::Hooks Bridge::State::program_hooks() {
   };
   // Without a store, the certificate authority decides which users are engineers.
   hooks.certified = [this, verdict](std::string user, std::string address,
-                                    std::function<void(program::LoginAnswer)> done) {
+                                    std::function<void(program::LoginResponse)> done) {
     if (!logins) return done({true, ""});
     logins->authenticate({.user = std::move(user), .peer = std::move(address), .certified = true},
                          verdict(std::move(done)));
   };
   hooks.login = [this, verdict](std::string user, Secret password, std::string address,
-                                std::function<void(program::LoginAnswer)> done) {
+                                std::function<void(program::LoginResponse)> done) {
     if (!logins) return done({false, "this bridge has no users: its configuration has no store"});
     logins->authenticate({std::move(user), std::move(password), std::move(address)},
                          verdict(std::move(done)));
@@ -94,19 +94,19 @@ void Bridge::State::open_store() {
     store = std::move(opened);
   }
   logins = std::make_unique<Authenticator>(StoreAddress(spec.store->address), *store);
-  identities = std::make_unique<CommandIdentities>(StoreAddress(spec.store->address));
+  identities = std::make_unique<CommandIdTable>(StoreAddress(spec.store->address));
 }
 
 void Bridge::State::keep_in_store(const std::string& requester, std::uint64_t request_id,
                                   std::function<void(CommandRouter::Identity)> kept) {
   identities->enter(requester, request_id,
-                    [kept = std::move(kept)](CommandIdentities::Verdict verdict) {
+                    [kept = std::move(kept)](CommandIdTable::Verdict verdict) {
                       switch (verdict) {
-                        case CommandIdentities::Verdict::kNew:
+                        case CommandIdTable::Verdict::kNew:
                           return kept(CommandRouter::Identity::kNew);
-                        case CommandIdentities::Verdict::kKnown:
+                        case CommandIdTable::Verdict::kKnown:
                           return kept(CommandRouter::Identity::kKnown);
-                        case CommandIdentities::Verdict::kNotKept:
+                        case CommandIdTable::Verdict::kNotKept:
                           return kept(CommandRouter::Identity::kNotKept);
                       }
                     });

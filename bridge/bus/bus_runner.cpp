@@ -13,10 +13,10 @@
 #include "bridge/base/back_off.hpp"
 #include "bridge/base/check.hpp"
 #include "bridge/base/clock.hpp"
-#include "bridge/bus/answers_under_way.hpp"
 #include "bridge/bus/engine_timer.hpp"
 #include "bridge/bus/gate.hpp"
 #include "bridge/bus/iconv_codec.hpp"
+#include "bridge/bus/port_quiet_time.hpp"
 #include "bridge/bus/wire_record.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/log/notice_log.hpp"
@@ -45,8 +45,8 @@ std::string with_port_name(const PortSpec& port, const std::string& reason) {
   return fmt::format("{}: {}", name_of(port), reason);
 }
 
-AnswersUnderWay& answers_under_way() {
-  static AnswersUnderWay all;
+PortQuietTime& answers_under_way() {
+  static PortQuietTime all;
   return all;
 }
 

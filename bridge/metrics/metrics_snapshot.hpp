@@ -10,7 +10,7 @@
 #include "bridge/dds/endpoints/dds_link.hpp"
 #include "bridge/dds/guard/rtps_fault.hpp"
 #include "bridge/store/store.hpp"
-#include "core/alarm/alarm_book.hpp"
+#include "core/alarm/alarm_registry.hpp"
 #include "core/base/time.hpp"
 #include "core/model/status.hpp"
 

@@ -88,8 +88,8 @@ void EngineerConnection::check_certificate() {
 }
 
 // The returned function may be called on any thread.
-std::function<void(LoginAnswer)> EngineerConnection::answer_to(const std::string& user) {
-  return [weak = weak_from_this(), &io = around_.io, user](const LoginAnswer& answer) {
+std::function<void(LoginResponse)> EngineerConnection::answer_to(const std::string& user) {
+  return [weak = weak_from_this(), &io = around_.io, user](const LoginResponse& answer) {
     asio::post(io, [weak, user, answer] {
       const auto self = weak.lock();
       if (!self) return;

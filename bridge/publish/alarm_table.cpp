@@ -174,7 +174,7 @@ AlarmCounts AlarmTable::counts() const {
 }
 
 std::set<AlarmKey> AlarmTable::take_changes() {
-  AlarmBook::News news = book_.take_news();
+  AlarmRegistry::News news = book_.take_news();
   if (sink_) {
     for (const AlarmKey& alarm : news.to_keep) {
       const AlarmStatus* status = book_.find(alarm);

@@ -2,7 +2,7 @@
 // with a store also a restarted bridge does. Applies the actions of users. Passes to the store each
 // beginning once, each end once, and every other change.
 //
-// AlarmBook with a lock and a connection to the store. Any thread.
+// AlarmRegistry with a lock and a connection to the store. Any thread.
 #pragma once
 
 #include <atomic>
@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "bridge/store/records/alarm_sink.hpp"
-#include "core/alarm/alarm_book.hpp"
+#include "core/alarm/alarm_registry.hpp"
 
 namespace fieldcast {
 
@@ -65,7 +65,7 @@ class AlarmTable {
   void publish(const std::set<AlarmKey>& changed);  // without the lock
 
   mutable std::mutex mutex_;
-  AlarmBook book_;
+  AlarmRegistry book_;
   std::vector<AlarmRecord> held_;
   AlarmSink* sink_ = nullptr;
   bool loading_ = false;

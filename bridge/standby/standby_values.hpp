@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bridge/standby/election.hpp"
-#include "core/alarm/alarm_book.hpp"
+#include "core/alarm/alarm_registry.hpp"
 #include "core/model/inheritance.hpp"
 
 namespace fieldcast {

@@ -102,8 +102,8 @@ Instant Arbiter::sendable_from(const CommandJob& job) const {
   if (late_.none_owed()) return from;
   const auto request = job.next();
   if (!request) return from;
-  return std::max(from,
-                  late_.sendable_from(job.device(), *request, LateAnswers::Purpose::kCommand));
+  return std::max(
+      from, late_.sendable_from(job.device(), *request, LateResponseFilter::Purpose::kCommand));
 }
 
 Bytes Arbiter::send(Instant now) {

@@ -45,7 +45,7 @@ class Arbiter {
   CommandQueue& commands_;
   ReadPath& reads_;
   DeviceMonitor& devices_;
-  LateAnswers& late_;
+  LateResponseFilter& late_;
   Wire& wire_;
   CommandQueue::Gate command_gate_;
   bool command_was_last_ = false;

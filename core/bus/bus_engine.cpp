@@ -106,7 +106,7 @@ void BusEngine::handle(const Received& event, Instant now, ActionSink& sink) {
 void BusEngine::take_stray(ByteView bytes, Instant now, ActionSink& sink) {
   parts_.wire.stray(now);
   parts_.fence.bytes_came(false, now);
-  std::vector<LateAnswers::Late> late;
+  std::vector<LateResponseFilter::Late> late;
   if (!parts_.late.none_owed() && !parts_.fence.listening())
     late = parts_.late.in_strays(bytes, now);
   if (late.empty() && parts_.fence.stray(bytes, now)) let_go(now, sink);

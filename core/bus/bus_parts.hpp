@@ -7,7 +7,7 @@
 #include "core/bus/health/device_monitor.hpp"
 #include "core/bus/read_path.hpp"
 #include "core/bus/setup/bus_setup.hpp"
-#include "core/bus/wire/late_answers.hpp"
+#include "core/bus/wire/late_response_filter.hpp"
 #include "core/bus/wire/wire.hpp"
 #include "core/bus/wire/wire_fence.hpp"
 
@@ -29,7 +29,7 @@ struct BusParts {
   CommandQueue commands;
   ReadPath reads;
   DeviceMonitor devices;
-  LateAnswers late;
+  LateResponseFilter late;
   Wire wire;
   WireFence fence;
 };

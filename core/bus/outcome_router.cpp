@@ -34,7 +34,7 @@ std::optional<Reopen> OutcomeRouter::conclude(bool done, Instant now, ActionSink
   // A TCP stream that lost its framing is closed (Modbus Messaging on TCP/IP, 4.2.2 leaves the
   // reaction open). A serial line becomes silent instead, also behind a serial server, so a bad
   // frame only costs its exchange.
-  const bool numbered = setup_.protocol(device).traits().identity == AnswerIdentity::kSequence;
+  const bool numbered = setup_.protocol(device).traits().identity == ResponseIdentity::kSequence;
   if (ended.cause == Cause::kMalformed && numbered && setup_.plain_tcp())
     return Reopen{"the answer's header makes no sense"};
   return std::nullopt;
@@ -118,9 +118,9 @@ bool OutcomeRouter::device_failed(DeviceIndex device, const Wire::Ended& ended, 
   return lost;
 }
 
-void OutcomeRouter::take_late(const std::vector<LateAnswers::Late>& answers, Instant now,
+void OutcomeRouter::take_late(const std::vector<LateResponseFilter::Late>& answers, Instant now,
                               ActionSink& sink) {
-  for (const LateAnswers::Late& answer : answers) {
+  for (const LateResponseFilter::Late& answer : answers) {
     const DeviceIndex device = answer.asked.device;
     devices_.learn_late(device, answer.taken);
     const bool awaited = !answer.block.points.empty();

@@ -18,7 +18,8 @@ class OutcomeRouter {
 
   // Returns Reopen if the port must be opened again.
   [[nodiscard]] std::optional<Reopen> conclude(bool done, Instant now, ActionSink& sink);
-  void take_late(const std::vector<LateAnswers::Late>& answers, Instant now, ActionSink& sink);
+  void take_late(const std::vector<LateResponseFilter::Late>& answers, Instant now,
+                 ActionSink& sink);
 
   void count(Cause cause) { causes_.add(cause); }
   [[nodiscard]] const CauseCounters& causes() const { return causes_; }
@@ -36,7 +37,7 @@ class OutcomeRouter {
   CommandQueue& commands_;
   ReadPath& reads_;
   DeviceMonitor& devices_;
-  LateAnswers& late_;
+  LateResponseFilter& late_;
   Wire& wire_;
   Arbiter& arbiter_;
   CauseCounters causes_;

@@ -5,7 +5,7 @@ namespace fieldcast {
 // A number of eight bits, the narrowest of all families, may repeat while a response is pending.
 bool Protocol::mistakable(const Request&, ExchangeContext earlier, const Request&,
                           ExchangeContext later) const {
-  return traits().identity != AnswerIdentity::kSequence ||
+  return traits().identity != ResponseIdentity::kSequence ||
          (earlier.sequence & 0xFF) == (later.sequence & 0xFF);
 }
 

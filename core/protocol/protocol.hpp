@@ -187,7 +187,7 @@ struct FrameField {
 };
 
 // How a response identifies its request, see Protocol::mistakable().
-enum class AnswerIdentity : std::uint8_t {
+enum class ResponseIdentity : std::uint8_t {
   kSequence,  // by a number of the request (Modbus TCP): any request may follow a timeout
   kAddress,   // by the device (Modbus RTU): responses of different devices cannot be confused
   kNone,      // not at all (S7 freeport): no device of the bus may be polled
@@ -200,7 +200,7 @@ struct Traits {
   std::uint16_t highest_address = 247;
   std::uint16_t max_ranges = 1;  // ranges in one read request
   bool write_read = false;       // supports WriteReadRequest
-  AnswerIdentity identity = AnswerIdentity::kAddress;
+  ResponseIdentity identity = ResponseIdentity::kAddress;
   bool echo_is_ambiguous = false;       // the response of some write equals its request
   std::span<const DeviceCode> codes{};  // codes of refusals
 };

@@ -153,8 +153,9 @@ TEST(Garbage, BytesThatBeginOtherwiseAreJudgedByTheirBits) {
   for (unsigned i = 0; i < Garbage::kWorthSaying; ++i)
     (void)garbage.received(Bytes{1, 0, 0, 0x20, 0, 0, 0, 0}, kRequest, 9);
   EXPECT_THAT(garbage.text(k8E1, false), HasSubstr("try 8N1"));
-  EXPECT_EQ(answer_shape(kRequest, kRequest, 9), AnswerShape::kOther) << "an echo";
-  EXPECT_EQ(answer_shape(Bytes{1, 3, 4}, kRequest, 0), AnswerShape::kOther) << "of unknown length";
+  EXPECT_EQ(answer_shape(kRequest, kRequest, 9), ResponseShape::kOther) << "an echo";
+  EXPECT_EQ(answer_shape(Bytes{1, 3, 4}, kRequest, 0), ResponseShape::kOther)
+      << "of unknown length";
 }
 
 TEST(Garbage, ShowsTheLastBytesOfAFlood) {

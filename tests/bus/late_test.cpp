@@ -57,9 +57,9 @@ struct Seeded {
   std::uint64_t seed;
   friend void PrintTo(const Seeded& of, std::ostream* out) { *out << of.kind << ' ' << of.seed; }
 };
-class LateAnswerTwice : public testing::TestWithParam<Seeded> {};
+class LateResponseTwice : public testing::TestWithParam<Seeded> {};
 
-TEST_P(LateAnswerTwice, PaysOnce) {
+TEST_P(LateResponseTwice, PaysOnce) {
   const StormKind& kind = kind_named(GetParam().kind);
   const BusSpec spec = bus_of(kind, "200ms");
   const StormFaults faults{.late = 0.05, .by = GetParam().by, .doubled = 0.02, .foreign = 0.2};
@@ -68,7 +68,7 @@ TEST_P(LateAnswerTwice, PaysOnce) {
   EXPECT_EQ(storm.counts().wrong, 0u) << storm.counts().first_wrong;
 }
 
-INSTANTIATE_TEST_SUITE_P(Storms, LateAnswerTwice,
+INSTANTIATE_TEST_SUITE_P(Storms, LateResponseTwice,
                          testing::Values(Seeded{"modbus-rtu", 560ms, 14}, Seeded{"dtc", 450ms, 13},
                                          Seeded{"modbus-rtu-declared", 450ms, 20}),
                          [](const auto& chosen) {

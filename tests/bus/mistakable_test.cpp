@@ -66,7 +66,7 @@ TEST(Mistakable, EveryAnswerThatAnotherRequestTakesIsKnown) {
   for (const ProtocolEntry& entry : protocols()) {
     for (const Subject& subject : subjects_of(entry.name)) {
       const auto protocol = subject.protocol();
-      const bool numbered = protocol->traits().identity == AnswerIdentity::kSequence;
+      const bool numbered = protocol->traits().identity == ResponseIdentity::kSequence;
       int taken = 0, distinct = 0, same = 0;
       expect_known(subject, 8, taken, distinct);
       EXPECT_EQ(taken > 0, !numbered) << entry.name << ": the check would see nothing";

@@ -27,7 +27,7 @@ TEST(Successor, WaitsAsLongAsItsPredecessorSaysAnswersMayCome) {
   while (!sends(before, TimerFired{}, now)) now += 1ms;
   (void)sends(before, StopRequested{}, now);
   const Instant until = before.answers_until();
-  EXPECT_GE(until, now + OwedAnswers::kLateFactor * spec.devices[0].timeout);
+  EXPECT_GE(until, now + PendingResponses::kLateFactor * spec.devices[0].timeout);
 
   BusEngine after(spec);
   EXPECT_FALSE(sends(after, Opened{until}, now));

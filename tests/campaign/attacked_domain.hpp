@@ -14,7 +14,7 @@
 #include <thread>
 
 #include "bridge/base/file_descriptor.hpp"
-#include "bridge/dds/guard/participant_note.hpp"
+#include "bridge/dds/guard/participant_message.hpp"
 #include "bridge/dds/guard/shared_guard.hpp"
 #include "bridge/dds/topics/conversion.hpp"
 #include "bridge/dds/transport/domain.hpp"

@@ -13,12 +13,12 @@
 #include <string>
 
 #include "bridge/log/log.hpp"
-#include "bridge/store/command_identities.hpp"
+#include "bridge/store/command_id_table.hpp"
 #include "bridge/store/store.hpp"
 #include "tests/bridge/store/store_support.hpp"
 
 using namespace fieldcast;
-using Verdict = CommandIdentities::Verdict;
+using Verdict = CommandIdTable::Verdict;
 
 namespace {
 
@@ -43,7 +43,7 @@ void write_samples(const StoreAddress& address, int batches) {
   }
 }
 
-Verdict verdict_of(CommandIdentities& identities, int number) {
+Verdict verdict_of(CommandIdTable& identities, int number) {
   std::promise<Verdict> verdict;
   identities.enter("campaign", static_cast<std::uint64_t>(number),
                    [&](Verdict told) { verdict.set_value(told); });
@@ -51,7 +51,7 @@ Verdict verdict_of(CommandIdentities& identities, int number) {
 }
 
 void take_commands(const StoreAddress& address, int count) {
-  CommandIdentities identities(address);
+  CommandIdTable identities(address);
   for (int number = 0; number < count; ++number) {
     if (verdict_of(identities, number) == Verdict::kNew)
       say("taken " + std::to_string(number + 1) + "\n");
@@ -73,7 +73,7 @@ int check(const StoreAddress& address, int samples, int commands) {
     if (std::get<double>(history[static_cast<std::size_t>(number)].value) != number)
       return std::printf("sample %d is another one\n", number), 1;
   }
-  CommandIdentities identities(address);
+  CommandIdTable identities(address);
   for (int number = 0; number < commands; ++number) {
     if (verdict_of(identities, number) != Verdict::kKnown)
       return std::printf("command %d would run again\n", number), 1;

@@ -8,7 +8,7 @@
 
 #include "bridge/dds/filter/incoming_filter.hpp"
 #include "bridge/dds/filter/joined_message.hpp"
-#include "bridge/dds/filter/unregister_note.hpp"
+#include "bridge/dds/filter/unregister_message.hpp"
 #include "bridge/dds/guard/rtps_message.hpp"
 #include "bridge/dds/transport/participant_number.hpp"
 #include "bridge/dds/transport/server_restarts.hpp"

@@ -40,8 +40,8 @@ constexpr std::chrono::seconds kServersAnswer{3};
 constexpr std::chrono::milliseconds kStopLimit{2500};  // for the farewell to pages
 constexpr Duration kFlushLimit = std::chrono::seconds{2};
 
-SessionBook::Secret random_secret() {
-  SessionBook::Secret secret;
+SessionStore::Secret random_secret() {
+  SessionStore::Secret secret;
   randombytes_buf(secret.data(), secret.size());
   return secret;
 }

@@ -35,7 +35,7 @@ void UserWatch::look() {
 void UserWatch::on_users(const Users& users) {
   if (users) {
     users_ = users->size();
-    std::vector<SessionBook::KnownUser> known;
+    std::vector<SessionStore::KnownUser> known;
     for (const User& user : *users) known.push_back({user.name, user.role, user.created_at});
     site_.book().users_are(known);
   }

@@ -60,8 +60,8 @@ DdsLink::State::State(const DdsSpec& spec, const std::string& name, Handlers giv
   sessions = domain.writer(kProgramSessionTopic, label);
   interests = std::make_unique<InterestReceiver>(domain, handlers.on_interest, handlers.on_problem);
   if (handlers.bridges.received)
-    presence = std::make_unique<BridgePresence>(domain, writers, label, handlers.bridges,
-                                                handlers.on_problem);
+    presence = std::make_unique<BridgeAnnouncement>(domain, writers, label, handlers.bridges,
+                                                    handlers.on_problem);
   snapshots = std::make_unique<SnapshotSender>(
       domain,
       [this](const std::string& bus, SnapshotSender::Part part) {

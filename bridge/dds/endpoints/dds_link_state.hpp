@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "bridge/dds/endpoints/block_writer.hpp"
-#include "bridge/dds/endpoints/bridge_presence.hpp"
+#include "bridge/dds/endpoints/bridge_announcement.hpp"
 #include "bridge/dds/endpoints/bus_catalogue.hpp"
 #include "bridge/dds/endpoints/dds_link.hpp"
 #include "bridge/dds/endpoints/result_sender.hpp"
@@ -93,7 +93,7 @@ struct DdsLink::State {
   Receivers receivers;  // set by listen_for_commands()
   // Receivers for members restricted to a bus, by bus.
   std::map<std::string, Receivers, std::less<>> held;
-  std::unique_ptr<BridgePresence> presence;
+  std::unique_ptr<BridgeAnnouncement> presence;
   std::shared_mutex mutex;  // shared to use a bus, exclusive to add or remove one
   std::map<std::string, std::unique_ptr<LinkedBus>, std::less<>> buses;
   std::map<std::string, std::unique_ptr<LinkedBus>, std::less<>> prepared;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "bridge/dds/filter/unregister_note.hpp"
+#include "bridge/dds/filter/unregister_message.hpp"
 #include "bridge/dds/topics/result_type.hpp"
 
 namespace fieldcast {

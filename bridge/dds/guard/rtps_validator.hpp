@@ -13,7 +13,7 @@
 #include <span>
 
 #include "bridge/dds/guard/parameter_list.hpp"
-#include "bridge/dds/guard/participant_note.hpp"
+#include "bridge/dds/guard/participant_message.hpp"
 #include "bridge/dds/guard/rtps_fault.hpp"
 #include "bridge/dds/guard/rtps_message.hpp"
 

@@ -3,8 +3,8 @@
 //
 // Built and tested with 2.9.1. No package of 3.x exists for Debian 12: only the syntax of this
 // branch was checked with the headers of 3.6.2 and Fast CDR 2 (g++ -fsyntax-only: this header,
-// fastdds.cpp, library.cpp, note_transport.cpp, unregister_note.cpp, and topic_type.hpp with a type
-// that fastddsgen 4 has made). It has NOT been linked and NOT been run.
+// fastdds.cpp, library.cpp, guard_transport.cpp, unregister_message.cpp, and topic_type.hpp with a
+// type that fastddsgen 4 has made). It has NOT been linked and NOT been run.
 //
 // | subject                  | 2.9                                 | 3.x                        |
 // | ------------------------ | ----------------------------------- | -------------------------- |

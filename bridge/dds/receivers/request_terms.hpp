@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "bridge/dds/receivers/requester_book.hpp"
+#include "bridge/dds/receivers/requester_registry.hpp"
 #include "bridge/dds/transport/domain.hpp"
 #include "core/base/utc_mapping.hpp"
 
@@ -26,7 +26,7 @@ class RequestWriters : public DiscoveryListener {
 
   [[nodiscard]] Duration lifespan_of(const Guid& writer) const;
   // The subject of the writer's participant, for example "bridge line-7", or
-  // RequesterBook::kUnknown. Empty without DDS Security.
+  // RequesterRegistry::kUnknown. Empty without DDS Security.
   [[nodiscard]] std::string subject_of(const Domain& domain, const Guid& writer) const;
   // The subject of a requester: "" without DDS Security, `std::nullopt` if the requester's name
   // belongs to another subject. Such a request gets no result, because the result would go to the
@@ -41,7 +41,7 @@ class RequestWriters : public DiscoveryListener {
 
   mutable std::mutex mutex_;
   std::map<Guid, Duration> lifespans_;
-  mutable RequesterBook requesters_;
+  mutable RequesterRegistry requesters_;
 };
 
 // Expiry of a request on the engine's clock. Its age is the difference of the wall clocks of both

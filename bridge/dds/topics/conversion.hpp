@@ -105,7 +105,7 @@ void to_idl(const AlarmKey& alarm, const AlarmStatus& status, idl::AlarmStatus& 
 
 // Returns false if a name or a text is too long.
 [[nodiscard]] bool to_idl(const AlarmAction& action, idl::AlarmAction& out);
-// Texts are made printable and cut at their bounds. AlarmBook validates the action itself.
+// Texts are made printable and cut at their bounds. AlarmRegistry validates the action itself.
 [[nodiscard]] tl::expected<AlarmAction, MalformedCommand> from_idl(const idl::AlarmAction& action);
 
 // ---- bridges

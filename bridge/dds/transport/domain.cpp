@@ -9,7 +9,7 @@
 #include "bridge/dds/library/fastdds.hpp"
 #include "bridge/dds/library/library.hpp"
 #include "bridge/dds/transport/discovery_server.hpp"
-#include "bridge/dds/transport/note_transport.hpp"
+#include "bridge/dds/transport/guard_transport.hpp"
 #include "bridge/dds/transport/receive_buffer.hpp"
 #include "bridge/security/documents.hpp"
 #include "bridge/security/file_access.hpp"
@@ -61,8 +61,8 @@ void pass_through_ours(dds::TransportConfigQos& transport, const Incoming& incom
     transport.user_transports.push_back(std::make_shared<UDPv4TransportDescriptor>());
   }
   for (auto& one : transport.user_transports)
-    one = std::make_shared<NoteTransportDescriptor>(one, incoming.guard, incoming.filter,
-                                                    incoming.restarts);
+    one = std::make_shared<GuardTransportDescriptor>(one, incoming.guard, incoming.filter,
+                                                     incoming.restarts);
 }
 
 void set_discovery_servers(const std::vector<ServerAddress>& servers,

@@ -23,7 +23,7 @@ struct JoinCheck {
 };
 // `bridge` is the name of the bridge; empty for other programs. A bridge needs the identity of a
 // bridge of its name, because other bridges ignore its claims on buses otherwise
-// (bridge_presence.hpp). All other programs need an identity of another role.
+// (bridge_announcement.hpp). All other programs need an identity of another role.
 [[nodiscard]] JoinCheck check_joining(const DdsSpec& spec, const std::string& bridge, UtcTime now);
 
 }  // namespace fieldcast

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "bridge/dds/guard/participant_note.hpp"
+#include "bridge/dds/guard/participant_message.hpp"
 #include "bridge/dds/guard/rtps_message.hpp"
 
 namespace fieldcast {

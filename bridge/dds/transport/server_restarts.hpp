@@ -38,7 +38,7 @@
 #include <span>
 #include <vector>
 
-#include "bridge/dds/guard/participant_note.hpp"
+#include "bridge/dds/guard/participant_message.hpp"
 #include "core/base/time.hpp"
 
 namespace fieldcast {

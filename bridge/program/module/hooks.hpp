@@ -12,7 +12,7 @@
 namespace fieldcast::program {
 
 // Verdict on the user of a certificate or of a password.
-struct LoginAnswer {
+struct LoginResponse {
   bool allowed = false;
   std::string reason;  // reason for a refusal
 };
@@ -28,10 +28,11 @@ struct Transmission {
 struct Hooks {
   // `done` is called once, on any thread. Only programmers are allowed.
   std::function<void(std::string user, Secret password, std::string address,
-                     std::function<void(LoginAnswer)> done)>
+                     std::function<void(LoginResponse)> done)>
       login;
   // The same for a user whose certificate was verified. If empty, every certificate is accepted.
-  std::function<void(std::string user, std::string address, std::function<void(LoginAnswer)> done)>
+  std::function<void(std::string user, std::string address,
+                     std::function<void(LoginResponse)> done)>
       certified;
   std::function<void(const Transmission&)> audit;
   std::function<void(const ProgramSessionReport&)> report;

@@ -9,7 +9,7 @@
 #include "bridge/base/clock.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/port/socket_stream.hpp"
-#include "bridge/program/module/module_arrival.hpp"
+#include "bridge/program/module/module_handshake.hpp"
 
 namespace fieldcast::program {
 
@@ -118,7 +118,7 @@ std::uint16_t ModuleServer::port() const {
 void ModuleServer::came(tcp::socket socket) {
   const std::string address = address_of(socket);
   if (!gate_->admits(host_of(address))) return refused(address, "no module dials in from there");
-  const auto arrival = std::make_shared<Arrival>(*this, gate_, std::move(socket), address);
+  const auto arrival = std::make_shared<Handshake>(*this, gate_, std::move(socket), address);
   arrival->id = silent_.add(host_of(address), [this, weak = std::weak_ptr(arrival), address] {
     const auto oldest = weak.lock();
     if (!oldest) return;

@@ -53,7 +53,7 @@ class ModuleServer {
   void end_lease(const std::string& number, bool lost);
 
  private:
-  class Arrival;
+  class Handshake;
   class Kept;
   void came(boost::asio::ip::tcp::socket socket);
   void registered(const std::string& number, boost::asio::ip::tcp::socket socket,
@@ -74,7 +74,7 @@ class ModuleServer {
   const Hooks& hooks_;
   std::unique_ptr<Listener> listener_;  // null: not listening
   std::shared_ptr<ModuleGate> gate_;    // of spec_; null: never listened
-  std::unordered_set<std::shared_ptr<Arrival>> arrivals_;
+  std::unordered_set<std::shared_ptr<Handshake>> arrivals_;
   SilentConnections silent_{kMaxAsked, kMaxAskedOfOne};  // those of arrivals_
   RepeatFilter displacements_;
   std::map<std::string, std::shared_ptr<Kept>> kept_;

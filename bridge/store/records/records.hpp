@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "core/alarm/alarm_book.hpp"
+#include "core/alarm/alarm_registry.hpp"
 #include "core/base/quality.hpp"
 #include "core/base/time.hpp"
 #include "core/base/value.hpp"

@@ -8,7 +8,7 @@ DeviceMonitor::DeviceMonitor(const BusSetup& setup, std::vector<std::optional<Ra
     : setup_(setup), probed_(std::move(probed)) {
   for (DeviceIndex index = 0; index < setup_.devices(); ++index) {
     const Duration timeout = setup_.device(index).timeout;
-    const AnswerTime unknown(timeout, std::max(setup_.spec().gap_allowance, timeout / 4));
+    const ResponseTime unknown(timeout, std::max(setup_.spec().gap_allowance, timeout / 4));
     devices_.emplace_back(unknown);
     devices_.back().area_times.assign(setup_.protocol(index).areas().size(), unknown);
   }
@@ -16,7 +16,7 @@ DeviceMonitor::DeviceMonitor(const BusSetup& setup, std::vector<std::optional<Ra
 
 void DeviceMonitor::Device::forget() {
   answer_time.forget();
-  for (AnswerTime& area : area_times) area.forget();
+  for (ResponseTime& area : area_times) area.forget();
   pauses.forget();
   answered_at = kLongAgo;
 }
@@ -27,7 +27,7 @@ Duration DeviceMonitor::rest_before(DeviceIndex index, Instant now) const {
 }
 
 Duration DeviceMonitor::timeout(DeviceIndex index, const Request& request, bool command) const {
-  if (command || setup_.protocol(index).traits().identity == AnswerIdentity::kNone)
+  if (command || setup_.protocol(index).traits().identity == ResponseIdentity::kNone)
     return setup_.device(index).timeout;
   return devices_[index].area_times[area_of(request)].timeout();
 }
@@ -47,7 +47,7 @@ void DeviceMonitor::tried(const Try& ended, Instant now, ActionSink& sink) {
       now + std::max(setup_.device(ended.device).pause, device.pauses.next_pause());
   if (ended.cause == Cause::kNoAnswer || ended.cause == Cause::kTruncated) {
     device.answer_time.timed_out();
-    for (AnswerTime& area : device.area_times) area.timed_out();
+    for (ResponseTime& area : device.area_times) area.timed_out();
   }
   device.failure_share += ((answered && !device.busy() ? 0.0 : 1.0) - device.failure_share) / 8;
   judge_garbage(ended, answered, sink);
@@ -96,7 +96,7 @@ void DeviceMonitor::inherit(DeviceIndex index, const DeviceReport& learned) {
 
 void DeviceMonitor::learn_late(DeviceIndex index, Duration answer_time) {
   devices_[index].answer_time.late(answer_time);
-  for (AnswerTime& area : devices_[index].area_times) area.late(answer_time);
+  for (ResponseTime& area : devices_[index].area_times) area.late(answer_time);
 }
 
 void DeviceMonitor::busy(DeviceIndex index, Instant now) {
@@ -242,7 +242,7 @@ DeviceReport DeviceMonitor::report(DeviceIndex index) const {
   report.timeout = device.answer_time.timeout();
   report.pause = std::max(setup_.device(index).pause, device.pauses.pause());
   for (AreaIndex area = 0; area < device.area_times.size(); ++area) {
-    const AnswerTime& time = device.area_times[area];
+    const ResponseTime& time = device.area_times[area];
     if (time.known())
       report.areas.push_back(
           {std::string(setup_.area(index, area).name), time.mean(), time.spread(), 0, 0});

@@ -10,10 +10,10 @@
 #include <optional>
 #include <vector>
 
-#include "core/bus/health/answer_time.hpp"
 #include "core/bus/health/device_health.hpp"
 #include "core/bus/health/garbage.hpp"
 #include "core/bus/health/pause_learning.hpp"
+#include "core/bus/health/response_time.hpp"
 #include "core/bus/setup/action_sink.hpp"
 #include "core/bus/setup/bus_setup.hpp"
 #include "core/model/status.hpp"
@@ -104,10 +104,10 @@ class DeviceMonitor {
 
  private:
   struct Device {
-    explicit Device(const AnswerTime& unknown) : answer_time(unknown) {}
+    explicit Device(const ResponseTime& unknown) : answer_time(unknown) {}
     DeviceHealth health;
-    AnswerTime answer_time;
-    std::vector<AnswerTime> area_times;
+    ResponseTime answer_time;
+    std::vector<ResponseTime> area_times;
     PauseLearning pauses;
     Garbage garbage;
     Instant answered_at = kLongAgo;

@@ -95,35 +95,35 @@ std::string looks_like(ByteView bytes, const LineFormat& line, bool over_network
          ", and look for a second device with this address or another master";
 }
 
-AnswerShape answer_shape(ByteView bytes, ByteView request, std::size_t expected) {
+ResponseShape answer_shape(ByteView bytes, ByteView request, std::size_t expected) {
   constexpr std::size_t kHead = 2;
   if (expected == 0 || bytes.size() < kHead || request.size() < kHead ||
       !std::equal(bytes.begin(), bytes.begin() + kHead, request.begin()))
-    return AnswerShape::kOther;
+    return ResponseShape::kOther;
   const bool echo = bytes.size() >= request.size()
                         ? std::equal(request.begin(), request.end(), bytes.begin())
                         : std::equal(bytes.begin(), bytes.end(), request.begin());
-  if (echo) return AnswerShape::kOther;
-  if (bytes.size() == expected) return AnswerShape::kWhole;
-  return bytes.size() < expected ? AnswerShape::kCut : AnswerShape::kLong;
+  if (echo) return ResponseShape::kOther;
+  if (bytes.size() == expected) return ResponseShape::kWhole;
+  return bytes.size() < expected ? ResponseShape::kCut : ResponseShape::kLong;
 }
 
-std::string_view broken_answer_text(AnswerShape shape) {
+std::string_view broken_answer_text(ResponseShape shape) {
   switch (shape) {
-    case AnswerShape::kWhole:
+    case ResponseShape::kWhole:
       return "they begin like its answer and have the right length, but a wrong checksum, so baud "
              "and format are probably right: two devices have this address, or the line is "
              "disturbed. Connect one device alone, then check termination and shield";
-    case AnswerShape::kLong:
+    case ResponseShape::kLong:
       return "they begin like its answer, and more bytes come than the answer has, so baud and "
              "format are probably right: two devices with this address answer, or another master "
              "asks it. Connect one device alone, and give each an address of its own";
-    case AnswerShape::kCut:
+    case ResponseShape::kCut:
       return "they begin like its answer, and the end is missing, so baud and format are "
              "probably right: an adapter or a gateway cuts the answer, it pauses for longer than "
              "gap-allowance, or two devices have this address. Try a greater gap-allowance and a "
              "smaller max-block, then another adapter";
-    case AnswerShape::kOther: break;
+    case ResponseShape::kOther: break;
   }
   return {};
 }
@@ -141,10 +141,10 @@ bool Garbage::received(ByteView bytes, ByteView request, std::size_t expected) {
   return exchanges_ >= kWorthSaying;
 }
 
-AnswerShape Garbage::shape() const {
-  if (shapes_[0] * 2 >= exchanges_) return AnswerShape::kOther;
+ResponseShape Garbage::shape() const {
+  if (shapes_[0] * 2 >= exchanges_) return ResponseShape::kOther;
   const auto most = std::max_element(shapes_.begin() + 1, shapes_.end());
-  return static_cast<AnswerShape>(most - shapes_.begin());
+  return static_cast<ResponseShape>(most - shapes_.begin());
 }
 
 bool Garbage::answered() {
@@ -155,14 +155,14 @@ bool Garbage::answered() {
 
 std::string Garbage::text(const LineFormat& line, bool over_network) const {
   const ByteView all = last_;
-  const AnswerShape broken = shape();
+  const ResponseShape broken = shape();
   return "bytes come that are no answer: " + std::to_string(bytes_) + " in " +
          std::to_string(exchanges_) + " exchanges, the last ones " +
          to_hex(all.last(std::min(all.size(), kShown))) + ": " +
          (echo_ ? "what was sent comes back, and nothing else: an adapter that gives back what it "
                   "sends, and a device that does not answer; check the device and its address"
-          : broken != AnswerShape::kOther ? std::string(broken_answer_text(broken))
-                                          : looks_like(all, line, over_network));
+          : broken != ResponseShape::kOther ? std::string(broken_answer_text(broken))
+                                            : looks_like(all, line, over_network));
 }
 
 }  // namespace fieldcast

@@ -14,15 +14,15 @@
 namespace fieldcast {
 
 // Similarity of a broken response to the expected one. kOther: different or of unknown length.
-enum class AnswerShape : std::uint8_t { kOther, kCut, kWhole, kLong };
+enum class ResponseShape : std::uint8_t { kOther, kCut, kWhole, kLong };
 
 // Compares bytes with the first two characters of the request, with which responses of Modbus and
 // Host Link also begin, and with the expected length. `expected`: characters of the whole response;
 // 0 if unknown.
-[[nodiscard]] AnswerShape answer_shape(ByteView bytes, ByteView request, std::size_t expected);
+[[nodiscard]] ResponseShape answer_shape(ByteView bytes, ByteView request, std::size_t expected);
 
 // Diagnosis and fix as one clause for users. REQUIRES: not kOther.
-[[nodiscard]] std::string_view broken_answer_text(AnswerShape shape);
+[[nodiscard]] std::string_view broken_answer_text(ResponseShape shape);
 
 class Garbage {
  public:
@@ -40,7 +40,7 @@ class Garbage {
   [[nodiscard]] std::string text(const LineFormat& line, bool over_network) const;
 
  private:
-  [[nodiscard]] AnswerShape shape() const;
+  [[nodiscard]] ResponseShape shape() const;
 
   unsigned exchanges_ = 0;
   std::uint64_t bytes_ = 0;

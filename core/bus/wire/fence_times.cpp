@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/bus/wire/owed_answers.hpp"
+#include "core/bus/wire/pending_responses.hpp"
 #include "core/model/make_protocol.hpp"
 
 namespace fieldcast {
@@ -12,13 +12,13 @@ namespace {
 constexpr Duration kSlowestAdapters = std::chrono::milliseconds{35};
 
 // Longest silence after a request. Without identity, the bus waits for late responses
-// (LateAnswers).
+// (LateResponseFilter).
 Duration silence_behind(const DeviceSpec& device, const BusSpec& bus) {
   const auto protocol = make_protocol(device, line_of(bus.port));
   if (!protocol || device.channels.empty()) return {};
-  const bool nameless = (*protocol)->traits().identity == AnswerIdentity::kNone;
+  const bool nameless = (*protocol)->traits().identity == ResponseIdentity::kNone;
   const auto size = (*protocol)->size(ReadRequest{{device.channels.front().range}});
-  return device.timeout * (nameless ? OwedAnswers::kLateFactor : 1) + bus.gap_allowance +
+  return device.timeout * (nameless ? PendingResponses::kLateFactor : 1) + bus.gap_allowance +
          device.pause + (size ? size->pauses : Duration{});
 }
 

@@ -9,7 +9,7 @@
 
 #include "core/bus/setup/bus_setup.hpp"
 #include "core/bus/wire/exchange_driver.hpp"
-#include "core/bus/wire/owed_answers.hpp"
+#include "core/bus/wire/pending_responses.hpp"
 #include "core/bus/wire/wire_load.hpp"
 
 namespace fieldcast {

@@ -14,14 +14,14 @@ bool has(const Frame& frame, FieldKind kind) {
 }
 
 // The least specific response counts.
-AnswerIdentity identity_of(const Declaration& declaration) {
+ResponseIdentity identity_of(const Declaration& declaration) {
   const auto all = [&](FieldKind kind) {
     return std::ranges::all_of(declaration.operations,
                                [&](const Operation& each) { return has(each.answer, kind); }) &&
            (declaration.refusal.fields.empty() || has(declaration.refusal, kind));
   };
-  if (all(FieldKind::kSequence)) return AnswerIdentity::kSequence;
-  return all(FieldKind::kAddress) ? AnswerIdentity::kAddress : AnswerIdentity::kNone;
+  if (all(FieldKind::kSequence)) return ResponseIdentity::kSequence;
+  return all(FieldKind::kAddress) ? ResponseIdentity::kAddress : ResponseIdentity::kNone;
 }
 
 class DeclaredProtocol final : public Protocol {

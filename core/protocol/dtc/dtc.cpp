@@ -27,7 +27,7 @@ constexpr Traits kTraits{
     .lowest_address = 0,
     .highest_address = 255,
     .max_ranges = 1,  // replaced by a limit from max-message, for each device
-    .identity = AnswerIdentity::kAddress,
+    .identity = ResponseIdentity::kAddress,
     .codes = kRefusals};
 
 struct Link {

@@ -33,7 +33,7 @@ constexpr Traits kTraits{
     .summary = "Mitsubishi FX programming port: registers and bits of one PLC on the line",
     .lowest_address = 0,
     .highest_address = 247,
-    .identity = AnswerIdentity::kNone};
+    .identity = ResponseIdentity::kNone};
 
 const DeviceRow& row_of(Commands commands, const Range& range) {
   return *rows_of(commands)[range.area];

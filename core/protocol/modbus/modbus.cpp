@@ -15,21 +15,21 @@ constexpr Traits kRtu{.name = "modbus-rtu",
                       .summary = "Modbus RTU on a serial line, or on a serial server's TCP port",
                       .lowest_address = 1,
                       .highest_address = 247,
-                      .identity = AnswerIdentity::kAddress,
+                      .identity = ResponseIdentity::kAddress,
                       .echo_is_ambiguous = true,
                       .codes = kExceptions};
 constexpr Traits kAscii{.name = "modbus-ascii",
                         .summary = "Modbus ASCII on a serial line",
                         .lowest_address = 1,
                         .highest_address = 247,
-                        .identity = AnswerIdentity::kAddress,
+                        .identity = ResponseIdentity::kAddress,
                         .echo_is_ambiguous = true,
                         .codes = kExceptions};
 constexpr Traits kTcp{.name = "modbus-tcp",
                       .summary = "Modbus TCP, directly or through a gateway",
                       .lowest_address = 0,
                       .highest_address = 255,
-                      .identity = AnswerIdentity::kSequence,
+                      .identity = ResponseIdentity::kSequence,
                       .codes = kExceptions};
 
 class ModbusProtocol final : public Protocol {
@@ -67,7 +67,7 @@ class ModbusProtocol final : public Protocol {
   // except in a refusal.
   bool mistakable(const Request& earlier, ExchangeContext earlier_context, const Request& later,
                   ExchangeContext later_context) const override {
-    if (traits_.identity == AnswerIdentity::kSequence)
+    if (traits_.identity == ResponseIdentity::kSequence)
       return Protocol::mistakable(earlier, earlier_context, later, later_context);
     const RequestPdu first(earlier, options_), second(later, options_);
     if (first.function() != second.function()) return false;

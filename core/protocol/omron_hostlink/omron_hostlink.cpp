@@ -17,14 +17,14 @@ constexpr Traits kCModeTraits{
     .summary = "Omron Host Link: C-mode commands, or FINS with the option mode: fins",
     .lowest_address = 0,
     .highest_address = 31,
-    .identity = AnswerIdentity::kAddress,
+    .identity = ResponseIdentity::kAddress,
     .codes = kEndCodes};
 constexpr Traits kFinsTraits{.name = kCModeTraits.name,
                              .summary = kCModeTraits.summary,
                              .lowest_address = kCModeTraits.lowest_address,
                              .highest_address = kCModeTraits.highest_address,
                              .max_ranges = kFinsItems,
-                             .identity = AnswerIdentity::kSequence,
+                             .identity = ResponseIdentity::kSequence,
                              .codes = kFinsCodes};
 
 class CModeProtocol final : public Protocol {

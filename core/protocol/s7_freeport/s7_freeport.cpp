@@ -40,7 +40,7 @@ constexpr Traits kTraits{.name = "s7-freeport",
                          .lowest_address = 0,
                          .highest_address = 255,
                          .write_read = true,
-                         .identity = AnswerIdentity::kNone,
+                         .identity = ResponseIdentity::kNone,
                          .codes = kRefusals};
 using Window = std::array<std::uint8_t, kBytes>;
 

@@ -35,7 +35,7 @@ constexpr Traits kTraits{
     .lowest_address = 0,
     .highest_address = 126,
     .max_ranges = kMaxItems,
-    .identity = AnswerIdentity::kSequence,
+    .identity = ResponseIdentity::kSequence,
     .codes = kErrorCodes};
 
 struct Link {

@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "bridge/dds/endpoints/bridge_presence.hpp"
+#include "bridge/dds/endpoints/bridge_announcement.hpp"
 #include "bridge/dds/topics/topics.hpp"
 #include "bridge/dds/transport/domain.hpp"
 #include "bridge/station/subscription.hpp"
@@ -82,12 +82,12 @@ TEST(DdsLink, TheChannelsOfABridgeAreThereWhenAnotherOneOfALaterEpochHasLeft) {
 }
 
 // Bridges that were discovered before the listener exists are reported in the constructor.
-TEST(BridgePresence, HearsOfBridgesThatAreThereBeforeIt) {
+TEST(BridgeAnnouncement, HearsOfBridgesThatAreThereBeforeIt) {
   const DdsSpec spec = loopback();
   Domain there(spec, "there", nullptr), here(spec, "here", nullptr);
   const RequestWriters without_security;
   const auto no_problem = [](const std::string& text) { ADD_FAILURE() << text; };
-  BridgePresence first(there, without_security, "first", unheard(), no_problem);
+  BridgeAnnouncement first(there, without_security, "first", unheard(), no_problem);
   first.announce({.bridge = "first"});
   std::atomic<bool> known = false;
   const Subscription<idl::BridgePubSubType> watching(
@@ -97,7 +97,7 @@ TEST(BridgePresence, HearsOfBridgesThatAreThereBeforeIt) {
   DdsLink::BridgeHandlers handlers = unheard();
   handlers.found = [&](const std::string& id) { found.add(id); };
   handlers.received = [&](const std::string& id, const BridgeClaims&) { said.add(id); };
-  BridgePresence second(here, without_security, "second", handlers, no_problem);
+  BridgeAnnouncement second(here, without_security, "second", handlers, no_problem);
   EXPECT_EQ(found.all(), std::vector<std::string>{first.id()});
   EXPECT_TRUE(eventually([&] { return said.size() == 1; }));
   second.close();

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/alarm/alarm_book.hpp"
+#include "core/alarm/alarm_registry.hpp"
 #include "core/base/duration_text.hpp"
 
 namespace fieldcast::alarm_transcript {
@@ -113,7 +113,7 @@ class Transcript {
       out_ << "  refused: " << done.error().reason << " (" << to_name(done.error().cause) << ")\n";
   }
   void see() {
-    const AlarmBook::News news = book_.take_news();
+    const AlarmRegistry::News news = book_.take_news();
     for (const AlarmEvent& event : news.events) {
       out_ << "  event: " << to_text(event.alarm) << ' ' << to_text(event.kind);
       if (!event.by.empty()) out_ << " by " << event.by;
@@ -126,7 +126,7 @@ class Transcript {
            << (status == nullptr ? "forgotten" : status_text(*status)) << '\n';
     }
   }
-  AlarmBook book_;
+  AlarmRegistry book_;
   std::ostringstream out_;
 };
 

@@ -96,7 +96,7 @@ TEST(Instrument, ALineThatBabblesIsGivenUpAfterTwoFrames) {
 }
 
 TEST(Instrument, AnAnswerWithoutAnAddressIsNobodys) {
-  EXPECT_EQ(instrument().protocol().traits().identity, AnswerIdentity::kNone);
+  EXPECT_EQ(instrument().protocol().traits().identity, ResponseIdentity::kNone);
 }
 
 TEST(Instrument, PlacesHaveNamesAndNearMisses) {

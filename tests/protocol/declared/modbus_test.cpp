@@ -172,7 +172,7 @@ TEST(DeclaredModbus, TheMatrixHolds) {
 
 TEST(DeclaredModbus, ItsTraitsComeFromItsFrames) {
   const Traits& traits = declared_modbus().protocol().traits();
-  EXPECT_EQ(traits.identity, AnswerIdentity::kAddress);
+  EXPECT_EQ(traits.identity, ResponseIdentity::kAddress);
   EXPECT_TRUE(traits.echo_is_ambiguous);
   ASSERT_EQ(declared_modbus().protocol().areas().size(), 4u);
   for (std::size_t i = 0; i < 4; ++i) {

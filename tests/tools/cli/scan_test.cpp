@@ -33,9 +33,9 @@ std::vector<ScanLine> lines_of(std::size_t formats, std::vector<std::uint16_t> a
   return scan_lines(rtu(), usual, addresses);
 }
 
-ScanAnswer value() { return {.device = true, .took = std::chrono::milliseconds{3}, .bytes = 7}; }
-ScanAnswer silence() { return {.cause = Cause::kNoAnswer}; }
-ScanAnswer noise() { return {.cause = Cause::kChecksum, .bytes = 3}; }
+ScanResponse value() { return {.device = true, .took = std::chrono::milliseconds{3}, .bytes = 7}; }
+ScanResponse silence() { return {.cause = Cause::kNoAnswer}; }
+ScanResponse noise() { return {.cause = Cause::kChecksum, .bytes = 3}; }
 
 TEST(ScanPlan, ReadsAddresses) {
   EXPECT_THAT(*addresses_from("1-4"), ElementsAre(1, 2, 3, 4));
@@ -145,7 +145,7 @@ TEST(Scanner, ALineOnWhichBytesAreReceivedTwiceIsSearched) {
     const bool there = ask->line == 1 && ask->address == 2;
     // The response to a probe is late: it is received while address 3 is probed.
     const bool late = ask->line == 1 && ask->address == 3 && ask->wait.has_value();
-    ScanAnswer answer = there && !ask->wait ? value() : silence();
+    ScanResponse answer = there && !ask->wait ? value() : silence();
     answer.heard = late;
     scanner.answered(answer);
   }
@@ -161,7 +161,7 @@ TEST(Scanner, AByteThatIsReceivedOnceStartsNoSearch) {
   std::map<std::size_t, unsigned> asked;
   while (const auto ask = scanner.next()) {
     ASSERT_TRUE(ask->wait);
-    ScanAnswer answer = silence();
+    ScanResponse answer = silence();
     answer.heard = asked[ask->line]++ == 0;
     scanner.answered(answer);
   }
@@ -179,7 +179,7 @@ TEST(Scanner, AfterALineWithBytesButNoDeviceTheNextIsProbed) {
     else
       searched.insert(ask->line);
     const bool there = ask->line == 1 && ask->address == 2;
-    ScanAnswer answer = there ? value() : ask->line == 0 ? noise() : silence();
+    ScanResponse answer = there ? value() : ask->line == 0 ? noise() : silence();
     answer.heard = ask->line == 0;
     scanner.answered(answer);
   }
@@ -238,13 +238,14 @@ TEST(Scanner, BrokenAnswersThatBeginRightSettleTheLine) {
   while (const auto ask = scanner.next()) {
     lines.insert(ask->line);
     const bool valid = ask->address == 3 && ask->question == 1;
-    const ScanAnswer broken{.cause = Cause::kChecksum, .bytes = 7, .shape = AnswerShape::kWhole};
+    const ScanResponse broken{
+        .cause = Cause::kChecksum, .bytes = 7, .shape = ResponseShape::kWhole};
     scanner.answered(ask->address == 1 ? silence() : valid ? value() : broken);
   }
   EXPECT_THAT(lines, ElementsAre(0));
   ASSERT_EQ(scanner.broken().size(), 1u) << "address 3 answered the second question";
   EXPECT_EQ(scanner.broken()[0].address, 2);
-  EXPECT_EQ(scanner.broken()[0].shape, AnswerShape::kWhole);
+  EXPECT_EQ(scanner.broken()[0].shape, ResponseShape::kWhole);
 }
 
 TEST(Scanner, AnEchoIsNobodyWhoSpeaks) {

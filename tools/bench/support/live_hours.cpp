@@ -172,8 +172,8 @@ class Hours {
   }
 
   LiveModel model_{1};
-  FrameBook frames_{model_};
-  InterestBook interests_{[](const std::string&, Duration) {}};
+  FrameCache frames_{model_};
+  ClientInterests interests_{[](const std::string&, Duration) {}};
   NoCommands commands_;
   LiveContext context_{model_, frames_, interests_, commands_, [] { return UtcTime{}; }, "bench"};
   LiveHub hub_{context_};

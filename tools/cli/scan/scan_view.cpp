@@ -17,7 +17,7 @@ std::string format_text(const LineFormat& format) {
   return text.substr(text.find(' ') + 1);
 }
 
-std::string answer_text(const ScanLine& line, const ScanAnswer& answer) {
+std::string answer_text(const ScanLine& line, const ScanResponse& answer) {
   if (answer.cause == Cause::kNone) return "value";
   if (answer.cause == Cause::kDeviceError || answer.device_code != 0)
     return "refuses: " +

@@ -19,7 +19,7 @@ std::optional<ScanAsk> Scanner::next() const {
                  first};
 }
 
-void Scanner::answered(const ScanAnswer& answer) {
+void Scanner::answered(const ScanResponse& answer) {
   ++asked_;
   if (probing_) return probed(answer);
   if (answer.device) {
@@ -31,7 +31,7 @@ void Scanner::answered(const ScanAnswer& answer) {
   echoed_ = echoed_ || answer.echo_alone;
   const bool noise = answer.bytes > 0 && !answer.echo_alone;
   babble_ = noise ? babble_ + 1 : 0;
-  if (answer.shape != AnswerShape::kOther) {
+  if (answer.shape != ResponseShape::kOther) {
     // The second request may match by chance: a response with a different parity can start
     // correctly.
     if (pass_ == 0) settled_ = line_;
@@ -46,7 +46,7 @@ void Scanner::answered(const ScanAnswer& answer) {
   advance();
 }
 
-void Scanner::probed(const ScanAnswer& answer) {
+void Scanner::probed(const ScanResponse& answer) {
   echoed_ = echoed_ || answer.echo_alone;
   const bool heard = answer.heard || answer.device;
   if (heard && (heard_once_ || answer.device)) {

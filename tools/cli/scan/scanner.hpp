@@ -28,7 +28,7 @@ struct ScanAsk {
   bool first = false;              // first probe or request of a line, which must be silent before
 };
 
-struct ScanAnswer {
+struct ScanResponse {
   bool device = false;            // a device responded with a value or an error
   Cause cause = Cause::kNone;     // of an error or a missing response
   std::uint16_t device_code = 0;  // of an error
@@ -36,14 +36,14 @@ struct ScanAnswer {
   std::size_t bytes = 0;    // received
   bool echo_alone = false;  // only the sent bytes were received: an echo of the adapter
   bool heard = false;       // bytes other than an echo since the line's first probe
-  AnswerShape shape = AnswerShape::kOther;  // of an invalid response
+  ResponseShape shape = ResponseShape::kOther;  // of an invalid response
 };
 
 struct ScanFound {
   std::size_t line = 0;
   std::uint16_t address = 1;
   std::size_t question = 0;
-  ScanAnswer answer;
+  ScanResponse answer;
   std::string identity;                  // identification text of the device; empty: none
   std::vector<std::string> templates{};  // that match the identity equally well
   std::optional<SunSpecMap> sunspec{};
@@ -54,7 +54,7 @@ struct ScanFound {
 struct ScanBroken {
   std::size_t line = 0;
   std::uint16_t address = 1;
-  AnswerShape shape = AnswerShape::kWhole;
+  ResponseShape shape = ResponseShape::kWhole;
 };
 
 class Scanner {
@@ -68,7 +68,7 @@ class Scanner {
   // Empty at the end of the scan.
   [[nodiscard]] std::optional<ScanAsk> next() const;
   // Result of the request of next().
-  void answered(const ScanAnswer& answer);
+  void answered(const ScanResponse& answer);
   // Skips the line of next(), because its port does not accept the settings.
   void skip_line();
 
@@ -96,7 +96,7 @@ class Scanner {
  private:
   void advance();
   void next_line();
-  void probed(const ScanAnswer& answer);
+  void probed(const ScanResponse& answer);
   void search_or_probe_next();
   [[nodiscard]] bool babbles() const;
   [[nodiscard]] bool over() const { return pass_ == kPasses; }

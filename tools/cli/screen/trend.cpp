@@ -28,7 +28,7 @@ std::optional<double> trend_value(const Value& value) {
       value);
 }
 
-void TrendBook::follow(const ChannelPath& path) {
+void TrendHistory::follow(const ChannelPath& path) {
   if (!points_.try_emplace(path).second) return;
   order_.push_back(path);
   if (order_.size() <= kMostChannels) return;
@@ -36,7 +36,7 @@ void TrendBook::follow(const ChannelPath& path) {
   order_.pop_front();
 }
 
-void TrendBook::add(const ChannelPath& path, const Value& value, UtcTime at) {
+void TrendHistory::add(const ChannelPath& path, const Value& value, UtcTime at) {
   const auto found = points_.find(path);
   if (found == points_.end()) return;
   const auto number = trend_value(value);
@@ -47,7 +47,7 @@ void TrendBook::add(const ChannelPath& path, const Value& value, UtcTime at) {
   if (points.size() > kMostPoints) points.pop_front();
 }
 
-const TrendPoints* TrendBook::find(const ChannelPath& path) const {
+const TrendPoints* TrendHistory::find(const ChannelPath& path) const {
   const auto found = points_.find(path);
   return found == points_.end() ? nullptr : &found->second;
 }

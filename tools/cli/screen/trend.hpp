@@ -23,7 +23,7 @@ using TrendPoints = std::deque<TrendPoint>;
 // A number, or 0 and 1 of a bool; empty for text.
 [[nodiscard]] std::optional<double> trend_value(const Value& value);
 
-class TrendBook {
+class TrendHistory {
  public:
   // beyond this, the channel selected first is dropped
   static constexpr std::size_t kMostChannels = 64;

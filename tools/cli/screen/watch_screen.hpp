@@ -64,7 +64,7 @@ class WatchScreen {
   ListControl control_;
   ChannelChoice choice_;
   ChannelRows sums_;  // without the rows, which the control stores
-  TrendBook trends_;
+  TrendHistory trends_;
   std::optional<Instant> sorted_at_;
   std::string notice_, remark_;
   Span message_;

@@ -101,7 +101,7 @@ void read_silence(const Node& node, DeviceFaults& device, FaultList& faults) {
   });
 }
 
-void read_delay(const Node& node, AnswerDelay& delay, FaultList& faults) {
+void read_delay(const Node& node, ResponseDelay& delay, FaultList& faults) {
   constexpr DurationRule kDelay{0s, 1min};
   if (node.kind == Kind::kScalar) {
     if (const auto base = kDelay(node, "delay", faults)) delay.base = *base;

@@ -24,7 +24,7 @@ struct Window {
 };
 
 // From the last character of the request to the first of the response.
-struct AnswerDelay {
+struct ResponseDelay {
   Duration base = std::chrono::milliseconds{2};
   Duration spread{};  // random addition up to this, uniform
   double spike_probability = 0;
@@ -32,7 +32,7 @@ struct AnswerDelay {
 };
 
 struct DeviceFaults {
-  AnswerDelay delay;
+  ResponseDelay delay;
   double loss = 0;              // probability that the response is not sent
   double late_probability = 0;  // probability that the response is sent after the time `late`
   Duration late{};
@@ -64,7 +64,7 @@ struct Faults {
   std::map<std::string, BusFaults> buses;  // by name; other buses have no faults
 };
 
-struct FaultyAnswer {
+struct FaultyResponse {
   Bytes characters;  // empty: lost
   Duration delay{};
   bool doubled = false;
@@ -74,7 +74,7 @@ struct FaultyAnswer {
 class FaultDice {
  public:
   FaultDice(const DeviceFaults& faults, std::uint64_t seed) : faults_(faults), random_(seed) {}
-  [[nodiscard]] FaultyAnswer roll(Bytes answer);
+  [[nodiscard]] FaultyResponse roll(Bytes answer);
   [[nodiscard]] bool dead(Duration since_start) const;
   [[nodiscard]] const DeviceFaults& faults() const { return faults_; }
   [[nodiscard]] std::uint64_t late() const { return late_; }        // late responses so far

@@ -245,7 +245,7 @@ void BusLine::say(std::size_t device, Reaction& reaction, Instant at) {
   if (reaction.answer.empty()) return;
   SimBus::Member& member = bus_.members_[device];
   const Bytes meant = reaction.answer;
-  const FaultyAnswer answer = member.dice.roll(std::move(reaction.answer));
+  const FaultyResponse answer = member.dice.roll(std::move(reaction.answer));
   if (answer.characters != meant) ++member.spoiled;
   const auto sender = static_cast<Sender>(device);
   const std::uint64_t collisions = wire_.collisions();

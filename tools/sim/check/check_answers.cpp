@@ -13,9 +13,9 @@ constexpr int kNoiseRounds = 200;
 // All bits are flipped in this many characters; in later characters one bit each.
 constexpr std::size_t kMostFlipped = 160;
 
-class AnswerCheck {
+class ResponseCheck {
  public:
-  AnswerCheck(const Subject& subject, CheckRows& rows)
+  ResponseCheck(const Subject& subject, CheckRows& rows)
       : subject_(subject), requests_(subject), live_(subject), rows_(rows) {}
 
   void run() {
@@ -133,6 +133,6 @@ class AnswerCheck {
 
 }  // namespace
 
-void check_answers(const Subject& subject, CheckRows& rows) { AnswerCheck(subject, rows).run(); }
+void check_answers(const Subject& subject, CheckRows& rows) { ResponseCheck(subject, rows).run(); }
 
 }  // namespace fieldcast::sim

@@ -64,10 +64,10 @@ void silence(const Subject& subject, const Requests& requests, CheckRows& rows) 
 void strangers(const Subject& subject, const Requests& requests, CheckRows& rows) {
   CheckRow row{.check = "wrong station", .where = "answers"};
   CheckRow old{.check = "late answer", .where = "of the request before"};
-  const AnswerIdentity identity = requests.protocol().traits().identity;
-  if (identity == AnswerIdentity::kNone)
+  const ResponseIdentity identity = requests.protocol().traits().identity;
+  if (identity == ResponseIdentity::kNone)
     row.note = "answers carry no address: the engine lets the line fall silent (see late answer)";
-  if (identity != AnswerIdentity::kSequence)
+  if (identity != ResponseIdentity::kSequence)
     old.note = "answers carry no sequence: the engine keeps requests apart";
   const std::optional<Subject> neighbour = subject.neighbour();
   if (!neighbour) row.note = "one address: there is no other station";
@@ -84,9 +84,9 @@ void strangers(const Subject& subject, const Requests& requests, CheckRows& rows
           ? into.fail(fmt::format("{}: {}", example.name, outcome.text()), frames(answered.answers))
           : into.pass();
     };
-    if (identity != AnswerIdentity::kNone && neighbour)
+    if (identity != ResponseIdentity::kNone && neighbour)
       tell(row, there.run(other->begin(example.request, {sequence})));
-    if (identity == AnswerIdentity::kSequence) {
+    if (identity == ResponseIdentity::kSequence) {
       tell(old, here.run(requests.protocol().begin(example.request,
                                                    {static_cast<std::uint16_t>(sequence + 1)})));
     }

@@ -1,4 +1,5 @@
-// Interface for commands of users; implemented by CommandDesk. All calls are on the io thread.
+// Interface for commands of users; implemented by CommandController. All calls are on the io
+// thread.
 #pragma once
 
 #include <cstdint>

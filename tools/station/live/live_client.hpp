@@ -11,10 +11,10 @@
 #include <memory>
 #include <string>
 
+#include "tools/station/live/client_interests.hpp"
 #include "tools/station/live/client_message.hpp"
 #include "tools/station/live/command_sink.hpp"
-#include "tools/station/live/frame_book.hpp"
-#include "tools/station/live/interest_book.hpp"
+#include "tools/station/live/frame_cache.hpp"
 #include "tools/station/live/live_peer.hpp"
 #include "tools/station/live/subscription.hpp"
 #include "tools/station/model/live_model.hpp"
@@ -24,8 +24,8 @@ namespace fieldcast::web {
 // Shared by all clients; must outlive them.
 struct LiveContext {
   const LiveModel& model;
-  FrameBook& frames;
-  InterestBook& interests;
+  FrameCache& frames;
+  ClientInterests& interests;
   CommandSink& commands;
   std::function<UtcTime()> utc_now;
   std::string version;

@@ -18,10 +18,10 @@ class StationPort : public CommandPort {
   explicit StationPort(Sites& station) : station_(station) {}
   std::uint64_t reserve_request_id() override { return station_.reserve_request_id(); }
   tl::expected<std::uint64_t, StationFault> send(StationCommand command) override {
-    return station_.send(std::move(command), CommandDesk::kFinding);
+    return station_.send(std::move(command), CommandController::kFinding);
   }
   tl::expected<std::uint64_t, StationFault> send(AlarmAction action) override {
-    return station_.send(std::move(action), CommandDesk::kFinding);
+    return station_.send(std::move(action), CommandController::kFinding);
   }
   void declare(const std::string& pattern, Duration refresh) override {
     // a station with its own interest list may not declare more
@@ -72,8 +72,8 @@ struct LiveDomain::State {
   std::shared_ptr<bool> open = std::make_shared<bool>(true);  // posted tasks hold it weakly
   LiveModel model{first_version()};
   std::uint64_t trimmed_at = 0;  // number of forgotten channels at the last malloc_trim()
-  FrameBook frames{model};
-  InterestBook interests{
+  FrameCache frames{model};
+  ClientInterests interests{
       [this](const std::string& pattern, Duration refresh) { desk.declare(pattern, refresh); }};
   LiveContext live;
   LiveHub hub{live};
@@ -84,7 +84,7 @@ struct LiveDomain::State {
     });
   }};
   StationPort port{station};
-  CommandDesk desk;
+  CommandController desk;
   Sites station;  // last member: its callbacks use the members above
 };
 
@@ -154,7 +154,7 @@ LiveDomain::~LiveDomain() {
 }
 
 const LiveModel& LiveDomain::model() const { return state_->model; }
-CommandDesk& LiveDomain::commands() { return state_->desk; }
+CommandController& LiveDomain::commands() { return state_->desk; }
 LiveHub& LiveDomain::hub() { return state_->hub; }
 
 MakeLiveProtocol LiveDomain::make_protocol() {

@@ -9,7 +9,7 @@
 
 #include "bridge/station/sites.hpp"
 #include "bridge/store/records/audit.hpp"
-#include "tools/station/live/command_desk.hpp"
+#include "tools/station/live/command_controller.hpp"
 #include "tools/station/live/domain_inbox.hpp"
 #include "tools/station/live/live_hub.hpp"
 #include "tools/station/live/live_peer.hpp"
@@ -39,7 +39,7 @@ class LiveDomain {
   LiveDomain& operator=(const LiveDomain&) = delete;
 
   [[nodiscard]] const LiveModel& model() const;
-  [[nodiscard]] CommandDesk& commands();
+  [[nodiscard]] CommandController& commands();
   [[nodiscard]] LiveHub& hub();
   // Creates the protocol of each WebSocket. They must be destroyed before this object.
   [[nodiscard]] MakeLiveProtocol make_protocol();
@@ -47,7 +47,7 @@ class LiveDomain {
   struct Counters {
     DomainInbox::Counters inbox;
     LiveModel::Counters model;
-    FrameBook::Counters frames;
+    FrameCache::Counters frames;
     LiveClient::Counters clients;
     Station::BlockCounters blocks;
     std::size_t channels = 0, connected = 0, interests = 0;

@@ -8,7 +8,7 @@
 
 #include "bridge/dds/topics/topic_values.hpp"
 #include "bridge/store/records/records.hpp"
-#include "core/alarm/alarm_book.hpp"
+#include "core/alarm/alarm_registry.hpp"
 
 namespace fieldcast::web {
 

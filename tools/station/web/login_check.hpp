@@ -7,14 +7,14 @@
 #include "bridge/store/users/users.hpp"
 #include "core/access/role.hpp"
 #include "core/base/time.hpp"
-#include "tools/station/web/session_book.hpp"
+#include "tools/station/web/session_store.hpp"
 
 namespace fieldcast::web {
 
 struct LoginGrant {
   std::string user;  // name of the user or of the token
   Role role = Role::kViewer;
-  Duration left = SessionBook::kWhole;  // time until the login ends; for a token, until it expires
+  Duration left = SessionStore::kWhole;  // time until the login ends; for a token, until it expires
   bool by_token = false;
 };
 using LoginVerdict = tl::expected<LoginGrant, LoginRefused>;
@@ -25,7 +25,7 @@ struct LoginCheck {
   std::function<void(std::string token, std::string peer, std::function<void(LoginVerdict)> done)>
       by_token;
   // 32 bytes of the system's random generator.
-  std::function<SessionBook::Secret()> random;
+  std::function<SessionStore::Secret()> random;
 };
 
 }  // namespace fieldcast::web

@@ -125,7 +125,7 @@ void Site::finish_login(const std::string& old_cookie, const Reply& reply, Login
   book_.end(old_cookie);
   const Instant now = clock_.now();
   const UtcTime utc = clock_.utc();
-  const Duration left = verdict->by_token ? verdict->left : SessionBook::kWhole;
+  const Duration left = verdict->by_token ? verdict->left : SessionStore::kWhole;
   const std::string secret =
       book_.begin({0, verdict->user, verdict->role, verdict->by_token, utc, now + left, now},
                   logins_.random(), now);

@@ -15,7 +15,7 @@
 #include "tools/station/settings/origin_check.hpp"
 #include "tools/station/web/login_check.hpp"
 #include "tools/station/web/security_headers.hpp"
-#include "tools/station/web/session_book.hpp"
+#include "tools/station/web/session_store.hpp"
 
 namespace fieldcast::web {
 
@@ -58,7 +58,7 @@ class Site {
   // Calls `ended(id)` for each login that ends; id 0: clients without a login. Set it before the
   // first request. The callback must not call this object.
   void on_ended(std::function<void(std::uint64_t id)> ended) { ended_ = std::move(ended); }
-  [[nodiscard]] SessionBook& book() { return book_; }
+  [[nodiscard]] SessionStore& book() { return book_; }
   // Counts as use of the login.
   [[nodiscard]] bool has_login(const RawRequest& request) { return known(request).login != 0; }
 
@@ -98,7 +98,7 @@ class Site {
   const SecurityHeaders headers_;
   std::function<void(std::uint64_t)> ended_;
   std::optional<Role> local_role_;
-  SessionBook book_;
+  SessionStore book_;
   RouteTable routes_;
 };
 

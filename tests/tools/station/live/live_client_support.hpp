@@ -67,9 +67,9 @@ struct FakeDomain {
   }
 
   LiveModel model{100};
-  FrameBook frames{model};
+  FrameCache frames{model};
   std::vector<std::pair<std::string, Duration>> declared;
-  InterestBook interests{[this](const std::string& pattern, Duration refresh) {
+  ClientInterests interests{[this](const std::string& pattern, Duration refresh) {
     declared.emplace_back(pattern, refresh);
   }};
   FakeCommands commands;

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/tools/station/live/live_support.hpp"
-#include "tools/station/live/frame_book.hpp"
+#include "tools/station/live/frame_cache.hpp"
 
 namespace fieldcast::web {
 namespace {
@@ -131,7 +131,7 @@ TEST(LiveModel, AChannelThatIsGoneForAMinuteIsForgotten) {
   using std::chrono::seconds;
   constexpr int kMany = 5'000;
   LiveModel model;
-  FrameBook frames(model);
+  FrameCache frames(model);
   LiveSubscription everything;
   ASSERT_TRUE(everything.add(*Pattern::parse("*")));
   model.on_channel(channel_of("stays"));

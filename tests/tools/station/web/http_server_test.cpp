@@ -69,7 +69,7 @@ class HttpServerTest : public testing::Test {
         done(LoginGrant{attempt.user, Role::kViewer});
       };
       check.random = [this] {
-        SessionBook::Secret secret{};
+        SessionStore::Secret secret{};
         secret[0] = ++secrets_;
         return secret;
       };

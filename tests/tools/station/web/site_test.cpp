@@ -42,7 +42,7 @@ class SiteTest : public testing::Test {
       done(LoginGrant{"wall", Role::kViewer, 240h, true});
     };
     check.random = [this] {
-      SessionBook::Secret secret{};
+      SessionStore::Secret secret{};
       secret[0] = ++secrets_;
       return secret;
     };

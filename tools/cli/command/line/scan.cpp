@@ -7,8 +7,8 @@
 
 #include "tools/cli/command/base/command.hpp"
 #include "tools/cli/direct/line_capture.hpp"
+#include "tools/cli/direct/line_exchange.hpp"
 #include "tools/cli/direct/line_options.hpp"
-#include "tools/cli/direct/line_talk.hpp"
 #include "tools/cli/import/new_files.hpp"
 #include "tools/cli/model/sample_text.hpp"
 #include "tools/cli/scan/identity.hpp"
@@ -165,34 +165,34 @@ class Scan {
     return scan_protocol(scanner_.lines()[*line_].protocol, address);
   }
 
-  tl::expected<ScanAnswer, std::string> question(const ScanAsk& ask) {
+  tl::expected<ScanResponse, std::string> question(const ScanAsk& ask) {
     const auto protocol = device(ask.address);
-    if (!protocol) return ScanAnswer{};
+    if (!protocol) return ScanResponse{};
     const ScanQuestion& asked = questions_[std::min(ask.question, questions_.size() - 1)];
     const Duration timeout = ask.wait.value_or(options_.timeout.value_or(kUsualTimeout));
     auto heard = talk(protocol->begin(ReadRequest{{asked.range}}, {++sequence_}), ask.address,
                       "reads " + asked.at, timeout);
     if (!heard) return tl::unexpected(std::move(heard.error()));
-    ScanAnswer answer{.cause = heard->cause,
-                      .device_code = heard->device_code,
-                      .took = heard->took,
-                      .bytes = heard->bytes,
-                      .echo_alone = heard->echo_alone,
-                      .heard = heard->heard,
-                      .shape = heard->shape};
+    ScanResponse answer{.cause = heard->cause,
+                        .device_code = heard->device_code,
+                        .took = heard->took,
+                        .bytes = heard->bytes,
+                        .echo_alone = heard->echo_alone,
+                        .heard = heard->heard,
+                        .shape = heard->shape};
     if (answer.cause == Cause::kNone && !heard->reply.empty()) {
       answer.cause = heard->reply.front().cause;
       answer.device_code = heard->reply.front().device_code;
     }
-    if (answer.cause == Cause::kNone) answer.shape = AnswerShape::kOther;
+    if (answer.cause == Cause::kNone) answer.shape = ResponseShape::kOther;
     answer.device = answer.cause == Cause::kNone || answer.cause == Cause::kDeviceError ||
                     answer.cause == Cause::kDeviceBusy;
     return answer;
   }
 
-  tl::expected<LineTalk::Answer, std::string> talk(std::unique_ptr<Exchange> exchange,
-                                                   std::uint16_t address, const std::string& what,
-                                                   Duration timeout) {
+  tl::expected<LineExchange::Answer, std::string> talk(std::unique_ptr<Exchange> exchange,
+                                                       std::uint16_t address,
+                                                       const std::string& what, Duration timeout) {
     auto heard = talk_.ask(
         std::move(exchange), timeout,
         {protocol_index(scanner_.lines(), *line_), fmt::format("address {}: {}", address, what)});
@@ -255,7 +255,7 @@ class Scan {
   Scanner scanner_;
   LineCapture* const capture_;
   ProgressLine progress_;
-  LineTalk talk_;
+  LineExchange talk_;
   const Interrupt& interrupt_;
   std::size_t named_ = 0;                  // number of devices that were identified
   std::optional<std::size_t> line_;        // current line of the port

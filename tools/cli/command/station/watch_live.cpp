@@ -6,7 +6,7 @@
 #include <string>
 #include <variant>
 
-#include "tools/cli/command/station/write_desk.hpp"
+#include "tools/cli/command/station/write_controller.hpp"
 #include "tools/cli/screen/watch_screen.hpp"
 #include "tools/cli/terminal/clock.hpp"
 #include "tools/cli/terminal/terminal.hpp"
@@ -102,7 +102,7 @@ class WatchLive {
   WatchModel& model_;
   StatusModel status_;
   WatchScreen screen_;
-  WriteDesk desk_;
+  WriteController desk_;
   const Instant began_;
   Instant last_news_;  // last growth of the catalogue
   bool remarked_ = false;

@@ -1,0 +1,95 @@
+// Tracks late responses: which requests may be sent meanwhile, which bytes are a late response, and
+// what it is used for. README.md has the rules. Owns the debts of the bus (PendingResponses). Owned
+// by the bus engine, on the bus's thread. Every table is bounded and drops its oldest entry.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <map>
+#include <vector>
+
+#include "core/bus/setup/bus_setup.hpp"
+#include "core/bus/wire/exchange_driver.hpp"
+#include "core/bus/wire/pending_responses.hpp"
+
+namespace fieldcast {
+
+class LateResponseFilter {
+ public:
+  static constexpr std::size_t kMaxHeads = 1024;  // of a device
+  // Minimum pause between two responses of one device, in characters; an earlier one is a
+  // repetition.
+  static constexpr double kBetweenAnswers = 2;
+
+  struct Late {
+    Asked asked;
+    Block block;       // the values it contains; no points if they are not needed
+    Reply reply;       // if there is a block
+    Duration taken{};  // response time of the device
+  };
+  // A command must not use a response that is older than itself.
+  enum class Purpose : std::uint8_t { kRead, kCommand };
+
+  explicit LateResponseFilter(const BusSetup& setup);  // `setup` must outlive this object
+
+  [[nodiscard]] ExchangeContext next_context(DeviceIndex device) {
+    return {++devices_[device].sequence};
+  }
+  // Earliest time at which no pending response can be matched to it; kLongAgo: immediately.
+  [[nodiscard]] Instant sendable_from(DeviceIndex device, const Request& request,
+                                      Purpose purpose) const;
+  using Gate = std::function<Instant(DeviceIndex, const Request&)>;
+  [[nodiscard]] Gate read_gate() const {
+    return [this](DeviceIndex device, const Request& request) {
+      return sendable_from(device, request, Purpose::kRead);
+    };
+  }
+  [[nodiscard]] bool none_owed() const { return owed_.empty(); }
+  // kLongAgo if no responses are pending.
+  [[nodiscard]] Instant owed_until() const { return owed_.until(); }
+  [[nodiscard]] bool owes_same(const Asked& asked) const { return owed_.owes_same(asked); }
+
+  // `refused`: by a refusal. `longest`: longest recent response time.
+  void answered(const Asked& asked, bool refused, Duration longest, const ExchangeDriver& driver,
+                Instant now);
+  // The exchange timed out. `block`: the values of its response.
+  void unanswered(Asked asked, Block block, Duration longest, const ExchangeDriver& driver,
+                  Instant now);
+  void broken_off(Asked asked, Duration longest);
+
+  [[nodiscard]] std::vector<Late> in_exchange(const Asked& under_way, const ExchangeDriver& driver,
+                                              Instant now);
+  [[nodiscard]] std::vector<Late> in_strays(ByteView bytes, Instant now);
+
+  // Received bytes are not continued by later ones.
+  void start_anew();
+  void expire(Instant now) { (void)owed_.expire(now); }
+  void forget_all() { owed_.forget_all(); }
+
+ private:
+  // Beginning of the last response to each read: marks and address.
+  using Head = std::array<std::uint8_t, 4>;
+  using Shape = std::array<std::uint32_t, 4>;
+  struct Device {
+    std::uint16_t sequence = 0;
+    std::map<Shape, Head> heads;
+  };
+  [[nodiscard]] static Head head_of(ByteView answer);
+  [[nodiscard]] static Shape shape_of(const ReadRequest& read);
+  void learn_head(const Asked& read, ByteView answer);
+  [[nodiscard]] bool broken_answer_came(const Asked& asked, const ExchangeDriver& driver) const;
+  [[nodiscard]] Duration bound(const Asked& asked, Duration longest) const;
+  [[nodiscard]] std::size_t end_of_answer(const Asked& asked, ByteView bytes) const;
+  [[nodiscard]] std::size_t find(ByteView bytes, const Asked* under_way, Instant now,
+                                 std::vector<Late>& found);
+  [[nodiscard]] Late late_answer(PendingResponses::Debt paid, bool refused, Instant now) const;
+
+  const BusSetup& setup_;
+  PendingResponses owed_;
+  std::vector<Device> devices_;
+  Instant last_answer_{};    // end of the last response
+  std::size_t claimed_ = 0;  // bytes of the exchange in flight that were late responses
+  Bytes strays_;             // bytes since the last exchange that were not late responses
+};
+
+}  // namespace fieldcast

@@ -1,0 +1,143 @@
+#include "core/bus/wire/late_response_filter.hpp"
+
+#include <gtest/gtest.h>
+
+#include "core/codec/checksum.hpp"
+#include "tests/bus/rtu_bus.hpp"
+
+namespace fieldcast {
+namespace {
+
+using namespace std::chrono_literals;
+using Purpose = LateResponseFilter::Purpose;
+using test::kHolding;
+
+Bytes frame_of(const std::vector<std::uint16_t>& registers) {
+  Bytes frame{0x01, 0x03, static_cast<std::uint8_t>(2 * registers.size())};
+  for (const std::uint16_t each : registers) {
+    frame.push_back(static_cast<std::uint8_t>(each >> 8));
+    frame.push_back(static_cast<std::uint8_t>(each));
+  }
+  const std::uint16_t crc = crc16_modbus(frame);
+  frame.push_back(static_cast<std::uint8_t>(crc));
+  frame.push_back(static_cast<std::uint8_t>(crc >> 8));
+  return frame;
+}
+
+Request read(std::uint32_t first, std::uint32_t count) {
+  return ReadRequest{{{kHolding, first, count}}};
+}
+
+class LateResponseFilterTest : public testing::Test {
+ protected:
+  Asked ask(Request request, Instant at) {
+    Asked asked{0, std::move(request), late_.next_context(0), {}};
+    late_.start_anew();
+    Bytes out;
+    driver_.begin(setup_.protocol(0).begin(asked.request, asked.context), 200ms, true, at, out);
+    asked.sent_until = driver_.sent_until();
+    return asked;
+  }
+  void give_up(Asked asked) {
+    Bytes out;
+    const Instant now = driver_.deadline();
+    (void)driver_.on_timer(now, out);
+    (void)driver_.finish();
+    const Range range = std::get<ReadRequest>(asked.request).ranges[0];
+    late_.unanswered(std::move(asked), Block{0, {range}, {7}, {}}, 0ms, driver_, now);
+  }
+  Instant sendable_from(const Request& request, Purpose purpose = Purpose::kRead) const {
+    return late_.sendable_from(0, request, purpose);
+  }
+
+  BusSetup setup_{test::rtu_bus(2)};
+  LateResponseFilter late_{setup_};
+  ExchangeDriver driver_{setup_.line(), 20ms, Echo::kAbsent};
+};
+
+TEST_F(LateResponseFilterTest, WhatCouldBeMistakenWaitsAndTheRestGoesOn) {
+  give_up(ask(read(100, 1), Instant{}));
+  EXPECT_EQ(sendable_from(read(100, 1)), kLongAgo) << "the same read again";
+  EXPECT_EQ(sendable_from(read(100, 2)), kLongAgo) << "another length";
+  EXPECT_GE(sendable_from(read(200, 1)), Instant{600ms}) << "three timeouts";
+  EXPECT_GE(sendable_from(read(100, 1), Purpose::kCommand), Instant{600ms});
+  EXPECT_EQ(late_.sendable_from(1, read(200, 1), Purpose::kRead), kLongAgo) << "another device";
+  late_.expire(Instant{1s});
+  EXPECT_EQ(sendable_from(read(200, 1)), kLongAgo);
+  EXPECT_TRUE(late_.none_owed());
+}
+
+TEST_F(LateResponseFilterTest, AnAnswerWithinTheConfiguredTimeoutBringsItsValues) {
+  give_up(ask(read(100, 1), Instant{}));
+  const auto found = late_.in_strays(frame_of({42}), Instant{150ms});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].block.points, std::vector<PointIndex>{7});
+  EXPECT_EQ(found[0].reply[0].items, (Bytes{0, 42}));
+  EXPECT_GT(found[0].taken, 100ms);
+  EXPECT_TRUE(late_.none_owed());
+}
+
+TEST_F(LateResponseFilterTest, AnAnswerBeyondItOnlyPaysTheDebt) {
+  give_up(ask(read(100, 1), Instant{}));
+  const auto found = late_.in_strays(frame_of({42}), Instant{400ms});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_TRUE(found[0].block.points.empty());
+  EXPECT_TRUE(late_.none_owed());
+}
+
+TEST_F(LateResponseFilterTest, ALateAnswerIsFoundAmongTheBytesOfAnotherExchange) {
+  give_up(ask(read(100, 1), Instant{}));
+  const Asked other = ask(read(300, 2), Instant{230ms});
+  Bytes out;
+  (void)driver_.on_bytes(frame_of({42}), Instant{260ms}, out);
+  EXPECT_EQ(late_.in_exchange(other, driver_, Instant{260ms}).size(), 1u);
+  (void)driver_.on_bytes(frame_of({1, 2}), Instant{280ms}, out);
+  EXPECT_TRUE(late_.in_exchange(other, driver_, Instant{280ms}).empty()) << "bytes count once";
+  late_.answered(other, false, 0ms, driver_, Instant{280ms});
+  EXPECT_TRUE(late_.none_owed());
+}
+
+TEST_F(LateResponseFilterTest, TheExchangeUnderWayTakesWhatMayBeItsOwn) {
+  give_up(ask(read(100, 1), Instant{}));
+  const Asked again = ask(read(100, 1), Instant{230ms});
+  Bytes out;
+  ASSERT_EQ(driver_.on_bytes(frame_of({42}), Instant{260ms}, out), ExchangeDriver::Outcome::kDone);
+  EXPECT_TRUE(late_.in_exchange(again, driver_, Instant{260ms}).empty());
+  late_.answered(again, false, 0ms, driver_, Instant{260ms});
+  EXPECT_FALSE(late_.none_owed()) << "asked twice and answered once";
+}
+
+TEST_F(LateResponseFilterTest, AnAnswerThatComesTwicePaysOnce) {
+  give_up(ask(read(100, 1), Instant{}));
+  give_up(ask(read(100, 1), Instant{230ms}));
+  Bytes twice = frame_of({42});
+  append(twice, frame_of({42}));
+  EXPECT_EQ(late_.in_strays(twice, Instant{500ms}).size(), 1u);
+  EXPECT_FALSE(late_.none_owed());
+}
+
+TEST_F(LateResponseFilterTest, ABrokenAnswerOfTheRightLengthAndHeadPays) {
+  const Asked well = ask(read(100, 1), Instant{});
+  Bytes out;
+  (void)driver_.on_bytes(frame_of({42}), Instant{20ms}, out);
+  (void)driver_.finish();
+  late_.answered(well, false, 0ms, driver_, Instant{20ms});
+  const Asked broken = ask(read(100, 1), Instant{100ms});
+  Bytes noisy = frame_of({42});
+  noisy.back() ^= 1;
+  (void)driver_.on_bytes(noisy, Instant{120ms}, out);
+  give_up(broken);
+  EXPECT_EQ(driver_.cause(), Cause::kChecksum);
+  EXPECT_TRUE(late_.none_owed());
+}
+
+TEST_F(LateResponseFilterTest, WhatIsBrokenOffIsOwedToo) {
+  late_.broken_off(ask(read(100, 1), Instant{}), 0ms);
+  EXPECT_FALSE(late_.none_owed());
+  EXPECT_TRUE(late_.owes_same({0, read(100, 1), {}, {}}));
+  late_.forget_all();
+  EXPECT_TRUE(late_.none_owed());
+}
+
+}  // namespace
+}  // namespace fieldcast

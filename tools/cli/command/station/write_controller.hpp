@@ -1,0 +1,35 @@
+// Sends one write of a screen and receives its result without blocking the screen. Main thread.
+#pragma once
+
+#include <optional>
+
+#include "tools/cli/command/base/command_run.hpp"
+#include "tools/cli/screen/watch_screen.hpp"
+
+namespace fieldcast::cli {
+
+class WriteController {
+ public:
+  // REQUIRES: both outlive this object; `domain` has subscribed to results.
+  WriteController(DomainView& domain, const Connection& connection)
+      : domain_(domain), connection_(connection) {}
+
+  // REQUIRES: busy() is false.
+  void begin(const WriteIntent& intent, Instant now);
+  // Returns the outcome if the write ended: no bridge, no right, no result.
+  [[nodiscard]] std::optional<Outcome> step(Instant now);
+  [[nodiscard]] std::optional<Outcome> on_result(const StationResult& result);
+  [[nodiscard]] bool busy() const { return errand_.has_value(); }
+
+ private:
+  [[nodiscard]] Outcome finish();
+  [[nodiscard]] std::optional<Outcome> fail(Outcome::State state, std::string reason);
+
+  DomainView& domain_;
+  const Connection& connection_;
+  std::optional<Errand> errand_;
+  bool sent_ = false;
+  Instant until_{};  // deadline for sending, then for the result
+};
+
+}  // namespace fieldcast::cli

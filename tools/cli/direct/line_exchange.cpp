@@ -1,0 +1,192 @@
+#include "tools/cli/direct/line_exchange.hpp"
+
+#include <algorithm>
+#include <boost/asio/io_context.hpp>
+
+#include "bridge/base/clock.hpp"
+#include "bridge/port/port.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+constexpr std::chrono::milliseconds kTalkCheck{50};
+constexpr std::chrono::seconds kOpenLimit{5};
+// A silence that ends a response; longer than gaps between the pieces of adapters.
+constexpr std::chrono::milliseconds kGapAllowance{30};
+// Limit of the bytes that are compared to detect an echo.
+constexpr std::size_t kMostHeard = 4096;
+// After this time the request is sent even if the line is not silent.
+constexpr std::chrono::milliseconds kLongestStray{300};
+
+}  // namespace
+
+struct LineExchange::State final : PortListener {
+  State(const Interrupt& given, std::shared_ptr<CaptureTap> into)
+      : interrupt(given), tap(std::move(into)) {}
+
+  void on_opened() override { opened = true; }
+  void on_received(ByteView bytes, Instant arrival) override {
+    last_byte = arrival;
+    strays += bytes.size();
+    if (heard.size() < kMostHeard) append(heard, bytes);
+    record(CaptureRecord::Kind::kReceived, bytes, {}, arrival);
+    if (!driver || !driver->active()) return;
+    Bytes out;
+    outcome = driver->on_bytes(bytes, arrival, out);
+    if (outcome == ExchangeDriver::Outcome::kSend) again = std::move(out);
+  }
+  void on_closed(std::string reason, Cause) override { closed = std::move(reason); }
+
+  // Runs the port's handlers until `until`, an interrupt, or an event.
+  void wait(Instant until) {
+    const Duration rest = std::max<Duration>(until - steady_now(), Duration::zero());
+    io.restart();
+    (void)io.run_one_for(std::min<Duration>(rest, kTalkCheck));
+    if (meanwhile) meanwhile();
+  }
+  void write(const Bytes& bytes, const LineEvent& note) {
+    device = note.device;
+    if (said.size() < kMostHeard) append(said, bytes);
+    record(CaptureRecord::Kind::kSent, bytes, note.text, steady_now());
+    port->write(bytes);
+  }
+  void record(CaptureRecord::Kind kind, ByteView bytes, const std::string& text, Instant at) const {
+    if (tap && tap->wanted())
+      tap->put({kind, read_clocks().to_utc(at), device, Bytes(bytes.begin(), bytes.end()), text});
+  }
+  [[nodiscard]] bool heard_others() const {
+    return heard.size() > said.size() || !std::equal(heard.begin(), heard.end(), said.begin());
+  }
+  // Records the result of the exchange in the capture.
+  void record_end(const LineExchange::Answer& answer) const {
+    if (answer.cause != Cause::kNone)
+      record(CaptureRecord::Kind::kRemark, {}, std::string(to_text(answer.cause)), steady_now());
+    record(CaptureRecord::Kind::kEnded, {}, {}, steady_now());
+  }
+  [[nodiscard]] std::string why_closed() const {
+    return interrupt.raised() ? std::string() : closed.value_or("the port does not open");
+  }
+
+  const Interrupt& interrupt;
+  const std::shared_ptr<CaptureTap> tap;  // null: no capture
+  std::size_t device = 0;                 // requested device, for the capture
+  std::function<void()> meanwhile;
+  boost::asio::io_context io{1};
+  std::unique_ptr<Port> port;
+  std::optional<ExchangeDriver> driver;
+  Duration silence{};
+  bool opened = false;
+  std::optional<std::string> closed;
+  Instant last_byte = kLongAgo;
+  std::size_t strays = 0;  // bytes since the last request
+  Bytes heard, said;       // since listen_again()
+  ExchangeDriver::Outcome outcome = ExchangeDriver::Outcome::kWaiting;
+  Bytes again;  // next request of the exchange
+};
+
+LineExchange::LineExchange(const Interrupt& interrupt, std::shared_ptr<CaptureTap> tap)
+    : state_(std::make_unique<State>(interrupt, std::move(tap))) {}
+
+LineExchange::~LineExchange() { close(); }
+
+void LineExchange::while_waiting(std::function<void()> meanwhile) {
+  state_->meanwhile = std::move(meanwhile);
+}
+
+void LineExchange::listen_again() {
+  state_->heard.clear();
+  state_->said.clear();
+}
+
+void LineExchange::close() {
+  if (state_->port) state_->port->close();
+  state_->port.reset();
+  state_->driver.reset();
+}
+
+void LineExchange::rest(Duration time) {
+  const Instant until = steady_now() + time;
+  while (!state_->closed && !state_->interrupt.raised() && steady_now() < until)
+    state_->wait(until);
+}
+
+tl::expected<void, std::string> LineExchange::open(const PortSpec& spec) {
+  close();
+  State& state = *state_;
+  state.opened = false;
+  state.closed.reset();
+  state.last_byte = kLongAgo;
+  state.silence = silence_of(StandardSilence{}, line_of(spec));
+  listen_again();
+  state.driver.emplace(line_of(spec), kGapAllowance, Echo::kUnknown);
+  state.port = make_port(state.io, spec);
+  state.port->open(state);
+  const Instant limit = steady_now() + kOpenLimit;
+  while (!state.opened && !state.closed && !state.interrupt.raised() && steady_now() < limit)
+    state.wait(limit);
+  if (state.opened) {
+    const bool serial = std::holds_alternative<SerialPortSpec>(spec);
+    state.record(CaptureRecord::Kind::kRemark, {},
+                 "the port is open" + (serial ? ": " + to_text(line_of(spec)) : std::string()),
+                 steady_now());
+    return {};
+  }
+  return tl::unexpected(state.why_closed());
+}
+
+tl::expected<LineExchange::Answer, std::string> LineExchange::ask(
+    std::unique_ptr<Exchange> exchange, Duration timeout, const LineEvent& note) {
+  using Outcome = ExchangeDriver::Outcome;
+  State& state = *state_;
+  const Instant limit = steady_now() + kLongestStray;
+  const auto silent_at = [&] {
+    return state.last_byte == kLongAgo ? kLongAgo : state.last_byte + state.silence;
+  };
+  while (steady_now() < std::min(silent_at(), limit) && !state.closed && !state.interrupt.raised())
+    state.wait(std::min(silent_at(), limit));
+
+  Bytes out;
+  state.strays = 0;
+  state.outcome = Outcome::kWaiting;
+  state.driver->begin(std::move(exchange), timeout, true, steady_now(), out);
+  state.write(out, note);
+  while (state.driver->active() && !state.closed && !state.interrupt.raised()) {
+    state.wait(state.driver->deadline());
+    if (state.outcome == Outcome::kWaiting && steady_now() >= state.driver->deadline()) {
+      state.port->poll();
+      out.clear();
+      if (state.outcome == Outcome::kWaiting && steady_now() >= state.driver->deadline()) {
+        state.outcome = state.driver->on_timer(steady_now(), out);
+        if (state.outcome == Outcome::kSend) state.again = out;
+      }
+    }
+    if (state.outcome == Outcome::kSend) {
+      state.outcome = Outcome::kWaiting;
+      state.write(std::exchange(state.again, {}), note);
+    }
+    if (state.outcome != Outcome::kWaiting) break;
+  }
+  if (state.closed || state.interrupt.raised()) {
+    state.driver->abort();
+    return tl::unexpected(state.why_closed());
+  }
+  Answer answer;
+  answer.bytes = state.strays;
+  answer.heard = state.heard_others();
+  if (state.outcome == Outcome::kDone) {
+    answer.took = state.driver->answer_time();
+    answer.reply = state.driver->exchange().reply();
+  } else {
+    answer.cause = state.driver->cause();
+    answer.device_code = state.driver->device_code();
+    answer.took = state.driver->answer_time();
+    answer.echo_alone = state.driver->echo_alone();
+    answer.shape =
+        answer_shape(state.driver->raw_received(), state.driver->sent(), state.driver->expected());
+  }
+  (void)state.driver->finish();
+  state.record_end(answer);
+  return answer;
+}
+
+}  // namespace fieldcast::cli

@@ -1,0 +1,63 @@
+// Runs single exchanges on a port in the caller's thread, for a scan, with the engine's
+// ExchangeDriver. Use it on one thread.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <tl/expected.hpp>
+
+#include "bridge/capture/capture_tap.hpp"
+#include "core/bus/health/garbage.hpp"
+#include "core/bus/wire/exchange_driver.hpp"
+#include "core/model/port_spec.hpp"
+#include "tools/cli/terminal/interrupt.hpp"
+
+namespace fieldcast::cli {
+
+struct LineEvent {
+  std::size_t device = 0;  // index on the captured bus
+  std::string text;        // what is requested
+};
+
+class LineExchange {
+ public:
+  // Result of an exchange; `device_code` is set with Cause::kDeviceError.
+  struct Answer {
+    Cause cause = Cause::kNone;  // kNone: `reply` is valid
+    std::uint16_t device_code = 0;
+    Reply reply;
+    Duration took{};                              // response time of the device
+    std::size_t bytes = 0;                        // received
+    bool echo_alone = false;                      // the received bytes equal the sent ones
+    bool heard = false;                           // see listen_again()
+    ResponseShape shape = ResponseShape::kOther;  // if the bytes are not a valid response
+  };
+
+  // Records all bytes in `tap`, which may be null.
+  explicit LineExchange(const Interrupt& interrupt, std::shared_ptr<CaptureTap> tap = nullptr);
+  ~LineExchange();  // calls close()
+  LineExchange(const LineExchange&) = delete;
+  LineExchange& operator=(const LineExchange&) = delete;
+
+  // Closes the previous port first. The error is one human-readable line; empty if interrupted.
+  [[nodiscard]] tl::expected<void, std::string> open(const PortSpec& port);
+  // Waits for silence, sends, and waits for the response, whose first byte must arrive within
+  // `timeout`. Fails like open() if the port is lost. REQUIRES: open() was successful.
+  [[nodiscard]] tl::expected<Answer, std::string> ask(std::unique_ptr<Exchange> exchange,
+                                                      Duration timeout, const LineEvent& note = {});
+  // Restarts the detection for Answer::heard: bytes received since this call that are not an echo.
+  void listen_again();
+  // Calls `meanwhile` several times a second during waits, for the progress.
+  void while_waiting(std::function<void()> meanwhile);
+  // Keeps the line idle for this time, or until an interrupt. REQUIRES: open() was successful.
+  void rest(Duration time);
+  void close();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace fieldcast::cli
