@@ -111,7 +111,7 @@ void Bridge::State::stop_all(program::Server::Modules kept, DdsLink::Leave leave
   if (!link) return;
   sinks.drop_from(steady_now() + kPublishLimit);
   metrics.reset();
-  step = "the engineers are told";
+  step = "the engineers are notified";
   guard->end();
   program.stop(kept);  // 0. engineers are notified, their devices released
   logins.reset();

@@ -42,7 +42,7 @@ void Bridge::State::start_buses(const std::vector<std::string>& names, const Bri
     } else {
       log_error(bus.name, fmt::format("not served here: {} serves a bus of this name in DDS domain "
                                       "{}, where names of buses are unique. This bridge takes it "
-                                      "over when that one is gone; else rename one of the two",
+                                      "over when that one has left; else rename one of the two",
                                       guard->rival(bus.name), spec.dds.domain));
       link->listen_for_commands();
     }
@@ -70,7 +70,8 @@ bool Bridge::State::follow_guard(const std::set<std::string>& uncontested) {
   contested = now_contested;
   for (const BusSpec& bus : spec.buses) {
     if (buses.contains(bus.name) || !guard->serves(bus.name)) continue;
-    log_warning(bus.name, "taken over: the bridge that served a bus of this name is gone");
+    log_warning(bus.name,
+                "taken over: the bridge that served a bus of this name has left the domain");
     take_over_alarms(bus.name);
     try {
       start_bus(bus);

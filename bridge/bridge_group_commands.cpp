@@ -15,7 +15,7 @@ CommandResult unfinished(const std::string& requester, std::uint64_t request_id,
   result.state = begun ? CommandState::kFailed : CommandState::kRejected;
   // kRejected with kShutdown proves to stations that the command did not run; they send it again.
   result.cause = Cause::kShutdown;
-  result.reason = begun ? "the bridge that had begun it is gone; unknown whether it took effect"
+  result.reason = begun ? "the bridge that had begun it has left; unknown whether it took effect"
                         : "no bridge of the group was master when it came, and it did not reach "
                           "the present one: it was not run, send it again";
   result.received = result.started = result.completed = now;

@@ -48,7 +48,7 @@ tl::expected<void, std::string> Bridge::State::start_anew(const BridgeSpec& want
   const BridgeSpec before = spec;
   log_info(
       before.name,
-      fmt::format("reloading: {}: everything starts anew: {}, the participant "
+      fmt::format("reloading: {}: all buses are restarted: {}, the participant "
                   "in DDS domain {}{}{}",
                   fmt::join(plan.whole_bridge, ", "), counted(before.buses.size(), "bus", "buses"),
                   before.dds.domain, before.store ? ", the store" : "",
@@ -56,7 +56,7 @@ tl::expected<void, std::string> Bridge::State::start_anew(const BridgeSpec& want
   stop_all(program::Server::Modules::kKeep);
   auto started = start(wanted, program::Server::Modules::kKeep);
   if (started) {
-    log_info(wanted.name, "reloaded: everything started anew: " + buses_text(wanted));
+    log_info(wanted.name, "reloaded: all buses were restarted: " + buses_text(wanted));
     return {};
   }
   if (auto back = start(before, program::Server::Modules::kKeep); !back)
@@ -66,7 +66,7 @@ tl::expected<void, std::string> Bridge::State::start_anew(const BridgeSpec& want
 
 // After an error, restarts the server with the previous configuration.
 tl::expected<void, std::string> Bridge::State::restart_program(const BridgeSpec& wanted) {
-  log_info(spec.name, "reloading: the programming server starts anew; modules stay connected");
+  log_info(spec.name, "reloading: the programming server restarts; modules stay connected");
   program.stop(program::Server::Modules::kKeep);
   auto listening = program.start(wanted.program);
   if (!listening) (void)program.start(spec.program);

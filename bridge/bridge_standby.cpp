@@ -267,7 +267,7 @@ void Bridge::State::promote() {
     log_warning(spec.name,
                 fmt::format("has taken over in group {} ({}), term {}: buses run after {}",
                             spec.standby->group,
-                            released ? "the master has handed over" : "the master is gone",
+                            released ? "the master has handed over" : "the master has left",
                             number_of(standby.term), to_text(running)));
   }
   take_over_followed_alarms(taken, alarms_of_master);
@@ -282,10 +282,11 @@ void Bridge::State::remain_master() {
     bus.runner->count_above(sequences_of(standby.term));
     alarms.publish_again(name);
   }
-  log_warning(spec.name,
-              fmt::format("remains master of group {}, term {}: another one may have been master "
-                          "meanwhile; its samples count above those of that one",
-                          spec.standby->group, number_of(standby.term)));
+  log_warning(
+      spec.name,
+      fmt::format("remains master of group {}, term {}: another member may have been master "
+                  "meanwhile; its samples count above those of that one",
+                  spec.standby->group, number_of(standby.term)));
 }
 
 // A shared store has more than the published data; a file on this host has less.
@@ -318,7 +319,7 @@ void Bridge::State::release() {
   stop_runners(names);
   standby.serving = false;
   group->released();
-  log_info(spec.name, "has let go of its buses for another bridge of the group");
+  log_info(spec.name, "has released its buses to another bridge of the group");
 }
 
 // Another bridge is master, with a later term.

@@ -124,7 +124,7 @@ void log_joining(const JoinCheck& joining) {
   for (const JoinRemark& remark : joining.warnings) log_warning(remark.of, remark.text);
 }
 
-constexpr const char* kOpen = "security: none: whoever is in the network reads and commands";
+constexpr const char* kOpen = "security: none: every program in the network can read and command";
 
 void log_faults(const std::vector<config::Fault>& faults) {
   for (const config::Fault& fault : faults) log_error("configuration", config::to_text(fault));

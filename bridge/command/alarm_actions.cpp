@@ -50,7 +50,7 @@ CommandResult AlarmActions::take(const AlarmAction& action, const UtcMapping& no
   if (outcome) result.state = CommandState::kDone;
   AuditEntry entry = audit_entry(action);
   if (outcome)
-    log_counted(LogLevel::kInfo, "alarms", "actions of people",
+    log_counted(LogLevel::kInfo, "alarms", "actions of users",
                 fmt::format("{}: {} by {}", entry.target, entry.what, entry.who));
   audit_.note(std::move(entry), result);
   return result;

@@ -170,8 +170,10 @@ void MetricsServer::State::open() {
   log_info("metrics", fmt::format("served at http://{}:{}{}",
                                   v6 ? '[' + listen.host + ']' : listen.host, port.load(), kPath));
   if (!on_loopback(listen))
-    log_warning("metrics",
-                fmt::format("whoever reaches {} reads them: there is no login", listen.host));
+    log_warning(
+        "metrics",
+        fmt::format("{} needs no login: every client that can connect to it can read the values",
+                    listen.host));
 }
 
 void MetricsServer::State::accept(tcp::socket socket) {

@@ -58,7 +58,7 @@ class DialInPort::Opening final : public PortOpening {
   void pass_on(ModuleConnection connection) {
     registry_.release(number_, claim_);
     registry_.pass_on(number_, std::move(connection));
-    if (!over_) stream()->fail({"the module dialled in anew"});
+    if (!over_) stream()->fail({"the module connected again"});
   }
 
   void cancel() override { registry_.release(number_, claim_); }

@@ -56,7 +56,7 @@ class SerialStream final : public Stream {
   }
   End end_of(int error) const override {
     const bool gone = error == 0 || error == EIO || error == ENXIO || error == ENODEV;
-    if (gone) return {"the device is gone", Cause::kPortMissing};
+    if (gone) return {"the device was unplugged", Cause::kPortMissing};
     return {errno_text(error)};
   }
   void before_close(int fd) override { drop_unsent(fd); }

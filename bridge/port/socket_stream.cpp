@@ -62,8 +62,9 @@ std::optional<Stream::End> SocketStream::restore(int fd) {
 Stream::End SocketStream::end_of(int error) const {
   const bool closed = error == 0 || error == ECONNRESET;
   if (clients_ == Clients::kOne && closed && steady_now() - began_ < kAtOnce) {
-    return {"closed by the server at once: it takes one client, and another one has it",
-            Cause::kPortInUse};
+    return {
+        "closed by the server immediately: it accepts one client, and another client is connected",
+        Cause::kPortInUse};
   }
   return {error == 0 ? std::string("closed by the peer") : errno_text(error)};
 }

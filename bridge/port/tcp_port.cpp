@@ -54,13 +54,13 @@ class TcpOpening final : public PortOpening {
     FileDescriptor socket(socket_.release(fault));
     const Clients clients = spec_.fence.is(Fence::kOneClient) ? Clients::kOne : Clients::kMany;
     auto stream = fault ? nullptr : make_socket_stream(io_, std::move(socket), listener_, clients);
-    if (!stream) return give_up("the connection is gone already");
+    if (!stream) return give_up("the connection is closed already");
     opened(std::move(stream));
   }
 
   [[nodiscard]] std::string with_fence(std::string reason) const {
     if (!spec_.fence.is(Fence::kOneClient)) return reason;
-    return reason + " (it takes one client: another one may have it)";
+    return reason + " (it accepts one client: another client may be connected)";
   }
 
   void give_up(std::string reason) { fail(std::move(reason), Cause::kPortUnreachable); }

@@ -65,9 +65,10 @@ std::string to_text(const ModulesSpec& modules) {
   const bool open =
       modules.tls.authority.empty() && modules.secrets.empty() && modules.from.empty();
   if (open)
-    shown.emplace_back(on_loopback(modules.listen)
-                           ? "whoever is on this machine may be any of them"
-                           : "security: none, whoever reaches the port may be any of them");
+    shown.emplace_back(
+        on_loopback(modules.listen)
+            ? "every program on this machine can claim to be any of them"
+            : "security: none, every client that reaches the port can claim to be any of them");
   return fmt::format(
       "modules dial in at {}: {}; a second one of a number {}", address_text(modules.listen),
       fmt::join(shown, ", "),

@@ -290,7 +290,7 @@ void EngineerConnection::tick() {
   if (client_->crowded() && client_->drained()) tell(ClientDrains{});
   if (device_ && device_->crowded() && device_->drained()) tell(DeviceDrains{});
   if (device_ && !peer_answers(line_)) {
-    lost_ = "it does not answer any more";
+    lost_ = "it no longer responds";
     return tell(DeviceLost{*lost_});
   }
   const std::uint64_t bytes = engineer_.bytes_to_device() + engineer_.bytes_from_device();

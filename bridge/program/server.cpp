@@ -114,7 +114,7 @@ void Server::stop_engineers() {
     }
   });
   if (gone->get_future().wait_for(kStopLimit) != std::future_status::ready)
-    log_warning("program", "a client does not let go");
+    log_warning("program", "a client does not disconnect");
   s.run([] {});  // handlers cancelled by the close have run
   s.run([&] {
     s.engineers.reset();

@@ -144,7 +144,7 @@ std::string Authority::add(const Member& member, UtcTime now, Duration life) {
   std::error_code none;
   if (fs::exists(folder, none)) {
     throw SecurityError("there is a member " + member.name +
-                        " already; fieldcast secure renew makes its certificate anew");
+                        " already; fieldcast secure renew makes a new certificate");
   }
   const std::string key = new_key();
   const std::string certificate = issue_for(member, key, now, life);

@@ -87,7 +87,7 @@ class BusClaims {
   bool decide(Instant now);
   [[nodiscard]] const std::map<std::string, BusClaim>& buses() const { return own_; }
   [[nodiscard]] bool serves(const std::string& bus) const;
-  // The buses that this bridge serves and another one claims to serve as well.
+  // The buses that this bridge serves and a different bridge claims to serve as well.
   [[nodiscard]] std::set<std::string> contested() const;
 
  private:

@@ -68,7 +68,7 @@ class BusGuard {
   [[nodiscard]] std::set<std::string> contested() const;
 
   // Returns another member of the group with the name of this bridge. The one with priority
-  // (goes_first) may become master, the other one must not.
+  // (goes_first) may become master, the second must not.
   [[nodiscard]] std::optional<BusClaims::Namesake> namesake() const;
 
   void watch();  // from now on, changed() is called

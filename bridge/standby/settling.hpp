@@ -47,7 +47,7 @@ class Settling {
     if (waited < kLeast) return "the other bridges";
     if (waited >= (in_group_ ? kMostInGroup : kMost)) return std::nullopt;
     if (in_group_ && finding.has_servers) {
-      if (answered_ == kNever) return "a discovery server: none has answered";
+      if (answered_ == kNever) return "a discovery server: none has responded";
       if (now - answered_ < kServer) return "what the discovery server knows";
     }
     if (finding.unknown > 0 || (finding.silent > 0 && waited < kMost))

@@ -202,7 +202,7 @@ void StandbyGroup::follow_role() {
     }
   }
   // A former master releases its buses and rejoins.
-  if (role == StandbyRole::kWaiting) election_.set_not_ready("it begins anew");
+  if (role == StandbyRole::kWaiting) election_.set_not_ready("it starts again");
   told_ = role;
   beat_soon_ = true;
   handlers_.changed();

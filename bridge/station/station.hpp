@@ -88,7 +88,7 @@ class Station {
                             std::function<void(const StationBusStatus& last)> gone = {});
   void subscribe_device_status(std::function<void(const StationDeviceStatus&)> on_status,
                                std::function<void(const StationDeviceStatus& last)> gone = {});
-  // The bridges of the domain. A bridge that crashes is reported as gone when its lease expires.
+  // The bridges of the domain. A bridge that crashes is reported as removed when its lease expires.
   void subscribe_bridges(std::function<void(const StationBridge&)> on_bridge,
                          std::function<void(const StationBridge& last)> gone = {});
   void subscribe_program_sessions(std::function<void(const ProgramSessionReport&)> on_session);

@@ -27,7 +27,7 @@ class EventTable {
   void newest_audit(UtcTime from, UtcTime to, std::int64_t limit,
                     const std::function<void(const AuditEntry&)>& on_entry);
   void alarms(UtcTime from, UtcTime to, const std::function<bool(const AlarmRecord&)>& on_alarm);
-  // Returns the alarms whose last record is active, whichever bridge wrote it.
+  // Returns the alarms whose last record is active, of any bridge.
   [[nodiscard]] std::vector<AlarmRecord> active_alarms();
   [[nodiscard]] std::vector<DeviceRecord> devices();  // sorted by bus and name
 

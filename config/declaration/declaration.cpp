@@ -42,7 +42,7 @@ class DeclarationReader {
 
   Declaration run() {
     map_.read_required("summary", declaration_.summary, TextRule{kMaxDescription},
-                       "one line for people");
+                       "one line for the user");
     read_addresses();
     map_.read("encoding", defaults_.notation, ChoiceRule<Notation>{kEncodings});
     map_.read("order", defaults_.little_endian, ChoiceRule<bool>{kOrders});
@@ -109,7 +109,7 @@ class DeclarationReader {
     for (const auto* key : {"item", "items", "prefix", "base", "origin"}) {
       if (area.record && map.has(key))
         faults_.add(map.position_of(key), fmt::format("'{}' has no meaning for a record", key),
-                    "a record's places are the values of its answer");
+                    "the places of a record are the values of its response");
     }
     if (area.record) area.items = 0, area.item_bits = 16;
     declaration_.areas.push_back(std::move(area));

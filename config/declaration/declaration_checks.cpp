@@ -138,7 +138,7 @@ class OperationCheck {
     const DraftFrame& carrier = operation_.write ? draft_.request : draft_.answer;
     if (!carrier.good) return;
     const std::string where = operation_.write ? "the request of a write carries no "
-                                               : "the answer of a read carries no ";
+                                               : "the response of a read carries no ";
     needs(number_of(carrier, kind) > 0, carrier.position,
           where + (area_.record ? "values" : "items"), "a field that " + wanted);
     for (const auto* frame : {&draft_.request, &draft_.answer}) {
@@ -181,7 +181,7 @@ class OperationCheck {
                          frame.fields[i + 1].field.kind == FieldKind::kConstant &&
                          !frame.fields[i + 1].shares;
       needs(told || ended, frame.fields[i].position,
-            fmt::format("nothing tells where '{}' ends", field.name),
+            fmt::format("no length or mark shows where '{}' ends", field.name),
             "a constant behind it, or a length of it before it");
       if (std::ranges::count_if(frame.fields,
                                 [](const DraftField& each) { return each.field.variable; }) > 1)
@@ -255,16 +255,18 @@ class Placing {
     for (const auto& place : area.places) names.push_back(place.name);
     const auto place = std::ranges::find(area.places, draft.field.name, &declared::Place::name);
     if (place == area.places.end()) {
-      faults_.add(draft.position, fmt::format("no answer brings a value '{}'", draft.field.name),
-                  joined(names), closest(draft.field.name, names));
+      faults_.add(draft.position,
+                  fmt::format("no response contains a value '{}'", draft.field.name), joined(names),
+                  closest(draft.field.name, names));
       return false;
     }
     const unsigned bits = draft.field.text_size != 0 ? 0u : draft.field.bits;
     if (bits != place->bits || declared::items_of(draft.field) != place->items) {
-      faults_.add(draft.position,
-                  fmt::format("value '{}' has another width than in the answer that brings it",
-                              draft.field.name),
-                  fmt::format("{} bits", place->bits));
+      faults_.add(
+          draft.position,
+          fmt::format("value '{}' has a different width than in the response that contains it",
+                      draft.field.name),
+          fmt::format("{} bits", place->bits));
       return false;
     }
     draft.field.place = place->first;
@@ -348,10 +350,10 @@ void check_refusal(const Declaration& declaration, const std::vector<DraftOperat
   for (const auto& draft : operations) {
     if (!draft.good || !draft.answer.good) continue;
     if (!told_apart(refusal, draft, declaration.areas[draft.operation.area]))
-      faults.add(
-          refusal.position,
-          fmt::format("a refusal cannot be told from the answer of '{}'", draft.operation.name),
-          "another length, constant or command, or is: error in the answer too");
+      faults.add(refusal.position,
+                 fmt::format("a refusal cannot be distinguished from a response of '{}'",
+                             draft.operation.name),
+                 "a different length, constant or command, or is: error in the response too");
   }
 }
 

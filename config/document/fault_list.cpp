@@ -48,7 +48,7 @@ void FaultList::add(const Position& position, std::string what, std::string allo
   make_presentable(suggestion);
   if (!known_.insert({position.source->order, position.line, position.column, what}).second) return;
   if (entries_.size() == kMaxFaults)
-    what = "more faults follow; they are shown when these are gone", allowed = suggestion = {};
+    what = "more faults follow; they are shown when these are corrected", allowed = suggestion = {};
   entries_.push_back(
       {position.source->order, Fault{position.source->file, position.line + 1, column_of(position),
                                      std::move(what), std::move(allowed), std::move(suggestion)}});

@@ -71,7 +71,7 @@ const Node* MapReader::find(std::string_view key) {
   if (found->value->kind == Kind::kNull) {
     faults_.add(found->key->position, fmt::format("'{}' has no value", key),
                 begins_comment(*found->key)
-                    ? "a value; '#' begins a comment, so a text that begins so stands in quotes"
+                    ? "a value; '#' begins a comment, so a text that begins with it needs quotes"
                     : "");
     return nullptr;
   }

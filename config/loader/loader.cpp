@@ -100,10 +100,10 @@ void check_loads(const Node& root, const BridgeSpec& spec, FaultList& faults) {
     if (!load) continue;
     faults.add(
         buses->value->items[i]->position,
-        fmt::format("bus '{}' needs {} times its wire, even if devices answer at once",
+        fmt::format("bus '{}' needs {} times its wire, even if devices respond immediately",
                     spec.buses[i].name, static_cast<std::uint64_t>(*load)),
         fmt::format("at most {} times, and 1 to keep every refresh: longer refreshes, fewer "
-                    "channels, a faster line or more buses ('fieldcast plan' tells what is enough)",
+                    "channels, a faster line or more buses ('fieldcast plan' shows what is enough)",
                     static_cast<int>(kHopelessLoad)));
   }
 }

@@ -88,10 +88,10 @@ const Rows<StandbySpec>& standby_rows() {
           field<StandbySpec>(
               {.name = "strength",
                .fallback = "0",
-               .text = "of those that are ready the strongest takes over when the master is gone"},
+               .text = "the strongest member that is ready takes over when the master has left"},
               &StandbySpec::strength, WholeRule{0, kMaxStrength}),
       },
-      "One bridge of the group serves the buses, and the others take over when it is gone: "
+      "One bridge of the group serves the buses, and the others take over when it has left: "
       "[docs/redundancy.md](../docs/redundancy.md).");
   return rows;
 }
@@ -226,7 +226,8 @@ const Rows<MetricsSpec>& metrics_rows() {
       {field<MetricsSpec>(
           {.name = "listen",
            .fallback = "needed",
-           .text = "`ADDRESS:PORT` of this machine. There is no login and no TLS: whoever reaches "
+           .text = "`ADDRESS:PORT` of this machine. There is no login and no TLS: every client "
+                   "that reaches "
                    "the address reads the figures, so choose one of the loopback where you can",
            .example = "listen: 127.0.0.1:9464"},
           &MetricsSpec::listen, ListenRule{9464})},

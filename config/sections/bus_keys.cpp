@@ -74,13 +74,13 @@ std::vector<Field<BusDefaults>> bus_default_fields() {
   rows.push_back(field<BusDefaults>(
       {.name = "silence",
        .fallback = "standard: 3.5 characters, 1.75 ms above 19200 baud",
-       .text = "between an answer and the next request: `standard`, characters as `3.5c`, or a "
+       .text = "between a response and the next request: `standard`, characters as `3.5c`, or a "
                "duration"},
       [](BusDefaults& both) -> SilenceRule& { return both.bus.silence; }, SilenceReader{}));
   rows.push_back(field<BusDefaults>(
       {.name = "gap-allowance",
        .fallback = "20ms",
-       .text = "silence inside an answer that ends it"},
+       .text = "silence inside a response that ends it"},
       [](BusDefaults& both) -> Duration& { return both.bus.gap_allowance; },
       DurationRule{Duration{}, kMaxSilence}));
   return rows;

@@ -23,7 +23,7 @@ std::vector<DeviceRow> device_defaults() {
   const std::vector<DeviceRow> own{
       device_row({.name = "timeout",
                   .fallback = "200ms",
-                  .text = "to the first byte of an answer",
+                  .text = "to the first byte of a response",
                   .flows_down = true},
                  &DeviceSpec::timeout, DurationRule{kMinTimeout, kMaxTimeout}),
       device_row({.name = "retries",
@@ -129,7 +129,7 @@ const Rows<DeviceDefaults>& template_rows() {
       {
           {{.name = "description",
             .fallback = "none",
-            .text = "for people",
+            .text = "shown to users",
             .schema = TextRule{kMaxDescription}.schema()}},
           {{.name = "protocols",
             .fallback = "any",

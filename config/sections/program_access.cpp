@@ -127,7 +127,8 @@ void read_module_access(MapReader& map, ModulesSpec& modules, Library& library) 
   if (map.read("secrets", path, TextRule{kMaxPath}))
     modules.secrets = library.check_file(*map.find("secrets"));
   if (map.has("secrets") && modules.registration.ask == program::RegistrationRule::Ask::kWords)
-    fault(map, "secrets", "a module that is asked for words answers no challenge", "ask: text");
+    fault(map, "secrets", "a module that is asked for a text does not respond to a challenge",
+          "ask: text");
   const bool held = map.has("authority") || map.has("secrets") || map.has("from");
   if (modules.without_security && held)
     fault(map, "security", "security: none beside what modules have to show",

@@ -96,10 +96,10 @@ const Rows<EngineersSpec>& engineer_rows() {
           field<EngineersSpec>(
               {.name = "login",
                .fallback = "off-loopback",
-               .text =
-                   "where engineers have to log in, which needs a `store`; with `always` whoever "
-                   "connects from this machine logs in too. Without TLS the password crosses "
-                   "the loopback as it is"},
+               .text = "where engineers have to log in, which needs a `store`; with `always` "
+                       "everybody who "
+                       "connects from this machine logs in too. Without TLS the password crosses "
+                       "the loopback as it is"},
               &EngineersSpec::login, ChoiceRule<LoginRule>{kLogins}),
           field<EngineersSpec>(
               {.name = "heartbeat", .fallback = "5s", .text = "three missed ones free the device"},
@@ -126,7 +126,7 @@ const Rows<ModulesSpec>& module_rows() {
           module_row(
               {.name = "ask",
                .fallback = "text",
-               .text = "how a module tells its device number: by the `text` that it sends on "
+               .text = "how a module sends its device number: by the `text` that it sends on "
                        "connecting, a line of its own or ended by silence; or in DM `words` of the "
                        "PLC behind it, read with Host Link"},
               &RegistrationRule::ask, ChoiceRule<RegistrationRule::Ask>{kAsks}),
@@ -148,9 +148,10 @@ const Rows<ModulesSpec>& module_rows() {
                      &RegistrationRule::timeout, DurationRule{kMinRegistration, kMaxTimeout}),
           {file_key("certificate", "none: plain TCP", "a PEM file, relative to this file: TLS")},
           {file_key("key", "none", "its private key, a PEM file that others must not read")},
-          {file_key("authority", "none: modules have no certificates",
-                    "a PEM file with who signs the certificates of modules; a module tells the "
-                    "number that is its common name")},
+          {file_key(
+              "authority", "none: modules have no certificates",
+              "a PEM file with the authority of the modules' certificates; a module sends the "
+              "number that is its common name")},
           {file_key("revoked", "none", "a list (CRL) of certificates that are not good any more")},
           {{.name = "subjects",
             .fallback = "none",
@@ -177,7 +178,7 @@ const Rows<ModulesSpec>& module_rows() {
           field<ModulesSpec>(
               {.name = "security",
                .fallback = "needed off the loopback, unless one of the above holds",
-               .text = "`none`: whoever reaches the port may pretend to be any module"},
+               .text = "`none`: every client that reaches the port may claim to be any module"},
               &ModulesSpec::without_security, ChoiceRule<bool>{kOpenly}),
       });
   return rows;

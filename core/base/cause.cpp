@@ -15,12 +15,12 @@ struct Row {
 // In the order of the enumerators.
 constexpr std::array<Row, static_cast<std::size_t>(Cause::kCount)> kRows{{
     {"NONE", "no error", Quality::kGood},
-    {"NO_ANSWER", "no answer", Quality::kBadNoAnswer},
-    {"TRUNCATED", "answer broken off", Quality::kBadFrame},
+    {"NO_ANSWER", "no response", Quality::kBadNoAnswer},
+    {"TRUNCATED", "incomplete response", Quality::kBadFrame},
     {"CHECKSUM", "checksum error", Quality::kBadFrame},
-    {"MALFORMED", "malformed answer", Quality::kBadFrame},
-    {"FOREIGN", "answer of another device or request", Quality::kBadFrame},
-    {"OVERLONG", "answer too long", Quality::kBadFrame},
+    {"MALFORMED", "malformed response", Quality::kBadFrame},
+    {"FOREIGN", "response of another device or request", Quality::kBadFrame},
+    {"OVERLONG", "response too long", Quality::kBadFrame},
     {"PORT_CLOSED", "port closed", Quality::kBadNoAnswer},
     {"PORT_MISSING", "no such device file", Quality::kBadNoAnswer},
     {"PORT_DENIED", "permission denied", Quality::kBadNoAnswer},

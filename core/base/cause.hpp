@@ -52,7 +52,7 @@ enum class Cause : std::uint8_t {
   kCount          // not a cause: their number
 };
 
-// "no answer", "checksum error", ... for logs and results.
+// "no response", "checksum error", ... for logs and results.
 [[nodiscard]] std::string_view to_text(Cause cause);
 // "NO_ANSWER", "CHECKSUM", ... for counters and JSON.
 [[nodiscard]] std::string_view to_name(Cause cause);

@@ -25,8 +25,8 @@ class Arbiter {
   // Starts the next exchange; empty while the wire must rest. REQUIRES: no exchange is on the wire.
   [[nodiscard]] std::optional<Bytes> next(Instant now);
   // Starts a short read that limits the silence of the wire (WireFence) and returns its request.
-  // Empty if no device can be polled now, or if the read would delay another one and is not `due`.
-  // REQUIRES: next() returned empty, and the wire is free.
+  // Empty if no device can be polled now, or if the read would delay a second read and is not
+  // `due`. REQUIRES: next() returned empty, and the wire is free.
   [[nodiscard]] std::optional<Bytes> sign(Instant now, bool due);
   // When next() may return a request, unless an event occurs before.
   [[nodiscard]] Instant look_again() const { return std::max(wire_.free_at(), rest_until_); }

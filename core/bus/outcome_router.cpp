@@ -30,13 +30,13 @@ std::optional<Reopen> OutcomeRouter::conclude(bool done, Instant now, ActionSink
   arbiter_.suspend(device, now);
   // All devices of this connection are silent: the connection itself may be dead.
   if (lost && !busy && devices_.all_offline() && over_network(setup_.spec().port))
-    return Reopen{"no device answers"};
+    return Reopen{"no device responds"};
   // A TCP stream that lost its framing is closed (Modbus Messaging on TCP/IP, 4.2.2 leaves the
   // reaction open). A serial line becomes silent instead, also behind a serial server, so a bad
   // frame only costs its exchange.
   const bool numbered = setup_.protocol(device).traits().identity == ResponseIdentity::kSequence;
   if (ended.cause == Cause::kMalformed && numbered && setup_.plain_tcp())
-    return Reopen{"the answer's header makes no sense"};
+    return Reopen{"the header of the response is not valid"};
   return std::nullopt;
 }
 

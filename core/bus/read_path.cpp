@@ -159,7 +159,7 @@ void ReadPath::accept(PointIndex point, const Range& answered, ByteView items, I
   learned.searched.erase(point);
   if (learned.refused.erase(point) + learned.busy_alone.erase(point) > 0)
     sink.notice(Notice::Kind::kAddressRefused, read.device, Cause::kNone,
-                text(point) + " is answered again");
+                text(point) + " is readable again");
   for (const ChannelIndex channel : map_.channels_of[point])
     channels_.acquired(channel, bits, own, acquired, samples);
 }

@@ -40,8 +40,8 @@ class ReadPath {
   // Pause after a busy response. It doubles each time, up to the block's shortest refresh.
   static constexpr Duration kFirstBusyPause = std::chrono::milliseconds{100};
   static constexpr Duration kLongestBusyPause = std::chrono::seconds{30};
-  // So many such answers to a block, while the device answers other requests, start the search for
-  // the address that causes them. It is then requested alone.
+  // So many such responses to a block, while the device responds to other requests, start the
+  // search for the address that causes them. It is then requested alone.
   static constexpr unsigned kBusyToSearch = 3;
 
   // `longer`: requests more items than needed, to distinguish its response from pending ones.
@@ -71,7 +71,7 @@ class ReadPath {
   // `longer`: as in Read.
   void failed(const Block& block, bool longer, Cause cause, std::uint16_t code, Instant now,
               ActionSink& sink);
-  // The device answered a probe: what it cannot read at the moment concerns single blocks.
+  // The device responded to a probe: what it cannot read at the moment concerns single blocks.
   void probe_answered(DeviceIndex device) { others_answered(device); }
   // A block was given up from outside; it is due again.
   void broken_off(const Block& block, Instant now) { scheduler_->failed(block, now, now); }
@@ -112,15 +112,16 @@ class ReadPath {
   struct Busy {
     Duration pause{};  // the last one
     unsigned times = 0;
-    bool others_answered = false;  // the device answered another request since the first time
+    bool others_answered =
+        false;  // the device responded to a different request since the first time
   };
   // Of one device.
   struct Learned {
     std::vector<BlockLearning> areas;
     bool refused_longer = false;                  // reads are not made longer any more
     std::map<PointIndex, std::uint16_t> refused;  // points refused now, with the device's code
-    std::set<PointIndex> doubted;                 // points whose refusal was not believed at once
-    std::map<PointIndex, Busy> busy;              // by the first point of the block
+    std::set<PointIndex> doubted;     // points whose refusal was not accepted immediately
+    std::map<PointIndex, Busy> busy;  // by the first point of the block
     std::set<PointIndex> searched;    // points of blocks that are searched for a busy address
     std::set<PointIndex> busy_alone;  // what was found: points that are requested alone
   };

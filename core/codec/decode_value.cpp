@@ -27,7 +27,7 @@ double power_of_ten(int exponent) {
   return power;
 }
 
-// raw * 10^exponent * scale + offset, with the decimals that people expect: 0.1 and 0.3 have no
+// raw * 10^exponent * scale + offset, with the expected decimals: 0.1 and 0.3 have no
 // exact double, so 7 * 0.3 is 2.0999999999999996. Where scale and offset are decimals the sum is
 // taken in whole numbers, which are exact, and divided by a power of ten once: 21 / 10 is 2.1.
 double apply_scale(const Encoding& encoding, double raw, int exponent) {

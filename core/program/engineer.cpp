@@ -47,11 +47,11 @@ void Engineer::handle(const ClientGone& event, Instant now, Actions& actions) {
     if (auto last = reader_.take_code()) take_frame(*std::move(last), now, actions);
   }
   if (state_ == State::kPaired) {
-    end_pairing("the client is gone: " + event.reason, false, now, actions);
+    end_pairing("the client disconnected: " + event.reason, false, now, actions);
   } else {
     if (state_ == State::kTaking) actions.push_back(FreeDevice{});
-    actions.push_back(
-        Remark{Remark::Kind::kEnded, "the client is gone without a pairing: " + event.reason});
+    actions.push_back(Remark{Remark::Kind::kEnded,
+                             "the client disconnected before it was paired: " + event.reason});
   }
   if (over()) return;
   state_ = State::kOver;

@@ -48,7 +48,7 @@ void Engineer::read_frames(Instant now, Actions& actions) {
   const bool waiting = state_ == State::kLogin || state_ == State::kTaking;
   if (waiting && reader_.held() > kMaxEarly) {
     if (state_ == State::kTaking) actions.push_back(FreeDevice{});
-    close("the client does not wait for the answer to its request", actions);
+    close("the client does not wait for the response to its request", actions);
   }
 }
 

@@ -67,7 +67,8 @@ std::string_view to_text(FrameFault fault) {
     case FrameFault::kHalf:
       return "half an instruction whose rest did not come within 2 s, dropped";
     case FrameFault::kAmbiguous:
-      return "an instruction that begins like a control frame and another one, dropped; framing by "
+      return "an instruction that begins like a control frame and a second one, dropped; framing "
+             "by "
              "length carries it";
     case FrameFault::kBadLength: return "a length that no client sends";
     case FrameFault::kBadLine: return "line settings that no client sends";

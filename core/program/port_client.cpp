@@ -92,7 +92,7 @@ void PortClient::read_frames(Instant now, Actions& actions) {
 void PortClient::take_frame(MarkerFrame frame, Instant now, Actions& actions) {
   if (const auto* lost = std::get_if<BrokenFrame>(&frame)) {
     if (!paired())
-      return finish(PortEnd::Kind::kProtocol, "what answers is no Fieldcast bridge", actions);
+      return finish(PortEnd::Kind::kProtocol, "the peer is not a Fieldcast bridge", actions);
     actions.push_back(Dropped{std::string(to_text(lost->fault))});
   } else if (auto* instruction = std::get_if<Instruction>(&frame)) {
     from_device_ += instruction->bytes.size();
@@ -206,7 +206,7 @@ void PortClient::stop(Actions& actions) {
 void PortClient::timer(Instant now, Actions& actions) {
   timer_ = kNever;
   if (state_ == State::kAsking && now >= reply_until_) {
-    return finish(PortEnd::Kind::kBridgeGone, "the bridge does not answer", actions);
+    return finish(PortEnd::Kind::kBridgeGone, "the bridge does not respond", actions);
   }
   if (!paired()) return;
   if (now >= silence_limit()) {

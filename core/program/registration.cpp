@@ -86,7 +86,7 @@ Registration::Outcome Registration::follow(const Step& step, Bytes out, Instant 
 Registration::Outcome Registration::on_bytes(ByteView bytes, Instant now) {
   if (protocol_) {
     if (received_.size() + bytes.size() > kMaxText)
-      return {{}, {}, "more comes than an answer to the request for the number", kNever};
+      return {{}, {}, "more bytes arrived than a response to the request for the number", kNever};
     append(received_, bytes);
     Bytes out;
     const Step step = exchange_->on_bytes(received_, out);
@@ -119,7 +119,7 @@ Registration::Outcome Registration::on_timer(Instant now) {
     return {
         {},
         {},
-        protocol_ ? "the PLC did not tell its number in time" : "no registration text came in time",
+        protocol_ ? "the PLC did not send its number in time" : "no registration text came in time",
         kNever};
   }
   if (protocol_ && now >= silence_) {
@@ -133,7 +133,7 @@ Registration::Outcome Registration::on_timer(Instant now) {
 Registration::Outcome Registration::refused(Cause cause, std::uint16_t code) {
   return {{},
           {},
-          "the PLC refuses to tell its number: " + std::string(fieldcast::to_text(cause)) + ' ' +
+          "the PLC refuses to send its number: " + std::string(fieldcast::to_text(cause)) + ' ' +
               std::to_string(code),
           kNever};
 }
@@ -164,7 +164,7 @@ Registration::Outcome Registration::number_or_fault(std::string_view text) const
 
 Registration::Outcome Registration::proven(std::string_view number, std::string_view answer) const {
   const std::string module = "module " + std::string(number);
-  if (answer.empty()) return {{}, {}, module + " does not answer the challenge", kNever};
+  if (answer.empty()) return {{}, {}, module + " does not respond to the challenge", kNever};
   if (!challenge_.fits(number, answer))
     return {{}, {}, module + " does not know its secret", kNever};
   return {{}, std::string(number), {}, kNever};

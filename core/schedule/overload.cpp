@@ -108,7 +108,7 @@ std::string to_text(const Overload& overload) {
          " times as long as configured. Refresh less often, " +
          (overload.baud ? "run the line at " + std::to_string(*overload.baud) + " baud or more, "
                         : "") +
-         "or split the bus; 'fieldcast plan' tells what is enough";
+         "or split the bus; 'fieldcast plan' shows what is enough";
 }
 
 }  // namespace fieldcast

@@ -160,7 +160,7 @@ TEST_F(BridgeTest, NoReloadLosesAModuleThatIsConnected) {
   spec.program.modules->registration.prefix = "ID=";
   reload("the registration changes");
   spec.name = "other";
-  reload("everything starts anew");
+  reload("all buses are restarted");
   spec.buses.pop_back();
   reload("its bus goes");
   spec.buses.push_back(far);

@@ -159,9 +159,9 @@ TEST_F(DaemonTest, AReloadThatRestartsEverythingSaysSoAndWhy) {
   std::ofstream(file) << renamed;
   bridge.signal(SIGHUP);
   EXPECT_THAT(bridge.said("reloaded"),
-              AllOf(HasSubstr("test: reloading: the bridge test is now called other: everything "
-                              "starts anew: 2 buses"),
-                    HasSubstr("other: reloaded: everything started anew: 2 buses")));
+              AllOf(HasSubstr("test: reloading: the bridge test is now called other: all "
+                              "buses are restarted: 2 buses"),
+                    HasSubstr("other: reloaded: all buses were restarted: 2 buses")));
   bridge.signal(SIGTERM);
   EXPECT_EQ(bridge.exit_code(), 0) << bridge.output();
 }
@@ -316,7 +316,7 @@ TEST_F(DaemonTest, ABusThatCouldNeverCarryItsChannelsIsAFault) {
   Process bridge({file});
   EXPECT_EQ(bridge.exit_code(), static_cast<int>(ExitCode::kBadConfiguration));
   EXPECT_THAT(bridge.output(), AllOf(HasSubstr("plant.yaml:20:5: bus 'crowd' needs "),
-                                     HasSubstr("'fieldcast plan' tells")));
+                                     HasSubstr("'fieldcast plan' shows")));
 }
 
 TEST_F(DaemonTest, CheckTellsEveryFaultAndItsPlace) {

@@ -113,9 +113,10 @@ TEST(Garbage, IsWorthSayingWhenItIsNoSingleNoise) {
   EXPECT_FALSE(garbage.received({}, kRequest, 9)) << "silence is no garbage";
   EXPECT_FALSE(garbage.received(Bytes{0x56}, kRequest, 9));
   EXPECT_TRUE(garbage.received(Bytes{0x78}, kRequest, 9));
-  EXPECT_THAT(garbage.text(k8N1, false),
-              StartsWith("bytes come that are no answer: 4 in 3 exchanges, the last ones 12 34 56 "
-                         "78: no frame of this protocol: try another baud"));
+  EXPECT_THAT(
+      garbage.text(k8N1, false),
+      StartsWith("bytes arrive that are not a response: 4 in 3 exchanges, the last ones 12 34 56 "
+                 "78: no frame of this protocol: try another baud"));
   EXPECT_TRUE(garbage.answered());
   EXPECT_FALSE(garbage.answered());
   EXPECT_FALSE(garbage.received(Bytes{1}, kRequest, 9));

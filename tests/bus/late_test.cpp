@@ -45,7 +45,7 @@ TEST(LateAnswer, BeyondWhatWasLearnedIsNoAnswerToTheNextRequest) {
   EXPECT_LT(lowest, 100ms) << "it never fell: nothing was tried";
   EXPECT_GT(counts.late, 100u);
   EXPECT_GT(storm.bus().engine().device_report(0, storm.bus().now()).retries, 20u)
-      << "no answer came after the learned timeout";
+      << "no response came after the learned timeout";
   EXPECT_EQ(counts.wrong, 0u) << counts.first_wrong;
 }
 

@@ -138,7 +138,7 @@ TEST_F(OutcomeRouterOverNetwork, AConnectionBehindWhichNobodyAnswersIsOpenedAnew
     now = time_out() + 700ms;
   }
   ASSERT_TRUE(reopen_);
-  EXPECT_EQ(reopen_->reason, "no device answers");
+  EXPECT_EQ(reopen_->reason, "no device responds");
 }
 
 TEST_F(OutcomeRouterOverNetwork, AStreamWhoseFramingIsLostIsOpenedAnew) {
@@ -153,7 +153,7 @@ TEST_F(OutcomeRouterOverNetwork, AStreamWhoseFramingIsLostIsOpenedAnew) {
       (void)time_out();
   }
   ASSERT_TRUE(reopen_);
-  EXPECT_EQ(reopen_->reason, "the answer's header makes no sense");
+  EXPECT_EQ(reopen_->reason, "the header of the response is not valid");
 }
 
 }  // namespace

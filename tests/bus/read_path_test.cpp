@@ -158,7 +158,7 @@ TEST_F(ReadPathTest, AnAddressThatIsAlwaysBusyIsFoundAndRequestedAlone) {
     answer(read, test::items(Bytes(2 * read.block.ranges[0].count)), now);
     now += 20ms;
   }
-  EXPECT_EQ(notices(), std::vector<std::string>{"holding:102 is answered again"});
+  EXPECT_EQ(notices(), std::vector<std::string>{"holding:102 is readable again"});
   Read read = next(now + 2s);
   if (read.block.ranges[0].first == 200) {
     answer(read, test::items({0, 0}), now + 2s);

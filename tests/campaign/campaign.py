@@ -239,7 +239,7 @@ def main():
             file.write(report)
     failed = any(failures for _, _, failures in results)
     if failed:
-        print(f"what failed lies in {options.files}")
+        print(f"what failed is in {options.files}")
     elif not os.listdir(options.files):
         os.rmdir(options.files)
     return 1 if failed else 130 if stopped.is_set() else 0

@@ -172,7 +172,7 @@ void GroupMember::follow_role(Instant now) {
     }
     if (role == StandbyRole::kWaiting) {
       promote_by_ = kNever;
-      election_->set_not_ready("it begins anew");
+      election_->set_not_ready("it starts again");
     }
     told_ = role;
     beat_soon_ = true;

@@ -36,7 +36,7 @@ CommandResult GroupMember::unfinished(const Key& key, bool begun) {
   std::tie(result.requester, result.request_id) = key;
   result.state = begun ? CommandState::kFailed : CommandState::kRejected;
   result.cause = Cause::kShutdown;
-  result.reason = begun ? "the bridge that had begun it is gone" : "it did not reach the master";
+  result.reason = begun ? "the bridge that had begun it has left" : "it did not reach the master";
   return result;
 }
 

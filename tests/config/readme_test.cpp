@@ -24,7 +24,7 @@ TEST(Readme, ItsExampleLoads) {
 
 TEST(Readme, ItsTablesAreThoseOfTheKeys) {
   EXPECT_EQ(readme(), with_key_tables(readme()))
-      << "cmake --build build --target documents makes them anew";
+      << "cmake --build build --target documents generates them again";
 }
 
 TEST(Readme, ExplainsEveryKeyInATable) {

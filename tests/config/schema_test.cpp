@@ -56,7 +56,7 @@ void expect_same_keys(const Tables& tables, const json& whole) {
 
 TEST(Schema, IsThatOfTheKeys) {
   EXPECT_EQ(slurp(source_dir() / "config/fieldcast.schema.json"), schema_text())
-      << "cmake --build build --target documents makes it anew";
+      << "cmake --build build --target documents generates it again";
 }
 
 TEST(Schema, KnowsExactlyTheKeysThatTheLoaderKnows) { expect_same_keys(key_tables(), schema()); }
@@ -69,7 +69,7 @@ TEST(Schema, NamesEveryProtocol) {
   std::set<std::string> ours;
   for (const auto& entry : protocols()) ours.insert(std::string(entry.name));
   EXPECT_EQ(schema()["$defs"]["protocol"]["anyOf"][0]["enum"].get<std::set<std::string>>(), ours)
-      << "cmake --build build --target documents makes it anew";
+      << "cmake --build build --target documents generates it again";
 }
 
 TEST(Schema, OfTemplatesIsThatOfTheirDefinition) {

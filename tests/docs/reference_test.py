@@ -102,7 +102,7 @@ class Picture(unittest.TestCase):
             rows.setdefault(text.get("y"), []).append((float(text.get("x")), text.text))
         # In the picture, heads separated by one space are one text.
         words = [" ".join(text for _, text in sorted(row)).split() for row in rows.values()]
-        self.assertIn(heads, words, "tools/screen.py draws it anew")
+        self.assertIn(heads, words, "tools/screen.py draws it again")
 
 
 class Stations(unittest.TestCase):

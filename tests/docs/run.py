@@ -175,7 +175,7 @@ class Runner:
         ordered = block.markers["output"] != "in any order"
         while fault := difference(block.text, said := self.last(), ordered):
             if time.monotonic() > end:
-                raise block.fault(f"the output is another one\n{fault}\n--- all that was said:\n{said}")
+                raise block.fault(f"the output differs\n{fault}\n--- all that was said:\n{said}")
             time.sleep(0.1)
         self.count["outputs compared"] += 1
 

@@ -96,7 +96,7 @@ class ScanTest(unittest.TestCase):
                 os.close(end)
             self.assertNotEqual(code, 0)
             self.assertEqual(out, "")
-            self.assertIn("bytes came that are no answer", err)
+            self.assertIn("bytes arrived that are not a response", err)
             self.assertIn("another master may speak there", err)
 
 

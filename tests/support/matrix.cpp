@@ -30,7 +30,7 @@ class Matrix {
   explicit Matrix(const MatrixCase& matrix) : case_(matrix), clean_(run(matrix.answers)) {}
 
   void splits() {
-    EXPECT_TRUE(says_something(clean_)) << "the undisturbed answer: " << to_text(clean_);
+    EXPECT_TRUE(says_something(clean_)) << "the undisturbed response: " << to_text(clean_);
     const auto exchange = case_.begin();
     expect_same(drive_bytewise(*exchange, case_.answers), "byte by byte");
     for (const Bytes& answer : case_.answers) {

@@ -26,7 +26,7 @@ BRIDGE, SHORT = f"capture-{os.getpid()}", f"short-{os.getpid()}"
 SECONDS = "2500ms"  # length of a capture; longer than every refresh of the plant
 # The bridge reports these faults if a busy machine delays a frame. Then the frames on the wire are
 # broken and Wireshark reports faults correctly, so the capture is repeated.
-HELD_UP = re.compile(r": (no answer|answer broken off|checksum error|malformed answer|answer of another device or request|answer too long)")
+HELD_UP = re.compile(r": (no response|incomplete response|checksum error|malformed response|response of another device or request|response too long)")
 TRIALS = 8
 MORE_BUSES = """
   - name: ascii

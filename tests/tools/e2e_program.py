@@ -121,7 +121,7 @@ class Paired:
         deadline = time.monotonic() + DEADLINE
         while not answer.endswith(b"\r"):
             if not select.select([self.line], [], [], max(0, deadline - time.monotonic()))[0]:
-                raise Failure(f"no answer to {instruction}, but {answer}")
+                raise Failure(f"no response to {instruction}, but {answer}")
             answer += os.read(self.line, 4096)
         return answer
 

@@ -200,7 +200,7 @@ class Scan(Commands):
             self.assertIn("# it says: CS/CJ (model code 30)", written.read())
         seen = subprocess.run([program("fieldcast"), "inspect", capture], capture_output=True, text=True, timeout=60)
         self.assertEqual(seen.returncode, 0, seen.stdout + seen.stderr)
-        for words in ("4D 4D", "asks who it is", "no answer"):
+        for words in ("4D 4D", "asks who it is", "no response"):
             self.assertIn(words, seen.stdout)
 
     def test_a_scan_shows_its_progress_and_ends(self):

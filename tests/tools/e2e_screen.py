@@ -172,7 +172,7 @@ class Screen(unittest.TestCase):
         terminal = self.start("status")
         terminal.wait_for(r"3/3 online +2 of 2 buses running")
         terminal.press(DOWN)
-        terminal.wait_for(r"answers in \d+\.\d+ ms, spread")
+        terminal.wait_for(r"responds in \d+\.\d+ ms, spread")
         terminal.press("/", "scale")
         terminal.wait_until(lambda text: "press-1" not in text and "scale" in text, "only the scale")
         terminal.resize(20, 10)

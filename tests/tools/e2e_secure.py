@@ -150,7 +150,7 @@ class Secured(unittest.TestCase):
         log = "fieldcast-bridge"
         wait_until(lambda: "has a renewed certificate" in self.plant.log(log), SECONDS, lambda: self.plant.log(log))
         self.plant.bridge.send_signal(signal.SIGHUP)
-        wait_until(lambda: "reloaded: everything started anew" in self.plant.log(log), SECONDS, lambda: self.plant.log(log))
+        wait_until(lambda: "reloaded: all buses were restarted" in self.plant.log(log), SECONDS, lambda: self.plant.log(log))
         self.assertIn("reloading: a renewed certificate", self.plant.log(log))
         self.assertEqual(self.as_member("mes", "write", "mill-1/mill/speed=7", "--verify").code, 0)
         self.plant.bridge.send_signal(signal.SIGHUP)  # the certificate is already active
@@ -188,7 +188,7 @@ class Secured(unittest.TestCase):
         self.assertIn("DDS is open to the network at 10.0.0.5", refused.stderr)
         opened = self.check("dds: { interfaces: [10.0.0.5], security: none }\n")
         self.assertEqual(opened.returncode, 0)
-        self.assertIn("whoever is in the network reads and commands", opened.stderr)
+        self.assertIn("every program in the network can read and command", opened.stderr)
         for folder, fault in ((self.folder, "is no folder of a member"), (self.member("wall"), "a station is no bridge")):
             refused = self.check(f"dds: {{ security: {folder} }}\n")
             self.assertEqual(refused.returncode, 3)
@@ -224,7 +224,7 @@ class Secured(unittest.TestCase):
 
     def test_the_check_of_a_station_says_what_is_good_and_what_is_open(self):
         path = os.path.join(self.folder, "station.yaml")
-        for dds, told in (("", ""), (", security: none", "whoever is in the network reads and commands"), (f", security: {self.member('wall')}", "")):
+        for dds, told in (("", ""), (", security: none", "every program in the network can read and command"), (f", security: {self.member('wall')}", "")):
             with open(path, "w", encoding="utf-8") as file:
                 file.write(f"station: page\ndds: {{ domain: 3{dds} }}\n")
             done = subprocess.run([os.path.join(BIN_DIR, "fieldcast-station"), "--config", path, "--check"], capture_output=True, text=True, timeout=30)

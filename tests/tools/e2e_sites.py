@@ -203,14 +203,14 @@ class DiscoveryServers(unittest.TestCase):
         began = time.monotonic()
         watch = run_cli(BIN_DIR, "watch", "--once", "--config", file)
         self.assertEqual(watch.code, 3, str(watch))
-        self.assertIn(f"no answer of the discovery server 127.0.0.1:{servers.ports[0]} (fast-discovery-server -i 0), "
+        self.assertIn(f"no response of the discovery server 127.0.0.1:{servers.ports[0]} (fast-discovery-server -i 0), "
                       f"127.0.0.1:{servers.ports[1]} (fast-discovery-server -i 1)", watch.err)
         self.assertLess(time.monotonic() - began, 15)
         bridge = subprocess.Popen([os.path.join(BIN_DIR, "fieldcast-bridge"), file], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         self.addCleanup(bridge.kill)
         said = []
         threading.Thread(target=lambda: said.extend(bridge.stdout), daemon=True).start()
-        wait_until(lambda: any("no answer of the discovery server" in text for text in said), 15, lambda: "".join(said))
+        wait_until(lambda: any("no response of the discovery server" in text for text in said), 15, lambda: "".join(said))
         bridge.send_signal(signal.SIGTERM)
         self.assertEqual(bridge.wait(10), 0)
 

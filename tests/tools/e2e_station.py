@@ -266,7 +266,7 @@ class Stations(unittest.TestCase):
                 screen.until(lambda message: False)
             self.assertNotIn(token, station.log())
             station.process.send_signal(signal.SIGHUP)
-            wait_until(lambda: "taken from their files anew" in station.log(), SECONDS, station.log)
+            wait_until(lambda: "read from their files again" in station.log(), SECONDS, station.log)
             self.assertEqual(bert.get("/api/me")["role"], "operator")
 
     def test_faults_of_the_configuration_are_told_with_their_place(self):

@@ -154,7 +154,7 @@ class Vanished(unittest.TestCase):
         # As behind a router: this machine does not notice by itself that nobody is at the address any more.
         link = subprocess.run(self.module.far.around("cat", "/sys/class/net/from-module/address"), check=True, capture_output=True, text=True)
         networks.system("ip", "neigh", "replace", self.module.far_address, "lladdr", link.stdout.strip(), "dev", self.module.device, "nud", "permanent")
-        self.ends("far", self.module_vanishes, DEVICE_LIMIT, "the device is lost: it does not answer any more")
+        self.ends("far", self.module_vanishes, DEVICE_LIMIT, "the device is lost: it no longer responds")
         self.assertNotEqual(port.wait(DEADLINE), 0)
 
 

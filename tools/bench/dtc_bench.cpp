@@ -194,6 +194,6 @@ void run(const char* what, const SilenceRule& silence, bool goals) {
 }  // namespace
 
 int main() {
-  run("3.5 characters of silence on both sides of an answer", CharacterSilence{7}, true);
-  run("the bridge's standard silence after an answer", StandardSilence{}, false);
+  run("3.5 characters of silence on both sides of a response", CharacterSilence{7}, true);
+  run("the bridge's standard silence after a response", StandardSilence{}, false);
 }

@@ -56,7 +56,7 @@ void measure(const char* what, const std::string& faults, double seconds) {
   print_figure("  longest gap between two samples of theirs", longest, "s", "promise 1");
   print_figure("  load measured", plant.buses().at("bus").report.measured_load, "", "");
   print_figure(
-      "  exchanges of the sick device that failed",
+      "  exchanges of the faulty device that failed",
       static_cast<double>(after.at(kSick).report.failures - before.at(kSick).report.failures), "",
       "");
 }
@@ -71,7 +71,7 @@ int main(int argc, char** argv) {
     measure("all ten well", "", seconds);
     measure("unit-4 dead", "buses: { bus: { devices: { unit-4: { silence: always } } } }\n",
             seconds);
-    measure("half of unit-4's answers are noise",
+    measure("half of unit-4's responses are noise",
             "buses: { bus: { devices: { unit-4: { garble: 0.5 } } } }\n", seconds);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "fault_bench: %s\n", error.what());

@@ -67,10 +67,10 @@ void print_limit() {
       "pairs of bits that turn an exchange into a wrong value, of %u stations with random "
       "windows\n",
       kStations);
-  bench::print_figure("  in the answer, unseen by any receiver with this check", pairs.check_allows,
-                      "pairs", "");
-  bench::print_figure("  in the answer, taken by our decoder", pairs.taken, "pairs", "the same");
-  bench::print_figure("  in the request, so that another station answers", pairs.misled, "pairs",
+  bench::print_figure("  in the response, unseen by any receiver with this check",
+                      pairs.check_allows, "pairs", "");
+  bench::print_figure("  in the response, taken by our decoder", pairs.taken, "pairs", "the same");
+  bench::print_figure("  in the request, so that another station responds", pairs.misled, "pairs",
                       "");
   bench::print_figure("  single bits", static_cast<double>(pairs.single), "bits", "0");
   bench::print_figure("  the limit at 1e-4: wrong values, of all exchanges",
@@ -82,7 +82,7 @@ void print_limit() {
 int main(int argc, char** argv) {
   const std::uint64_t exchanges = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 10'000'000;
   std::printf(
-      "S7 freeport, %u stations, 9600 baud 8N1, answers after 5 ms, every value new; each bit "
+      "S7 freeport, %u stations, 9600 baud 8N1, responses after 5 ms, every value new; each bit "
       "flipped with 1e-4\n",
       kStations);
   print_limit();

@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   ExchangeOptions exchange;
   auto* exchange_command = app.add_subcommand(
-      "exchange", "request and answer over a 115200-baud line, with a delay of the network");
+      "exchange", "request and response over a 115200-baud line, with a delay of the network");
   exchange_command->add_option("--bytes", exchange.bytes)->capture_default_str();
   exchange_command->add_option("--delay", exchange.delay_ms, "ms, added to each round trip")
       ->capture_default_str();

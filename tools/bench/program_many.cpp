@@ -174,7 +174,7 @@ void many_bench(const ManyOptions& options) {
     }
   }
   const int collecting = options.devices - options.pairings;
-  print_figure("pairings at once", static_cast<double>(clients.size()), "",
+  print_figure("simultaneous pairings", static_cast<double>(clients.size()), "",
                std::to_string(options.pairings).c_str());
   print_figure("program bytes, all pairings, both ways",
                2 * 512 * static_cast<double>(rounds) / took / 1e6, "MB/s", "");

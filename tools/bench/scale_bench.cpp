@@ -249,7 +249,7 @@ void print_scrapes(const std::map<std::string, Shares>& shares, int rounds, cons
   print_figure("  with scrapes / without, mean", sum.with / sum.without, "", "goal >= 0.998");
   print_figure("  with scrapes / without, least bus", least, "", "goal >= 0.998");
   print_figure("  with scrapes / without, most", most, "", "");
-  print_figure("  scrapes answered in the last round", static_cast<double>(last.scrapes()), "", "");
+  print_figure("  scrapes served in the last round", static_cast<double>(last.scrapes()), "", "");
   print_figure("  bytes of one", static_cast<double>(last.bytes()), "B", "");
 }
 

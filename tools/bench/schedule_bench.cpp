@@ -172,7 +172,7 @@ void print_decision() {
 
 void print_intensive() {
   std::puts(
-      "intensive mode, 300 scattered registers in 3 units, 115200 baud, 2 ms answers: against a "
+      "intensive mode, 300 scattered registers in 3 units, 115200 baud, 2 ms responses: against a "
       "loop over the optimal partition");
   ScheduleInput input = test::input_of(test::random_map(7, 300), kProtocol, 115200, 2ms);
   Duration loop{};

@@ -49,7 +49,7 @@ double best_milliseconds(const auto& work) {
 }
 
 void ask_history(const std::string& file) {
-  std::printf("30 days of samples once a second, as the answer of 1 000 points\n");
+  std::printf("30 days of samples once a second, as the response of 1 000 points\n");
   fill_thirty_days(StoreAddress(file));
   const auto connection = open_store(StoreAddress(file), IfMissing::kFail);
   for (const int channels : {1, 8}) {

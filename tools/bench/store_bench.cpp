@@ -90,9 +90,9 @@ double cpu_of_process() {
 
 void print_costs(const char* what, Costs& costs) {
   std::printf("%s\n", what);
-  print_figure("  an answer comes late by, median", quantile(costs.lateness, 0.5), "us", "");
-  print_figure("  an answer comes late by, p99", quantile(costs.lateness, 0.99), "us", "");
-  print_figure("  an answer comes late by, most", quantile(costs.lateness, 1.0), "us", "");
+  print_figure("  a response is late by, median", quantile(costs.lateness, 0.5), "us", "");
+  print_figure("  a response is late by, p99", quantile(costs.lateness, 0.99), "us", "");
+  print_figure("  a response is late by, most", quantile(costs.lateness, 1.0), "us", "");
   print_figure("  handing 100 samples over, median", quantile(costs.put, 0.5), "us", "");
   print_figure("  handing 100 samples over, p99", quantile(costs.put, 0.99), "us", "");
   print_figure("  handing 100 samples over, most", quantile(costs.put, 1.0), "us", "");

@@ -18,7 +18,7 @@ int main(int count, char** arguments) {
   const std::string only = count > 2 ? arguments[2] : "";
   constexpr std::uint64_t kRun = 20'000;  // then changes the delay and the seed
   constexpr Duration kLate[] = {80ms, 150ms, 205ms, 250ms, 320ms, 450ms, 560ms};
-  std::printf("timeout 200 ms; 5 %% of the answers late by 80 to 560 ms, 2 %% doubled\n");
+  std::printf("timeout 200 ms; 5 %% of the responses late by 80 to 560 ms, 2 %% doubled\n");
   std::printf("%-24s %10s %9s %9s %12s %9s %6s\n", "protocol", "exchanges", "late", "doubled",
               "good values", "commands", "wrong");
   test::LateStorm::Counts all;
@@ -59,7 +59,7 @@ int main(int count, char** arguments) {
     all.late += sum.late;
     all.wrong += sum.wrong;
   }
-  std::printf("%llu exchanges, %llu late answers, %llu wrong good values\n",
+  std::printf("%llu exchanges, %llu late responses, %llu wrong good values\n",
               static_cast<unsigned long long>(all.exchanges),
               static_cast<unsigned long long>(all.late),
               static_cast<unsigned long long>(all.wrong));

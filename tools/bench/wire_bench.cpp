@@ -81,7 +81,7 @@ void read_exactly(int line, std::size_t bytes) {
   std::uint8_t buffer[512];
   for (std::size_t got = 0; got < bytes;) {
     pollfd readable{line, POLLIN, 0};
-    if (poll(&readable, 1, 1000) <= 0) throw std::runtime_error("the bare loop got no answer");
+    if (poll(&readable, 1, 1000) <= 0) throw std::runtime_error("the bare loop got no response");
     const auto n = read(line, buffer, sizeof buffer);
     if (n <= 0) throw std::runtime_error("the bare loop lost its line");
     got += static_cast<std::size_t>(n);

@@ -14,7 +14,7 @@ namespace {
 constexpr const char* kExitCodes =
     "exit codes: 0 done, 1 found at fault, 2 usage, 3 no bridge, 4 nothing there, 5 rejected, 6 "
     "failed, 7 expired, 8 no result, "
-    "9 trouble, 130 interrupted";
+    "9 failure, 130 interrupted";
 
 // Suggests the nearest command; the library would only report that a command is required.
 std::optional<NoCommand> unknown_command(std::string_view word) {

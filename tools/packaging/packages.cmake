@@ -40,7 +40,7 @@ set(CPACK_DEBIAN_FIELDCAST-SIM_PACKAGE_NAME fieldcast-sim)
 set(CPACK_DEBIAN_FIELDCAST-SIM_PACKAGE_SECTION net)
 set(CPACK_DEBIAN_FIELDCAST-SIM_PACKAGE_RECOMMENDS fieldcast)
 set(CPACK_COMPONENT_FIELDCAST-SIM_DESCRIPTION
-  "simulated plant for a Fieldcast configuration\nEvery device of the configuration answers on a pseudo-terminal or a TCP\nport, at the speed of the wire, with faults where they are asked for.")
+  "simulated plant for a Fieldcast configuration\nEvery device of the configuration responds on a pseudo-terminal or a TCP\nport, at the speed of the wire, with faults where they are asked for.")
 
 # Debian requires both files in every package.
 find_program(GZIP gzip REQUIRED)

@@ -37,9 +37,9 @@ struct Arguments {
 
 void describe(CommandLine& line, Arguments& given) {
   line.set_footer(
-      "Ends with Ctrl-C, or when the device or the bridge is gone; the port goes with it.\n"
-      "Exit codes: 0 stopped, 1 trouble, 2 command line, 3 refused, 4 no virtual port, 5 bridge "
-      "unreachable or gone, 6 device "
+      "Ends with Ctrl-C, or when the device or the bridge disconnects; the port is removed.\n"
+      "Exit codes: 0 stopped, 1 failure, 2 command line, 3 refused, 4 no virtual port, 5 bridge "
+      "unreachable or disconnected, 6 device "
       "lost.");
   line.text("--server", given.server, "HOST:PORT where the bridge listens for engineers")
       .required();
@@ -50,7 +50,7 @@ void describe(CommandLine& line, Arguments& given) {
   line.text("--line", given.line,
             "data bits, parity and stop bits of the PLC's line, such as 7E2, where it is a "
             "serial line of the bridge: a virtual "
-            "port tells the baud rate that the software sets, but not these; default: as the "
+            "port reports the baud rate that the software sets, but not these; default: as the "
             "bridge's configuration has them");
   line.text("--user", given.user, "a user of the bridge with the role programmer");
   line.text("--password-file", given.password_file,
@@ -65,7 +65,7 @@ void describe(CommandLine& line, Arguments& given) {
       "--markers", given.markers,
       "marker frames: instructions that end in CR, as older bridges know them; default: any bytes");
   line.text("--heartbeat", given.heartbeat,
-            "time between heartbeats; a bridge that is silent for 3.5 of them is gone")
+            "time between heartbeats; a bridge that is silent for 3.5 of them is disconnected")
       .show_default();
   line.flag("--json", given.json, "say everything as JSON lines");
 }
@@ -103,7 +103,7 @@ Usage read_line(const Arguments& given, port::PortOptions& options) {
         fmt::format("--line '{}' is no format such as 8N1, 7E1 or 7E2", given.line));
   if (given.markers)
     return tl::make_unexpected(
-        "--line cannot be told to a bridge that speaks marker frames only (--markers)");
+        "--line cannot be sent to a bridge that speaks marker frames only (--markers)");
   return {};
 }
 

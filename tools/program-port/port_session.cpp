@@ -148,18 +148,19 @@ void PortSession::execute(const PortClient::Paired&) {
 void PortSession::open_terminal() {
   auto stream = descriptor_stream(io_, FileDescriptor(::fcntl(pty_.fd(), F_DUPFD_CLOEXEC, 0)));
   terminal_ = std::make_shared<program::RelayEnd>(std::move(stream));
-  terminal_->start({[this](ByteView bytes) {
-                      check_line();
-                      tell(PortClient::FromProgram{bytes});
-                    },
-                    [this](const std::string& reason) {
-                      end_ = {PortEnd::Kind::kProtocol, {}, "the virtual port is gone: " + reason};
-                      tell(PortClient::StopAsked{});
-                    },
-                    [this](bool room) {
-                      bridge_->pause(!room);
-                      tell(PortClient::ProgramTakes{room});
-                    }});
+  terminal_->start(
+      {[this](ByteView bytes) {
+         check_line();
+         tell(PortClient::FromProgram{bytes});
+       },
+       [this](const std::string& reason) {
+         end_ = {PortEnd::Kind::kProtocol, {}, "the virtual port was removed: " + reason};
+         tell(PortClient::StopAsked{});
+       },
+       [this](bool room) {
+         bridge_->pause(!room);
+         tell(PortClient::ProgramTakes{room});
+       }});
 }
 
 // Called before bytes under new settings, and periodically, because a program may only listen.

@@ -31,7 +31,7 @@ using fieldcast::ExitCode;
 using namespace fieldcast::web;
 
 constexpr fieldcast::Duration kHousekeeping = std::chrono::seconds{10};
-constexpr const char* kOpen = "security: none: whoever is in the network reads and commands";
+constexpr const char* kOpen = "security: none: every program in the network can read and command";
 constexpr fieldcast::Duration kLastWords = std::chrono::milliseconds{300};
 
 struct Options {
@@ -128,7 +128,7 @@ ExitCode check_joining(const StationSpec& spec, const Origin& origin) {
 void on_hangup(WebStation& station) {
   if (const auto renewed = station.renew_certificate(); !renewed)
     return fieldcast::log_error("web", "the old certificate goes on: " + renewed.error());
-  fieldcast::log_info("web", "certificate and key are taken from their files anew");
+  fieldcast::log_info("web", "certificate and key are read from their files again");
 }
 
 class WhileItLives {
@@ -241,7 +241,8 @@ ExitCode run(int argc, char** argv) {
                               "Shows what bridges publish on DDS as a web page.");
   line.set_footer(
       "Without a configuration the page is at http://127.0.0.1:8090/, for this machine only.\n"
-      "Signals: SIGHUP takes certificate and key from their files anew, SIGTERM and SIGINT stop in "
+      "Signals: SIGHUP reads certificate and key from their files again, SIGTERM and SIGINT stop "
+      "in "
       "order.\n"
       "Exit codes: 0 in order, 1 a fault of the program, 2 command line, 3 faults in the "
       "configuration or the identity, 4 the domain cannot be joined or the address is taken, 5 a "

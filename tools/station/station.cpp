@@ -212,7 +212,7 @@ void WebStation::State::tell_servers() {
     const std::string of = one.name.empty() ? "" : "site " + one.name + ": ";
     if (const auto remark = servers_remark(named, absent)) log_warning("dds", of + *remark);
   }
-  if (missing_servers.empty()) log_info("dds", "every discovery server answers");
+  if (missing_servers.empty()) log_info("dds", "every discovery server responds");
 }
 
 void WebStation::State::turn() {

@@ -70,7 +70,7 @@ std::optional<std::string> servers_remark(const std::vector<std::string>& named,
     text += fmt::format("{}{} (fast-discovery-server -i {})", text.empty() ? "" : ", ", server,
                         identity);
   }
-  return fmt::format("no answer of the discovery server {}: {}", text,
+  return fmt::format("no response of the discovery server {}: {}", text,
                      missing.size() < named.size()
                          ? "participants find each other by the others as long as those run"
                          : "participants do not find each other until one runs");

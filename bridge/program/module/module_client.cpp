@@ -77,7 +77,7 @@ void ModuleClient::connected(std::unique_ptr<ByteStream> bridge) {
   const auto self = shared_from_this();
   bridge_->start(
       {[self](ByteView bytes) { self->from_bridge(bytes); },
-       [self](const std::string& reason) { self->over("the bridge is gone: " + reason); },
+       [self](const std::string& reason) { self->over("the bridge disconnected: " + reason); },
        [self](bool room) {
          if (self->line_) self->line_->pause(!room);
        }});
@@ -136,7 +136,7 @@ void ModuleClient::carry() {
   line_->start({[self](ByteView bytes) {
                   if (self->bridge_) self->bridge_->send(bytes);
                 },
-                [self](const std::string& reason) { self->over("the line is gone: " + reason); },
+                [self](const std::string& reason) { self->over("the line closed: " + reason); },
                 [self](bool room) {
                   if (self->bridge_) self->bridge_->pause(!room);
                 }});

@@ -41,7 +41,7 @@ Challenge ModuleGate::challenge() {
     read_ = now;
     auto secrets = ModuleSecrets::read(spec_.secrets);
     if (!secrets)
-      log_error("modules", secrets.error() + "; no module is let in until that is mended");
+      log_error("modules", secrets.error() + "; no module can connect until that is fixed");
     secrets_ =
         std::make_shared<const ModuleSecrets>(secrets ? *std::move(secrets) : ModuleSecrets{});
   }

@@ -80,7 +80,7 @@ void ModuleServer::Handshake::read() {
                                                      boost::system::error_code fault,
                                                      std::size_t count) {
     if (self->over_) return;
-    if (fault) return self->end("the module is gone before it told its number");
+    if (fault) return self->end("the module disconnected before it sent its number");
     self->follow(self->registration_.on_bytes(ByteView(self->buffer_.data(), count), steady_now()));
     if (!self->number_known_) self->read();
   });

@@ -76,9 +76,9 @@ class ModuleServer::Kept : public std::enable_shared_from_this<Kept> {
  private:
   void lost() {
     log_counted(LogLevel::kInfo, "modules", "lines about module " + number_,
-                fmt::format("module {} is gone", number_));
+                fmt::format("module {} disconnected", number_));
     const auto self = shared_from_this();
-    close("the module is gone");
+    close("the module disconnected");
     const auto found = server_.kept_.find(number_);
     if (found != server_.kept_.end() && found->second == self) server_.kept_.erase(found);
   }
@@ -150,7 +150,8 @@ void ModuleServer::displaced(const std::string& address) {
   if (!verdict.log) return;
   const std::string more =
       verdict.suppressed == 0 ? "" : fmt::format(" ({} more before)", verdict.suppressed);
-  refused(address, "too many modules have not told their number; the oldest goes" + more);
+  refused(address,
+          "too many modules have not sent their number; the oldest is disconnected" + more);
 }
 
 void ModuleServer::registered(const std::string& number, tcp::socket socket,
@@ -173,7 +174,7 @@ void ModuleServer::keep(const std::string& number, ModuleConnection connection) 
   drop_kept(number);
   // A bus may have been added meanwhile.
   if (auto ours = registry_.offer(number, std::move(connection)))
-    keep_new(number, std::move(*ours), "a bus that is gone");
+    keep_new(number, std::move(*ours), "a bus that has ended");
 }
 
 void ModuleServer::drop_kept(const std::string& number) {
@@ -181,7 +182,7 @@ void ModuleServer::drop_kept(const std::string& number) {
   if (found == kept_.end()) return;
   const auto old = found->second;
   kept_.erase(found);
-  old->close("the module dialled in anew");
+  old->close("the module connected again");
 }
 
 void ModuleServer::keep_new(const std::string& number, ModuleConnection connection,

@@ -226,7 +226,7 @@ class PostgresConnection final : public SqlConnection {
           std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
       pollfd socket{PQsocket(connection_.get()), POLLIN, 0};
       if (left.count() <= 0 || ::poll(&socket, 1, static_cast<int>(left.count())) == 0) {
-        throw StoreAway("store " + masked_address_ + ": the server does not answer");
+        throw StoreAway("store " + masked_address_ + ": the server does not respond");
       }
       if (PQconsumeInput(connection_.get()) != 1) fail();
     }

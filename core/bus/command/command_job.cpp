@@ -130,7 +130,7 @@ void CommandJob::verify(const Bytes& items) {
            std::string(to_text(Cause::kNotVerified)));
 }
 
-// The items show whether an unanswered write took effect.
+// The items show whether a write without a response took effect.
 void CommandJob::resolve_doubt(const Bytes& items) {
   const bool responded = cause_ == Cause::kDeviceBusy;
   const std::string what = responded ? error_text(cause_, device_code_, protocol_->traits()) : "";
@@ -138,7 +138,7 @@ void CommandJob::resolve_doubt(const Bytes& items) {
     read_back_ = items;
     if (command_.verify) return finish(CommandState::kVerified);
     return finish(CommandState::kDone, Cause::kNone, 0,
-                  (responded ? what : "the answer was lost") + "; reading back shows the value");
+                  (responded ? what : "the response was lost") + "; reading back shows the value");
   }
   if (responded) {
     read_back_ = items;
@@ -153,7 +153,7 @@ void CommandJob::resolve_doubt(const Bytes& items) {
   }
   read_back_ = items;
   finish(CommandState::kFailed, Cause::kNoAnswer, 0,
-         "no answer, and reading back shows another value");
+         "no response, and reading back shows a different value");
 }
 
 bool CommandJob::refuses(Cause cause, std::uint16_t device_code) const {

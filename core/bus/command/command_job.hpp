@@ -47,7 +47,7 @@ class CommandJob {
   // Whether the device did not carry out the request that failed so. A momentary code may leave it
   // open whether a write took effect (may_have_written() in device_code.hpp).
   [[nodiscard]] bool refuses(Cause cause, std::uint16_t device_code) const;
-  // `seen`: what came in place of an answer, for the reason.
+  // `seen`: the failure in place of a response, for the reason.
   void failed(Cause cause, std::uint16_t device_code, std::string_view seen = {});
   // Requests a write response that differs from its request, as an echo would equal it.
   void use_distinct_answers() { distinct_ = true; }

@@ -129,7 +129,7 @@ std::optional<CommandFault> CommandQueue::obstacle(const CommandJob& job,
     case BusState::kRunning: break;
   }
   if (condition.device_offline)
-    return CommandFault{Cause::kOffline, "device '" + job.command().device + "' does not answer"};
+    return CommandFault{Cause::kOffline, "device '" + job.command().device + "' does not respond"};
   const auto channel = job.written_channel();
   if (!channel) return std::nullopt;
   const Duration interval = channels_.spec(*channel).write_interval;

@@ -62,7 +62,7 @@ void DeviceMonitor::judge_garbage(const Try& ended, bool answered, ActionSink& s
   if (answered) {
     if (garbage.answered())
       sink.notice(Notice::Kind::kGarbageEnded, ended.device, Cause::kNone,
-                  "its answers can be read again");
+                  "its responses can be read again");
   } else if (garbage.received(echo ? ended.sent : ended.received, ended.sent, ended.expected)) {
     sink.notice(Notice::Kind::kGarbage, ended.device, Cause::kNone,
                 garbage.text(setup_.line(), over_network(setup_.spec().port)));
@@ -73,7 +73,7 @@ void DeviceMonitor::answered(DeviceIndex index, ActionSink& sink) {
   DeviceHealth& health = devices_[index].health;
   const bool was_offline = health.offline();
   if (health.answered() && was_offline)
-    sink.notice(Notice::Kind::kDeviceBack, index, Cause::kNone, "answers again");
+    sink.notice(Notice::Kind::kDeviceBack, index, Cause::kNone, "responds again");
 }
 
 void DeviceMonitor::learn(DeviceIndex index, const Request& request, Duration answer_time) {
@@ -115,8 +115,8 @@ bool DeviceMonitor::failed(DeviceIndex index, Cause cause, Instant now, ActionSi
   device.forget();
   sink.notice(Notice::Kind::kDeviceLost, index, cause,
               cause == Cause::kDeviceBusy
-                  ? "answers only that it cannot now; asked ever more rarely until it can"
-                  : "does not answer; asked ever more rarely until it does");
+                  ? "reports that it cannot respond now; polled less and less often until it can"
+                  : "does not respond; polled less and less often until it does");
   return true;
 }
 

@@ -111,16 +111,17 @@ ResponseShape answer_shape(ByteView bytes, ByteView request, std::size_t expecte
 std::string_view broken_answer_text(ResponseShape shape) {
   switch (shape) {
     case ResponseShape::kWhole:
-      return "they begin like its answer and have the right length, but a wrong checksum, so baud "
+      return "they begin like its response and have the right length, but a wrong checksum, so "
+             "baud "
              "and format are probably right: two devices have this address, or the line is "
              "disturbed. Connect one device alone, then check termination and shield";
     case ResponseShape::kLong:
-      return "they begin like its answer, and more bytes come than the answer has, so baud and "
-             "format are probably right: two devices with this address answer, or another master "
+      return "they begin like its response and continue beyond its length, so baud and "
+             "format are probably right: two devices with this address respond, or another master "
              "asks it. Connect one device alone, and give each an address of its own";
     case ResponseShape::kCut:
-      return "they begin like its answer, and the end is missing, so baud and format are "
-             "probably right: an adapter or a gateway cuts the answer, it pauses for longer than "
+      return "they begin like its response, and the end is missing, so baud and format are "
+             "probably right: an adapter or a gateway cuts the response, it pauses for longer than "
              "gap-allowance, or two devices have this address. Try a greater gap-allowance and a "
              "smaller max-block, then another adapter";
     case ResponseShape::kOther: break;
@@ -156,11 +157,11 @@ bool Garbage::answered() {
 std::string Garbage::text(const LineFormat& line, bool over_network) const {
   const ByteView all = last_;
   const ResponseShape broken = shape();
-  return "bytes come that are no answer: " + std::to_string(bytes_) + " in " +
+  return "bytes arrive that are not a response: " + std::to_string(bytes_) + " in " +
          std::to_string(exchanges_) + " exchanges, the last ones " +
          to_hex(all.last(std::min(all.size(), kShown))) + ": " +
          (echo_ ? "what was sent comes back, and nothing else: an adapter that gives back what it "
-                  "sends, and a device that does not answer; check the device and its address"
+                  "sends, and a device that does not respond; check the device and its address"
           : broken != ResponseShape::kOther ? std::string(broken_answer_text(broken))
                                             : looks_like(all, line, over_network));
 }

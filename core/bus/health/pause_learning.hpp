@@ -8,9 +8,9 @@
 //
 // Retries of a device that fails now and then look the same. So a learned pause is tested after
 // some responses: some requests follow a shorter rest. If they succeed, the pause becomes that
-// short and a test with a greater step begins. The second unanswered request fails the test. After
-// an unanswered request the whole pause is kept for a while. Tests of a needed pause become ever
-// rarer.
+// short and a test with a greater step begins. The second request without a response fails the
+// test. After a request without a response the whole pause is kept for a while. Tests of a needed
+// pause become ever rarer.
 #pragma once
 
 #include <array>

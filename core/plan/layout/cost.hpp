@@ -81,7 +81,7 @@ class ReadCost {
   std::uint32_t most_ = 0;   // initial limit_
   Duration fixed_{};         // per read: response time, silence, pauses
   unsigned rounds_ = 1;      // requests and responses in one read
-  Duration pauses_{};        // part of fixed_ besides the response time
+  Duration pauses_{};        // part of fixed_ without the response time
   // By item count: time of the characters. [0] is kRefused.
   std::vector<Duration> variable_;
   std::optional<std::uint16_t> max_gap_;

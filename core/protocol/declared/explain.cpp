@@ -114,7 +114,7 @@ class Reader {
         const auto known = declaration_.codes.find(static_cast<std::uint16_t>(number));
         if (known != declaration_.codes.end()) value += " " + known->second;
         if (context_.refusal == (number == field.number))
-          fault = context_.refusal ? "no error" : "an error in an answer";
+          fault = context_.refusal ? "no error" : "an error in a response";
         break;
       }
       default: break;
@@ -162,7 +162,7 @@ std::vector<FrameField> explain(const Declaration& declaration, ByteView frame) 
     offer(Reader(declaration, operation.request, frame, operation.command, bits)
               .run("request: " + operation.name, false));
     offer(Reader(declaration, operation.answer, frame, operation.command, bits)
-              .run("answer: " + operation.name, false));
+              .run("response: " + operation.name, false));
     if (declaration.refusal.fields.empty()) continue;
     offer(Reader(declaration, declaration.refusal, frame, operation.command, bits)
               .run("refusal: " + operation.name, true));

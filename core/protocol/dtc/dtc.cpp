@@ -17,7 +17,7 @@
 namespace fieldcast::dtc {
 namespace {
 
-// Bytes besides the response; more means that the line never becomes silent.
+// Bytes in addition to the response; more means that the line never becomes silent.
 constexpr std::size_t kNoiseAllowed = 512;
 constexpr std::uint32_t kDefaultMessage = 1024, kLeastMessage = 32;
 constexpr Traits kTraits{

@@ -100,7 +100,7 @@ class PduExplainer {
 
   void exception() {
     const auto function = static_cast<std::uint8_t>(pdu_[0] & ~kExceptionFlag);
-    writer_.remark("exception answer");
+    writer_.remark("exception response");
     writer_.add(0, 1, "function",
                 hex8(pdu_[0]) + " refused: " + std::string(function_text(function)));
     if (!has(1, 1)) return writer_.add(1, 0, "exception", "", "missing");
@@ -117,9 +117,9 @@ class PduExplainer {
     const bool answer_fits = has(1, 1) && pdu_.size() == 2u + pdu_[1] && pdu_[1] != 0 &&
                              (reads_bits(pdu_[0]) || pdu_[1] % 2 == 0);
     if (request_fits && answer_fits)
-      writer_.remark("request; could be an answer of " + number(pdu_[1]) + " bytes as well");
+      writer_.remark("request; could also be a response of " + number(pdu_[1]) + " bytes");
     else
-      writer_.remark(request_fits || (!answer_fits && pdu_.size() == 5) ? "request" : "answer");
+      writer_.remark(request_fits || (!answer_fits && pdu_.size() == 5) ? "request" : "response");
     if (request_fits || (!answer_fits && pdu_.size() == 5)) {
       address(1, "first");
       return word(3, "quantity", {}, quantity_fault(3, quantity_limit(pdu_[0])));
@@ -168,7 +168,7 @@ class PduExplainer {
   }
 
   void fixed_write(const std::string& name, const std::string& fault) {
-    writer_.remark("request, or its answer: they are the same");
+    writer_.remark("request or its response: both have the same bytes");
     address(1, "address");
     word(3, name, {}, fault);
     trailing(5);
@@ -177,7 +177,7 @@ class PduExplainer {
   void write_multiple() {
     const bool bits = pdu_[0] == 15;
     const bool answer = pdu_.size() <= 5;
-    writer_.remark(answer ? "answer" : "request");
+    writer_.remark(answer ? "response" : "request");
     address(1, "first");
     word(3, "quantity", {}, quantity_fault(3, quantity_limit(pdu_[0])));
     if (answer) return;
@@ -190,7 +190,7 @@ class PduExplainer {
   }
 
   void mask_write() {
-    writer_.remark("request, or its answer: they are the same");
+    writer_.remark("request or its response: both have the same bytes");
     address(1, "address");
     word(3, "and mask");
     word(5, "or mask", "new = (old AND and) OR (or AND NOT and)");
@@ -204,7 +204,7 @@ class PduExplainer {
       writer_.remark("answer");
       return counted_data(1, false);
     }
-    writer_.remark(answer ? "request; could be an answer as well" : "request");
+    writer_.remark(answer ? "request; could also be a response" : "request");
     address(1, "read first");
     word(3, "read quantity", {}, quantity_fault(3, kMaxReadRegisters));
     address(5, "write first");
@@ -221,8 +221,9 @@ class PduExplainer {
     const bool fits = pdu_.size() == answer_pdu_size(pdu_) ||
                       pdu_.size() == request_pdu_size(pdu_) || pdu_[0] == 8 || pdu_[0] == 43;
     const bool cut = pdu_[0] == 8 && pdu_.size() < 5;
-    writer_.add(1, pdu_.size() - 1, "data", to_hex(pdu_.subspan(1)),
-                (tells_length && !fits) || cut ? "neither a request's nor an answer's length" : "");
+    writer_.add(
+        1, pdu_.size() - 1, "data", to_hex(pdu_.subspan(1)),
+        (tells_length && !fits) || cut ? "the length of neither a request nor a response" : "");
   }
 
   const ByteView pdu_;

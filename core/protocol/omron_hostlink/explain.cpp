@@ -74,7 +74,7 @@ class HostLinkExplainer {
 
   std::vector<FrameField> run() {
     if (std::ranges::equal(frame_, std::string_view("@**\r"))) {
-      writer_.remark("INITIALIZE: every unit forgets unfinished transfers; no answer");
+      writer_.remark("INITIALIZE: every unit cancels unfinished transfers; no response");
       return writer_.take();
     }
     if (frame_.size() == 1 && frame_[0] == kCr) {
@@ -178,7 +178,7 @@ class HostLinkExplainer {
       end_code(rest);
       return data(rest.subspan(2), kHeadSize + 2, flags);
     }
-    writer_.remark("request", request ? "" : "neither a request's nor an answer's length");
+    writer_.remark("request", request ? "" : "the length of neither a request nor a response");
     if (!request) return add(kHeadSize, rest.size(), "text", text_of(rest));
     if (letter == 'E') add(kHeadSize, 2, "bank", text_of(rest.first(2)));
     decimal(rest.subspan(address_size - 4, 4), kHeadSize + address_size - 4, "first");
@@ -218,7 +218,7 @@ class HostLinkExplainer {
   // The ICF of a response has bit 6 and follows two digits; that of a request follows one digit.
   void fins(ByteView rest) {
     const bool request = rest.size() % 2 == 1;
-    writer_.remark(request ? "request" : "answer");
+    writer_.remark(request ? "request" : "response");
     if (rest.empty()) return writer_.remark("", "nothing behind FA");
     if (request)
       add(kHeadSize, 1, "wait", text_of(rest.first(1)) + " * 10 ms", digits_fault(rest.first(1)));
@@ -245,7 +245,7 @@ class HostLinkExplainer {
       return writer_.append(inner.take());
     }
     const bool answer_flag = (bytes[0] & 0x40) != 0;
-    inner.add(0, 1, "ICF", to_hex(bytes.first(1)) + (answer_flag ? " answer" : " request"),
+    inner.add(0, 1, "ICF", to_hex(bytes.first(1)) + (answer_flag ? " response" : " request"),
               answer_flag != request ? "" : "the other direction's flag");
     inner.add(1, head - 2, head == 4 ? "DA2 SA2" : "RSV GCT DNA DA1 DA2 SNA SA1 SA2",
               to_hex(bytes.subspan(1, head - 2)));

@@ -61,7 +61,7 @@ inline constexpr auto kFinsCodes = [] {
       DeviceCode{0x1103, "start address out of range"},
       DeviceCode{0x1104, "end of the range out of range"},
       DeviceCode{0x1106, "no such program"},
-      DeviceCode{0x110B, "answer too long"},
+      DeviceCode{0x110B, "response too long"},
       DeviceCode{0x110C, "parameter error"},
       DeviceCode{0x2000, "read refused"},
       DeviceCode{0x2100, "write refused"},

@@ -32,7 +32,7 @@ void explain_no_frame(FieldWriter& writer, ByteView frame) {
                            : frame.back() != 'Q' ? "ends without Q"
                                                  : std::to_string(frame.size()) + " characters";
   writer.remark(text,
-                what + ": a request has 17 characters from q to Q, an answer 12, a refusal 7");
+                what + ": a request has 17 characters from q to Q, a response 12, a refusal 7");
 }
 
 void explain_request(FieldWriter& writer, ByteView frame) {
@@ -74,7 +74,7 @@ std::vector<FrameField> explain(ByteView frame) {
     explain_no_frame(writer, frame);
     return writer.take();
   }
-  writer.remark(request ? "request" : refusal ? "refusal" : "answer");
+  writer.remark(request ? "request" : refusal ? "refusal" : "response");
   if (request) explain_request(writer, frame);
   if (refusal) explain_refusal(writer, frame);
   if (!refusal) add_field(writer, frame, frame.size() - 11, 8, "window");

@@ -49,13 +49,13 @@ TEST(CommandAudit, HasOneEntryForEachCommandWithWhatBecameOfIt) {
   commands.asked("line", first);
   commands.asked("line", second);
   commands.answered("line",
-                    result_of(second, CommandState::kFailed, Cause::kNoAnswer, "no answer"));
+                    result_of(second, CommandState::kFailed, Cause::kNoAnswer, "no response"));
   commands.answered("line", result_of(first, CommandState::kVerified));
   const auto entries = audit.entries();
   ASSERT_EQ(entries.size(), 2u);
   EXPECT_EQ(entries[0].what, "acquire");
   EXPECT_EQ(entries[0].target, "line/press at holding:100");
-  EXPECT_EQ(entries[0].result, "failed: no answer");
+  EXPECT_EQ(entries[0].result, "failed: no response");
   EXPECT_EQ(entries[1].who, "panel");
   EXPECT_EQ(entries[1].what, "write 21.5");
   EXPECT_EQ(entries[1].target, "line/press/setpoint");

@@ -162,7 +162,7 @@ TEST_F(BusTableTest, WhoseSamplesCountBelowThoseOfBeforeIsBehindUntilTheyCountOn
   on(bus.samples({0}, 502));
   EXPECT_TRUE(table.is_behind()) << "the other channel is still ignored";
   on(Bus(200).catalogue(2));
-  EXPECT_FALSE(table.is_behind()) << "it begins anew";
+  EXPECT_FALSE(table.is_behind()) << "it starts again";
 }
 
 TEST_F(BusTableTest, ABusThatStartsAnewBeginsAnew) {

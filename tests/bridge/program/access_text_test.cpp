@@ -9,13 +9,15 @@ TEST(AccessText, SaysWhatModulesHaveToShow) {
   ModulesSpec modules;
   modules.listen = {"127.0.0.1", 4951};
   EXPECT_EQ(to_text(modules),
-            "modules dial in at 127.0.0.1:4951: whoever is on this machine may be any of them; a "
+            "modules dial in at 127.0.0.1:4951: every program on this machine can claim to be any "
+            "of them; a "
             "second one of a number is refused");
   modules.listen.host = "::";
   modules.without_security = true;
   modules.second = SecondModule::kReplace;
   EXPECT_EQ(to_text(modules),
-            "modules dial in at [::]:4951: security: none, whoever reaches the port may be any of "
+            "modules dial in at [::]:4951: security: none, every client that reaches the port can "
+            "claim to be any of "
             "them; a second one of a number takes the place of the first");
   modules.tls = {"a.pem", "a.key", "plant.pem", "revoked.pem"};
   modules.secrets = "secrets";

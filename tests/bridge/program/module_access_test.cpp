@@ -146,7 +146,7 @@ TEST_F(ModuleSecret, AModuleThatDoesNotIsToldSoAndTheSecretIsNowhere) {
     EXPECT_THAT(module.receive("\r\n"), StartsWith("refused: module 17 does not "));
     EXPECT_TRUE(module.is_closed());
   }
-  EXPECT_TRUE(audited("module 17 does not answer the challenge"));
+  EXPECT_TRUE(audited("module 17 does not respond to the challenge"));
   EXPECT_TRUE(audited("module 17 does not know its secret"));
   EXPECT_THAT(testing::internal::GetCapturedStderr(), testing::Not(HasSubstr(kSecret)));
   const std::lock_guard lock(mutex);

@@ -54,7 +54,7 @@ TEST_F(ProgramServer, AClientThatLeavesInTheMiddleOfAnInstructionFreesTheDevice)
     next->send("@@EDFEFF@@nobody1FEFF");  // the refusal arrives when the device is free again
     EXPECT_EQ(next->receive("FEFF"), "@@0001FEFF");
   }
-  EXPECT_TRUE(audited("ended: the client is gone"));
+  EXPECT_TRUE(audited("ended: the client disconnected"));
 }
 
 TEST_F(ProgramServer, AClientThatNeverSpeaksOrOnlyHalfARequestIsHungUpAndAudited) {

@@ -98,8 +98,8 @@ TEST_F(TakeoverTest, MembersThatStartBeforeTheirDiscoveryServerWaitForIt) {
   dds = ", discovery-servers: [\"127.0.0.1:" + port + "\"]";
   a = launch("a", 1);
   b = launch("b", 1);
-  ASSERT_TRUE(says("a", "waits for a discovery server: none has answered"));
-  ASSERT_TRUE(says("b", "waits for a discovery server: none has answered"));
+  ASSERT_TRUE(says("a", "waits for a discovery server: none has responded"));
+  ASSERT_TRUE(says("b", "waits for a discovery server: none has responded"));
   const auto is_master = [this](const std::string& name) {
     return said(name).find("is master of group g") != std::string::npos;
   };

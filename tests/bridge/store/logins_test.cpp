@@ -31,7 +31,7 @@ class Users : public testing::Test {
     authenticator.authenticate({user, Secret(password), "10.0.0.1"},
                                [&](LoginResult result) { answered.set_value(result); });
     if (answer.wait_for(std::chrono::seconds{30}) != std::future_status::ready) {
-      ADD_FAILURE() << "no answer in 30 s";
+      ADD_FAILURE() << "no response in 30 s";
       std::abort();
     }
     return answer.get();

@@ -41,8 +41,8 @@ TEST_F(FrameGathererTest, PiecesOfAnAnswerAreOneFrameWithTheTimeOfTheLast) {
 
 TEST_F(FrameGathererTest, ARequestThatNobodyAnswersSaysSo) {
   take(Kind::kSent, 0, "01 03", "read");
-  take_text(Kind::kRemark, 200, "no answer");
-  EXPECT_EQ(frames(), "0 > 01 03 [read\nno answer]\n");
+  take_text(Kind::kRemark, 200, "no response");
+  EXPECT_EQ(frames(), "0 > 01 03 [read\nno response]\n");
 }
 
 TEST_F(FrameGathererTest, EachRoundOfAnExchangeIsAFrameOfItsOwn) {

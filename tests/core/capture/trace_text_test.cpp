@@ -27,10 +27,10 @@ TEST(TraceText, AJournalPutsMoreBeforeIt) {
 }
 
 TEST(TraceText, ARemarkNeedsItsTime) {
-  const auto remark = parse_trace_text("2026-11-22T14:24:21.126358Z line -- meter: no answer");
+  const auto remark = parse_trace_text("2026-11-22T14:24:21.126358Z line -- meter: no response");
   ASSERT_TRUE(remark);
   EXPECT_EQ(remark->mark, Mark::kRemark);
-  EXPECT_EQ(remark->text, "meter: no answer");
+  EXPECT_EQ(remark->text, "meter: no response");
   EXPECT_FALSE(parse_trace_text("see the manual -- page 7"));
 }
 

@@ -376,7 +376,7 @@ TEST_F(CollisionTest, AScanSaysThatTwoDevicesHaveTheAddress) {
     const auto ended = scan_with(answer);
     EXPECT_EQ(ended.code, ExitCode::kNothing);
     EXPECT_THAT(ended.err, HasSubstr("address 1, modbus-rtu 115200 8N1: bytes come that are not a "
-                                     "valid answer; they begin like its answer"));
+                                     "valid response; they begin like its response"));
     EXPECT_THAT(ended.err, HasSubstr("two devices"));
     EXPECT_THAT(ended.err, Not(HasSubstr("the settings are others")));
   }

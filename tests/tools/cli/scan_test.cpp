@@ -449,7 +449,7 @@ TEST(ScanView, WhatDevicesSayStaysAComment) {
   const std::string text = configuration_text("/dev/ttyUSB0", true, scanner);
   EXPECT_THAT(text, HasSubstr("baud: 19200, format: 8E1"));
   EXPECT_THAT(text, HasSubstr("# it says: Evil\\n      - name: more\\x1B[2J\n"));
-  EXPECT_THAT(text, HasSubstr("# it answers, but refuses: 02 illegal data address"));
+  EXPECT_THAT(text, HasSubstr("# it responds, but refuses: 02 illegal data address"));
 }
 
 }  // namespace

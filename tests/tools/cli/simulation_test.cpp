@@ -114,7 +114,7 @@ TEST(BusSimulation, WhatIsCalledFeasibleMissesNothingOnRandomMapsAtAnyAnswerTime
       ++feasible;
       const BusSimulation simulation = simulate(plan, {}, {3min, 1});
       EXPECT_EQ(simulation.bus.deadline_misses, 0u)
-          << seed << ", answers after " << to_text(answer);
+          << seed << ", responses after " << to_text(answer);
     }
   }
   EXPECT_GE(feasible, 16u);

@@ -44,10 +44,10 @@ TEST(StatusView, EachNumberHasItsNameAndItsUnit) {
             "  so far    400 exchanges, 0 samples, 0 commands, port opened again 0 times\n"
             "  missed    refreshes: none\n"
             "  failures  exchanges: CHECKSUM 3, NO_ANSWER 12\n"
-            "  bus/device          state   answers in  timeout  exchanges  failed  missed\n"
-            "  press-shop/press-1  online     2.15 ms        -          0       0       0\n"
+            "  bus/device          state   responds in  timeout  exchanges  failed  missed\n"
+            "  press-shop/press-1  online      2.15 ms        -          0       0       0\n"
             "press-shop/press-1\n"
-            "  area      holding: answers in 2.10 ms, blocks to 60 items so far; it accepts\n"
+            "  area      holding: responds in 2.10 ms, blocks to 60 items so far; it accepts\n"
             "            64 at most\n"
             "  refused   addresses, which are left out of blocks: holding:107\n"
             "  gaps      unused addresses between channels that it refuses to read, so that\n"
@@ -131,7 +131,7 @@ TEST(StatusView, ADeviceThatIsOfflineSaysWhy) {
   device.causes = {{"NO_ANSWER", 41}, {"CHECKSUM", 2}};
   EXPECT_THAT(
       joined(status_lines(model, UtcTime{1'500'000'000}, {200, 0, false})),
-      HasSubstr("offline: no answer 41 times, checksum error 2 times; look at its power, its "
+      HasSubstr("offline: no response 41 times, checksum error 2 times; look at its power, its "
                 "cable, its address and the baud rate; it is asked ever more rarely"));
   model.buses.at("press-shop").report.state = BusState::kClosed;
   model.buses.at("press-shop").report.closed_because = Cause::kPortInUse;
@@ -171,11 +171,11 @@ TEST(StatusView, BytesThatAreNoAnswersComeWithWhatToTry) {
   device.causes = {{"CHECKSUM", 41}};
   EXPECT_THAT(
       joined(status_lines(model, UtcTime{1'500'000'000}, {200, 0, false})),
-      testing::AllOf(HasSubstr("press-shop/press-1"), HasSubstr("bytes come that are no answers"),
+      testing::AllOf(HasSubstr("press-shop/press-1"), HasSubstr("bytes come that are no responses"),
                      HasSubstr("CHECKSUM 41"), HasSubstr("baud rate, parity")));
   device.report.state = DeviceState::kOnline;
   EXPECT_THAT(joined(status_lines(model, UtcTime{1'500'000'000}, {200, 0, false})),
-              testing::Not(HasSubstr("are no answers")))
+              testing::Not(HasSubstr("are no responses")))
       << "now and then noise, which costs nothing";
 }
 

@@ -145,7 +145,8 @@ TEST(SunSpecWalk, AResponseThatIsCutEndsTheListWithAReason) {
   }
   ASSERT_TRUE(walk.map());
   EXPECT_EQ(walk.map()->models.size(), 1u);
-  EXPECT_EQ(walk.map()->incomplete, "the header at holding:40070 cannot be read: malformed answer");
+  EXPECT_EQ(walk.map()->incomplete,
+            "the header at holding:40070 cannot be read: malformed response");
 }
 
 TEST(SunSpecWalk, ARefusedModelEndsTheListWithAReason) {

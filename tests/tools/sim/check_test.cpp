@@ -30,7 +30,7 @@ void expect_all_pass(const std::vector<Subject>& subjects) {
           << row.check << ", " << row.where << " was not tried, and nobody says why";
     }
     for (const char* check : {"read", "notation", "splits", "truncations", "flipped bits",
-                              "noise before", "device errors", "silence", "late answer"}) {
+                              "noise before", "device errors", "silence", "late response"}) {
       EXPECT_TRUE(std::ranges::any_of(rows, [&](const CheckRow& row) {
         return row.check == check && row.tried > 0;
       })) << check;

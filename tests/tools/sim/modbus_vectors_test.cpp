@@ -110,7 +110,7 @@ TEST(ModbusVectors, DeviceAnswersAsPrinted) {
     }
     const Bytes said = test::listen(*receiver_for(vector, unit), vector.request).answer;
     if (vector.framing != "tcp" && request[0] == 0) {
-      EXPECT_TRUE(said.empty()) << "a broadcast has no answer";
+      EXPECT_TRUE(said.empty()) << "a broadcast has no response";
     } else if (unsupported(request[1])) {
       EXPECT_EQ(content(vector, said),
                 (Bytes{request[0], static_cast<std::uint8_t>(request[1] | 0x80u), 1}));

@@ -97,7 +97,7 @@ void print_agreement(std::uint64_t first_seed, unsigned maps) {
   const auto tell = [](StepProgress& progress, const char* of, std::uint64_t seed,
                        Duration answer) {
     progress.clear();
-    std::printf("  %s, seed %llu, answers after %.0f ms: called feasible, and missed\n", of,
+    std::printf("  %s, seed %llu, responses after %.0f ms: called feasible, and missed\n", of,
                 static_cast<unsigned long long>(seed), to_seconds(answer) * 1e3);
   };
   constexpr Duration kAnswers[] = {Duration{0}, Duration{2ms}, Duration{5ms}, Duration{20ms}};
@@ -140,7 +140,7 @@ void print_engine(std::uint64_t first_seed, unsigned maps) {
   std::puts(
       "sustained load of the whole engine, share of the bound, 10 min without a missed refresh, "
       "its start included;\n"
-      "beside it the scheduler alone, which knows the answer time from the start");
+      "beside it the scheduler alone, which knows the response time from the start");
   StepProgress progress("sustained load", 3 * 2 * maps * trials_below(kMost));
   for (const Duration answer : {kSilence, Duration{5ms}, kSilence + 5ms}) {
     double engine = 0, alone = 0, least = 1;
@@ -156,7 +156,7 @@ void print_engine(std::uint64_t first_seed, unsigned maps) {
       alone += scheduler / maps;
     }
     progress.clear();
-    std::printf("answers after %.3f ms: engine %.3f on average, %.3f at worst; scheduler %.3f\n",
+    std::printf("responses after %.3f ms: engine %.3f on average, %.3f at worst; scheduler %.3f\n",
                 to_seconds(answer) * 1e3, engine, least, alone);
     std::fflush(stdout);
   }

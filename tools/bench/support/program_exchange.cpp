@@ -203,7 +203,7 @@ void exchange_bench(const ExchangeOptions& options) {
   print_figure("exchange directly over a terminal pair", alone * 1e3, "ms", "");
   print_figure("exchange through port, network, bridge and module", took * 1e3, "ms", "");
   print_figure("delay added to each round trip", options.delay_ms, "ms", "");
-  print_figure("rate against what request and answer allow", 100 * ideal / took, "%",
+  print_figure("rate against what request and response allow", 100 * ideal / took, "%",
                options.delay_ms > 0 ? ">= 95" : ">= 97");
 }
 

@@ -175,7 +175,7 @@ void relay_bench(const RelayOptions& options) {
                std::to_string(total).c_str());
   print_figure("bytes from the device that came right", static_cast<double>(up.load()), "",
                std::to_string(total).c_str());
-  print_figure("rate, each way at once", static_cast<double>(total) / took / 1e6, "MB/s", "");
+  print_figure("rate in each direction", static_cast<double>(total) / took / 1e6, "MB/s", "");
   print_figure("bridge: memory after a second", early, "MB", "");
   print_figure("bridge: highest memory", highest, "MB", "constant");
   if (port) print_figure("fieldcast-port: highest memory", port_highest, "MB", "constant");

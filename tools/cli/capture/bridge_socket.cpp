@@ -87,9 +87,9 @@ tl::expected<FileDescriptor, std::string> ask_for_capture(const CaptureSocketNam
                                                           const std::string& bus) {
   auto connection = connect_to(socket);
   if (!connection)
-    return tl::unexpected("the bridge does not answer: " + errno_text(connection.error()));
+    return tl::unexpected("the bridge does not respond: " + errno_text(connection.error()));
   const auto answer = ask(*connection, "capture " + bus);
-  if (!answer) return tl::unexpected("the bridge does not answer: " + errno_text(answer.error()));
+  if (!answer) return tl::unexpected("the bridge does not respond: " + errno_text(answer.error()));
   if (*answer == "ok") return *std::move(connection);
   return tl::unexpected("the bridge says: " + *answer);
 }

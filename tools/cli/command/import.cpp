@@ -132,7 +132,7 @@ class ImportRun {
            << "`; templates are looked for in the folder devices/ beside the configuration\n";
     } else {
       err_ << "it passed the check; `fieldcast plan " << printable(files->front().path)
-           << "` tells whether the line is fast enough\n";
+           << "` shows whether the line is fast enough\n";
     }
     return ExitCode::kOk;
   }

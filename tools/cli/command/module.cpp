@@ -94,7 +94,7 @@ class ModuleCommand final : public CommandWith<ModuleArguments> {
   void describe(CommandLine& line) override {
     line.text("--server", options_.server, "HOST:PORT where the bridge listens for modules")
         .required();
-    line.text("--number", options_.number, "The number that it tells").required();
+    line.text("--number", options_.number, "The number that it sends").required();
     line.text("--line", options_.line, "The serial line, such as /dev/ttyUSB0").required();
     line.number("--baud", options_.baud, 300, 4'000'000, "Of the line").show_default();
     line.text("--format", options_.format, "Of the line: 8N1, 7E2, .. (8N1)");

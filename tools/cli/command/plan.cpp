@@ -101,7 +101,7 @@ class PlanCommand final : public CommandWith<PlanOptions> {
   void describe(CommandLine& line) override {
     line.text("CONFIG", options_.config, "The configuration file").required().existing_file();
     line.duration("--answer", options_.answer_time, Duration{},
-                  "How long each device is taken to think before it answers (5ms)");
+                  "The assumed time of each device before it responds (5ms)");
     line.duration(
         "--simulate", options_.simulate, CommandLine::kShortest,
         "Run the whole engine in virtual time for so long (1h) against simulated devices");

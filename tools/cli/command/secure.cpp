@@ -173,7 +173,7 @@ class SecureCommand final : public CommandWith<SecureOptions> {
         .required();
     add.texts("--bus", options_.member.buses,
               "A plant commands the buses that match this pattern only; may be repeated");
-    CommandLine& renew = line.command("renew", "Make a member's certificate anew, with its key");
+    CommandLine& renew = line.command("renew", "Make a new certificate and key for a member");
     CommandLine& revoke = line.command("revoke", "Shut a member out");
     for (CommandLine* one : {&renew, &revoke})
       one->text("NAME", options_.member.name, "Of the member").required();

@@ -49,8 +49,8 @@ void add_line_options(CommandLine& line, LineOptions& options) {
   line.texts("--set", options.settings, "NAME=VALUE: an option of the protocol; once for each")
       .one_each();
   line.duration("--timeout", options.timeout, CommandLine::kShortest,
-                "To the first byte of an answer (500ms)");
-  line.number("--retries", options.retries, 0, 10, "More tries of what was not answered (1)");
+                "To the first byte of a response (500ms)");
+  line.number("--retries", options.retries, 0, 10, "More tries after no response (1)");
 }
 
 std::string protocol_of(const LineOptions& options) {

@@ -44,7 +44,7 @@ void look_at_adapter(const AdapterFacts& adapter, Findings& found) {
     if (*adapter.latency_timer > 1) {
       finding.severity = Severity::kAdvice;
       finding.what +=
-          ": the end of every answer may wait so long in it, unless low-latency of the port is "
+          ": the end of every response may wait so long in it, unless low-latency of the port is "
           "true";
       finding.remedy = "echo 1 > " + adapter.latency_file;
     }

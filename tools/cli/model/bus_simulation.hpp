@@ -30,8 +30,8 @@ struct BusSimulation {
   std::uint64_t fingerprint = 0;        // equal in two runs only if they did the same
 };
 
-// Devices respond after the plan's answer time, unless the faults differ. Deterministic for a seed.
-// Throws std::runtime_error.
+// Devices respond after the plan's response time, unless the faults differ. Deterministic for a
+// seed. Throws std::runtime_error.
 [[nodiscard]] BusSimulation simulate(const BusPlan& plan, const sim::BusFaults& faults,
                                      const SimulationOptions& options,
                                      const OnSimulated& on_simulated = {});

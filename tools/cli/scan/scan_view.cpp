@@ -169,7 +169,7 @@ std::string configuration_text(const std::string& port, bool serial, const Scann
     if (const std::string identity = identity_text(found); !identity.empty())
       text += fmt::format("        # it says: {}\n", comment_text(identity));
     if (found.answer.cause != Cause::kNone)
-      text += fmt::format("        # it answers, but {} {}\n", answer_text(line, found.answer),
+      text += fmt::format("        # it responds, but {} {}\n", answer_text(line, found.answer),
                           asked.at);
     if (found.templates.size() == 1) {
       text += fmt::format("        template: {}\n", found.templates.front());

@@ -34,10 +34,10 @@ constexpr std::array<std::string_view, 24> kStatusHelp{
     "q F10: quit (Ctrl-C too)",
     "",
     "wire: share of the last second in which the wire of the bus was busy",
-    "answers in: from the end of a request to the first byte of its answer",
-    "timeout: how long an answer is waited for; learned, never above the configured one",
-    "exchanges: requests with their answers, since the bridge started",
-    "failed: exchanges without a valid answer; the details have their causes",
+    "responds in: from the end of a request to the first byte of its response",
+    "timeout: how long the bridge waits for a response; learned, at most the configured one",
+    "exchanges: requests with their responses, since the bridge started",
+    "failed: exchanges without a valid response; the details have their causes",
     "missed: refreshes that passed without a new value",
     "planned: share of the wire that all refreshes take together, by the plan",
     "reading: share of the wire that reading took in the last 10 s",
@@ -48,7 +48,7 @@ constexpr std::array<std::string_view, 24> kStatusHelp{
     "leased: an engineer programs a device of the bus",
     "group: bridges that stand by for each other; behind: blocks of the master not followed yet",
     "",
-    "Causes stand in docs/qualities.md, with what to do.",
+    "docs/qualities.md explains the causes and what to do.",
 };
 
 struct StatusColumns {
@@ -222,7 +222,7 @@ Frame StatusScreen::frame(const Moment& moment, const Screen& screen) {
   layout.list_rows += std::exchange(layout.state, 0);
   ScreenParts parts;
   parts.title = title(moment, screen.columns);
-  parts.head = line_of({"bus, device", {"state"}, "answers in", "exchanges", "failed", "missed"},
+  parts.head = line_of({"bus, device", {"state"}, "responds in", "exchanges", "failed", "missed"},
                        screen.columns, true);
   parts.row = [&](const ListRow& row, std::size_t columns) { return row_line(row, columns); };
   parts.pane = std::move(below);

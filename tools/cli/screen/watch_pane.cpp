@@ -123,7 +123,7 @@ std::vector<FrameLine> WatchScreen::channel_details(const ListRow& row, const Mo
          Tone::kFaint}},
        false});
   if (state.gone) {
-    lines.push_back(text_line("GONE: its bridge ended, or has this channel no more", Tone::kBad));
+    lines.push_back(text_line("GONE: its bridge ended, or no longer has this channel", Tone::kBad));
   } else {
     const auto words = wrapped(
         shown(fmt::format("{}: {}", quality_text(sample, about), quality_words(sample.quality))),

@@ -38,12 +38,12 @@ constexpr std::array<std::string_view, 22> kWatchHelp{
     " GOOD             the device gave this value, and its refresh is kept",
     " UNCERTAIN        good once, old now; nothing is known to be broken",
     " BAD_NO_ANSWER    the device, or the way to it, is silent",
-    " BAD_FRAME        bytes come that are no valid answer",
-    " BAD_DEVICE_ERROR the device answers that it cannot",
+    " BAD_FRAME        bytes arrive that are not a valid response",
+    " BAD_DEVICE_ERROR the device reports that it cannot",
     " BAD_RANGE        the bytes are no value of the type",
     " BAD_CONFIGURATION  the channel cannot be read as it is configured",
     " NOT_YET_READ     there was no value since the bridge started",
-    " GONE             its bridge ended, or has the channel no more",
+    " GONE             its bridge ended, or no longer has the channel",
 };
 
 }  // namespace

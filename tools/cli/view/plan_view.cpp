@@ -94,7 +94,8 @@ std::string load_text(double load) {
 std::string verdict(const BusPlan& plan) {
   const auto& prediction = plan.prediction;
   return fmt::format(
-      "{}  {}: {}, {}, {} reads in {} of virtual time, {} late (devices taken to answer after {})",
+      "{}  {}: {}, {}, {} reads in {} of virtual time, {} late (devices assumed to respond after "
+      "{})",
       plan.bus->name, to_text(plan.bus->port),
       prediction.feasible ? "feasible"
       : prediction.narrow ? "TOO NARROW"
@@ -175,7 +176,7 @@ std::vector<std::string> advice(const BusPlan& plan) {
   if (remedies.baud && has_line(plan.bus->port))
     ways.push_back(fmt::format("run the line at {} baud", *remedies.baud));
   if (remedies.longer_reads)
-    ways.emplace_back("take away max-block and max-gap, if the devices answer longer reads");
+    ways.emplace_back("take away max-block and max-gap, if the devices accept longer reads");
   if (remedies.no_pause)
     ways.emplace_back("take away the pause after each exchange, if the devices need none");
   if (remedies.buses)

@@ -47,8 +47,8 @@ const KeyTable kFileKeys{"faults", "a faults file", kFileWords},
     kDeviceKeys{"device", "the faults of a device", kDeviceWords},
     kBabbleKeys{"babble", "a babble", kBabbleWords},
     kUnplugKeys{"unplug", "an unplugging", kUnplugWords},
-    kDelayKeys{"delay", "a delay", kDelayWords}, kLateKeys{"late", "late answers", kLateWords},
-    kDoubledKeys{"doubled", "doubled answers", kDoubledWords},
+    kDelayKeys{"delay", "a delay", kDelayWords}, kLateKeys{"late", "late responses", kLateWords},
+    kDoubledKeys{"doubled", "doubled responses", kDoubledWords},
     kSilenceKeys{"silence", "a silence", kSilenceWords},
     kExceptionKeys{"exception", "an exception range", kExceptionWords};
 

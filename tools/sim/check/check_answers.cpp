@@ -21,13 +21,13 @@ class ResponseCheck {
   void run() {
     const std::size_t first = rows_.size();
     for (const char* check : {"splits", "truncations", "flipped bits", "noise before"})
-      rows_.push_back({.check = check, .where = "answers"});
+      rows_.push_back({.check = check, .where = "responses"});
     splits_ = &rows_[first], cuts_ = &rows_[first + 1], flips_ = &rows_[first + 2],
     noise_ = &rows_[first + 3];
     for (const NamedRequest& example : requests_.examples()) disturb(example);
     if (!subject_.checked) {
-      flips_->note = fmt::format("answers carry no check: {} flipped bits pass unseen", unseen_);
-      noise_->note = "answers carry no check";
+      flips_->note = fmt::format("responses carry no check: {} flipped bits pass unseen", unseen_);
+      noise_->note = "responses carry no check";
     }
   }
 
@@ -43,13 +43,13 @@ class ResponseCheck {
     const Example example{named, sequence, live_.run(begin(named, sequence))};
     const RunOutcome& clean = example.clean;
     if (!clean.done && clean.cause != Cause::kDeviceError) {
-      splits_->fail(fmt::format("{}: the undisturbed answer: {}", named.name, clean.text()),
+      splits_->fail(fmt::format("{}: the undisturbed response: {}", named.name, clean.text()),
                     to_hex(clean.answers.back()));
       return;
     }
     for (std::size_t round = 0; round < clean.answers.size(); ++round) {
       const std::string in_round =
-          clean.answers.size() > 1 ? fmt::format(" of answer {}", round + 1) : "";
+          clean.answers.size() > 1 ? fmt::format(" of response {}", round + 1) : "";
       split(example, round, in_round);
       truncate(example, round, in_round);
       flip_bits(example, round, in_round);

@@ -150,7 +150,7 @@ class LateBus {
 }  // namespace
 
 void check_late(const Subject& subject, CheckRows& rows) {
-  CheckRow row{.check = "late answer", .where = "with the engine"};
+  CheckRow row{.check = "late response", .where = "with the engine"};
   LateBus(subject, row).run();
   rows.push_back(std::move(row));
 }

@@ -62,13 +62,14 @@ void silence(const Subject& subject, const Requests& requests, CheckRows& rows) 
 
 // Responses of a neighbour; with sequence numbers also of the previous request.
 void strangers(const Subject& subject, const Requests& requests, CheckRows& rows) {
-  CheckRow row{.check = "wrong station", .where = "answers"};
-  CheckRow old{.check = "late answer", .where = "of the request before"};
+  CheckRow row{.check = "wrong station", .where = "responses"};
+  CheckRow old{.check = "late response", .where = "of the request before"};
   const ResponseIdentity identity = requests.protocol().traits().identity;
   if (identity == ResponseIdentity::kNone)
-    row.note = "answers carry no address: the engine lets the line fall silent (see late answer)";
+    row.note =
+        "responses carry no address: the engine lets the line fall silent (see late response)";
   if (identity != ResponseIdentity::kSequence)
-    old.note = "answers carry no sequence: the engine keeps requests apart";
+    old.note = "responses carry no sequence: the engine keeps requests apart";
   const std::optional<Subject> neighbour = subject.neighbour();
   if (!neighbour) row.note = "one address: there is no other station";
   const Subject& other_one = neighbour ? *neighbour : subject;

@@ -36,7 +36,7 @@ Checked<std::uint64_t> version_of(const HttpRequest& request) {
     return version;
   return tl::make_unexpected(
       error_response(400, "after: this is no version of the catalogue",
-                     "give the version of the last answer, or leave it out"));
+                     "give the version of the last response, or leave it out"));
 }
 
 void catalogue(const LiveModel& model, KeptCatalogue& kept, const HttpRequest& request,
@@ -63,8 +63,9 @@ void channels(const LiveModel& model, const HttpRequest& request, const Reply& r
   if (const auto text = request.parameter("after")) {
     const auto path = ChannelPath::parse(*text);
     if (!path)
-      return reply(error_response(400, "after: this is no channel",
-                                  "give BUS/DEVICE/CHANNEL, the last one of the answer before"));
+      return reply(
+          error_response(400, "after: this is no channel",
+                         "give BUS/DEVICE/CHANNEL, the last channel of the previous response"));
     after = *path;
   }
   std::string json = "[";

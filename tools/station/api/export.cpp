@@ -82,7 +82,7 @@ void add_export_routes(RouteTable& table, Database* database, std::function<UtcT
     auto every = parameters.duration("every", kShortest);
     if (!every) return reply(std::move(every.error()));
     if (*running >= kMaxExports)
-      return reply(error_response(503, "too many exports are under way",
+      return reply(error_response(503, "too many exports are in progress",
                                   "ask again when one of them has ended"));
     reply(streamed(
         *database,

@@ -33,7 +33,7 @@ std::optional<std::string> Exporter::next(SqlConnection& connection) {
 
 std::string Exporter::broken_off() {
   ended_ = true;
-  const std::string_view broken = "broken off: the database does not answer";
+  const std::string_view broken = "incomplete: the database does not respond";
   text_ += question_.json_lines ? JsonObject().add("error", broken).take() : broken;
   text_ += '\n';
   return take(true);

@@ -22,11 +22,11 @@ std::vector<Metric> metrics_of(const Database* database, const Store* store,
   };
   if (database != nullptr) {
     const Database::Counters counters = database->counters();
-    add("database_questions_total", true, "Questions to the store that were answered.",
+    add("database_questions_total", true, "Queries to the store that had a response.",
         counters.answered);
     add("database_busy_total", true, "Questions refused since too many waited.", counters.busy);
     add("database_too_slow_total", true, "Questions that took too long.", counters.too_slow);
-    add("database_away_total", true, "Questions that the store did not answer.", counters.away);
+    add("database_away_total", true, "Queries to which the store did not respond.", counters.away);
     add("database_waiting", false, "Questions that wait.", counters.waiting);
   }
   if (store != nullptr) {

@@ -20,9 +20,9 @@ void add_plan_routes(RouteTable& table, const LiveModel& model) {
     }
     if (const StationReadPlan* plan = model.objects().read_plan(*bus))
       return reply(json_response(read_plan_json(*plan), request.accepts_gzip));
-    reply(
-        error_response(404, "no bridge tells a plan of this bus",
-                       "GET /api/buses lists the buses; a bridge of an older version tells none"));
+    reply(error_response(
+        404, "no bridge publishes a plan of this bus",
+        "GET /api/buses lists the buses; a bridge of an older version publishes none"));
   };
   table.add({Method::kGet, "/api/plan", Access::kViewer, handler});
 }

@@ -8,7 +8,7 @@ namespace fieldcast::web {
 std::optional<Refusal> PendingCommands::why_not(const std::string& user) const {
   const auto mine = of_user_.find(user);
   if (under_way_.size() >= kMaxUnderWay || (mine != of_user_.end() && mine->second >= kMaxOfUser))
-    return Refusal{"too many commands are under way", "try again when they have ended"};
+    return Refusal{"too many commands are pending", "try again when they have ended"};
   return std::nullopt;
 }
 

@@ -141,9 +141,8 @@ const Rows<StationSpec>& station_rows() {
           {{.name = "dds", .text = "as of the bridge: `domain`, `interfaces`, ..", .schema = "{}"}},
           {{.name = "sites",
             .fallback = "the one of `dds`",
-            .text =
-                "several sites at once, instead of `dds`: a list of `{ name: N, dds: { .. } }`; "
-                "the name stands before those of its buses, `north:line-7`",
+            .text = "several sites, instead of `dds`: a list of `{ name: N, dds: { .. } }`; "
+                    "the name stands before those of its buses, `north:line-7`",
             .schema = "{}"}},
           {{.name = "log", .text = "as of the bridge: `level`", .schema = "{}"}},
           {{.name = "web", .text = "where the page is served", .schema = "{}"}},

@@ -118,7 +118,8 @@ void HttpSession::enter(State state, Duration limit) {
 
 void HttpSession::on_late() {
   if (state_ == State::kClosed) return;
-  if (state_ == State::kRequest) return refuse(408, "the request took too long", "send it at once");
+  if (state_ == State::kRequest)
+    return refuse(408, "the request took too long", "send it without a pause");
   if (state_ == State::kHandler) {
     keep_alive_ = false;
     return respond(server_.site.refusal(503, "the station is too busy", "try again later"));

@@ -367,7 +367,7 @@ TEST(DatagramGuard, ALongGapReachesTheLibraryAsAHeartbeat) {
   EXPECT_EQ(one.bytes, allowed);
   const Datagram more = gap(kMost, kMost + 10);
   ASSERT_EQ(one.cause_of(more), "none");
-  // Final, so that no answer follows; it has all from the end of the range on.
+  // Final, so that no response follows; it has all from the end of the range on.
   Datagram expected = heartbeat(kMost + 10, kMost + 50, 8);
   expected[21] = 3;
   EXPECT_EQ(one.bytes, expected);

@@ -73,7 +73,7 @@ TEST_F(StatusScreenTest, TheDetailsSayWhyADeviceIsOffline) {
   draw();
   EXPECT_TRUE(press({Key::Kind::kDown}));
   const std::string text = draw(100);
-  EXPECT_THAT(text, AllOf(HasSubstr("press/p2"), HasSubstr("offline: no answer 6 times"),
+  EXPECT_THAT(text, AllOf(HasSubstr("press/p2"), HasSubstr("offline: no response 6 times"),
                           HasSubstr("look at its power, its cable")));
 }
 

@@ -112,7 +112,7 @@ class ApiTest : public testing::Test {
     std::optional<HttpResponse> response;
     (*route)->handler(request, Caller{"anna", Role::kOperator, "127.0.0.1"},
                       [&](HttpResponse given) { response = std::move(given); });
-    EXPECT_TRUE(io_.run_until([&] { return response.has_value(); })) << "no answer";
+    EXPECT_TRUE(io_.run_until([&] { return response.has_value(); })) << "no response";
     return response.value_or(HttpResponse{});
   }
   [[nodiscard]] HttpResponse ask(const std::string& target) { return ask(request_of(target)); }

@@ -127,7 +127,7 @@ TEST_F(ExportApiTest, AClientThatLeavesInTheMiddleIsNoFault) {
 TEST_F(ExportApiTest, AStoreThatBreaksOffSaysSoInTheLastLine) {
   add_export_routes(table_, database(), now());
   const HttpResponse response = ask("/api/export?from=0");
-  EXPECT_EQ(all_of(response).first, "broken off: the database does not answer\n");
+  EXPECT_EQ(all_of(response).first, "incomplete: the database does not respond\n");
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ TEST_F(PlanApiTest, IsWhatTheBridgeTells) {
   add_plan_routes(table_, model);
   const HttpResponse none = ask("/api/plan?bus=line");
   EXPECT_EQ(none.status, 404u);
-  EXPECT_NE(none.body.find("no bridge tells a plan"), std::string::npos);
+  EXPECT_NE(none.body.find("no bridge publishes a plan"), std::string::npos);
   EXPECT_EQ(json("/api/plan").size(), 0u);
   StationReadPlan plan;
   plan.bus = "line";

@@ -119,7 +119,7 @@ TEST_F(CommandControllerTest, AWorkerThatWaitsDoesNotHoldUpTheIoThread) {
   EXPECT_EQ(taken, PendingCommands::kMaxOfUser);
   const auto refused = write();
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().error, "too many commands are under way");
+  EXPECT_EQ(refused.error().error, "too many commands are pending");
   open.set_value();
 }
 

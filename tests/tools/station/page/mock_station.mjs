@@ -233,7 +233,7 @@ export async function startMock({ files, modules, port = 0, channels = 10_000, l
     '/api/audit': () => [200, { entries: plant.audit }],
     '/api/users': () => [200, { users: Object.entries(users).map(([user, role]) => ({ user, role, created_ms: Date.now() - 8.64e7 })) }],
     '/api/plan': (url) => (plant.buses.some(({ bus }) => bus === url.searchParams.get('bus')) ? [200, planOf(url.searchParams.get('bus'), mock.planLoad)] :
-      [404, { error: 'no bridge tells a plan of this bus', hint: '' }]),
+      [404, { error: 'no bridge publishes a plan of this bus', hint: '' }]),
   };
   const post = {
     '/api/alarms/acknowledge': ({ user }, { alarms, note }) => changeAlarms(alarms, (alarm) => ({ state: alarm.active ? 'acknowledged' : 'clear', acknowledged_by: user, acknowledged_ms: Date.now(), note })),

@@ -176,7 +176,7 @@ test('a device tells its state, the reason and what was learned; maintenance goe
   await says(page, '.messages', /in maintenance for 1 h/);
   await until(() => mock.plant.alarms.every((alarm) => alarm.suppressed), 'its alarms are suppressed');
   await go(page, '#/devices/press-shop/device-03');
-  await says(page, '.device', /holding:107.*holding:105\.\.107.*no answer 36/s);
+  await says(page, '.device', /holding:107.*holding:105\.\.107.*no response 36/s);
   await page.context().close();
 });
 

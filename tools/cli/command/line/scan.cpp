@@ -268,7 +268,8 @@ class Scan {
 void explain_broken(const Scanner& scanner, bool serial, std::ostream& err) {
   for (const ScanBroken& broken : scanner.broken())
     err << "address " << broken.address << ", " << line_text(scanner.lines()[broken.line], serial)
-        << ": bytes come that are not a valid answer; " << broken_answer_text(broken.shape) << '\n';
+        << ": bytes arrive that are not a valid response; " << broken_answer_text(broken.shape)
+        << '\n';
 }
 
 void explain_nothing(const ScanOptions& options, const Scanner& scanner, bool serial,
@@ -282,10 +283,11 @@ void explain_nothing(const ScanOptions& options, const Scanner& scanner, bool se
       << '\n';
   if (!scanner.broken().empty()) return explain_broken(scanner, serial, err);
   for (const std::size_t line : scanner.noisy_lines())
-    err << "  bytes came that are no answer: " << line_text(scanner.lines()[line], serial) << '\n';
+    err << "  bytes arrived that are not a response: " << line_text(scanner.lines()[line], serial)
+        << '\n';
   if (scanner.echoed())
     err << "  what was sent comes back, and nothing else: the adapter gives back what it sends, "
-           "and no device answers\n";
+           "and no device responds\n";
   if (!scanner.noisy_lines().empty())
     err << "another master may speak there, or the settings are others\n";
   else if (serial)

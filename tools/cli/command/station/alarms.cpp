@@ -250,7 +250,7 @@ class AlarmsCommand final : public CommandWith<AlarmsOptions> {
     CommandLine& unshelve = line.command("unshelve", "Take those back that are shelved");
     describe_action(unshelve, AlarmActionKind::kUnshelve);
     CommandLine& maintenance =
-        line.command("maintenance", "Suppress all alarms of a device while people work at it");
+        line.command("maintenance", "Suppress all alarms of a device while somebody works at it");
     describe_maintenance(maintenance);
     line.make_commands_optional();
   }

@@ -147,7 +147,8 @@ class StandbyCommand final : public CommandWith<StandbyOptions> {
 
 CommandEntry standby_command();
 CommandEntry standby_command() {
-  return {"standby", "Show which bridge of a standby group is master; take: make another one it",
+  return {"standby",
+          "Show which bridge of a standby group is master; take: make another member master",
           make_command<StandbyCommand>};
 }
 

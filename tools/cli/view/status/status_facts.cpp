@@ -23,7 +23,7 @@ std::string misses_text(std::uint64_t count, const CauseCounts& misses) {
 }
 
 std::string area_text(const AreaReport& area) {
-  std::string text = fmt::format("{}: answers in {}, blocks to {} items so far", area.area,
+  std::string text = fmt::format("{}: responds in {}, blocks to {} items so far", area.area,
                                  milliseconds_text(area.answer_time), area.largest_block);
   if (area.longest_block != 0) text += fmt::format("; it accepts {} at most", area.longest_block);
   return text;
@@ -89,7 +89,7 @@ std::vector<StatusFact> device_facts(const StationDeviceStatus& device,
   std::vector<StatusFact> facts{
       {"state", device_words(device, bus), tone_of(report.state)},
       {"times",
-       fmt::format("answers in {}, spread {}; timeout {}; pause after answers {}",
+       fmt::format("responds in {}, spread {}; timeout {}; pause after responses {}",
                    milliseconds_text(report.answer_time), milliseconds_text(report.answer_spread),
                    milliseconds_text(report.timeout), milliseconds_text(report.pause))},
       {"so far",

@@ -34,7 +34,7 @@ using DeviceEntry = std::map<std::pair<std::string, std::string>, StationDeviceS
 TextTable device_table(const std::vector<const DeviceEntry*>& devices) {
   TextTable table({{"  bus/device"},
                    {"state"},
-                   {"answers in", Align::kRight},
+                   {"responds in", Align::kRight},
                    {"timeout", Align::kRight},
                    {"exchanges", Align::kRight},
                    {"failed", Align::kRight},

@@ -18,7 +18,7 @@ struct Advice {
 };
 
 constexpr std::string_view kLineSettings =
-    "bytes come that are no answers: look at baud rate, parity and stop bits, and for a second "
+    "bytes arrive that are not responses: check baud rate, parity and stop bits, and for a second "
     "device of this address; the bridge's log says what the bytes look like";
 constexpr std::array kAdvice{
     Advice{Cause::kNoAnswer, "look at its power, its cable, its address and the baud rate"},
@@ -74,10 +74,11 @@ std::string_view quality_words(Quality quality) {
     case Quality::kBadNoAnswer:
       return "the device, or the way to it, is silent: look at power, cable, address and port";
     case Quality::kBadFrame:
-      return "bytes come and are no valid answer: look at parity, baud rate, wiring, and for a "
+      return "bytes arrive that are not a valid response: check parity, baud rate, wiring, and for "
+             "a "
              "second device of this address";
     case Quality::kBadDeviceError:
-      return "the device answered that it cannot: most often it does not have this address";
+      return "the device reported that it cannot: most often it does not have this address";
     case Quality::kBadRange: return "the bytes are no value of this type: look at the type";
     case Quality::kBadConfiguration:
       return "this channel cannot be read from this device: look at its address and type";
@@ -116,7 +117,7 @@ std::string bus_words(const StationBusStatus& bus) {
                            : "closed: its port is not open; it is tried again";
     case BusState::kLeased:
       return "leased: an engineer programs a device; fieldcast sessions says who";
-    case BusState::kStopped: return "stopped: its bridge ends or was told to leave it";
+    case BusState::kStopped: return "stopped: its bridge ends or was told to release it";
   }
   return bus.report.stretch > 1
              ? fmt::format(
@@ -143,8 +144,8 @@ std::string device_words(const StationDeviceStatus& device, const StationBusStat
     return fmt::format(
         "offline: the port of its bus is closed{}",
         says_why(*bus) ? fmt::format(" ({})", to_text(bus->report.closed_because)) : std::string{});
-  if (sorted.empty()) return "offline: it does not answer";
-  return fmt::format("offline: {}{}; it is asked ever more rarely until it answers",
+  if (sorted.empty()) return "offline: it does not respond";
+  return fmt::format("offline: {}{}; it is polled less and less often until it responds",
                      causes_words(device.causes, 2), sentence_about(sorted.front().cause));
 }
 

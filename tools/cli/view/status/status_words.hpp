@@ -14,7 +14,7 @@ namespace fieldcast::cli {
 // What to check for this cause: "baud rate, parity and stop bits"; may be empty.
 [[nodiscard]] std::string_view advice(Cause cause);
 
-// Most frequent first: "no answer 12 times, checksum error 3 times .. and 2 more causes". `most`:
+// Most frequent first: "no response 12 times, checksum error 3 times .. and 2 more causes". `most`:
 // maximum number; 0: all.
 [[nodiscard]] std::string causes_words(const CauseCounts& causes, std::size_t most = 0);
 
@@ -27,7 +27,7 @@ namespace fieldcast::cli {
 // Whether they differ by at most kLargestClockOffset.
 [[nodiscard]] bool clocks_agree(Duration ahead);
 
-// "offline: its bus is closed (no such device file)", "offline: it does not answer ...". The bus
+// "offline: its bus is closed (no such device file)", "offline: it does not respond ...". The bus
 // may be null: unknown.
 [[nodiscard]] std::string device_words(const StationDeviceStatus& device,
                                        const StationBusStatus* bus);

@@ -149,7 +149,7 @@ class EpicsReader {
     if (port == ports_.end())
       return refuse(files_.has_script
                         ? fmt::format("no drvModbusAsynConfigure makes the port '{}'", link->port)
-                        : "where it is stands in the startup script (st.cmd); give it, too");
+                        : "the startup script (st.cmd) names the line; give it as well");
     std::vector<Point>& points = device_of(port->second).points;
     if (auto fault = read_epics_record(record, *link, port->second, points))
       return refuse(std::move(*fault));

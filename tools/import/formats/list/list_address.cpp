@@ -67,7 +67,7 @@ Parsed single(std::string_view text, Notation notation) {
   // A blank is allowed only between letters and a number: "HR 100", not "4 0010".
   for (std::size_t at = text.find(' '); at != std::string_view::npos; at = text.find(' ', at + 1)) {
     if (is_digit(text[at - 1]))
-      return tl::unexpected(fmt::format("'{}' is no address: a blank stands in it", text));
+      return tl::unexpected(fmt::format("'{}' is not an address: it contains a blank", text));
   }
   const auto reference = reference_from(text, notation.base);
   const std::string_view digits = text.substr(0, text.find('.'));

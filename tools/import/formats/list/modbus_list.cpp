@@ -1,4 +1,4 @@
-// Register lists of vendors and of people: one row for each value, the titles in many words and in
+// Register lists of vendors and of users: one row for each value, the titles in many words and in
 // any order (modbus_list_columns.cpp).
 #include <fmt/format.h>
 
@@ -157,7 +157,7 @@ class ListReader {
     return std::nullopt;
   }
 
-  // Words, bytes or bits: all rows that are understood tell.
+  // Words, bytes or bits: decided by all rows that are understood.
   void decide_lengths() {
     if (length_unit_ || !columns_.has(Field::kLength)) return;
     LengthVote vote;
@@ -182,7 +182,7 @@ class ListReader {
     length_unit_ = vote.unit();
   }
 
-  // How many bits the row says besides its type; nothing: it does not.
+  // Number of bits that the row states in addition to its type; empty if it states none.
   std::optional<unsigned> said_bits(ListEntry& entry) const {
     if (entry.type.bits > 0) return entry.type.bits;
     if (entry.length) {
@@ -334,7 +334,7 @@ class ListReader {
                        columns_.cell(*entry.row, Field::kArea));
   }
 
-  // "40001" may be the first holding register, or register 40001: the whole list tells.
+  // "40001" may be the first holding register, or register 40001; the whole list decides.
   void decide_references(Found& found) {
     ReferenceVote vote;
     for (const ListEntry& entry : entries_) {

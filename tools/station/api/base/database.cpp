@@ -12,11 +12,11 @@ HttpResponse response_of(DatabaseFault fault) {
       response.headers.emplace_back("retry-after", "1");
       break;
     case DatabaseFault::kTooSlow:
-      response = error_response(503, "the answer takes too long",
+      response = error_response(503, "the query takes too long",
                                 "ask for a shorter time or for fewer channels");
       break;
     case DatabaseFault::kAway:
-      response = error_response(503, "the database does not answer",
+      response = error_response(503, "the database does not respond",
                                 "ask again in a minute; the station's log says what is wrong");
       response.headers.emplace_back("retry-after", "60");
       break;
@@ -76,7 +76,7 @@ void Database::serve(Task task) {
 }
 
 void Database::fail(Task& task, DatabaseFault fault, const char* reason) {
-  log_counted(LogLevel::kError, "database", "questions without an answer", reason);
+  log_counted(LogLevel::kError, "database", "queries without a response", reason);
   task.refuse(fault);
 }
 

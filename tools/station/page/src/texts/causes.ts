@@ -1,8 +1,8 @@
 // Causes of failed exchanges, values and commands; names as in core/base/cause.cpp.
 
 export const en = {
-  'cause.NONE': 'no error', 'cause.NO_ANSWER': 'no answer', 'cause.TRUNCATED': 'answer broken off', 'cause.CHECKSUM': 'checksum error',
-  'cause.MALFORMED': 'malformed answer', 'cause.FOREIGN': 'answer of another device', 'cause.OVERLONG': 'answer too long',
+  'cause.NONE': 'no error', 'cause.NO_ANSWER': 'no response', 'cause.TRUNCATED': 'incomplete response', 'cause.CHECKSUM': 'checksum error',
+  'cause.MALFORMED': 'malformed response', 'cause.FOREIGN': 'answer of another device', 'cause.OVERLONG': 'answer too long',
   'cause.PORT_CLOSED': 'port closed', 'cause.PORT_MISSING': 'no such device file', 'cause.PORT_DENIED': 'permission denied',
   'cause.PORT_IN_USE': 'in use by another program', 'cause.PORT_UNREACHABLE': 'no connection', 'cause.DEVICE_ERROR': 'refused by the device',
   'cause.DEVICE_BUSY': 'device not ready', 'cause.RANGE': 'value out of range', 'cause.WRONG_TYPE': 'value of the wrong type', 'cause.READ_ONLY': 'channel is read-only',

@@ -12,7 +12,7 @@ export const en = {
   'keys.title': 'Keys', 'keys.filter': 'To the filter', 'keys.rows': 'Up and down in a table', 'keys.open': 'Open the row',
   'keys.leave': 'Leave a field or a dialog', 'keys.help': 'This list',
   'error.lost': 'The station does not answer.', 'error.no-result': 'No result came. Look at the value before you try again.',
-  'quality.good': 'good', 'quality.uncertain': 'uncertain', 'quality.bad-no-answer': 'no answer', 'quality.bad-frame': 'bad frame',
+  'quality.good': 'good', 'quality.uncertain': 'uncertain', 'quality.bad-no-answer': 'no response', 'quality.bad-frame': 'bad frame',
   'quality.bad-device-error': 'device error', 'quality.bad-range': 'out of range', 'quality.bad-configuration': 'bad configuration',
   'quality.not-yet-read': 'not yet read',
   'state.opening': 'opening', 'state.running': 'running', 'state.closed': 'closed', 'state.leased': 'leased', 'state.stopped': 'stopped',
