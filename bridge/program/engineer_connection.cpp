@@ -117,7 +117,7 @@ void EngineerConnection::end(const std::string& reason) {
 
 void EngineerConnection::displace() {
   displaced_ = true;
-  end("too many connections that say nothing; the oldest goes");
+  end("too many silent connections; the oldest is disconnected");
 }
 
 void EngineerConnection::tell(const EngineerEvent& event) {

@@ -100,7 +100,7 @@ void EngineerServer::displaced(const std::string& address) {
   if (!verdict.log) return;
   const std::string more =
       verdict.suppressed == 0 ? "" : fmt::format(" ({} more before)", verdict.suppressed);
-  refuse(address, "too many connections that say nothing; the oldest goes" + more);
+  refuse(address, "too many silent connections; the oldest is disconnected" + more);
 }
 
 void EngineerServer::refuse(const std::string& address, const std::string& reason) {

@@ -144,7 +144,7 @@ TEST_F(CommandJobTest, AMomentaryCodeAfterWhichAWriteMayHaveTakenEffectIsReadBac
       EXPECT_EQ(ended.state, same ? CommandState::kDone : CommandState::kFailed);
       EXPECT_EQ(ended.device_code, same ? 0 : code);
       EXPECT_NE(ended.reason.find(same ? "; reading back shows the value"
-                                       : "; reading back shows another value"),
+                                       : "; reading back shows a different value"),
                 std::string::npos)
           << ended.reason;
     }

@@ -143,7 +143,7 @@ void CommandJob::resolve_doubt(const Bytes& items) {
   if (responded) {
     read_back_ = items;
     return finish(CommandState::kFailed, cause_, device_code_,
-                  what + "; reading back shows another value");
+                  what + "; reading back shows a different value");
   }
   if (rewrites_ < max_rewrites_) {  // `items` is the value before the rewrite, so it is not kept
     ++rewrites_;

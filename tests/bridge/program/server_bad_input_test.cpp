@@ -131,7 +131,7 @@ TEST_F(ProgramServer, SixHundredSilentConnectionsLockNobodyOut) {
   EXPECT_TRUE(silent.front().is_closed());
   const std::lock_guard lock(mutex);
   const auto displaced = std::count_if(audit.begin(), audit.end(), [](const auto& entry) {
-    return entry.result.find("the oldest goes") != std::string::npos;
+    return entry.result.find("the oldest is disconnected") != std::string::npos;
   });
   EXPECT_EQ(displaced, 2);  // logged once per port, then counted
 }

@@ -375,8 +375,9 @@ TEST_F(CollisionTest, AScanSaysThatTwoDevicesHaveTheAddress) {
   for (const Bytes& answer : {Bytes{1, 3, 2, 0, 5, 0, 0}, Bytes{1, 3, 2, 0, 5, 0, 0, 1, 3, 2, 0}}) {
     const auto ended = scan_with(answer);
     EXPECT_EQ(ended.code, ExitCode::kNothing);
-    EXPECT_THAT(ended.err, HasSubstr("address 1, modbus-rtu 115200 8N1: bytes come that are not a "
-                                     "valid response; they begin like its response"));
+    EXPECT_THAT(ended.err,
+                HasSubstr("address 1, modbus-rtu 115200 8N1: bytes arrive that are not a "
+                          "valid response; they begin like its response"));
     EXPECT_THAT(ended.err, HasSubstr("two devices"));
     EXPECT_THAT(ended.err, Not(HasSubstr("the settings are others")));
   }

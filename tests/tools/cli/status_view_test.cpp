@@ -132,7 +132,7 @@ TEST(StatusView, ADeviceThatIsOfflineSaysWhy) {
   EXPECT_THAT(
       joined(status_lines(model, UtcTime{1'500'000'000}, {200, 0, false})),
       HasSubstr("offline: no response 41 times, checksum error 2 times; look at its power, its "
-                "cable, its address and the baud rate; it is asked ever more rarely"));
+                "cable, its address and the baud rate; it is polled less and less often"));
   model.buses.at("press-shop").report.state = BusState::kClosed;
   model.buses.at("press-shop").report.closed_because = Cause::kPortInUse;
   EXPECT_THAT(joined(status_lines(model, UtcTime{1'500'000'000}, {})),
@@ -169,10 +169,10 @@ TEST(StatusView, BytesThatAreNoAnswersComeWithWhatToTry) {
   StationDeviceStatus& device = model.devices.begin()->second;
   device.report.state = DeviceState::kDegraded;
   device.causes = {{"CHECKSUM", 41}};
-  EXPECT_THAT(
-      joined(status_lines(model, UtcTime{1'500'000'000}, {200, 0, false})),
-      testing::AllOf(HasSubstr("press-shop/press-1"), HasSubstr("bytes come that are no responses"),
-                     HasSubstr("CHECKSUM 41"), HasSubstr("baud rate, parity")));
+  EXPECT_THAT(joined(status_lines(model, UtcTime{1'500'000'000}, {200, 0, false})),
+              testing::AllOf(HasSubstr("press-shop/press-1"),
+                             HasSubstr("bytes arrive that are not responses"),
+                             HasSubstr("CHECKSUM 41"), HasSubstr("baud rate, parity")));
   device.report.state = DeviceState::kOnline;
   EXPECT_THAT(joined(status_lines(model, UtcTime{1'500'000'000}, {200, 0, false})),
               testing::Not(HasSubstr("are no responses")))

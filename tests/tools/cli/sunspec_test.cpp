@@ -309,7 +309,7 @@ TEST(SunSpecView, SaysWhatIsMissing) {
   const auto json = parsed(sunspec_json(map));
   EXPECT_EQ(json["models"][0]["at"], 40002);
   EXPECT_EQ(json["incomplete"], "it broke off");
-  EXPECT_EQ(json["manufacturer"], "A\\xFF") << "bytes that are not UTF-8";
+  EXPECT_EQ(json["manufacturer"], "A\uFFFD") << "bytes that are not UTF-8";
 }
 
 }  // namespace
