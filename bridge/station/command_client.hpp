@@ -76,8 +76,8 @@ class CommandClient {
   };
   template <class Message>
   struct Writer : Matches {
-    // The first message to a newly found bridge is sent alone: with more than 256 messages before
-    // its reader discovers this writer, Fast DDS 2.9.1 loses the excess and reports them as
+    // The first message to a bridge that was just found is sent alone: with more than 256 messages
+    // before its reader discovers this writer, Fast DDS 2.9.1 loses the excess and reports them as
     // acknowledged.
     [[nodiscard]] bool write(Message& message) {
       const std::lock_guard lock(writing);

@@ -90,7 +90,7 @@ class Sites {
   // prefix.
   template <class Message, class Name>
   auto at_site(const Site& site, const std::function<void(const Message&)>& handler, Name name);
-  // The same for every site: subscribe(station, handler, gone).
+  // Calls `subscribe` for every site.
   template <class Message, class Name, class Subscribe>
   void subscribe_all(std::function<void(const Message&)> handler,
                      std::function<void(const Message&)> gone, Name name, Subscribe subscribe);

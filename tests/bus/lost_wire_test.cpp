@@ -70,7 +70,7 @@ TEST_F(LostWire, AnAnswerAfterALongStandstillMayBeAnotherMasters) {
   EXPECT_EQ(good_, 0);
 }
 
-// Both masters started at the same time, and the other one receives its response first.
+// Both masters started at the same time, and the second one receives its response first.
 TEST_F(LostWire, AFirstAnswerThatBeganBeforeTheRequestHadEndedIsAnotherMasters) {
   (void)ask();
   now_ += 1ms;

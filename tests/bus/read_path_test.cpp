@@ -116,7 +116,8 @@ TEST_F(ReadPathTest, ARefusedAddressIsFoundAndTheOthersAreRead) {
 
 // One register always brings exception 04, and takes its block along.
 TEST_F(ReadPathTest, AnAddressThatIsAlwaysBusyIsFoundAndRequestedAlone) {
-  reads_.set_interest(kOnInterest, 100ms, Instant{}, sink_);  // another block, which is answered
+  reads_.set_interest(kOnInterest, 100ms, Instant{},
+                      sink_);  // a different block, which has a response
   Instant now{};
   std::vector<Instant> alone;
   while (now < Instant{60s}) {
@@ -184,7 +185,7 @@ TEST_F(ReadPathTest, ADeviceThatIsBusyAsAWholeIsNotSearched) {
   }
   EXPECT_GT(reads, 5u);
   EXPECT_TRUE(notices().empty());
-  // A probe of one address is answered: the block itself is what the device cannot read.
+  // A probe of one address has a response: the block itself is what the device cannot read.
   reads_.probe_answered(0);
   const Read whole = next(now + 30s);
   reads_.failed(whole.block, whole.longer, Cause::kDeviceBusy, 0x0B, now + 30s, sink_);

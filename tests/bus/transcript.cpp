@@ -47,7 +47,7 @@ class Replay {
       feed(TimerFired{}, at);
     }
   }
-  // Base of a time by number of pluses: start, next unanswered request, last event.
+  // Base of a time by number of pluses: start, next request without a response, last event.
   Instant base(unsigned pluses) {
     if (pluses == 0) return Instant{};
     if (pluses == 2) return last_;

@@ -76,7 +76,7 @@ TEST(Overlap, AnotherTypeAtOnePlaceIsToldOf) {
                      "          - { name: b, at: \"holding:100\", type: uint16 }\n")
                 .size(),
             1u);
-  // A text over many: each of those behind it is told of once.
+  // A text over many channels: each channel behind it is reported once.
   EXPECT_EQ(warnings("          - { name: a, at: \"holding:100\", type: string(20) }\n"
                      "          - { name: b, at: \"holding:102\", type: uint16 }\n"
                      "          - { name: c, at: \"holding:105\", type: uint16 }\n")

@@ -1,8 +1,8 @@
 // Fuzz target of what `fieldcast scan` reads of a device's identity, which no plan asks for: any
-// bytes as its answers. What is done has a text that fits. The same bytes are the registers behind
-// the mark of SunSpec models: the walk over them ends.
+// bytes as its responses. Every result has a text that fits. The same bytes are the registers
+// behind the mark of SunSpec models: the walk over them ends.
 //
-// Input: form(1), a cut(1), then the answer.
+// Input: form(1), a cut(1), then the response.
 #include <algorithm>
 #include <array>
 #include <cstdlib>

@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   exchange_command->add_flag("--markers", exchange.markers, "marker frames");
   RelayOptions relay;
-  auto* relay_command = app.add_subcommand("relay", "random bytes both ways at once, compared");
+  auto* relay_command = app.add_subcommand("relay", "random bytes in both directions, compared");
   relay_command->add_option("--gigabytes", relay.gigabytes, "each way")->capture_default_str();
   relay_command->add_flag("--terminal", relay.terminal,
                           "through fieldcast-port and its virtual port too");

@@ -73,7 +73,7 @@ void explain_request(ByteView body, const CommandRow& row, FieldWriter& writer) 
 }
 
 void explain_answer(ByteView body, FieldWriter& writer) {
-  writer.remark("answer");
+  writer.remark("response");
   const bool digits = read_hex_bytes(body).has_value();
   writer.add(1, body.size(), "data", text_of(body),
              digits ? "" : "not pairs of upper-case hexadecimal digits");

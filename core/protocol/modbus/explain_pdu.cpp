@@ -201,7 +201,7 @@ class PduExplainer {
     const bool answer = has(1, 1) && pdu_.size() == 2u + pdu_[1] && pdu_[1] % 2 == 0;
     const bool request = pdu_.size() == request_pdu_size(pdu_);
     if (answer && !request) {
-      writer_.remark("answer");
+      writer_.remark("response");
       return counted_data(1, false);
     }
     writer_.remark(answer ? "request; could also be a response" : "request");

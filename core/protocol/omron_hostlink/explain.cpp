@@ -174,7 +174,7 @@ class HostLinkExplainer {
     const bool flags = letter == 'G';
     const bool request = rest.size() == address_size + 4 && !(flags && rest.size() == 2);
     if (!request && rest.size() >= 2 && (flags || (rest.size() - 2) % 4 == 0)) {
-      writer_.remark("answer");
+      writer_.remark("response");
       end_code(rest);
       return data(rest.subspan(2), kHeadSize + 2, flags);
     }
@@ -191,7 +191,7 @@ class HostLinkExplainer {
 
   void write(ByteView rest, char letter) {
     if (rest.size() == 2) {
-      writer_.remark("answer");
+      writer_.remark("response");
       return end_code(rest);
     }
     const std::size_t address_size = letter == 'E' ? 6 : 4;

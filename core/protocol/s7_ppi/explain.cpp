@@ -121,7 +121,7 @@ class PpiExplainer {
     const bool answer = bytes[1] == 0x02 || bytes[1] == 0x03;
     const std::size_t head = answer ? 12 : 10;
     const char* kind = bytes[1] == 0x01   ? "01 request"
-                       : answer           ? "answer"
+                       : answer           ? "response"
                        : bytes[1] == 0x07 ? "07 user data"
                                           : "unknown";
     writer_.add(at + 1, 1, "kind", kind);

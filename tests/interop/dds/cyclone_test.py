@@ -166,7 +166,7 @@ class CycloneStations(unittest.TestCase):
         with Watch(self.plant, 1000) as demanding, Watch(self.plant) as content:
             wait_until(lambda: demanding.good() == quick and len(content.good()) == len(CHANNELS) + 1, SECONDS,
                        lambda: f"{len(content.good())} in all; missing {quick - demanding.good()}, beyond {demanding.good() - quick}")
-            # When one reader has every channel twice, the other one had time to receive it.
+            # When one reader has every channel twice, the second one had time to receive it.
             before = {path: int(sample["sequence"]) for path, sample in content.samples.items()}
             wait_until(lambda: all(int(content.samples[path]["sequence"]) > first for path, first in before.items()), SECONDS, "no second samples")
             self.assertEqual(set(demanding.samples), quick)

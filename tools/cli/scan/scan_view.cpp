@@ -64,7 +64,7 @@ ProgressText scan_progress(const Scanner& scanner, Duration elapsed, bool serial
 std::vector<std::string> found_lines(const Scanner& scanner, bool serial, const Screen& screen) {
   TextTable table({{"ADDRESS", Align::kRight},
                    {"PROTOCOL AND LINE"},
-                   {"ANSWER"},
+                   {"RESPONSE"},
                    {"AFTER", Align::kRight},
                    {"WHAT IT SAYS OF ITSELF"}});
   for (const ScanFound& found : scanner.found()) {

@@ -69,7 +69,7 @@ TEST(SharedGuard, CountsRefusedDatagramsByCause) {
   EXPECT_EQ(refused_datagrams(), expected);
 }
 
-// A plant of 200 participants after a power cut: all start at once, at one address.
+// A plant of 200 participants after a power cut: all start together, at one address.
 TEST(DatagramGuard, APlantThatStartsAtOnceIsNotRefused) {
   Checked one;
   for (std::uint32_t i = 0; i < 200; ++i)
@@ -102,7 +102,7 @@ TEST(DatagramGuard, TheOldestWithoutEndpointsMakesRoom) {
   for (std::uint32_t i = 0; i < 3; ++i) ASSERT_EQ(one.cause_of(announcement(numbered(i))), "none");
   ASSERT_EQ(one.cause_of(endpoint(1, numbered(0))), "none");
   ASSERT_EQ(one.cause_of(announcement(numbered(3))), "none");
-  // The library is told that number 1 has left: in its name, with its GUID, disposed.
+  // The guard reports to the library that number 1 has left: in its name, with its GUID, disposed.
   ASSERT_FALSE(one.before.empty());
   EXPECT_TRUE(std::equal(one.before.begin() + 8, one.before.begin() + 20, numbered(1).begin()));
   const Datagram left =

@@ -117,7 +117,7 @@ std::string bus_words(const StationBusStatus& bus) {
                            : "closed: its port is not open; it is tried again";
     case BusState::kLeased:
       return "leased: an engineer programs a device; fieldcast sessions says who";
-    case BusState::kStopped: return "stopped: its bridge ends or was told to release it";
+    case BusState::kStopped: return "stopped: its bridge ends or was requested to release it";
   }
   return bus.report.stretch > 1
              ? fmt::format(
