@@ -19,7 +19,7 @@ esac
 git() { command git -c safe.directory="$PWD" "$@"; }
 version=$(sed -n 's/^project(fieldcast VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
 [ -n "$version" ] || fail "CMakeLists.txt has no line 'project(fieldcast VERSION ...'"
-notes=$(git show HEAD:CHANGELOG.md | sed -n "/^## $version\b/,/^## /p" | sed -e '$d' -e 1d)
+notes=$(git show HEAD:CHANGELOG.md | awk -v head="## $version " 'index($0, head) == 1 { on = 1; next } /^## / { on = 0 } on')
 [ -n "$notes" ] || fail "CHANGELOG.md has no section '## $version'; write what changes for users"
 head -1 tools/packaging/debian/changelog | grep -qF "($version" || fail "tools/packaging/debian/changelog does not begin with version $version"
 SOURCE_DATE_EPOCH=$(git log -1 --format=%ct HEAD)
