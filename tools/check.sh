@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Checks format and spelling of all sources, and runs clang-tidy on changed ones.
+# Checks format, spelling, boundaries of folders and words of all sources, the messages of new commits, and runs clang-tidy on
+# changed sources.
 #
 #   tools/check.sh [COMMIT]
 #
@@ -22,6 +23,15 @@ clang-format --dry-run -Werror "${sources[@]}" || fail "not formatted; run: clan
 codespell bridge config core docs idl tests tools ./*.md .ci/run ||
   fail "misspelt, see above"
 
+# The figures of the tree, with their limits.
+python3 tests/tools/boundaries.py . || fail "a boundary is crossed, see above"
+words=$(python3 tests/docs/language.py .) || fail "words to avoid: $words; see: python3 tests/docs/language.py . PATH"
+echo "words of CONTRIBUTING.md, 'Language': ${words%% *}"
+public=(bridge/client/include/fieldcast/*.hpp)
+lines=$(cat "${public[@]}" | wc -l)
+echo "headers of the station library: ${#public[@]}, $lines lines"
+[ "${#public[@]}" -le 6 ] && [ "$lines" -le 700 ] || fail "the station library has at most 6 headers with 700 lines"
+
 base=${1:-}
 head=$(git rev-parse HEAD 2>/dev/null) || { echo "clang-tidy: no git checkout, nothing to compare with"; exit 0; }
 for branch in origin/main main HEAD~1; do
@@ -30,6 +40,13 @@ for branch in origin/main main HEAD~1; do
   [ "$base" != "$head" ] || base=""
 done
 [ -n "$base" ] || { echo "clang-tidy: one commit, nothing to compare with"; exit 0; }
+
+message=$(mktemp)
+trap 'rm -f "$message"' EXIT
+while read -r commit; do
+  git log -1 --format=%B "$commit" >"$message"
+  tools/hooks/commit-msg "$message" || fail "the message of commit ${commit:0:9}, see above"
+done < <(git rev-list --no-merges "$base..HEAD")
 
 # Without the example, which a test compiles against the installed headers.
 mapfile -t changed < <(git diff --numstat --diff-filter=AMR "$base" -- '*.cpp' ':!tools/packaging/example' | sort -rn | cut -f3 | grep -v '[{}]')
