@@ -122,6 +122,19 @@ def boundary_faults(files, readmes):
     return faults
 
 
+def unknown_names(document, files):
+    """The `Type` and `Type::function` of the ways in docs/architecture.md that no source declares."""
+    ways = re.findall(r"^## The way of .*?(?=^## )", document, re.MULTILINE | re.DOTALL)
+    sources = "\n".join(files.values())
+    unknown = []
+    for name in re.findall(r"`([A-Z]\w+(?:::\w+)?)`", "".join(ways)):
+        kind, _, function = name.partition("::")
+        declared = re.search(rf"\b(?:class|struct|enum class|using|concept) {kind}\b", sources)
+        if not declared or function and not re.search(rf"\b{function}\(", sources):
+            unknown.append(name)
+    return unknown
+
+
 def size_faults(files):
     faults = []
     sources = collections.Counter(os.path.dirname(path) for path in files)

@@ -51,6 +51,11 @@ class Rules(unittest.TestCase):
         large = {f"core/{folder}/{name}.cpp": "" for folder in "abcde" for name in range(26)}
         self.assertEqual(len(boundaries.size_faults(large)), 1)
 
+    def test_a_name_that_no_source_declares_is_found(self):
+        document = "## The way of a sample\n\n`Reader::take` and `Gone`, not `word`.\n\n## Threads\n`Other`\n"
+        self.assertEqual(boundaries.unknown_names(document, {"a.hpp": "class Reader { void take(); };"}), ["Gone"])
+        self.assertEqual(boundaries.unknown_names(document, {"a.hpp": "class Reader {}; class Gone {};"}), ["Reader::take"])
+
     def test_a_wrapped_line_is_read_whole(self):
         names = [f"a_long_name_of_a_header_{number}.hpp" for number in range(12)]
         text = boundaries.wrapped(boundaries.FACE, names) + "\n" + boundaries.wrapped(boundaries.USES, ["core/base"])
@@ -69,6 +74,12 @@ class Tree(unittest.TestCase):
             named = set(re.findall(r"`((?:core|config|bridge|tools)(?:/[a-z0-9_/-]+)?)`", file.read()))
         folders = set(boundaries.wanted(boundaries.read_tree(SOURCE_DIR)))
         self.assertEqual(sorted(folders - named), [], "folders that docs/architecture.md does not name")
+
+    def test_the_ways_of_the_architecture_name_what_exists(self):
+        with open(os.path.join(SOURCE_DIR, "docs", "architecture.md"), encoding="utf-8") as file:
+            document = file.read()
+        self.assertGreater(document.count("## The way of "), 2)
+        self.assertEqual(boundaries.unknown_names(document, boundaries.read_tree(SOURCE_DIR)), [])
 
 
 if __name__ == "__main__":
