@@ -84,11 +84,11 @@ std::vector<std::string_view> declared_area_names(const declared::Declaration& d
 }
 
 DeclaredDevice::DeclaredDevice(const DeviceSetup& setup)
-    : declaration_(setup.spec.declaration.value),
+    : MemoryDevice({areas_of(*setup.spec.declaration.value), setup}),
+      declaration_(setup.spec.declaration.value),
       address_(setup.spec.link.address),
       line_(setup.line),
-      stream_(setup.stream),
-      memory_(areas_of(*declaration_), setup) {}
+      stream_(setup.stream) {}
 
 std::unique_ptr<Receiver> DeclaredDevice::open_receiver() {
   return std::make_unique<DeclaredReceiver>(*this, line_, stream_);

@@ -7,25 +7,15 @@
 #include <string>
 
 #include "tools/sim/device/declared_text.hpp"
-#include "tools/sim/device/device.hpp"
-#include "tools/sim/device/item_memory.hpp"
+#include "tools/sim/device/memory_device.hpp"
 
 namespace fieldcast::sim {
 
-class DeclaredDevice : public SimDevice {
+class DeclaredDevice : public MemoryDevice {
  public:
   explicit DeclaredDevice(const DeviceSetup& setup);
 
   [[nodiscard]] std::unique_ptr<Receiver> open_receiver() override;
-  [[nodiscard]] const DeviceStatistics& statistics() const override { return statistics_; }
-  [[nodiscard]] std::optional<std::uint64_t> peek(std::string_view area, std::uint32_t item,
-                                                  Instant now) override {
-    return memory_.peek(area, item, now);
-  }
-  bool poke(std::string_view area, std::uint32_t item, std::uint64_t bits) override {
-    return memory_.poke(area, item, bits);
-  }
-  [[nodiscard]] ItemMemory& memory() { return memory_; }
 
   enum class Taken : std::uint8_t { kMore, kDone, kNothing };
   // Parses all bytes since the last silence or response. kDone with an empty `answer`: stay silent.
@@ -45,8 +35,6 @@ class DeclaredDevice : public SimDevice {
   const std::uint16_t address_;
   const LineFormat line_;
   const bool stream_;
-  ItemMemory memory_;
-  DeviceStatistics statistics_;
 };
 
 [[nodiscard]] std::vector<std::string_view> declared_area_names(

@@ -103,10 +103,10 @@ std::optional<ItemAddress> parse_dtc_address(std::string_view at) {
 }
 
 DtcDevice::DtcDevice(const DeviceSetup& setup)
-    : address_(static_cast<std::uint8_t>(setup.spec.link.address)),
+    : MemoryDevice({dtc_areas(), setup}),
+      address_(static_cast<std::uint8_t>(setup.spec.link.address)),
       line_(setup.line),
-      stream_(setup.stream),
-      memory_(dtc_areas(), setup) {
+      stream_(setup.stream) {
   (void)read_option(setup.spec.link, "max-message", kMostBytes, max_message_);
   (void)read_option(setup.spec.link, "threshold", 65535, threshold_);
 }

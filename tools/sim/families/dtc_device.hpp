@@ -13,8 +13,7 @@
 #include <memory>
 #include <string>
 
-#include "tools/sim/device/device.hpp"
-#include "tools/sim/device/item_memory.hpp"
+#include "tools/sim/device/memory_device.hpp"
 
 namespace fieldcast::sim {
 
@@ -25,20 +24,11 @@ inline constexpr std::array<unsigned, 5> kDtcBits{1, 16, 32, 32, 64};  // of one
 // "int16:100" or "int16:100.3"; independent of the bridge's parser.
 [[nodiscard]] std::optional<ItemAddress> parse_dtc_address(std::string_view at);
 
-class DtcDevice : public SimDevice {
+class DtcDevice : public MemoryDevice {
  public:
   explicit DtcDevice(const DeviceSetup& setup);
 
   [[nodiscard]] std::unique_ptr<Receiver> open_receiver() override;
-  [[nodiscard]] const DeviceStatistics& statistics() const override { return statistics_; }
-  [[nodiscard]] std::optional<std::uint64_t> peek(std::string_view area, std::uint32_t item,
-                                                  Instant now) override {
-    return memory_.peek(area, item, now);
-  }
-  bool poke(std::string_view area, std::uint32_t item, std::uint64_t bits) override {
-    return memory_.poke(area, item, bits);
-  }
-  [[nodiscard]] ItemMemory& memory() { return memory_; }
 
   // `body`: of a complete packet. Empty `answer`: stay silent. Returns false if invalid.
   bool take(bool compressed, ByteView body, Instant now, Bytes& answer);
@@ -61,8 +51,6 @@ class DtcDevice : public SimDevice {
   const LineFormat line_;
   const bool stream_;
   std::size_t max_message_ = 1024, threshold_ = 24;
-  ItemMemory memory_;
-  DeviceStatistics statistics_;
 };
 
 // Fails for an address outside 0..255, an invalid option, or an invalid channel address.

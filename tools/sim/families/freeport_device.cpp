@@ -70,10 +70,10 @@ bool letters_swapped(const DeviceSetup& setup) {
 }  // namespace
 
 FreeportDevice::FreeportDevice(const DeviceSetup& setup)
-    : station_(static_cast<std::uint8_t>(setup.spec.link.address)),
+    : MemoryDevice(ItemMemory({{kFreeportAreaNames[0], 8, kBytes}}, whole_window(setup))),
+      station_(static_cast<std::uint8_t>(setup.spec.link.address)),
       read_(letters_swapped(setup) ? 'R' : 'W'),
-      write_(letters_swapped(setup) ? 'W' : 'R'),
-      memory_({{kFreeportAreaNames[0], 8, kBytes}}, whole_window(setup)) {
+      write_(letters_swapped(setup) ? 'W' : 'R') {
   mirrored_.fill(true);
   for (const ChannelSpec& channel : setup.spec.channels) {
     const auto at = parse_window(channel.at);

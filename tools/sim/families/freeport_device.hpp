@@ -14,27 +14,17 @@
 #include <memory>
 #include <string>
 
-#include "tools/sim/device/device.hpp"
-#include "tools/sim/device/item_memory.hpp"
+#include "tools/sim/device/memory_device.hpp"
 
 namespace fieldcast::sim {
 
 inline constexpr std::array<std::string_view, 1> kFreeportAreaNames{"window"};
 
-class FreeportDevice : public SimDevice {
+class FreeportDevice : public MemoryDevice {
  public:
   explicit FreeportDevice(const DeviceSetup& setup);
 
   [[nodiscard]] std::unique_ptr<Receiver> open_receiver() override;
-  [[nodiscard]] const DeviceStatistics& statistics() const override { return statistics_; }
-  [[nodiscard]] std::optional<std::uint64_t> peek(std::string_view area, std::uint32_t item,
-                                                  Instant now) override {
-    return memory_.peek(area, item, now);
-  }
-  bool poke(std::string_view area, std::uint32_t item, std::uint64_t bits) override {
-    return memory_.poke(area, item, bits);
-  }
-  [[nodiscard]] ItemMemory& memory() { return memory_; }
 
   // `frame`: from `q` to `Q`. Returns an empty response to stay silent.
   [[nodiscard]] Bytes take(ByteView frame, Instant now);
@@ -47,10 +37,8 @@ class FreeportDevice : public SimDevice {
 
   const std::uint8_t station_;
   const char read_, write_;  // command letters of the program
-  ItemMemory memory_;
   std::array<std::uint8_t, kBytes> written_{};
   std::array<bool, kBytes> mirrored_;
-  DeviceStatistics statistics_;
 };
 
 // Fails for a station outside 0..255 or a channel address outside the window.

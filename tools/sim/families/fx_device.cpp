@@ -117,7 +117,7 @@ std::optional<ItemAddress> parse_fx_address(std::string_view at) {
 
 }  // namespace
 
-FxDevice::FxDevice(const DeviceSetup& setup) : memory_(fx_areas(), setup) {}
+FxDevice::FxDevice(const DeviceSetup& setup) : MemoryDevice({fx_areas(), setup}) {}
 
 std::unique_ptr<Receiver> FxDevice::open_receiver() { return std::make_unique<FxReceiver>(*this); }
 

@@ -12,28 +12,18 @@
 #include <memory>
 #include <string>
 
-#include "tools/sim/device/device.hpp"
-#include "tools/sim/device/item_memory.hpp"
+#include "tools/sim/device/memory_device.hpp"
 
 namespace fieldcast::sim {
 
 inline constexpr std::array<std::string_view, 14> kFxAreaNames{
     "D", "D8000", "T", "C", "C200", "M", "M8000", "X", "Y", "S", "TS", "TC", "CS", "CC"};
 
-class FxDevice : public SimDevice {
+class FxDevice : public MemoryDevice {
  public:
   explicit FxDevice(const DeviceSetup& setup);
 
   [[nodiscard]] std::unique_ptr<Receiver> open_receiver() override;
-  [[nodiscard]] const DeviceStatistics& statistics() const override { return statistics_; }
-  [[nodiscard]] std::optional<std::uint64_t> peek(std::string_view area, std::uint32_t item,
-                                                  Instant now) override {
-    return memory_.peek(area, item, now);
-  }
-  bool poke(std::string_view area, std::uint32_t item, std::uint64_t bits) override {
-    return memory_.poke(area, item, bits);
-  }
-  [[nodiscard]] ItemMemory& memory() { return memory_; }
 
   // `text`: after STX up to and including ETX; `sum`: its two digits.
   [[nodiscard]] Bytes take(ByteView text, ByteView sum, Instant now);
@@ -54,9 +44,6 @@ class FxDevice : public SimDevice {
   [[nodiscard]] Bytes read(bool extended, ByteView range, Instant now) const;
   [[nodiscard]] Bytes write(bool extended, ByteView range, Instant now);
   [[nodiscard]] Bytes force(bool extended, ByteView range, bool on);
-
-  ItemMemory memory_;
-  DeviceStatistics statistics_;
 };
 
 [[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_fx_device(

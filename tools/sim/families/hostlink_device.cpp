@@ -65,7 +65,9 @@ std::size_t address_digits(char letter) { return letter == 'E' ? 6 : 4; }
 }  // namespace
 
 HostLinkDevice::HostLinkDevice(const DeviceSetup& setup)
-    : unit_(setup.spec.link.address), memory_(omron_areas(), setup), fins_(memory_, statistics_) {}
+    : MemoryDevice({omron_areas(), setup}),
+      unit_(setup.spec.link.address),
+      fins_(memory_, statistics_) {}
 
 std::unique_ptr<Receiver> HostLinkDevice::open_receiver() {
   return std::make_unique<HostLinkReceiver>(*this);

@@ -10,26 +10,17 @@
 #include <memory>
 #include <string>
 
-#include "tools/sim/device/device.hpp"
+#include "tools/sim/device/memory_device.hpp"
 #include "tools/sim/families/fins_unit.hpp"
 #include "tools/sim/families/omron_memory.hpp"
 
 namespace fieldcast::sim {
 
-class HostLinkDevice : public SimDevice {
+class HostLinkDevice : public MemoryDevice {
  public:
   explicit HostLinkDevice(const DeviceSetup& setup);
 
   [[nodiscard]] std::unique_ptr<Receiver> open_receiver() override;
-  [[nodiscard]] const DeviceStatistics& statistics() const override { return statistics_; }
-  [[nodiscard]] std::optional<std::uint64_t> peek(std::string_view area, std::uint32_t item,
-                                                  Instant now) override {
-    return memory_.peek(area, item, now);
-  }
-  bool poke(std::string_view area, std::uint32_t item, std::uint64_t bits) override {
-    return memory_.poke(area, item, bits);
-  }
-  [[nodiscard]] ItemMemory& memory() { return memory_; }
 
   // `line`: without CR; starts with `@`, except a delimiter or a later frame of a write.
   void take(ByteView line, Instant now, Reaction& reaction);
@@ -60,8 +51,6 @@ class HostLinkDevice : public SimDevice {
   void forget_transfer();
 
   const unsigned unit_;
-  ItemMemory memory_;
-  DeviceStatistics statistics_;
   FinsUnit fins_;
   unsigned mode_ = 2;          // set by SC: 0 PROGRAM, 2 MONITOR, 3 RUN
   std::deque<Bytes> to_come_;  // frames of a reply that wait for a delimiter
