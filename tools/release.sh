@@ -3,7 +3,8 @@
 #
 #   tools/release.sh [--twice]
 #
-# Builds the last commit, not the working tree. --twice: builds a second time without compiler cache and fails if a byte differs.
+# Builds the last commit, not the working tree, and without compiler cache, whose settings may change the paths in objects. --twice:
+# builds a second time and fails if a byte differs.
 # The time of the commit is the time in every file, so that the same commit gives the same bytes.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -23,7 +24,7 @@ notes=$(git show HEAD:CHANGELOG.md | awk -v head="## $version " 'index($0, head)
 [ -n "$notes" ] || fail "CHANGELOG.md has no section '## $version'; write what changes for users"
 head -1 tools/packaging/debian/changelog | grep -qF "($version" || fail "tools/packaging/debian/changelog does not begin with version $version"
 SOURCE_DATE_EPOCH=$(git log -1 --format=%ct HEAD)
-export SOURCE_DATE_EPOCH TZ=UTC LC_ALL=C.UTF-8
+export SOURCE_DATE_EPOCH TZ=UTC LC_ALL=C.UTF-8 CCACHE_DISABLE=1
 
 release=$PWD/build/release/$version
 source=$PWD/build/release/source
@@ -45,7 +46,7 @@ packages_of "$release"
 if [ "$twice" = yes ]; then
   second=$PWD/build/release/second
   rm -rf "$second"
-  CCACHE_DISABLE=1 packages_of "$second"
+  packages_of "$second"
   for package in "$second"/*.deb; do
     cmp "$package" "$release/$(basename "$package")" || fail "$(basename "$package") of the second build differs; both are kept in build/release"
   done
