@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/base/duration_text.hpp"
+#include "core/base/value.hpp"
 #include "core/model/channel_kind.hpp"
 
 namespace fieldcast::config {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/model/bus_spec.hpp"
+#include "core/model/sample.hpp"
 #include "core/protocol/protocol.hpp"
 #include "tools/sim/device/device.hpp"
 

@@ -3,6 +3,8 @@
 
 #include <thread>
 
+#include "bridge/dds/topics/conversion.hpp"
+#include "bridge/dds/transport/domain.hpp"
 #include "tests/bridge/dds/dds_support.hpp"
 
 namespace fieldcast::testing {
