@@ -297,7 +297,8 @@ Subscription Station::catalogue(std::string_view pattern,
        .on_removed = std::move(removed)});
 }
 
-Subscription Station::alarms(std::string_view pattern, std::function<void(const Alarm&)> on_alarm) {
+Subscription Station::alarms(std::string_view pattern,
+                             const std::function<void(const Alarm&)>& on_alarm) {
   const Pattern wanted = parse(pattern);
   state_->receive_alarms();
   return state_->add(state_->alarms,
@@ -306,21 +307,21 @@ Subscription Station::alarms(std::string_view pattern, std::function<void(const 
                       .on_removed = on_alarm});
 }
 
-Subscription Station::bus_status(std::function<void(const BusStatus&)> on_status) {
+Subscription Station::bus_status(const std::function<void(const BusStatus&)>& on_status) {
   state_->receive_bus_status();
   return state_->add(state_->buses, {.wants = [](const BusStatus&) { return true; },
                                      .on_message = on_status,
                                      .on_removed = on_status});
 }
 
-Subscription Station::device_status(std::function<void(const DeviceStatus&)> on_status) {
+Subscription Station::device_status(const std::function<void(const DeviceStatus&)>& on_status) {
   state_->receive_device_status();
   return state_->add(state_->devices, {.wants = [](const DeviceStatus&) { return true; },
                                        .on_message = on_status,
                                        .on_removed = on_status});
 }
 
-Subscription Station::bridges(std::function<void(const Bridge&)> on_bridge) {
+Subscription Station::bridges(const std::function<void(const Bridge&)>& on_bridge) {
   state_->receive_bridges();
   return state_->add(state_->bridges, {.wants = [](const Bridge&) { return true; },
                                        .on_message = on_bridge,

@@ -83,10 +83,11 @@ class Station {
                                        std::function<void(const Channel&)> on_channel,
                                        std::function<void(const Path&)> on_removed = {});
   [[nodiscard]] Subscription alarms(std::string_view pattern,
-                                    std::function<void(const Alarm&)> on_alarm);
-  [[nodiscard]] Subscription bus_status(std::function<void(const BusStatus&)> on_status);
-  [[nodiscard]] Subscription device_status(std::function<void(const DeviceStatus&)> on_status);
-  [[nodiscard]] Subscription bridges(std::function<void(const Bridge&)> on_bridge);
+                                    const std::function<void(const Alarm&)>& on_alarm);
+  [[nodiscard]] Subscription bus_status(const std::function<void(const BusStatus&)>& on_status);
+  [[nodiscard]] Subscription device_status(
+      const std::function<void(const DeviceStatus&)>& on_status);
+  [[nodiscard]] Subscription bridges(const std::function<void(const Bridge&)>& on_bridge);
 
   /// Asks the bridges to read the channels at this refresh or faster while the Subscription exists.
   /// Empty if this station, by DDS Security, may not declare interests.
