@@ -46,22 +46,13 @@ std::string key_text(const AlarmKey& key) { return fieldcast::to_text(key); }
 
 inline namespace v1 {
 
-struct Subscription::Part {
-  explicit Part(std::function<void()> ending) : end(std::move(ending)) {}
-  std::function<void()> end;
-};
-
-Subscription::Subscription() noexcept = default;
-Subscription::Subscription(Subscription&&) noexcept = default;
-Subscription::Subscription(std::unique_ptr<Part> part) : part_(std::move(part)) {}
-Subscription::~Subscription() { end(); }
 Subscription& Subscription::operator=(Subscription&& other) noexcept {
   end();
-  part_ = std::move(other.part_);
+  end_ = std::exchange(other.end_, nullptr);
   return *this;
 }
 void Subscription::end() {
-  if (const auto part = std::exchange(part_, nullptr)) part->end();
+  if (const auto ending = std::exchange(end_, nullptr)) ending();
 }
 
 struct Station::State {
@@ -70,7 +61,7 @@ struct Station::State {
 
   template <class Message>
   Subscription add(Feed<Message>& feed, typename Feed<Message>::Handlers handlers) {
-    return Subscription(std::make_unique<Subscription::Part>(feed.add(std::move(handlers))));
+    return Subscription(feed.add(std::move(handlers)));
   }
   void receive_samples();
   void receive_channels();
@@ -238,11 +229,11 @@ Subscription Station::State::subscribe_with_deadline(const Pattern& pattern,
   std::vector<std::shared_ptr<DeadlineWatch>> removed;
   const std::lock_guard lock(watch_mutex);
   removed.swap(ended_watches);
-  return Subscription(std::make_unique<Subscription::Part>([this, watch] {
+  return Subscription([this, watch] {
     watch->end();
     const std::lock_guard ending(watch_mutex);
     ended_watches.push_back(watch);
-  }));
+  });
 }
 
 Result Station::State::execute(StationCommand command, const CommandOptions& options) {
@@ -335,8 +326,8 @@ Subscription Station::interest(std::string_view pattern, Duration refresh) {
   std::multiset<Duration>& refreshes = state_->interests[text];
   refreshes.insert(refresh);
   state_->inner.declare_interest(text, *refreshes.begin());
-  return Subscription(std::make_unique<Subscription::Part>(
-      [state = state_.get(), text, refresh] { state->end_interest(text, refresh); }));
+  return Subscription(
+      [state = state_.get(), text, refresh] { state->end_interest(text, refresh); });
 }
 
 void Station::State::end_interest(const std::string& pattern, Duration refresh) {

@@ -24,6 +24,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "fieldcast/alarms.hpp"
@@ -39,18 +40,18 @@ inline namespace v1 {
 /// one is empty.
 class Subscription {
  public:
-  Subscription() noexcept;
-  Subscription(Subscription&&) noexcept;
+  Subscription() = default;
+  Subscription(Subscription&& other) noexcept : end_(std::exchange(other.end_, nullptr)) {}
   Subscription& operator=(Subscription&& other) noexcept;
-  ~Subscription();
+  ~Subscription() { end(); }
   void end();  ///< now instead of at the destruction
-  [[nodiscard]] explicit operator bool() const { return part_ != nullptr; }
+  [[nodiscard]] explicit operator bool() const { return end_ != nullptr; }
 
-  struct Part;  ///< private to the library
-  explicit Subscription(std::unique_ptr<Part> part);
+  /// For the library: `end` is called once.
+  explicit Subscription(std::function<void()> end) : end_(std::move(end)) {}
 
  private:
-  std::unique_ptr<Part> part_;
+  std::function<void()> end_;
 };
 
 struct SampleOptions {
