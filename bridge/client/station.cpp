@@ -263,7 +263,9 @@ Subscription Station::subscribe(std::string_view pattern,
   state_->receive_samples();
   Feed<Sample>::Handler on_removed;
   if (options.on_removed) {
-    on_removed = [told = std::move(options.on_removed)](const Sample& last) { told(last.path); };
+    on_removed = [handler = std::move(options.on_removed)](const Sample& last) {
+      handler(last.path);
+    };
   }
   return state_->add(
       state_->samples,
