@@ -74,7 +74,10 @@ class Outputs:
         self.check(sorted(forged) == sorted(DEVICES), f"{where}: the devices are {sorted(forged)}")
         for device in forged.values():
             self.check(device["state"] == "online" and device["causes"] == dict.fromkeys(CAUSES, 7), f"{where}: {device}")
-        self.check(all(device["state"] == "online" for device in devices), f"{where}: {devices}")
+        honest = [device for device in devices if device["device"] == "plc"]
+        # On a busy machine the real device may respond late, which is a fact and no forgery.
+        self.check(len(honest) == 1 and honest[0]["state"] in ("online", "degraded"), f"{where}: {honest}")
+        self.check(len(honest) == 1 and not set(honest[0]["causes"]) & set(CAUSES), f"{where}: {honest}")
 
 
 def check_command_line(plant, outputs):
@@ -95,7 +98,9 @@ def check_command_line(plant, outputs):
 def check_station(station, outputs):
     browser = e2e_station.Browser(station)
     live = e2e_station.Socket(browser)
-    wait_until(lambda: len(browser.get("/api/devices")) > len(TEXTS), 20, lambda: browser.ask("GET", "/api/devices"))
+    online = dict.fromkeys([*DEVICES, "plc"], "online")
+    wait_until(lambda: {device["device"]: device["state"] for device in browser.get("/api/devices")} == online, 30,
+               lambda: browser.ask("GET", "/api/devices"))
     for _ in range(10):
         buses, devices = (browser.ask("GET", path)[1] for path in ("/api/buses", "/api/devices"))
         outputs.text("/api", (buses + "\n" + devices).encode())
