@@ -5,7 +5,7 @@
 #include "bridge/base/clock.hpp"
 #include "bridge/bridge_state.hpp"
 #include "bridge/standby/common_configuration.hpp"
-#include "core/base/counted.hpp"
+#include "core/base/message_text.hpp"
 
 namespace fieldcast {
 namespace {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "core/base/time.hpp"
-#include "core/base/utc_mapping.hpp"
 
 namespace fieldcast {
 

@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <sstream>
 
-#include "core/base/escaped.hpp"
+#include "core/base/message_text.hpp"
 
 namespace fieldcast {
 

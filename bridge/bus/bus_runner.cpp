@@ -25,7 +25,7 @@
 #include "bridge/standby/master_lease.hpp"
 #include "core/bus/bus_engine.hpp"
 #include "core/dispatch/plan_draft.hpp"
-#include "core/model/command_refusal.hpp"
+#include "core/model/command.hpp"
 
 namespace fieldcast {
 namespace {

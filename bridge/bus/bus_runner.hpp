@@ -16,7 +16,7 @@
 #include "bridge/bus/bus_sink.hpp"
 #include "core/bus/setup/event.hpp"
 #include "core/model/bus_spec.hpp"
-#include "core/model/inheritance.hpp"
+#include "core/model/status.hpp"
 
 namespace boost::asio {
 class io_context;

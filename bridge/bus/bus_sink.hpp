@@ -5,11 +5,11 @@
 #include <string_view>
 #include <vector>
 
-#include "core/base/utc_mapping.hpp"
+#include "core/base/time.hpp"
 #include "core/model/command.hpp"
 #include "core/model/sample.hpp"
 #include "core/model/status.hpp"
-#include "core/plan/plan_report.hpp"
+#include "core/plan/read_plan.hpp"
 
 namespace fieldcast {
 

@@ -4,7 +4,7 @@
 
 #include <cerrno>
 
-#include "core/base/escaped.hpp"
+#include "core/base/message_text.hpp"
 
 namespace fieldcast {
 namespace {

@@ -4,8 +4,7 @@
 
 #include <algorithm>
 
-#include "core/capture/pcapng_writer.hpp"
-#include "core/capture/upper_pdu.hpp"
+#include "core/capture/pcapng.hpp"
 #include "core/model/port_spec.hpp"
 #include "core/protocol/families/registry.hpp"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bridge/capture/capture_tap.hpp"
-#include "core/capture/frame_gatherer.hpp"
+#include "core/capture/capture_record.hpp"
 #include "core/model/bus_spec.hpp"
 
 namespace fieldcast {

@@ -10,8 +10,7 @@
 #include "bridge/client/convert.hpp"
 #include "bridge/client/feed.hpp"
 #include "bridge/station/sites.hpp"
-#include "core/model/channel_path.hpp"
-#include "core/model/pattern.hpp"
+#include "core/model/channel_pattern.hpp"
 
 namespace fieldcast::api {
 namespace {

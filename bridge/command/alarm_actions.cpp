@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "bridge/log/log.hpp"
-#include "core/model/command_refusal.hpp"
+#include "core/model/command.hpp"
 
 namespace fieldcast {
 

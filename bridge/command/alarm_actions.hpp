@@ -7,7 +7,7 @@
 
 #include "bridge/publish/alarm_table.hpp"
 #include "bridge/store/command_audit.hpp"
-#include "core/base/utc_mapping.hpp"
+#include "core/base/time.hpp"
 #include "core/bus/command/command_ledger.hpp"
 
 namespace fieldcast {

@@ -1,6 +1,6 @@
 #include "bridge/command/command_router.hpp"
 
-#include "core/model/command_refusal.hpp"
+#include "core/model/command.hpp"
 
 namespace fieldcast {
 void CommandRouter::add(const std::string& bus, std::shared_ptr<BusRunner> runner) {

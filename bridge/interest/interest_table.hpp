@@ -11,7 +11,7 @@
 
 #include "core/bus/setup/event.hpp"
 #include "core/model/bus_spec.hpp"
-#include "core/model/pattern.hpp"
+#include "core/model/channel_pattern.hpp"
 
 namespace fieldcast {
 

@@ -16,7 +16,7 @@
 #include "bridge/base/clock.hpp"
 #include "bridge/log/line_budget.hpp"
 #include "bridge/log/line_writer.hpp"
-#include "core/base/printable.hpp"
+#include "core/base/message_text.hpp"
 
 namespace fieldcast {
 namespace {

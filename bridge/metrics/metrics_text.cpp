@@ -5,7 +5,7 @@
 #include <array>
 #include <iterator>
 
-#include "core/base/number_text.hpp"
+#include "core/base/value.hpp"
 
 namespace fieldcast {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "bridge/base/clock.hpp"
 #include "bridge/log/log.hpp"
-#include "core/base/number_text.hpp"
+#include "core/base/value.hpp"
 
 namespace fieldcast {
 

@@ -9,7 +9,7 @@
 
 #include "bridge/publish/alarm_table.hpp"
 #include "core/alarm/alarm_monitor.hpp"
-#include "core/base/utc_mapping.hpp"
+#include "core/base/time.hpp"
 
 namespace fieldcast {
 

@@ -10,7 +10,7 @@
 
 #include "bridge/standby/election.hpp"
 #include "core/alarm/alarm_registry.hpp"
-#include "core/model/inheritance.hpp"
+#include "core/model/status.hpp"
 
 namespace fieldcast {
 

@@ -5,8 +5,7 @@
 #include <utility>
 
 #include "bridge/base/check.hpp"
-#include "core/model/channel_path.hpp"
-#include "core/model/pattern.hpp"
+#include "core/model/channel_pattern.hpp"
 
 namespace fieldcast {
 namespace {

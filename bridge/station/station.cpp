@@ -13,7 +13,7 @@
 #include "bridge/station/command_client.hpp"
 #include "bridge/station/plan_parts.hpp"
 #include "bridge/station/subscription.hpp"
-#include "core/model/channel_path.hpp"
+#include "core/model/channel_pattern.hpp"
 
 namespace fieldcast {
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "core/alarm/limit_watch.hpp"
+#include "core/alarm/alarm_status.hpp"
 
 namespace fieldcast {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/base/json.hpp"
-#include "core/base/number_text.hpp"
+#include "core/base/value.hpp"
 
 namespace fieldcast {
 namespace {

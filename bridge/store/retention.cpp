@@ -6,7 +6,7 @@
 #include "bridge/store/tiers/sample_days.hpp"
 #include "bridge/store/tiers/sample_table.hpp"
 #include "bridge/store/tiers/tier_table.hpp"
-#include "core/base/saturated.hpp"
+#include "core/base/time.hpp"
 
 namespace fieldcast {
 namespace {

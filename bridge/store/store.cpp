@@ -13,7 +13,7 @@
 #include "bridge/log/log.hpp"
 #include "bridge/store/record_text.hpp"
 #include "bridge/store/store_writer.hpp"
-#include "core/model/pattern.hpp"
+#include "core/model/channel_pattern.hpp"
 
 namespace fieldcast {
 namespace {

@@ -25,9 +25,9 @@
 #include "bridge/store/records/audit.hpp"
 #include "bridge/store/records/records.hpp"
 #include "bridge/store/tiers/sample_table.hpp"
-#include "core/base/utc_mapping.hpp"
+#include "core/base/time.hpp"
 #include "core/model/bus_spec.hpp"
-#include "core/model/pattern.hpp"
+#include "core/model/channel_pattern.hpp"
 #include "core/model/sample.hpp"
 #include "core/model/store_spec.hpp"
 

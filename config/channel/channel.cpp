@@ -12,7 +12,6 @@
 #include "config/document/scalars.hpp"
 #include "config/document/text_number.hpp"
 #include "core/model/fit.hpp"
-#include "core/model/implied_type.hpp"
 
 namespace fieldcast::config {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/base/near_miss.hpp"
+#include "core/base/message_text.hpp"
 #include "core/protocol/families/registry.hpp"
 
 namespace fieldcast::config {

@@ -3,7 +3,7 @@
 
 #include "config/document/document.hpp"
 #include "config/document/fault_list.hpp"
-#include "core/codec/text_number.hpp"
+#include "core/codec/text_codec.hpp"
 
 namespace fieldcast::config {
 

@@ -10,7 +10,7 @@
 #include "config/sections/device_keys.hpp"
 #include "config/sections/port.hpp"
 #include "config/sections/program.hpp"
-#include "core/model/make_protocol.hpp"
+#include "core/model/bus_spec.hpp"
 
 namespace fieldcast::config {
 namespace {

@@ -11,7 +11,7 @@
 #include "config/document/map_reader.hpp"
 #include "config/document/scalars.hpp"
 #include "config/sections/program.hpp"
-#include "core/base/near_miss.hpp"
+#include "core/base/message_text.hpp"
 #include "core/protocol/families/registry.hpp"
 
 namespace fieldcast::config {

@@ -10,7 +10,7 @@
 #include "config/sections/bridge_keys.hpp"
 #include "config/sections/port.hpp"
 #include "config/sections/program_access.hpp"
-#include "core/program/device_number.hpp"
+#include "core/program/frame.hpp"
 
 namespace fieldcast::config {
 namespace {

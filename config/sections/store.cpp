@@ -7,7 +7,7 @@
 #include "config/document/limits.hpp"
 #include "config/document/scalars.hpp"
 #include "config/sections/bridge_keys.hpp"
-#include "core/model/pattern.hpp"
+#include "core/model/channel_pattern.hpp"
 
 namespace fieldcast::config {
 namespace {

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "core/alarm/limit_watch.hpp"
+#include "core/alarm/alarm_status.hpp"
 #include "core/model/bus_spec.hpp"
 #include "core/model/sample.hpp"
 

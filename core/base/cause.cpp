@@ -4,6 +4,7 @@
 #include <numeric>
 
 namespace fieldcast {
+
 namespace {
 
 struct Row {

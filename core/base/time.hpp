@@ -39,4 +39,35 @@ struct UtcTime {
 // "200ms", "1.5s", "500us", "2min": the form of configurations and reports.
 [[nodiscard]] std::string to_text(Duration d);
 
+// Sum and difference of 64-bit numbers, limited to their range; for times in nanoseconds from the
+// network. Pure functions.
+[[nodiscard]] constexpr std::int64_t saturated_sum(std::int64_t a, std::int64_t b) {
+  std::int64_t sum = 0;
+  if (__builtin_add_overflow(a, b, &sum)) return a < 0 ? INT64_MIN : INT64_MAX;
+  return sum;
+}
+[[nodiscard]] constexpr std::int64_t saturated_difference(std::int64_t a, std::int64_t b) {
+  std::int64_t difference = 0;
+  if (__builtin_sub_overflow(a, b, &difference)) return a < 0 ? INT64_MIN : INT64_MAX;
+  return difference;
+}
+
+// One reading of both clocks: converts monotonic engine instants to UTC when a value leaves the
+// process, and back for received values. A plain value; pure; any thread.
+
+struct UtcMapping {
+  Instant instant{};  // of the engine's clock
+  UtcTime utc{};      // of the wall clock, at the same moment
+
+  // Returns 0 ("no such time") for kLongAgo and kNever. Saturates instead of wrapping.
+  [[nodiscard]] UtcTime to_utc(Instant at) const;
+  [[nodiscard]] Instant to_instant(UtcTime at) const;
+
+  // Differences below this are ignored: a reading of the clocks itself lasts some time.
+  static constexpr Duration kSame = std::chrono::microseconds{100};
+  // Returns this mapping while `newer` agrees with it, so that one instant is always converted to
+  // the same time.
+  [[nodiscard]] UtcMapping followed_by(const UtcMapping& newer) const;
+};
+
 }  // namespace fieldcast

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/bus/flight_text.hpp"
+#include "core/bus/bus_parts.hpp"
 
 namespace fieldcast {
 namespace {

@@ -10,14 +10,12 @@
 #include <string>
 #include <vector>
 
-#include "core/bus/arbiter.hpp"
 #include "core/bus/bus_parts.hpp"
+#include "core/bus/exchange_flow.hpp"
 #include "core/bus/health/overload_watch.hpp"
-#include "core/bus/outcome_router.hpp"
-#include "core/bus/setup/action_sink.hpp"
+#include "core/bus/setup/bus_setup.hpp"
 #include "core/bus/setup/event.hpp"
 #include "core/model/bus_spec.hpp"
-#include "core/model/inheritance.hpp"
 #include "core/model/status.hpp"
 
 namespace fieldcast {

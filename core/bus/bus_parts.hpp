@@ -2,6 +2,8 @@
 // and the outcome router (after it) coordinate them. Owned by the bus engine, on the bus's thread.
 #pragma once
 
+#include <string>
+
 #include "core/bus/command/channel_table.hpp"
 #include "core/bus/command/command_queue.hpp"
 #include "core/bus/health/device_monitor.hpp"
@@ -33,5 +35,8 @@ struct BusParts {
   Wire wire;
   WireFence fence;
 };
+
+// "press-1: read holding:100..109 (oil-temperature, running, +3)"; empty without a request.
+[[nodiscard]] std::string flight_text(const BusParts& parts);
 
 }  // namespace fieldcast

@@ -18,14 +18,13 @@
 #include <vector>
 
 #include "core/bus/command/channel_table.hpp"
-#include "core/bus/health/block_learning.hpp"
-#include "core/bus/setup/action_sink.hpp"
+#include "core/bus/health/learning.hpp"
 #include "core/bus/setup/bus_setup.hpp"
 #include "core/dispatch/scheduler.hpp"
 #include "core/model/status.hpp"
-#include "core/plan/plan_report.hpp"
+#include "core/plan/read_plan.hpp"
+#include "core/schedule/bus_schedule.hpp"
 #include "core/schedule/planned_times.hpp"
-#include "core/schedule/point_map.hpp"
 
 namespace fieldcast {
 

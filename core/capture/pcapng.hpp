@@ -4,6 +4,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "core/base/bytes.hpp"
+#include "core/base/time.hpp"
+#include "core/capture/capture_record.hpp"
 
 namespace fieldcast::pcapng {
 
@@ -30,5 +37,58 @@ inline constexpr std::uint16_t kLinktypeUpperPdu = 252;
 
 // Limit of blocks, for writer and reader.
 inline constexpr std::size_t kMaxBlock = 1 << 20;  // bytes
+
+}  // namespace fieldcast::pcapng
+
+namespace fieldcast {
+
+// Tags before a frame in a capture of LINKTYPE_WIRESHARK_UPPER_PDU, which select its dissector.
+// Tags from Wireshark's epan/exported_pdu.h. Pure, any thread.
+//
+//   TAG(2) LENGTH(2) VALUE, padded to 4 bytes .. 00 00 00 00  frame       all big-endian
+
+// Modbus frames have no direction. Its dissectors use the port, and 502 is the device.
+inline constexpr std::uint16_t kDevicePort = 502, kMasterPort = 49152;
+
+// `column`: protocol column of the packet list; empty: chosen by the dissector.
+[[nodiscard]] Bytes make_upper_pdu(std::string_view dissector, std::string_view column,
+                                   Direction direction, ByteView frame);
+
+struct UpperPdu {
+  std::string dissector;  // empty if missing
+  std::string column;
+  std::optional<std::uint32_t> source_port, destination_port;
+  ByteView frame;  // refers to the given bytes
+};
+// Empty if the tags have no end.
+[[nodiscard]] std::optional<UpperPdu> parse_upper_pdu(ByteView bytes);
+
+}  // namespace fieldcast
+
+namespace fieldcast::pcapng {
+
+// Writes the blocks of a pcapng file (pcapng.hpp): one section, one interface, packets with
+// microseconds, direction and comment, and the number of lost packets at the end. Little-endian.
+// Pure: each function appends one whole block to `out`. Any thread.
+
+// Starts a file. Both texts are one human-readable line.
+void append_section(Bytes& out, std::string_view application, std::string_view comment);
+void append_interface(Bytes& out, std::string_view name, std::string_view description);
+
+struct Packet {
+  UtcTime at;
+  Direction direction = Direction::kReceived;
+  ByteView data;             // with its tags (upper_pdu.hpp)
+  std::string_view comment;  // empty if there is none
+};
+// REQUIRES: an interface precedes it; data and comment have less than 60 000 bytes each.
+void append_packet(Bytes& out, const Packet& packet);
+
+struct Statistics {
+  UtcTime begun, ended;
+  std::uint64_t frames = 0, dropped = 0;
+  std::string_view comment;
+};
+void append_statistics(Bytes& out, const Statistics& statistics);
 
 }  // namespace fieldcast::pcapng

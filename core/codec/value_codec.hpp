@@ -15,7 +15,6 @@
 #include "core/base/cause.hpp"
 #include "core/base/value.hpp"
 #include "core/codec/text_codec.hpp"
-#include "core/codec/text_number.hpp"
 
 namespace fieldcast {
 

@@ -1,3 +1,22 @@
+// Runs a plan in virtual time before it is adopted. Pure functions; any thread.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "core/dispatch/plan_runner.hpp"
+
+namespace fieldcast {
+
+inline constexpr std::uint64_t kAnyNumber = std::numeric_limits<std::uint64_t>::max();
+
+// Late acquisitions, at most `enough`, until every point was read twice (at most 20 000 reads).
+// `runner`: a copy, in the state at the start of the plan.
+[[nodiscard]] std::uint64_t count_late(PlanRunner runner, Instant now,
+                                       std::uint64_t enough = kAnyNumber);
+
 // Computes a new plan from a copy of the present state, or none if the present plan should stay.
 // This takes milliseconds (a tenth of a second for ten thousand points), so it runs on another
 // thread than the bus's. Only one thread at a time may use a draft.
@@ -5,14 +24,6 @@
 // A plan is adopted only if its rehearsal, including the change, keeps every refresh, or breaks
 // fewer than the present plan. A stretched plan is not rehearsed, as its refreshes are not
 // promised.
-#pragma once
-
-#include <optional>
-#include <vector>
-
-#include "core/dispatch/plan_runner.hpp"
-
-namespace fieldcast {
 
 class PlanDraft {
  public:

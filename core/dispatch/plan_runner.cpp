@@ -5,6 +5,63 @@
 
 namespace fieldcast {
 
+void OverrunWatch::wire_free(Instant now, bool rests) {
+  if (rests_since_ < now) rested_ += now - rests_since_;
+  rests_since_ = rests ? now : kNever;
+}
+
+void OverrunWatch::acquired(bool late, Instant now) {
+  constexpr std::uint32_t kWindow = 256;
+  constexpr double kRests = 0.02, kMore = 1.05, kLess = 0.99;
+  if (now < settled_at_) return;
+  if (watched_ == 0) window_began_ = now, rested_ = Duration::zero();
+  late_ += late ? 1 : 0;
+  if (++watched_ < kWindow) return;
+  const bool rests = ns(rested_) > kRests * ns(now - window_began_);
+  if (late_ > kWindow / 20 && !rests) overrun_ = std::min(kMost, overrun_ * kMore);
+  if (late_ == 0 || rests) overrun_ = std::max(1.0, overrun_ * kLess);
+  late_ = watched_ = 0;
+}
+
+void RefusalSearch::cut(std::span<PointState> points, std::span<const OrderIndex> refused,
+                        Instant now, Duration forget) {
+  const OrderIndex begin = refused.front(), end = refused.back() + 1;
+  for (Node& node : open_) {
+    if (begin >= node.begin && end <= node.end) node.half_refused = true;
+  }
+  const OrderIndex middle = refused[refused.size() / 2];
+  points[middle].cut_until = later(now, forget);
+  for (const OrderIndex index : refused) {
+    if (points[index].wanted() && !points[index].bad) points[index].suspect = true;
+  }
+  if (open_.size() >= kMostOpen) open_.erase(open_.begin());
+  open_.push_back({begin, middle, end});
+}
+
+void RefusalSearch::mark_bad(std::span<PointState> points, OrderIndex index, Instant now,
+                             Duration forget) {
+  for (Node& node : open_) {
+    if (index >= node.begin && index < node.end) node.half_refused = true;
+  }
+  PointState& point = points[index];
+  point.bad = true;
+  point.suspect = false;
+  point.eager = false;
+  point.retry_at = later(now, forget);
+}
+
+void RefusalSearch::settle(std::span<PointState> points, OrderIndex begin, OrderIndex end) {
+  const auto complete = [&](const Node& node) {
+    if (node.end <= begin || node.begin >= end) return false;
+    for (OrderIndex index = node.begin; index < node.end; ++index) {
+      if (points[index].suspect && points[index].wanted()) return false;
+    }
+    if (node.half_refused) points[node.middle].cut_until = Instant{};
+    return true;
+  };
+  std::erase_if(open_, complete);
+}
+
 PlanRunner::PlanRunner(WireModel wire, std::span<const PlannedPoint> points, ReadPlan plan)
     : plan_(std::move(plan)),
       state_(std::move(wire), points, plan_),

@@ -1,24 +1,81 @@
+// Estimates how much more wire time reads need than planned, from points that are late although the
+// wire never rests. Plain value.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/dispatch/policy/decision.hpp"
+#include "core/dispatch/policy/dispatch_state.hpp"
+#include "core/dispatch/policy/dispatcher.hpp"
+#include "core/plan/layout/layout.hpp"
+#include "core/plan/layout/time_math.hpp"
+#include "core/plan/planner.hpp"
+#include "core/plan/shape/point_state.hpp"
+
+namespace fieldcast {
+
+class OverrunWatch {
+ public:
+  // `rests`: from `now` on.
+  void wire_free(Instant now, bool rests);
+  void acquired(bool late, Instant now);
+  // A plan took effect. Late points before `settled` do not count.
+  void plan_began(Instant settled) { settled_at_ = settled; }
+
+  // 1: as planned; at most kMost.
+  [[nodiscard]] double overrun() const { return overrun_; }
+
+ private:
+  static constexpr double kMost = 16;
+  double overrun_ = 1;
+  Instant settled_at_{};
+  // Counters of the present window of acquisitions.
+  std::uint32_t late_ = 0, watched_ = 0;
+  Instant window_began_{};
+  Duration rested_{};
+  Instant rests_since_ = kNever;
+};
+
+// Finds the part of a block that a device refuses: tries halves until the bad points, or the gaps
+// that cannot be bridged, are known.
+//
+// A refused block is cut in the middle (PointState::cut_until), so that normal scheduling reads its
+// halves. The cut is removed when every point of the block was acquired or found bad. If both
+// halves were good, the device refused the gap between them, and the cut stays until it expires.
+// Owned by the plan runner.
+
+class RefusalSearch {
+ public:
+  // `refused`: at least two points in ascending order.
+  void cut(std::span<PointState> points, std::span<const OrderIndex> refused, Instant now,
+           Duration forget);
+  // Excludes one point until now + forget.
+  void mark_bad(std::span<PointState> points, OrderIndex index, Instant now, Duration forget);
+  // Points begin .. end-1 were acquired or found bad.
+  void settle(std::span<PointState> points, OrderIndex begin, OrderIndex end);
+
+  [[nodiscard]] bool searching() const { return !open_.empty(); }
+
+ private:
+  struct Node {
+    OrderIndex begin, middle, end;
+    bool half_refused = false;
+  };
+  // With more open searches, the oldest ends as if both halves were good.
+  static constexpr std::size_t kMostOpen = 256;
+  std::vector<Node> open_;
+};
+
 // Executes the plan in force on one wire: tracks when each point was read and is due again, and
 // requests the next read from the dispatcher. Changes apply immediately to the present plan;
 // another plan replaces it as a whole.
 //
 // Copyable; a rehearsal runs on a copy. Owned by the scheduler, on the thread of its bus. No clock:
 // every call gets `now`.
-#pragma once
-
-#include <optional>
-#include <span>
-#include <utility>
-#include <vector>
-
-#include "core/dispatch/overrun_watch.hpp"
-#include "core/dispatch/policy/decision.hpp"
-#include "core/dispatch/policy/dispatch_state.hpp"
-#include "core/dispatch/policy/dispatcher.hpp"
-#include "core/dispatch/refusal.hpp"
-#include "core/plan/planner.hpp"
-
-namespace fieldcast {
 
 class PlanRunner {
  public:

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "core/dispatch/rehearsal.hpp"
+#include "core/dispatch/plan_draft.hpp"
 
 namespace fieldcast {
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -58,5 +59,11 @@ struct BusSpec {
   // A reload restarts only buses that differ in more than their capture.
   friend bool operator==(const BusSpec&, const BusSpec&) = default;
 };
+
+// Creates the protocol of a device, built-in or declared. `line`: of the device's bus, for wire
+// times. Fails if the protocol is unknown, or does not accept the address or an option; the loader
+// has checked this. Pure; any thread.
+[[nodiscard]] tl::expected<std::unique_ptr<Protocol>, OptionFault> make_protocol(
+    const DeviceSpec& device, const LineFormat& line);
 
 }  // namespace fieldcast

@@ -1,9 +1,12 @@
 #include "core/model/fit.hpp"
 
+#include <string>
+
 #include "core/codec/raw_items.hpp"
-#include "core/protocol/address_text.hpp"
+#include "core/protocol/option_reader.hpp"
 
 namespace fieldcast {
+
 namespace {
 
 using About = FitFault::About;
@@ -122,6 +125,27 @@ std::optional<FitFault> check_fit(std::string_view at, const ParsedAddress& addr
                     {}};
   }
   return std::nullopt;
+}
+
+std::optional<Encoding> fixed_type(const ParsedAddress& address, const Area& area) {
+  if (address.bit || address.width_bits == 1u || area.item_bits == 1)
+    return Encoding{ValueType::kBool};
+  if (address.text_characters != 0 && !address.text_number)
+    return Encoding{.type = ValueType::kString, .string_bytes = address.text_characters};
+  if (area.type) return Encoding{*area.type};
+  return std::nullopt;
+}
+
+std::optional<Encoding> implied_type(const ParsedAddress& address, const Area& area) {
+  if (auto fixed = fixed_type(address, area)) return fixed;
+  if (address.text_number) {
+    const bool hex = address.text_number.kind == TextNumber::Kind::kHex;
+    return Encoding{hex ? ValueType::kUint64 : ValueType::kFloat64};
+  }
+  const bool byte = address.value_bits != 0 && address.value_bits <= 8;
+  const unsigned bits = byte ? 8 : address.width_bits.value_or(area.item_bits);
+  const auto type = value_type_from((address.value_signed ? "int" : "uint") + std::to_string(bits));
+  return type ? std::optional(Encoding{*type}) : std::nullopt;
 }
 
 }  // namespace fieldcast

@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include "core/base/cause.hpp"
-#include "core/base/quality.hpp"
 #include "core/base/time.hpp"
 #include "core/base/value.hpp"
 

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "core/base/cause.hpp"
 #include "core/base/time.hpp"
+#include "core/base/value.hpp"
+#include "core/model/sample.hpp"
 
 namespace fieldcast {
 
@@ -72,6 +75,16 @@ struct ProgramSessionReport {
   std::string who;
   std::uint64_t bytes_to_device = 0, bytes_from_device = 0;
   UtcTime since;
+};
+
+// Data that a bus continues from another bridge. Plain values.
+
+struct BusInheritance {
+  // By channel; sequence 0 if never published. `acquired` uses the clock of the new engine.
+  std::vector<Sample> samples;
+  std::map<std::string, DeviceReport> devices;  // by name; learned values
+  // Sample numbers continue above it, for all channels.
+  std::uint64_t above = 0;
 };
 
 }  // namespace fieldcast

@@ -4,9 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "core/plan/cycle.hpp"
-#include "core/plan/group_load.hpp"
-#include "core/plan/stretch.hpp"
+#include "core/plan/refresh.hpp"
+#include "core/plan/wire_model.hpp"
 
 namespace fieldcast {
 

@@ -3,11 +3,12 @@
 // one thread.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/model/planner_choice.hpp"
+#include "core/plan/layout/cost.hpp"
 #include "core/plan/layout/layout.hpp"
-#include "core/plan/layout/point.hpp"
 #include "core/plan/shape/point_state.hpp"
 #include "core/plan/shape/read_selector.hpp"
 
@@ -48,5 +49,31 @@ struct WireModel {
                                                        const Layout& layout);
 
 [[nodiscard]] std::vector<std::uint32_t> bridges_of(const Layout& layout);
+
+// Computes the share of the wire of one group by simulating its reads. Holds scratch memory.
+
+class GroupLoad {
+ public:
+  explicit GroupLoad(const WireModel& wire)
+      : wire_(wire), selector_(wire.rules.shape, wire.weights) {}
+
+  struct Terms {
+    Duration period{};       // present period of the group; zero if none
+    Duration fastest{1};     // smallest allowed gap of the bus
+    double margin = 0;       // of the bus
+    bool stretched = false;  // uses stretched refreshes instead of requested ones
+  };
+  // As if the group were alone on the wire. `points`: those of the group.
+  [[nodiscard]] double of(const Group& group, std::span<const PlannedPoint> points,
+                          const Terms& terms);
+
+ private:
+  void imagine(std::span<const PlannedPoint> points, bool stretched);
+  [[nodiscard]] std::uint32_t most_urgent() const;
+
+  const WireModel& wire_;
+  ReadSelector selector_;
+  std::vector<PointState> imagined_;
+};
 
 }  // namespace fieldcast

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/program/device_number.hpp"
 #include "core/program/engineer.hpp"
+#include "core/program/frame.hpp"
 
 namespace fieldcast::program {
 namespace {

@@ -17,6 +17,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 
 #include "core/base/bytes.hpp"
 #include "core/frame/line.hpp"
@@ -82,5 +83,56 @@ struct LineSettings {
 [[nodiscard]] inline ByteView as_bytes(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
+
+// Number of a device for engineers and dial-in modules: 1 to 16 letters or digits.
+
+inline constexpr std::size_t kMaxDeviceNumber = 16;
+
+// Returns true if no frame can confuse it with another code: not `ED`, `HB` or a reply (four digits
+// that begin with 000), without the marker `FEFF`, and not beginning with `V2`, which requests
+// framing by length.
+[[nodiscard]] bool is_device_number(std::string_view text);
+
+inline constexpr std::string_view kDeviceNumberForm =
+    "1 to 16 letters or digits; not ED, not HB, not 000 and a digit, not beginning with V2, "
+    "without FEFF";
+
+// Framing used by our own client: carries any bytes, without search or delay.
+//
+//     length(4) bytes       1 .. kMaxChunk, big-endian
+//     00000000              heartbeat
+//     FFFFFFFF              stop; the bridge may add the reason as a marker frame (@@0003FEFF)
+//     FFFFFFFE baud(4) stop(1) data(1) parity(1)
+//                           settings of the real line, client to bridge (ours)
+//
+// baud 0 keeps the configured baud rate, data 0 the configured data bits and parity. parity: 0
+// none, 1 even, 2 odd.
+
+// A larger length means that the stream is out of step.
+inline constexpr std::uint32_t kMaxChunk = 65536;
+
+struct ChunkBytes {
+  ByteView bytes;  // refers to the input; may be a part of a chunk
+};
+struct Heartbeat {};
+struct Stop {};
+using LengthFrame = std::variant<ChunkBytes, Heartbeat, Stop, LineSettings, FrameFault>;
+
+class LengthReader {
+ public:
+  // Consumes a frame from the front of `in`; empty at its end. After Stop or a fault the stream
+  // ends.
+  [[nodiscard]] std::optional<LengthFrame> next(ByteView& in);
+  [[nodiscard]] bool partial() const { return left_ > 0 || !head_.empty(); }
+
+ private:
+  Bytes head_;              // received part of a head
+  std::uint32_t left_ = 0;  // of the chunk
+};
+
+void append_chunks(Bytes& out, ByteView bytes);
+void append_heartbeat(Bytes& out);
+void append_stop(Bytes& out);
+void append_settings(Bytes& out, const LineSettings& settings);
 
 }  // namespace fieldcast::program

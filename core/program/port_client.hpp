@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/base/time.hpp"
-#include "core/program/length_framing.hpp"
-#include "core/program/marker_writer.hpp"
+#include "core/program/frame.hpp"
+#include "core/program/marker_framing.hpp"
 
 namespace fieldcast::program {
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 
-#include "core/program/device_number.hpp"
 #include "core/program/frame.hpp"
 #include "core/protocol/families/registry.hpp"
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/escaped.hpp"
+#include "core/base/message_text.hpp"
 #include "core/protocol/protocol.hpp"
 
 namespace fieldcast {

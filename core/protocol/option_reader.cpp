@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <charconv>
 
-#include "core/base/near_miss.hpp"
+#include "core/base/message_text.hpp"
 
 namespace fieldcast {
+
 namespace {
 
 std::string listed(std::span<const std::string_view> words) {

@@ -1,19 +1,33 @@
-// The row that describes a built-in protocol: names, options, limits of its lines and the functions
-// that make it and explain its frames. core/protocol/families/registry.hpp lists all rows.
-//
-// Constant data, any thread.
+// A request of another master in unsolicited bytes; used by core/bus/wire/wire_fence.hpp. Any
+// thread.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <span>
 #include <string_view>
 #include <tl/expected.hpp>
 
+#include "core/base/bytes.hpp"
 #include "core/frame/line.hpp"
 #include "core/protocol/protocol.hpp"
-#include "core/protocol/seen_request.hpp"
 
 namespace fieldcast {
+
+struct SeenRequest {
+  std::size_t size = 0;  // characters; 0 if none
+  // False if a device's response can look the same.
+  bool certain = true;
+  [[nodiscard]] explicit operator bool() const { return size > 0; }
+};
+
+// Matches a whole request to any device, with a valid check, at the beginning of the bytes.
+using RequestMatcher = SeenRequest (*)(ByteView bytes);
+
+// The row that describes a built-in protocol: names, options, limits of its lines and the functions
+// that make it and explain its frames. core/protocol/families/registry.hpp lists all rows.
+//
+// Constant data, any thread.
 
 struct ProtocolOption {
   std::string_view name, value;

@@ -1,8 +1,12 @@
 #include "core/schedule/bus_schedule.hpp"
 
+#include <algorithm>
 #include <cassert>
+#include <map>
+#include <tuple>
 
 namespace fieldcast {
+
 namespace {
 constexpr double kLightLoad = 0.5;
 // Lead of a lightly loaded bus, limited to a tenth of a refresh.
@@ -35,6 +39,43 @@ ScheduleInput schedule_input(const BusSpec& bus, std::span<const Protocol* const
   ScheduleInput input = wire_input(bus, protocols, std::move(points), answer_time);
   if (planned_load_of(input, bus.planner).load <= kLightLoad) input.lead = kEarlyLead;
   return input;
+}
+
+PointMap map_points(const BusSpec& bus) {
+  PointMap map;
+  std::map<std::tuple<DeviceIndex, AreaIndex, std::uint32_t, std::uint32_t>, PointIndex> known;
+  ChannelIndex index = 0;
+  for (DeviceIndex device = 0; device < bus.devices.size(); ++device) {
+    for (const ChannelSpec& channel : bus.devices[device].channels) {
+      map.point_of.emplace_back();
+      if (channel.access != Access::kWriteOnly) {
+        const auto key =
+            std::make_tuple(device, channel.range.area, channel.range.first, channel.range.count);
+        const auto [at, is_new] = known.emplace(key, static_cast<PointIndex>(map.points.size()));
+        if (is_new) {
+          map.points.push_back({device, channel.range, channel.refresh, Mode::kOnDemand,
+                                channel.priority, channel.elasticity});
+          map.channels_of.emplace_back();
+        }
+        ask_for(map.points[at->second], channel,
+                read_by_itself(channel) ? std::optional(channel.refresh) : std::nullopt);
+        map.channels_of[at->second].push_back(index);
+        map.point_of.back() = at->second;
+      }
+      ++index;
+    }
+  }
+  return map;
+}
+
+void ask_for(Point& point, const ChannelSpec& channel, std::optional<Duration> refresh) {
+  if (!refresh) return;
+  const bool first = point.mode == Mode::kOnDemand;
+  point.refresh = first ? *refresh : std::min(point.refresh, *refresh);
+  point.priority = first ? channel.priority : std::max(point.priority, channel.priority);
+  point.elasticity = first ? channel.elasticity : std::min(point.elasticity, channel.elasticity);
+  if (first || channel.mode == Mode::kIntensive)
+    point.mode = channel.mode == Mode::kIntensive ? Mode::kIntensive : Mode::kScheduled;
 }
 
 }  // namespace fieldcast

@@ -2,10 +2,12 @@
 // predictions match the execution. Pure functions.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/model/bus_spec.hpp"
+#include "core/model/sample.hpp"
 #include "core/plan/planner.hpp"
 
 namespace fieldcast {
@@ -25,5 +27,18 @@ inline constexpr Duration kAssumedAnswerTime = std::chrono::milliseconds{5};
 [[nodiscard]] ScheduleInput schedule_input(const BusSpec& bus,
                                            std::span<const Protocol* const> protocols,
                                            std::vector<Point> points, Duration answer_time);
+
+// Points of the channels of a bus: channels on the same items of a device share one.
+
+struct PointMap {
+  std::vector<Point> points;  // kOnDemand if no channel is read periodically
+  std::vector<std::vector<ChannelIndex>> channels_of;  // by point
+  // By channel of the bus; empty for write-only ones.
+  std::vector<std::optional<PointIndex>> point_of;
+};
+
+[[nodiscard]] PointMap map_points(const BusSpec& bus);
+
+void ask_for(Point& point, const ChannelSpec& channel, std::optional<Duration> refresh);
 
 }  // namespace fieldcast

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/dispatch/scheduler.hpp"
-#include "core/schedule/remedies.hpp"
+#include "core/schedule/overload.hpp"
 
 namespace fieldcast {
 

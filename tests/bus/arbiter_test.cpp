@@ -1,7 +1,6 @@
-#include "core/bus/arbiter.hpp"
-
 #include <gtest/gtest.h>
 
+#include "core/bus/exchange_flow.hpp"
 #include "tests/bus/rtu_bus.hpp"
 
 namespace fieldcast {

@@ -1,8 +1,6 @@
-#include "core/bus/health/block_learning.hpp"
-
 #include <gtest/gtest.h>
 
-#include "core/bus/health/pause_learning.hpp"
+#include "core/bus/health/learning.hpp"
 
 namespace fieldcast {
 namespace {

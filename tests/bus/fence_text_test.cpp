@@ -1,8 +1,6 @@
-#include "core/bus/wire/fence_text.hpp"
-
 #include <gtest/gtest.h>
 
-#include "core/bus/wire/fence_times.hpp"
+#include "core/bus/wire/fence_setup.hpp"
 
 namespace fieldcast {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "config/loader/loader.hpp"
 #include "core/codec/value_codec.hpp"
-#include "core/model/make_protocol.hpp"
+#include "core/model/bus_spec.hpp"
 
 namespace fieldcast::test {
 namespace {

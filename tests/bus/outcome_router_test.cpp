@@ -1,9 +1,8 @@
-#include "core/bus/outcome_router.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
+#include "core/bus/exchange_flow.hpp"
 #include "tests/bus/rtu_bus.hpp"
 
 namespace fieldcast {

@@ -1,6 +1,6 @@
-#include "core/bus/health/response_time.hpp"
-
 #include <gtest/gtest.h>
+
+#include "core/bus/health/learning.hpp"
 
 namespace fieldcast {
 namespace {

@@ -1,6 +1,6 @@
-#include "core/bus/wire/wire_load.hpp"
-
 #include <gtest/gtest.h>
+
+#include "core/bus/wire/wire.hpp"
 
 namespace fieldcast {
 namespace {

@@ -25,7 +25,7 @@
 #include <string>
 #include <vector>
 
-#include "core/bus/wire/fence_times.hpp"
+#include "core/bus/wire/fence_setup.hpp"
 #include "tests/bus/late_storm.hpp"
 #include "tests/campaign/group_member.hpp"
 #include "tests/campaign/plant_memory.hpp"

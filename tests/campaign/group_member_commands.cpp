@@ -1,7 +1,7 @@
 // How a GroupMember runs commands and notifies the other members before a write begins.
 #include <algorithm>
 
-#include "core/model/command_refusal.hpp"
+#include "core/model/command.hpp"
 #include "tests/campaign/group_member.hpp"
 
 namespace fieldcast::test {

@@ -3,7 +3,7 @@
 #include <stdexcept>
 
 #include "core/codec/value_codec.hpp"
-#include "core/model/make_protocol.hpp"
+#include "core/model/bus_spec.hpp"
 
 namespace fieldcast::test {
 

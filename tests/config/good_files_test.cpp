@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/dispatch/scheduler.hpp"
-#include "core/model/make_protocol.hpp"
+#include "core/model/bus_spec.hpp"
 #include "tests/config/support.hpp"
 
 namespace fieldcast::config {

@@ -1,8 +1,8 @@
-#include "core/base/json_text.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "core/base/json.hpp"
 
 namespace fieldcast {
 namespace {

@@ -1,5 +1,3 @@
-#include "core/base/number_text.hpp"
-
 #include <gtest/gtest.h>
 
 #include <bit>

@@ -1,6 +1,6 @@
-#include "core/model/pattern.hpp"
-
 #include <gtest/gtest.h>
+
+#include "core/model/channel_pattern.hpp"
 
 namespace fieldcast {
 namespace {

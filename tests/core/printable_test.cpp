@@ -1,6 +1,6 @@
-#include "core/base/printable.hpp"
-
 #include <gtest/gtest.h>
+
+#include "core/base/message_text.hpp"
 
 namespace fieldcast {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "core/base/escaped.hpp"
+#include "core/base/message_text.hpp"
 #include "core/codec/value_codec.hpp"
 
 namespace fieldcast {

@@ -1,7 +1,6 @@
-#include "core/codec/text_number.hpp"
-
 #include <gtest/gtest.h>
 
+#include "core/codec/text_codec.hpp"
 #include "core/codec/value_codec.hpp"
 
 namespace fieldcast {

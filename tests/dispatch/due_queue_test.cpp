@@ -1,9 +1,9 @@
-#include "core/dispatch/policy/due_queue.hpp"
-
 #include <gtest/gtest.h>
 
 #include <map>
 #include <random>
+
+#include "core/dispatch/policy/dispatch_state.hpp"
 
 namespace fieldcast {
 namespace {

@@ -1,6 +1,6 @@
-#include "core/dispatch/policy/line_pace.hpp"
-
 #include <gtest/gtest.h>
+
+#include "core/dispatch/policy/dispatch_state.hpp"
 
 namespace fieldcast {
 namespace {

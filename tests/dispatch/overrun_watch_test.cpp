@@ -1,6 +1,6 @@
-#include "core/dispatch/overrun_watch.hpp"
-
 #include <gtest/gtest.h>
+
+#include "core/dispatch/plan_runner.hpp"
 
 namespace fieldcast {
 namespace {

@@ -1,9 +1,8 @@
-#include "core/dispatch/refusal.hpp"
-
 #include <gtest/gtest.h>
 
 #include <set>
 
+#include "core/dispatch/plan_runner.hpp"
 #include "tests/dispatch/virtual_wire.hpp"
 #include "tests/plan/maps.hpp"
 

@@ -1,7 +1,6 @@
-#include "core/dispatch/rehearsal.hpp"
-
 #include <gtest/gtest.h>
 
+#include "core/dispatch/plan_draft.hpp"
 #include "tests/plan/maps.hpp"
 
 namespace fieldcast {

@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "core/protocol/modbus/areas.hpp"
-#include "core/protocol/modbus/exchange.hpp"
+#include "core/protocol/modbus/framing.hpp"
 #include "tests/fuzz/fuzz.hpp"
 #include "tests/support/drive.hpp"
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "core/plan/layout/list_cost.hpp"
+#include "core/plan/layout/cost.hpp"
 
 namespace fieldcast::test {
 

@@ -1,6 +1,6 @@
-#include "core/plan/cycle.hpp"
-
 #include <gtest/gtest.h>
+
+#include "core/plan/refresh.hpp"
 
 namespace fieldcast {
 namespace {

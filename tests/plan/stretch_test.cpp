@@ -1,8 +1,8 @@
-#include "core/plan/stretch.hpp"
-
 #include <gtest/gtest.h>
 
 #include <vector>
+
+#include "core/plan/refresh.hpp"
 
 namespace fieldcast {
 namespace {

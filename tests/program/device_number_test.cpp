@@ -1,6 +1,6 @@
-#include "core/program/device_number.hpp"
-
 #include <gtest/gtest.h>
+
+#include "core/program/frame.hpp"
 
 namespace fieldcast::program {
 namespace {

@@ -1,9 +1,8 @@
-#include "core/program/length_framing.hpp"
-
 #include <gtest/gtest.h>
 
 #include <random>
 
+#include "core/program/frame.hpp"
 #include "tests/support/vectors.hpp"
 
 namespace fieldcast::program {

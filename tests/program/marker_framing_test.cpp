@@ -1,8 +1,9 @@
+#include "core/program/marker_framing.hpp"
+
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "core/program/marker_writer.hpp"
 #include "tests/support/vectors.hpp"
 
 namespace fieldcast::program {

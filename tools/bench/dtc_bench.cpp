@@ -18,7 +18,6 @@
 #include "core/codec/checksum.hpp"
 #include "core/plan/layout/partition.hpp"
 #include "core/protocol/dtc/packet.hpp"
-#include "core/protocol/dtc/threshold.hpp"
 #include "core/protocol/families/registry.hpp"
 #include "tests/plan/best_requests.hpp"
 #include "tests/plan/maps.hpp"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/base/near_miss.hpp"
+#include "core/base/message_text.hpp"
 
 namespace fieldcast::cli {
 namespace {

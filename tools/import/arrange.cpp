@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "config/document/limits.hpp"
-#include "core/base/number_text.hpp"
+#include "core/base/value.hpp"
 #include "core/model/port_spec.hpp"
 #include "core/protocol/families/registry.hpp"
 #include "tools/import/points/names.hpp"

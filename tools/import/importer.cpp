@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <map>
 
-#include "core/base/number_text.hpp"
+#include "core/base/value.hpp"
 #include "tools/import/accept.hpp"
 #include "tools/import/arrange.hpp"
 #include "tools/import/options_fault.hpp"

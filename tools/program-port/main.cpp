@@ -9,7 +9,7 @@
 #include "bridge/write_faults.hpp"
 #include "config/sections/port.hpp"
 #include "core/base/duration_text.hpp"
-#include "core/program/device_number.hpp"
+#include "core/program/frame.hpp"
 #include "tools/program-port/port_session.hpp"
 
 namespace {

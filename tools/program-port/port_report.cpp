@@ -9,7 +9,7 @@
 
 #include "bridge/log/line_writer.hpp"
 #include "core/base/json.hpp"
-#include "core/base/printable.hpp"
+#include "core/base/message_text.hpp"
 
 namespace fieldcast::port {
 namespace {

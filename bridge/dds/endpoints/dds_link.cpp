@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "bridge/dds/endpoints/dds_link_state.hpp"
-#include "core/model/command_refusal.hpp"
+#include "core/model/command.hpp"
 
 namespace fieldcast {
 

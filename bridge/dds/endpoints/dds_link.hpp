@@ -24,13 +24,13 @@
 #include "bridge/standby/standby_values.hpp"
 #include "core/alarm/alarm_monitor.hpp"
 #include "core/alarm/alarm_status.hpp"
-#include "core/base/utc_mapping.hpp"
+#include "core/base/time.hpp"
 #include "core/model/bus_spec.hpp"
 #include "core/model/command.hpp"
 #include "core/model/dds_spec.hpp"
 #include "core/model/sample.hpp"
 #include "core/model/status.hpp"
-#include "core/plan/plan_report.hpp"
+#include "core/plan/read_plan.hpp"
 
 namespace fieldcast {
 

@@ -13,7 +13,7 @@
 #include "bridge/dds/receivers/taker.hpp"
 #include "bridge/dds/transport/domain.hpp"
 #include "bridge/standby/standby_values.hpp"
-#include "core/base/utc_mapping.hpp"
+#include "core/base/time.hpp"
 #include "idl/topics.h"
 
 namespace fieldcast {

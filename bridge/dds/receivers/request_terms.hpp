@@ -9,7 +9,7 @@
 
 #include "bridge/dds/receivers/requester_registry.hpp"
 #include "bridge/dds/transport/domain.hpp"
-#include "core/base/utc_mapping.hpp"
+#include "core/base/time.hpp"
 
 namespace fieldcast {
 

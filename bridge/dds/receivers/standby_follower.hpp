@@ -17,7 +17,7 @@
 #include "bridge/dds/topics/topic_values.hpp"
 #include "bridge/dds/transport/domain.hpp"
 #include "bridge/standby/standby_values.hpp"
-#include "core/base/utc_mapping.hpp"
+#include "core/base/time.hpp"
 #include "core/model/bus_spec.hpp"
 #include "idl/topics.h"
 

@@ -10,7 +10,7 @@
 
 #include "bridge/dds/topics/topic_values.hpp"
 #include "bridge/dds/topics/topics.hpp"
-#include "core/base/utc_mapping.hpp"
+#include "core/base/time.hpp"
 #include "core/model/bus_spec.hpp"
 #include "core/model/sample.hpp"
 #include "idl/topics.h"

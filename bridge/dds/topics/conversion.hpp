@@ -15,7 +15,7 @@
 #include "bridge/dds/topics/topic_values.hpp"
 #include "bridge/standby/bus_claims.hpp"
 #include "core/alarm/alarm_monitor.hpp"
-#include "core/base/utc_mapping.hpp"
+#include "core/base/time.hpp"
 #include "core/model/bus_spec.hpp"
 #include "core/model/command.hpp"
 #include "core/model/sample.hpp"

@@ -1,5 +1,5 @@
 #include "bridge/dds/topics/conversion.hpp"
-#include "core/base/printable.hpp"
+#include "core/base/message_text.hpp"
 
 namespace fieldcast {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "bridge/standby/standby_values.hpp"
 #include "core/alarm/alarm_status.hpp"
-#include "core/base/quality.hpp"
+#include "core/base/cause.hpp"
 #include "core/model/channel_kind.hpp"
 #include "core/model/command.hpp"
 #include "core/model/status.hpp"

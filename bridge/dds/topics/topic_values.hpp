@@ -9,13 +9,13 @@
 #include <vector>
 
 #include "core/alarm/alarm_status.hpp"
-#include "core/base/quality.hpp"
+#include "core/base/cause.hpp"
 #include "core/base/time.hpp"
 #include "core/base/value.hpp"
 #include "core/model/channel_kind.hpp"
 #include "core/model/command.hpp"
 #include "core/model/status.hpp"
-#include "core/plan/plan_report.hpp"
+#include "core/plan/read_plan.hpp"
 
 namespace fieldcast {
 

@@ -7,7 +7,7 @@
 
 #include "bridge/port/socket_stream.hpp"
 #include "bridge/program/module/module_secrets.hpp"
-#include "core/base/printable.hpp"
+#include "core/base/message_text.hpp"
 #include "core/program/frame.hpp"
 
 namespace fieldcast::program {

@@ -7,7 +7,7 @@
 
 #include "bridge/base/check.hpp"
 #include "bridge/base/secret_file.hpp"
-#include "core/program/device_number.hpp"
+#include "core/program/frame.hpp"
 
 namespace fieldcast::program {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/alarm/alarm_registry.hpp"
-#include "core/base/quality.hpp"
+#include "core/base/cause.hpp"
 #include "core/base/time.hpp"
 #include "core/base/value.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/saturated.hpp"
+#include "core/base/time.hpp"
 
 namespace fieldcast {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/base/quality.hpp"
+#include "core/base/cause.hpp"
 #include "core/base/time.hpp"
 #include "core/base/value.hpp"
 

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "bridge/store/tiers/bucket.hpp"
-#include "core/base/saturated.hpp"
+#include "core/base/time.hpp"
 
 namespace fieldcast {
 namespace {

@@ -8,8 +8,7 @@
 
 #include "bridge/store/records/records.hpp"
 #include "bridge/store/sql/sql.hpp"
-#include "core/model/channel_path.hpp"
-#include "core/model/pattern.hpp"
+#include "core/model/channel_pattern.hpp"
 
 namespace fieldcast {
 

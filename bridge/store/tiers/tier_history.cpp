@@ -1,6 +1,6 @@
 #include "bridge/store/tiers/tier_history.hpp"
 
-#include "core/base/saturated.hpp"
+#include "core/base/time.hpp"
 
 namespace fieldcast {
 

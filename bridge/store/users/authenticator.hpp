@@ -8,7 +8,7 @@
 #include "bridge/store/records/audit.hpp"
 #include "bridge/store/sql/sql.hpp"
 #include "bridge/store/users/users.hpp"
-#include "core/access/login_throttle.hpp"
+#include "core/access/login.hpp"
 
 namespace fieldcast {
 

@@ -6,7 +6,7 @@
 
 #include "bridge/store/users/password.hpp"
 #include "bridge/store/users/users.hpp"
-#include "core/base/printable.hpp"
+#include "core/base/message_text.hpp"
 
 namespace fieldcast {
 namespace {

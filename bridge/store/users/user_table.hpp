@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bridge/store/sql/sql.hpp"
-#include "core/access/role.hpp"
+#include "core/access/login.hpp"
 #include "core/base/time.hpp"
 
 namespace fieldcast {

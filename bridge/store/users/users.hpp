@@ -8,7 +8,7 @@
 #include <tl/expected.hpp>
 
 #include "bridge/base/secret.hpp"
-#include "core/access/role.hpp"
+#include "core/access/login.hpp"
 #include "core/base/time.hpp"
 
 namespace fieldcast {

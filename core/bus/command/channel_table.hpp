@@ -16,7 +16,7 @@
 #include "core/model/bus_spec.hpp"
 #include "core/model/sample.hpp"
 #include "core/model/status.hpp"
-#include "core/plan/layout/point.hpp"
+#include "core/plan/layout/cost.hpp"
 
 namespace fieldcast {
 

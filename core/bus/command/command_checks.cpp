@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "core/base/escaped.hpp"
+#include "core/base/message_text.hpp"
 #include "core/bus/command/command_job.hpp"
 #include "core/model/fit.hpp"
 

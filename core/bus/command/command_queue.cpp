@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/model/command_refusal.hpp"
+#include "core/model/command.hpp"
 
 namespace fieldcast {
 namespace {

@@ -13,7 +13,6 @@
 
 #include "core/bus/command/channel_table.hpp"
 #include "core/bus/command/command_job.hpp"
-#include "core/bus/setup/action_sink.hpp"
 #include "core/bus/setup/bus_setup.hpp"
 #include "core/model/status.hpp"
 

@@ -1,6 +1,6 @@
 #include "core/bus/command/freshness.hpp"
 
-#include "core/base/quality.hpp"
+#include "core/base/cause.hpp"
 
 namespace fieldcast {
 

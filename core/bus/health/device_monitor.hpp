@@ -12,9 +12,7 @@
 
 #include "core/bus/health/device_health.hpp"
 #include "core/bus/health/garbage.hpp"
-#include "core/bus/health/pause_learning.hpp"
-#include "core/bus/health/response_time.hpp"
-#include "core/bus/setup/action_sink.hpp"
+#include "core/bus/health/learning.hpp"
 #include "core/bus/setup/bus_setup.hpp"
 #include "core/model/status.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <cassert>
 
-#include "core/model/make_protocol.hpp"
+#include "core/model/bus_spec.hpp"
 #include "core/schedule/bus_schedule.hpp"
 
 namespace fieldcast {

@@ -4,6 +4,7 @@
 #include <cassert>
 
 namespace fieldcast {
+
 namespace {
 
 Echo echo_of(const BusSpec& bus) {

@@ -18,8 +18,7 @@
 #include <cstdint>
 #include <string>
 
-#include "core/bus/wire/fence_times.hpp"
-#include "core/bus/wire/request_finder.hpp"
+#include "core/bus/wire/fence_setup.hpp"
 
 namespace fieldcast {
 

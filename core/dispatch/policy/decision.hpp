@@ -3,7 +3,7 @@
 #include <variant>
 #include <vector>
 
-#include "core/plan/layout/point.hpp"
+#include "core/plan/layout/cost.hpp"
 
 namespace fieldcast {
 

@@ -1,17 +1,111 @@
-// The dispatchers: (plan, state, now) -> a read or a rest. Interchangeable; a copy includes the
-// decisions made ahead.
+// Follows the timetable: selects the read that is due first; spare wire time is used for other
+// reads. Holds only scratch memory.
 #pragma once
 
+#include <algorithm>
 #include <concepts>
 #include <variant>
+#include <vector>
 
-#include "core/dispatch/policy/cyclic_dispatcher.hpp"
-#include "core/dispatch/policy/dynamic_blocks_dispatcher.hpp"
-#include "core/dispatch/policy/earliest_due_dispatcher.hpp"
-#include "core/dispatch/policy/intensive_dispatcher.hpp"
+#include "core/dispatch/policy/dispatch_state.hpp"
+#include "core/dispatch/policy/look_ahead.hpp"
 #include "core/model/planner_choice.hpp"
 
 namespace fieldcast {
+
+class CyclicDispatcher {
+ public:
+  [[nodiscard]] Decision next(const ReadPlan& plan, DispatchState& state, Instant now);
+  [[nodiscard]] Duration slack(const ReadPlan& plan, const DispatchState& state, Instant now) const;
+  void enqueue(const ReadPlan& plan, DispatchState& state, GroupIndex group, Instant due,
+               Instant now);
+  // A point that was read early keeps its due time.
+  void renew(const DispatchState& state, const GroupState& group, PointState& point,
+             Instant acquired) const;
+  void forget() {}
+
+ private:
+  [[nodiscard]] bool delays_another(const DispatchState& state, Instant due, Instant end);
+
+  std::vector<std::size_t> walk_;  // scratch of delays_another()
+};
+
+// A simple algorithm for comparison: reads up to twenty of the most urgent groups, then selects
+// again.
+
+class DynamicBlocksDispatcher {
+ public:
+  [[nodiscard]] Decision next(const ReadPlan& plan, DispatchState& state, Instant now);
+  [[nodiscard]] Duration slack(const ReadPlan& plan, const DispatchState& state, Instant now) {
+    if (state.queues.due.empty()) return Duration::max();
+    return std::max(Duration::zero(), look_ahead_.rest(plan, state, now));
+  }
+  void enqueue(const ReadPlan& plan, DispatchState& state, GroupIndex group, Instant due,
+               Instant now) {
+    look_ahead_.enqueue(plan, state, group, due, now);
+  }
+  void renew(const DispatchState&, const GroupState&, PointState& point, Instant acquired) const {
+    LookAhead::renew(point, acquired);
+  }
+  void forget() { batch_.clear(); }
+
+ private:
+  void fill(const ReadPlan& plan, DispatchState& state, Instant now);
+
+  static constexpr std::size_t kMostBatch = 20;
+  LookAhead look_ahead_;
+  std::vector<Block> batch_;  // last first
+};
+
+// Earliest due first, without a timetable. For planners that only serve comparison.
+
+class EarliestDueDispatcher {
+ public:
+  [[nodiscard]] Decision next(const ReadPlan& plan, DispatchState& state, Instant now);
+  [[nodiscard]] Duration slack(const ReadPlan& plan, const DispatchState& state, Instant now) {
+    if (state.queues.due.empty()) return Duration::max();
+    return std::max(Duration::zero(), look_ahead_.rest(plan, state, now));
+  }
+  void enqueue(const ReadPlan& plan, DispatchState& state, GroupIndex group, Instant due,
+               Instant now) {
+    look_ahead_.enqueue(plan, state, group, due, now);
+  }
+  void renew(const DispatchState&, const GroupState&, PointState& point, Instant acquired) const {
+    LookAhead::renew(point, acquired);
+  }
+  void forget() {}
+
+ private:
+  LookAhead look_ahead_;
+};
+
+// For a bus without periods: always selects the group with the least time left. Stateless.
+
+class IntensiveDispatcher {
+ public:
+  [[nodiscard]] Decision next(const ReadPlan& plan, DispatchState& state, Instant now) const {
+    if (state.queues.due.empty()) return Rest{state.next_wake()};
+    const GroupIndex group = state.queues.due.top();
+    return state.make_block(plan, group, state.groups[group].urgent, now, Duration::zero());
+  }
+  [[nodiscard]] Duration slack(const ReadPlan&, const DispatchState& state, Instant now) const {
+    if (state.queues.due.empty()) return Duration::max();
+    const GroupState& first = state.groups[state.queues.due.top()];
+    return std::max(Duration::zero(), first.due - first.cost - now);
+  }
+  void enqueue(const ReadPlan& plan, DispatchState& state, GroupIndex index, Instant due,
+               Instant now) const {
+    state.set_next_read(plan, index, due, now);
+    state.queues.due.put(index, due);
+  }
+  void renew(const DispatchState&, const GroupState&, PointState& point, Instant acquired) const {
+    point.due = point.deadline = later(acquired, point.allowed_gap);
+  }
+  void forget() const {}
+};
+
+// The dispatchers: (plan, state, now) -> a read or a rest. Interchangeable; a copy includes the
+// decisions made ahead.
 
 template <typename D>
 concept ReadDispatcher = std::copyable<D> &&

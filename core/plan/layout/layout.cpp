@@ -5,8 +5,8 @@
 #include <tuple>
 #include <utility>
 
-#include "core/plan/layout/pace.hpp"
 #include "core/plan/layout/pack.hpp"
+#include "core/plan/layout/partition.hpp"
 
 namespace fieldcast {
 

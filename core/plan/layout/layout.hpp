@@ -16,9 +16,7 @@
 #include <vector>
 
 #include "core/plan/layout/cost.hpp"
-#include "core/plan/layout/list_cost.hpp"
 #include "core/plan/layout/partition.hpp"
-#include "core/plan/layout/point.hpp"
 
 namespace fieldcast {
 

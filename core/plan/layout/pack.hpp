@@ -7,9 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "core/plan/layout/list_cost.hpp"
+#include "core/plan/layout/cost.hpp"
 #include "core/plan/layout/partition.hpp"
-#include "core/plan/layout/point.hpp"
 
 namespace fieldcast {
 

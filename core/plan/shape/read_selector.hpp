@@ -1,16 +1,66 @@
-// Selects the points of a group's next read and builds its request. Holds scratch memory.
+// One selected read. Reused for every selection.
 #pragma once
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
+#include "core/base/time.hpp"
+#include "core/plan/layout/cost.hpp"
 #include "core/plan/layout/layout.hpp"
 #include "core/plan/shape/block_shape.hpp"
-#include "core/plan/shape/list_shape.hpp"
 #include "core/plan/shape/point_state.hpp"
-#include "core/plan/shape/selection.hpp"
+#include "core/protocol/protocol.hpp"
 
 namespace fieldcast {
+
+struct Selection {
+  // Ascending indexes within the group: all covered points, ready or not.
+  std::vector<std::uint32_t> members;
+  Request request = ReadRequest{};
+  Duration cost{};  // wire time
+
+  [[nodiscard]] std::vector<Range>& ranges() { return std::get<ReadRequest>(request).ranges; }
+  [[nodiscard]] const std::vector<Range>& ranges() const {
+    return std::get<ReadRequest>(request).ranges;
+  }
+};
+
+// Selects the points of a group that are read together with a list of ranges. The most urgent point
+// is first. Then follow those that would otherwise need a request before the group's next one. With
+// spare wire time, points that are better read now than later are added. The limits of request and
+// response matter, distance does not. Holds only scratch memory.
+
+class ListShaper {
+ public:
+  // `points`: one group, ordered by area and address. Respects cuts; skips bad points.
+  void cyclic(std::span<const PointState> points, std::uint32_t urgent, const ListCost& cost,
+              Instant now, const Allowance& allowance, const CyclicWeights& weights,
+              Selection& out);
+  void whole(std::span<const PointState> points, std::uint32_t urgent, const ListCost& cost,
+             Instant now, Selection& out);
+
+ private:
+  struct Candidate {
+    Instant due;
+    std::uint32_t index;  // within the group
+  };
+  // Starts a selection with the urgent point, limited by cuts.
+  void confine(std::span<const PointState> points, std::uint32_t urgent, Instant now);
+  // Adds the most urgent points first, within the limits of the request and `budget`.
+  void take(std::span<const PointState> points, const ListCost& cost, Duration budget,
+            Selection& out);
+  bool build(std::span<const PointState> points, const ListCost& cost, Duration budget,
+             Selection& out);
+  void cover(std::span<const PointState> points, Selection& out) const;
+
+  Slice reach_{};
+  std::vector<Candidate> candidates_;
+  std::vector<std::uint8_t> taken_;  // by index within the group
+  Selection attempt_;
+};
+
+// Selects the points of a group's next read and builds its request. Holds scratch memory.
 
 enum class ShapeRule : std::uint8_t {
   kCyclic,  // those due before the group is read again; lists of ranges if possible

@@ -12,12 +12,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "core/protocol/declared/check.hpp"
 #include "core/protocol/declared/word.hpp"
 #include "core/protocol/protocol.hpp"
-#include "core/protocol/seen_request.hpp"
+#include "core/protocol/protocol_entry.hpp"
 
 namespace fieldcast::declared {
 
@@ -145,5 +145,10 @@ struct SharedDeclaration {
 [[nodiscard]] std::vector<FrameField> explain(const Declaration& declaration, ByteView frame);
 
 [[nodiscard]] SeenRequest seen_request(const Declaration& declaration, ByteView bytes);
+
+// `holding:100`, `holding:100.5`, or a place of a record by its name. Pure.
+
+[[nodiscard]] tl::expected<ParsedAddress, AddressFault> parse_address(
+    const Declaration& declaration, std::string_view at);
 
 }  // namespace fieldcast::declared

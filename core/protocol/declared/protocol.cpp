@@ -1,9 +1,8 @@
 #include <algorithm>
 #include <array>
 
-#include "core/protocol/address_text.hpp"
+#include "core/protocol/declared/declaration.hpp"
 #include "core/protocol/declared/exchange.hpp"
-#include "core/protocol/declared/notation.hpp"
 #include "core/protocol/option_reader.hpp"
 
 namespace fieldcast::declared {

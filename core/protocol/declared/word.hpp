@@ -1,4 +1,3 @@
-// A number on the wire: binary bytes, or a fixed number of ASCII digits. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +6,31 @@
 #include "core/base/bytes.hpp"
 
 namespace fieldcast::declared {
+
+// Rocksoft model of a 16-bit CRC; reflected: lowest bit first, in input and result.
+struct Crc16 {
+  std::uint16_t polynomial = 0x8005, start = 0xFFFF, final_xor = 0x0000;
+  bool reflected = true;
+  friend bool operator==(const Crc16&, const Crc16&) = default;
+};
+[[nodiscard]] std::uint16_t crc16(const Crc16& crc, ByteView bytes);
+
+enum class CheckKind : std::uint8_t { kSum, kAnd, kXor, kCrc16 };
+enum class Complement : std::uint8_t { kNone, kOnes, kTwos };
+
+struct Check {
+  CheckKind kind = CheckKind::kSum;
+  Complement complement = Complement::kNone;
+  Crc16 crc;
+  // For hexadecimal fields: covers the decoded bytes instead of the digits.
+  bool over_bytes = false;
+  friend bool operator==(const Check&, const Check&) = default;
+};
+
+// A sum is taken modulo 2^bits (8..32); other kinds have a fixed width.
+[[nodiscard]] std::uint64_t check_of(const Check& check, unsigned bits, ByteView bytes);
+
+// A number on the wire: binary bytes, or a fixed number of ASCII digits. Pure functions.
 
 enum class Notation : std::uint8_t {
   kBinary,

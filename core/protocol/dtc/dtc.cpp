@@ -6,11 +6,8 @@
 #include <array>
 
 #include "core/codec/lzw.hpp"
-#include "core/protocol/address_text.hpp"
 #include "core/protocol/dtc/message.hpp"
 #include "core/protocol/dtc/packet.hpp"
-#include "core/protocol/dtc/threshold.hpp"
-#include "core/protocol/dtc/types.hpp"
 #include "core/protocol/option_reader.hpp"
 #include "core/protocol/protocol_entry.hpp"
 

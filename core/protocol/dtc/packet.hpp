@@ -1,3 +1,22 @@
+#pragma once
+
+#include <cstddef>
+
+#include "core/base/bytes.hpp"
+#include "core/base/time.hpp"
+#include "core/frame/line.hpp"
+
+namespace fieldcast::dtc {
+
+// Longer than any message: disables compression.
+inline constexpr std::size_t kNever = 65535;
+
+// To compress and expand a message of n bytes costs n * per_byte, while the wire is idle. It saves
+// half a character for each byte after the first sixteen, which fill the dictionary, minus the two
+// length bytes. The threshold is the smallest n with no loss; kNever if the line is too fast.
+// `per_byte` covers both ends.
+[[nodiscard]] std::size_t auto_threshold(const LineFormat& line, Duration per_byte);
+
 // The envelope of each DTC message, in both directions.
 //
 //     packet    flag(1) length(2) body(length)
@@ -5,11 +24,6 @@
 //     flag 1    body: length of the message(2), then the codes of its LZW
 //
 // A packet has flag 1 only if that is shorter.
-#pragma once
-
-#include "core/base/bytes.hpp"
-
-namespace fieldcast::dtc {
 
 inline constexpr std::uint8_t kPlain = 0, kCompressed = 1;
 inline constexpr std::size_t kPacketHead = 3;     // flag and length

@@ -4,7 +4,7 @@
 #include <array>
 #include <string>
 
-#include "core/protocol/address_text.hpp"
+#include "core/protocol/option_reader.hpp"
 
 namespace fieldcast::mitsubishi_fx {
 namespace {

@@ -17,7 +17,6 @@
 
 #include "core/codec/checksum.hpp"
 #include "core/codec/digits.hpp"
-#include "core/protocol/address_text.hpp"
 #include "core/protocol/mitsubishi_fx/areas.hpp"
 #include "core/protocol/option_reader.hpp"
 #include "core/protocol/protocol_entry.hpp"

@@ -2,9 +2,9 @@
 #include <optional>
 #include <string>
 
-#include "core/base/near_miss.hpp"
-#include "core/protocol/address_text.hpp"
+#include "core/base/message_text.hpp"
 #include "core/protocol/modbus/areas.hpp"
+#include "core/protocol/option_reader.hpp"
 
 namespace fieldcast::modbus {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/protocol/field_writer.hpp"
-#include "core/protocol/modbus/function.hpp"
+#include "core/protocol/modbus/request.hpp"
 
 namespace fieldcast::modbus {
 

@@ -2,9 +2,8 @@
 
 #include <array>
 
-#include "core/protocol/address_text.hpp"
 #include "core/protocol/modbus/areas.hpp"
-#include "core/protocol/modbus/exchange.hpp"
+#include "core/protocol/modbus/framing.hpp"
 #include "core/protocol/option_reader.hpp"
 #include "core/protocol/protocol_entry.hpp"
 

@@ -5,9 +5,9 @@
 #include <optional>
 #include <string>
 
-#include "core/base/near_miss.hpp"
-#include "core/protocol/address_text.hpp"
-#include "core/protocol/omron_hostlink/limits.hpp"
+#include "core/base/message_text.hpp"
+#include "core/protocol/omron_hostlink/hostlink.hpp"
+#include "core/protocol/option_reader.hpp"
 
 namespace fieldcast::omron {
 namespace {

@@ -6,7 +6,6 @@
 
 #include "core/codec/digits.hpp"
 #include "core/protocol/omron_hostlink/hostlink.hpp"
-#include "core/protocol/omron_hostlink/limits.hpp"
 
 namespace fieldcast::omron {
 namespace {

@@ -6,6 +6,7 @@
 #include "core/codec/digits.hpp"
 
 namespace fieldcast::omron {
+
 namespace {
 
 // `frame` ends before its CR.

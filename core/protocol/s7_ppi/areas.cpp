@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "core/protocol/address_text.hpp"
+#include "core/protocol/option_reader.hpp"
 
 namespace fieldcast::s7_ppi {
 namespace {

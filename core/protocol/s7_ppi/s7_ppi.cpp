@@ -12,12 +12,10 @@
 #include <algorithm>
 #include <array>
 
-#include "core/protocol/address_text.hpp"
 #include "core/protocol/option_reader.hpp"
 #include "core/protocol/protocol_entry.hpp"
 #include "core/protocol/s7_ppi/areas.hpp"
 #include "core/protocol/s7_ppi/telegram.hpp"
-#include "core/protocol/s7_ppi/unit.hpp"
 
 namespace fieldcast::s7_ppi {
 namespace {

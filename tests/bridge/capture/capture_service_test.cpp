@@ -11,8 +11,8 @@
 
 #include "bridge/base/file_descriptor.hpp"
 #include "bridge/capture/capture_socket.hpp"
+#include "core/capture/pcapng.hpp"
 #include "core/capture/pcapng_reader.hpp"
-#include "core/capture/upper_pdu.hpp"
 
 namespace fieldcast {
 namespace {

@@ -1,7 +1,7 @@
 #include <termios.h>
 
 #include "bridge/port/serial_line.hpp"
-#include "core/program/length_framing.hpp"
+#include "core/program/frame.hpp"
 #include "tests/bridge/program/lease_fixture.hpp"
 #include "tests/bridge/support/modbus_device.hpp"
 

@@ -1,6 +1,6 @@
 #include "bridge/program/server.hpp"
 
-#include "core/program/length_framing.hpp"
+#include "core/program/frame.hpp"
 #include "tests/bridge/program/program_support.hpp"
 
 namespace fieldcast {

@@ -1,8 +1,6 @@
-#include "core/access/login_throttle.hpp"
-
 #include <gtest/gtest.h>
 
-#include "core/access/role.hpp"
+#include "core/access/login.hpp"
 
 namespace fieldcast {
 namespace {

@@ -1,10 +1,9 @@
-#include "core/alarm/limit_watch.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "core/alarm/alarm_monitor.hpp"
+#include "core/alarm/alarm_status.hpp"
 
 namespace fieldcast {
 namespace {

@@ -1,6 +1,6 @@
-#include "core/capture/frame_gatherer.hpp"
-
 #include <gtest/gtest.h>
+
+#include "core/capture/capture_record.hpp"
 
 namespace fieldcast {
 namespace {

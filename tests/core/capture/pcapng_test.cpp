@@ -1,11 +1,11 @@
 // Tests the reader with the writer and with invalid files; e2e_capture.py uses Wireshark.
+#include "core/capture/pcapng.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cstring>
 
 #include "core/capture/pcapng_reader.hpp"
-#include "core/capture/pcapng_writer.hpp"
-#include "core/capture/upper_pdu.hpp"
 
 namespace fieldcast::pcapng {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <random>
 
-#include "core/protocol/declared/check.hpp"
+#include "core/protocol/declared/word.hpp"
 #include "tests/support/declared_device.hpp"
 #include "tests/support/matrix.hpp"
 

@@ -3,7 +3,7 @@
 #include <random>
 
 #include "core/codec/checksum.hpp"
-#include "core/protocol/dtc/threshold.hpp"
+#include "core/protocol/dtc/packet.hpp"
 #include "core/protocol/families/registry.hpp"
 #include "tests/protocol/dtc/dtc_text.hpp"
 #include "tests/support/device.hpp"

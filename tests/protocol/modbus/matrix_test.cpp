@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/protocol/modbus/areas.hpp"
-#include "core/protocol/modbus/exchange.hpp"
+#include "core/protocol/modbus/framing.hpp"
 
 namespace fieldcast::modbus {
 namespace {

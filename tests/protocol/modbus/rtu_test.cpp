@@ -2,7 +2,7 @@
 
 #include "core/codec/checksum.hpp"
 #include "core/protocol/modbus/areas.hpp"
-#include "core/protocol/modbus/exchange.hpp"
+#include "core/protocol/modbus/framing.hpp"
 #include "tests/support/drive.hpp"
 
 namespace fieldcast::modbus {

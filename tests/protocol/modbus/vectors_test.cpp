@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-#include "core/protocol/modbus/exchange.hpp"
+#include "core/protocol/modbus/framing.hpp"
 #include "tests/protocol/modbus/reference.hpp"
 #include "tests/support/drive.hpp"
 

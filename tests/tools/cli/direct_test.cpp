@@ -9,9 +9,9 @@
 #include <thread>
 
 #include "config/loader/loader.hpp"
+#include "core/capture/pcapng.hpp"
 #include "core/capture/pcapng_reader.hpp"
-#include "core/capture/upper_pdu.hpp"
-#include "core/model/make_protocol.hpp"
+#include "core/model/bus_spec.hpp"
 #include "tests/bridge/support/modbus_device.hpp"
 #include "tools/cli/command/line/poke.hpp"
 #include "tools/cli/command/line/read.hpp"

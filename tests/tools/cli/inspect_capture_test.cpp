@@ -7,9 +7,8 @@
 #include <sstream>
 
 #include "config/loader/loader.hpp"
-#include "core/capture/pcapng_writer.hpp"
-#include "core/capture/upper_pdu.hpp"
-#include "core/model/make_protocol.hpp"
+#include "core/capture/pcapng.hpp"
+#include "core/model/bus_spec.hpp"
 #include "tests/tools/cli/parsed_json.hpp"
 #include "tools/cli/command/line/inspect.hpp"
 #include "tools/cli/inspect/value_decoder.hpp"

@@ -11,7 +11,7 @@
 #include "bridge/base/secret_file.hpp"
 #include "bridge/port/serial_line.hpp"
 #include "config/sections/port.hpp"
-#include "core/program/device_number.hpp"
+#include "core/program/frame.hpp"
 #include "tools/cli/command/base/command.hpp"
 
 namespace fieldcast::cli {

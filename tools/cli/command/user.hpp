@@ -4,7 +4,7 @@
 #include <iosfwd>
 #include <string>
 
-#include "core/access/role.hpp"
+#include "core/access/login.hpp"
 #include "tools/cli/domain/store_source.hpp"
 #include "tools/cli/text/exit_code.hpp"
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "config/sections/port.hpp"
-#include "core/model/make_protocol.hpp"
+#include "core/model/bus_spec.hpp"
 #include "tools/cli/text/text_table.hpp"
 
 namespace fieldcast::cli {

@@ -9,7 +9,7 @@
 #include "bridge/dds/transport/multicast.hpp"
 #include "bridge/security/member_folder.hpp"
 #include "config/loader/loader.hpp"
-#include "core/model/pattern.hpp"
+#include "core/model/channel_pattern.hpp"
 #include "tools/cli/terminal/clock.hpp"
 #include "tools/station/settings/configuration.hpp"
 

@@ -6,12 +6,11 @@
 #include <map>
 #include <ostream>
 
-#include "core/base/counted.hpp"
-#include "core/capture/frame_gatherer.hpp"
+#include "core/base/message_text.hpp"
+#include "core/capture/capture_record.hpp"
 #include "core/capture/pcapng.hpp"
 #include "core/capture/pcapng_reader.hpp"
 #include "core/capture/trace_text.hpp"
-#include "core/capture/upper_pdu.hpp"
 #include "core/protocol/families/registry.hpp"
 #include "tools/cli/model/sample_text.hpp"
 

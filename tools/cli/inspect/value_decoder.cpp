@@ -6,7 +6,7 @@
 #include <set>
 
 #include "core/codec/value_codec.hpp"
-#include "core/model/make_protocol.hpp"
+#include "core/model/bus_spec.hpp"
 #include "core/model/port_spec.hpp"
 
 namespace fieldcast::cli {

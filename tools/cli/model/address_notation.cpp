@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "core/model/fit.hpp"
-#include "core/model/implied_type.hpp"
 #include "core/protocol/families/registry.hpp"
 #include "tools/cli/model/command_text.hpp"
 #include "tools/cli/text/text_table.hpp"

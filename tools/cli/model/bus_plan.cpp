@@ -2,9 +2,8 @@
 
 #include <utility>
 
-#include "core/model/make_protocol.hpp"
+#include "core/model/bus_spec.hpp"
 #include "core/schedule/bus_schedule.hpp"
-#include "core/schedule/point_map.hpp"
 
 namespace fieldcast::cli {
 

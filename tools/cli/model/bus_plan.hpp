@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/model/bus_spec.hpp"
-#include "core/plan/layout/point.hpp"
+#include "core/plan/layout/cost.hpp"
 #include "core/protocol/protocol.hpp"
 #include "core/schedule/prediction.hpp"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/base/near_miss.hpp"
+#include "core/base/message_text.hpp"
 
 namespace fieldcast::cli {
 namespace {

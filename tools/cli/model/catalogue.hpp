@@ -8,8 +8,7 @@
 #include <string_view>
 
 #include "bridge/station/station.hpp"
-#include "core/model/channel_path.hpp"
-#include "core/model/pattern.hpp"
+#include "core/model/channel_pattern.hpp"
 
 namespace fieldcast::cli {
 

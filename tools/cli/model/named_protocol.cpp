@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "config/loader/loader.hpp"
-#include "core/base/near_miss.hpp"
+#include "core/base/message_text.hpp"
 #include "core/protocol/families/registry.hpp"
 #include "tools/cli/text/text_table.hpp"
 

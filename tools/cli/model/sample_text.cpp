@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <variant>
 
-#include "core/base/number_text.hpp"
+#include "core/base/value.hpp"
 #include "tools/cli/model/address_notation.hpp"
 
 namespace fieldcast::cli {

@@ -9,7 +9,7 @@
 
 #include "bridge/station/station.hpp"
 #include "core/base/time.hpp"
-#include "core/model/pattern.hpp"
+#include "core/model/channel_pattern.hpp"
 #include "tools/cli/model/catalogue.hpp"
 
 namespace fieldcast::cli {

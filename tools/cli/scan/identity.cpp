@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "core/base/escaped.hpp"
+#include "core/base/message_text.hpp"
 #include "core/codec/checksum.hpp"
 #include "core/protocol/modbus/framing.hpp"
 #include "tools/cli/scan/omron_identity.hpp"

@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-#include "core/model/channel_path.hpp"
+#include "core/model/channel_pattern.hpp"
 
 namespace fieldcast::cli {
 

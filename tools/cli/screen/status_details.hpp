@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/model/channel_path.hpp"
+#include "core/model/channel_pattern.hpp"
 #include "tools/cli/text/frame.hpp"
 #include "tools/cli/view/status/status_facts.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "core/base/escaped.hpp"
+#include "core/base/message_text.hpp"
 #include "tools/cli/model/sample_text.hpp"
 #include "tools/cli/screen/status_details.hpp"
 #include "tools/cli/screen/watch_screen.hpp"

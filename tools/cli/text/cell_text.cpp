@@ -6,8 +6,7 @@
 
 #include <algorithm>
 
-#include "core/base/escaped.hpp"
-#include "core/base/printable.hpp"
+#include "core/base/message_text.hpp"
 
 namespace fieldcast::cli {
 namespace {

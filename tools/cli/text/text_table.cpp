@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cassert>
 
-#include "core/base/printable.hpp"
+#include "core/base/message_text.hpp"
 
 namespace fieldcast::cli {
 namespace {

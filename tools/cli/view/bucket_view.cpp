@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "core/base/number_text.hpp"
+#include "core/base/value.hpp"
 #include "tools/cli/model/sample_text.hpp"
 #include "tools/cli/view/record_view.hpp"
 

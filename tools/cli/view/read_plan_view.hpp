@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/base/json.hpp"
-#include "core/plan/plan_report.hpp"
+#include "core/plan/read_plan.hpp"
 #include "tools/cli/model/bus_plan.hpp"
 
 namespace fieldcast::cli {

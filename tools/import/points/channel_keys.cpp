@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "core/base/number_text.hpp"
+#include "core/base/value.hpp"
 #include "tools/import/points/types.hpp"
 #include "tools/import/points/writer.hpp"
 

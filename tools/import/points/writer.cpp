@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "core/base/number_text.hpp"
+#include "core/base/value.hpp"
 #include "tools/import/points/channel_keys.hpp"
 
 namespace fieldcast::importing {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "core/base/number_text.hpp"
+#include "core/base/value.hpp"
 #include "tools/import/text/tree.hpp"
 
 namespace fieldcast::importing {

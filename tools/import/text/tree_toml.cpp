@@ -23,8 +23,8 @@ constexpr void require_toml(bool holds) {
 #pragma pop_macro("TOML_UNREACHABLE")
 #include <toml++/toml.h>
 
-#include "core/base/escaped.hpp"
-#include "core/base/number_text.hpp"
+#include "core/base/message_text.hpp"
+#include "core/base/value.hpp"
 #include "tools/import/text/tree.hpp"
 
 namespace fieldcast::importing {

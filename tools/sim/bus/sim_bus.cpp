@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "core/model/make_protocol.hpp"
+#include "core/model/bus_spec.hpp"
 #include "core/protocol/families/registry.hpp"
 #include "tools/sim/device/waveform.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/base/printable.hpp"
+#include "core/base/message_text.hpp"
 #include "tools/station/api/commands.hpp"
 
 namespace fieldcast::web {

@@ -1,7 +1,7 @@
 #include "tools/station/api/alarms.hpp"
 
 #include "bridge/store/alarm_life_table.hpp"
-#include "core/base/json_text.hpp"
+#include "core/base/json.hpp"
 #include "tools/station/api/base/parameters.hpp"
 #include "tools/station/api/base/response.hpp"
 #include "tools/station/model/live_json.hpp"

@@ -2,7 +2,7 @@
 
 #include "bridge/store/event_table.hpp"
 #include "bridge/store/users/user_table.hpp"
-#include "core/base/json_text.hpp"
+#include "core/base/json.hpp"
 #include "tools/station/api/base/parameters.hpp"
 #include "tools/station/api/base/response.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
-#include "core/base/json_text.hpp"
+#include "core/base/json.hpp"
 #include "tools/station/api/base/parameters.hpp"
 #include "tools/station/api/base/response.hpp"
 #include "tools/station/http/gzip.hpp"

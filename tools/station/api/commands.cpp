@@ -3,7 +3,7 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
-#include "core/base/json_text.hpp"
+#include "core/base/json.hpp"
 #include "tools/station/api/alarm_request.hpp"
 #include "tools/station/api/base/response.hpp"
 #include "tools/station/http/json_body.hpp"

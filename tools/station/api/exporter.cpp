@@ -1,7 +1,7 @@
 #include "tools/station/api/exporter.hpp"
 
 #include "bridge/store/tiers/tier_history.hpp"
-#include "core/base/json_text.hpp"
+#include "core/base/json.hpp"
 #include "tools/cli/view/bucket_view.hpp"
 #include "tools/cli/view/record_view.hpp"
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "bridge/store/tiers/sample_table.hpp"
-#include "core/model/pattern.hpp"
+#include "core/model/channel_pattern.hpp"
 #include "tools/station/http/gzip.hpp"
 
 namespace fieldcast::web {

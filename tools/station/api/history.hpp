@@ -1,7 +1,7 @@
 // GET /api/history: up to eight channels of the store, each with a limited number of buckets.
 #pragma once
 
-#include "core/model/channel_path.hpp"
+#include "core/model/channel_pattern.hpp"
 #include "tools/station/api/base/database.hpp"
 #include "tools/station/api/history_series.hpp"
 #include "tools/station/http/route_table.hpp"

@@ -1,7 +1,7 @@
 #include "tools/station/api/history_series.hpp"
 
-#include "core/base/json_text.hpp"
-#include "core/base/quality.hpp"
+#include "core/base/cause.hpp"
+#include "core/base/json.hpp"
 
 namespace fieldcast::web {
 namespace {

@@ -1,6 +1,6 @@
 #include "tools/station/api/plan.hpp"
 
-#include "core/base/json_text.hpp"
+#include "core/base/json.hpp"
 #include "tools/station/api/base/parameters.hpp"
 #include "tools/station/api/base/response.hpp"
 #include "tools/station/model/live_json.hpp"

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "bridge/store/records/audit.hpp"
-#include "core/access/login_throttle.hpp"
+#include "core/access/login.hpp"
 #include "tools/station/api/base/database.hpp"
 #include "tools/station/web/login_check.hpp"
 

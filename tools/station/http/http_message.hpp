@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/access/role.hpp"
+#include "core/access/login.hpp"
 
 namespace fieldcast::web {
 

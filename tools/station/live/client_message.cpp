@@ -6,9 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "core/base/escaped.hpp"
-#include "core/base/json_text.hpp"
-#include "core/base/printable.hpp"
+#include "core/base/json.hpp"
+#include "core/base/message_text.hpp"
 #include "core/codec/value_codec.hpp"
 
 namespace fieldcast::web {

@@ -16,8 +16,7 @@
 
 #include "core/base/time.hpp"
 #include "core/base/value.hpp"
-#include "core/model/channel_path.hpp"
-#include "core/model/pattern.hpp"
+#include "core/model/channel_pattern.hpp"
 
 namespace fieldcast::web {
 

@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "bridge/base/clock.hpp"
-#include "core/base/printable.hpp"
-#include "core/model/channel_path.hpp"
+#include "core/base/message_text.hpp"
+#include "core/model/channel_pattern.hpp"
 
 namespace fieldcast::web {
 namespace {

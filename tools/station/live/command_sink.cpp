@@ -1,6 +1,6 @@
 #include "tools/station/live/command_sink.hpp"
 
-#include "core/base/json_text.hpp"
+#include "core/base/json.hpp"
 
 namespace fieldcast::web {
 

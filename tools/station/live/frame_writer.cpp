@@ -6,8 +6,8 @@
 #include <limits>
 #include <variant>
 
-#include "core/base/escaped.hpp"
-#include "core/base/json_text.hpp"
+#include "core/base/json.hpp"
+#include "core/base/message_text.hpp"
 
 namespace fieldcast::web {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/base/json_text.hpp"
-#include "core/base/printable.hpp"
+#include "core/base/json.hpp"
+#include "core/base/message_text.hpp"
 #include "tools/station/live/frame_writer.hpp"
 #include "tools/station/model/live_json.hpp"
 

@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "core/model/pattern.hpp"
+#include "core/model/channel_pattern.hpp"
 #include "tools/station/model/live_model.hpp"
 
 namespace fieldcast::web {

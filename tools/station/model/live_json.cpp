@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "core/base/cause.hpp"
-#include "core/base/json_text.hpp"
+#include "core/base/json.hpp"
 
 namespace fieldcast::web {
 namespace {

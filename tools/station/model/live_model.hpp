@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "bridge/dds/topics/topic_values.hpp"
-#include "core/model/channel_path.hpp"
+#include "core/model/channel_pattern.hpp"
 #include "tools/station/model/live_objects.hpp"
 #include "tools/station/model/path_key.hpp"
 

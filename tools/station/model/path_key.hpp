@@ -5,7 +5,7 @@
 #include <functional>
 #include <string_view>
 
-#include "core/model/channel_path.hpp"
+#include "core/model/channel_pattern.hpp"
 
 namespace fieldcast::web {
 

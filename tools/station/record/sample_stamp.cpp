@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/base/saturated.hpp"
+#include "core/base/time.hpp"
 
 namespace fieldcast::web {
 namespace {

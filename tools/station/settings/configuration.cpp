@@ -14,7 +14,7 @@
 #include "config/sections/port.hpp"
 #include "config/sections/program.hpp"
 #include "config/sections/store.hpp"
-#include "core/model/pattern.hpp"
+#include "core/model/channel_pattern.hpp"
 #include "tools/station/settings/origin_check.hpp"
 
 namespace fieldcast::web {

@@ -9,7 +9,7 @@
 
 #include "config/document/fault.hpp"
 #include "config/loader/loader.hpp"
-#include "core/access/role.hpp"
+#include "core/access/login.hpp"
 #include "core/model/spec.hpp"
 
 namespace fieldcast::web {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "bridge/store/users/users.hpp"
-#include "core/access/role.hpp"
+#include "core/access/login.hpp"
 #include "core/base/time.hpp"
 #include "tools/station/web/session_store.hpp"
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/access/role.hpp"
+#include "core/access/login.hpp"
 #include "core/base/time.hpp"
 
 namespace fieldcast::web {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "bridge/base/command_line.hpp"
-#include "core/model/pattern.hpp"
+#include "core/model/channel_pattern.hpp"
 
 namespace fieldcast::cli {
 

@@ -14,7 +14,7 @@
 #include "bridge/base/clock.hpp"
 #include "bridge/base/errno_text.hpp"
 #include "bridge/capture/capture_file.hpp"
-#include "core/base/counted.hpp"
+#include "core/base/message_text.hpp"
 #include "core/capture/pcapng.hpp"
 #include "tools/cli/capture/block_cutter.hpp"
 #include "tools/cli/capture/bridge_socket.hpp"

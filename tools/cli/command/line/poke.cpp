@@ -5,7 +5,7 @@
 #include <ostream>
 
 #include "core/bus/command/command_job.hpp"
-#include "core/model/make_protocol.hpp"
+#include "core/model/bus_spec.hpp"
 #include "tools/cli/command/base/command.hpp"
 #include "tools/cli/direct/direct_bus.hpp"
 #include "tools/cli/direct/line_capture.hpp"

@@ -4,8 +4,8 @@
 
 #include <ostream>
 
+#include "core/model/bus_spec.hpp"
 #include "core/model/fit.hpp"
-#include "core/model/make_protocol.hpp"
 #include "tools/cli/command/base/command.hpp"
 #include "tools/cli/direct/address_steps.hpp"
 #include "tools/cli/direct/direct_bus.hpp"

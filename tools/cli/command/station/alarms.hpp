@@ -7,7 +7,7 @@
 #include <string>
 
 #include "bridge/station/station.hpp"
-#include "core/model/pattern.hpp"
+#include "core/model/channel_pattern.hpp"
 #include "tools/cli/domain/connection.hpp"
 #include "tools/cli/domain/store_source.hpp"
 #include "tools/cli/terminal/interrupt.hpp"

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "core/model/pattern.hpp"
+#include "core/model/channel_pattern.hpp"
 #include "tools/cli/domain/store_source.hpp"
 #include "tools/cli/model/time_text.hpp"
 #include "tools/cli/terminal/interrupt.hpp"

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "core/base/time.hpp"
-#include "core/model/pattern.hpp"
+#include "core/model/channel_pattern.hpp"
 #include "tools/cli/domain/connection.hpp"
 #include "tools/cli/terminal/interrupt.hpp"
 #include "tools/cli/text/exit_code.hpp"

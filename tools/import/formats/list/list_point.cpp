@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/number_text.hpp"
+#include "core/base/value.hpp"
 #include "tools/import/formats/list/list_factor.hpp"
 #include "tools/import/formats/list/list_order.hpp"
 #include "tools/import/points/types.hpp"

@@ -6,8 +6,7 @@
 #include <charconv>
 
 #include "core/base/duration_text.hpp"
-#include "core/base/near_miss.hpp"
-#include "core/base/printable.hpp"
+#include "core/base/message_text.hpp"
 #include "tools/cli/model/time_text.hpp"
 
 namespace fieldcast::web {

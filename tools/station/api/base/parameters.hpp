@@ -8,8 +8,7 @@
 #include <tl/expected.hpp>
 
 #include "core/base/time.hpp"
-#include "core/model/channel_path.hpp"
-#include "core/model/pattern.hpp"
+#include "core/model/channel_pattern.hpp"
 #include "tools/station/http/http_message.hpp"
 
 namespace fieldcast::web {

@@ -1,0 +1,53 @@
+#include "core/bus/bus_parts.hpp"
+
+namespace fieldcast {
+
+namespace {
+
+constexpr std::size_t kMostNames = 8;
+constexpr std::size_t kMostRanges = 32;  // S7-200 PPI reads at most 19
+
+std::string ranges_text(const BusSetup& setup, DeviceIndex device, const Request& request) {
+  if (const auto* write = std::get_if<WriteRequest>(&request))
+    return "write " + setup.text(device, write->range);
+  if (const auto* both = std::get_if<WriteReadRequest>(&request))
+    return "write " + setup.text(device, both->write.range) + ", read " +
+           setup.text(device, both->read);
+  const auto& ranges = std::get<ReadRequest>(request).ranges;
+  std::string text = "read ";
+  for (std::size_t i = 0; i < ranges.size() && i < kMostRanges; ++i)
+    text += (i == 0 ? "" : ", ") + setup.text(device, ranges[i]);
+  if (ranges.size() > kMostRanges) text += ", +" + std::to_string(ranges.size() - kMostRanges);
+  return text;
+}
+
+std::string command_text(const Command& command, std::size_t batch) {
+  std::string text;
+  if (const auto* channel = std::get_if<ChannelTarget>(&command.target))
+    text = channel->name.empty() ? "all channels" : channel->name;
+  if (batch > 1) text += (text.empty() ? "+" : ", +") + std::to_string(batch - 1);
+  return (text.empty() ? "command of " : text + "; command of ") + command.requester;
+}
+
+}  // namespace
+
+std::string flight_text(const BusParts& parts) {
+  if (!parts.wire.exchanging()) return {};
+  const Flight& flight = parts.wire.flight();
+  const DeviceIndex device = flight.asked.device;
+  std::string why;
+  if (flight.kind == Flight::Kind::kRead) {
+    why = parts.reads.channel_names(flight.block, kMostNames);
+  } else if (const Command* command = parts.commands.first(); flight.is_command() && command) {
+    why = command_text(*command, flight.batch);
+  } else if (flight.kind == Flight::Kind::kProbe) {
+    why = "is it back?";
+  }
+  std::string text = parts.setup.device(device).name + ": " +
+                     ranges_text(parts.setup, device, flight.asked.request);
+  if (!why.empty()) text += " (" + why + ")";
+  if (flight.tries > 0) text += ", try " + std::to_string(flight.tries + 1);
+  return text;
+}
+
+}  // namespace fieldcast

@@ -1,0 +1,262 @@
+#include "core/bus/exchange_flow.hpp"
+
+#include <algorithm>
+
+namespace fieldcast {
+
+Arbiter::Arbiter(BusParts& parts)
+    : commands_(parts.commands),
+      reads_(parts.reads),
+      devices_(parts.devices),
+      late_(parts.late),
+      wire_(parts.wire),
+      command_gate_([this](const CommandJob& job) { return sendable_from(job); }) {}
+
+std::optional<Bytes> Arbiter::next(Instant now) {
+  rest_until_ = kLongAgo;
+  if (now < wire_.free_at()) return std::nullopt;
+  if (!wire_.waiting()) {
+    auto flight = choose(now);
+    if (!flight) return std::nullopt;
+    command_was_last_ = flight->is_command();
+    wire_.launch(std::move(*flight));
+  }
+  return send(now);
+}
+
+std::optional<Bytes> Arbiter::sign(Instant now, bool due) {
+  if (wire_.waiting()) return std::nullopt;
+  auto read = devices_.sign(now, late_.read_gate());
+  if (!read || (!due && reads_.slack(now) < read->timeout)) return std::nullopt;
+  Flight sign;
+  sign.kind = Flight::Kind::kProbe;
+  sign.asked = {read->device, std::move(read->request), {}, {}};
+  wire_.launch(std::move(sign));
+  return send(now);
+}
+
+std::optional<Flight> Arbiter::choose(Instant now) {
+  if (!commands_.empty()) {
+    const bool reads_first = command_was_last_ && !commands_.begun() && reads_.due(now);
+    if (!reads_first) {
+      if (auto command = choose_command(now)) return command;
+      if (rest_until_ != kLongAgo) return std::nullopt;
+    }
+  }
+  if (auto probe = choose_probe(now)) return probe;
+  return choose_read(now);
+}
+
+std::optional<Flight> Arbiter::choose_command(Instant now) {
+  const bool echo_unknown = wire_.driver().echo() == Echo::kUnknown;
+  if (auto next = commands_.next(now, command_gate_, echo_unknown)) {
+    Flight command;
+    command.kind = Flight::Kind::kCommand;
+    command.asked = {next->device, std::move(next->request), {}, {}};
+    command.batch = next->batch;
+    return command;
+  }
+  if (commands_.begun()) {
+    const Instant from = commands_.sendable_from(command_gate_);
+    if (from - now <= kLongestWait) rest_until_ = from;
+  }
+  return std::nullopt;
+}
+
+std::optional<Flight> Arbiter::choose_probe(Instant now) {
+  auto due = devices_.probe(now, late_.read_gate(), [&] { return reads_.slack(now); });
+  if (!due) return std::nullopt;
+  Flight probe;
+  probe.kind = Flight::Kind::kProbe;
+  probe.asked = {due->device, std::move(due->request), {}, {}};
+  probe.timeout = due->timeout;
+  return probe;
+}
+
+std::optional<Flight> Arbiter::choose_read(Instant now) {
+  const Instant next_admission = admit_deferred(now);
+  auto decision = reads_.next(now, late_.read_gate());
+  if (auto* next = std::get_if<ReadPath::Read>(&decision)) {
+    Flight read;
+    read.asked = {next->block.device, std::move(next->request), {}, {}};
+    read.block = std::move(next->block);
+    read.longer = next->longer;
+    return read;
+  }
+  rest_until_ = std::min({std::get<Rest>(decision).until, devices_.next_probe(), next_admission,
+                          commands_.sendable_from(command_gate_)});
+  rest_until_ = std::max(rest_until_, now + kShortestRest);
+  return std::nullopt;
+}
+
+Instant Arbiter::admit_deferred(Instant now) {
+  std::vector<DeviceIndex> admitted;
+  const Instant next = devices_.admit_deferred(
+      now, [&] { return reads_.slack(now); }, admitted);
+  for (const DeviceIndex device : admitted) suspend(device, now);
+  return next;
+}
+
+Instant Arbiter::sendable_from(const CommandJob& job) const {
+  const Instant from = devices_.paused_until(job.device());
+  if (late_.none_owed()) return from;
+  const auto request = job.next();
+  if (!request) return from;
+  return std::max(
+      from, late_.sendable_from(job.device(), *request, LateResponseFilter::Purpose::kCommand));
+}
+
+Bytes Arbiter::send(Instant now) {
+  const Flight& flight = wire_.flight();
+  const DeviceIndex device = flight.asked.device;
+  const Duration timeout =
+      flight.timeout > Duration::zero()
+          ? flight.timeout
+          : devices_.timeout(device, flight.asked.request, flight.is_command());
+  devices_.asked(device);
+  late_.start_anew();
+  return wire_.send({late_.next_context(device), timeout, devices_.rest_before(device, now)}, now);
+}
+
+void Arbiter::suspend(DeviceIndex device, Instant now) {
+  if (const auto until = devices_.suspension(device, now)) reads_.suspend(device, *until);
+}
+
+OutcomeRouter::OutcomeRouter(BusParts& parts, Arbiter& arbiter)
+    : setup_(parts.setup),
+      channels_(parts.channels),
+      commands_(parts.commands),
+      reads_(parts.reads),
+      devices_(parts.devices),
+      late_(parts.late),
+      wire_(parts.wire),
+      arbiter_(arbiter) {}
+
+std::optional<Reopen> OutcomeRouter::conclude(bool done, Instant now, ActionSink& sink) {
+  const Wire::Ended ended = wire_.conclude(done, now);
+  const DeviceIndex device = wire_.flight().asked.device;
+  note_try(ended, now, sink);
+  if (!done && may_repeat(ended.cause)) {
+    devices_.repeated(device);
+    wire_.repeat();
+    return std::nullopt;
+  }
+  const Flight flight = wire_.take();
+  if (done && !flight.unanswered) learn(flight);
+  const bool busy = ended.cause == Cause::kDeviceBusy;
+  if (ended.answered && !busy) devices_.answered(device, sink);
+  deliver(flight, ended, now, sink);
+  const bool lost = (!ended.answered || busy) && device_failed(device, ended, now, sink);
+  arbiter_.suspend(device, now);
+  // All devices of this connection are silent: the connection itself may be dead.
+  if (lost && !busy && devices_.all_offline() && over_network(setup_.spec().port))
+    return Reopen{"no device responds"};
+  // A TCP stream that lost its framing is closed (Modbus Messaging on TCP/IP, 4.2.2 leaves the
+  // reaction open). A serial line becomes silent instead, also behind a serial server, so a bad
+  // frame only costs its exchange.
+  const bool numbered = setup_.protocol(device).traits().identity == ResponseIdentity::kSequence;
+  if (ended.cause == Cause::kMalformed && numbered && setup_.plain_tcp())
+    return Reopen{"the header of the response is not valid"};
+  return std::nullopt;
+}
+
+void OutcomeRouter::learn(const Flight& flight) {
+  const DeviceIndex device = flight.asked.device;
+  const Request& request = flight.asked.request;
+  const Duration answer_time = wire_.driver().answer_time();
+  devices_.learn(device, request, answer_time);
+  if (std::holds_alternative<ReadRequest>(request))
+    reads_.learn(device, area_of(request), answer_time);
+}
+
+void OutcomeRouter::note_try(const Wire::Ended& ended, Instant now, ActionSink& sink) {
+  const Flight& flight = wire_.flight();
+  const ExchangeDriver& driver = wire_.driver();
+  const DeviceIndex device = flight.asked.device;
+  const Duration longest = devices_.longest_answer(device);
+  if (ended.answered) {
+    late_.answered(flight.asked, !ended.done, longest, driver, now);
+    reads_.release_held(now, late_.read_gate());
+  } else {
+    late_.unanswered(flight.asked, flight.block, longest, driver, now);
+  }
+  devices_.tried({device, ended.cause, flight.rest, driver.answered(), driver.raw_received(),
+                  driver.sent(), driver.echo_alone(), driver.expected()},
+                 now, sink);
+  if (ended.done) return;
+  causes_.add(ended.cause);
+  const auto codes = setup_.protocol(device).traits().codes;
+  if (sink.tracing())
+    sink.trace(device,
+               std::string(to_text(ended.cause)) + device_code_note(codes, ended.device_code));
+}
+
+// Writes are never repeated blindly (CommandJob reads back), and probes repeat by themselves.
+bool OutcomeRouter::may_repeat(Cause cause) const {
+  if (cause == Cause::kDeviceError || cause == Cause::kDeviceBusy || cause == Cause::kUnsupported)
+    return false;
+  const Flight& flight = wire_.flight();
+  const DeviceIndex device = flight.asked.device;
+  return flight.kind != Flight::Kind::kProbe &&
+         std::holds_alternative<ReadRequest>(flight.asked.request) &&
+         flight.tries < setup_.device(device).retries &&
+         (flight.is_command() || !devices_.sick(device));
+}
+
+void OutcomeRouter::deliver(const Flight& flight, const Wire::Ended& ended, Instant now,
+                            ActionSink& sink) {
+  const Instant acquired = wire_.driver().answered();
+  switch (flight.kind) {
+    case Flight::Kind::kRead:
+      if (ended.done)
+        return reads_.answered(flight.block, ended.exchange->reply(), acquired, now, sink);
+      if (ended.cause == Cause::kDeviceBusy && devices_.stays_busy(flight.asked.device))
+        devices_.busy(flight.asked.device, now);
+      return reads_.failed(flight.block, flight.longer, ended.cause, ended.device_code, now, sink);
+    case Flight::Kind::kCommand:
+      if (ended.done)
+        return commands_.answered(flight.batch, ended.exchange->reply(), acquired, now, sink);
+      return commands_.failed(flight.batch, ended.cause, ended.device_code, acquired, now, sink,
+                              wire_.driver().echo_alone() && !setup_.spec().echo
+                                  ? "what was sent comes back, and nothing else"
+                                  : "");
+    case Flight::Kind::kProbe:
+      if (ended.done) reads_.probe_answered(flight.asked.device);
+      return;
+  }
+}
+
+bool OutcomeRouter::device_failed(DeviceIndex device, const Wire::Ended& ended, Instant now,
+                                  ActionSink& sink) {
+  const bool lost = devices_.failed(device, ended.cause, now, sink);
+  if (lost) {
+    reads_.forget(device);
+    for (ChannelIndex c = channels_.first_of(device); c < channels_.end_of(device); ++c)
+      channels_.failing(c, ended.cause, now, ended.device_code);
+  }
+  devices_.defer_if_sick(device, ended.spent, now);
+  return lost;
+}
+
+void OutcomeRouter::take_late(const std::vector<LateResponseFilter::Late>& answers, Instant now,
+                              ActionSink& sink) {
+  for (const LateResponseFilter::Late& answer : answers) {
+    const DeviceIndex device = answer.asked.device;
+    devices_.learn_late(device, answer.taken);
+    const bool awaited = !answer.block.points.empty();
+    // A response after the short timeout of a probe still shows that the device is back.
+    const bool back = devices_.offline(device) && answer.taken <= setup_.device(device).timeout;
+    if (awaited || back) {
+      devices_.answered(device, sink);
+      arbiter_.suspend(device, now);  // resumes reading if the device was offline
+    }
+    if (!awaited) continue;
+    reads_.answered(answer.block, answer.reply, now, now, sink);
+    const bool waits = wire_.waiting() && wire_.flight().kind == Flight::Kind::kRead;
+    if (waits && same_read(answer.asked, wire_.flight().asked)) wire_.drop();
+  }
+  late_.expire(now);
+  reads_.release_held(now, late_.read_gate());
+}
+
+}  // namespace fieldcast

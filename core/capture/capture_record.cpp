@@ -1,0 +1,124 @@
+#include "core/capture/capture_record.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace fieldcast {
+
+namespace {
+
+void add_line(std::string& comment, const std::string& line) {
+  if (line.empty()) return;
+  if (!comment.empty()) comment += '\n';
+  comment += line;
+}
+
+void cut(std::string& text, std::size_t limit) {
+  if (text.size() <= limit) return;
+  while (limit > 0 && (static_cast<unsigned char>(text[limit]) & 0xC0) == 0x80) --limit;
+  text.resize(limit);
+}
+
+}  // namespace
+
+void FrameGatherer::take(CaptureRecord record, std::vector<CapturedFrame>& out) {
+  // The capture began during an exchange: only the end of its response was recorded.
+  if (record.kind != CaptureRecord::Kind::kReceived && !std::exchange(begun_, true) &&
+      std::exchange(answer_, std::nullopt) && record.kind == CaptureRecord::Kind::kRemark)
+    return;
+  switch (record.kind) {
+    case CaptureRecord::Kind::kSent:
+      give_request(out);
+      give_answer(out);
+      device_ = record.device;
+      asked_ = true;
+      echo_ = record.bytes;
+      request_ = CapturedFrame{record.at, Direction::kSent, device_, std::move(record.bytes),
+                               std::move(record.text)};
+      return;
+    case CaptureRecord::Kind::kReceived: return take_received(std::move(record), out);
+    case CaptureRecord::Kind::kRemark: return remark(record.text, out);
+    case CaptureRecord::Kind::kEnded:
+      give_request(out);
+      give_answer(out);
+      asked_ = false;
+      return;
+  }
+}
+
+void FrameGatherer::take_received(CaptureRecord record, std::vector<CapturedFrame>& out) {
+  give_request(out);
+  if (answer_ && !asked_ && record.at.nanoseconds - answer_->at.nanoseconds > kQuiet.count())
+    give_answer(out);
+  if (!answer_) answer_ = CapturedFrame{record.at, Direction::kReceived, device_, {}, {}};
+  answer_->at = record.at;
+  append(answer_->bytes, record.bytes);
+  // Equal bytes alone may be the response of a device that repeats the request.
+  if (!echo_.empty() && answer_->bytes.size() > echo_.size() &&
+      std::equal(echo_.begin(), echo_.end(), answer_->bytes.begin())) {
+    give({record.at, Direction::kSent, device_, echo_, "the line gave the request back (echo)"},
+         out);
+    answer_->bytes.erase(answer_->bytes.begin(),
+                         answer_->bytes.begin() + static_cast<std::ptrdiff_t>(echo_.size()));
+    echo_.clear();
+  }
+  while (answer_->bytes.size() > kMaxFrame) {
+    CapturedFrame part = *answer_;
+    part.bytes.resize(kMaxFrame);
+    answer_->bytes.erase(answer_->bytes.begin(), answer_->bytes.begin() + kMaxFrame);
+    give(std::move(part), out);
+  }
+}
+
+void FrameGatherer::remark(const std::string& text, std::vector<CapturedFrame>& out) {
+  if (answer_) {
+    add_line(answer_->comment, text);
+    give_answer(out);
+  } else if (request_) {
+    add_line(request_->comment, text);
+    give_request(out);
+  } else if (note_.size() < kMaxComment) {
+    add_line(note_, text);
+  }
+  asked_ = false;
+}
+
+void FrameGatherer::lost(std::uint64_t records, std::vector<CapturedFrame>& out) {
+  flush(out);
+  asked_ = false;
+  echo_.clear();
+  add_line(note_, std::to_string(records) +
+                      " pieces are missing before this frame: the capture was too slow for them");
+}
+
+void FrameGatherer::look(UtcTime now, std::vector<CapturedFrame>& out) {
+  if (asked_ || !answer_) return;
+  if (now.nanoseconds - answer_->at.nanoseconds > kQuiet.count()) give_answer(out);
+}
+
+void FrameGatherer::flush(std::vector<CapturedFrame>& out) {
+  give_request(out);
+  give_answer(out);
+}
+
+void FrameGatherer::give_request(std::vector<CapturedFrame>& out) {
+  if (!request_) return;
+  give(std::move(*request_), out);
+  request_.reset();
+}
+
+void FrameGatherer::give_answer(std::vector<CapturedFrame>& out) {
+  if (answer_ && !answer_->bytes.empty()) give(std::move(*answer_), out);
+  answer_.reset();
+}
+
+void FrameGatherer::give(CapturedFrame frame, std::vector<CapturedFrame>& out) {
+  if (!note_.empty()) {
+    add_line(note_, frame.comment);
+    frame.comment = std::exchange(note_, {});
+  }
+  cut(frame.comment, kMaxComment);
+  out.push_back(std::move(frame));
+}
+
+}  // namespace fieldcast

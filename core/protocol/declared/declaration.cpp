@@ -1,0 +1,150 @@
+#include "core/protocol/declared/declaration.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+#include "core/base/message_text.hpp"
+#include "core/protocol/option_reader.hpp"
+
+namespace fieldcast::declared {
+
+namespace {
+
+using Parsed = tl::expected<ParsedAddress, AddressFault>;
+
+std::string spelt(std::uint32_t number, int base) {
+  char text[16];
+  const auto [end, error] = std::to_chars(text, text + sizeof text, number, base);
+  std::transform(text, end, text, [](char c) {
+    return c >= 'a' && c <= 'f' ? static_cast<char>(c - 'a' + 'A') : c;
+  });
+  return {text, end};
+}
+
+std::string allowed(const Declaration& declaration) {
+  std::string text;
+  for (const DeclaredArea& area : declaration.areas) {
+    if (area.record) {
+      for (const Place& place : area.places) text += (text.empty() ? "" : ", ") + place.name;
+    } else {
+      text += (text.empty() ? "" : ", ") + area.prefix + "N with N " +
+              spelt(area.origin, area.base) + ".." + spelt(area.origin + area.items - 1, area.base);
+    }
+  }
+  return text + "; a bit as .BIT behind it";
+}
+
+class Parser {
+ public:
+  Parser(const Declaration& declaration, std::string_view at, bool guesses = true)
+      : declaration_(declaration), at_(at), guesses_(guesses) {}
+
+  Parsed run() const {
+    for (std::size_t i = 0; i < declaration_.areas.size(); ++i) {
+      const DeclaredArea& area = declaration_.areas[i];
+      const auto index = static_cast<AreaIndex>(i);
+      for (const Place& place : area.places) {
+        if (at_.starts_with(place.name) &&
+            (at_.size() == place.name.size() || at_[place.name.size()] == '.'))
+          if (auto found = in_place(index, place, at_.substr(place.name.size()))) return *found;
+      }
+    }
+    for (std::size_t i = 0; i < declaration_.areas.size(); ++i) {
+      const DeclaredArea& area = declaration_.areas[i];
+      if (!area.record && at_.starts_with(area.prefix) && at_.size() > area.prefix.size() &&
+          whole_begins(area))
+        return numbered(static_cast<AreaIndex>(i), area, at_.substr(area.prefix.size()));
+    }
+    return unknown();
+  }
+
+ private:
+  bool whole_begins(const DeclaredArea& area) const {
+    const auto digits = at_.substr(area.prefix.size());
+    return whole_number(digits.substr(0, digits.find('.')), area.base).has_value();
+  }
+  Parsed fault(std::string what, std::string suggestion = {}) const {
+    return tl::unexpected(
+        AddressFault{std::move(what), allowed(declaration_), std::move(suggestion)});
+  }
+
+  // Leaves a longer place name, such as "input.2" against "input", to the other places.
+  std::optional<Parsed> in_place(AreaIndex area, const Place& place, std::string_view rest) const {
+    ParsedAddress address{.area = area, .first = place.first};
+    address.text_characters = place.characters;
+    address.text_number = place.text_number;
+    if (place.bits == 0) return rest.empty() ? std::optional<Parsed>(address) : std::nullopt;
+    address.width_bits = 16u * place.items;
+    address.value_bits = place.bits;
+    address.value_signed = place.is_signed;
+    if (rest.empty()) return address;
+    const auto bit = whole_number(rest.substr(1), 10);
+    if (!bit) return std::nullopt;
+    if (*bit >= place.bits) {
+      return fault("bit " + std::to_string(*bit) + " is beyond " + quoted(place.name) +
+                       ", which has " + std::to_string(place.bits),
+                   place.name + "." + std::to_string(place.bits - 1));
+    }
+    address.first += place.items - 1 - *bit / 16;  // the last item holds the lowest bits
+    address.bit = static_cast<std::uint8_t>(*bit % 16);
+    address.width_bits = 1;
+    return address;
+  }
+
+  Parsed numbered(AreaIndex index, const DeclaredArea& area, std::string_view rest) const {
+    const auto dot = rest.find('.');
+    const auto number = whole_number(rest.substr(0, dot), area.base);
+    const std::uint32_t last = area.origin + area.items - 1;
+    if (!number || *number < area.origin || *number > last) {
+      return fault(quoted(at_) + " is outside " + area.name,
+                   area.prefix + spelt(number && *number > last ? last : area.origin, area.base));
+    }
+    ParsedAddress address{.area = index, .first = *number - area.origin};
+    if (area.item_bits == 1) address.width_bits = 1;
+    if (dot == rest.npos) return address;
+    const std::string without(at_.substr(0, area.prefix.size() + dot));
+    if (area.item_bits == 1)
+      return fault("a " + area.name + " is a bit itself and has no bits", without);
+    const auto bit = whole_number(rest.substr(dot + 1), 10);
+    if (!bit || *bit >= area.item_bits) {
+      return fault("bit " + quoted(rest.substr(dot + 1)) + " is not 0.." +
+                       std::to_string(area.item_bits - 1),
+                   without + ".0");
+    }
+    address.bit = static_cast<std::uint8_t>(*bit);
+    address.width_bits = 1;
+    return address;
+  }
+
+  Parsed unknown() const {
+    const std::string what = quoted(at_) + " is no address";
+    if (!guesses_) return fault(what);
+    const auto digits = std::min(at_.find_first_of("0123456789."), at_.size());
+    const std::string_view word = at_.substr(0, digits);
+    std::vector<std::string_view> names;
+    for (const DeclaredArea& area : declaration_.areas) {
+      if (!area.record) names.push_back(area.prefix);
+      for (const Place& place : area.places) names.push_back(place.name);
+    }
+    const auto near = near_miss(word, names);
+    if (near.empty()) return fault(what);
+    // Tries the same number, then the first place of that name.
+    for (const auto& guess : {std::string(near) + std::string(at_.substr(digits)),
+                              std::string(near), std::string(near) + "0"}) {
+      if (Parser(declaration_, guess, false).run()) return fault(what, guess);
+    }
+    return fault(what);
+  }
+
+  const Declaration& declaration_;
+  const std::string_view at_;
+  const bool guesses_;
+};
+
+}  // namespace
+
+Parsed parse_address(const Declaration& declaration, std::string_view at) {
+  return Parser(declaration, at).run();
+}
+
+}  // namespace fieldcast::declared

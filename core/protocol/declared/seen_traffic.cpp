@@ -1,0 +1,231 @@
+#include <algorithm>
+
+#include "core/protocol/declared/declaration.hpp"
+#include "core/protocol/declared/frame.hpp"
+#include "core/protocol/field_writer.hpp"
+#include "core/protocol/protocol_entry.hpp"
+
+namespace fieldcast::declared {
+
+namespace {
+
+struct Reading {
+  std::vector<FrameField> fields;
+  std::size_t faults = 0;
+};
+
+class Reader {
+ public:
+  Reader(const Declaration& declaration, const Frame& frame, ByteView bytes, std::uint64_t command,
+         unsigned item_bits)
+      : declaration_(declaration), frame_(frame), bytes_(bytes), item_bits_(item_bits) {
+    context_.command = command;
+  }
+
+  Reading run(const std::string& title, bool refusal) {
+    writer_.remark(title);
+    context_.refusal = refusal;
+    const std::size_t fixed = size_of(frame_, item_bits_, 0) - variable();
+    elastic_ = bytes_.size() > fixed ? bytes_.size() - fixed : 0;
+    place();
+    for (std::size_t i = 0; i < frame_.fields.size(); ++i) show(frame_.fields[i], i);
+    if (offset_ < bytes_.size())
+      add(offset_, bytes_.size() - offset_, "rest", "", "bytes behind the end of the frame");
+    return {writer_.take(), faults_};
+  }
+
+ private:
+  std::size_t variable() const {
+    std::size_t size = 0;
+    for (const Field& field : frame_.fields) size += field.variable ? field.text_size : 0;
+    return size;
+  }
+  std::size_t width(const Field& field) const {
+    if (field.kind == FieldKind::kItems || field.variable) return elastic_;
+    if (!field.text.empty()) return field.text.size();
+    if (field.text_size != 0) return field.text_size;
+    return field.opens ? field.word.characters : 0;
+  }
+  void place() {
+    std::size_t at = 0;
+    for (const Field& field : frame_.fields) starts_.push_back(at), at += width(field);
+    starts_.push_back(offset_ = at);
+  }
+  void add(std::size_t at, std::size_t length, const std::string& name, const std::string& value,
+           const std::string& fault = {}) {
+    faults_ += fault.empty() ? 0 : 1;
+    writer_.add(at, length, name, value, fault);
+  }
+
+  void show(const Field& field, std::size_t index) {
+    std::size_t opener = index;
+    while (opener > 0 && !frame_.fields[opener].opens) --opener;
+    const std::size_t at = starts_[opener], size = width(frame_.fields[opener]);
+    if (at + size > bytes_.size()) {
+      const std::size_t have = std::min(at, bytes_.size());
+      return add(have, bytes_.size() - have, field.name, "", "the frame ends before it is whole");
+    }
+    const ByteView part = bytes_.subspan(at, size);
+    if (field.kind == FieldKind::kItems) return add(at, size, field.name, to_hex(part));
+    if (!field.text.empty()) {
+      const bool right = std::ranges::equal(part, field.text, {}, {},
+                                            [](char c) { return static_cast<std::uint8_t>(c); });
+      return add(at, size, field.name, to_hex(part), right ? "" : "should be " + field.text);
+    }
+    if (field.text_size != 0)
+      return add(at, size, field.name, std::string(part.begin(), part.end()));
+    const auto word = read_word(part, field.word);
+    if (!word) return add(at, size, field.name, to_hex(part), "a character that is no digit");
+    number(field, at, size, *word >> field.shift & (UINT64_MAX >> (64 - field.bits)));
+  }
+
+  // A value without a numeric meaning is shown as on the wire.
+  static std::string spelt(const Field& field, std::uint64_t number) {
+    const bool mark = field.kind == FieldKind::kConstant || field.kind == FieldKind::kCommand ||
+                      field.kind == FieldKind::kChecksum;
+    if (!mark || field.word.notation != Notation::kBinary ||
+        field.bits != 8u * field.word.characters)
+      return std::to_string(number);
+    Bytes bytes;
+    append_word(bytes, field.word, number);
+    return to_hex(bytes);
+  }
+
+  void number(const Field& field, std::size_t at, std::size_t size, std::uint64_t number) {
+    std::string value = spelt(field, number), fault;
+    const auto must = [&](std::uint64_t right) {
+      if (number != right) fault = "should be " + spelt(field, right);
+    };
+    switch (field.kind) {
+      case FieldKind::kConstant:
+      case FieldKind::kCommand: must(*number_of(field, context_)); break;
+      case FieldKind::kAddress: {
+        const auto address = static_cast<std::int64_t>(number) - field.plus;
+        if (address < declaration_.lowest_address || address > declaration_.highest_address)
+          fault = "no address of this protocol";
+        break;
+      }
+      case FieldKind::kChecksum:
+        if (starts_[field.of.to + 1u] > bytes_.size()) {
+          fault = "its fields are not whole";
+        } else {
+          must(check_of(field.check, field.bits, covered(frame_, field, bytes_, starts_)));
+        }
+        break;
+      case FieldKind::kLength: must(counted(field)); break;
+      case FieldKind::kError: {
+        const auto known = declaration_.codes.find(static_cast<std::uint16_t>(number));
+        if (known != declaration_.codes.end()) value += " " + known->second;
+        if (context_.refusal == (number == field.number))
+          fault = context_.refusal ? "no error" : "an error in a response";
+        break;
+      }
+      default: break;
+    }
+    add(at, size, field.name, value, fault);
+  }
+
+  std::uint64_t counted(const Field& length) const {
+    std::uint64_t total = static_cast<std::uint64_t>(length.plus);
+    for (std::size_t i = length.of.from; i <= length.of.to; ++i) {
+      const Field& field = frame_.fields[i];
+      const bool digits = field.word.notation == Notation::kHex && field.text.empty() &&
+                          field.text_size == 0 && !length.in_characters;
+      total += width(field) / (digits ? 2 : 1);
+    }
+    return total;
+  }
+
+  const Declaration& declaration_;
+  const Frame& frame_;
+  const ByteView bytes_;
+  const unsigned item_bits_;
+  FrameContext context_;
+  std::size_t elastic_ = 0;  // characters of the field of variable length
+  std::size_t offset_ = 0;   // after the last field
+  std::vector<std::size_t> starts_;
+  FieldWriter writer_;
+  std::size_t faults_ = 0;
+};
+
+}  // namespace
+
+std::vector<FrameField> explain(const Declaration& declaration, ByteView frame) {
+  FieldWriter none;
+  if (frame.size() > kMaxFrame) {
+    none.remark("", "longer than any frame of a declared protocol");
+    return none.take();
+  }
+  std::optional<Reading> best;
+  const auto offer = [&](Reading reading) {
+    if (!best || reading.faults < best->faults) best = std::move(reading);
+  };
+  for (const Operation& operation : declaration.operations) {
+    const unsigned bits = declaration.areas[operation.area].item_bits;
+    offer(Reader(declaration, operation.request, frame, operation.command, bits)
+              .run("request: " + operation.name, false));
+    offer(Reader(declaration, operation.answer, frame, operation.command, bits)
+              .run("response: " + operation.name, false));
+    if (declaration.refusal.fields.empty()) continue;
+    offer(Reader(declaration, declaration.refusal, frame, operation.command, bits)
+              .run("refusal: " + operation.name, true));
+  }
+  if (best) return std::move(best->fields);
+  none.remark("", "the declaration has no operations");
+  return none.take();
+}
+
+namespace {
+
+constexpr std::uint32_t kMostItemsTried = 64;  // of a write without a length field
+// Fields with one possible value, in a frame without a check.
+constexpr std::size_t kEnoughKnown = 2;
+
+struct Seen {
+  std::size_t size = 0;
+  bool checked = false;
+};
+
+Seen match(const Declaration& declaration, const Operation& operation, const Frame& frame,
+           ByteView bytes, bool refusal) {
+  const DeclaredArea& area = declaration.areas[operation.area];
+  FrameContext context;
+  context.command = operation.command;
+  context.item_bits = area.item_bits;
+  context.refusal = refusal;
+  // Without items the frame is the same for every count.
+  const bool counts = std::ranges::any_of(
+      frame.fields, [](const Field& field) { return field.kind == FieldKind::kItems; });
+  const std::uint32_t most =
+      counts ? std::min<std::uint32_t>(operation.max_count, kMostItemsTried) : operation.min_count;
+  for (std::uint32_t count = operation.min_count; count <= most; ++count) {
+    context.count = count;
+    const MatchResult found = match_frame(frame, bytes, context, area.record ? area.items : 0);
+    const bool plausible = found.checked ? !found.bad_check : found.known >= kEnoughKnown;
+    if (found.fit == MatchResult::Fit::kWhole && plausible) return {found.size, found.checked};
+  }
+  return {};
+}
+
+}  // namespace
+
+SeenRequest seen_request(const Declaration& declaration, ByteView bytes) {
+  SeenRequest seen;
+  for (const Operation& operation : declaration.operations) {
+    const Seen request = match(declaration, operation, operation.request, bytes, false);
+    if (request.size == 0) continue;
+    seen = {request.size, request.checked};
+    break;
+  }
+  if (!seen) return seen;
+  const ByteView frame = bytes.first(seen.size);
+  for (const Operation& operation : declaration.operations) {
+    const bool alike =
+        match(declaration, operation, operation.answer, frame, false).size == seen.size ||
+        match(declaration, operation, declaration.refusal, frame, true).size == seen.size;
+    if (alike) seen.certain = false;
+  }
+  return seen;
+}
+
+}  // namespace fieldcast::declared
