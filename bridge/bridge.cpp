@@ -8,7 +8,7 @@
 #include "bridge/base/clock.hpp"
 #include "bridge/base/exit_code.hpp"
 #include "bridge/bridge_state.hpp"
-#include "bridge/dds/transport/multicast.hpp"
+#include "bridge/dds/transport/network_check.hpp"
 
 namespace fieldcast {
 namespace {

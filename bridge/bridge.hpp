@@ -10,7 +10,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "bridge/service/standing_bus.hpp"
+#include "bridge/service/service.hpp"
 #include "core/model/spec.hpp"
 
 namespace fieldcast {

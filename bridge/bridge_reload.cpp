@@ -4,7 +4,7 @@
 
 #include "bridge/base/clock.hpp"
 #include "bridge/bridge_state.hpp"
-#include "bridge/standby/common_configuration.hpp"
+#include "bridge/standby/member_identity.hpp"
 #include "core/base/message_text.hpp"
 
 namespace fieldcast {

@@ -19,7 +19,7 @@
 #include "bridge/publish/bus_output.hpp"
 #include "bridge/standby/election.hpp"
 #include "bridge/standby/held_commands.hpp"
-#include "bridge/standby/recent_commands.hpp"
+#include "bridge/standby/standby_values.hpp"
 #include "core/alarm/alarm_status.hpp"
 #include "core/model/command.hpp"
 

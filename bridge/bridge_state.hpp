@@ -31,7 +31,7 @@
 #include "bridge/interest/interest_registry.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/metrics/metrics_server.hpp"
-#include "bridge/metrics/metrics_table.hpp"
+#include "bridge/metrics/metrics_snapshot.hpp"
 #include "bridge/port/dial_in_registry.hpp"
 #include "bridge/program/server.hpp"
 #include "bridge/publish/bus_output.hpp"

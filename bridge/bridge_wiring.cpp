@@ -3,9 +3,8 @@
 
 #include "bridge/base/clock.hpp"
 #include "bridge/bridge_state.hpp"
-#include "bridge/dds/guard/shared_guard.hpp"
-#include "bridge/dds/transport/multicast.hpp"
-#include "bridge/dds/transport/receive_buffer.hpp"
+#include "bridge/dds/guard/datagram_guard.hpp"
+#include "bridge/dds/transport/network_check.hpp"
 
 namespace fieldcast {
 

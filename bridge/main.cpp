@@ -4,7 +4,7 @@
 #include <exception>
 
 #include "bridge/base/command_line.hpp"
-#include "bridge/base/guarded_process.hpp"
+#include "bridge/base/secret.hpp"
 #include "bridge/daemon.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/write_faults.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "bridge/program/leased_device.hpp"
+#include "bridge/program/server.hpp"
 #include "core/model/spec.hpp"
 
 namespace fieldcast {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <tl/expected.hpp>
 
 namespace fieldcast {
 
@@ -36,5 +37,38 @@ void wipe(std::string& text);
 
 // Returns false if this process may not lock memory, or not enough of it.
 [[nodiscard]] bool secrets_are_locked();
+
+// Files that hold a secret: passwords, shared secrets, private keys. Only the owner and root, and
+// with kOwnerAndGroup the group, may have permission to read them. Any thread.
+
+// Who may read the file, in addition to root.
+enum class Readers : std::uint8_t {
+  kOwner,          // only the owner: the password of a person
+  kOwnerAndGroup,  // also the group: a file of root that a service's group reads
+};
+
+inline constexpr std::size_t kMaxSecretFile = 64 * 1024;  // bytes
+
+// Fails with one line that begins with the path if the file cannot be read, is not a file, or if
+// others may read or change it.
+[[nodiscard]] tl::expected<void, std::string> check_secret_file(const std::string& path,
+                                                                Readers readers);
+// Reads the whole file under the same rule. Checks and reads through one descriptor, so that the
+// file cannot be replaced in between. A pipe is accepted.
+[[nodiscard]] tl::expected<Secret, std::string> read_secret_file(const std::string& path,
+                                                                 Readers readers);
+// Reads the first line, without the line end. Also fails if that line is empty.
+[[nodiscard]] tl::expected<Secret, std::string> read_secret_line(const std::string& path,
+                                                                 Readers readers);
+
+// Protects the memory of a process that holds secrets. Call once at the start of main().
+
+// Disables core dumps and access to the memory by processes of the same user (PR_SET_DUMPABLE,
+// RLIMIT_CORE). Does nothing with FIELDCAST_CORE_DUMPS=1 in the environment, for debugging.
+void guard_memory();
+
+// Returns one line for the log about each protection that is missing, including secrets that may be
+// swapped; empty if all are active.
+[[nodiscard]] std::string unguarded_memory();
 
 }  // namespace fieldcast

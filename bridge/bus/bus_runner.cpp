@@ -13,10 +13,8 @@
 #include "bridge/base/back_off.hpp"
 #include "bridge/base/check.hpp"
 #include "bridge/base/clock.hpp"
-#include "bridge/bus/engine_timer.hpp"
-#include "bridge/bus/gate.hpp"
 #include "bridge/bus/iconv_codec.hpp"
-#include "bridge/bus/port_quiet_time.hpp"
+#include "bridge/bus/runner_timing.hpp"
 #include "bridge/bus/wire_record.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/log/notice_log.hpp"
@@ -28,6 +26,7 @@
 #include "core/model/command.hpp"
 
 namespace fieldcast {
+
 namespace {
 
 namespace asio = boost::asio;

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "bridge/capture/capture_tap.hpp"
+#include "bridge/capture/bus_capture.hpp"
 #include "core/base/bytes.hpp"
 #include "core/bus/setup/event.hpp"
 

@@ -9,6 +9,7 @@
 #include "core/protocol/families/registry.hpp"
 
 namespace fieldcast {
+
 namespace {
 
 constexpr std::string_view kApplication = "Fieldcast";

@@ -1,17 +1,24 @@
 #include "bridge/capture/capture_folder.hpp"
 
+#include <fcntl.h>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <sys/statvfs.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <ctime>
 #include <filesystem>
+#include <map>
+#include <optional>
 
-#include "bridge/base/errno_text.hpp"
+#include "bridge/base/file_descriptor.hpp"
+#include "bridge/capture/capture_ring.hpp"
 
 namespace fieldcast {
+
 namespace {
 
 constexpr std::string_view kEnding = ".pcapng";
@@ -79,6 +86,88 @@ tl::expected<std::uint64_t, std::string> free_bytes_at(const std::string& folder
   if (::statvfs(folder.c_str(), &disk) != 0)
     return tl::unexpected(folder + ": " + errno_text(errno));
   return static_cast<std::uint64_t>(disk.f_bavail) * disk.f_frsize;
+}
+
+namespace {
+
+constexpr std::uint64_t kMegabyte = 1'000'000;
+
+std::uint64_t megabytes(std::uint64_t bytes) { return (bytes + kMegabyte - 1) / kMegabyte; }
+
+// Size of the bus's existing ring files; their removal frees space for new files.
+std::uint64_t bytes_of_ring(const std::string& bus, const std::string& folder) {
+  std::uint64_t bytes = 0;
+  for (const std::string& name : ring_files_in(folder, bus)) {
+    std::error_code gone;
+    const std::uint64_t size = std::filesystem::file_size(folder + "/" + name, gone);
+    if (!gone) bytes += size;
+  }
+  return bytes;
+}
+
+// Free bytes that the captures checked so far leave, by disk.
+using Room = std::map<dev_t, std::uint64_t>;
+
+std::optional<CaptureRemark> room_remark(const BusSpec& bus, dev_t disk, Room& room) {
+  const CaptureSpec& capture = *bus.capture;
+  const auto free = free_bytes_at(capture.folder);
+  if (!free) return std::nullopt;
+  const auto [left, first] = room.try_emplace(disk, *free);
+  const std::uint64_t most = capture.file_bytes * capture.files;
+  const std::uint64_t there = bytes_of_ring(bus.name, capture.folder);
+  const std::uint64_t wanted = most > there ? most - there : 0;
+  const bool fits = left->second >= wanted + CaptureRing::kLeastFree;
+  const std::uint64_t had = left->second;
+  left->second -= std::min(left->second, wanted);
+  if (fits) return std::nullopt;
+  return CaptureRemark{
+      0, bus.name, capture.folder,
+      fmt::format("its files may take {} MB more, and {} MB are free: the capture stops when {} MB "
+                  "are left",
+                  megabytes(wanted), had / kMegabyte, CaptureRing::kLeastFree / kMegabyte),
+      "make file-size or files smaller, or name a folder on another disk"};
+}
+
+std::optional<CaptureRemark> remark_of(const BusSpec& bus, Room& room) {
+  const std::string& folder = bus.capture->folder;
+  struct stat about {};
+  if (::stat(folder.c_str(), &about) != 0) {
+    const int error = errno;
+    return CaptureRemark{0, bus.name, folder,
+                         errno_text(error) + ": the bus runs, and nothing is captured",
+                         error == ENOENT ? fmt::format("mkdir {}, with the user that runs the "
+                                                       "bridge as its owner",
+                                                       folder)
+                                         : "name another folder"};
+  }
+  if (!S_ISDIR(about.st_mode))
+    return CaptureRemark{0, bus.name, folder,
+                         "this is no folder: the bus runs, nothing is captured", "name a folder"};
+  if (::faccessat(AT_FDCWD, folder.c_str(), W_OK | X_OK, AT_EACCESS) != 0) {
+    const int error = errno;
+    return CaptureRemark{
+        0, bus.name, folder,
+        errno_text(error) + ": a bridge of the user that asks here captures nothing",
+        fmt::format("{}; the service may write below /var/lib/fieldcast only",
+                    error == EROFS ? "name a folder that can be written"
+                                   : "make the user that runs the bridge its owner")};
+  }
+  return room_remark(bus, about.st_dev, room);
+}
+
+}  // namespace
+
+std::vector<CaptureRemark> capture_remarks(const BridgeSpec& spec) {
+  std::vector<CaptureRemark> remarks;
+  Room room;
+  for (std::size_t i = 0; i < spec.buses.size(); ++i) {
+    if (!spec.buses[i].capture) continue;
+    auto remark = remark_of(spec.buses[i], room);
+    if (!remark) continue;
+    remark->index = i;
+    remarks.push_back(*std::move(remark));
+  }
+  return remarks;
 }
 
 }  // namespace fieldcast

@@ -1,12 +1,14 @@
 // The folder of a bus with a permanent capture: file names and free disk space. Any thread.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <tl/expected.hpp>
 #include <vector>
 
 #include "core/base/time.hpp"
+#include "core/model/spec.hpp"
 
 namespace fieldcast {
 
@@ -24,5 +26,20 @@ namespace fieldcast {
 // Free bytes of the disk for users other than root. The error is one line that begins with the
 // folder.
 [[nodiscard]] tl::expected<std::uint64_t, std::string> free_bytes_at(const std::string& folder);
+
+// Checks the folders of `capture:`: the folder exists, this user may write in it, and the disk has
+// enough space. For `--check` and `fieldcast doctor`.
+//
+// Reads the file system of this machine; any thread. A check that cannot be done gives no remark.
+
+struct CaptureRemark {
+  std::size_t index = 0;  // of the bus in the configuration
+  std::string bus;
+  std::string folder;
+  std::string what;  // "no such folder: .."
+  std::string remedy;
+};
+// At most one remark per bus, in the order of the buses. Buses on one disk share its free space.
+[[nodiscard]] std::vector<CaptureRemark> capture_remarks(const BridgeSpec& spec);
 
 }  // namespace fieldcast

@@ -10,7 +10,7 @@
 #include <optional>
 #include <string>
 
-#include "bridge/capture/capture_tap.hpp"
+#include "bridge/capture/bus_capture.hpp"
 #include "core/model/bus_spec.hpp"
 
 namespace fieldcast {

@@ -4,6 +4,7 @@
 #include <utility>
 
 namespace fieldcast::api {
+
 namespace {
 
 // The enumerations of both sides have the same order.

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "bridge/client/convert.hpp"
-#include "bridge/client/feed.hpp"
 #include "bridge/station/sites.hpp"
 #include "core/model/channel_pattern.hpp"
 

@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "bridge/bus/bus_runner.hpp"
-#include "bridge/standby/recent_commands.hpp"
+#include "bridge/standby/standby_values.hpp"
 #include "core/bus/command/command_ledger.hpp"
 #include "core/model/command.hpp"
 

@@ -14,8 +14,7 @@
 #include <mutex>
 
 #include "bridge/base/clock.hpp"
-#include "bridge/log/line_budget.hpp"
-#include "bridge/log/line_writer.hpp"
+#include "bridge/log/log_lines.hpp"
 #include "core/base/message_text.hpp"
 
 namespace fieldcast {

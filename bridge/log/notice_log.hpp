@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "bridge/log/log.hpp"
-#include "bridge/log/repeat_filter.hpp"
+#include "bridge/log/log_lines.hpp"
 #include "core/bus/setup/event.hpp"
 
 namespace fieldcast {

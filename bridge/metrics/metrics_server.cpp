@@ -17,7 +17,7 @@
 
 #include "bridge/base/io_thread.hpp"
 #include "bridge/log/log.hpp"
-#include "bridge/net/listener.hpp"
+#include "bridge/net/byte_stream.hpp"
 
 namespace fieldcast {
 namespace {

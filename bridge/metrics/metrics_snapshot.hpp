@@ -2,13 +2,17 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "bridge/dds/endpoints/dds_link.hpp"
-#include "bridge/dds/guard/rtps_fault.hpp"
+#include "bridge/dds/guard/rtps_message.hpp"
 #include "bridge/store/store.hpp"
 #include "core/alarm/alarm_registry.hpp"
 #include "core/base/time.hpp"
@@ -45,6 +49,25 @@ struct MetricsSnapshot {
   std::optional<StandbyFigures> standby;
   RtpsFaultCounts refused_datagrams{};          // by all guards of this process
   std::optional<std::uint32_t> receive_buffer;  // bytes, of a UDP socket; `std::nullopt`: unknown
+};
+
+// Last report of every bus and device, for the metrics, as immutable copies that a snapshot shares:
+// the lock is held only to copy pointers. Any thread. Limited by the number of buses and devices.
+
+class MetricsTable {
+ public:
+  void note(BusFigures figures);
+  void note(DeviceFigures figures);
+  // Removes a stopped bus and its devices. REQUIRES: no note() of this bus follows.
+  void remove(std::string_view bus);
+
+  // Adds the buses and devices to the snapshot, sorted by name.
+  void copy_to(MetricsSnapshot& snapshot) const;
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<std::string, std::shared_ptr<const BusFigures>, std::less<>> buses_;
+  std::map<std::pair<std::string, std::string>, std::shared_ptr<const DeviceFigures>> devices_;
 };
 
 }  // namespace fieldcast

@@ -12,8 +12,8 @@
 #include <set>
 
 #include "bridge/base/check.hpp"
-#include "bridge/base/file_stamp.hpp"
-#include "bridge/base/secret_file.hpp"
+#include "bridge/base/file_descriptor.hpp"
+#include "bridge/base/secret.hpp"
 
 namespace fieldcast {
 namespace {

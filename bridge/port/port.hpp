@@ -4,6 +4,8 @@
 // happen there. To add a kind of port, add one class and one line in make_port.cpp.
 #pragma once
 
+#include <sys/types.h>
+
 #include <memory>
 #include <string>
 
@@ -67,5 +69,29 @@ class DialInRegistry;
 // `modules` outlives the port; required for a dial-in port.
 [[nodiscard]] std::unique_ptr<Port> make_port(boost::asio::io_context& io, const PortSpec& spec,
                                               DialInRegistry* modules = nullptr);
+
+}  // namespace fieldcast
+
+namespace fieldcast {
+
+// Writes to a non-blocking descriptor, usually with one system call, and buffers the rest.
+
+class Unsent {
+ public:
+  enum class Kind { kTerminal, kSocket };
+  enum class Outcome { kAllSent, kBlocked, kFailed, kFull };
+
+  explicit Unsent(Kind kind) : kind_(kind) {}
+
+  // Appends bytes and writes as many as the descriptor accepts. kBlocked: call again without bytes
+  // when writable. kFailed: see errno. kFull: more than Port::kMaxUnsent bytes would wait.
+  Outcome write(int fd, ByteView bytes);
+
+ private:
+  [[nodiscard]] ssize_t write_some(int fd, ByteView bytes) const;
+
+  Kind kind_;
+  Bytes rest_;
+};
 
 }  // namespace fieldcast

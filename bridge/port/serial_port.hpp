@@ -4,6 +4,9 @@
 // adapter.
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "bridge/port/stream_port.hpp"
 
 namespace fieldcast {
@@ -21,5 +24,16 @@ class SerialPort final : public StreamPort {
   boost::asio::io_context& io_;
   SerialPortSpec spec_;
 };
+
+// One master on a line: exclusive lock of a serial device, and its holder if the lock fails.
+
+// Locks the open device with flock(LOCK_EX) and TIOCEXCL. Returns `std::nullopt` on success,
+// otherwise one line with the holder if /proc shows it: "in use by mbpoll (process 1234)". The lock
+// ends with the descriptor.
+[[nodiscard]] std::optional<std::string> lock_port(int fd, const std::string& path);
+
+// Returns a process that has the device open or locked: "mbpoll (process 1234)"; empty if none is
+// visible (processes of other users are not).
+[[nodiscard]] std::string port_user(const std::string& path);
 
 }  // namespace fieldcast

@@ -1,5 +1,15 @@
 #include "bridge/port/stream_port.hpp"
 
+#include <fmt/format.h>
+
+#include <boost/asio/connect.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+
+#include "bridge/port/stream.hpp"
+
 namespace fieldcast {
 
 void PortOpening::close() {
@@ -47,6 +57,162 @@ void StreamPort::end_lease() {
 
 void StreamPort::close() {
   if (opening_) opening_->close();
+  opening_.reset();
+}
+
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+
+// Resolves the name and connects, within the configured time.
+class TcpOpening final : public PortOpening {
+ public:
+  TcpOpening(asio::io_context& io, const TcpPortSpec& spec, PortListener& listener)
+      : PortOpening(io, listener), spec_(spec), resolver_(io), socket_(io), limit_(io) {}
+
+  void begin() override {
+    limit_.expires_after(spec_.connect_timeout);
+    limit_.async_wait([self = self_as<TcpOpening>()](boost::system::error_code fault) {
+      if (!self->over_ && self->stream() == nullptr && !fault)
+        self->give_up("no connection within " + to_text(self->spec_.connect_timeout));
+    });
+    resolver_.async_resolve(
+        spec_.host, std::to_string(spec_.port),
+        [self = self_as<TcpOpening>()](boost::system::error_code fault,
+                                       const tcp::resolver::results_type& found) {
+          if (self->over_) return;
+          if (!fault) return self->connect(found);
+          self->give_up(fmt::format("host name '{}': {}", self->spec_.host, fault.message()));
+        });
+  }
+
+ private:
+  void connect(const tcp::resolver::results_type& endpoints) {
+    asio::async_connect(
+        socket_, endpoints,
+        [self = self_as<TcpOpening>()](boost::system::error_code fault, const tcp::endpoint&) {
+          if (self->over_) return;
+          if (fault) return self->give_up(self->with_fence(fault.message()));
+          self->connected();
+        });
+  }
+
+  void connected() {
+    limit_.cancel();
+    boost::system::error_code fault;
+    FileDescriptor socket(socket_.release(fault));
+    const Clients clients = spec_.fence.is(Fence::kOneClient) ? Clients::kOne : Clients::kMany;
+    auto stream = fault ? nullptr : make_socket_stream(io_, std::move(socket), listener_, clients);
+    if (!stream) return give_up("the connection is closed already");
+    opened(std::move(stream));
+  }
+
+  [[nodiscard]] std::string with_fence(std::string reason) const {
+    if (!spec_.fence.is(Fence::kOneClient)) return reason;
+    return reason + " (it accepts one client: another client may be connected)";
+  }
+
+  void give_up(std::string reason) { fail(std::move(reason), Cause::kPortUnreachable); }
+
+  void cancel() override {
+    limit_.cancel();
+    resolver_.cancel();
+    boost::system::error_code ignored;
+    socket_.close(ignored);
+  }
+
+  TcpPortSpec spec_;
+  tcp::resolver resolver_;
+  tcp::socket socket_;
+  asio::steady_timer limit_;
+};
+
+}  // namespace
+
+std::shared_ptr<PortOpening> TcpPort::make_opening(PortListener& listener) {
+  return std::make_shared<TcpOpening>(io_, spec_, listener);
+}
+
+namespace asio = boost::asio;
+
+// Waits for a module, then is its connection.
+class DialInPort::Opening final : public PortOpening {
+ public:
+  // `tell`: fail immediately if no module is connected.
+  Opening(asio::io_context& io, const std::string& number, DialInRegistry& registry,
+          PortListener& listener, bool tell)
+      : PortOpening(io, listener), number_(number), registry_(registry), tell_(tell) {}
+
+  void begin() override {
+    claim_ = registry_.claim(number_, [self = self_as<Opening>()](ModuleConnection connection) {
+      asio::post(self->io_,
+                 [self, came = std::make_shared<ModuleConnection>(std::move(connection))] {
+                   self->arrived(std::move(*came));
+                 });
+    });
+    if (!tell_) return;
+    // Posted after the delivery of a module that already waited.
+    asio::post(io_, [self = self_as<Opening>()] {
+      if (!self->over_ && self->stream() == nullptr)
+        self->fail(fmt::format("module {} has not dialled in", self->number_),
+                   Cause::kPortUnreachable);
+    });
+  }
+
+  // Ends the port and keeps the connection for the next bus.
+  void retire() {
+    FileDescriptor socket = !over_ && stream() ? stream()->release() : FileDescriptor{};
+    auto presence = stream() ? stream()->detach() : nullptr;
+    close();
+    if (socket.valid())
+      registry_.pass_on(number_, {std::move(socket), arrival_, std::move(presence)});
+  }
+
+ private:
+  void arrived(ModuleConnection connection) {
+    if (over_ || stream() != nullptr) return pass_on(std::move(connection));
+    auto line = make_socket_stream(io_, std::move(connection.socket), listener_);
+    if (!line) return;  // disconnected: the module dials in again
+    arrival_ = connection.arrival;
+    line->attach(std::move(connection.presence));
+    opened(std::move(line));
+  }
+
+  // Returns the connection to the registry. It replaces the old one, which is usually dead.
+  void pass_on(ModuleConnection connection) {
+    registry_.release(number_, claim_);
+    registry_.pass_on(number_, std::move(connection));
+    if (!over_) stream()->fail({"the module connected again"});
+  }
+
+  void cancel() override { registry_.release(number_, claim_); }
+
+  std::string number_;
+  DialInRegistry& registry_;
+  DialInRegistry::Id claim_ = 0;
+  std::uint64_t arrival_ = 0;
+  bool tell_;
+};
+
+DialInPort::DialInPort(asio::io_context& io, DialInPortSpec spec, DialInRegistry& registry)
+    : io_(io),
+      spec_(std::move(spec)),
+      registry_(registry),
+      expectation_(registry_.expect(spec_.number)) {}
+
+DialInPort::~DialInPort() {
+  close();
+  registry_.forget(spec_.number, expectation_);
+}
+
+std::shared_ptr<PortOpening> DialInPort::make_opening(PortListener& listener) {
+  const bool tell = !std::exchange(told_, true);
+  return std::make_shared<Opening>(io_, spec_.number, registry_, listener, tell);
+}
+
+void DialInPort::retire() {
+  if (opening_) static_cast<Opening&>(*opening_).retire();
   opening_.reset();
 }
 

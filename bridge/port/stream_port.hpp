@@ -5,6 +5,7 @@
 // Lives on its bus's io thread.
 #pragma once
 
+#include "bridge/port/dial_in_registry.hpp"
 #include "bridge/port/stream.hpp"
 
 namespace fieldcast {
@@ -56,6 +57,44 @@ class StreamPort : public Port {
   [[nodiscard]] Stream* stream() const { return opening_ ? opening_->stream() : nullptr; }
 
   std::shared_ptr<PortOpening> opening_;  // shared with pending handlers
+};
+
+// A TCP client: for a Modbus TCP device, or a serial server that forwards the bytes of a line.
+// Lives on its bus's io thread.
+
+class TcpPort final : public StreamPort {
+ public:
+  TcpPort(boost::asio::io_context& io, TcpPortSpec spec) : io_(io), spec_(std::move(spec)) {}
+  ~TcpPort() override { close(); }
+
+ private:
+  std::shared_ptr<PortOpening> make_opening(PortListener& listener) override;
+
+  boost::asio::io_context& io_;
+  TcpPortSpec spec_;
+};
+
+// Port of a dial-in module: it is open while a module with the configured number is connected.
+// Lives on its bus's io thread; modules arrive through the registry.
+
+class DialInPort final : public StreamPort {
+ public:
+  // The registry outlives the port.
+  DialInPort(boost::asio::io_context& io, DialInPortSpec spec, DialInRegistry& registry);
+  ~DialInPort() override;
+
+  void retire() override;
+
+ private:
+  class Opening;
+  // Without a module, the first opening ends in on_closed with that reason; later ones wait.
+  std::shared_ptr<PortOpening> make_opening(PortListener& listener) override;
+
+  boost::asio::io_context& io_;
+  DialInPortSpec spec_;
+  DialInRegistry& registry_;
+  DialInRegistry::Id expectation_;
+  bool told_ = false;  // the missing module was reported
 };
 
 }  // namespace fieldcast

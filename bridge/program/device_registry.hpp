@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "bridge/bus/bus_runner.hpp"
-#include "bridge/program/leased_device.hpp"
 #include "bridge/program/module/module_server.hpp"
 #include "bridge/program/module/relay_end.hpp"
+#include "bridge/program/server.hpp"
 #include "core/program/frame.hpp"
 
 namespace fieldcast::program {

@@ -7,9 +7,9 @@
 
 #include "bridge/base/clock.hpp"
 #include "bridge/log/log.hpp"
-#include "bridge/net/listener.hpp"
+#include "bridge/net/byte_stream.hpp"
 #include "bridge/port/serial_line.hpp"
-#include "bridge/port/socket_stream.hpp"
+#include "bridge/port/stream.hpp"
 
 namespace fieldcast::program {
 namespace {

@@ -7,7 +7,7 @@
 #include "bridge/base/clock.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/net/tls.hpp"
-#include "bridge/port/socket_stream.hpp"
+#include "bridge/port/stream.hpp"
 
 namespace fieldcast::program {
 

@@ -10,10 +10,10 @@
 #include <tl/expected.hpp>
 #include <unordered_set>
 
-#include "bridge/log/repeat_filter.hpp"
-#include "bridge/net/listener.hpp"
+#include "bridge/log/log_lines.hpp"
+#include "bridge/net/byte_stream.hpp"
 #include "bridge/program/engineer_connection.hpp"
-#include "bridge/program/module/silent_connections.hpp"
+#include "bridge/program/module/relay_end.hpp"
 #include "core/model/program_spec.hpp"
 
 namespace fieldcast {

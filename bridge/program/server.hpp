@@ -1,16 +1,28 @@
-// The programming server of a bridge: connects engineers with dialled-in modules and devices of the
-// buses. Owns its io thread. Its functions are for the main thread.
+// A device that is leased to an engineer, for display. Plain values.
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "bridge/program/leased_device.hpp"
 #include "bridge/program/module/hooks.hpp"
 #include "core/model/bus_spec.hpp"
 #include "core/model/program_spec.hpp"
+
+namespace fieldcast::program {
+
+struct LeasedDevice {
+  std::string number;
+  std::string bus, device;  // names; a module without a bus: "dial-in" and its number
+  std::string who;          // the user and the address, or the address alone
+};
+
+}  // namespace fieldcast::program
+
+// The programming server of a bridge: connects engineers with dialled-in modules and devices of the
+// buses. Owns its io thread. Its functions are for the main thread.
 
 namespace fieldcast {
 class BusRunner;
@@ -53,5 +65,25 @@ class Server {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+}  // namespace fieldcast::program
+
+namespace fieldcast::program {
+
+// Describes who may use the programming port according to the configuration, in human-readable text
+// for the start and --check. Values only; any thread.
+
+// "modules dial in at 0.0.0.0:4951: TLS with a certificate of plant.pem, from 10.0.0.0/8; a second
+// one of a number is refused"
+[[nodiscard]] std::string to_text(const ModulesSpec& modules);
+// "engineers connect at 0.0.0.0:4950: TLS, a login with the password of a user"
+[[nodiscard]] std::string to_text(const EngineersSpec& engineers);
+
+// The first configured file that cannot be used.
+struct AccessFault {
+  std::string key;  // of `program:` in the configuration: "modules.secrets"
+  std::string text;
+};
+[[nodiscard]] std::optional<AccessFault> check_files(const ProgramSpec& program);
 
 }  // namespace fieldcast::program

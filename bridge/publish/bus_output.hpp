@@ -1,19 +1,90 @@
-// Output of one bus: DDS, the store, the alarms, the audit of commands. Owns the objects that
-// belong only to this bus. Called on the bus's thread.
+// Publishes the data of one bus on DDS on the right thread, and notes its reports for the metrics.
+//
+// The block of an exchange, and a few single samples, are written immediately on the bus's thread,
+// during the silence after the response: this is fastest. Everything else goes to the publisher
+// thread, so that a bus never waits for DDS. The order is kept: while that thread has tasks of the
+// bus, nothing is written directly, so DdsLink has one caller at a time per bus. Called on the
+// bus's thread.
 #pragma once
 
+#include <atomic>
 #include <functional>
+#include <map>
+#include <memory>
 #include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
 
-#include "bridge/bus/bus_sink.hpp"
-#include "bridge/publish/alarm_reporter.hpp"
-#include "bridge/publish/dds_publisher.hpp"
-#include "bridge/publish/sample_hold.hpp"
-#include "bridge/publish/store_recorder.hpp"
+#include "bridge/bus/bus_runner.hpp"
+#include "bridge/dds/endpoints/dds_link.hpp"
+#include "bridge/metrics/metrics_snapshot.hpp"
+#include "bridge/publish/alarm_table.hpp"
+#include "bridge/publish/publisher_thread.hpp"
 #include "bridge/standby/master_lease.hpp"
 #include "bridge/store/command_audit.hpp"
+#include "bridge/store/store.hpp"
+#include "core/model/status.hpp"
 
 namespace fieldcast {
+
+class DdsPublisher {
+ public:
+  // Time that DDS needs for one sample on a small machine.
+  static constexpr Duration kOneSample = std::chrono::microseconds{50};
+
+  // The references must outlive this object.
+  DdsPublisher(PublisherThread& thread, DdsLink& link, MetricsTable& figures, const BusSpec& bus);
+
+  // Returns false if only the block was written; then pass the samples to publish_later().
+  [[nodiscard]] bool publish_now(const std::vector<Sample>& samples, const UtcMapping& mapping);
+  void publish_later(std::vector<Sample> samples, const UtcMapping& mapping);
+
+  void promise(ChannelIndex channel, std::optional<Duration> gap);
+  void complete(const CommandResult& result, const UtcMapping& mapping);
+  void report(const BusReport& report, UtcTime at);
+  void report(std::string_view device, const DeviceReport& report, UtcTime at);
+  void report(PlanReport plan, UtcTime at);
+  void report(const std::vector<AlarmChange>& changes, const UtcMapping& mapping);
+
+ private:
+  template <class Task>
+  void post(Task task, PublisherThread::Late late = PublisherThread::Late::kRun);
+
+  PublisherThread& thread_;
+  DdsLink& link_;
+  MetricsTable& figures_;
+  const std::string bus_;
+  const std::size_t most_now_;           // number of samples that fit in the silence
+  std::atomic<std::size_t> waiting_{0};  // unfinished tasks of this bus
+};
+
+// Stores the samples of one bus and the state changes of its devices. Called on the bus's thread;
+// never waits for the store.
+
+class StoreRecorder {
+ public:
+  // The store outlives this object.
+  StoreRecorder(Store& store, const BusSpec& bus);
+
+  // `now`: time of publication.
+  void put(std::span<const Sample> samples, const UtcMapping& mapping, Instant now);
+  void put(std::string_view device, DeviceState state, UtcTime at);
+
+ private:
+  struct Device {
+    std::string protocol, address;
+    std::optional<DeviceState> state;  // last stored state
+  };
+  Store& store_;
+  const std::string bus_;
+  const std::unique_ptr<Store::Intake> intake_;
+  std::map<std::string, Device, std::less<>> devices_;
+};
+
+// Output of one bus: DDS, the store, the alarms, the audit of commands. Owns the objects that
+// belong only to this bus. Called on the bus's thread.
 
 class BusOutput final : public BusSink {
  public:

@@ -5,12 +5,17 @@
 // Tasks run one after another, in the order of post(). Any thread may post.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <functional>
+#include <map>
+#include <utility>
+#include <vector>
 
 #include "bridge/base/worker.hpp"
 #include "core/base/time.hpp"
+#include "core/model/sample.hpp"
 
 namespace fieldcast {
 
@@ -43,6 +48,60 @@ class PublisherThread {
 
   std::atomic<Instant> drop_from_{kNever};
   Worker<Task> worker_;  // last: it uses the members above
+};
+
+// Holds the samples of a bridge of a standby group that must not be published now:
+// - while the master is unknown,
+// - while another master uses the wire,
+// - after a takeover, until a good value proves that this bridge has the wire.
+// Afterwards the last sample of each channel is published. The engine treats held samples as
+// published and would not repeat that a channel is no longer good.
+//
+// Pure; on the bus's thread, except prove_until(). Cannot fail.
+
+class SampleHold {
+ public:
+  // Holds samples until `limit` or the first good value acquired after `now`. Any thread.
+  void prove_until(Instant limit, Instant now) {
+    proof_from_ = now;
+    prove_until_ = limit;
+  }
+  // Another master of the group uses the wire and publishes its values.
+  void foreign_master(Instant now) {
+    proof_from_ = now;
+    foreign_ = true;
+  }
+
+  // Returns those of the new and the held samples that may be published. `serves`: this bridge is
+  // master. Call periodically also without samples.
+  [[nodiscard]] std::vector<Sample> pass(std::vector<Sample> samples, bool serves, Instant now) {
+    const bool proof =
+        std::ranges::any_of(samples, [from = proof_from_.load()](const Sample& each) {
+          return each.quality == Quality::kGood && each.acquired > from;  // not a repeated one
+        });
+    if (serves && proof) {
+      foreign_ = false;
+      prove_until_ = kLongAgo;
+    }
+    if (!serves || foreign_ || now < prove_until_.load()) {
+      for (Sample& sample : samples) {
+        const ChannelIndex channel = sample.channel;
+        held_.insert_or_assign(channel, std::move(sample));
+      }
+      return {};
+    }
+    if (held_.empty()) return samples;
+    for (const Sample& sample : samples) held_.erase(sample.channel);
+    std::vector<Sample> all;
+    for (auto& [channel, sample] : std::exchange(held_, {})) all.push_back(std::move(sample));
+    std::ranges::move(samples, std::back_inserter(all));
+    return all;
+  }
+
+ private:
+  std::atomic<Instant> prove_until_{kLongAgo}, proof_from_{kLongAgo};
+  bool foreign_ = false;  // no good value since foreign_master()
+  std::map<ChannelIndex, Sample> held_;
 };
 
 }  // namespace fieldcast

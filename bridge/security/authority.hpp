@@ -17,8 +17,8 @@
 #include <string>
 #include <vector>
 
-#include "bridge/security/documents.hpp"
 #include "bridge/security/pki.hpp"
+#include "bridge/security/subject.hpp"
 
 namespace fieldcast::security {
 

@@ -1,15 +1,76 @@
-// The folder of one member: its identity, its permissions, and the certificates to check others.
-// `fieldcast secure add` creates it; `dds: { security: DIR }` names it. Functions on files; any
-// thread.
+// The table of topics that each role may write and read; source of permissions and documents. Pure;
+// values, any thread.
+//
+// A topic of bridge/dds/topics without a row here is denied to all roles, and a test fails.
 #pragma once
 
+#include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
-
-#include "bridge/security/topic_rights.hpp"
+#include <vector>
 
 namespace fieldcast::security {
+
+enum class MemberRole : std::uint8_t { kBridge, kStation, kPlant, kStationReadonly };
+
+struct RoleRow {
+  MemberRole role;
+  std::string_view word;  // on the command line, and in a certificate's OU
+  std::string_view text;  // human-readable description of the rights
+};
+[[nodiscard]] std::span<const RoleRow> roles();
+[[nodiscard]] std::string_view to_text(MemberRole role);
+[[nodiscard]] std::optional<MemberRole> member_role_from(std::string_view word);
+
+class Roles {
+ public:
+  constexpr Roles(std::initializer_list<MemberRole> roles) {
+    for (const MemberRole role : roles) bits_ |= 1U << static_cast<unsigned>(role);
+  }
+  [[nodiscard]] constexpr bool has(MemberRole role) const {
+    return (bits_ >> static_cast<unsigned>(role) & 1U) != 0;
+  }
+
+ private:
+  unsigned bits_ = 0;
+};
+
+struct TopicRight {
+  std::string_view topic;
+  Roles writers;
+  Roles readers;
+  // The data is for a bus, and a writer may be limited to certain buses. Its partitions are then
+  // the names or patterns of these buses; a bridge reads in the partition of each bus.
+  bool by_bus = false;
+};
+[[nodiscard]] std::span<const TopicRight> topic_rights();
+
+// Returns null if the topic has no row.
+[[nodiscard]] const TopicRight* right_of(std::string_view topic);
+
+// Documents of DDS Security apply to the domains 0 to this one.
+inline constexpr std::uint32_t kHighestDomain = 230;
+
+inline constexpr std::size_t kMaxMemberName = 48;
+inline constexpr std::size_t kMaxBusPatterns = 16;
+
+// A member of the domain: one process, or all processes of one kind on a machine.
+struct Member {
+  MemberRole role = MemberRole::kStationReadonly;
+  std::string name;                // 1 to kMaxMemberName of a-z A-Z 0-9 - _
+  std::vector<std::string> buses;  // patterns that a plant is limited to; empty: no limit
+  friend bool operator==(const Member&, const Member&) = default;
+};
+
+// Returns a human-readable fault, or an empty text.
+[[nodiscard]] std::string fault_of(const Member& member);
+
+// The folder of one member: its identity, its permissions, and the certificates to check others.
+// `fieldcast secure add` creates it; `dds: { security: DIR }` names it. Functions on files; any
+// thread.
 
 inline constexpr std::string_view kIdentityCa = "identity-ca.pem";
 inline constexpr std::string_view kPermissionsCa = "permissions-ca.pem";

@@ -6,9 +6,10 @@
 #include <utility>
 
 #include "bridge/base/clock.hpp"
-#include "bridge/standby/process_identity.hpp"
+#include "bridge/standby/member_identity.hpp"
 
 namespace fieldcast {
+
 namespace {
 
 constexpr Duration kAgain = std::chrono::milliseconds{50};

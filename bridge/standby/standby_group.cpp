@@ -10,7 +10,7 @@
 
 #include "bridge/base/check.hpp"
 #include "bridge/base/clock.hpp"
-#include "bridge/standby/process_identity.hpp"
+#include "bridge/standby/member_identity.hpp"
 
 namespace fieldcast {
 namespace {

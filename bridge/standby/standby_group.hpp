@@ -18,7 +18,6 @@
 
 #include "bridge/base/file_descriptor.hpp"
 #include "bridge/standby/master_lease.hpp"
-#include "bridge/standby/recent_commands.hpp"
 #include "bridge/standby/standby_values.hpp"
 
 namespace fieldcast {

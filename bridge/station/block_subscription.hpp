@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "bridge/dds/receivers/lost_instances.hpp"
+#include "bridge/dds/receivers/taker.hpp"
 #include "bridge/dds/transport/domain.hpp"
 #include "bridge/station/bus_table.hpp"
 

@@ -7,11 +7,14 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "bridge/dds/topics/block.hpp"
+#include "bridge/dds/topics/conversion.hpp"
 
 namespace fieldcast {
 
@@ -64,6 +67,24 @@ class BusTable {
   bool hole_ = false, snapshot_ = false;
   std::uint64_t missing_ = 0;
   std::size_t behind_ = 0;  // rows with kBehind such samples
+};
+
+// Assembles plans from their parts, which may arrive in any order and belong to different plans.
+// Pure: no DDS entity, no clock, no thread; one owner.
+
+class PlanParts {
+ public:
+  // Returns the whole plan if this part completes it.
+  [[nodiscard]] std::optional<StationReadPlan> on_part(const idl::ReadPlan& part);
+  void forget(const std::string& bus) { buses_.erase(bus); }
+
+ private:
+  struct Plan {
+    std::uint64_t number = 0;
+    // until the plan is complete; at most kMaxPlanBlocks
+    std::map<std::uint32_t, idl::ReadPlan> parts;
+  };
+  std::map<std::string, Plan> buses_;  // as many as the reader has instances
 };
 
 }  // namespace fieldcast

@@ -19,7 +19,6 @@
 #include "bridge/dds/topics/conversion.hpp"
 #include "bridge/dds/transport/domain.hpp"
 #include "bridge/station/bus_servers.hpp"
-#include "bridge/station/once_writer.hpp"
 #include "bridge/station/station.hpp"
 
 namespace fieldcast {

@@ -3,7 +3,7 @@
 #include <condition_variable>
 #include <mutex>
 
-#include "bridge/dds/topics/conversion_standby.hpp"
+#include "bridge/dds/topics/conversion.hpp"
 #include "bridge/dds/transport/domain.hpp"
 #include "bridge/station/subscription.hpp"
 

@@ -8,8 +8,8 @@
 #include <memory>
 #include <string>
 
-#include "bridge/dds/library/dds_error.hpp"
-#include "bridge/dds/topics/conversion_standby.hpp"
+#include "bridge/dds/library/library.hpp"
+#include "bridge/dds/topics/conversion.hpp"
 #include "core/model/dds_spec.hpp"
 
 namespace fieldcast {

@@ -9,9 +9,9 @@
 #include "bridge/dds/topics/received_sample.hpp"
 #include "bridge/dds/transport/domain.hpp"
 #include "bridge/station/block_subscription.hpp"
+#include "bridge/station/bus_table.hpp"
 #include "bridge/station/clock_offsets.hpp"
 #include "bridge/station/command_client.hpp"
-#include "bridge/station/plan_parts.hpp"
 #include "bridge/station/subscription.hpp"
 #include "core/model/channel_pattern.hpp"
 

@@ -16,7 +16,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "bridge/dds/library/dds_error.hpp"
+#include "bridge/dds/library/library.hpp"
 #include "bridge/dds/topics/topic_values.hpp"
 #include "core/base/time.hpp"
 #include "core/model/dds_spec.hpp"

@@ -8,7 +8,7 @@
 #include <mutex>
 #include <utility>
 
-#include "bridge/dds/receivers/lost_instances.hpp"
+#include "bridge/dds/receivers/taker.hpp"
 #include "bridge/dds/transport/domain.hpp"
 
 namespace fieldcast {

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "bridge/store/records/audit.hpp"
+#include "bridge/store/records/records.hpp"
 #include "core/model/command.hpp"
 
 namespace fieldcast {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bridge/store/sql/sql.hpp"
-#include "bridge/store/tiers/tier.hpp"
+#include "bridge/store/tiers/bucket.hpp"
 #include "core/model/store_spec.hpp"
 
 namespace fieldcast {

@@ -11,7 +11,7 @@
 #include "bridge/base/back_off.hpp"
 #include "bridge/base/clock.hpp"
 #include "bridge/log/log.hpp"
-#include "bridge/store/record_text.hpp"
+#include "bridge/store/quarantine.hpp"
 #include "bridge/store/store_writer.hpp"
 #include "core/model/channel_pattern.hpp"
 

@@ -21,8 +21,6 @@
 #include <variant>
 #include <vector>
 
-#include "bridge/store/records/alarm_sink.hpp"
-#include "bridge/store/records/audit.hpp"
 #include "bridge/store/records/records.hpp"
 #include "bridge/store/tiers/sample_table.hpp"
 #include "core/base/time.hpp"

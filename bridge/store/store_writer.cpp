@@ -7,7 +7,7 @@
 #include "bridge/log/log.hpp"
 #include "bridge/store/alarm_life_table.hpp"
 #include "bridge/store/event_table.hpp"
-#include "bridge/store/quarantine_table.hpp"
+#include "bridge/store/quarantine.hpp"
 
 namespace fieldcast {
 namespace {

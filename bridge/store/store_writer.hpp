@@ -9,7 +9,7 @@
 #include <memory>
 #include <string>
 
-#include "bridge/store/record_text.hpp"
+#include "bridge/store/quarantine.hpp"
 #include "bridge/store/retention.hpp"
 #include "bridge/store/store.hpp"
 #include "bridge/store/tiers/tier_writer.hpp"

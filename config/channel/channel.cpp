@@ -4,13 +4,12 @@
 
 #include <array>
 
+#include "config/channel/channel_encoding.hpp"
 #include "config/channel/channel_keys.hpp"
 #include "config/channel/channel_limits.hpp"
-#include "config/channel/exponent.hpp"
-#include "config/channel/not_available.hpp"
+#include "config/document/common_forms.hpp"
 #include "config/document/limits.hpp"
 #include "config/document/scalars.hpp"
-#include "config/document/text_number.hpp"
 #include "core/model/fit.hpp"
 
 namespace fieldcast::config {

@@ -1,8 +1,7 @@
 #pragma once
 
-#include "config/channel/cascade.hpp"
+#include "config/channel/channel_keys.hpp"
 #include "config/document/document.hpp"
-#include "config/document/fault_list.hpp"
 #include "core/model/channel_spec.hpp"
 #include "core/protocol/protocol.hpp"
 

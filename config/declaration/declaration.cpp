@@ -4,14 +4,15 @@
 
 #include <algorithm>
 
-#include "config/declaration/declaration_keys.hpp"
 #include "config/declaration/declared_frame.hpp"
+#include "config/document/document.hpp"
 #include "config/document/limits.hpp"
 #include "config/document/scalars.hpp"
-#include "config/document/unique_names.hpp"
 #include "core/model/channel_kind.hpp"
+#include "core/protocol/families/registry.hpp"
 
 namespace fieldcast::config {
+
 namespace {
 
 using declared::Declaration;
@@ -257,6 +258,29 @@ declared::SharedDeclaration read_declaration(const Node& root, const std::string
   auto declaration = DeclarationReader(root, name, faults).run();
   if (faults.size() != before) return {};
   return {std::make_shared<const Declaration>(std::move(declaration))};
+}
+
+ProtocolChoice read_protocol(const Node& node, std::string_view key, LoadState& state) {
+  std::vector<std::string> names;
+  for (const auto& entry : protocols()) names.emplace_back(entry.name);
+  const auto listed = [&] { return std::vector<std::string_view>(names.begin(), names.end()); };
+  const std::string* text =
+      scalar_of(node, key, joined(listed()) + ", or the name of a declaration", state.faults);
+  if (text == nullptr) return {};
+  if (const auto* entry = find_protocol(*text)) return {*text, entry, {}};
+  const auto found = state.library.protocol_declaration(node);
+  if (!found.exists) {
+    for (auto& name : state.library.declared_protocols(node)) names.push_back(std::move(name));
+    const auto meant = meant_value("protocol", *text);
+    state.faults.add(node.position, fmt::format("{} '{}' is unknown", key, *text), joined(listed()),
+                     meant.empty() ? closest(*text, listed()) : meant);
+    return {};
+  }
+  if (found.root == nullptr) return {};
+  const auto [known, fresh] = state.declarations.try_emplace(found.root);
+  if (fresh) known->second = read_declaration(*found.root, *text, state.faults);
+  if (!known->second) return {};
+  return {*text, nullptr, known->second};
 }
 
 }  // namespace fieldcast::config

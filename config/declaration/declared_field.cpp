@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <array>
 
-#include "config/declaration/declaration_keys.hpp"
 #include "config/declaration/declared_frame.hpp"
+#include "config/document/common_forms.hpp"
 #include "config/document/limits.hpp"
 #include "config/document/scalars.hpp"
-#include "config/document/text_number.hpp"
 
 namespace fieldcast::config {
 namespace {

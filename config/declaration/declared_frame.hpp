@@ -1,4 +1,4 @@
-// A frame of a declared protocol during parsing. Only used in config/.
+// All keys of a declared protocol; a test compares them with config/protocol.schema.json.
 #pragma once
 
 #include <string>
@@ -8,6 +8,13 @@
 #include "core/protocol/declared/declaration.hpp"
 
 namespace fieldcast::config {
+
+extern const KeyTable kDeclarationKeys, kAddressesKeys, kAreaKeys, kOperationKeys, kCountKeys,
+    kErrorsKeys, kFieldKeys;
+
+[[nodiscard]] std::span<const KeyTable* const> declaration_key_tables();
+
+// A frame of a declared protocol during parsing. Only used in config/.
 
 struct FieldDefaults {
   declared::Notation notation = declared::Notation::kBinary;

@@ -3,6 +3,9 @@
 
 #include <string>
 
+#include "config/document/document.hpp"
+#include "core/codec/text_codec.hpp"
+
 namespace fieldcast::config {
 
 // "`modbus-rtu`: `mask-write: true` ..; `dtc`: ..": the options of every protocol.
@@ -15,5 +18,25 @@ namespace fieldcast::config {
 
 // "`dtc`, `modbus-rtu`, ..".
 [[nodiscard]] std::string protocol_names();
+
+// "decimal(7)", "decimal-comma(7)", "hex(4)", or a picture such as "+000.00".
+
+inline constexpr std::int64_t kMaxTextCharacters = 250;
+
+inline constexpr std::string_view kTextNumberForms =
+    "decimal(n), decimal-comma(n) or hex(n) of n characters, or a picture such as \"+000.00\"";
+
+struct TextForm {
+  TextNumber number;             // none: the characters are a text
+  std::uint16_t characters = 0;  // 0 if not given
+};
+
+// Also accepts "decimal" and similar without a size, if the address determines it.
+struct TextFormRule {
+  std::optional<TextForm> operator()(const Node& node, std::string_view key,
+                                     FaultList& faults) const;
+  [[nodiscard]] std::string schema() const;
+  [[nodiscard]] std::string form() const;
+};
 
 }  // namespace fieldcast::config

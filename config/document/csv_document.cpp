@@ -8,9 +8,8 @@
 #include <optional>
 
 #include "config/document/document.hpp"
-#include "config/document/fault_list.hpp"
-#include "config/document/keys.hpp"
 #include "config/document/limits.hpp"
+#include "config/document/map_reader.hpp"
 #include "config/document/suggest.hpp"
 
 namespace fieldcast::config {

@@ -4,10 +4,15 @@
 
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
+
+#include "config/document/fault.hpp"
 
 namespace fieldcast::config {
 
@@ -91,5 +96,49 @@ struct Document {
 [[nodiscard]] std::string_view directory_of(std::string_view path);
 // Relative to the directory of the referring file.
 [[nodiscard]] std::string resolve(const Source& from, std::string_view path);
+
+// Collects the faults of one load, without duplicates, at most kMaxFaults.
+
+class FaultList {
+ public:
+  // Ignores a duplicate: a template is read once for each device that uses it.
+  void add(const Position& position, std::string what, std::string allowed = {},
+           std::string suggestion = {});
+
+  [[nodiscard]] bool empty() const { return entries_.empty(); }
+  [[nodiscard]] std::size_t size() const { return entries_.size(); }
+  [[nodiscard]] bool full() const;
+
+  // Sorted by file (the main one first), line and column; clears the list.
+  [[nodiscard]] std::vector<Fault> take();
+
+ private:
+  struct Entry {
+    std::size_t order;
+    Fault fault;
+  };
+  std::vector<Entry> entries_;
+  std::set<std::tuple<std::size_t, std::uint32_t, std::uint32_t, std::string>> known_;
+};
+
+// Adds a fault for the second use of a name.
+
+class UniqueNames {
+ public:
+  // Ignores an empty name, which already has a fault.
+  void add(std::string_view what, const std::string& name, const Position& position,
+           FaultList& faults) {
+    if (name.empty()) return;
+    const auto [first, fresh] = positions_.emplace(name, position);
+    if (fresh) return;
+    const Position& there = first->second;
+    const std::string file = there.source == position.source ? "" : there.source->file + ", ";
+    faults.add(position, std::string(what) + " '" + name + "' exists already (" + file + "line " +
+                             std::to_string(there.line + 1) + ')');
+  }
+
+ private:
+  std::map<std::string, Position> positions_;
+};
 
 }  // namespace fieldcast::config

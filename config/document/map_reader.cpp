@@ -9,6 +9,7 @@
 #include "config/document/suggest.hpp"
 
 namespace fieldcast::config {
+
 namespace {
 
 [[noreturn]] void bug(std::string_view what, std::string_view key) {

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "config/document/document.hpp"
-#include "config/document/fault_list.hpp"
 #include "config/document/suggest.hpp"
 #include "core/base/time.hpp"
 

@@ -6,7 +6,7 @@
 
 #include "config/document/limits.hpp"
 #include "config/document/suggest.hpp"
-#include "config/files/recognition.hpp"
+#include "config/files/file_reader.hpp"
 #include "core/model/channel_kind.hpp"
 
 namespace fieldcast::config {

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "config/document/document.hpp"
-#include "config/document/fault_list.hpp"
 #include "config/files/file_reader.hpp"
 
 namespace fieldcast::config {

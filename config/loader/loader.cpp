@@ -8,7 +8,7 @@
 #include "config/declaration/declaration.hpp"
 #include "config/document/limits.hpp"
 #include "config/document/scalars.hpp"
-#include "config/files/recognition.hpp"
+#include "config/files/file_reader.hpp"
 #include "config/sections/bridge_keys.hpp"
 #include "config/sections/bus.hpp"
 #include "config/sections/dds.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "config/document/key.hpp"
+#include "config/document/map_reader.hpp"
 #include "core/model/spec.hpp"
 
 namespace fieldcast::config {

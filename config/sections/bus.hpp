@@ -1,6 +1,9 @@
 #pragma once
 
+#include <optional>
+
 #include "config/document/document.hpp"
+#include "config/document/map_reader.hpp"
 #include "config/sections/device.hpp"
 #include "core/model/bus_spec.hpp"
 
@@ -13,6 +16,18 @@ namespace fieldcast::config {
 struct SilenceReader {
   std::optional<SilenceRule> operator()(const Node& node, std::string_view key,
                                         FaultList& faults) const;
+  [[nodiscard]] std::string schema() const;
+  [[nodiscard]] std::string form() const;
+};
+
+// The `capture` section of a bus.
+
+void read_capture(MapReader& bus, std::optional<CaptureSpec>& spec);
+
+// Size of one file: a whole number with kB, MB or GB.
+struct CaptureSizeRule {
+  std::optional<std::int64_t> operator()(const Node& node, std::string_view key,
+                                         FaultList& faults) const;
   [[nodiscard]] std::string schema() const;
   [[nodiscard]] std::string form() const;
 };

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "config/channel/cascade.hpp"
-#include "config/document/key.hpp"
+#include "config/channel/channel_keys.hpp"
+#include "config/document/map_reader.hpp"
 
 namespace fieldcast::config {
 
@@ -14,5 +14,9 @@ struct BusDefaults {
 [[nodiscard]] const Rows<BusSpec>& bus_rows();
 [[nodiscard]] const Rows<CaptureSpec>& capture_rows();
 [[nodiscard]] const Rows<BusDefaults>& bus_default_rows();
+
+[[nodiscard]] const Rows<DeviceDefaults>& device_rows();
+[[nodiscard]] const Rows<DeviceDefaults>& template_rows();
+[[nodiscard]] const Rows<DeviceDefaults>& template_default_rows();
 
 }  // namespace fieldcast::config

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
+#include "config/document/document.hpp"
 #include "config/document/limits.hpp"
 #include "config/document/scalars.hpp"
-#include "config/document/unique_names.hpp"
 #include "config/sections/bridge_keys.hpp"
 #include "config/sections/port.hpp"
 

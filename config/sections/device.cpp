@@ -7,7 +7,7 @@
 #include "config/channel/channel.hpp"
 #include "config/document/limits.hpp"
 #include "config/document/scalars.hpp"
-#include "config/sections/device_keys.hpp"
+#include "config/sections/bus_keys.hpp"
 #include "config/sections/port.hpp"
 #include "config/sections/program.hpp"
 #include "core/model/bus_spec.hpp"

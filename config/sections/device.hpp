@@ -2,9 +2,9 @@
 
 #include <string>
 
-#include "config/channel/cascade.hpp"
-#include "config/declaration/protocol_choice.hpp"
-#include "config/document/unique_names.hpp"
+#include "config/channel/channel_keys.hpp"
+#include "config/declaration/declaration.hpp"
+#include "config/document/document.hpp"
 #include "core/model/bus_spec.hpp"
 
 namespace fieldcast::config {

@@ -6,7 +6,6 @@
 #include <array>
 
 #include "config/document/common_forms.hpp"
-#include "config/document/key.hpp"
 #include "config/document/limits.hpp"
 #include "config/document/map_reader.hpp"
 #include "config/document/scalars.hpp"

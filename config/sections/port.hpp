@@ -6,8 +6,7 @@
 #include <utility>
 
 #include "config/document/document.hpp"
-#include "config/document/fault_list.hpp"
-#include "config/document/key.hpp"
+#include "config/document/map_reader.hpp"
 #include "core/model/bus_spec.hpp"
 
 namespace fieldcast::config {

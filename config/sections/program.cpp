@@ -4,15 +4,16 @@
 
 #include <algorithm>
 
+#include "config/document/document.hpp"
 #include "config/document/limits.hpp"
 #include "config/document/scalars.hpp"
-#include "config/document/unique_names.hpp"
 #include "config/sections/bridge_keys.hpp"
 #include "config/sections/port.hpp"
-#include "config/sections/program_access.hpp"
+#include "core/access/network.hpp"
 #include "core/program/frame.hpp"
 
 namespace fieldcast::config {
+
 namespace {
 
 using program::RegistrationRule;
@@ -126,6 +127,138 @@ void check_device_numbers(const Node& buses, const BridgeSpec& spec, FaultList& 
         faults.add(number->position, "nobody can ask for it",
                    "program: { engineers: { listen: ADDRESS:PORT } }");
     }
+  }
+}
+
+namespace {
+
+void fault(MapReader& map, std::string_view key, std::string what, std::string allowed) {
+  map.faults().add(map.position_of(key), std::move(what), std::move(allowed));
+}
+
+// `needed`: the key that `key` depends on.
+void check_needed(MapReader& map, std::string_view key, std::string_view needed,
+                  std::string_view allowed) {
+  if (map.has(key) && !map.has(needed))
+    fault(map, key, fmt::format("'{}' without '{}'", key, needed), std::string(allowed));
+}
+
+std::vector<std::string> numbers_of(const Node& node, std::string_view name, FaultList& faults) {
+  std::vector<std::string> numbers;
+  const auto take = [&](const Node& item) {
+    if (auto number = DeviceNumberRule{}(item, name, faults)) numbers.push_back(*std::move(number));
+  };
+  if (node.kind != Kind::kList) {
+    take(node);
+    return numbers;
+  }
+  for (const Node* item : node.items) take(*item);
+  return numbers;
+}
+
+void read_subjects(MapReader& map, ModulesSpec& modules) {
+  const Node* node = map.find("subjects");
+  if (node == nullptr) return;
+  if (node->kind != Kind::kMap) {
+    return fault(map, "subjects", "subjects is " + std::string(to_text(node->kind)),
+                 "common names of certificates and the numbers of their modules: { hut: 17, "
+                 "gateway: [18, 19] }");
+  }
+  for (const Node::Entry& entry : node->entries)
+    modules.subjects[entry.key->text] = numbers_of(*entry.value, entry.key->text, map.faults());
+}
+
+void read_networks(MapReader& map, ModulesSpec& modules) {
+  static constexpr std::string_view kForm = "addresses and networks: [10.0.7.0/24, 192.168.1.7]";
+  const Node* node = map.find("from");
+  if (node == nullptr) return;
+  if (node->kind != Kind::kList || node->items.empty() || node->items.size() > kMaxInterfaces) {
+    return fault(map, "from",
+                 "from is " + (node->kind != Kind::kList ? std::string(to_text(node->kind))
+                               : node->items.empty()     ? "empty"
+                                                         : "too long"),
+                 std::string(kForm));
+  }
+  for (const Node* item : node->items) {
+    const std::string* text = scalar_of(*item, "from", kForm, map.faults());
+    if (text == nullptr) continue;
+    if (!access::Network::parse(*text))
+      map.faults().add(item->position, fmt::format("'{}' is no address and no network", *text),
+                       std::string(kForm));
+    modules.from.push_back(*text);
+  }
+}
+
+}  // namespace
+
+TlsSpec read_tls(MapReader& map, Library& library) {
+  TlsSpec tls;
+  for (const auto& [key, target] :
+       {std::pair{"certificate", &tls.certificate}, std::pair{"key", &tls.key},
+        std::pair{"authority", &tls.authority}, std::pair{"revoked", &tls.revoked}}) {
+    std::string path;
+    if (map.read(key, path, TextRule{kMaxPath})) *target = library.check_file(*map.find(key));
+  }
+  const bool certificate = map.has("certificate"), key = map.has("key");
+  if (certificate != key) {
+    fault(map, certificate ? "certificate" : "key",
+          certificate ? "'certificate' without 'key'" : "'key' without 'certificate'",
+          "both, as PEM files");
+  }
+  if (!certificate && !key)
+    check_needed(map, "authority", "certificate", "certificate and key of the bridge, for TLS");
+  check_needed(map, "revoked", "authority", "authority: who signs the certificates, a PEM file");
+  return tls;
+}
+
+void check_engineers(MapReader& map, EngineersSpec& engineers, bool users) {
+  const bool authority = map.has("authority");
+  if (authority && !map.has("proof")) engineers.proof = LoginProof::kCertificate;
+  const bool by_certificate = engineers.proof != LoginProof::kPassword;
+  if (by_certificate && !authority)
+    fault(map, "proof", "certificates of engineers, and nobody signs them",
+          "authority: a PEM file with who signs them");
+  if (!by_certificate && authority)
+    fault(map, "authority", "'authority' has no meaning for proof: password",
+          "proof: certificate, either or both");
+  if (engineers.listen.host.empty()) return;
+  const bool far = !on_loopback(engineers.listen);
+  if (far && !map.has("certificate") && !map.has("key"))
+    fault(map, "listen", "engineers off the loopback without TLS",
+          "certificate and key, or an address 127.0.0.1");
+  // Without users, every holder of a certificate of the authority is an engineer.
+  if (users || engineers.proof == LoginProof::kCertificate) return;
+  static constexpr std::string_view kRemedy =
+      "store: { path: FILE } and 'fieldcast user add NAME --role programmer'";
+  if (far) {
+    fault(map, "listen",
+          "engineers off the loopback have to log in, and without a store there are no users",
+          fmt::format("{}, or an address 127.0.0.1", kRemedy));
+  } else if (engineers.login == LoginRule::kAlways || by_certificate) {
+    fault(map, engineers.login == LoginRule::kAlways ? "login" : "proof",
+          "a login needs users, and without a store there are none", std::string(kRemedy));
+  }
+}
+
+void read_module_access(MapReader& map, ModulesSpec& modules, Library& library) {
+  modules.tls = read_tls(map, library);
+  check_needed(map, "subjects", "authority", "authority: who signs the certificates of modules");
+  read_subjects(map, modules);
+  read_networks(map, modules);
+  std::string path;
+  if (map.read("secrets", path, TextRule{kMaxPath}))
+    modules.secrets = library.check_file(*map.find("secrets"));
+  if (map.has("secrets") && modules.registration.ask == program::RegistrationRule::Ask::kWords)
+    fault(map, "secrets", "a module that is asked for a text does not respond to a challenge",
+          "ask: text");
+  const bool held = map.has("authority") || map.has("secrets") || map.has("from");
+  if (modules.without_security && held)
+    fault(map, "security", "security: none beside what modules have to show",
+          "one of them: security: none, or authority, secrets or from");
+  if (!held && !modules.without_security && !modules.listen.host.empty() &&
+      !on_loopback(modules.listen)) {
+    fault(map, "listen", "modules off the loopback, and nothing is said about who may dial in",
+          "authority with certificate and key, secrets, from, or security: none");
   }
 }
 

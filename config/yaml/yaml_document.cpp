@@ -12,10 +12,8 @@
 #include <unordered_set>
 
 #include "config/document/document.hpp"
-#include "config/document/fault_list.hpp"
 #include "config/document/limits.hpp"
 #include "config/yaml/yaml_scan.hpp"
-#include "config/yaml/yaml_tokens.hpp"
 #include "config/yaml/yaml_trouble.hpp"
 
 namespace fieldcast::config {

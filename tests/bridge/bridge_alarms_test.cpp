@@ -5,7 +5,7 @@
 
 #include "bridge/store/alarm_life_table.hpp"
 #include "bridge/store/event_table.hpp"
-#include "bridge/store/sql/store_address.hpp"
+#include "bridge/store/sql/sql.hpp"
 #include "tests/bridge/support/bridge_fixture.hpp"
 #include "tests/bridge/support/modbus_device.hpp"
 

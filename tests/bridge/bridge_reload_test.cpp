@@ -4,7 +4,7 @@
 #include <map>
 
 #include "bridge/store/event_table.hpp"
-#include "bridge/store/sql/store_address.hpp"
+#include "bridge/store/sql/sql.hpp"
 #include "tests/bridge/support/bridge_fixture.hpp"
 #include "tests/bridge/support/modbus_device.hpp"
 #include "tests/bridge/support/module_device.hpp"

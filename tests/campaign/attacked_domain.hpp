@@ -14,8 +14,8 @@
 #include <thread>
 
 #include "bridge/base/file_descriptor.hpp"
-#include "bridge/dds/guard/participant_message.hpp"
-#include "bridge/dds/guard/shared_guard.hpp"
+#include "bridge/dds/guard/datagram_guard.hpp"
+#include "bridge/dds/guard/parameter_list.hpp"
 #include "bridge/dds/topics/conversion.hpp"
 #include "bridge/dds/transport/domain.hpp"
 

@@ -14,10 +14,10 @@
 #include <string>
 #include <vector>
 
-#include "bridge/publish/sample_hold.hpp"
+#include "bridge/publish/publisher_thread.hpp"
 #include "bridge/standby/election.hpp"
 #include "bridge/standby/held_commands.hpp"
-#include "bridge/standby/recent_commands.hpp"
+#include "bridge/standby/standby_values.hpp"
 #include "core/bus/command/command_ledger.hpp"
 #include "tests/bus/shared_wire.hpp"
 #include "tests/campaign/group_network.hpp"

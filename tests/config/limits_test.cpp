@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "bridge/security/topic_rights.hpp"
+#include "bridge/security/member_folder.hpp"
 #include "tests/config/support.hpp"
 
 namespace fieldcast::config {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "config/document/key.hpp"
+#include "config/document/map_reader.hpp"
 #include "config/keys/documents.hpp"
 #include "tests/config/support.hpp"
 

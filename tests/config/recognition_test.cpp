@@ -1,8 +1,7 @@
 // Tests that foreign files are never quoted, whatever their content and name.
-#include "config/files/recognition.hpp"
-
 #include <gmock/gmock.h>
 
+#include "config/files/file_reader.hpp"
 #include "tests/config/support.hpp"
 
 namespace fieldcast::config {

@@ -5,9 +5,9 @@
 #include <set>
 #include <sstream>
 
-#include "config/declaration/declaration_keys.hpp"
-#include "config/document/fault_list.hpp"
-#include "config/document/key.hpp"
+#include "config/declaration/declared_frame.hpp"
+#include "config/document/document.hpp"
+#include "config/document/map_reader.hpp"
 #include "config/keys/documents.hpp"
 #include "core/protocol/families/registry.hpp"
 #include "tests/config/json_schema.hpp"

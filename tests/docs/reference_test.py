@@ -88,13 +88,13 @@ class ExitCodes(unittest.TestCase):
     def test_are_those_of_the_sources(self):
         page = section("docs/operating.md", "Exit codes")
         tables = [re.findall(r"^\| (\d+) \|", table, re.MULTILINE) for table in page.split("`fieldcast`:")]
-        for header, listed in zip(["bridge/base/exit_code.hpp", "tools/cli/text/exit_code.hpp"], tables):
+        for header, listed in zip(["bridge/base/exit_code.hpp", "tools/cli/text/output.hpp"], tables):
             self.assertEqual(re.findall(r"\bk\w+ = (\d+)", read(header)), listed, header)
 
 
 class Picture(unittest.TestCase):
     def test_shows_the_columns_of_watch(self):
-        table = re.search(r"TextTable table\((.*?)\);", read("tools/cli/view/watch_view.cpp"), re.DOTALL).group(1)
+        table = re.search(r"TextTable table\((.*?)\);", read("tools/cli/view/station_view.cpp"), re.DOTALL).group(1)
         heads = re.findall(r'"(\w+)"', table)
         self.assertEqual(len(heads), 7)
         rows = {}

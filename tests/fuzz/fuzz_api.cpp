@@ -8,8 +8,8 @@
 #include "core/base/bytes.hpp"
 #include "tests/tools/station/live/live_support.hpp"
 #include "tools/station/api/api_routes.hpp"
-#include "tools/station/api/base/parameters.hpp"
-#include "tools/station/http/json_body.hpp"
+#include "tools/station/api/base/exchange.hpp"
+#include "tools/station/http/route_table.hpp"
 
 namespace fieldcast::web {
 namespace {

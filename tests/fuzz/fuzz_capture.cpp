@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <sstream>
 
-#include "tools/cli/inspect/capture_input.hpp"
+#include "tools/cli/inspect/frame_report.hpp"
 
 namespace fieldcast {
 namespace {

@@ -7,10 +7,9 @@
 #include <cstdlib>
 
 #include "bridge/dds/filter/incoming_filter.hpp"
-#include "bridge/dds/filter/joined_message.hpp"
-#include "bridge/dds/filter/unregister_message.hpp"
+#include "bridge/dds/filter/sent_message.hpp"
 #include "bridge/dds/guard/rtps_message.hpp"
-#include "bridge/dds/transport/participant_number.hpp"
+#include "bridge/dds/transport/guard_transport.hpp"
 #include "bridge/dds/transport/server_restarts.hpp"
 #include "core/base/bytes.hpp"
 

@@ -9,7 +9,7 @@
 
 #include "tests/support/drive.hpp"
 #include "tools/cli/scan/identity.hpp"
-#include "tools/cli/scan/sunspec_channels.hpp"
+#include "tools/cli/scan/sunspec_view.hpp"
 #include "tools/cli/scan/sunspec_walk.hpp"
 
 namespace fieldcast::cli {

@@ -9,8 +9,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "bridge/program/module/module_secrets.hpp"
-#include "bridge/security/documents.hpp"
+#include "bridge/program/module/module_gate.hpp"
 #include "bridge/security/member_folder.hpp"
 #include "bridge/security/subject.hpp"
 #include "core/base/bytes.hpp"

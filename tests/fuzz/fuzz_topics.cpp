@@ -7,10 +7,8 @@
 
 #include "bridge/dds/topics/block.hpp"
 #include "bridge/dds/topics/conversion.hpp"
-#include "bridge/dds/topics/conversion_standby.hpp"
 #include "bridge/dds/topics/received_sample.hpp"
 #include "bridge/station/bus_table.hpp"
-#include "bridge/station/plan_parts.hpp"
 #include "core/base/bytes.hpp"
 
 namespace fieldcast {

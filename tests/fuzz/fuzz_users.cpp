@@ -13,11 +13,9 @@
 #include <string>
 #include <vector>
 
-#include "bridge/base/secret_file.hpp"
-#include "bridge/store/users/password.hpp"
-#include "bridge/store/users/token_table.hpp"
+#include "bridge/base/secret.hpp"
+#include "bridge/store/users/authenticator.hpp"
 #include "bridge/store/users/user_table.hpp"
-#include "bridge/store/users/users.hpp"
 #include "core/base/bytes.hpp"
 
 namespace fieldcast {

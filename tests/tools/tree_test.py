@@ -113,8 +113,8 @@ NOT_BY_CLANG = re.compile(r"std::(views\b|ranges::(views\b|(search|search_n|find
 JSON_BY_HAND = re.compile(r"""\{\\+"|\\":[^ ]|R"\w*\(\s*\{\s*"|\bdump\(""")
 # Constant texts: JSON schemas, and hints that show a client the correct request.
 JSON_BY_HAND_IN = {
-    "tools/station/settings/configuration.cpp", "tools/station/api/alarm_request.cpp", "tools/station/api/commands.cpp",
-    "tools/station/live/client_message.cpp", "tools/station/web/login_routes.cpp",
+    "tools/station/settings/configuration.cpp", "tools/station/api/commands.cpp",
+    "tools/station/live/client_message.cpp", "tools/station/web/logins.cpp",
 }
 
 

@@ -18,7 +18,7 @@
 
 #include "bridge/dds/endpoints/dds_link.hpp"
 #include "bridge/station/station.hpp"
-#include "tools/bench/plant/process.hpp"
+#include "tools/bench/plant/plant.hpp"
 #include "tools/progress/progress_line.hpp"
 
 namespace fieldcast::bench {

@@ -29,8 +29,6 @@
 #include "core/codec/checksum.hpp"
 #include "tools/bench/plant/bare.hpp"
 #include "tools/bench/plant/plant.hpp"
-#include "tools/bench/plant/process.hpp"
-#include "tools/bench/support/block_times.hpp"
 #include "tools/bench/support/figures.hpp"
 
 namespace fieldcast::bench {

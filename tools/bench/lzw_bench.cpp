@@ -15,7 +15,7 @@
 #include "core/protocol/dtc/packet.hpp"
 #include "tests/core/lzw_reference.hpp"
 #include "tools/bench/support/figures.hpp"
-#include "tools/progress/step_progress.hpp"
+#include "tools/progress/progress_line.hpp"
 
 namespace {
 

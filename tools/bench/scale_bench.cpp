@@ -22,10 +22,9 @@
 #include <string>
 #include <vector>
 
-#include "tools/bench/plant/bare_pair.hpp"
+#include "tools/bench/plant/bare.hpp"
 #include "tools/bench/plant/plant.hpp"
 #include "tools/bench/support/figures.hpp"
-#include "tools/bench/support/scraper.hpp"
 #include "tools/bench/support/stations.hpp"
 
 namespace fieldcast::bench {

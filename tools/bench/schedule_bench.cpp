@@ -28,8 +28,7 @@
 #include "tests/dispatch/virtual_wire.hpp"
 #include "tests/plan/maps.hpp"
 #include "tools/bench/support/engine_agreement.hpp"
-#include "tools/bench/support/sustained.hpp"
-#include "tools/progress/step_progress.hpp"
+#include "tools/progress/progress_line.hpp"
 
 namespace {
 

@@ -12,10 +12,10 @@
 #include <cstdlib>
 #include <thread>
 
-#include "tools/bench/plant/process.hpp"
+#include "tools/bench/plant/plant.hpp"
 #include "tools/bench/support/figures.hpp"
 #include "tools/bench/support/store_history.hpp"
-#include "tools/progress/step_progress.hpp"
+#include "tools/progress/progress_line.hpp"
 #include "tools/station/api/history.hpp"
 #include "tools/station/record/recorder.hpp"
 

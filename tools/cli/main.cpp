@@ -4,8 +4,8 @@
 #include <iostream>
 #include <string>
 
-#include "bridge/base/errno_text.hpp"
-#include "bridge/base/guarded_process.hpp"
+#include "bridge/base/file_descriptor.hpp"
+#include "bridge/base/secret.hpp"
 #include "bridge/write_faults.hpp"
 #include "tools/cli/arguments.hpp"
 #include "tools/cli/terminal/console.hpp"

@@ -70,4 +70,9 @@ using Progress = std::function<void(double done)>;
                                                             const ImportOptions& options,
                                                             const Progress& progress = {});
 
+// Validates options separately, so that their faults are not reported for a list. Pure.
+
+// "--baud: baud 115000 is no rate of serial ports; allowed: ..". Empty if the options are valid.
+[[nodiscard]] std::optional<std::string> fault_of_options(const ImportOptions& options);
+
 }  // namespace fieldcast::importing

@@ -4,8 +4,7 @@
 #include <cstdio>
 
 #include "bridge/base/command_line.hpp"
-#include "bridge/base/guarded_process.hpp"
-#include "bridge/base/secret_file.hpp"
+#include "bridge/base/secret.hpp"
 #include "bridge/write_faults.hpp"
 #include "config/sections/port.hpp"
 #include "core/base/duration_text.hpp"

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <iostream>
 
-#include "bridge/log/line_writer.hpp"
+#include "bridge/log/log_lines.hpp"
 #include "core/base/json.hpp"
 #include "core/base/message_text.hpp"
 

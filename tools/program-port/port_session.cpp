@@ -9,7 +9,7 @@
 
 #include "bridge/base/clock.hpp"
 #include "bridge/port/serial_line.hpp"
-#include "bridge/port/socket_stream.hpp"
+#include "bridge/port/stream.hpp"
 
 namespace fieldcast::port {
 namespace {

@@ -1,15 +1,36 @@
-// A progress line on standard error, only on a terminal, cleared by the destructor. Main thread,
-// one instance at a time; nothing fails.
+// Formats progress and remaining time. Pure functions.
 #pragma once
 
 #include <chrono>
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <iosfwd>
+#include <string>
+#include <string_view>
 
 #include "core/base/time.hpp"
-#include "tools/progress/progress_text.hpp"
 
 namespace fieldcast {
+
+// "simulating line" and "42 %, 65s left"; a narrow terminal truncates the first.
+struct ProgressText {
+  std::string what;
+  std::string how_far;
+};
+
+// `share`: finished share, 0 to 1. No estimate in the first tenth of a second.
+[[nodiscard]] ProgressText progress_text(std::string_view what, double share, Duration elapsed);
+
+// "120000 lines, 40000 each second", if the total is unknown.
+[[nodiscard]] ProgressText progress_count_text(std::string_view what, std::uint64_t count,
+                                               std::string_view unit, Duration elapsed);
+
+// "what: how far" in at most `columns`. Shortens `what` first, then truncates `how_far`.
+[[nodiscard]] std::string progress_line_text(const ProgressText& text, std::size_t columns);
+
+// A progress line on standard error, only on a terminal, cleared by the destructor. Main thread,
+// one instance at a time; nothing fails.
 
 class ProgressLine {
  public:
@@ -35,5 +56,22 @@ class ProgressLine {
 
 // Clears the line when a signal ends the process from another thread.
 void wipe_progress_at_end() noexcept;
+
+// Progress line with a known number of steps. Main thread, one instance at a time.
+
+class StepProgress {
+ public:
+  // The steps should have similar durations, because the estimate uses their count.
+  StepProgress(std::string what, std::size_t steps);
+
+  void step();
+  void clear() { line_.clear(); }  // call before printing
+
+ private:
+  std::string what_;
+  std::size_t steps_;
+  std::size_t done_ = 0;
+  ProgressLine line_;
+};
 
 }  // namespace fieldcast

@@ -12,7 +12,6 @@
 #include "core/base/json.hpp"
 #include "tools/sim/bus/fault_file.hpp"
 #include "tools/sim/plant_loop.hpp"
-#include "tools/sim/report.hpp"
 
 namespace {
 

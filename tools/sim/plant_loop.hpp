@@ -4,11 +4,13 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "bridge/base/file_descriptor.hpp"
 #include "tools/sim/bus/served_bus.hpp"
+#include "tools/sim/bus/sim_bus.hpp"
 
 namespace fieldcast::sim {
 
@@ -54,5 +56,14 @@ class PlantLoop : private Watcher {
   Instant armed_ = kNever;
   bool stopping_ = false, reported_ = true;
 };
+
+// Location of a bus as one JSON line without line end.
+[[nodiscard]] std::string location_line(const BusSpec& bus, const std::string& location);
+
+[[nodiscard]] std::string report_of(std::span<const std::unique_ptr<SimBus>> buses,
+                                    Duration running);
+
+// Replaces the file atomically. Returns false on failure; see errno.
+[[nodiscard]] bool write_report(const std::string& path, const std::string& report);
 
 }  // namespace fieldcast::sim

@@ -15,18 +15,17 @@
 
 #include "bridge/base/clock.hpp"
 #include "bridge/base/io_thread.hpp"
-#include "bridge/dds/transport/multicast.hpp"
+#include "bridge/dds/transport/network_check.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/store/store.hpp"
 #include "bridge/store/users/authenticator.hpp"
+#include "tools/station/api/administration.hpp"
 #include "tools/station/api/base/database.hpp"
-#include "tools/station/api/tokens.hpp"
 #include "tools/station/live/live_domain.hpp"
 #include "tools/station/record/recorder.hpp"
-#include "tools/station/routes.hpp"
-#include "tools/station/user_watch.hpp"
 #include "tools/station/web/http_server.hpp"
-#include "tools/station/web/static_files.hpp"
+#include "tools/station/web/site.hpp"
+#include "tools/station/wiring.hpp"
 
 namespace fieldcast::web {
 namespace {

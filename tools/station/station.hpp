@@ -8,7 +8,7 @@
 #include <string>
 #include <tl/expected.hpp>
 
-#include "bridge/service/standing_bus.hpp"
+#include "bridge/service/service.hpp"
 #include "tools/station/settings/configuration.hpp"
 
 namespace fieldcast::web {

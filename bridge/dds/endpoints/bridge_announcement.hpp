@@ -8,11 +8,14 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "bridge/dds/endpoints/dds_link.hpp"
-#include "bridge/dds/receivers/lost_instances.hpp"
-#include "bridge/dds/receivers/request_terms.hpp"
+#include "bridge/dds/receivers/request_receiver.hpp"
+#include "bridge/dds/receivers/taker.hpp"
 #include "bridge/dds/topics/conversion.hpp"
 #include "bridge/dds/transport/domain.hpp"
 
@@ -55,6 +58,56 @@ class BridgeAnnouncement : private dds::DataReaderListener {
   LostInstances<BridgeClaims> lost_{kMostLost};
   // last member: its callbacks use the members above as soon as it exists
   dds::DataReader* reader_;
+};
+
+// Publishes the catalogue of one bus: each channel on the keyed topic, and all channels in blocks.
+// The bridge owns the writer of blocks, which outlives this object. One caller at a time
+// (dds_link.hpp), except flush(), which any thread may call.
+//
+// Owns the writers of fieldcast/Channel, each with at most kChannelsPerCatalogueWriter channels.
+// When a reader is found, Fast DDS 2.9.1 copies, for each message in a writer's history, the list
+// of all earlier messages (ReaderProxy::add_change), and does not process discovery meanwhile. With
+// 64 000 channels in one writer, no new reader was served within 30 s.
+
+class BusCatalogue {
+ public:
+  BusCatalogue(Domain& domain, dds::DataWriter* blocks, const std::string& bridge,
+               const std::string& bus, std::uint64_t epoch);
+  ~BusCatalogue();
+  BusCatalogue(const BusCatalogue&) = delete;
+  BusCatalogue& operator=(const BusCatalogue&) = delete;
+
+  // Adds a channel; call it before publish(), in the order of the channel indices. Throws DdsError.
+  void add(const DeviceSpec& device, const ChannelSpec& channel, std::optional<Duration> refresh);
+  [[nodiscard]] bool publish();  // publishes all entries; returns false if they do not fit
+  // Adopts the epoch of an identical catalogue that another bridge has published. Call it before
+  // publish().
+  void go_on_with(std::uint64_t epoch);
+  [[nodiscard]] std::uint64_t epoch() const;
+  // The keyed entry is written immediately, its block with flush().
+  void set_refresh(ChannelIndex channel, std::optional<Duration> refresh);
+  void flush();
+  void dispose_blocks();
+  void dispose_channels();
+  // Waits at most `limit` until the readers of fieldcast/Channel have acknowledged everything.
+  void wait_for_readers(Duration limit);
+
+  [[nodiscard]] const std::vector<idl::Channel>& channels() const { return channels_; }
+
+ private:
+  [[nodiscard]] bool write_block(std::size_t first);  // REQUIRES: mutex_ held
+  [[nodiscard]] dds::DataWriter* writer_of(std::size_t channel) const;
+
+  Domain& domain_;
+  dds::DataWriter* const blocks_;
+  std::vector<dds::DataWriter*> writers_;  // of fieldcast/Channel
+  const std::string bridge_;
+  const std::string bus_;
+  mutable std::mutex mutex_;  // protects the members below
+  std::uint64_t epoch_;
+  std::vector<idl::Channel> channels_;  // by channel index, as published
+  std::set<std::size_t> changed_;       // first channel of each block that flush() has to write
+  idl::CatalogueBlock block_;
 };
 
 }  // namespace fieldcast

@@ -18,7 +18,7 @@
 #include <string_view>
 #include <vector>
 
-#include "bridge/dds/library/dds_error.hpp"
+#include "bridge/dds/library/library.hpp"
 #include "bridge/dds/topics/topic_values.hpp"
 #include "bridge/standby/bus_claims.hpp"
 #include "bridge/standby/standby_values.hpp"

@@ -1,7 +1,7 @@
 // Publishing of samples, results and reports.
 #include "bridge/dds/endpoints/dds_link.hpp"
 #include "bridge/dds/endpoints/dds_link_state.hpp"
-#include "bridge/dds/guard/shared_guard.hpp"
+#include "bridge/dds/guard/datagram_guard.hpp"
 
 namespace fieldcast {
 

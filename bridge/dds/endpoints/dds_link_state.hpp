@@ -14,11 +14,9 @@
 
 #include "bridge/dds/endpoints/block_writer.hpp"
 #include "bridge/dds/endpoints/bridge_announcement.hpp"
-#include "bridge/dds/endpoints/bus_catalogue.hpp"
 #include "bridge/dds/endpoints/dds_link.hpp"
 #include "bridge/dds/endpoints/result_sender.hpp"
 #include "bridge/dds/endpoints/sample_writers.hpp"
-#include "bridge/dds/endpoints/snapshot_sender.hpp"
 #include "bridge/dds/receivers/interest_receiver.hpp"
 #include "bridge/dds/receivers/request_receiver.hpp"
 

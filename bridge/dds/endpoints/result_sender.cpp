@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "bridge/dds/filter/unregister_message.hpp"
-#include "bridge/dds/topics/result_type.hpp"
+#include "bridge/dds/filter/sent_message.hpp"
+#include "bridge/dds/topics/sample_type.hpp"
 
 namespace fieldcast {
 

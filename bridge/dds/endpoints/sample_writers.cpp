@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include "bridge/base/check.hpp"
-#include "bridge/dds/filter/joined_sending.hpp"
+#include "bridge/dds/filter/sent_message.hpp"
 
 namespace fieldcast {
 

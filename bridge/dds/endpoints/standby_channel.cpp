@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "bridge/dds/topics/conversion.hpp"
-#include "bridge/dds/topics/conversion_standby.hpp"
 
 namespace fieldcast {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "bridge/dds/guard/participant_message.hpp"
+#include "bridge/dds/guard/parameter_list.hpp"
 #include "bridge/dds/guard/rtps_message.hpp"
 
 namespace fieldcast {

@@ -24,6 +24,7 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <span>
@@ -128,6 +129,28 @@ class DatagramGuard final : private RtpsEvents {
   Bytes* scratch_ = nullptr;
   Bytes before_;
   bool is_changed_ = false;
+};
+
+// The guard of one participant, shared by the threads on which its transports receive; and the
+// counters of all guards of this process.
+
+// How many datagrams all guards of this process refused since its start, by cause. Any thread.
+[[nodiscard]] RtpsFaultCounts refused_datagrams();
+
+class SharedGuard {
+ public:
+  explicit SharedGuard(const RtpsLimits& limits) : guard_(limits) {}
+
+  // As DatagramGuard::check(), with the time of the call; `scratch` belongs to the caller's thread.
+  // Counts refused datagrams, and logs the first one of a cause, the tenth, the hundredth and so
+  // on.
+  [[nodiscard]] DatagramGuard::Verdict check(std::span<const std::uint8_t> datagram,
+                                             const DatagramGuard::Address& from,
+                                             DatagramGuard::Bytes& scratch);
+
+ private:
+  std::mutex mutex_;
+  DatagramGuard guard_;
 };
 
 }  // namespace fieldcast

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <string_view>
 
-#include "bridge/dds/guard/cdr_walk.hpp"
 #include "bridge/dds/guard/rtps_cursor.hpp"
 
 namespace fieldcast {

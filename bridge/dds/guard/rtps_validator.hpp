@@ -13,8 +13,6 @@
 #include <span>
 
 #include "bridge/dds/guard/parameter_list.hpp"
-#include "bridge/dds/guard/participant_message.hpp"
-#include "bridge/dds/guard/rtps_fault.hpp"
 #include "bridge/dds/guard/rtps_message.hpp"
 
 namespace fieldcast {

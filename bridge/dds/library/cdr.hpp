@@ -17,7 +17,7 @@
 
 namespace fieldcast {
 
-inline constexpr std::size_t kEncapsulation = 4;
+inline constexpr std::size_t kEncapsulationBytes = 4;
 
 // Writes the content of a message after its encapsulation, in the byte order of this machine.
 // Throws NotEnoughMemoryException of Fast CDR.

@@ -1,6 +1,7 @@
 // Settings of Fast DDS for the whole process, made before the first participant is created.
 #pragma once
 
+#include <stdexcept>
 #include <string_view>
 
 namespace fieldcast {
@@ -21,5 +22,13 @@ void set_library_lines(LibraryLines lines);
 // Our messages about DDS Security use the same function, with this kind.
 inline constexpr std::string_view kSecurityLine = "security";
 void say_security(bool error, std::string_view text);
+
+// Thrown if DDS cannot be started or an entity cannot be created. It is the only exception of the
+// DDS folders; main catches it.
+
+class DdsError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 }  // namespace fieldcast

@@ -11,7 +11,7 @@
 #include <functional>
 #include <map>
 
-#include "bridge/dds/receivers/lost_instances.hpp"
+#include "bridge/dds/receivers/taker.hpp"
 #include "bridge/dds/topics/conversion.hpp"
 #include "bridge/dds/transport/domain.hpp"
 

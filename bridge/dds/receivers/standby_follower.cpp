@@ -4,7 +4,7 @@
 
 #include "bridge/dds/topics/block.hpp"
 #include "bridge/dds/topics/conversion.hpp"
-#include "bridge/dds/topics/result_type.hpp"
+#include "bridge/dds/topics/sample_type.hpp"
 
 namespace fieldcast {
 

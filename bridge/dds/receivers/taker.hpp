@@ -2,10 +2,13 @@
 // threads of the library.
 #pragma once
 
+#include <deque>
 #include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/subscriber/DataReaderListener.hpp>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <functional>
+#include <map>
+#include <utility>
 
 #include "bridge/dds/library/fastdds.hpp"
 
@@ -26,6 +29,60 @@ class Taker : public dds::DataReaderListener {
     }
   }
   const Take take_;
+};
+
+// Samples of writers that were lost. Fast DDS 2.9.1 delivers each message of a writer once. If a
+// writer is lost for longer than its participant's lease and returns, the library requests only
+// messages written since (RTPSReader::remove_persistence_guid keeps the number of the last
+// message). A reader stores the instances of a lost writer here and restores them when the writer
+// returns.
+//
+// A writer that has ended never returns, so the entries of the writers lost first are dropped when
+// the limit is reached. Not thread-safe.
+
+template <class Kept>
+class LostInstances {
+ public:
+  using Handle = dds::InstanceHandle_t;
+
+  // `most` bounds the instances of all writers together.
+  explicit LostInstances(std::size_t most) : most_(most) {}
+
+  void keep(const Handle& writer, const Handle& instance, Kept kept) {
+    const auto [of, is_new] = writers_.try_emplace(writer);
+    if (is_new) order_.push_back(writer);
+    size_ += of->second.insert_or_assign(instance, std::move(kept)).second;
+    while (size_ > most_) drop(order_.front());
+  }
+  // Removes and returns the instances of a writer.
+  [[nodiscard]] std::map<Handle, Kept> take(const Handle& writer) {
+    const auto of = writers_.find(writer);
+    if (of == writers_.end()) return {};
+    auto kept = std::move(of->second);
+    size_ -= kept.size();
+    of->second.clear();
+    drop(writer);
+    return kept;
+  }
+  // Call it when the library delivers a later message of this instance, or its end.
+  void forget(const Handle& writer, const Handle& instance) {
+    const auto of = writers_.find(writer);
+    if (of != writers_.end()) size_ -= of->second.erase(instance);
+  }
+  [[nodiscard]] std::size_t size() const { return size_; }
+
+ private:
+  void drop(const Handle writer) {  // a copy: the argument may be an element of order_
+    const auto of = writers_.find(writer);
+    size_ -= of->second.size();
+    writers_.erase(of);
+    std::erase(order_, writer);
+  }
+
+  const std::size_t most_;
+  std::size_t size_ = 0;
+  std::map<Handle, std::map<Handle, Kept>> writers_;
+  std::deque<Handle> order_;  // of writers_: the writer lost first is at the front
 };
 
 }  // namespace fieldcast

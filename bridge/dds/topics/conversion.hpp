@@ -14,6 +14,7 @@
 #include "bridge/dds/topics/conversion_enums.hpp"
 #include "bridge/dds/topics/topic_values.hpp"
 #include "bridge/standby/bus_claims.hpp"
+#include "bridge/standby/standby_values.hpp"
 #include "core/alarm/alarm_monitor.hpp"
 #include "core/base/time.hpp"
 #include "core/model/bus_spec.hpp"
@@ -117,5 +118,20 @@ void to_idl(const BridgeClaims& claims, idl::Bridge& out);
 
 // The first `limit` bytes of a UTF-8 text, fewer if that would cut a character; ends before a NUL.
 [[nodiscard]] std::string cut_text(std::string_view text, std::size_t limit);
+
+// Converts the messages of a standby group to DDS and back. Pure functions; any thread. Texts are
+// cut at their bounds.
+
+namespace idl = ::fieldcast_idl;
+
+void to_idl(const StandbyMessage& message, idl::Standby& out);
+// Returns `std::nullopt` for an unknown role.
+[[nodiscard]] std::optional<StandbyMessage> from_idl(const idl::Standby& message);
+
+void to_idl(const StandbyNote& note, idl::StandbyNote& out);
+[[nodiscard]] StandbyNote from_idl(const idl::StandbyNote& note);
+
+void to_idl(const StandbyRequest& request, idl::StandbyRequest& out);
+[[nodiscard]] StandbyRequest from_idl(const idl::StandbyRequest& request);
 
 }  // namespace fieldcast

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "bridge/dds/guard/rtps_fault.hpp"
+#include "bridge/dds/guard/rtps_message.hpp"
 #include "bridge/dds/topics/conversion.hpp"
 
 namespace fieldcast {

@@ -67,7 +67,7 @@ ReceivedSampleType::Handle ReceivedSampleType::handle_of(const Payload& payload)
   const auto hash = [&] { return hash_of(bus, device, channel); };
   if (!in.is_native()) return hash();
   const std::string_view whole(reinterpret_cast<const char*>(payload.data), in.size());
-  return cache_.handle_of(whole.substr(kEncapsulation), hash);
+  return cache_.handle_of(whole.substr(kEncapsulationBytes), hash);
 }
 
 ReceivedSampleType::Handle ReceivedSampleType::hash_of(std::string_view bus,

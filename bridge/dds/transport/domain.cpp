@@ -5,16 +5,15 @@
 #include <memory>
 #include <utility>
 
-#include "bridge/dds/library/dds_error.hpp"
 #include "bridge/dds/library/fastdds.hpp"
 #include "bridge/dds/library/library.hpp"
-#include "bridge/dds/transport/discovery_server.hpp"
 #include "bridge/dds/transport/guard_transport.hpp"
-#include "bridge/dds/transport/receive_buffer.hpp"
-#include "bridge/security/documents.hpp"
+#include "bridge/dds/transport/join_check.hpp"
+#include "bridge/dds/transport/network_check.hpp"
 #include "bridge/security/file_access.hpp"
 #include "bridge/security/member_folder.hpp"
 #include "bridge/security/pki.hpp"
+#include "bridge/security/subject.hpp"
 
 namespace fieldcast {
 

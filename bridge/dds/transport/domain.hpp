@@ -20,8 +20,7 @@
 #include "bridge/dds/topics/topic_type.hpp"
 #include "bridge/dds/topics/topics.hpp"
 #include "bridge/dds/transport/member_watch.hpp"
-#include "bridge/dds/transport/server_watch.hpp"
-#include "bridge/security/topic_rights.hpp"
+#include "bridge/security/member_folder.hpp"
 #include "core/model/dds_spec.hpp"
 
 namespace fieldcast {

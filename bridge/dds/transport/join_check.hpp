@@ -2,6 +2,8 @@
 // that Fast DDS cannot handle. Used by --check, the start and a reload. Any thread.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,5 +27,33 @@ struct JoinCheck {
 // bridge of its name, because other bridges ignore its claims on buses otherwise
 // (bridge_announcement.hpp). All other programs need an identity of another role.
 [[nodiscard]] JoinCheck check_joining(const DdsSpec& spec, const std::string& bridge, UtcTime now);
+
+// Parses discovery servers, "host:port", and detects addresses that make Fast DDS abort. Any
+// thread.
+
+struct ServerAddress {
+  std::string name;
+  std::string address;  // IPv4
+  std::uint16_t port = 0;
+};
+
+// Resolves the name with the system resolver, and may wait for it. Throws DdsError if the text is
+// not host:port or no address is found.
+[[nodiscard]] ServerAddress server_address(const std::string& text);
+
+// The IPv4 addresses of this machine's interfaces; `std::nullopt` if they cannot be read.
+[[nodiscard]] std::optional<std::vector<std::string>> own_addresses();
+
+// Returns a message with the remedy for the first server whose address belongs to this machine but
+// is not in `interfaces`. Fast DDS 2.9.1 aborts with such a server: it expects a sender for the
+// address and asserts that it has one (OutputTrafficManager::set_statistics_submessage). All
+// loopback addresses are always allowed. Pure.
+[[nodiscard]] std::optional<std::string> server_fault(const std::vector<ServerAddress>& servers,
+                                                      const std::vector<std::string>& own,
+                                                      const std::vector<std::string>& interfaces);
+
+// Applies the check to a configuration on this machine now. Skips names without an address, because
+// joining reports them. Transports of a user's profile are not checked.
+[[nodiscard]] std::optional<std::string> server_fault(const DdsSpec& spec);
 
 }  // namespace fieldcast

@@ -9,6 +9,7 @@
 #include "bridge/security/pki.hpp"
 
 namespace fieldcast {
+
 namespace {
 
 // Empty if the file cannot be read.

@@ -7,6 +7,7 @@
 // signed is ignored and reported.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -14,9 +15,14 @@
 #include <mutex>
 #include <set>
 #include <string>
+#include <string_view>
 #include <thread>
+#include <vector>
 
 #include "bridge/dds/filter/incoming_filter.hpp"
+#include "bridge/dds/library/fastdds.hpp"
+#include "bridge/dds/topics/topics.hpp"
+#include "bridge/dds/transport/server_restarts.hpp"
 
 namespace fieldcast {
 
@@ -51,6 +57,83 @@ class MemberWatch {
   std::condition_variable changed_;
   bool ends_ = false;
   std::thread thread_;  // last member: it uses the members above
+};
+
+// Tracks which configured discovery servers respond: without one, no participant is found, and Fast
+// DDS does not report that. Also tracks bridges that were found but have shown no writer, because
+// DDS Security may still authenticate them. Forwards all discovery to another listener of the
+// participant, and reports servers to ServerRestarts. Called by threads of the library; missing()
+// and unknown_bridges() on any thread.
+
+// Prefix of a bridge's participant name, before the name of the bridge.
+inline constexpr std::string_view kBridgeParticipant = "fieldcast-bridge ";
+
+class ServerWatch : public DiscoveryListener {
+ public:
+  static constexpr std::size_t kMostBridges = 4096;  // further bridges are not tracked
+
+  // `servers` as in DdsSpec. `other` must outlive this object; may be null.
+  ServerWatch(std::vector<std::string> servers, DiscoveryListener* other)
+      : servers_(std::move(servers)),
+        here_(servers_.size()),
+        restarts_(servers_.empty() ? nullptr : std::make_shared<ServerRestarts>()),
+        other_(other) {}
+
+  // Used by the transport for received messages; null without servers.
+  [[nodiscard]] const std::shared_ptr<ServerRestarts>& restarts() const { return restarts_; }
+
+  // Servers that were never found, or were removed after their lease.
+  [[nodiscard]] std::vector<std::string> missing() const {
+    const std::lock_guard lock(mutex_);
+    std::vector<std::string> missing;
+    for (std::size_t i = 0; i < servers_.size(); ++i) {
+      if (!here_[i]) missing.push_back(servers_[i]);
+    }
+    return missing;
+  }
+
+  [[nodiscard]] std::size_t unknown_bridges() const {
+    const std::lock_guard lock(mutex_);
+    return unknown_.size();
+  }
+
+ private:
+  void on_writer(const FoundWriter& writer) override {
+    {
+      const std::lock_guard lock(mutex_);
+      if (writer.topic == kBridgeTopic.name) unknown_.erase(writer.guid.guidPrefix);
+    }
+    if (other_ != nullptr) other_->on_writer(writer);
+  }
+  void on_participant(const FoundParticipant& participant) override {
+    if (const auto identity = server_identity(participant.prefix);
+        identity && *identity < servers_.size()) {
+      restarts_->on_server(*identity, !participant.gone);
+      const std::lock_guard lock(mutex_);
+      here_[*identity] = !participant.gone;
+    } else if (restarts_ && !identity) {
+      ParticipantPrefix prefix{};
+      std::ranges::copy(participant.prefix.value, prefix.begin());
+      restarts_->on_other(prefix, !participant.gone);
+    }
+    if (participant.name.starts_with(kBridgeParticipant)) {
+      const std::lock_guard lock(mutex_);
+      if (participant.gone) {
+        unknown_.erase(participant.prefix);
+        known_.erase(participant.prefix);
+      } else if (known_.size() < kMostBridges && known_.insert(participant.prefix).second) {
+        unknown_.insert(participant.prefix);
+      }
+    }
+    if (other_ != nullptr) other_->on_participant(participant);
+  }
+
+  const std::vector<std::string> servers_;
+  mutable std::mutex mutex_;
+  std::vector<bool> here_;
+  std::set<rtps::GuidPrefix_t> known_, unknown_;  // bridges that are there; of them the unknown
+  const std::shared_ptr<ServerRestarts> restarts_;
+  DiscoveryListener* const other_;
 };
 
 }  // namespace fieldcast

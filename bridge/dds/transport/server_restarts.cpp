@@ -4,7 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include "bridge/dds/guard/participant_message.hpp"
+#include "bridge/dds/guard/parameter_list.hpp"
 #include "bridge/dds/guard/rtps_message.hpp"
 #include "bridge/dds/library/fastdds.hpp"
 

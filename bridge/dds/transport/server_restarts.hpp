@@ -38,7 +38,7 @@
 #include <span>
 #include <vector>
 
-#include "bridge/dds/guard/participant_message.hpp"
+#include "bridge/dds/guard/parameter_list.hpp"
 #include "core/base/time.hpp"
 
 namespace fieldcast {

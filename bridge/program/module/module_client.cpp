@@ -5,8 +5,8 @@
 #include <boost/asio/connect.hpp>
 #include <boost/asio/post.hpp>
 
-#include "bridge/port/socket_stream.hpp"
-#include "bridge/program/module/module_secrets.hpp"
+#include "bridge/port/stream.hpp"
+#include "bridge/program/module/module_gate.hpp"
 #include "core/base/message_text.hpp"
 #include "core/program/frame.hpp"
 

@@ -1,21 +1,51 @@
-// Checks that a module proves the number it sends: its source address, a certificate, a secret.
-// Built from the configuration; runs on the server's io thread.
+// The secrets of modules, and the proof that a module has one: the bridge sends a new random
+// challenge, and the module responds with the HMAC-SHA-256 of the challenge and its number. The
+// secret itself is never sent. Any thread, one at a time.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "bridge/base/file_stamp.hpp"
+#include "bridge/base/file_descriptor.hpp"
+#include "bridge/base/secret.hpp"
 #include "bridge/net/tls.hpp"
-#include "bridge/program/module/module_secrets.hpp"
 #include "core/access/network.hpp"
 #include "core/model/program_spec.hpp"
 #include "core/program/registration.hpp"
 
 namespace fieldcast::program {
+
+class ModuleSecrets {
+ public:
+  // bytes: an eavesdropper could try all shorter ones
+  static constexpr std::size_t kMinSecret = 16;
+
+  // Reads a text file: each line has a number and its secret, or '*' and the secret of all numbers
+  // without their own line; '#' begins a comment. The error is one line and contains no word of the
+  // file.
+  [[nodiscard]] static tl::expected<ModuleSecrets, std::string> read(const std::string& path);
+
+  // Also returns false for a number without a secret. Its duration does not depend on the response.
+  [[nodiscard]] bool fits(std::string_view number, std::string_view challenge,
+                          std::string_view answer) const;
+
+ private:
+  std::map<std::string, Secret, std::less<>> secrets_;
+};
+
+// 64 random hexadecimal digits.
+[[nodiscard]] std::string new_challenge();
+// The response of a module: 64 hexadecimal digits.
+[[nodiscard]] std::string answer_to(std::string_view challenge, std::string_view number,
+                                    const Secret& secret);
+
+// Checks that a module proves the number it sends: its source address, a certificate, a secret.
+// Built from the configuration; runs on the server's io thread.
 
 class ModuleGate {
  public:

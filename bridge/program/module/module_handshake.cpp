@@ -5,7 +5,7 @@
 #include <boost/asio/io_context.hpp>
 
 #include "bridge/base/clock.hpp"
-#include "bridge/port/socket_stream.hpp"
+#include "bridge/port/stream.hpp"
 #include "core/program/frame.hpp"
 
 namespace fieldcast::program {

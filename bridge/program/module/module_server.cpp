@@ -8,7 +8,7 @@
 
 #include "bridge/base/clock.hpp"
 #include "bridge/log/log.hpp"
-#include "bridge/port/socket_stream.hpp"
+#include "bridge/port/stream.hpp"
 #include "bridge/program/module/module_handshake.hpp"
 
 namespace fieldcast::program {

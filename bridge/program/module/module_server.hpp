@@ -11,13 +11,12 @@
 #include <tl/expected.hpp>
 #include <unordered_set>
 
-#include "bridge/log/repeat_filter.hpp"
-#include "bridge/net/listener.hpp"
+#include "bridge/log/log_lines.hpp"
+#include "bridge/net/byte_stream.hpp"
 #include "bridge/port/dial_in_registry.hpp"
 #include "bridge/program/module/hooks.hpp"
 #include "bridge/program/module/module_gate.hpp"
-#include "bridge/program/module/silent_connections.hpp"
-#include "bridge/program/module/tls_pipe.hpp"
+#include "bridge/program/module/relay_end.hpp"
 #include "core/model/program_spec.hpp"
 
 namespace fieldcast::program {

@@ -2,10 +2,14 @@
 // many wait to be sent. Runs on one io thread.
 #pragma once
 
+#include <boost/asio/steady_timer.hpp>
+#include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 
+#include "bridge/base/file_descriptor.hpp"
 #include "bridge/net/byte_stream.hpp"
 #include "core/base/bytes.hpp"
 #include "core/base/time.hpp"
@@ -66,6 +70,70 @@ class RelayEnd : public std::enable_shared_from_this<RelayEnd> {
   std::int64_t taken_ = 0;  // by the kernel, in total
   std::int64_t left_ = 0;   // of these, at the last call of drained()
   bool reading_ = false, paused_ = false, crowded_ = false, closed_ = false;
+};
+
+// Relays the bytes of a TLS connection to a plain socket, for a bus, which has no TLS. Both ends
+// close together. Runs on one io thread.
+
+class TlsPipe : public std::enable_shared_from_this<TlsPipe> {
+ public:
+  // `socket` is the descriptor below the TLS stream, which owns it.
+  TlsPipe(boost::asio::io_context& io, std::unique_ptr<ByteStream> tls, int socket);
+
+  // Returns the plain end, invalid if no descriptors are left. `over` is called once, unless
+  // close() is called earlier.
+  [[nodiscard]] FileDescriptor start(std::function<void()> over);
+  // Closes immediately; bytes in flight are lost.
+  void close();
+
+ private:
+  void relay(std::unique_ptr<ByteStream> plain);
+  void watch();
+  void gone(RelayEnd& other);
+  void finish();
+
+  boost::asio::io_context& io_;
+  const int socket_;
+  std::shared_ptr<RelayEnd> tls_, plain_;
+  boost::asio::steady_timer timer_;
+  std::function<void()> over_;
+  bool ending_ = false;
+};
+
+// Connections whose peers have not authenticated yet. Their number is bounded, for each address and
+// in total; a further one cuts the oldest. So an address that opens many connections and sends
+// nothing loses its own first, and authenticated connections are never cut. Pure; one owner, one
+// thread.
+
+class SilentConnections {
+ public:
+  using Id = std::uint64_t;
+  using Cut = std::function<void()>;  // ends the connection; called at most once, after its removal
+
+  SilentConnections(std::size_t most, std::size_t most_of_one)
+      : most_(most), most_of_one_(most_of_one) {}
+
+  // Adds a connection of this host (without port). Cuts an older one if a limit is reached.
+  [[nodiscard]] Id add(const std::string& host, Cut cut);
+  // Removes a connection that has authenticated or ended. Returns false if it was cut.
+  bool remove(Id id);
+  // Cuts the oldest connection of the hosts with the most. Returns false if there is none.
+  bool cut_one();
+
+  [[nodiscard]] std::size_t size() const { return all_.size(); }
+
+ private:
+  struct Connection {
+    std::string host;
+    Cut cut;
+  };
+  void cut_oldest_of(const std::string& host);
+  void cut(std::map<Id, Connection>::iterator which);
+
+  const std::size_t most_, most_of_one_;
+  std::map<Id, Connection> all_;           // the oldest first
+  std::map<std::string, std::size_t> of_;  // number of connections by host
+  Id last_ = 0;
 };
 
 }  // namespace fieldcast::program

@@ -70,4 +70,26 @@ struct AlarmLogEntry {
   friend bool operator==(const AlarmLogEntry&, const AlarmLogEntry&) = default;
 };
 
+// Receives the begin and end of alarms, and actions of users on alarms.
+
+class AlarmSink {
+ public:
+  virtual ~AlarmSink() = default;
+  // Any thread; never blocks, never fails.
+  virtual void put(AlarmRecord alarm) = 0;
+  virtual void put(KeptAlarm alarm) = 0;
+  virtual void put(KeptMaintenance maintenance) = 0;
+  virtual void put(AlarmEvent event) = 0;
+};
+
+// Records every transmission, command and login.
+
+class Audit {
+ public:
+  virtual ~Audit() = default;
+  // Any thread; never blocks, never fails. If the queue is full, the complete entry is written to
+  // the log instead. An entry without a time (at == 0) gets the present one.
+  virtual void append(AuditEntry entry) = 0;
+};
+
 }  // namespace fieldcast

@@ -1,6 +1,4 @@
-// One connection to a database, SQLite or PostgreSQL, with the common part of SQL: parameters $1,
-// $2, .. in the order of their first appearance, `on conflict`, `returning`. One owner, one thread
-// at a time.
+// Location of a store: a SQLite file, or a PostgreSQL server given by its connection string.
 #pragma once
 
 #include <chrono>
@@ -14,9 +12,29 @@
 #include <variant>
 #include <vector>
 
-#include "bridge/store/sql/store_address.hpp"
-
 namespace fieldcast {
+
+class StoreAddress {
+ public:
+  StoreAddress() = default;
+  // "postgresql://.." or "postgres://.." is a server, anything else a file.
+  explicit StoreAddress(std::string text) : text_(std::move(text)) {}
+
+  [[nodiscard]] bool is_server() const;
+  // Contains the password; never log it.
+  [[nodiscard]] const std::string& text() const { return text_; }
+  // For logs: passwords are shown as ***.
+  [[nodiscard]] std::string masked() const;
+  // True if the password contains '/' or '@' unescaped: libpq would show a part of it as the host.
+  [[nodiscard]] bool is_ambiguous() const;
+
+ private:
+  std::string text_;
+};
+
+// One connection to a database, SQLite or PostgreSQL, with the common part of SQL: parameters $1,
+// $2, .. in the order of their first appearance, `on conflict`, `returning`. One owner, one thread
+// at a time.
 
 // Base of all exceptions of this folder: error of the database and place, without secrets.
 class StoreError : public std::runtime_error {

@@ -10,7 +10,7 @@
 #include <map>
 #include <mutex>
 
-#include "bridge/base/errno_text.hpp"
+#include "bridge/base/file_descriptor.hpp"
 #include "bridge/store/sql/sql.hpp"
 
 namespace fieldcast {

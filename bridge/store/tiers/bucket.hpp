@@ -2,12 +2,17 @@
 // Pure values and functions: no database, no clock; any thread. Cannot fail.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string_view>
+#include <unordered_map>
 
 #include "core/base/cause.hpp"
 #include "core/base/time.hpp"
 #include "core/base/value.hpp"
+#include "core/model/store_spec.hpp"
 
 namespace fieldcast {
 
@@ -40,5 +45,68 @@ struct Bucket {
 
   friend bool operator==(const Bucket&, const Bucket&) = default;
 };
+
+// Remembers which buckets of one tier were noted as open, so that the store notes each bucket once
+// and not for every sample. A bucket that is no longer remembered is noted again, which only costs
+// time. Pure; one owner, on the writer's thread.
+
+class OpenBuckets {
+ public:
+  explicit OpenBuckets(Duration width) : width_(width) {}
+
+  // A sample of the channel was published at `at`. Returns its bucket if it must be noted now.
+  [[nodiscard]] std::optional<UtcTime> touch(std::int64_t channel, UtcTime at) {
+    const UtcTime start = bucket_start(at, width_);
+    const auto [known, added] = newest_.try_emplace(channel, start);
+    if (!added && known->second == start) return std::nullopt;
+    known->second = start;
+    return start;
+  }
+  // The bucket was written; a late sample notes it again.
+  void close(std::int64_t channel, UtcTime start) {
+    const auto known = newest_.find(channel);
+    if (known != newest_.end() && known->second == start) newest_.erase(known);
+  }
+  void clear() { newest_.clear(); }
+
+ private:
+  const Duration width_;
+  // Last bucket by channel; one entry for each channel of the store.
+  std::unordered_map<std::int64_t, UtcTime> newest_;
+};
+
+// Tiers of the store: samples, then one row per bucket in each tier, from the finest to the
+// coarsest. Each tier is made from the one before it, the first from the samples. Pure: any thread,
+// cannot fail.
+
+struct Tier {
+  std::string_view name;
+  std::string_view every;
+  Duration width;
+  Duration StoreSpec::*keep;  // how long its buckets are kept; 0: forever
+
+  // The column `width` of the table `tiers`.
+  [[nodiscard]] constexpr std::int64_t seconds() const {
+    return std::chrono::duration_cast<std::chrono::seconds>(width).count();
+  }
+};
+
+inline constexpr std::array<Tier, 2> kTiers{{
+    {"minute", "1min", std::chrono::minutes{1}, &StoreSpec::keep_minutes},
+    {"hour", "1h", std::chrono::hours{1}, &StoreSpec::keep_hours},
+}};
+
+// Delay between the end of a bucket and its closing; samples that wait in queues are then not late.
+inline constexpr Duration kTierGrace = std::chrono::seconds{5};
+
+// Buckets of this width that begin before the returned time are closed at `now`.
+[[nodiscard]] UtcTime closed_before(UtcTime now, Duration width);
+
+// The coarsest tier whose buckets combine to buckets of `every`; `std::nullopt`: only samples.
+[[nodiscard]] std::optional<std::size_t> tier_for(Duration every);
+
+// Returns the shortest round width that divides a span into at most `points` buckets: whole hours,
+// minutes, seconds, or milliseconds. REQUIRES: span > 0, points > 0.
+[[nodiscard]] Duration width_for(Duration span, std::uint32_t points);
 
 }  // namespace fieldcast

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "bridge/store/tiers/open_buckets.hpp"
+#include "bridge/store/tiers/bucket.hpp"
 #include "bridge/store/tiers/sample_table.hpp"
 #include "bridge/store/tiers/tier_table.hpp"
 

@@ -1,14 +1,101 @@
 #include "bridge/store/users/user_table.hpp"
 
 #include <fmt/format.h>
+#include <sodium.h>
 
 #include <algorithm>
+#include <array>
 
-#include "bridge/store/users/password.hpp"
-#include "bridge/store/users/users.hpp"
+#include "bridge/base/check.hpp"
+#include "bridge/store/users/authenticator.hpp"
 #include "core/base/message_text.hpp"
 
 namespace fieldcast {
+
+namespace {
+
+constexpr std::string_view kTokenPrefix = "fct_";  // recognizable for users and secret scanners
+constexpr std::size_t kTokenBytes = 32;
+constexpr int kEncoding = sodium_base64_VARIANT_URLSAFE_NO_PADDING;
+constexpr std::size_t kTokenLetters = 43;  // for 32 bytes
+
+void begin_sodium() {
+  static const int started = sodium_init();  // may be called repeatedly, from any thread
+  FIELDCAST_CHECK(started >= 0);
+}
+
+std::string hash_of_token(const std::string& secret) {
+  begin_sodium();
+  std::array<unsigned char, kTokenBytes> hash{};
+  crypto_generichash(hash.data(), hash.size(),
+                     reinterpret_cast<const unsigned char*>(secret.data()), secret.size(), nullptr,
+                     0);
+  std::array<char, 2 * kTokenBytes + 1> text{};
+  return sodium_bin2hex(text.data(), text.size(), hash.data(), hash.size());
+}
+
+bool in_base64(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+         c == '_';
+}
+
+Token token_of(const SqlRow& row) {
+  return {text_at(row, 0), UtcTime{integer_at(row, 1)}, UtcTime{integer_at(row, 2)}};
+}
+
+}  // namespace
+
+std::string make_token() {
+  begin_sodium();
+  std::array<unsigned char, kTokenBytes> random{};
+  randombytes_buf(random.data(), random.size());
+  std::array<char, kTokenLetters + 1> text{};
+  sodium_bin2base64(text.data(), text.size(), random.data(), random.size(), kEncoding);
+  std::string token(kTokenPrefix);
+  token += text.data();
+  sodium_memzero(random.data(), random.size());
+  sodium_memzero(text.data(), text.size());
+  return token;
+}
+
+bool looks_like_token(std::string_view text) {
+  return text.size() == kTokenPrefix.size() + kTokenLetters && text.starts_with(kTokenPrefix) &&
+         std::all_of(text.begin() + kTokenPrefix.size(), text.end(), in_base64);
+}
+
+bool TokenTable::add(const Token& token, const std::string& secret) {
+  return connection_.execute(
+             "insert into tokens (name, hash, created_at, ends_at) select cast($1 as text), "
+             "cast($2 as text), cast($3 as bigint), cast($4 as bigint) where "
+             "(select count(*) from tokens) < $5 on conflict do nothing",
+             SqlRow{token.name, hash_of_token(secret), token.created_at.nanoseconds,
+                    token.ends_at.nanoseconds, static_cast<std::int64_t>(kMaxTokens)}) == 1;
+}
+
+bool TokenTable::remove(const std::string& name) {
+  return connection_.execute("delete from tokens where name = $1", SqlRow{name}) == 1;
+}
+
+std::vector<Token> TokenTable::list() {
+  std::vector<Token> tokens;
+  connection_.query("select name, created_at, ends_at from tokens order by name", {},
+                    [&](const SqlRow& row) {
+                      tokens.push_back(token_of(row));
+                      return true;
+                    });
+  return tokens;
+}
+
+std::optional<Token> TokenTable::find(const std::string& secret, UtcTime now) {
+  std::optional<Token> found;
+  connection_.query("select name, created_at, ends_at from tokens where hash = $1 and ends_at > $2",
+                    {hash_of_token(secret), now.nanoseconds}, [&](const SqlRow& row) {
+                      found = token_of(row);
+                      return false;
+                    });
+  return found;
+}
+
 namespace {
 
 // For unknown users, the password is verified against this hash, which costs as much as a real one.

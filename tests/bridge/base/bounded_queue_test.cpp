@@ -1,5 +1,3 @@
-#include "bridge/base/bounded_queue.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -11,9 +11,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include "bridge/base/guarded_process.hpp"
-#include "bridge/base/secret_file.hpp"
-
 namespace fieldcast {
 namespace {
 

@@ -1,5 +1,3 @@
-#include "bridge/capture/capture_check.hpp"
-
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 #include <unistd.h>

@@ -1,10 +1,9 @@
 // Tests which discovery server addresses are rejected. e2e_sites.py uses a real server.
-#include "bridge/dds/transport/discovery_server.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "bridge/dds/library/dds_error.hpp"
+#include "bridge/dds/library/library.hpp"
+#include "bridge/dds/transport/join_check.hpp"
 
 namespace fieldcast {
 namespace {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "bridge/dds/receivers/request_terms.hpp"
+#include "bridge/dds/receivers/request_receiver.hpp"
 
 namespace fieldcast {
 namespace {

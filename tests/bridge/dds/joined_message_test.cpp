@@ -1,10 +1,10 @@
 // Tests that RTPS messages are joined into one, byte by byte (RTPS 2.2, 8.3.4, 9.4).
-#include "bridge/dds/filter/joined_message.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <vector>
+
+#include "bridge/dds/filter/sent_message.hpp"
 
 namespace fieldcast {
 namespace {

@@ -1,8 +1,8 @@
-#include "bridge/dds/receivers/lost_instances.hpp"
-
 #include <gtest/gtest.h>
 
 #include <string>
+
+#include "bridge/dds/receivers/taker.hpp"
 
 namespace fieldcast {
 namespace {

@@ -1,7 +1,7 @@
 // Tests the messages if multicast discovery fails. e2e_machine.py uses a real machine.
-#include "bridge/dds/transport/multicast.hpp"
-
 #include <gtest/gtest.h>
+
+#include "bridge/dds/transport/network_check.hpp"
 
 namespace fieldcast {
 namespace {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "bridge/dds/guard/shared_guard.hpp"
+#include "bridge/dds/guard/datagram_guard.hpp"
 
 namespace fieldcast {
 namespace {

@@ -1,8 +1,8 @@
-#include "bridge/dds/transport/participant_number.hpp"
-
 #include <gtest/gtest.h>
 
 #include <random>
+
+#include "bridge/dds/transport/guard_transport.hpp"
 
 namespace fieldcast {
 namespace {

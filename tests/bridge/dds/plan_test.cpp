@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "bridge/dds/topics/conversion.hpp"
-#include "bridge/station/plan_parts.hpp"
+#include "bridge/station/bus_table.hpp"
 
 namespace fieldcast {
 namespace {

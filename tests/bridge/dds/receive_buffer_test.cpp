@@ -1,9 +1,9 @@
-#include "bridge/dds/transport/receive_buffer.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
+
+#include "bridge/dds/transport/network_check.hpp"
 
 namespace fieldcast {
 namespace {

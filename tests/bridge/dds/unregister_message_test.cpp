@@ -1,9 +1,9 @@
 // Tests the notes of unregistered instances byte by byte (RTPS 2.2, 9.4.5.3, 9.6.3).
-#include "bridge/dds/filter/unregister_message.hpp"
-
 #include <gtest/gtest.h>
 
 #include <vector>
+
+#include "bridge/dds/filter/sent_message.hpp"
 
 namespace fieldcast {
 namespace {

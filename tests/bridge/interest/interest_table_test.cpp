@@ -1,6 +1,6 @@
-#include "bridge/interest/interest_table.hpp"
-
 #include <gtest/gtest.h>
+
+#include "bridge/interest/interest_registry.hpp"
 
 namespace fieldcast {
 namespace {

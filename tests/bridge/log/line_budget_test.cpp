@@ -1,6 +1,6 @@
-#include "bridge/log/line_budget.hpp"
-
 #include <gtest/gtest.h>
+
+#include "bridge/log/log_lines.hpp"
 
 namespace fieldcast {
 namespace {

@@ -1,5 +1,3 @@
-#include "bridge/log/line_writer.hpp"
-
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -11,6 +9,7 @@
 #include <sstream>
 
 #include "bridge/base/file_descriptor.hpp"
+#include "bridge/log/log_lines.hpp"
 
 namespace fieldcast {
 namespace {

@@ -6,7 +6,7 @@
 #include <set>
 #include <sstream>
 
-#include "bridge/metrics/metrics_table.hpp"
+#include "bridge/metrics/metrics_snapshot.hpp"
 
 namespace fieldcast {
 namespace {

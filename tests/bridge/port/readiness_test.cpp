@@ -1,5 +1,3 @@
-#include "bridge/port/readiness.hpp"
-
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 
@@ -7,6 +5,7 @@
 #include <chrono>
 
 #include "bridge/base/file_descriptor.hpp"
+#include "bridge/port/device_watch.hpp"
 
 namespace fieldcast {
 namespace {

@@ -11,7 +11,6 @@
 #include <filesystem>
 
 #include "bridge/base/clock.hpp"
-#include "bridge/port/port_lock.hpp"
 #include "bridge/port/serial_line.hpp"
 #include "tests/bridge/support/port_probe.hpp"
 #include "tests/bridge/support/pty.hpp"

@@ -1,5 +1,3 @@
-#include "bridge/port/tcp_port.hpp"
-
 #include <gmock/gmock.h>
 #include <netinet/tcp.h>
 
@@ -7,6 +5,7 @@
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 
+#include "bridge/port/stream_port.hpp"
 #include "tests/bridge/support/port_probe.hpp"
 
 namespace fieldcast {

@@ -1,6 +1,6 @@
-#include "bridge/program/access_text.hpp"
-
 #include <gmock/gmock.h>
+
+#include "bridge/program/server.hpp"
 
 namespace fieldcast::program {
 namespace {

@@ -1,5 +1,5 @@
 #include "bridge/base/clock.hpp"
-#include "bridge/program/module/module_secrets.hpp"
+#include "bridge/program/module/module_gate.hpp"
 #include "bridge/security/pki.hpp"
 #include "tests/bridge/program/program_support.hpp"
 #include "tests/bridge/support/certificates.hpp"

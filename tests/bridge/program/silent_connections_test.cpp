@@ -1,8 +1,8 @@
-#include "bridge/program/module/silent_connections.hpp"
-
 #include <gmock/gmock.h>
 
 #include <vector>
+
+#include "bridge/program/module/relay_end.hpp"
 
 namespace fieldcast {
 namespace {

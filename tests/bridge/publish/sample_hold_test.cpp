@@ -1,6 +1,6 @@
-#include "bridge/publish/sample_hold.hpp"
-
 #include <gtest/gtest.h>
+
+#include "bridge/publish/publisher_thread.hpp"
 
 namespace fieldcast {
 namespace {

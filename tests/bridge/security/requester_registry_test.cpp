@@ -1,9 +1,8 @@
-#include "bridge/dds/receivers/requester_registry.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
+#include "bridge/dds/receivers/request_receiver.hpp"
 #include "bridge/security/subject.hpp"
 
 namespace fieldcast::security {

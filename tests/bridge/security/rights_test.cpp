@@ -4,7 +4,6 @@
 #include <set>
 
 #include "bridge/dds/topics/topics.hpp"
-#include "bridge/security/documents.hpp"
 #include "bridge/security/subject.hpp"
 
 namespace fieldcast::security {

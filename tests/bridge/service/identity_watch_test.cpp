@@ -1,6 +1,6 @@
-#include "bridge/service/identity_watch.hpp"
-
 #include <gtest/gtest.h>
+
+#include "bridge/service/process_watch.hpp"
 
 namespace fieldcast {
 namespace {

@@ -1,6 +1,6 @@
-#include "bridge/standby/common_configuration.hpp"
-
 #include <gtest/gtest.h>
+
+#include "bridge/standby/member_identity.hpp"
 
 namespace fieldcast {
 namespace {

@@ -1,9 +1,9 @@
-#include "bridge/standby/process_identity.hpp"
-
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "bridge/standby/member_identity.hpp"
 
 namespace fieldcast {
 namespace {

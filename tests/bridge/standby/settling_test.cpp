@@ -1,8 +1,8 @@
-#include "bridge/standby/settling.hpp"
-
 #include <gtest/gtest.h>
 
 #include <functional>
+
+#include "bridge/standby/bus_guard.hpp"
 
 namespace fieldcast {
 namespace {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "bridge/store/quarantine_table.hpp"
+#include "bridge/store/quarantine.hpp"
 #include "tests/bridge/store/store_support.hpp"
 
 namespace fieldcast::test {

@@ -4,7 +4,7 @@
 // The database exists and has the current version.
 #pragma once
 
-#include "bridge/store/sql/store_address.hpp"
+#include "bridge/store/sql/sql.hpp"
 
 namespace fieldcast::test {
 

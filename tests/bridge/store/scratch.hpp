@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "bridge/store/records/audit.hpp"
+#include "bridge/store/records/records.hpp"
 
 namespace fieldcast::test {
 

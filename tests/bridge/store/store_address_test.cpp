@@ -1,9 +1,8 @@
-#include "bridge/store/sql/store_address.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "bridge/store/sql/schema.hpp"
+#include "bridge/store/sql/sql.hpp"
 
 namespace fieldcast {
 namespace {

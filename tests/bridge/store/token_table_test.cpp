@@ -1,5 +1,3 @@
-#include "bridge/store/users/token_table.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "bridge/bus/bus_sink.hpp"
+#include "bridge/bus/bus_runner.hpp"
 
 namespace fieldcast::test {
 

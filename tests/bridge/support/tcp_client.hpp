@@ -12,7 +12,6 @@
 #include <string>
 #include <string_view>
 
-#include "bridge/base/errno_text.hpp"
 #include "bridge/base/file_descriptor.hpp"
 #include "core/base/bytes.hpp"
 

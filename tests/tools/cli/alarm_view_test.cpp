@@ -1,8 +1,7 @@
-#include "tools/cli/view/alarm_view.hpp"
-
 #include <gmock/gmock.h>
 
 #include "tests/tools/cli/parsed_json.hpp"
+#include "tools/cli/view/station_view.hpp"
 
 namespace fieldcast::cli {
 namespace {

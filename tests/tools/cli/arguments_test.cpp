@@ -13,7 +13,6 @@
 #include "tools/cli/command/station/status.hpp"
 #include "tools/cli/command/station/watch.hpp"
 #include "tools/cli/command/station/write.hpp"
-#include "tools/cli/command/token.hpp"
 #include "tools/cli/command/user.hpp"
 
 namespace fieldcast::cli {

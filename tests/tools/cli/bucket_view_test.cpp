@@ -1,8 +1,7 @@
-#include "tools/cli/view/bucket_view.hpp"
-
 #include <gtest/gtest.h>
 
 #include "tests/tools/cli/parsed_json.hpp"
+#include "tools/cli/view/record_view.hpp"
 
 namespace fieldcast::cli {
 namespace {

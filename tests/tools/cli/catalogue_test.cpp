@@ -1,7 +1,7 @@
-#include "tools/cli/model/catalogue.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "tools/cli/model/watch_model.hpp"
 
 namespace fieldcast::cli {
 namespace {

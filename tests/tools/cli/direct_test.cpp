@@ -16,7 +16,6 @@
 #include "tools/cli/command/line/poke.hpp"
 #include "tools/cli/command/line/read.hpp"
 #include "tools/cli/command/line/scan.hpp"
-#include "tools/cli/direct/address_steps.hpp"
 #include "tools/cli/direct/meanings.hpp"
 #include "tools/cli/model/address_notation.hpp"
 #include "tools/cli/scan/scan_plan.hpp"

@@ -1,5 +1,3 @@
-#include "tools/cli/command/doctor.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,9 +5,10 @@
 #include <fstream>
 #include <sstream>
 
+#include "tools/cli/command/plan.hpp"
 #include "tools/cli/doctor/findings.hpp"
 #include "tools/cli/doctor/gather.hpp"
-#include "tools/cli/view/doctor_view.hpp"
+#include "tools/cli/view/check_view.hpp"
 
 namespace fieldcast::cli {
 namespace {

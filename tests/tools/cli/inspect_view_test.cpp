@@ -1,9 +1,8 @@
-#include "tools/cli/view/inspect_view.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/tools/cli/parsed_json.hpp"
+#include "tools/cli/view/check_view.hpp"
 
 namespace fieldcast::cli {
 namespace {

@@ -1,6 +1,6 @@
-#include "tools/cli/domain/listening.hpp"
-
 #include <gtest/gtest.h>
+
+#include "tools/cli/domain/domain_view.hpp"
 
 namespace fieldcast::cli {
 namespace {

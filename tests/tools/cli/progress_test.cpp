@@ -5,7 +5,7 @@
 #include <ostream>
 
 #include "tools/cli/terminal/gzip_file.hpp"
-#include "tools/progress/progress_text.hpp"
+#include "tools/progress/progress_line.hpp"
 
 namespace fieldcast::cli {
 namespace {

@@ -11,11 +11,9 @@
 #include "tests/tools/sim/device_setup.hpp"
 #include "tests/tools/sim/listen.hpp"
 #include "tools/cli/scan/identity.hpp"
-#include "tools/cli/scan/omron_identity.hpp"
 #include "tools/cli/scan/scan_plan.hpp"
 #include "tools/cli/scan/scan_view.hpp"
 #include "tools/cli/scan/scanner.hpp"
-#include "tools/cli/scan/template_match.hpp"
 #include "tools/sim/families/hostlink_device.hpp"
 
 namespace fieldcast::cli {

@@ -1,6 +1,6 @@
-#include "tools/cli/view/sessions_view.hpp"
-
 #include <gmock/gmock.h>
+
+#include "tools/cli/view/station_view.hpp"
 
 namespace fieldcast::cli {
 namespace {

@@ -4,7 +4,7 @@
 #include "config/loader/loader.hpp"
 #include "tests/plan/maps.hpp"
 #include "tests/tools/cli/parsed_json.hpp"
-#include "tools/cli/model/bus_simulation.hpp"
+#include "tools/cli/model/bus_plan.hpp"
 #include "tools/cli/view/simulation_view.hpp"
 
 namespace fieldcast::cli {

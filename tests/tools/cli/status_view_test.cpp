@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "tests/tools/cli/parsed_json.hpp"
-#include "tools/cli/view/status/claims_view.hpp"
 
 namespace fieldcast::cli {
 namespace {

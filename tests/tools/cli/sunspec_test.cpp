@@ -8,7 +8,6 @@
 #include "config/loader/loader.hpp"
 #include "tests/tools/cli/parsed_json.hpp"
 #include "tools/cli/scan/scan_view.hpp"
-#include "tools/cli/scan/sunspec_channels.hpp"
 #include "tools/cli/scan/sunspec_view.hpp"
 #include "tools/cli/scan/sunspec_walk.hpp"
 

@@ -1,7 +1,7 @@
-#include "tools/cli/text/text_table.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 namespace {

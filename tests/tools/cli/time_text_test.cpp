@@ -1,5 +1,3 @@
-#include "tools/cli/model/time_text.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cstdlib>

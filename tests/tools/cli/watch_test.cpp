@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tools/cli/model/watch_model.hpp"
-#include "tools/cli/view/watch_view.hpp"
+#include "tools/cli/view/station_view.hpp"
 
 namespace fieldcast::cli {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "bridge/base/errno_text.hpp"
+#include "bridge/base/file_descriptor.hpp"
 #include "tests/bridge/program/program_support.hpp"
 #include "tests/bridge/support/process.hpp"
 

@@ -11,7 +11,6 @@
 #include "core/codec/checksum.hpp"
 #include "core/protocol/families/registry.hpp"
 #include "tests/tools/sim/listen.hpp"
-#include "tools/sim/families/dtc_lzw.hpp"
 
 namespace fieldcast::sim {
 namespace {

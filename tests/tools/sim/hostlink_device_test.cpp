@@ -9,7 +9,7 @@
 #include "tests/support/vectors.hpp"
 #include "tests/tools/sim/device_setup.hpp"
 #include "tests/tools/sim/listen.hpp"
-#include "tools/sim/device/digits.hpp"
+#include "tools/sim/device/device.hpp"
 
 namespace fieldcast::sim {
 namespace {

@@ -8,7 +8,7 @@
 #include "config/loader/loader.hpp"
 #include "core/protocol/families/registry.hpp"
 #include "tools/sim/bus/virtual_bus.hpp"
-#include "tools/sim/check/notations.hpp"
+#include "tools/sim/check/requests.hpp"
 
 namespace fieldcast::sim {
 namespace {

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "tools/station/user_watch.hpp"
+#include "tools/station/wiring.hpp"
 
 namespace fieldcast::web {
 namespace {

@@ -9,6 +9,7 @@
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
+#include <fstream>
 #include <stdexcept>
 #include <string>
 
@@ -18,6 +19,7 @@
 #include "bridge/dds/topics/topic_type.hpp"
 
 namespace fieldcast::bench {
+
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -186,5 +188,34 @@ struct BareReader::State : dds::DataReaderListener {
 BareReader::BareReader(unsigned domain, BareData data, std::function<void(const Row&)> on_row)
     : state_(std::make_unique<State>(domain, data, std::move(on_row))) {}
 BareReader::~BareReader() = default;
+
+namespace {
+
+const char* word(BareData data) { return data == BareData::kBlocks ? "blocks" : "samples"; }
+
+std::uint64_t last_number(const std::string& path) {
+  std::ifstream file(path);
+  std::uint64_t number = 0;
+  for (std::uint64_t next = 0; file >> next;) number = next;
+  return number;
+}
+
+}  // namespace
+
+BarePair::BarePair(const ScratchFolder& folder, unsigned domain, BareData data,
+                   const BareLoad& load)
+    : reader_log_(folder.path() + "/bare-reader-" + word(data) + ".log"),
+      writer_log_(folder.path() + "/bare-writer-" + word(data) + ".log"),
+      reader_("bench_bare", {std::to_string(domain), word(data), "read"}, reader_log_),
+      writer_(
+          "bench_bare",
+          {std::to_string(domain), word(data), "write", std::to_string(load.channels),
+           std::to_string(load.rows), std::to_string(static_cast<int>(1e6 / load.blocks_a_second))},
+          writer_log_) {}
+
+BarePair::Spent BarePair::spent() const {
+  return {last_number(writer_log_), last_number(reader_log_), writer_.cpu_seconds(),
+          reader_.cpu_seconds()};
+}
 
 }  // namespace fieldcast::bench

@@ -7,6 +7,9 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
+
+#include "tools/bench/plant/plant.hpp"
 
 namespace fieldcast::bench {
 
@@ -46,6 +49,29 @@ class BareReader {
  private:
   struct State;
   std::unique_ptr<State> state_;
+};
+
+// Measures a bare Fast DDS writer and reader (bare.hpp), each in its own process. Main thread.
+
+struct BareLoad {
+  std::size_t channels = 0;
+  std::size_t rows = 0;  // of a block
+  double blocks_a_second = 0;
+};
+
+class BarePair {
+ public:
+  BarePair(const ScratchFolder& folder, unsigned domain, BareData data, const BareLoad& load);
+
+  struct Spent {
+    std::uint64_t written = 0, received = 0;  // samples
+    double writer = 0, reader = 0;            // processor seconds
+  };
+  [[nodiscard]] Spent spent() const;
+
+ private:
+  std::string reader_log_, writer_log_;
+  Process reader_, writer_;
 };
 
 }  // namespace fieldcast::bench

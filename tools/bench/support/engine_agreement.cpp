@@ -11,11 +11,10 @@
 #include "config/loader/loader.hpp"
 #include "tests/dispatch/virtual_wire.hpp"
 #include "tests/plan/maps.hpp"
-#include "tools/bench/support/sustained.hpp"
 #include "tools/cli/model/bus_plan.hpp"
-#include "tools/cli/model/bus_simulation.hpp"
 
 namespace fieldcast::bench {
+
 namespace {
 
 using namespace std::chrono_literals;

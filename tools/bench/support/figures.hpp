@@ -1,7 +1,12 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
+#include <mutex>
+#include <unordered_map>
 #include <vector>
 
 namespace fieldcast::bench {
@@ -18,5 +23,56 @@ inline void print_figure(const char* what, double value, const char* unit, const
   std::printf("%-58s %12.4g %-10s %s\n", what, value, unit, goal);
   std::fflush(stdout);
 }
+
+// Measures the delay of the first and last sample of each block. add() runs on one thread.
+
+class BlockTimes {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  struct Figures {  // milliseconds
+    std::size_t blocks = 0;
+    double first = 0, first_p99 = 0;  // delay of a block's first callback: median, 99th percentile
+    double last = 0, last_p99 = 0;    // delay of its last callback
+  };
+
+  explicit BlockTimes(std::size_t rows) : rows_(rows) {}
+
+  void start() {
+    const std::lock_guard guard(lock_);
+    counting_ = true;
+  }
+  void add(std::uint64_t number, Clock::time_point sent, Clock::time_point now) {
+    const std::lock_guard guard(lock_);
+    if (!counting_) return;
+    Open& block = open_[number];
+    if (block.rows++ == 0) block.first = milliseconds(now - sent);
+    if (block.rows < rows_) return;
+    first_.push_back(block.first);
+    last_.push_back(milliseconds(now - sent));
+    open_.erase(number);
+  }
+  [[nodiscard]] Figures stop() {
+    const std::lock_guard guard(lock_);
+    counting_ = false;
+    return {first_.size(), quantile(first_, 0.5), quantile(first_, 0.99), quantile(last_, 0.5),
+            quantile(last_, 0.99)};
+  }
+
+ private:
+  struct Open {
+    std::size_t rows = 0;
+    double first = 0;
+  };
+  static double milliseconds(Clock::duration time) {
+    return std::chrono::duration<double, std::milli>(time).count();
+  }
+
+  const std::size_t rows_;  // of each block
+  std::mutex lock_;
+  bool counting_ = false;
+  std::unordered_map<std::uint64_t, Open> open_;  // incomplete blocks by number
+  std::vector<double> first_, last_;
+};
 
 }  // namespace fieldcast::bench

@@ -8,7 +8,7 @@
 
 #include "bridge/base/file_descriptor.hpp"
 #include "core/base/bytes.hpp"
-#include "tools/bench/plant/process.hpp"
+#include "tools/bench/plant/plant.hpp"
 
 namespace fieldcast::bench {
 

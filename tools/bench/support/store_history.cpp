@@ -6,10 +6,10 @@
 #include <limits>
 #include <vector>
 
-#include "bridge/store/tiers/tier_history.hpp"
+#include "bridge/store/tiers/tier_table.hpp"
 #include "bridge/store/tiers/tier_writer.hpp"
 #include "tools/bench/support/figures.hpp"
-#include "tools/progress/step_progress.hpp"
+#include "tools/progress/progress_line.hpp"
 
 namespace fieldcast::bench {
 namespace {

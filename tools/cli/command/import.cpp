@@ -7,10 +7,8 @@
 #include <ostream>
 
 #include "tools/cli/command/base/command.hpp"
-#include "tools/cli/import/import_view.hpp"
-#include "tools/cli/import/input_files.hpp"
-#include "tools/cli/import/new_files.hpp"
-#include "tools/cli/terminal/end_at_once.hpp"
+#include "tools/cli/import/import_files.hpp"
+#include "tools/cli/terminal/interrupt.hpp"
 #include "tools/progress/progress_line.hpp"
 
 namespace fieldcast::cli {

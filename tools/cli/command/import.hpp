@@ -7,8 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/cli/text/exit_code.hpp"
-#include "tools/cli/text/text_table.hpp"
+#include "tools/cli/text/output.hpp"
 #include "tools/import/importer.hpp"
 
 namespace fieldcast::cli {

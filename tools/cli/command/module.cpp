@@ -7,8 +7,8 @@
 #include <csignal>
 #include <ostream>
 
-#include "bridge/base/errno_text.hpp"
-#include "bridge/base/secret_file.hpp"
+#include "bridge/base/file_descriptor.hpp"
+#include "bridge/base/secret.hpp"
 #include "bridge/port/serial_line.hpp"
 #include "config/sections/port.hpp"
 #include "core/program/frame.hpp"

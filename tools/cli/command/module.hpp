@@ -7,7 +7,7 @@
 
 #include "bridge/program/module/module_client.hpp"
 #include "core/model/port_spec.hpp"
-#include "tools/cli/text/exit_code.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 

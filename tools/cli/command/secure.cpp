@@ -10,7 +10,6 @@
 #include "bridge/security/member_folder.hpp"
 #include "core/base/json.hpp"
 #include "tools/cli/command/base/command.hpp"
-#include "tools/cli/terminal/clock.hpp"
 #include "tools/cli/terminal/interrupt.hpp"
 
 namespace fieldcast::cli {

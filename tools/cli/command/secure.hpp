@@ -6,7 +6,7 @@
 
 #include "bridge/security/authority.hpp"
 #include "core/base/time.hpp"
-#include "tools/cli/text/exit_code.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 

@@ -1,12 +1,82 @@
 #include "tools/cli/direct/line_exchange.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
+#include <cerrno>
+#include <ostream>
+#include <utility>
 
 #include "bridge/base/clock.hpp"
 #include "bridge/port/port.hpp"
+#include "tools/cli/terminal/interrupt.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
+
+tl::expected<std::unique_ptr<LineCapture>, std::string> LineCapture::make(
+    const std::string& path, const BusSpec& bus, const std::string& command) {
+  auto file = CaptureFile::make(path);
+  if (!file)
+    return tl::unexpected(
+        "--capture: " + file.error().text +
+        (file.error().error == EEXIST ? "; a capture never overwrites a file" : ""));
+  return std::unique_ptr<LineCapture>(new LineCapture(*std::move(file), bus, command));
+}
+
+LineCapture::LineCapture(CaptureFile file, const BusSpec& bus, const std::string& command)
+    : file_(std::move(file)), capture_(bus, command, tap_) {
+  counts_.begun = utc_now();
+  append(capture_.head());
+  capture_.add(*this);
+}
+
+LineCapture::~LineCapture() {
+  (void)end();
+  if (counts_.frames == 0) ::unlink(file_.path().c_str());
+}
+
+void LineCapture::write() { capture_.drain(utc_now()); }
+
+std::optional<std::string> LineCapture::end() {
+  if (!std::exchange(ended_, true)) {
+    capture_.finish(utc_now());
+    capture_.remove(*this);
+    counts_.ended = utc_now();
+    append(capture_tail(counts_));
+  }
+  return fault_.empty() ? std::nullopt : std::optional("--capture: " + fault_);
+}
+
+void LineCapture::packet(ByteView block, UtcTime) {
+  append(block);
+  if (fault_.empty()) ++counts_.frames;
+}
+
+// Stops after the first failure, because later frames would leave a gap.
+void LineCapture::append(ByteView blocks) {
+  if (!fault_.empty()) return;
+  if (const auto written = file_.append(blocks); !written)
+    fault_ = written.error().text + "; what was captured before is whole";
+}
+
+ExitCode on_line(const std::string& path, const BusSpec& bus, const std::string& command,
+                 std::ostream& err, const std::function<ExitCode(LineCapture* capture)>& work) {
+  if (path.empty()) return work(nullptr);
+  const std::string name = "fieldcast " + command;
+  const auto capture = LineCapture::make(path, bus, name);
+  if (!capture) {
+    err << name << ": " << printable(capture.error()) << '\n';
+    return ExitCode::kTrouble;
+  }
+  const ExitCode code = work(capture->get());
+  const auto fault = (*capture)->end();
+  if (!fault) return code;
+  err << name << ": " << printable(*fault) << '\n';
+  return code == ExitCode::kOk ? ExitCode::kTrouble : code;
+}
+
 namespace {
 
 constexpr std::chrono::milliseconds kTalkCheck{50};
@@ -136,7 +206,6 @@ tl::expected<void, std::string> LineExchange::open(const PortSpec& spec) {
 
 tl::expected<LineExchange::Answer, std::string> LineExchange::ask(
     std::unique_ptr<Exchange> exchange, Duration timeout, const LineEvent& note) {
-  using Outcome = ExchangeDriver::Outcome;
   State& state = *state_;
   const Instant limit = steady_now() + kLongestStray;
   const auto silent_at = [&] {
@@ -147,24 +216,26 @@ tl::expected<LineExchange::Answer, std::string> LineExchange::ask(
 
   Bytes out;
   state.strays = 0;
-  state.outcome = Outcome::kWaiting;
+  state.outcome = ExchangeDriver::Outcome::kWaiting;
   state.driver->begin(std::move(exchange), timeout, true, steady_now(), out);
   state.write(out, note);
   while (state.driver->active() && !state.closed && !state.interrupt.raised()) {
     state.wait(state.driver->deadline());
-    if (state.outcome == Outcome::kWaiting && steady_now() >= state.driver->deadline()) {
+    if (state.outcome == ExchangeDriver::Outcome::kWaiting &&
+        steady_now() >= state.driver->deadline()) {
       state.port->poll();
       out.clear();
-      if (state.outcome == Outcome::kWaiting && steady_now() >= state.driver->deadline()) {
+      if (state.outcome == ExchangeDriver::Outcome::kWaiting &&
+          steady_now() >= state.driver->deadline()) {
         state.outcome = state.driver->on_timer(steady_now(), out);
-        if (state.outcome == Outcome::kSend) state.again = out;
+        if (state.outcome == ExchangeDriver::Outcome::kSend) state.again = out;
       }
     }
-    if (state.outcome == Outcome::kSend) {
-      state.outcome = Outcome::kWaiting;
+    if (state.outcome == ExchangeDriver::Outcome::kSend) {
+      state.outcome = ExchangeDriver::Outcome::kWaiting;
       state.write(std::exchange(state.again, {}), note);
     }
-    if (state.outcome != Outcome::kWaiting) break;
+    if (state.outcome != ExchangeDriver::Outcome::kWaiting) break;
   }
   if (state.closed || state.interrupt.raised()) {
     state.driver->abort();
@@ -173,7 +244,7 @@ tl::expected<LineExchange::Answer, std::string> LineExchange::ask(
   Answer answer;
   answer.bytes = state.strays;
   answer.heard = state.heard_others();
-  if (state.outcome == Outcome::kDone) {
+  if (state.outcome == ExchangeDriver::Outcome::kDone) {
     answer.took = state.driver->answer_time();
     answer.reply = state.driver->exchange().reply();
   } else {

@@ -1,16 +1,31 @@
-// Decodes items in every type and order, to find the type of a displayed value. Pure functions.
+// Calculates consecutive addresses in the PLC's notation. Pure functions.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <tl/expected.hpp>
 #include <vector>
 
 #include "core/base/value.hpp"
 #include "core/codec/value_codec.hpp"
-#include "tools/cli/text/text_table.hpp"
+#include "core/protocol/protocol.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
+
+// "holding:102" for "holding:100" and 2. Empty at the end of the area, or if the notation counts
+// differently (bits of a word, octal numbers).
+[[nodiscard]] std::optional<std::string> address_behind(const Protocol& protocol,
+                                                        std::string_view at, std::uint32_t items);
+
+// At least 1.
+[[nodiscard]] std::uint32_t values_in_request(const Protocol& protocol, const ParsedAddress& at,
+                                              std::uint32_t value_items);
+
+// Decodes items in every type and order, to find the type of a displayed value. Pure functions.
 
 struct Meaning {
   std::string name;  // "float32", "float32 word-swapped"

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "tools/cli/model/time_text.hpp"
+#include "tools/cli/model/sample_text.hpp"
 #include "tools/cli/view/status/status_words.hpp"
 
 namespace fieldcast::cli {

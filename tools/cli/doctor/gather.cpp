@@ -12,15 +12,43 @@
 #include <algorithm>
 #include <charconv>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <string>
 #include <system_error>
 
-#include "bridge/dds/transport/multicast.hpp"
-#include "bridge/dds/transport/receive_buffer.hpp"
-#include "bridge/store/sql/store_address.hpp"
+#include "bridge/base/worker.hpp"
+#include "bridge/dds/library/library.hpp"
+#include "bridge/dds/transport/network_check.hpp"
+#include "bridge/station/sites.hpp"
+#include "bridge/store/sql/sql.hpp"
+#include "tools/cli/terminal/interrupt.hpp"
 
 namespace fieldcast::cli {
+
+void gather_clocks(const ConnectionOptions& options, MachineFacts& facts) {
+  Interrupt interrupt;  // before DDS starts its threads
+  const auto connection = resolve(options);
+  if (!connection) {
+    facts.clocks_unknown = connection.error();
+    return;
+  }
+  BoundedQueue<ClockFacts> inbox{1024};
+  std::map<std::string, ClockFacts> clocks;
+  interrupt.on_raise([&inbox] { inbox.close(); });
+  try {
+    Sites sites(connection->sites, "fieldcast-cli");
+    sites.subscribe_bus_status([&inbox](const StationBusStatus& status) {
+      if (status.clock_ahead) inbox.put_newest({status.bridge, *status.clock_ahead, utc_now()});
+    });
+    const Instant end = instant_now() + kListenForClocks;
+    while (instant_now() < end && !inbox.closed()) {
+      for (const ClockFacts& heard : inbox.take_all(to_steady(end))) clocks[heard.bridge] = heard;
+    }
+  } catch (const DdsError& error) { facts.clocks_unknown = error.what(); }
+  interrupt.on_raise({});
+  for (const auto& [bridge, clock] : clocks) facts.clocks.push_back(clock);
+}
 
 namespace {
 

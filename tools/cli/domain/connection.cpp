@@ -6,11 +6,11 @@
 #include <fstream>
 
 #include "bridge/dds/transport/join_check.hpp"
-#include "bridge/dds/transport/multicast.hpp"
+#include "bridge/dds/transport/network_check.hpp"
 #include "bridge/security/member_folder.hpp"
 #include "config/loader/loader.hpp"
 #include "core/model/channel_pattern.hpp"
-#include "tools/cli/terminal/clock.hpp"
+#include "tools/cli/terminal/interrupt.hpp"
 #include "tools/station/settings/configuration.hpp"
 
 namespace fieldcast::cli {
@@ -161,6 +161,26 @@ std::string no_bridge_text(const Connection& connection, const std::vector<std::
       "no bridge found in {} within {}: is fieldcast-bridge running, with the same domain and "
       "interfaces? (--config FILE, or --domain N and --interface A){}",
       domain_text(connection), to_text(kBridgeWait), member_remark(connection));
+}
+
+void add_store(CommandLine& line, StoreSource& source) {
+  line.text("--config", source.config, "Look into the store of this configuration file")
+      .existing_file();
+  line.text("--store", source.store,
+            "Look into this store: a file, or postgresql://USER@HOST/DATABASE");
+}
+
+tl::expected<StoreAddress, std::string> resolve(const StoreSource& source) {
+  if (!source.store.empty()) return StoreAddress(source.store);
+  if (source.config.empty())
+    return tl::unexpected(
+        std::string("which store? --config FILE with a 'store' section, or --store FILE"));
+  const auto loaded = config::load_file(source.config);
+  if (!loaded) return tl::unexpected(config::to_text(loaded.error()));
+  if (!loaded->store)
+    return tl::unexpected(source.config +
+                          ": there is no 'store' section: the bridge stores nothing");
+  return StoreAddress(loaded->store->address);
 }
 
 }  // namespace fieldcast::cli

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "bridge/base/command_line.hpp"
+#include "bridge/store/sql/sql.hpp"
 #include "core/base/time.hpp"
 #include "core/model/dds_spec.hpp"
 
@@ -53,5 +55,19 @@ struct Connection {
 // `missing`: discovery servers that do not respond.
 [[nodiscard]] std::string no_bridge_text(const Connection& connection,
                                          const std::vector<std::string>& missing);
+
+struct StoreSource {
+  std::string config;  // its `store:` section is used
+  std::string store;   // a file or a connection string; overrides the configuration
+};
+
+void add_store(CommandLine& line, StoreSource& source);
+
+// The error is human-readable.
+[[nodiscard]] tl::expected<StoreAddress, std::string> resolve(const StoreSource& source);
+
+struct TimeSpan {
+  UtcTime from, to;
+};
 
 }  // namespace fieldcast::cli

@@ -1,6 +1,11 @@
 #include "tools/cli/domain/domain_view.hpp"
 
+#include <algorithm>
+
+#include "tools/cli/terminal/interrupt.hpp"
+
 namespace fieldcast::cli {
+
 namespace {
 
 struct BusOf {
@@ -88,6 +93,99 @@ void DomainView::subscribe_program_sessions() {
       [this](const StationBusStatus& status) { inbox_.put_newest(status); });
   station_.subscribe_program_sessions(
       [this](const ProgramSessionReport& session) { inbox_.put_newest(session); });
+}
+
+Listening::Listening(const Connection& connection, Instant began)
+    : began_(began), last_news_(began) {
+  for (const DdsSite& site : connection.sites) sites_.push_back({site.name});
+}
+
+bool Listening::is_of(const Site& site, std::string_view bus) {
+  return site.name.empty() || (bus.size() > site.name.size() && bus.starts_with(site.name) &&
+                               bus[site.name.size()] == ':');
+}
+
+void Listening::news(std::string_view bus, Instant now) {
+  anybody_ = true;
+  last_news_ = now;
+  for (Site& site : sites_) site.heard = site.heard || is_of(site, bus);
+}
+
+bool Listening::heard_site_of(std::string_view bus) const {
+  const auto site =
+      std::ranges::find_if(sites_, [&](const Site& each) { return is_of(each, bus); });
+  return site == sites_.end() ? anybody_ : site->heard;
+}
+
+Instant Listening::over_at() const {
+  const Instant quiet_at = last_news_ + kQuietTime;
+  const bool all = std::ranges::all_of(sites_, [](const Site& site) { return site.heard; });
+  return all ? quiet_at : std::max(began_ + kBridgeWait, anybody_ ? quiet_at : began_);
+}
+
+std::vector<std::string> Listening::silent_sites() const {
+  std::vector<std::string> names;
+  for (const Site& site : sites_) {
+    if (!site.heard && sites_.size() > 1) names.push_back(site.name);
+  }
+  return names;
+}
+
+std::string Listening::silent_text() const {
+  std::string text;
+  for (const std::string& name : silent_sites())
+    text += (text.empty() ? "no bridge found in site " : ", ") + name;
+  return text;
+}
+
+namespace {
+
+constexpr Duration kLook = std::chrono::milliseconds{50};
+
+}  // namespace
+
+StandbyWatch::StandbyWatch(const Connection& connection) {
+  for (const DdsSite& site : connection.sites) {
+    sites_.push_back(std::make_unique<StandbyMonitor>(
+        site.dds, "fieldcast-cli",
+        StandbyMonitor::Handlers{[this](const StandbyMessage& message) { learn(message); },
+                                 [this](const std::string& group, const std::string& bridge) {
+                                   const std::lock_guard lock(mutex_);
+                                   model_.erase({group, bridge});
+                                 }}));
+  }
+}
+
+bool StandbyWatch::request(const StandbyRequest& wanted, Duration limit) {
+  bool heard = false;
+  for (const auto& site : sites_) heard |= site->request(wanted, limit);
+  return heard;
+}
+
+StandbyModel StandbyWatch::model() {
+  const std::lock_guard lock(mutex_);
+  return model_;
+}
+
+bool StandbyWatch::until(const std::function<bool(const StandbyModel&)>& condition, Instant end,
+                         const std::function<bool()>& give_up) {
+  std::unique_lock lock(mutex_);
+  while (!condition(model_)) {
+    if (give_up() || instant_now() >= end) return false;
+    changed_.wait_for(lock, kLook);
+  }
+  return true;
+}
+
+void StandbyWatch::learn(const StandbyMessage& message) {
+  const std::lock_guard lock(mutex_);
+  const std::pair key{message.group, message.member.bridge};
+  if (message.member.role == StandbyRole::kLeft) {
+    model_.erase(key);
+  } else {
+    model_.insert_or_assign(key, message);
+  }
+  changed_.notify_all();
 }
 
 }  // namespace fieldcast::cli

@@ -2,14 +2,21 @@
 // Ctrl-C closes the inbox and ends every wait.
 #pragma once
 
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
-#include "bridge/base/bounded_queue.hpp"
+#include "bridge/base/worker.hpp"
 #include "bridge/station/sites.hpp"
+#include "bridge/station/standby_monitor.hpp"
+#include "core/base/time.hpp"
 #include "tools/cli/domain/connection.hpp"
-#include "tools/cli/model/catalogue.hpp"
+#include "tools/cli/model/watch_model.hpp"
 #include "tools/cli/terminal/interrupt.hpp"
 #include "tools/cli/view/status/status_facts.hpp"
 
@@ -76,6 +83,62 @@ class DomainView {
   // Before the station, because its threads write here until it is destroyed.
   BoundedQueue<DomainEvent> inbox_{kMaxWaiting};
   Sites station_;
+};
+
+// Decides when all bridges have reported: nothing new for kQuietTime and a report of each site, or
+// after kBridgeWait. Pure.
+
+class Listening {
+ public:
+  Listening(const Connection& connection, Instant began);
+
+  // Something new arrived for this bus (with sites: "site:bus").
+  void news(std::string_view bus, Instant now);
+
+  [[nodiscard]] bool anybody() const { return anybody_; }
+  // For a bus without a known site: whether any bridge has reported.
+  [[nodiscard]] bool heard_site_of(std::string_view bus) const;
+  // End of the wait without further news.
+  [[nodiscard]] Instant over_at() const;
+  [[nodiscard]] Instant last_news() const { return last_news_; }
+  [[nodiscard]] std::vector<std::string> silent_sites() const;
+  // "no bridge found in site south"; empty with one site, or if all have reported.
+  [[nodiscard]] std::string silent_text() const;
+
+ private:
+  struct Site {
+    std::string name;  // empty: the only one
+    bool heard = false;
+  };
+  [[nodiscard]] static bool is_of(const Site& site, std::string_view bus);
+
+  std::vector<Site> sites_;
+  Instant began_, last_news_;
+  bool anybody_ = false;
+};
+
+// Receives standby messages in all domains of the connection, with its own participants.
+// Thread-safe.
+
+class StandbyWatch {
+ public:
+  // Throws DdsError.
+  explicit StandbyWatch(const Connection& connection);
+
+  [[nodiscard]] StandbyModel model();
+  // Returns false after `end`, or when `give_up` returns true.
+  [[nodiscard]] bool until(const std::function<bool(const StandbyModel&)>& condition, Instant end,
+                           const std::function<bool()>& give_up);
+  // Returns false if no bridge received the request within the limit.
+  [[nodiscard]] bool request(const StandbyRequest& wanted, Duration limit);
+
+ private:
+  void learn(const StandbyMessage& message);
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  StandbyModel model_;
+  std::vector<std::unique_ptr<StandbyMonitor>> sites_;  // last member: its callbacks call learn()
 };
 
 }  // namespace fieldcast::cli

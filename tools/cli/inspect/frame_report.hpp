@@ -5,12 +5,13 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "core/capture/capture_record.hpp"
 #include "core/model/spec.hpp"
 #include "tools/cli/inspect/value_decoder.hpp"
-#include "tools/cli/model/named_protocol.hpp"
-#include "tools/cli/text/text_table.hpp"
+#include "tools/cli/model/address_notation.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 
@@ -57,5 +58,19 @@ class FrameReport {
   std::map<std::string, std::unique_ptr<ValueDecoder>, std::less<>> decoders_;  // by bus
   std::size_t frames_ = 0, faulty_ = 0, unknown_ = 0;
 };
+
+// True for pcapng, and for pcap, which is refused later. Consumes nothing. Main thread.
+[[nodiscard]] bool is_capture(std::istream& in);
+
+// "x.pcapng": such a word is never a protocol.
+[[nodiscard]] bool has_name_of_capture(std::string_view path);
+
+// Prints a read fault to `err` after the frames before it. Returns kFound for an invalid frame or a
+// truncated capture, kUsage if it is not a capture.
+[[nodiscard]] ExitCode show_capture(std::istream& in, const std::string& name, FrameReport& report,
+                                    std::ostream& err);
+
+// Returns false if no line belongs to a trace.
+[[nodiscard]] bool show_trace(std::string_view text, FrameReport& report);
 
 }  // namespace fieldcast::cli

@@ -3,18 +3,24 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
+#include <ostream>
 #include <set>
+#include <span>
 #include <vector>
 
+#include "config/loader/loader.hpp"
+#include "core/base/message_text.hpp"
 #include "core/model/fit.hpp"
 #include "core/protocol/families/registry.hpp"
 #include "tools/cli/model/command_text.hpp"
-#include "tools/cli/text/text_table.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
+
 namespace {
 
 // Every variant of each protocol, because their addresses and codes may differ.
@@ -91,6 +97,39 @@ std::string device_code_at(std::string_view at, std::uint16_t code) {
   if (texts.size() != 1) return device_code_words({}, code);
   const DeviceCode row{code, *texts.begin()};
   return device_code_words({&row, 1}, code);
+}
+
+namespace {
+
+void explain_unknown(const std::string& name, std::string_view command, std::ostream& err) {
+  std::vector<std::string> names;
+  for (const auto& entry : protocols()) names.emplace_back(entry.name);
+  err << "fieldcast " << command << ": protocol '" << printable(name) << "' is unknown";
+  if (const auto near = near_miss(name, names); !near.empty())
+    err << "; did you mean " << near << '?';
+  // Configurations find it by name in the directory next to them.
+  const std::string own = "./protocols/" + name + ".yaml";
+  std::error_code ignored;
+  if (std::filesystem::exists(own, ignored)) err << "; a declaration is named by its file: " << own;
+  err << "\nprotocols:\n";
+  for (const auto& entry : protocols()) err << "  " << entry.name << "  " << entry.summary << '\n';
+}
+
+}  // namespace
+
+std::optional<NamedProtocol> named_protocol(const std::string& name, std::string_view command,
+                                            std::ostream& err) {
+  if (const auto* entry = find_protocol(name)) return NamedProtocol{entry, {}};
+  auto loaded = config::load_declaration(name);
+  if (loaded) return NamedProtocol{nullptr, *std::move(loaded)};
+  const bool is_path = name.find_first_of("/.") != std::string::npos;
+  const auto& faults = loaded.error();
+  const bool missing = faults.size() == 1 && faults.front().file == name;
+  if (missing && !is_path)
+    explain_unknown(name, command, err);
+  else
+    err << config::to_text(std::span(faults));
+  return std::nullopt;
 }
 
 }  // namespace fieldcast::cli

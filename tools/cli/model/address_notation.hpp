@@ -4,11 +4,15 @@
 #pragma once
 
 #include <cstdint>
+#include <iosfwd>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
 
+#include "core/protocol/declared/declaration.hpp"
+#include "core/protocol/families/registry.hpp"
 #include "core/protocol/protocol.hpp"
 
 namespace fieldcast::cli {
@@ -28,5 +32,26 @@ struct KnownChannel {
 
 // Text of a device error for such an address: "02 illegal data address", or "code 5A".
 [[nodiscard]] std::string device_code_at(std::string_view at, std::uint16_t code);
+
+// A protocol named by the user: built in, a declaration's path, or an installed one's name.
+
+inline constexpr const char* kProtocolHelp =
+    "modbus-rtu, omron-hostlink, .., or a declaration: instrument, ./mine.yaml";
+
+struct NamedProtocol {
+  const ProtocolEntry* built_in = nullptr;  // null: declared
+  declared::SharedDeclaration declaration;
+  [[nodiscard]] std::string_view name() const {
+    return built_in != nullptr ? built_in->name : std::string_view(declaration.value->name);
+  }
+  [[nodiscard]] LineFormat factory_line() const {
+    return built_in != nullptr ? built_in->factory_line : LineFormat{};
+  }
+};
+
+// Prints faults to `err`; `command` is for example "inspect".
+[[nodiscard]] std::optional<NamedProtocol> named_protocol(const std::string& name,
+                                                          std::string_view command,
+                                                          std::ostream& err);
 
 }  // namespace fieldcast::cli

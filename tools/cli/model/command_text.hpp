@@ -8,8 +8,8 @@
 
 #include "bridge/station/station.hpp"
 #include "core/base/json.hpp"
-#include "tools/cli/model/catalogue.hpp"
-#include "tools/cli/text/exit_code.hpp"
+#include "tools/cli/model/watch_model.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 

@@ -3,10 +3,12 @@
 
 #include <string>
 #include <string_view>
+#include <tl/expected.hpp>
 
 #include "bridge/station/station.hpp"
 #include "core/base/json.hpp"
-#include "tools/cli/text/text_table.hpp"
+#include "core/base/time.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 
@@ -36,5 +38,15 @@ namespace fieldcast::cli {
 
 // One line for logs: time, path, value and unit, quality. `about` may be null.
 [[nodiscard]] std::string sample_line(const StationSample& sample, const StationChannel* about);
+
+// Parses and formats points in time. Local times depend on the process's time zone.
+
+// "2026-11-21", "2026-11-21T10:30", "2026-11-21 10:30:05.25" in UTC or with an offset such as
+// +01:00; "2h", "30min", "1d" before now; "now". The error is one human-readable line.
+[[nodiscard]] tl::expected<UtcTime, std::string> parse_time(std::string_view text, UtcTime now);
+
+enum class Zone : unsigned char { kUtc, kLocal };
+// "2026-11-21T03:04:05.678Z", or "2026-11-21T04:04:05.678+01:00"; "-" if unset.
+[[nodiscard]] std::string time_text(UtcTime time, Zone zone);
 
 }  // namespace fieldcast::cli

@@ -7,7 +7,7 @@
 #include <charconv>
 #include <set>
 
-#include "tools/cli/text/text_table.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 namespace {

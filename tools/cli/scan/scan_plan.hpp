@@ -12,7 +12,7 @@
 
 #include "core/base/time.hpp"
 #include "core/frame/line.hpp"
-#include "tools/cli/model/named_protocol.hpp"
+#include "tools/cli/model/address_notation.hpp"
 
 namespace fieldcast::cli {
 

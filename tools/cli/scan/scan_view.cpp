@@ -6,7 +6,6 @@
 
 #include "core/protocol/device_code.hpp"
 #include "tools/cli/model/address_notation.hpp"
-#include "tools/cli/scan/sunspec_channels.hpp"
 #include "tools/cli/scan/sunspec_view.hpp"
 
 namespace fieldcast::cli {

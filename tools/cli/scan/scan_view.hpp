@@ -8,8 +8,8 @@
 #include "core/base/json.hpp"
 #include "core/model/port_spec.hpp"
 #include "tools/cli/scan/scanner.hpp"
-#include "tools/cli/text/text_table.hpp"
-#include "tools/progress/progress_text.hpp"
+#include "tools/cli/text/output.hpp"
+#include "tools/progress/progress_line.hpp"
 
 namespace fieldcast::cli {
 

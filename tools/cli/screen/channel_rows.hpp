@@ -1,14 +1,22 @@
 // Selects and sorts the channels on the screen of `fieldcast watch`. Pure.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <deque>
+#include <list>
+#include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "core/base/time.hpp"
+#include "core/base/value.hpp"
+#include "core/model/channel_pattern.hpp"
 #include "tools/cli/model/watch_model.hpp"
 #include "tools/cli/screen/row_list.hpp"
-#include "tools/cli/text/frame.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 
@@ -43,5 +51,35 @@ using ChannelEntry = std::map<ChannelPath, WatchModel::Row>::value_type;
 [[nodiscard]] inline const ChannelEntry& entry_of(const ListRow& row) {
   return *static_cast<const ChannelEntry*>(row.item);
 }
+
+// Recent values of selected channels, drawn as one line of text. Pure values.
+
+struct TrendPoint {
+  UtcTime at;
+  double value = 0;
+};
+using TrendPoints = std::deque<TrendPoint>;
+
+// A number, or 0 and 1 of a bool; empty for text.
+[[nodiscard]] std::optional<double> trend_value(const Value& value);
+
+class TrendHistory {
+ public:
+  // beyond this, the channel selected first is dropped
+  static constexpr std::size_t kMostChannels = 64;
+  static constexpr std::size_t kMostPoints = 512;  // of each channel: the newest
+
+  void follow(const ChannelPath& path);
+  void add(const ChannelPath& path, const Value& value, UtcTime at);
+  [[nodiscard]] const TrendPoints* find(const ChannelPath& path) const;
+
+ private:
+  std::map<ChannelPath, TrendPoints> points_;
+  std::list<ChannelPath> order_;  // in the order of follow()
+};
+
+// One point in each column, scaled between minimum and maximum. With `unicode` in eighths of a
+// line, else in ASCII.
+[[nodiscard]] std::string sparkline(const TrendPoints& points, std::size_t columns, bool unicode);
 
 }  // namespace fieldcast::cli

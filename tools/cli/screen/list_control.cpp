@@ -5,6 +5,7 @@
 #include "tools/cli/text/cell_text.hpp"
 
 namespace fieldcast::cli {
+
 namespace {
 
 constexpr std::ptrdiff_t kWheelRows = 3;

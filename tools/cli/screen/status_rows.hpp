@@ -1,12 +1,23 @@
-// Rows of `fieldcast status`: buses with devices, standby groups with members. Pure.
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <vector>
 
+#include "core/model/channel_pattern.hpp"
 #include "tools/cli/screen/row_list.hpp"
+#include "tools/cli/text/output.hpp"
 #include "tools/cli/view/status/status_facts.hpp"
 
 namespace fieldcast::cli {
+
+// "closed", "offline"; empty if unknown or healthy. REQUIRES: a path without a channel.
+[[nodiscard]] Span group_state(const StatusModel& model, const ChannelPath& id);
+
+[[nodiscard]] std::vector<FrameLine> status_details(const StatusModel& model, const ChannelPath& id,
+                                                    UtcTime now, std::size_t columns);
+
+// Rows of `fieldcast status`: buses with devices, standby groups with members. Pure.
 
 [[nodiscard]] Rank rank_of(const StationBusStatus& bus);
 [[nodiscard]] Rank rank_of(const StationDeviceStatus& device);

@@ -9,10 +9,9 @@
 #include <utility>
 
 #include "tools/cli/model/sample_text.hpp"
-#include "tools/cli/screen/status_details.hpp"
 #include "tools/cli/screen/status_rows.hpp"
 #include "tools/cli/text/cell_text.hpp"
-#include "tools/cli/view/status/standby_facts.hpp"
+#include "tools/cli/view/status/status_facts.hpp"
 
 namespace fieldcast::cli {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "tools/cli/screen/list_control.hpp"
-#include "tools/cli/text/frame.hpp"
+#include "tools/cli/text/output.hpp"
 #include "tools/cli/view/status/status_facts.hpp"
 
 namespace fieldcast::cli {

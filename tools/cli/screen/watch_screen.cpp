@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "tools/cli/model/sample_text.hpp"
-#include "tools/cli/screen/channel_columns.hpp"
-#include "tools/cli/screen/status_details.hpp"
+#include "tools/cli/screen/status_rows.hpp"
+#include "tools/cli/screen/watch_pane.hpp"
 #include "tools/cli/text/cell_text.hpp"
 
 namespace fieldcast::cli {

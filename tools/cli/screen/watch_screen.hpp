@@ -10,8 +10,7 @@
 #include "tools/cli/model/command_text.hpp"
 #include "tools/cli/screen/channel_rows.hpp"
 #include "tools/cli/screen/list_control.hpp"
-#include "tools/cli/screen/trend.hpp"
-#include "tools/cli/text/frame.hpp"
+#include "tools/cli/text/output.hpp"
 #include "tools/cli/view/status/status_view.hpp"
 
 namespace fieldcast::cli {

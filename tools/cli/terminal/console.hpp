@@ -1,6 +1,11 @@
 #pragma once
 
-#include "tools/cli/text/text_table.hpp"
+#include <iosfwd>
+#include <string>
+#include <tl/expected.hpp>
+
+#include "bridge/base/secret.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 
@@ -9,5 +14,11 @@ namespace fieldcast::cli {
 [[nodiscard]] bool output_is_pipe();
 // No size and no colour without a terminal. Honours NO_COLOR (no-color.org). Main thread.
 [[nodiscard]] Screen output_screen();
+
+// First line of the file, which others must not be able to read. Without a file: prompts twice if
+// `in` is std::cin and a terminal, else reads a line. The error is one human-readable line.
+[[nodiscard]] tl::expected<Secret, std::string> new_password(const std::string& file,
+                                                             std::istream& in,
+                                                             std::ostream& prompt);
 
 }  // namespace fieldcast::cli

@@ -1,16 +1,19 @@
 #include "tools/cli/terminal/interrupt.hpp"
 
 #include <pthread.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
 
+#include "tools/cli/terminal/gzip_file.hpp"
 #include "tools/cli/terminal/terminal.hpp"
-#include "tools/cli/text/exit_code.hpp"
+#include "tools/cli/text/output.hpp"
 #include "tools/progress/progress_line.hpp"
 
 namespace fieldcast::cli {
+
 namespace {
 
 sigset_t ending_signals() {
@@ -57,6 +60,27 @@ void Interrupt::wait_for_signals() {
   give_terminal_back_now();
   wipe_progress_at_end();
   std::_Exit(to_int(ExitCode::kInterrupted));
+}
+
+EndAtOnce::EndAtOnce(Duration grace) : grace_(grace) {
+  interrupt_.on_raise([this] { end(); });
+}
+
+EndAtOnce::~EndAtOnce() {
+  {
+    const std::lock_guard lock(whole_);
+    ended_ = true;
+  }
+  changed_.notify_all();
+  interrupt_.on_raise({});
+}
+
+void EndAtOnce::end() {
+  std::unique_lock lock(whole_);
+  if (changed_.wait_for(lock, grace_, [this] { return ended_; })) return;
+  wipe_progress_at_end();
+  GzipFile::remove_unfinished();
+  ::_exit(to_int(ExitCode::kInterrupted));
 }
 
 }  // namespace fieldcast::cli

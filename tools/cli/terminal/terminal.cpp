@@ -23,8 +23,8 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/cli/terminal/clock.hpp"
 #include "tools/cli/terminal/console.hpp"
+#include "tools/cli/terminal/interrupt.hpp"
 #include "tools/cli/terminal/terminal_name.hpp"
 
 namespace fieldcast::cli {

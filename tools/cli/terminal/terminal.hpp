@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "core/base/time.hpp"
-#include "tools/cli/text/frame.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/cli/text/text_table.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 

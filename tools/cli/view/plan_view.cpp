@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <set>
 
-#include "tools/cli/view/read_plan_view.hpp"
+#include "tools/cli/view/simulation_view.hpp"
 
 namespace fieldcast::cli {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "core/base/json.hpp"
 #include "tools/cli/model/bus_plan.hpp"
-#include "tools/cli/text/text_table.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 

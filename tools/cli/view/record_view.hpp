@@ -1,17 +1,32 @@
-// Formats records of the store as text, CSV and JSON with IDL field names. Pure functions.
+// Formats buckets as text, CSV and JSON. Pure, except for local times.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "bridge/store/records/records.hpp"
-#include "bridge/store/users/token_table.hpp"
+#include "bridge/store/tiers/bucket.hpp"
+#include "bridge/store/tiers/sample_table.hpp"
 #include "bridge/store/users/user_table.hpp"
 #include "core/base/json.hpp"
-#include "tools/cli/model/time_text.hpp"
-#include "tools/cli/text/text_table.hpp"
+#include "tools/cli/model/sample_text.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
+
+// Columns have a fixed usual width, because lines are printed one by one.
+[[nodiscard]] std::string bucket_head(Zone zone);
+[[nodiscard]] std::string bucket_line(const StoredChannel& channel, const Bucket& bucket,
+                                      Zone zone);
+
+// RFC 4180. min, max and average are empty if no sample was good.
+[[nodiscard]] std::string bucket_csv_head();
+[[nodiscard]] std::string bucket_csv(const StoredChannel& channel, const Bucket& bucket, Zone zone);
+
+// The time is the start of the bucket in nanoseconds.
+[[nodiscard]] Json bucket_json(const StoredChannel& channel, const Bucket& bucket);
+
+// Formats records of the store as text, CSV and JSON with IDL field names. Pure functions.
 
 [[nodiscard]] Json record_json(const StoredSample& sample);  // fields of a sample, and published_at
 [[nodiscard]] Json record_json(const AuditEntry& entry);

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "tools/import/formats/readers.hpp"
-
 namespace fieldcast::importing {
 
 std::span<const Format> formats() {

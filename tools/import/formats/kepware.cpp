@@ -9,13 +9,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/import/formats/format.hpp"
 #include "tools/import/formats/kepware_family.hpp"
-#include "tools/import/formats/readers.hpp"
 #include "tools/import/points/address.hpp"
-#include "tools/import/points/array_points.hpp"
 #include "tools/import/points/types.hpp"
-#include "tools/import/text/columns.hpp"
-#include "tools/import/text/number.hpp"
+#include "tools/import/text/table.hpp"
+#include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {
 namespace {

@@ -7,9 +7,8 @@
 #include <cctype>
 #include <optional>
 
-#include "tools/import/points/array_points.hpp"
+#include "tools/import/points/address.hpp"
 #include "tools/import/points/types.hpp"
-#include "tools/import/text/number.hpp"
 #include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {

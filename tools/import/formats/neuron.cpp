@@ -8,11 +8,10 @@
 #include <algorithm>
 #include <array>
 
+#include "tools/import/formats/format.hpp"
 #include "tools/import/formats/neuron_tag.hpp"
-#include "tools/import/formats/readers.hpp"
 #include "tools/import/points/address.hpp"
-#include "tools/import/points/other_keys.hpp"
-#include "tools/import/text/number.hpp"
+#include "tools/import/points/names.hpp"
 #include "tools/import/text/table.hpp"
 #include "tools/import/text/text.hpp"
 #include "tools/import/text/tree.hpp"

@@ -7,7 +7,6 @@
 
 #include "tools/import/points/address.hpp"
 #include "tools/import/points/types.hpp"
-#include "tools/import/text/number.hpp"
 #include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {

@@ -7,11 +7,11 @@
 #include <algorithm>
 
 #include "core/base/duration_text.hpp"
-#include "tools/import/formats/readers.hpp"
+#include "tools/import/formats/format.hpp"
 #include "tools/import/points/address.hpp"
-#include "tools/import/points/other_keys.hpp"
+#include "tools/import/points/names.hpp"
 #include "tools/import/points/types.hpp"
-#include "tools/import/text/number.hpp"
+#include "tools/import/text/text.hpp"
 #include "tools/import/text/tree.hpp"
 
 namespace fieldcast::importing {

@@ -4,11 +4,12 @@
 
 #include <algorithm>
 
-#include "tools/import/text/number.hpp"
+#include "tools/import/points/types.hpp"
 #include "tools/import/text/table.hpp"
 #include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {
+
 namespace {
 
 struct AreaWord {
@@ -245,6 +246,18 @@ tl::expected<Reference, std::string> reference_from(std::string_view text, unsig
     return tl::unexpected(fmt::format("bit '{}' is not 0 to 15", text.substr(point + 1)));
   reference->bit = static_cast<std::uint8_t>(*bit);
   return reference;
+}
+
+void append_array(std::vector<Point>& points, const Point& first, ModbusArea area,
+                  std::uint32_t address, unsigned count) {
+  const unsigned step = holds_bits(area) ? 1 : registers_of(first.type, first.string_bytes);
+  for (unsigned i = 0; i < count && points.size() <= kMaxPoints; ++i) {
+    Point point = first;
+    point.name = fmt::format("{}-{}", first.name, i);
+    point.at = address_text(area, address + std::uint64_t{i} * step);
+    point.changes.push_back(fmt::format("element {} of an array of {}", i, count));
+    points.push_back(std::move(point));
+  }
 }
 
 }  // namespace fieldcast::importing

@@ -5,6 +5,9 @@
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
+#include <vector>
+
+#include "tools/import/points/model.hpp"
 
 namespace fieldcast::importing {
 
@@ -40,5 +43,10 @@ struct Reference {
 // `base`: number of the first register in "40001" and "4x0001". The error is the reason.
 [[nodiscard]] tl::expected<Reference, std::string> reference_from(std::string_view text,
                                                                   unsigned base = 1);
+
+// Appends points at consecutive addresses: NAME-0, NAME-1, .. Stops one point above kMaxPoints.
+// REQUIRES: count > 0. Pure.
+void append_array(std::vector<Point>& points, const Point& first, ModbusArea area,
+                  std::uint32_t address, unsigned count);
 
 }  // namespace fieldcast::importing

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "tools/import/text/number.hpp"
 #include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {

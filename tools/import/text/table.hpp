@@ -2,6 +2,9 @@
 // rows, kMaxCells cells each; the rest is dropped and reported.
 #pragma once
 
+#include <array>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
@@ -30,5 +33,67 @@ struct Table {
 
 // Lower case, letters and digits only: "Eng. Units" becomes "engunits".
 [[nodiscard]] std::string column_word(std::string_view title);
+
+// Maps the titles of a list to fields. Pure.
+
+enum class Field : std::uint8_t {
+  kName,
+  kGroup,
+  kAddress,
+  kArea,
+  kType,
+  kAccess,
+  kRefresh,
+  kScaling,
+  kRawLow,
+  kRawHigh,
+  kScaledLow,
+  kScaledHigh,
+  kClampLow,
+  kClampHigh,
+  kNegate,
+  kUnit,
+  kDescription,
+  kScale,
+  kDivisor,
+  kDecimals,
+  kOffset,
+  kBit,
+  kLength,
+  kWordOrder,
+  kDevice,  // device address on the bus
+  kMin,
+  kMax,
+  kCount  // number of fields
+};
+
+struct ColumnName {
+  std::string_view word;  // as returned by column_word()
+  Field field;
+};
+
+class Columns {
+ public:
+  // Uses the first column of each field. `word_of` normalizes titles.
+  Columns(const Row& header, std::span<const ColumnName> names,
+          std::string (*word_of)(std::string_view) = column_word);
+
+  [[nodiscard]] bool has(Field field) const { return index_of(field).has_value(); }
+  [[nodiscard]] std::string_view cell(const Row& row, Field field) const;
+  [[nodiscard]] std::optional<std::size_t> index_of(Field field) const {
+    return indexes_[static_cast<std::size_t>(field)];
+  }
+  [[nodiscard]] std::vector<std::size_t> others(Field field) const;
+  // Assigns a different column to the field, or none. Assigned titles count as known.
+  void set(Field field, std::optional<std::size_t> column);
+  [[nodiscard]] std::size_t known() const { return known_; }
+  [[nodiscard]] std::vector<std::string> ignored() const;
+
+ private:
+  std::array<std::optional<std::size_t>, static_cast<std::size_t>(Field::kCount)> indexes_{};
+  std::size_t known_ = 0;
+  std::vector<std::string> titles_;
+  std::vector<std::optional<Field>> meant_;  // by column
+};
 
 }  // namespace fieldcast::importing

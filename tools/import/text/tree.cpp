@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
+#include <vector>
 
-#include "config/document/fault_list.hpp"
-#include "tools/import/text/number.hpp"
+#include "config/document/document.hpp"
+#include "core/base/value.hpp"
 #include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {
@@ -57,5 +59,137 @@ std::optional<bool> bool_at(const Node& map, std::string_view key) {
 
 bool is_list(const Node* node) { return node != nullptr && node->kind == config::Kind::kList; }
 bool is_map(const Node* node) { return node != nullptr && node->kind == config::Kind::kMap; }
+
+// Builds the tree from nlohmann's SAX events. The iterator counts lines, because events have none.
+
+namespace {
+
+// Reads characters and counts line ends. Copies share the count.
+class CountingIterator {
+ public:
+  using iterator_category = std::input_iterator_tag;
+  using value_type = char;
+  using difference_type = std::ptrdiff_t;
+  using pointer = const char*;
+  using reference = const char&;
+
+  CountingIterator(const char* at, std::uint32_t* lines) : at_(at), lines_(lines) {}
+  reference operator*() const { return *at_; }
+  CountingIterator& operator++() {
+    if (*at_ == '\n') ++*lines_;
+    ++at_;
+    return *this;
+  }
+  friend bool operator==(const CountingIterator& a, const CountingIterator& b) {
+    return a.at_ == b.at_;
+  }
+
+ private:
+  const char* at_;
+  std::uint32_t* lines_;
+};
+
+class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
+ public:
+  TreeBuilder(config::Document& document, const std::uint32_t& line)
+      : document_(document), line_(line) {}
+
+  bool null() override { return add(config::Kind::kNull, {}) != nullptr; }
+  bool boolean(bool value) override { return scalar(value ? "true" : "false", false); }
+  bool number_integer(number_integer_t value) override {
+    return scalar(std::to_string(value), false);
+  }
+  bool number_unsigned(number_unsigned_t value) override {
+    return scalar(std::to_string(value), false);
+  }
+  bool number_float(number_float_t value, const string_t&) override {
+    return scalar(number_text(value), false);
+  }
+  bool string(string_t& value) override { return scalar(std::move(value), true); }
+  bool binary(binary_t&) override { return false; }
+  bool start_object(std::size_t) override { return open(config::Kind::kMap); }
+  bool end_object() override { return close(); }
+  bool start_array(std::size_t) override { return open(config::Kind::kList); }
+  bool end_array() override { return close(); }
+  bool key(string_t& value) override {
+    Node* node = make(config::Kind::kScalar, std::move(value));
+    keys_.back() = node;
+    return node != nullptr;
+  }
+  bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override {
+    fault_ = fmt::format("line {}: no JSON from here on", line_ + 1);
+    return false;
+  }
+  [[nodiscard]] const std::string& fault() const { return fault_; }
+
+ private:
+  Node* make(config::Kind kind, std::string text) {
+    if (document_.nodes.size() == kMaxTreeNodes) {
+      fault_ = fmt::format("line {}: more than {} values", line_ + 1, kMaxTreeNodes);
+      return nullptr;
+    }
+    Node& node = document_.nodes.emplace_back();
+    node.kind = kind;
+    node.text = std::move(text);
+    node.position = {&document_.source, line_, 0};
+    return &node;
+  }
+
+  Node* add(config::Kind kind, std::string text) {
+    Node* node = make(kind, std::move(text));
+    if (node == nullptr) return nullptr;
+    if (open_.empty()) {
+      document_.root = node;
+    } else if (open_.back()->kind == config::Kind::kList) {
+      open_.back()->items.push_back(node);
+    } else {
+      open_.back()->entries.push_back({keys_.back(), node});
+    }
+    return node;
+  }
+
+  bool scalar(std::string text, bool quoted) {
+    Node* node = add(config::Kind::kScalar, std::move(text));
+    if (node != nullptr) node->quoted = quoted;
+    return node != nullptr;
+  }
+
+  bool open(config::Kind kind) {
+    if (open_.size() == kMaxTreeDepth) {
+      fault_ = fmt::format("line {}: nested deeper than {} levels", line_ + 1, kMaxTreeDepth);
+      return false;
+    }
+    Node* node = add(kind, {});
+    if (node == nullptr) return false;
+    open_.push_back(node);
+    keys_.push_back(nullptr);
+    return true;
+  }
+  bool close() {
+    open_.pop_back();
+    keys_.pop_back();
+    return true;
+  }
+
+  config::Document& document_;
+  const std::uint32_t& line_;
+  std::vector<Node*> open_;
+  std::vector<Node*> keys_;  // parallel to open_
+  std::string fault_;
+};
+
+}  // namespace
+
+Tree read_json(std::string_view text) {
+  auto document = std::make_unique<config::Document>();
+  std::uint32_t line = 0;
+  TreeBuilder builder(*document, line);
+  const bool done = nlohmann::json::sax_parse(
+      CountingIterator(text.data(), &line), CountingIterator(text.data() + text.size(), &line),
+      &builder, nlohmann::json::input_format_t::json, true, true);
+  if (!done || document->root == nullptr)
+    return tl::unexpected(builder.fault().empty() ? "no JSON" : builder.fault());
+  return document;
+}
 
 }  // namespace fieldcast::importing

@@ -12,8 +12,8 @@
 #include <optional>
 #include <vector>
 
-#include "tools/import/text/number.hpp"
 #include "tools/import/text/table.hpp"
+#include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {
 namespace {

@@ -8,7 +8,7 @@
 #include "config/document/map_reader.hpp"
 #include "config/document/scalars.hpp"
 #include "config/document/suggest.hpp"
-#include "config/files/recognition.hpp"
+#include "config/files/file_reader.hpp"
 #include "config/loader/loader.hpp"
 #include "tools/sim/device/device.hpp"
 

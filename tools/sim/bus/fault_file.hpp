@@ -9,7 +9,7 @@
 
 #include "config/document/fault.hpp"
 #include "core/model/spec.hpp"
-#include "tools/sim/bus/faults.hpp"
+#include "tools/sim/bus/wire.hpp"
 
 namespace fieldcast::sim {
 

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "core/protocol/protocol.hpp"
-#include "tools/sim/bus/faults.hpp"
 #include "tools/sim/bus/wire.hpp"
 #include "tools/sim/device/device.hpp"
 

@@ -1,6 +1,7 @@
 #include "tools/sim/bus/wire.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace fieldcast::sim {
 
@@ -140,6 +141,79 @@ std::optional<Passed> Wire::advance(Instant now) {
   }
   if (earliest > now || earliest == kNever) return std::nullopt;
   return sending ? pass_transmission(*sending) : pass_queued();
+}
+
+BitNoise::BitNoise(double rate, unsigned bits_per_character, std::uint64_t seed)
+    : rate_(rate), bits_(bits_per_character), random_(seed) {
+  draw();
+}
+
+void BitNoise::draw() {
+  if (rate_ <= 0) return;
+  // The number of good bits is geometrically distributed; 1e15 bits exceed any run.
+  const double gap = rate_ >= 1
+                         ? 0
+                         : std::floor(std::log1p(-std::generate_canonical<double, 53>(random_)) /
+                                      std::log1p(-rate_));
+  bits_left_ = static_cast<std::uint64_t>(std::min(gap, 1e15));
+}
+
+std::uint8_t BitNoise::pass(std::uint8_t character) {
+  if (rate_ <= 0) return character;
+  unsigned used = 0;
+  while (bits_left_ < bits_ - used) {
+    used += static_cast<unsigned>(bits_left_) + 1;
+    // Bits 1..8 are data. A flipped start, parity or stop bit usually gives a wrong character.
+    character =
+        static_cast<std::uint8_t>(character ^ (used >= 2 && used <= 9 ? 1u << (used - 2) : 0x55u));
+    draw();
+  }
+  bits_left_ -= bits_ - used;
+  return character;
+}
+
+std::uint8_t BitNoise::garble(std::uint8_t character) {
+  return static_cast<std::uint8_t>(character ^ (1 + random_() % 255));
+}
+
+bool FaultDice::happens(double probability) {
+  return probability > 0 && std::generate_canonical<double, 53>(random_) < probability;
+}
+
+bool FaultDice::dead(Duration since_start) const {
+  return std::ranges::any_of(faults_.silence,
+                             [&](const Window& window) { return window.holds(since_start); });
+}
+
+FaultyResponse FaultDice::roll(Bytes answer) {
+  FaultyResponse out{std::move(answer), faults_.delay.base};
+  if (faults_.delay.spread > Duration{}) {
+    out.delay +=
+        Duration{static_cast<std::int64_t>(std::generate_canonical<double, 53>(random_) *
+                                           static_cast<double>(faults_.delay.spread.count()))};
+  }
+  if (happens(faults_.delay.spike_probability)) out.delay += faults_.delay.spike;
+  if (happens(faults_.late_probability)) {
+    out.delay += faults_.late;
+    ++late_;
+  }
+  if (happens(faults_.garble)) {
+    for (std::uint64_t hits = 1 + random_() % 3; hits > 0 && !out.characters.empty(); --hits) {
+      std::uint8_t& character = out.characters[random_() % out.characters.size()];
+      character = static_cast<std::uint8_t>(character ^ (1 + random_() % 255));
+    }
+  }
+  if (happens(faults_.truncate))
+    out.characters.resize(random_() % std::max<std::size_t>(1, out.characters.size()));
+  if (happens(faults_.stray)) {
+    Bytes stray(4 + random_() % 12);
+    for (std::uint8_t& character : stray) character = static_cast<std::uint8_t>(random_());
+    out.characters.insert(out.characters.begin(), stray.begin(), stray.end());
+  }
+  if (happens(faults_.loss)) out.characters.clear();
+  out.doubled = happens(faults_.doubled);
+  doubled_ += out.doubled ? 1 : 0;
+  return out;
 }
 
 }  // namespace fieldcast::sim

@@ -1,12 +1,165 @@
-// Checks device errors, a silent device, and responses of a wrong station.
+// Runs the engine with two devices, one often late: no channel may show another's value.
+
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <stdexcept>
 
+#include "core/bus/bus_engine.hpp"
+#include "core/codec/value_codec.hpp"
+#include "core/protocol/families/registry.hpp"
 #include "tools/sim/check/requests.hpp"
 #include "tools/sim/check/sim_check.hpp"
 
 namespace fieldcast::sim {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration kRun = 20s;
+constexpr std::size_t kMostChannels = 12;
+
+class LateBus {
+ public:
+  LateBus(const Subject& subject, CheckRow& row)
+      : requests_(subject), row_(row), spec_(bus_of(subject)) {
+    BusFaults faults;
+    DeviceFaults& own = faults.devices[spec_.devices[0].name];
+    own.late_probability = 0.2;
+    own.late = 60ms;  // longer than the learned response time, shorter than the timeout
+    auto plant = SimBus::make(spec_, faults, 3, now_);
+    if (!plant) throw std::runtime_error(plant.error());
+    plant_ = std::move(*plant);
+    line_ = plant_->open_line();
+    for (std::size_t device = 0; device < spec_.devices.size(); ++device) add_channels(device);
+    engine_ = std::make_unique<BusEngine>(spec_);
+  }
+
+  void run() {
+    feed(Opened{});
+
+    while (now_ < Instant{} + kRun) {
+      const Instant next = std::min(timer_, line_->next_due());
+      if (next == kNever)
+        return row_.fail("the bus stands still from " + to_text(now_ - Instant{}), "");
+      now_ = std::max(now_, next);
+      Bytes received;
+      line_->advance(now_, received);
+      if (!received.empty()) feed(Received{received});
+      if (timer_ <= now_) {
+        timer_ = kNever;
+        feed(TimerFired{});
+      }
+    }
+    if (row_.tried == 0) row_.fail("no good sample in " + to_text(kRun), "");
+  }
+
+ private:
+  static BusSpec bus_of(const Subject& subject) {
+    BusSpec bus;
+    bus.name = "check";
+    bus.port = subject.port;
+    std::vector<Subject> members{subject};
+    if (const auto neighbour = subject.neighbour()) members.push_back(*neighbour);
+    for (const Subject& each : members) {
+      bus.devices.push_back(each.device);
+      bus.devices.back().name += std::to_string(bus.devices.size());
+      bus.devices.back().timeout = 100ms;
+      const ProtocolEntry* entry = find_protocol(subject.device.protocol);
+      if (entry != nullptr && entry->one_device) break;
+    }
+    return bus;
+  }
+
+  static Encoding encoding_of(const Slot& slot) {
+    Encoding encoding{ValueType::kBool};
+    if (slot.text_bytes != 0) {
+      encoding.type = ValueType::kString;
+      encoding.string_bytes = slot.text_bytes;
+      return encoding;
+    }
+    switch (slot.item_bits * slot.range.count) {
+      case 8: encoding.type = ValueType::kUint8; break;
+      case 16: encoding.type = ValueType::kUint16; break;
+      case 32: encoding.type = ValueType::kUint32; break;
+      case 64: encoding.type = ValueType::kUint64; break;
+      default: break;
+    }
+    return encoding;
+  }
+
+  // Adds one channel for each area or record value, each with its own number or text.
+  void add_channels(std::size_t device) {
+    DeviceSpec& spec = spec_.devices[device];
+    for (std::size_t i = 0;
+         i < requests_.protocol().areas().size() && spec.channels.size() < kMostChannels; ++i) {
+      const auto area = static_cast<AreaIndex>(i);
+      const Area& shape = requests_.protocol().areas()[i];
+      auto slots = requests_.places(area);
+      if (slots.empty()) slots = requests_.slots(area, 1);
+      for (const Slot& slot : slots) {
+        const Bytes image = Requests::contents(slot, random_);
+        if (!Requests::poke(*plant_->members()[device].device, shape.name, slot, image)) continue;
+        ChannelSpec channel;
+        channel.name = fmt::format("c{}", spec.channels.size());
+        channel.range = slot.range;
+        channel.encoding = encoding_of(slot);
+        channel.refresh = 500ms;
+        spec.channels.push_back(channel);
+        expected_.push_back(
+            decode_value(channel.encoding, shape.item_bits, image).value_or(Value{false}));
+      }
+    }
+  }
+
+  void feed(const BusEvent& event) {
+    Actions actions;
+    engine_->on_event(event, now_, actions);
+    make_plans(*engine_, now_, actions);
+    bool reopen = false;
+    for (const Action& action : actions) {
+      reopen = reopen || std::holds_alternative<Reopen>(action);
+      if (const auto* send = std::get_if<Send>(&action)) line_->receive(send->bytes, now_);
+      if (const auto* timer = std::get_if<SetTimer>(&action)) timer_ = std::max(timer->at, now_);
+      if (const auto* publish = std::get_if<Publish>(&action)) {
+        for (const Sample& sample : publish->samples) judge(sample);
+      }
+    }
+    if (!reopen) return;
+    line_ = plant_->open_line();
+    feed(Opened{});
+  }
+
+  void judge(const Sample& sample) {
+    if (sample.quality != Quality::kGood) return;
+    if (sample.value == expected_[sample.channel]) return row_.pass();
+    row_.fail(fmt::format("channel {} shows a value that is not its own at {}", sample.channel,
+                          to_text(now_ - Instant{})),
+              "");
+  }
+
+  Requests requests_;
+  CheckRow& row_;
+  BusSpec spec_;
+  std::unique_ptr<SimBus> plant_;
+  std::unique_ptr<BusLine> line_;
+  std::unique_ptr<BusEngine> engine_;
+  std::vector<Value> expected_;
+  Instant now_{}, timer_ = kNever;
+  std::mt19937 random_{5};
+};
+
+}  // namespace
+
+void check_late(const Subject& subject, CheckRows& rows) {
+  CheckRow row{.check = "late response", .where = "with the engine"};
+  LateBus(subject, row).run();
+  rows.push_back(std::move(row));
+}
+
+// Checks device errors, a silent device, and responses of a wrong station.
+
 namespace {
 
 constexpr std::uint8_t kCode = 4;

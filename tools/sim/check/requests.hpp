@@ -57,4 +57,13 @@ class Requests {
   std::unique_ptr<Protocol> protocol_;
 };
 
+// All notations of an address. The simulated device must accept what the bridge accepts.
+
+// Returns at least one address of each form; for a declaration, of its areas and records.
+[[nodiscard]] std::vector<std::string> notations_of(const Subject& subject);
+
+// Default type: bool for a bit, an unsigned number of its width, or a declared text.
+[[nodiscard]] Encoding natural_encoding(const ParsedAddress& address, const Area& area,
+                                        const declared::Declaration* declaration);
+
 }  // namespace fieldcast::sim

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "tools/sim/device/digits.hpp"
+#include "tools/sim/device/device.hpp"
 
 namespace fieldcast::sim {
 namespace {

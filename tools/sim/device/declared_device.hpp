@@ -7,7 +7,7 @@
 #include <string>
 
 #include "tools/sim/device/declared_text.hpp"
-#include "tools/sim/device/memory_device.hpp"
+#include "tools/sim/device/item_memory.hpp"
 
 namespace fieldcast::sim {
 

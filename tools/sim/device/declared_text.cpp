@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "tools/sim/device/digits.hpp"
+#include "tools/sim/device/device.hpp"
 
 namespace fieldcast::sim {
 namespace {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 namespace fieldcast::sim {
+
 namespace {
 
 bool is_signed(ValueType type) {

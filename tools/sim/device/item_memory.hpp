@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "tools/sim/device/device.hpp"
@@ -80,6 +81,27 @@ class ItemMemory {
   std::vector<Channel> channels_;
   std::vector<std::multimap<std::uint32_t, Part>> parts_;
   std::vector<std::unordered_map<std::uint32_t, std::uint64_t>> written_;
+};
+
+// A simulated device whose items are in an ItemMemory. Owned as SimDevice.
+
+class MemoryDevice : public SimDevice {
+ public:
+  [[nodiscard]] const DeviceStatistics& statistics() const override { return statistics_; }
+  [[nodiscard]] std::optional<std::uint64_t> peek(std::string_view area, std::uint32_t item,
+                                                  Instant now) override {
+    return memory_.peek(area, item, now);
+  }
+  bool poke(std::string_view area, std::uint32_t item, std::uint64_t bits) override {
+    return memory_.poke(area, item, bits);
+  }
+  [[nodiscard]] ItemMemory& memory() { return memory_; }
+
+ protected:
+  explicit MemoryDevice(ItemMemory memory) : memory_(std::move(memory)) {}
+
+  ItemMemory memory_;
+  DeviceStatistics statistics_;
 };
 
 }  // namespace fieldcast::sim

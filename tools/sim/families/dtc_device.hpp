@@ -1,3 +1,21 @@
+// LZW over nibbles for the simulated DTC device, independent of the bridge's implementation.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/base/bytes.hpp"
+#include "tools/sim/device/item_memory.hpp"
+
+namespace fieldcast::sim {
+
+[[nodiscard]] Bytes dtc_compress(ByteView message);
+
+// Empty if the codes do not decode to `length` bytes. REQUIRES: length <= 4096.
+[[nodiscard]] std::optional<Bytes> dtc_expand(ByteView codes, std::size_t length);
+
 // A simulated DTC device. Implemented from the specification only, independent of the bridge's
 // codec except for the checksum.
 //
@@ -7,15 +25,6 @@
 //
 // Has the bridge's options max-message, and threshold for sent messages (default and `auto`: 24
 // bytes).
-#pragma once
-
-#include <array>
-#include <memory>
-#include <string>
-
-#include "tools/sim/device/memory_device.hpp"
-
-namespace fieldcast::sim {
 
 inline constexpr std::array<std::string_view, 5> kDtcAreaNames{"bit", "int16", "int32", "float32",
                                                                "float64"};

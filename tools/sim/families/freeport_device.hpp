@@ -14,7 +14,7 @@
 #include <memory>
 #include <string>
 
-#include "tools/sim/device/memory_device.hpp"
+#include "tools/sim/device/item_memory.hpp"
 
 namespace fieldcast::sim {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "core/codec/checksum.hpp"
-#include "tools/sim/device/digits.hpp"
+#include "tools/sim/device/device.hpp"
 
 namespace fieldcast::sim {
 namespace {

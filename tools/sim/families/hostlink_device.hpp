@@ -10,9 +10,8 @@
 #include <memory>
 #include <string>
 
-#include "tools/sim/device/memory_device.hpp"
+#include "tools/sim/device/item_memory.hpp"
 #include "tools/sim/families/fins_unit.hpp"
-#include "tools/sim/families/omron_memory.hpp"
 
 namespace fieldcast::sim {
 

@@ -4,12 +4,11 @@
 #include "tools/sim/device/declared_device.hpp"
 #include "tools/sim/device/device.hpp"
 #include "tools/sim/families/dtc_device.hpp"
+#include "tools/sim/families/fins_unit.hpp"
 #include "tools/sim/families/freeport_device.hpp"
 #include "tools/sim/families/fx_device.hpp"
 #include "tools/sim/families/hostlink_device.hpp"
-#include "tools/sim/families/modbus/modbus_device.hpp"
 #include "tools/sim/families/modbus/modbus_memory.hpp"
-#include "tools/sim/families/omron_memory.hpp"
 #include "tools/sim/families/ppi_device.hpp"
 
 namespace fieldcast::sim {

@@ -15,7 +15,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "bridge/base/errno_text.hpp"
+#include "bridge/base/file_descriptor.hpp"
 
 namespace fieldcast::sim {
 namespace {

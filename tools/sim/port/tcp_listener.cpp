@@ -8,7 +8,7 @@
 
 #include <cerrno>
 
-#include "bridge/base/errno_text.hpp"
+#include "bridge/base/file_descriptor.hpp"
 
 namespace fieldcast::sim {
 

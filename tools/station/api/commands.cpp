@@ -1,14 +1,17 @@
 #include "tools/station/api/commands.hpp"
 
+#include <fmt/format.h>
+
 #include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "core/base/json.hpp"
-#include "tools/station/api/alarm_request.hpp"
-#include "tools/station/api/base/response.hpp"
-#include "tools/station/http/json_body.hpp"
+#include "core/base/message_text.hpp"
+#include "tools/station/api/base/exchange.hpp"
+#include "tools/station/http/route_table.hpp"
 
 namespace fieldcast::web {
+
 namespace {
 
 HttpResponse refused(unsigned status, const Refusal& refusal) {
@@ -114,6 +117,132 @@ void add_command_routes(RouteTable& table, const LiveModel& model, CommandSink& 
              [&commands](const HttpRequest& request, const Caller& caller, const Reply& reply) {
                maintain(commands, request, caller, reply);
              }});
+}
+
+namespace {
+
+using Body = nlohmann::json;
+
+constexpr std::size_t kMaxNameBytes = 64;   // limit of the topic
+constexpr std::size_t kMaxNoteBytes = 256;  // limit of the topic
+
+tl::unexpected<HttpResponse> refuse(std::string_view error, std::string_view hint) {
+  return tl::make_unexpected(error_response(400, error, hint));
+}
+
+std::optional<HttpResponse> unknown_member(const Body& object,
+                                           std::initializer_list<std::string_view> known) {
+  for (const auto& [name, value] : object.items()) {
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      return error_response(400, fmt::format("'{}' is unknown here", printable(name, 80)),
+                            fmt::format("known: {}", fmt::join(known, ", ")));
+  }
+  return std::nullopt;
+}
+
+Checked<std::string> name_in(const Body& object, const char* name) {
+  const auto found = object.find(name);
+  if (found != object.end() && found->is_string()) {
+    const auto& text = found->get_ref<const std::string&>();
+    if (!text.empty() && text.size() <= kMaxNameBytes) return text;
+  }
+  return refuse(fmt::format("{} is missing, or no name", name),
+                fmt::format("\"{}\": a text of 1 to {} bytes", name, kMaxNameBytes));
+}
+
+Checked<std::string> note_in(const Body& object) {
+  const auto found = object.find("note");
+  if (found == object.end()) return std::string();
+  if (found->is_string() && found->get_ref<const std::string&>().size() <= kMaxNoteBytes)
+    return printable(found->get<std::string>());
+  return refuse("the note cannot be used",
+                fmt::format("\"note\": a text of at most {} bytes", kMaxNoteBytes));
+}
+
+Checked<Duration> minutes_in(const Body& object, std::uint32_t least, std::uint32_t most) {
+  const auto found = object.find("minutes");
+  if (found != object.end() && found->is_number_unsigned()) {
+    const auto minutes = found->get<std::uint64_t>();
+    if (minutes >= least && minutes <= most)
+      return std::chrono::minutes{static_cast<std::int64_t>(minutes)};
+  }
+  return refuse("minutes is missing, or out of range",
+                fmt::format("\"minutes\": a whole number from {} to {}", least, most));
+}
+
+Checked<AlarmKey> alarm_in(const Body& object) {
+  if (!object.is_object())
+    return refuse("an alarm is an object", R"({"bus", "device", "channel", "limit"})");
+  if (auto fault = unknown_member(object, {"bus", "device", "channel", "limit"}))
+    return tl::make_unexpected(*std::move(fault));
+  AlarmKey key;
+  const std::pair<const char*, std::string*> names[] = {
+      {"bus", &key.bus}, {"device", &key.device}, {"channel", &key.channel}};
+  for (const auto& [name, to] : names) {
+    auto text = name_in(object, name);
+    if (!text) return tl::make_unexpected(std::move(text.error()));
+    *to = *std::move(text);
+  }
+  const auto limit = name_in(object, "limit");
+  const auto kind = limit ? limit_kind_from(*limit) : std::nullopt;
+  if (!kind) return refuse("this is no limit", R"("limit": "low-low", "low", "high", "high-high")");
+  key.limit = *kind;
+  return key;
+}
+
+}  // namespace
+
+Checked<std::vector<AlarmAction>> alarm_actions(AlarmActionKind kind, const Body& body) {
+  const bool shelves = kind == AlarmActionKind::kShelve;
+  auto fault = shelves ? unknown_member(body, {"alarms", "note", "minutes"})
+                       : unknown_member(body, {"alarms", "note"});
+  if (fault) return tl::make_unexpected(*std::move(fault));
+  AlarmAction action{.kind = kind};
+  auto note = note_in(body);
+  if (!note) return tl::make_unexpected(std::move(note.error()));
+  action.note = *std::move(note);
+  if (shelves) {
+    const auto minutes = minutes_in(body, 1, kMaxShelvedMinutes);
+    if (!minutes) return tl::make_unexpected(minutes.error());
+    action.duration = *minutes;
+  }
+  const auto alarms = body.find("alarms");
+  if (alarms == body.end() || !alarms->is_array() || alarms->empty() ||
+      alarms->size() > kMaxAlarmsAtOnce)
+    return refuse("alarms is missing, empty or too long",
+                  fmt::format("\"alarms\": 1 to {} of {{\"bus\", \"device\", \"channel\", "
+                              "\"limit\"}}",
+                              kMaxAlarmsAtOnce));
+  std::vector<AlarmAction> actions;
+  for (const Body& each : *alarms) {
+    auto key = alarm_in(each);
+    if (!key) return tl::make_unexpected(std::move(key.error()));
+    action.alarm = *std::move(key);
+    actions.push_back(action);
+  }
+  return actions;
+}
+
+Checked<AlarmAction> maintenance_action(const Body& body) {
+  if (auto fault = unknown_member(body, {"bus", "device", "minutes", "note"}))
+    return tl::make_unexpected(*std::move(fault));
+  AlarmAction action;
+  const std::pair<const char*, std::string*> names[] = {{"bus", &action.alarm.bus},
+                                                        {"device", &action.alarm.device}};
+  for (const auto& [name, to] : names) {
+    auto text = name_in(body, name);
+    if (!text) return tl::make_unexpected(std::move(text.error()));
+    *to = *std::move(text);
+  }
+  auto note = note_in(body);
+  if (!note) return tl::make_unexpected(std::move(note.error()));
+  const auto minutes = minutes_in(body, 0, kMaxMaintenanceMinutes);
+  if (!minutes) return tl::make_unexpected(minutes.error());
+  action.note = *std::move(note);
+  action.duration = *minutes;
+  action.kind =
+      *minutes == Duration{} ? AlarmActionKind::kEndMaintenance : AlarmActionKind::kMaintenance;
+  return action;
 }
 
 }  // namespace fieldcast::web

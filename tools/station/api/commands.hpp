@@ -3,8 +3,13 @@
 // thread.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
+#include <vector>
+
+#include "core/alarm/alarm_status.hpp"
+#include "tools/station/api/base/exchange.hpp"
 #include "tools/station/http/route_table.hpp"
-#include "tools/station/live/command_sink.hpp"
+#include "tools/station/live/client_message.hpp"
 #include "tools/station/model/live_model.hpp"
 
 namespace fieldcast::web {
@@ -15,5 +20,13 @@ inline constexpr std::uint32_t kMaxMaintenanceMinutes = 7 * 24 * 60;
 
 // `model` and `commands` must outlive the table.
 void add_command_routes(RouteTable& table, const LiveModel& model, CommandSink& commands);
+
+// Parses the JSON bodies of alarm requests. Pure.
+
+// Body: {"alarms": [{"bus", "device", "channel", "limit"}..], "note"}, for kShelve "minutes".
+[[nodiscard]] Checked<std::vector<AlarmAction>> alarm_actions(AlarmActionKind kind,
+                                                              const nlohmann::json& body);
+// Body: {"bus", "device", "minutes", "note"}. 0 minutes end the maintenance.
+[[nodiscard]] Checked<AlarmAction> maintenance_action(const nlohmann::json& body);
 
 }  // namespace fieldcast::web

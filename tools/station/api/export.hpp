@@ -1,7 +1,13 @@
 // GET /api/export: streams the history of any number of channels as CSV or JSON lines.
 #pragma once
 
+#include <optional>
+#include <string>
+
+#include "bridge/store/tiers/sample_table.hpp"
+#include "core/model/channel_pattern.hpp"
 #include "tools/station/api/base/database.hpp"
+#include "tools/station/http/http_message.hpp"
 #include "tools/station/http/route_table.hpp"
 
 namespace fieldcast::web {
@@ -10,5 +16,52 @@ inline constexpr int kMaxExports = 4;
 
 // `now` runs on the io thread. `database`: null without a store; outlives the exports.
 void add_export_routes(RouteTable& table, Database* database, std::function<UtcTime()> now);
+
+// Writes stored samples or buckets in the lines of `fieldcast history --csv` and `--json`. Each
+// piece is a separate query, so a slow client blocks nobody. next() runs on the database thread,
+// one call at a time, and throws StoreError.
+
+struct ExportQuestion {
+  Pattern pattern;
+  UtcTime from, to;
+  std::optional<Duration> every;  // bucket length; empty: each sample
+  bool json_lines = false;        // false: CSV
+  bool compress = false;
+};
+
+class Exporter {
+ public:
+  // A piece ends at this size before compression, or after this time.
+  static constexpr std::size_t kPiece = 64 << 10;
+  static constexpr Duration kLongestPiece = std::chrono::milliseconds{200};
+
+  explicit Exporter(ExportQuestion question);
+
+  // Empty at the end of the text.
+  [[nodiscard]] std::optional<std::string> next(SqlConnection& connection);
+  // A last line with the error, for an export that failed.
+  [[nodiscard]] std::string broken_off();
+
+ private:
+  static constexpr std::int64_t kSamplesAtOnce = 2000;
+  // a query covers the time of this many buckets
+  static constexpr std::int64_t kBucketsAtOnce = 1000;
+
+  void begin(SqlConnection& connection);
+  // Returns true if the channel has no more lines.
+  [[nodiscard]] bool add_samples(SqlConnection& connection);
+  [[nodiscard]] bool add_buckets(SqlConnection& connection);
+  [[nodiscard]] std::string take(bool last);
+
+  const ExportQuestion question_;
+  std::optional<GzipPieces> gzip_;
+  bool begun_ = false;
+  bool ended_ = false;
+  std::vector<StoredChannel> channels_;
+  std::size_t channel_ = 0;  // index in channels_
+  SampleTable::Position after_;
+  UtcTime bucket_;    // start of the next buckets
+  std::string text_;  // of the current piece
+};
 
 }  // namespace fieldcast::web

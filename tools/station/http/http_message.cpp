@@ -1,11 +1,17 @@
 #include "tools/station/http/http_message.hpp"
 
+#include <fmt/format.h>
+#include <zlib.h>
+
 #include <algorithm>
 #include <array>
+#include <chrono>
 
+#include "bridge/base/check.hpp"
 #include "core/base/json.hpp"
 
 namespace fieldcast::web {
+
 namespace {
 
 constexpr std::size_t kMaxParameters = 64;
@@ -93,6 +99,149 @@ std::optional<Target> parse_target(std::string_view text) {
     target.query.emplace_back(std::move(*key), std::move(*value));
   }
   return target;
+}
+
+namespace {
+
+constexpr std::pair<unsigned, std::string_view> kReasons[] = {
+    {200, "OK"},
+    {202, "Accepted"},
+    {204, "No Content"},
+    {304, "Not Modified"},
+    {400, "Bad Request"},
+    {401, "Unauthorized"},
+    {403, "Forbidden"},
+    {404, "Not Found"},
+    {405, "Method Not Allowed"},
+    {408, "Request Timeout"},
+    {409, "Conflict"},
+    {413, "Content Too Large"},
+    {415, "Unsupported Media Type"},
+    {421, "Misdirected Request"},
+    {422, "Unprocessable Content"},
+    {426, "Upgrade Required"},
+    {429, "Too Many Requests"},
+    {431, "Request Header Fields Too Large"},
+    {500, "Internal Server Error"},
+    {501, "Not Implemented"},
+    {503, "Service Unavailable"},
+    {504, "Gateway Timeout"},
+};
+
+bool one_line(std::string_view text) {
+  for (const char c : text) {
+    if (c == '\r' || c == '\n' || c == '\0') return false;
+  }
+  return true;
+}
+
+// "Sun, 06 Nov 1994 08:49:37 GMT"
+std::string http_date(UtcTime at) {
+  using namespace std::chrono;
+  static constexpr std::array kDays{"Sun", "Mon", "Tue", "Wed", "Thu", "Fri", "Sat"};
+  static constexpr std::array kMonths{"Jan", "Feb", "Mar", "Apr", "May", "Jun",
+                                      "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"};
+  const sys_seconds second{floor<seconds>(nanoseconds{at.nanoseconds})};
+  const auto day = floor<days>(second);
+  const year_month_day date{day};
+  const hh_mm_ss time{second - day};
+  return fmt::format("{}, {:02} {} {} {:02}:{:02}:{:02} GMT", kDays[weekday{day}.c_encoding()],
+                     static_cast<unsigned>(date.day()),
+                     kMonths[static_cast<unsigned>(date.month()) - 1],
+                     static_cast<int>(date.year()), time.hours().count(), time.minutes().count(),
+                     time.seconds().count());
+}
+
+}  // namespace
+
+std::string_view reason_of(unsigned status) {
+  for (const auto& [code, reason] : kReasons) {
+    if (code == status) return reason;
+  }
+  return "Other";
+}
+
+bool has_no_body(unsigned status) { return status == 204 || status == 304 || status < 200; }
+
+std::string response_head(const HttpResponse& response, const HeadOptions& options) {
+  std::string head = fmt::format("HTTP/1.1 {} {}\r\n", response.status, reason_of(response.status));
+  const auto add = [&head](std::string_view name, std::string_view value) {
+    if (one_line(name) && one_line(value)) head += fmt::format("{}: {}\r\n", name, value);
+  };
+  add("date", http_date(options.date));
+  add("connection", options.keep_alive ? "keep-alive" : "close");
+  if (!has_no_body(response.status)) {
+    add("content-type", response.content_type);
+    if (options.chunked) add("transfer-encoding", "chunked");
+    if (options.length) add("content-length", std::to_string(*options.length));
+  }
+  for (const auto& [name, value] : response.headers) add(name, value);
+  head += "\r\n";
+  return head;
+}
+
+namespace {
+
+constexpr int kGzip = 15 + 16;  // the largest window; + 16 selects the gzip header
+constexpr std::size_t kPiece = 32 * 1024;
+
+}  // namespace
+
+struct GzipPieces::State {
+  State() {
+    FIELDCAST_CHECK(deflateInit2(&stream, Z_BEST_SPEED, Z_DEFLATED, kGzip, 8, Z_DEFAULT_STRATEGY) ==
+                    Z_OK);
+  }
+  ~State() { deflateEnd(&stream); }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  std::string run(std::string_view text, int flush) {
+    std::string out;
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
+    stream.avail_in = static_cast<uInt>(text.size());
+    do {
+      const std::size_t had = out.size();
+      out.resize(had + kPiece);
+      stream.next_out = reinterpret_cast<Bytef*>(out.data() + had);
+      stream.avail_out = kPiece;
+      deflate(&stream, flush);
+      out.resize(out.size() - stream.avail_out);
+    } while (stream.avail_out == 0);
+    return out;
+  }
+
+  z_stream stream{};
+};
+
+GzipPieces::GzipPieces() : state_(std::make_unique<State>()) {}
+GzipPieces::~GzipPieces() = default;
+std::string GzipPieces::put(std::string_view text) { return state_->run(text, Z_NO_FLUSH); }
+std::string GzipPieces::finish() { return state_->run({}, Z_FINISH); }
+
+std::string packed(std::string_view text) {
+  GzipPieces pieces;
+  std::string out = pieces.put(text);
+  out += pieces.finish();
+  return out;
+}
+
+std::string unpacked(std::string_view gzip) {
+  z_stream stream{};
+  FIELDCAST_CHECK(inflateInit2(&stream, kGzip) == Z_OK);
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(gzip.data()));
+  stream.avail_in = static_cast<uInt>(gzip.size());
+  std::string out;
+  for (int code = Z_OK; code == Z_OK;) {
+    const std::size_t had = out.size();
+    out.resize(had + kPiece);
+    stream.next_out = reinterpret_cast<Bytef*>(out.data() + had);
+    stream.avail_out = kPiece;
+    code = inflate(&stream, Z_NO_FLUSH);
+    out.resize(out.size() - stream.avail_out);
+  }
+  inflateEnd(&stream);
+  return out;
 }
 
 }  // namespace fieldcast::web

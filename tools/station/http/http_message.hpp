@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/access/login.hpp"
+#include "core/base/time.hpp"
 
 namespace fieldcast::web {
 
@@ -72,5 +73,44 @@ struct Target {
   TextPairs query;
 };
 [[nodiscard]] std::optional<Target> parse_target(std::string_view text);
+
+// Encodes the status line and the headers of a response (HTTP/1.1, RFC 9112). Pure.
+
+struct HeadOptions {
+  UtcTime date;
+  bool keep_alive = true;
+  // Of the body. Empty for a chunked body, or, in HTTP/1.0, one that ends with the connection.
+  std::optional<std::size_t> length;
+  bool chunked = false;
+};
+
+// Omits a name or value with a line break, because it would start another header.
+[[nodiscard]] std::string response_head(const HttpResponse& response, const HeadOptions& options);
+
+[[nodiscard]] std::string_view reason_of(unsigned status);  // "Not Found"
+// Statuses that never have a body: 204, 304.
+[[nodiscard]] bool has_no_body(unsigned status);
+
+// Gzip (RFC 1952) for bodies. Throws only std::bad_alloc.
+
+[[nodiscard]] std::string packed(std::string_view text);
+// REQUIRES: the bytes are output of packed().
+[[nodiscard]] std::string unpacked(std::string_view gzip);
+
+class GzipPieces {
+ public:
+  GzipPieces();
+  ~GzipPieces();
+  GzipPieces(const GzipPieces&) = delete;
+  GzipPieces& operator=(const GzipPieces&) = delete;
+
+  // Returns the bytes to send for this piece; may be empty, because zlib buffers.
+  [[nodiscard]] std::string put(std::string_view text);
+  [[nodiscard]] std::string finish();  // returns the rest; call once
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace fieldcast::web

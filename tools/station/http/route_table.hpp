@@ -1,15 +1,27 @@
-// Routes of the station, constant after start. Each states its access; there is no default.
+// Parses JSON bodies of untrusted requests. Pure.
 #pragma once
 
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <tl/expected.hpp>
 #include <vector>
 
 #include "tools/station/http/http_message.hpp"
 
 namespace fieldcast::web {
+
+inline constexpr int kMaxJsonDepth = 8;
+
+// Empty if the text is not a JSON object, too deep, not UTF-8 or has a duplicate key.
+[[nodiscard]] std::optional<nlohmann::json> parse_object(std::string_view text);
+
+// Like parse_object(), but fails with the response 400.
+[[nodiscard]] tl::expected<nlohmann::json, HttpResponse> body_of(const HttpRequest& request);
+
+// Routes of the station, constant after start. Each states its access; there is no default.
 
 enum class Access : std::uint8_t {
   kPublic,    // everybody

@@ -11,6 +11,7 @@
 #include "core/codec/value_codec.hpp"
 
 namespace fieldcast::web {
+
 namespace {
 
 using Json = nlohmann::json;
@@ -205,6 +206,42 @@ tl::expected<Value, Refusal> value_for(std::string_view channel_type, Value valu
     if (auto parsed = parse_value(Encoding{kind}, *text)) return std::move(*parsed);
   }
   return refuse("'" + printable(*text, kShown) + "' is no such value", wanted);
+}
+
+std::string outcome_json(const CommandOutcome& outcome) {
+  JsonObject json;
+  json.add("request_id", outcome.request_id)
+      .add("target", outcome.target)
+      .add("state", outcome.state)
+      .add("cause", outcome.cause)
+      .add("reason", outcome.reason);
+  if (outcome.values.empty()) {
+    json.add_json("value", "null");
+  } else {
+    json.add_value("value", outcome.values.front());
+  }
+  if (outcome.values.size() > 1)
+    json.add_json("values", json_array(outcome.values, [](std::string& out, const Value& value) {
+                    append_json_value(out, value);
+                  }));
+  return json.add("completed_ms", outcome.completed_at).take();
+}
+
+StationCommand write_command(const ChannelPath& path, Value value, bool verify) {
+  StationCommand command = acquire_command(path);
+  command.command.operation = Operation::kWrite;
+  command.command.values = {std::move(value)};
+  command.command.verify = verify;
+  return command;
+}
+
+StationCommand acquire_command(const ChannelPath& path) {
+  StationCommand command;
+  command.bus = path.bus;
+  command.command.device = path.device;
+  command.command.target = ChannelTarget{path.channel};
+  command.command.operation = Operation::kAcquire;
+  return command;
 }
 
 }  // namespace fieldcast::web

@@ -12,8 +12,8 @@
 #include <string>
 
 #include "bridge/base/worker.hpp"
-#include "bridge/store/records/audit.hpp"
-#include "tools/station/live/command_sink.hpp"
+#include "bridge/store/records/records.hpp"
+#include "tools/station/live/client_message.hpp"
 #include "tools/station/live/pending_commands.hpp"
 
 namespace fieldcast::web {

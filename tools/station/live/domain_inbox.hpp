@@ -14,7 +14,6 @@
 #include <variant>
 
 #include "tools/station/model/live_model.hpp"
-#include "tools/station/model/path_key.hpp"
 
 namespace fieldcast::web {
 

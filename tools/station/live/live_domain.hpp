@@ -8,7 +8,7 @@
 #include <string>
 
 #include "bridge/station/sites.hpp"
-#include "bridge/store/records/audit.hpp"
+#include "bridge/store/records/records.hpp"
 #include "tools/station/live/command_controller.hpp"
 #include "tools/station/live/domain_inbox.hpp"
 #include "tools/station/live/live_hub.hpp"

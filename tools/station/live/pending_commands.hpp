@@ -11,7 +11,7 @@
 
 #include "bridge/station/station.hpp"
 #include "core/base/time.hpp"
-#include "tools/station/live/command_sink.hpp"
+#include "tools/station/live/client_message.hpp"
 
 namespace fieldcast::web {
 

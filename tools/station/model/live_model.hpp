@@ -1,3 +1,53 @@
+// Key for looking up a channel path without allocation. Pure values.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <list>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "bridge/dds/topics/topic_values.hpp"
+#include "core/model/channel_pattern.hpp"
+#include "tools/station/model/live_objects.hpp"
+
+namespace fieldcast::web {
+
+// Does not own its texts.
+struct PathView {
+  PathView(std::string_view of_bus, std::string_view of_device, std::string_view of_channel)
+      : bus(of_bus), device(of_device), channel(of_channel) {}
+  PathView(const ChannelPath& path)  // NOLINT: a path is a view of itself
+      : bus(path.bus), device(path.device), channel(path.channel) {}
+
+  [[nodiscard]] ChannelPath owned() const {
+    return {std::string(bus), std::string(device), std::string(channel)};
+  }
+
+  std::string_view bus, device, channel;
+};
+
+struct PathHash {
+  using is_transparent = void;
+  std::size_t operator()(const PathView& path) const {
+    const std::hash<std::string_view> hash;
+    return (hash(path.bus) * 31 + hash(path.device)) * 31 + hash(path.channel);
+  }
+};
+
+struct PathEqual {
+  using is_transparent = void;
+  bool operator()(const PathView& a, const PathView& b) const {
+    return a.channel == b.channel && a.device == b.device && a.bus == b.bus;
+  }
+};
+
 // Current state of the domain. Pure; used on the io thread. Pointers and references are valid until
 // the next non-const call.
 //
@@ -8,23 +58,6 @@
 // Changed channels are in a list, newest last: a client with version N gets the entries after N.
 // The first catalogue version should be the start time, so that versions of a previous process are
 // recognized.
-#pragma once
-
-#include <cstdint>
-#include <list>
-#include <map>
-#include <memory>
-#include <optional>
-#include <string>
-#include <unordered_map>
-#include <vector>
-
-#include "bridge/dds/topics/topic_values.hpp"
-#include "core/model/channel_pattern.hpp"
-#include "tools/station/model/live_objects.hpp"
-#include "tools/station/model/path_key.hpp"
-
-namespace fieldcast::web {
 
 struct LiveValue {
   Value value;  // the last good value if the quality is bad

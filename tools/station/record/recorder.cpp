@@ -1,8 +1,143 @@
 #include "tools/station/record/recorder.hpp"
 
+#include <algorithm>
 #include <utility>
 
+#include "core/base/time.hpp"
+
 namespace fieldcast::web {
+
+namespace {
+
+// The times are untrusted network data: any 64-bit number.
+Duration between(UtcTime from, UtcTime to) {
+  return Duration{saturated_difference(to.nanoseconds, from.nanoseconds)};
+}
+UtcTime operator-(UtcTime time, Duration by) {
+  return {saturated_difference(time.nanoseconds, by.count())};
+}
+
+}  // namespace
+
+void ClockOffset::note(UtcTime acquired, UtcTime received) {
+  const Duration offset = between(acquired, received);
+  if (offset > SampleStamp::kMaxOffset || offset < -SampleStamp::kMaxOffset) return;
+  const Duration age = between(window_began_, received);
+  if (age >= kWindow || age < Duration{}) {
+    before_ = age < 2 * kWindow ? now_ : std::nullopt;
+    now_.reset();
+    window_began_ = received;
+  }
+  now_ = now_ ? std::min(*now_, offset) : offset;
+}
+
+Duration ClockOffset::least() const {
+  if (before_ && now_) return std::min(*before_, *now_);
+  return before_.value_or(now_.value_or(Duration{}));
+}
+
+std::optional<UtcTime> SampleStamp::next(const StationSample& sample, UtcTime received,
+                                         Duration offset, bool first) {
+  if (any_ && sample.sequence == sequence_ && sample.acquired_at == acquired_ &&
+      sample.quality == quality_)
+    return std::nullopt;
+  const Duration age = between(sample.acquired_at, received);
+  const bool by_acquisition = sample.quality == Quality::kGood && age >= -kMaxOffset &&
+                              age <= (first ? kOldest : kMaxOffset);
+  UtcTime published = by_acquisition ? sample.acquired_at : received - offset;
+  if (any_ && published <= published_ && between(published, published_) < kOrder)
+    published = UtcTime{saturated_sum(published_.nanoseconds, 1)};
+  any_ = true;
+  sequence_ = sample.sequence;
+  acquired_ = sample.acquired_at;
+  quality_ = sample.quality;
+  return published_ = published;
+}
+
+namespace {
+
+AlarmRecord record_of(const AlarmKey& key, AlarmState state, double value, UtcTime since) {
+  return {.bus = key.bus,
+          .device = key.device,
+          .channel = key.channel,
+          .limit = std::string(to_text(key.limit)),
+          .state = std::string(to_text(state)),
+          .value = value,
+          .since = since};
+}
+
+}  // namespace
+
+AlarmNews AlarmDiff::next(const StationAlarmStatus& alarm, UtcTime received) {
+  AlarmNews news;
+  const auto known = known_.find(alarm.alarm);
+  if (known == known_.end() && known_.size() >= kMaxAlarms) return news;
+  AlarmStatus& before = known == known_.end() ? known_[alarm.alarm] : known->second;
+  if (before == alarm.status) return news;
+  compare(alarm.alarm, before, alarm.status, received, news);
+  before = alarm.status;
+  news.kept.push_back({alarm.alarm, alarm.status});
+  return news;
+}
+
+void AlarmDiff::compare(const AlarmKey& key, const AlarmStatus& before, const AlarmStatus& now,
+                        UtcTime received, AlarmNews& news) {
+  if (now.raised_at != before.raised_at && now.raised_at.nanoseconds != 0)
+    news.records.push_back(record_of(key, AlarmState::kActive, now.value, now.raised_at));
+  if (!now.active && now.cleared_at != before.cleared_at && now.cleared_at.nanoseconds != 0)
+    news.records.push_back(record_of(key, AlarmState::kClear, now.value, now.cleared_at));
+  if (now.acknowledged != before.acknowledged && now.acknowledged.at.nanoseconds != 0) {
+    news.events.push_back({.at = now.acknowledged.at,
+                           .alarm = key,
+                           .kind = AlarmEventKind::kAcknowledged,
+                           .by = now.acknowledged.by,
+                           .note = now.acknowledged.note});
+  }
+  compare_shelving(key, before.shelved, now.shelved, received, news);
+  compare_maintenance(key, now.suppressed, received, news);
+}
+
+void AlarmDiff::compare_shelving(const AlarmKey& key, const AlarmPause& before,
+                                 const AlarmPause& now, UtcTime received, AlarmNews& news) {
+  if (now == before) return;
+  if (now.is_set()) {
+    news.events.push_back({.at = now.since,
+                           .alarm = key,
+                           .kind = AlarmEventKind::kShelved,
+                           .by = now.by,
+                           .note = now.note,
+                           .until = now.until});
+  } else if (before.until <= received) {
+    news.events.push_back(
+        {.at = before.until, .alarm = key, .kind = AlarmEventKind::kShelvingEnded});
+  } else {
+    news.events.push_back({.at = received, .alarm = key, .kind = AlarmEventKind::kUnshelved});
+  }
+}
+
+void AlarmDiff::compare_maintenance(const AlarmKey& key, const AlarmPause& now, UtcTime received,
+                                    AlarmNews& news) {
+  const AlarmDevice device{key.bus, key.device};
+  const auto known = maintenance_.find(device);
+  const AlarmPause before = known == maintenance_.end() ? AlarmPause{} : known->second;
+  if (now == before) return;
+  AlarmEvent event{.alarm = {.bus = key.bus, .device = key.device}};
+  if (now.is_set()) {
+    maintenance_[device] = now;
+    event.at = now.since;
+    event.kind = AlarmEventKind::kMaintenance;
+    event.by = now.by;
+    event.note = now.note;
+    event.until = now.until;
+  } else {
+    maintenance_.erase(device);
+    event.at = std::min(before.until, received);
+    event.kind = AlarmEventKind::kMaintenanceEnded;
+  }
+  news.events.push_back(std::move(event));
+  news.maintenance.push_back({device, now});
+}
+
 namespace {
 
 std::string path_of(const std::string& bus, const std::string& device, const std::string& channel) {

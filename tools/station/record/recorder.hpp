@@ -1,19 +1,93 @@
-// Records samples, device states and alarms of a domain in one store, by its queue, which never
-// waits for the database. The history continues when a bridge restarts or another takes over; the
-// last value, which DDS sends again, is recorded once. Thread-safe; cannot fail. The store must
-// outlive it.
+// Chooses the publication time of a sample, which DDS does not transmit. A good sample uses its
+// acquisition time, so that a second or restarted recorder writes the same row. Other samples are
+// published later; they use the arrival time by the bridge's clock. Pure; cannot fail.
 #pragma once
 
 #include <map>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <string>
 #include <unordered_map>
+#include <vector>
 
+#include "bridge/dds/topics/topic_values.hpp"
+#include "bridge/store/records/records.hpp"
 #include "bridge/store/store.hpp"
-#include "tools/station/record/alarm_diff.hpp"
-#include "tools/station/record/sample_stamp.hpp"
+#include "core/alarm/alarm_registry.hpp"
 
 namespace fieldcast::web {
+
+// Difference between arrival and acquisition of samples of a bus: delay plus clock difference. It
+// can be negative.
+class ClockOffset {
+ public:
+  static constexpr Duration kWindow = std::chrono::minutes{1};
+
+  // Adds a good sample; ignores a difference of more than SampleStamp::kMaxOffset.
+  void note(UtcTime acquired, UtcTime received);
+  [[nodiscard]] Duration least() const;  // minimum of the last one or two windows; 0: no sample
+
+ private:
+  std::optional<Duration> before_, now_;
+  UtcTime window_began_;
+};
+
+class SampleStamp {
+ public:
+  // Beyond this difference the clock of the bridge is wrong, and the arrival time is used.
+  static constexpr Duration kMaxOffset = std::chrono::minutes{10};
+  // Maximum age of the first sample, which may be the last value of a slow channel.
+  static constexpr Duration kOldest = std::chrono::hours{24};
+  // Within this time, samples keep the order of their arrival.
+  static constexpr Duration kOrder = std::chrono::seconds{2};
+
+  // Empty for a duplicate. `first`: first sample since the channel exists.
+  [[nodiscard]] std::optional<UtcTime> next(const StationSample& sample, UtcTime received,
+                                            Duration offset, bool first);
+
+ private:
+  bool any_ = false;
+  std::uint64_t sequence_ = 0;
+  UtcTime acquired_;
+  UtcTime published_;
+  Quality quality_ = Quality::kNotYetRead;
+};
+
+// Derives alarm events for the store from successive statuses, because DDS publishes only these.
+// Events use the times in the status, so a second recorder writes equal records. Pure; cannot fail.
+
+struct AlarmNews {
+  std::vector<AlarmRecord> records;  // raised, cleared
+  std::vector<AlarmEvent> events;
+  std::vector<KeptAlarm> kept;
+  std::vector<KeptMaintenance> maintenance;
+};
+
+class AlarmDiff {
+ public:
+  static constexpr std::size_t kMaxAlarms = 50'000;  // further alarms are ignored
+
+  // `received`: local time, for events without a time of their own.
+  [[nodiscard]] AlarmNews next(const StationAlarmStatus& alarm, UtcTime received);
+
+ private:
+  void compare(const AlarmKey& key, const AlarmStatus& before, const AlarmStatus& now,
+               UtcTime received, AlarmNews& news);
+  void compare_shelving(const AlarmKey& key, const AlarmPause& before, const AlarmPause& now,
+                        UtcTime received, AlarmNews& news);
+  // All alarms of a device report its maintenance; it is recorded once.
+  void compare_maintenance(const AlarmKey& key, const AlarmPause& now, UtcTime received,
+                           AlarmNews& news);
+
+  std::map<AlarmKey, AlarmStatus> known_;
+  std::map<AlarmDevice, AlarmPause> maintenance_;
+};
+
+// Records samples, device states and alarms of a domain in one store, by its queue, which never
+// waits for the database. The history continues when a bridge restarts or another takes over; the
+// last value, which DDS sends again, is recorded once. Thread-safe; cannot fail. The store must
+// outlive it.
 
 class Recorder {
  public:

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 
-#include "config/document/key.hpp"
 #include "config/document/limits.hpp"
+#include "config/document/map_reader.hpp"
 #include "config/document/scalars.hpp"
+#include "config/files/file_reader.hpp"
 #include "config/files/library.hpp"
-#include "config/files/recognition.hpp"
 #include "config/sections/bridge_keys.hpp"
 #include "config/sections/dds.hpp"
 #include "config/sections/port.hpp"

@@ -9,9 +9,9 @@
 #include <string>
 #include <tl/expected.hpp>
 
-#include "bridge/net/listener.hpp"
+#include "bridge/net/byte_stream.hpp"
 #include "bridge/net/tls.hpp"
-#include "tools/station/web/connection_table.hpp"
+#include "tools/station/web/http_guard.hpp"
 #include "tools/station/web/live_socket.hpp"
 
 namespace fieldcast::web {

@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "bridge/base/clock.hpp"
-#include "tools/station/http/response_head.hpp"
-#include "tools/station/web/head_check.hpp"
+#include "tools/station/http/http_message.hpp"
+#include "tools/station/web/http_guard.hpp"
 
 namespace fieldcast::web {
 namespace {

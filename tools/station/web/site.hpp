@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "core/model/program_spec.hpp"
+#include "tools/station/http/embedded_file.hpp"
 #include "tools/station/http/route_table.hpp"
 #include "tools/station/settings/origin_check.hpp"
-#include "tools/station/web/login_check.hpp"
-#include "tools/station/web/security_headers.hpp"
-#include "tools/station/web/session_store.hpp"
+#include "tools/station/web/http_guard.hpp"
+#include "tools/station/web/logins.hpp"
 
 namespace fieldcast::web {
 
@@ -104,5 +104,10 @@ class Site {
 
 [[nodiscard]] bool accepts_gzip(std::string_view accept_encoding);
 [[nodiscard]] std::string_view cookie_named(std::string_view cookies, std::string_view name);
+
+// Routes of the page's files, which are compiled into the program. No file is read by its path.
+
+// Adds a public route for each file; /embed is also the index. Files are stored compressed.
+void add_page_routes(RouteTable& routes, std::span<const EmbeddedFile> files);
 
 }  // namespace fieldcast::web

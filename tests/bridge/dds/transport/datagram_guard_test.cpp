@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "bridge/dds/guard/shared_guard.hpp"
 #include "tests/bridge/dds/transport/rtps_datagrams.hpp"
 
 namespace fieldcast {

@@ -7,8 +7,6 @@
 #include <random>
 #include <vector>
 
-#include "bridge/store/tiers/open_buckets.hpp"
-#include "bridge/store/tiers/tier.hpp"
 #include "tests/bridge/store/tiers/times.hpp"
 
 namespace fieldcast {

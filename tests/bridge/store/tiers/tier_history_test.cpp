@@ -1,8 +1,7 @@
-#include "bridge/store/tiers/tier_history.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "bridge/store/tiers/tier_table.hpp"
 #include "bridge/store/tiers/tier_writer.hpp"
 #include "tests/bridge/store/older_store.hpp"
 #include "tests/bridge/store/scratch.hpp"

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "tools/cli/text/frame.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 

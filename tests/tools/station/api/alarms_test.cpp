@@ -1,6 +1,5 @@
-#include "tools/station/api/alarms.hpp"
-
 #include "tests/tools/station/api/api_support.hpp"
+#include "tools/station/api/api_routes.hpp"
 
 namespace fieldcast::web {
 namespace {

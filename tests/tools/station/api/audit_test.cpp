@@ -1,7 +1,6 @@
-#include "tools/station/api/audit.hpp"
-
 #include "bridge/store/users/user_table.hpp"
 #include "tests/tools/station/api/api_support.hpp"
+#include "tools/station/api/administration.hpp"
 
 namespace fieldcast::web {
 namespace {

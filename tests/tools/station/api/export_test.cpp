@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "tests/tools/station/api/api_support.hpp"
-#include "tools/station/api/exporter.hpp"
 
 namespace fieldcast::web {
 namespace {

@@ -1,13 +1,11 @@
 // Compares tools/station/openapi.yaml with the table of routes and with actual responses.
-#include "tools/station/api/base/openapi.hpp"
-
 #include <set>
 
 #include "config/document/document.hpp"
-#include "config/document/fault_list.hpp"
 #include "tests/config/json_schema.hpp"
 #include "tests/tools/station/api/api_support.hpp"
 #include "tools/station/api/api_routes.hpp"
+#include "tools/station/api/base/exchange.hpp"
 #include "tools/station/web/site.hpp"
 
 namespace fieldcast::web {

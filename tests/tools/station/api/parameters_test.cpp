@@ -1,6 +1,5 @@
-#include "tools/station/api/base/parameters.hpp"
-
 #include "tests/tools/station/api/api_support.hpp"
+#include "tools/station/api/base/exchange.hpp"
 
 namespace fieldcast::web {
 namespace {

@@ -1,7 +1,6 @@
-#include "tools/station/api/tokens.hpp"
-
-#include "bridge/store/users/token_table.hpp"
+#include "bridge/store/users/user_table.hpp"
 #include "tests/tools/station/api/api_support.hpp"
+#include "tools/station/api/administration.hpp"
 
 namespace fieldcast::web {
 namespace {

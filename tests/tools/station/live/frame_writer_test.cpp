@@ -1,5 +1,3 @@
-#include "tools/station/live/frame_writer.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/station/live/live_support.hpp"
+#include "tools/station/live/frames.hpp"
 
 namespace fieldcast::web {
 namespace {

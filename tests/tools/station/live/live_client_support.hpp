@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tests/tools/station/live/live_support.hpp"
-#include "tools/station/live/frame_writer.hpp"
+#include "tools/station/live/frames.hpp"
 #include "tools/station/live/live_hub.hpp"
 
 namespace fieldcast::web {

@@ -1,9 +1,8 @@
-#include "tools/station/live/live_client.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/tools/station/live/live_client_support.hpp"
+#include "tools/station/live/live_hub.hpp"
 
 namespace fieldcast::web {
 namespace {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/tools/station/live/live_support.hpp"
-#include "tools/station/live/frame_cache.hpp"
+#include "tools/station/live/frames.hpp"
 
 namespace fieldcast::web {
 namespace {

@@ -1,6 +1,6 @@
-#include "tools/station/record/sample_stamp.hpp"
-
 #include <gtest/gtest.h>
+
+#include "tools/station/record/recorder.hpp"
 
 namespace fieldcast::web {
 namespace {

@@ -1,6 +1,6 @@
-#include "tools/station/web/connection_table.hpp"
-
 #include <gmock/gmock.h>
+
+#include "tools/station/web/http_guard.hpp"
 
 namespace fieldcast::web {
 namespace {

@@ -1,6 +1,6 @@
-#include "tools/station/http/gzip.hpp"
-
 #include <gtest/gtest.h>
+
+#include "tools/station/http/http_message.hpp"
 
 namespace fieldcast::web {
 namespace {

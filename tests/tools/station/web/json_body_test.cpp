@@ -1,8 +1,8 @@
-#include "tools/station/http/json_body.hpp"
-
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+
+#include "tools/station/http/route_table.hpp"
 
 namespace fieldcast::web {
 namespace {

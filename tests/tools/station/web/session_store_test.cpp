@@ -1,6 +1,6 @@
-#include "tools/station/web/session_store.hpp"
-
 #include <gmock/gmock.h>
+
+#include "tools/station/web/logins.hpp"
 
 namespace fieldcast::web {
 namespace {

@@ -4,8 +4,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tools/station/web/static_files.hpp"
-
 namespace fieldcast::web {
 namespace {
 

@@ -7,8 +7,7 @@
 #include <string_view>
 
 #include "bridge/base/command_line.hpp"
-#include "tools/cli/text/exit_code.hpp"
-#include "tools/cli/text/text_table.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 

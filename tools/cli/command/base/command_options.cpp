@@ -1,5 +1,8 @@
 #include "tools/cli/command/base/command_options.hpp"
 
+#include "tools/cli/model/sample_text.hpp"
+#include "tools/cli/terminal/interrupt.hpp"
+
 namespace fieldcast::cli {
 
 void add_command_options(CommandLine& line, CommandOptions& options, const std::string& verb) {
@@ -35,6 +38,28 @@ std::vector<KnownChannel> channels_of(const Catalogue& catalogue, const ChannelP
       channels.push_back({channel.at, channel.type});
   }
   return channels;
+}
+
+void SpanOption::describe(CommandLine& line) {
+  line.text("--from", from_, "2026-11-21T10:30 (UTC), or 2h, 3d for so long ago (1h)");
+  line.text("--to", to_, "The same (now)");
+}
+
+std::optional<CommandLine::Fault> SpanOption::read(TimeSpan& span) const {
+  const UtcTime now = utc_now();
+  span = {{now.nanoseconds - Duration(std::chrono::hours{1}).count()}, now};
+  if (!from_.empty()) {
+    const auto from = parse_time(from_, now);
+    if (!from) return CommandLine::Fault{"--from", from.error()};
+    span.from = *from;
+  }
+  if (!to_.empty()) {
+    const auto to = parse_time(to_, now);
+    if (!to) return CommandLine::Fault{"--to", to.error()};
+    span.to = *to;
+  }
+  if (span.to <= span.from) return CommandLine::Fault{"--to", "the end is not after the beginning"};
+  return std::nullopt;
 }
 
 }  // namespace fieldcast::cli

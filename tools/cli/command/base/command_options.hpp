@@ -1,11 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <tl/expected.hpp>
 #include <vector>
 
 #include "bridge/base/command_line.hpp"
+#include "core/model/channel_pattern.hpp"
 #include "tools/cli/domain/connection.hpp"
 #include "tools/cli/model/address_notation.hpp"
 #include "tools/cli/model/command_text.hpp"
@@ -35,5 +37,31 @@ struct AddressType {
 
 [[nodiscard]] std::vector<KnownChannel> channels_of(const Catalogue& catalogue,
                                                     const ChannelPath& device);
+
+inline constexpr const char* kPatternHelp =
+    "BUS/DEVICE/CHANNEL with *; a shorter one matches all below it";
+
+// REQUIRES: `target` lives until the parse.
+[[nodiscard]] inline CommandLine::Take pattern_into(Pattern& target) {
+  return [&target](const std::string& text) -> std::optional<std::string> {
+    auto pattern = Pattern::parse(text);
+    if (!pattern) return pattern.error();
+    target = *std::move(pattern);
+    return std::nullopt;
+  };
+}
+
+// --from and --to: the time span that a command reads from the store.
+
+class SpanOption {
+ public:
+  void describe(CommandLine& line);
+  [[nodiscard]] bool given() const { return !from_.empty() || !to_.empty(); }
+  // Default: the last hour. Fails if a text is not a time or the end is not after the start.
+  [[nodiscard]] std::optional<CommandLine::Fault> read(TimeSpan& span) const;
+
+ private:
+  std::string from_, to_;
+};
 
 }  // namespace fieldcast::cli

@@ -7,10 +7,11 @@
 #include <ostream>
 
 #include "core/base/json.hpp"
-#include "tools/cli/domain/listening.hpp"
-#include "tools/cli/terminal/clock.hpp"
+#include "tools/cli/domain/domain_view.hpp"
+#include "tools/cli/terminal/interrupt.hpp"
 
 namespace fieldcast::cli {
+
 namespace {
 
 struct Waiting {
@@ -196,6 +197,17 @@ void CommandRun::print(const Outcome& outcome) {
     (exit_code_of(outcome) == ExitCode::kOk ? out_ : err_) << outcome_line(outcome) << '\n'
                                                            << std::flush;
   }
+}
+
+ExitCode in_domain(const ConnectionOptions& options, const Streams& streams,
+                   const DomainCommand& command) {
+  Interrupt interrupt;  // before DDS starts its threads
+  const auto connection = resolve(options);
+  if (!connection) {
+    streams.err << connection.error() << '\n';
+    return ExitCode::kUsage;
+  }
+  return command(*connection, interrupt);
 }
 
 }  // namespace fieldcast::cli

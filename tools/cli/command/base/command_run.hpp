@@ -1,16 +1,19 @@
 // Sends commands and waits for their results, for `write` and `acquire`.
 #pragma once
 
+#include <functional>
 #include <iosfwd>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "tools/cli/command/base/command.hpp"
 #include "tools/cli/domain/connection.hpp"
 #include "tools/cli/domain/domain_view.hpp"
-#include "tools/cli/model/catalogue.hpp"
 #include "tools/cli/model/command_text.hpp"
-#include "tools/cli/text/exit_code.hpp"
+#include "tools/cli/model/watch_model.hpp"
+#include "tools/cli/terminal/interrupt.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 
@@ -71,5 +74,13 @@ class CommandRun {
   std::ostream& err_;
   Catalogue catalogue_;
 };
+
+// Runs a command in a DDS domain, with signals blocked before DDS starts threads. Main thread.
+
+using DomainCommand = std::function<ExitCode(const Connection& connection, Interrupt& interrupt)>;
+
+// kUsage if the configuration file has faults.
+[[nodiscard]] ExitCode in_domain(const ConnectionOptions& options, const Streams& streams,
+                                 const DomainCommand& command);
 
 }  // namespace fieldcast::cli

@@ -5,7 +5,6 @@
 #include "core/model/command.hpp"
 #include "tools/cli/command/base/command.hpp"
 #include "tools/cli/command/base/command_run.hpp"
-#include "tools/cli/command/base/in_domain.hpp"
 #include "tools/cli/model/command_text.hpp"
 
 namespace fieldcast::cli {

@@ -7,7 +7,7 @@
 
 #include "tools/cli/command/base/command_options.hpp"
 #include "tools/cli/terminal/interrupt.hpp"
-#include "tools/cli/text/exit_code.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 

@@ -12,12 +12,11 @@
 #include <ostream>
 
 #include "bridge/base/clock.hpp"
-#include "bridge/base/errno_text.hpp"
-#include "bridge/capture/capture_file.hpp"
+#include "bridge/base/file_descriptor.hpp"
+#include "bridge/capture/capture_ring.hpp"
 #include "core/base/message_text.hpp"
 #include "core/capture/pcapng.hpp"
-#include "tools/cli/capture/block_cutter.hpp"
-#include "tools/cli/capture/bridge_socket.hpp"
+#include "tools/cli/capture/capture_stream.hpp"
 #include "tools/cli/command/base/command.hpp"
 #include "tools/progress/progress_line.hpp"
 

@@ -6,8 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "tools/cli/text/exit_code.hpp"
-#include "tools/cli/text/text_table.hpp"
+#include "core/base/json.hpp"
+#include "tools/cli/text/output.hpp"
+#include "tools/sim/check/sim_check.hpp"
 
 namespace fieldcast::cli {
 
@@ -22,5 +23,21 @@ struct InspectOptions {
 // Returns kFound if a frame is invalid or a capture is truncated, kUsage for invalid input.
 [[nodiscard]] ExitCode inspect(const InspectOptions& options, std::istream& in, std::ostream& out,
                                std::ostream& err, const Screen& screen);
+
+// `fieldcast sim-check PROTOCOL`: tests a protocol's master against its simulated device in virtual
+// time. PROTOCOL as for `inspect`. Needs no DDS.
+
+struct SimCheckOptions {
+  std::string protocol;
+  bool json = false;
+};
+
+// Returns kFound if a check failed, kUsage for an unknown protocol or an invalid declaration.
+[[nodiscard]] ExitCode sim_check(const SimCheckOptions& options, std::ostream& out,
+                                 std::ostream& err, const Screen& screen);
+
+[[nodiscard]] Json check_json(std::string_view protocol, const sim::CheckRow& row);
+[[nodiscard]] std::vector<std::string> check_lines(const sim::CheckRows& rows,
+                                                   const Screen& screen);
 
 }  // namespace fieldcast::cli

@@ -8,7 +8,7 @@
 #include "core/model/bus_spec.hpp"
 #include "tools/cli/command/base/command.hpp"
 #include "tools/cli/direct/direct_bus.hpp"
-#include "tools/cli/direct/line_capture.hpp"
+#include "tools/cli/direct/line_exchange.hpp"
 #include "tools/cli/model/address_notation.hpp"
 #include "tools/cli/model/command_text.hpp"
 #include "tools/cli/model/sample_text.hpp"

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "tools/cli/direct/line_options.hpp"
+#include "tools/cli/direct/direct_bus.hpp"
 #include "tools/cli/terminal/interrupt.hpp"
-#include "tools/cli/text/exit_code.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 

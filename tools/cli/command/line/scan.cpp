@@ -6,16 +6,14 @@
 #include <ostream>
 
 #include "tools/cli/command/base/command.hpp"
-#include "tools/cli/direct/line_capture.hpp"
+#include "tools/cli/direct/direct_bus.hpp"
 #include "tools/cli/direct/line_exchange.hpp"
-#include "tools/cli/direct/line_options.hpp"
-#include "tools/cli/import/new_files.hpp"
+#include "tools/cli/import/import_files.hpp"
 #include "tools/cli/model/sample_text.hpp"
 #include "tools/cli/scan/identity.hpp"
 #include "tools/cli/scan/scan_view.hpp"
 #include "tools/cli/scan/scanner.hpp"
 #include "tools/cli/scan/sunspec_view.hpp"
-#include "tools/cli/scan/template_match.hpp"
 #include "tools/progress/progress_line.hpp"
 
 namespace fieldcast::cli {

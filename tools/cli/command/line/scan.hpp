@@ -9,8 +9,7 @@
 
 #include "core/base/time.hpp"
 #include "tools/cli/terminal/interrupt.hpp"
-#include "tools/cli/text/exit_code.hpp"
-#include "tools/cli/text/text_table.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 

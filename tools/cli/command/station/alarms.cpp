@@ -11,14 +11,12 @@
 
 #include "bridge/store/alarm_life_table.hpp"
 #include "tools/cli/command/base/command.hpp"
-#include "tools/cli/command/base/in_domain.hpp"
-#include "tools/cli/command/base/pattern_option.hpp"
-#include "tools/cli/command/base/span_option.hpp"
+#include "tools/cli/command/base/command_options.hpp"
+#include "tools/cli/command/base/command_run.hpp"
 #include "tools/cli/domain/domain_view.hpp"
-#include "tools/cli/domain/listening.hpp"
-#include "tools/cli/terminal/clock.hpp"
 #include "tools/cli/terminal/console.hpp"
-#include "tools/cli/view/alarm_view.hpp"
+#include "tools/cli/terminal/interrupt.hpp"
+#include "tools/cli/view/station_view.hpp"
 
 namespace fieldcast::cli {
 namespace {

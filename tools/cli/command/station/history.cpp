@@ -5,15 +5,12 @@
 #include <algorithm>
 #include <ostream>
 
-#include "bridge/store/tiers/tier_history.hpp"
+#include "bridge/store/tiers/tier_table.hpp"
 #include "tools/cli/command/base/command.hpp"
-#include "tools/cli/command/base/pattern_option.hpp"
-#include "tools/cli/command/base/span_option.hpp"
-#include "tools/cli/terminal/clock.hpp"
+#include "tools/cli/command/base/command_options.hpp"
 #include "tools/cli/terminal/console.hpp"
-#include "tools/cli/terminal/end_at_once.hpp"
 #include "tools/cli/terminal/gzip_file.hpp"
-#include "tools/cli/view/bucket_view.hpp"
+#include "tools/cli/terminal/interrupt.hpp"
 #include "tools/cli/view/record_view.hpp"
 #include "tools/progress/progress_line.hpp"
 

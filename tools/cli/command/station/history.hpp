@@ -8,10 +8,10 @@
 #include <string>
 
 #include "core/model/channel_pattern.hpp"
-#include "tools/cli/domain/store_source.hpp"
-#include "tools/cli/model/time_text.hpp"
+#include "tools/cli/domain/connection.hpp"
+#include "tools/cli/model/sample_text.hpp"
 #include "tools/cli/terminal/interrupt.hpp"
-#include "tools/cli/text/exit_code.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 

@@ -4,9 +4,9 @@
 
 #include "bridge/store/event_table.hpp"
 #include "tools/cli/command/base/command.hpp"
-#include "tools/cli/command/base/span_option.hpp"
-#include "tools/cli/terminal/clock.hpp"
+#include "tools/cli/command/base/command_options.hpp"
 #include "tools/cli/terminal/console.hpp"
+#include "tools/cli/terminal/interrupt.hpp"
 #include "tools/cli/view/record_view.hpp"
 
 namespace fieldcast::cli {

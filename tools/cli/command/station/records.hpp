@@ -3,8 +3,8 @@
 
 #include <iosfwd>
 
-#include "tools/cli/domain/store_source.hpp"
-#include "tools/cli/text/exit_code.hpp"
+#include "tools/cli/domain/connection.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 

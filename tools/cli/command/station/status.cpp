@@ -1,24 +1,24 @@
 #include "tools/cli/command/station/status.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <memory>
 #include <ostream>
 
 #include "core/base/json.hpp"
 #include "tools/cli/command/base/command.hpp"
-#include "tools/cli/command/base/in_domain.hpp"
-#include "tools/cli/command/station/status_live.hpp"
+#include "tools/cli/command/base/command_run.hpp"
 #include "tools/cli/domain/domain_view.hpp"
-#include "tools/cli/domain/listening.hpp"
-#include "tools/cli/domain/standby_watch.hpp"
-#include "tools/cli/terminal/clock.hpp"
+#include "tools/cli/screen/status_screen.hpp"
 #include "tools/cli/terminal/console.hpp"
+#include "tools/cli/terminal/interrupt.hpp"
 #include "tools/cli/terminal/terminal.hpp"
-#include "tools/cli/view/status/claims_view.hpp"
-#include "tools/cli/view/status/standby_view.hpp"
+#include "tools/cli/view/status/status_facts.hpp"
 #include "tools/cli/view/status/status_view.hpp"
 
 namespace fieldcast::cli {
+
 namespace {
 
 constexpr Duration kLook = std::chrono::milliseconds{500};
@@ -139,6 +139,41 @@ CommandEntry status_command();
 CommandEntry status_command() {
   return {"status", "Show buses and devices: state, load, learned times, failures by cause",
           make_command<StatusCommand>};
+}
+
+namespace {
+
+constexpr Duration kDrawStatusAgain = std::chrono::milliseconds{200};
+
+std::string notice_of(const Connection& connection, DomainView& domain, Duration waited) {
+  return waited <= kBridgeWait
+             ? fmt::format("waiting for a bridge in {} ..", domain_text(connection))
+             : no_bridge_text(connection, domain.missing_servers());
+}
+
+}  // namespace
+
+void status_live(const Connection& connection, DomainView& domain, StatusModel& model,
+                 StandbyWatch& members, Instant end) {
+  StatusScreen screen(model);
+  Terminal terminal;
+  const auto began = instant_now();
+  auto next_draw = began;
+  for (auto now = began; now < end && !domain.inbox().closed(); now = instant_now()) {
+    bool pressed = false;
+    while (const auto key = terminal.key(pressed ? now : std::min(end, next_draw))) {
+      pressed = true;
+      now = instant_now();
+      if (!screen.on_key(*key, {now, utc_now()})) return;
+    }
+    for (const auto& event : domain.inbox().take_present()) update(model, event);
+    model.members = members.model();
+    now = instant_now();
+    if (!pressed && now < next_draw) continue;
+    screen.set_notice(notice_of(connection, domain, now - began));
+    terminal.draw(screen.frame({now, utc_now()}, terminal.size()));
+    next_draw = now + kDrawStatusAgain;
+  }
 }
 
 }  // namespace fieldcast::cli

@@ -6,8 +6,10 @@
 
 #include "core/base/time.hpp"
 #include "tools/cli/domain/connection.hpp"
+#include "tools/cli/domain/domain_view.hpp"
 #include "tools/cli/terminal/interrupt.hpp"
-#include "tools/cli/text/exit_code.hpp"
+#include "tools/cli/text/output.hpp"
+#include "tools/cli/view/status/status_facts.hpp"
 
 namespace fieldcast::cli {
 
@@ -22,5 +24,13 @@ struct StatusOptions {
 // Returns kOk if a bus reported, else kNoBridge. Throws DdsError.
 [[nodiscard]] ExitCode status(const StatusOptions& options, const Connection& connection,
                               Interrupt& interrupt, std::ostream& out, std::ostream& err);
+
+// Runs the screen of `fieldcast status`. Main thread. Processes keys immediately, and DDS events at
+// least ten times a second.
+
+// Until `end`, until the user quits, or until the inbox is closed. REQUIRES: no_screen_reason() is
+// empty; the status is subscribed. Throws std::runtime_error.
+void status_live(const Connection& connection, DomainView& domain, StatusModel& model,
+                 StandbyWatch& members, Instant end);
 
 }  // namespace fieldcast::cli

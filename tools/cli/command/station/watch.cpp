@@ -7,20 +7,19 @@
 #include <ostream>
 #include <utility>
 
-#include "bridge/dds/transport/receive_buffer.hpp"
+#include "bridge/dds/transport/network_check.hpp"
 #include "core/base/json.hpp"
 #include "tools/cli/command/base/command.hpp"
-#include "tools/cli/command/base/in_domain.hpp"
-#include "tools/cli/command/base/pattern_option.hpp"
+#include "tools/cli/command/base/command_options.hpp"
+#include "tools/cli/command/base/command_run.hpp"
 #include "tools/cli/command/station/watch_live.hpp"
 #include "tools/cli/domain/domain_view.hpp"
-#include "tools/cli/domain/listening.hpp"
 #include "tools/cli/model/sample_text.hpp"
 #include "tools/cli/model/watch_model.hpp"
-#include "tools/cli/terminal/clock.hpp"
 #include "tools/cli/terminal/console.hpp"
+#include "tools/cli/terminal/interrupt.hpp"
 #include "tools/cli/terminal/terminal.hpp"
-#include "tools/cli/view/watch_view.hpp"
+#include "tools/cli/view/station_view.hpp"
 
 namespace fieldcast::cli {
 namespace {

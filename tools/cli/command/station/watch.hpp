@@ -8,7 +8,7 @@
 #include "core/model/channel_pattern.hpp"
 #include "tools/cli/domain/connection.hpp"
 #include "tools/cli/terminal/interrupt.hpp"
-#include "tools/cli/text/exit_code.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 

@@ -7,7 +7,6 @@
 
 #include "tools/cli/command/base/command.hpp"
 #include "tools/cli/command/base/command_run.hpp"
-#include "tools/cli/command/base/in_domain.hpp"
 #include "tools/cli/model/command_text.hpp"
 
 namespace fieldcast::cli {

@@ -2,9 +2,76 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "tools/cli/model/sample_text.hpp"
 #include "tools/cli/view/status/status_words.hpp"
 
 namespace fieldcast::cli {
+
+Tone tone_of(const StandbyMessage& member) {
+  if (member.member.role == StandbyRole::kMaster) return Tone::kGood;
+  return member.member.not_ready.empty() ? Tone::kFaint : Tone::kWarning;
+}
+
+const StandbyMessage* master_of(const StandbyModel& model, const std::string& group) {
+  const StandbyMessage* found = nullptr;
+  for (const auto& [key, member] : model) {
+    if (key.first != group) continue;
+    const StandbyRole role = member.member.role;
+    if (role != StandbyRole::kMaster && role != StandbyRole::kHandingOver) continue;
+    if (found == nullptr || member.member.term > found->member.term) found = &member;
+  }
+  return found;
+}
+
+std::uint64_t behind(const StandbyModel& model, const StandbyMessage& member) {
+  const StandbyMessage* const master = master_of(model, member.group);
+  if (master == nullptr || master == &member) return 0;
+  std::uint64_t blocks = 0;
+  for (const StandbyBusFigures& theirs : master->buses) {
+    const auto own = std::ranges::find(member.buses, theirs.bus, &StandbyBusFigures::bus);
+    if (own != member.buses.end() && own->epoch == theirs.epoch && own->blocks < theirs.blocks)
+      blocks += theirs.blocks - own->blocks;
+  }
+  return blocks;
+}
+
+std::vector<std::string> standby_lines(const StandbyModel& model, const Screen& screen) {
+  if (model.empty()) return {"no bridge belongs to a standby group"};
+  TextTable table({{"group"},
+                   {"bridge"},
+                   {"role"},
+                   {"strength", Align::kRight},
+                   {"term", Align::kRight},
+                   {"behind", Align::kRight},
+                   {"host"},
+                   {"not ready"}});
+  for (const auto& [key, member] : model) {
+    table.add_row({{key.first},
+                   {key.second},
+                   {std::string(to_text(member.member.role)), tone_of(member)},
+                   {std::to_string(member.member.strength)},
+                   {std::to_string(number_of(member.member.term))},
+                   {std::to_string(behind(model, member))},
+                   {member.host, Tone::kFaint},
+                   {member.member.not_ready, Tone::kWarning}});
+  }
+  return table.render(screen);
+}
+
+Json standby_json(const StandbyMessage& message) {
+  const StandbyMember& member = message.member;
+  return {{"topic", "Standby"},
+          {"group", message.group},
+          {"bridge", member.bridge},
+          {"host", message.host},
+          {"role", to_text(member.role)},
+          {"strength", member.strength},
+          {"term", number_of(member.term)},
+          {"not_ready", member.not_ready}};
+}
+
 namespace {
 
 std::string joined(const std::vector<std::string>& addresses) {
@@ -110,6 +177,66 @@ std::vector<StatusFact> device_facts(const StationDeviceStatus& device,
                      "runs across them: " +
                          joined(report.refused_gaps),
                      Tone::kWarning});
+  return facts;
+}
+
+namespace {
+
+std::string member_words(const StandbyMessage& message) {
+  const StandbyMember& member = message.member;
+  switch (member.role) {
+    case StandbyRole::kMaster: return "master: it serves the buses and runs commands";
+    case StandbyRole::kHandingOver: return "master, and hands over to " + member.successor;
+    case StandbyRole::kReleased: return "it has handed over to " + member.successor;
+    case StandbyRole::kLeft: return "it has left the group";
+    case StandbyRole::kWaiting: break;
+  }
+  return member.not_ready.empty() ? "waiting: it takes over when no master is there"
+                                  : "not ready, it does not take over: " + member.not_ready;
+}
+
+}  // namespace
+
+std::string role_text(const StandbyMessage& member) {
+  const bool waits = member.member.role == StandbyRole::kWaiting;
+  if (waits && !member.member.not_ready.empty()) return "not ready";
+  return std::string(to_text(member.member.role));
+}
+
+std::vector<StatusFact> group_facts(const StandbyModel& model, const std::string& group) {
+  std::size_t members = 0, ready = 0;
+  for (const auto& [key, member] : model) {
+    if (key.first != group) continue;
+    ++members;
+    ready += member.member.role == StandbyRole::kWaiting && member.member.not_ready.empty() ? 1 : 0;
+  }
+  const StandbyMessage* const master = master_of(model, group);
+  std::vector<StatusFact> facts;
+  if (master == nullptr) {
+    facts.push_back({"state", "no master: nobody serves the buses of the group", Tone::kBad});
+  } else {
+    facts.push_back({"state",
+                     fmt::format("{} is master, term {}", master->member.bridge,
+                                 number_of(master->member.term)),
+                     Tone::kGood});
+  }
+  facts.push_back({"members",
+                   fmt::format("{}, and {} of them would take over", members,
+                               ready == 0 ? std::string("none") : std::to_string(ready)),
+                   ready == 0 ? Tone::kWarning : Tone::kPlain});
+  return facts;
+}
+
+std::vector<StatusFact> member_facts(const StandbyModel& model, const StandbyMessage& message) {
+  const std::uint64_t blocks = behind(model, message);
+  std::vector<StatusFact> facts{{"state", member_words(message), tone_of(message)}};
+  if (message.member.role == StandbyRole::kWaiting)
+    facts.push_back({"behind", fmt::format("{} blocks of the master not followed yet", blocks)});
+  facts.push_back(
+      {"strength", fmt::format("{}; of those that are ready the strongest takes over, then the one "
+                               "whose name comes first",
+                               message.member.strength)});
+  facts.push_back({"host", message.host});
   return facts;
 }
 

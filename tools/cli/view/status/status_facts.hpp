@@ -1,5 +1,3 @@
-// Named facts of buses and devices for the screens and the text of `fieldcast status`. Pure
-// functions.
 #pragma once
 
 #include <map>
@@ -8,11 +6,31 @@
 #include <utility>
 #include <vector>
 
+#include "bridge/standby/standby_values.hpp"
 #include "bridge/station/station.hpp"
-#include "tools/cli/text/text_table.hpp"
-#include "tools/cli/view/status/standby_view.hpp"
+#include "core/base/json.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
+
+// By group and bridge.
+using StandbyModel = std::map<std::pair<std::string, std::string>, StandbyMessage>;
+
+[[nodiscard]] Tone tone_of(const StandbyMessage& member);
+// The master of the greatest term, also during a handover; null: the group has none.
+[[nodiscard]] const StandbyMessage* master_of(const StandbyModel& model, const std::string& group);
+
+[[nodiscard]] std::vector<std::string> standby_lines(const StandbyModel& model,
+                                                     const Screen& screen);
+
+// The fields of Standby by their IDL names, and "topic".
+[[nodiscard]] Json standby_json(const StandbyMessage& message);
+
+// Blocks of the master that a waiting member has not received yet.
+[[nodiscard]] std::uint64_t behind(const StandbyModel& model, const StandbyMessage& member);
+
+// Named facts of buses and devices for the screens and the text of `fieldcast status`. Pure
+// functions.
 
 struct StatusModel {
   std::map<std::string, StationBusStatus> buses;
@@ -41,5 +59,16 @@ struct StatusFact {
 [[nodiscard]] std::string milliseconds_text(Duration time);
 // "CHECKSUM 3, NO_ANSWER 12"
 [[nodiscard]] std::string causes_text(const CauseCounts& causes);
+
+// Named facts of standby groups for the screen of `fieldcast status`. Pure functions.
+
+// "master", "waiting", "not ready": short text for a column.
+[[nodiscard]] std::string role_text(const StandbyMessage& member);
+
+// The state is first: the master, or why a member does not take over.
+[[nodiscard]] std::vector<StatusFact> group_facts(const StandbyModel& model,
+                                                  const std::string& group);
+[[nodiscard]] std::vector<StatusFact> member_facts(const StandbyModel& model,
+                                                   const StandbyMessage& member);
 
 }  // namespace fieldcast::cli

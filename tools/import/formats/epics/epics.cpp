@@ -7,9 +7,9 @@
 
 #include "tools/import/formats/epics/epics_files.hpp"
 #include "tools/import/formats/epics/epics_record.hpp"
-#include "tools/import/formats/readers.hpp"
-#include "tools/import/points/other_keys.hpp"
-#include "tools/import/text/number.hpp"
+#include "tools/import/formats/format.hpp"
+#include "tools/import/points/names.hpp"
+#include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {
 namespace {

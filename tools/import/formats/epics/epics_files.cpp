@@ -7,7 +7,6 @@
 #include <set>
 
 #include "tools/import/formats/epics/epics_templates.hpp"
-#include "tools/import/formats/epics/epics_tokens.hpp"
 
 namespace fieldcast::importing {
 namespace {

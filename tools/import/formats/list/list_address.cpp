@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "tools/import/text/number.hpp"
 #include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {

@@ -4,9 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "tools/import/formats/list/length_vote.hpp"
 #include "tools/import/formats/list/list_factor.hpp"
-#include "tools/import/text/columns.hpp"
+#include "tools/import/formats/list/list_vote.hpp"
 #include "tools/import/text/table.hpp"
 
 namespace fieldcast::importing {

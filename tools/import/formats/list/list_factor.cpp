@@ -7,7 +7,6 @@
 #include <cmath>
 #include <utility>
 
-#include "tools/import/text/number.hpp"
 #include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {

@@ -8,10 +8,10 @@
 
 #include "core/base/value.hpp"
 #include "tools/import/formats/list/list_factor.hpp"
-#include "tools/import/formats/list/list_order.hpp"
+#include "tools/import/formats/list/list_type.hpp"
 #include "tools/import/points/types.hpp"
-#include "tools/import/text/columns.hpp"
-#include "tools/import/text/number.hpp"
+#include "tools/import/text/table.hpp"
+#include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {
 namespace {

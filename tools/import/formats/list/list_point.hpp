@@ -6,10 +6,10 @@
 #include <string>
 #include <string_view>
 
-#include "tools/import/formats/list/length_vote.hpp"
 #include "tools/import/formats/list/list_address.hpp"
 #include "tools/import/formats/list/list_columns.hpp"
 #include "tools/import/formats/list/list_type.hpp"
+#include "tools/import/formats/list/list_vote.hpp"
 #include "tools/import/points/address.hpp"
 #include "tools/import/points/model.hpp"
 #include "tools/import/text/table.hpp"

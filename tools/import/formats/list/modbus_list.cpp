@@ -5,19 +5,17 @@
 #include <algorithm>
 #include <map>
 
-#include "tools/import/formats/list/length_vote.hpp"
+#include "tools/import/formats/format.hpp"
 #include "tools/import/formats/list/list_address.hpp"
 #include "tools/import/formats/list/list_columns.hpp"
-#include "tools/import/formats/list/list_overlap.hpp"
 #include "tools/import/formats/list/list_point.hpp"
 #include "tools/import/formats/list/list_type.hpp"
+#include "tools/import/formats/list/list_vote.hpp"
 #include "tools/import/formats/list/modbus_list_columns.hpp"
-#include "tools/import/formats/list/reference_vote.hpp"
-#include "tools/import/formats/readers.hpp"
 #include "tools/import/points/address.hpp"
 #include "tools/import/points/types.hpp"
-#include "tools/import/text/columns.hpp"
-#include "tools/import/text/number.hpp"
+#include "tools/import/text/table.hpp"
+#include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {
 namespace {

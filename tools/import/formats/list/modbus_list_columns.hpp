@@ -4,7 +4,7 @@
 #include <optional>
 #include <string_view>
 
-#include "tools/import/text/columns.hpp"
+#include "tools/import/text/table.hpp"
 
 namespace fieldcast::importing {
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -71,5 +72,15 @@ class ModbusMemory {
   Instant start_;
   std::array<Cells, 4> cells_;
 };
+
+// Simulated Modbus devices: a ModbusUnit with one of three framings.
+
+// Each fails for a unit outside 1..247 (TCP: 0..255) or an invalid channel address.
+[[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_modbus_rtu_device(
+    const DeviceSetup& setup);
+[[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_modbus_ascii_device(
+    const DeviceSetup& setup);
+[[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_modbus_tcp_device(
+    const DeviceSetup& setup);
 
 }  // namespace fieldcast::sim

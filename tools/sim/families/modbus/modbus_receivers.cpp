@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "core/codec/checksum.hpp"
-#include "tools/sim/device/digits.hpp"
+#include "tools/sim/device/device.hpp"
 
 namespace fieldcast::sim {
 namespace {

@@ -1,0 +1,234 @@
+#include "bridge/log/log_lines.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <pthread.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+#include "bridge/base/file_descriptor.hpp"
+
+namespace fieldcast {
+
+LineBudget::Verdict LineBudget::occurred(std::string_view kind, Instant now) {
+  auto found = entries_.find(kind);
+  if (found == entries_.end()) {
+    if (entries_.size() >= kMaxKinds) kind = "others";
+    found = entries_.try_emplace(std::string(kind), Entry{now}).first;
+  }
+  Entry& entry = found->second;
+  std::uint64_t suppressed = 0;
+  if (now - entry.begun >= kPeriod) {
+    suppressed = entry.suppressed;
+    entry = {now};
+  }
+  if (entry.lines == kLines) {
+    ++entry.suppressed;
+    return {};
+  }
+  ++entry.lines;
+  return {true, suppressed};
+}
+
+std::vector<LineBudget::Summary> LineBudget::summaries(Instant now) {
+  std::vector<Summary> due;
+  for (auto& [kind, entry] : entries_) {
+    if (entry.suppressed == 0 || now - entry.begun < kPeriod) continue;
+    due.push_back({kind, entry.suppressed});
+    entry = {now};
+  }
+  return due;
+}
+
+RepeatFilter::Verdict RepeatFilter::occurred(const std::string& key, Instant now) {
+  const auto found = entries_.find(key);
+  if (found == entries_.end()) {
+    make_room();
+    entries_.emplace(key, Entry{now, now});
+    return {true, 0};
+  }
+  Entry& entry = found->second;
+  entry.last_seen = now;
+  if (now - entry.last_line < kSummary) {
+    ++entry.suppressed;
+    return {};
+  }
+  entry.last_line = now;
+  return {true, std::exchange(entry.suppressed, 0)};
+}
+
+RepeatFilter::Verdict RepeatFilter::recovered(const std::string& key) {
+  const auto found = entries_.find(key);
+  if (found == entries_.end()) return {};
+  const Verdict verdict{true, found->second.suppressed};
+  entries_.erase(found);
+  return verdict;
+}
+
+std::vector<RepeatFilter::Summary> RepeatFilter::summaries(Instant now) {
+  std::vector<Summary> due;
+  for (auto& [key, entry] : entries_) {
+    if (entry.suppressed == 0 || now - entry.last_line < kSummary) continue;
+    due.push_back({key, std::exchange(entry.suppressed, 0)});
+    entry.last_line = now;
+  }
+  std::sort(due.begin(), due.end(),
+            [](const Summary& a, const Summary& b) { return a.key < b.key; });
+  return due;
+}
+
+void RepeatFilter::make_room() {
+  if (entries_.size() < kMaxKeys) return;
+  entries_.erase(std::min_element(
+      entries_.begin(), entries_.end(),
+      [](const auto& a, const auto& b) { return a.second.last_seen < b.second.last_seen; }));
+}
+
+namespace {
+
+// poll() reports a pipe as writable if this many bytes do not block (PIPE_BUF of Linux, pipe(7)).
+// The thread therefore waits in poll(), where it can be ended, and rarely in write().
+constexpr std::size_t kPiece = 4096;
+constexpr int kPollMilliseconds = 100;  // delay until the thread sees `ending`
+
+}  // namespace
+
+struct LineWriter::State {
+  FileDescriptor fd;    // owned by the thread
+  FileDescriptor next;  // replaces `fd` before the next line; usually empty
+  std::function<std::string(std::uint64_t)> remark;
+  std::mutex mutex;
+  std::condition_variable work, done;
+  std::deque<std::string> waiting;
+  std::size_t bytes = 0;
+  std::uint64_t put = 0;
+  std::uint64_t seen = 0;
+  std::uint64_t lost = 0;
+  std::uint64_t to_tell = 0;  // lost lines that are not in a remark yet
+  bool ending = false;
+
+  void run();
+  // Returns the next lines that fit in one piece, after a remark about lines lost before them.
+  std::string take(std::size_t& lines, std::uint64_t& told);
+  [[nodiscard]] bool write(std::string_view text);
+  [[nodiscard]] bool is_ending() {
+    const std::lock_guard lock(mutex);
+    return ending;
+  }
+};
+
+void LineWriter::State::run() {
+  std::unique_lock lock(mutex);
+  while (true) {
+    work.wait(lock, [this] { return ending || !waiting.empty(); });
+    if (ending) return;
+    if (next.valid()) fd = std::move(next);
+    std::size_t lines = 0;
+    std::uint64_t told = 0;
+    const std::string text = take(lines, told);
+    lock.unlock();
+    const bool written = write(text);
+    lock.lock();
+    seen += lines;
+    if (!written) {
+      lost += lines;
+      to_tell += told + lines;
+    }
+    done.notify_all();
+  }
+}
+
+std::string LineWriter::State::take(std::size_t& lines, std::uint64_t& told) {
+  std::string text;
+  if (to_tell > 0) text = remark(told = std::exchange(to_tell, 0));
+  do {
+    text += waiting.front();
+    bytes -= waiting.front().size();
+    waiting.pop_front();
+    ++lines;
+  } while (!waiting.empty() && text.size() + waiting.front().size() <= kPiece);
+  return text;
+}
+
+bool LineWriter::State::write(std::string_view text) {
+  if (!fd.valid()) return false;
+  while (!text.empty()) {
+    pollfd writable{fd.get(), POLLOUT, 0};
+    const int ready = ::poll(&writable, 1, kPollMilliseconds);
+    if (ready == 0 && is_ending()) return false;
+    if (ready <= 0) continue;
+    const ssize_t size = ::write(fd.get(), text.data(), std::min(text.size(), kPiece));
+    if (size >= 0) {
+      text.remove_prefix(static_cast<std::size_t>(size));
+    } else if (errno != EINTR && errno != EAGAIN) {
+      return false;
+    }
+  }
+  return true;
+}
+
+LineWriter::LineWriter(int fd, std::function<std::string(std::uint64_t)> remark)
+    : state_(std::make_shared<State>()) {
+  state_->fd.reset(::fcntl(fd, F_DUPFD_CLOEXEC, 0));
+  state_->remark = std::move(remark);
+  sigset_t all, before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_BLOCK, &all, &before);
+  std::thread([state = state_] {
+    pthread_setname_np(pthread_self(), "log");
+    state->run();
+  }).detach();
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
+
+LineWriter::~LineWriter() {
+  {
+    const std::lock_guard lock(state_->mutex);
+    state_->ending = true;
+  }
+  state_->work.notify_one();
+}
+
+void LineWriter::reopen(int fd) {
+  FileDescriptor next(::fcntl(fd, F_DUPFD_CLOEXEC, 0));
+  const std::lock_guard lock(state_->mutex);
+  state_->next = std::move(next);
+}
+
+void LineWriter::put(std::string line) {
+  {
+    State& s = *state_;
+    const std::lock_guard lock(s.mutex);
+    s.bytes += line.size();
+    s.waiting.push_back(std::move(line));
+    ++s.put;
+    while (s.bytes > kMaxWaiting && s.waiting.size() > 1) {
+      s.bytes -= s.waiting.front().size();
+      s.waiting.pop_front();
+      ++s.seen, ++s.lost, ++s.to_tell;
+    }
+  }
+  state_->work.notify_one();
+}
+
+bool LineWriter::flush(Duration limit) {
+  std::unique_lock lock(state_->mutex);
+  const std::uint64_t wanted = state_->put;
+  return state_->done.wait_for(lock, limit, [&] { return state_->seen >= wanted; });
+}
+
+std::uint64_t LineWriter::lost() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->lost;
+}
+
+}  // namespace fieldcast

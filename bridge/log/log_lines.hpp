@@ -1,0 +1,120 @@
+// Limits the log lines of kinds that outsiders can cause without limit. In each kPeriod, the first
+// kLines of a kind are logged; more are only counted. Pure; one owner, one thread.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "core/base/time.hpp"
+
+namespace fieldcast {
+
+class LineBudget {
+ public:
+  static constexpr unsigned kLines = 10;
+  static constexpr Duration kPeriod = std::chrono::minutes{10};
+  static constexpr std::size_t kMaxKinds = 64;  // further kinds share one budget
+
+  struct Verdict {
+    bool log = false;
+    std::uint64_t suppressed = 0;  // lines of this kind that were not logged in the previous period
+  };
+  [[nodiscard]] Verdict occurred(std::string_view kind, Instant now);
+
+  struct Summary {
+    std::string kind;
+    std::uint64_t suppressed = 0;
+  };
+  // Returns the kinds with suppressed lines whose period has ended; each once.
+  [[nodiscard]] std::vector<Summary> summaries(Instant now);
+
+ private:
+  struct Entry {
+    Instant begun;
+    unsigned lines = 0;
+    std::uint64_t suppressed = 0;
+  };
+  std::map<std::string, Entry, std::less<>> entries_;
+};
+
+// Decides which occurrences of a fault are logged. Pure; one owner, one thread.
+//
+// The first occurrence of a key is logged. Later ones are counted, and summarized when kSummary has
+// passed since the last line about the key, or when the fault ends.
+
+class RepeatFilter {
+ public:
+  static constexpr Duration kSummary = std::chrono::minutes{10};
+  // A new key beyond it replaces the key that was quiet longest.
+  static constexpr std::size_t kMaxKeys = 4096;
+
+  struct Verdict {
+    bool log = false;
+    std::uint64_t suppressed = 0;  // occurrences since the last line that were not logged
+  };
+  [[nodiscard]] Verdict occurred(const std::string& key, Instant now);
+  // The fault has ended. `log` is true if it had occurred. Its next occurrence is logged again.
+  [[nodiscard]] Verdict recovered(const std::string& key);
+
+  struct Summary {
+    std::string key;
+    std::uint64_t suppressed = 0;
+  };
+  // Keys with suppressed occurrences whose last line is kSummary old, each once. Call periodically.
+  [[nodiscard]] std::vector<Summary> summaries(Instant now);
+
+ private:
+  struct Entry {
+    Instant last_line;
+    Instant last_seen;
+    std::uint64_t suppressed = 0;
+  };
+  void make_room();
+  std::unordered_map<std::string, Entry> entries_;
+};
+
+// Writes lines to a descriptor that may block for any time: a pipe without a reader, a stopped
+// terminal, a full disk. The caller never waits; a separate thread writes.
+//
+// The queue is bounded: when it is full, the oldest lines are dropped and replaced by a remark with
+// their number. The thread may hang in write(2) forever, so it is never joined: it shares its state
+// with the LineWriter and may outlive it. A Worker and spdlog's asynchronous logger join their
+// thread, so neither is used. A BoundedQueue does not fit either: this limit is in bytes, and
+// flush() waits until lines are written.
+
+class LineWriter {
+ public:
+  static constexpr std::size_t kMaxWaiting = std::size_t{1} << 20;  // bytes
+
+  // `remark` makes the line that replaces lost lines; it is called on the writer's thread. The
+  // descriptor is duplicated. Signals are blocked in the thread.
+  LineWriter(int fd, std::function<std::string(std::uint64_t lost)> remark);
+  ~LineWriter();  // waiting lines are lost; call flush() before
+  LineWriter(const LineWriter&) = delete;
+  LineWriter& operator=(const LineWriter&) = delete;
+
+  // Unwritten and later lines go to this descriptor. Any thread; does not wait for the old one.
+  void reopen(int fd);
+
+  // `line` includes its line end. Any thread; never waits.
+  void put(std::string line);
+
+  // Waits until every earlier line is written or lost. Returns false after the limit.
+  [[nodiscard]] bool flush(Duration limit);
+
+  // Lines that were dropped or that the descriptor refused (full disk, closed pipe).
+  [[nodiscard]] std::uint64_t lost() const;
+
+ private:
+  struct State;
+  std::shared_ptr<State> state_;  // shared with the thread
+};
+
+}  // namespace fieldcast

@@ -1,0 +1,77 @@
+// Signals of a daemon. A separate thread receives them, and the main thread handles them one after
+// the other. While the main thread hangs in a driver or a library, no signal is lost. The signal
+// thread ends the process if a stop takes too long.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "core/base/time.hpp"
+#include "core/model/dds_spec.hpp"
+
+namespace fieldcast {
+
+class Signals {
+ public:
+  // Limit of a stop; then the process is ended. An orderly stop needs less than two seconds, and
+  // supervisors kill after ten at the earliest.
+  static constexpr Duration kEndLimit = std::chrono::seconds{8};
+
+  // wait() returns SIGHUP, SIGUSR1, SIGTERM and SIGINT. REQUIRES: no other thread runs yet, because
+  // only threads created later inherit the signal mask.
+  Signals();
+  ~Signals();
+  Signals(const Signals&) = delete;
+  Signals& operator=(const Signals&) = delete;
+
+  // Sets what the signal thread does before it ends the process because a stop takes too long.
+  void if_stuck(std::function<void()> last_words);
+
+  [[nodiscard]] bool ending() const { return ending_; }
+
+  // Returns the next signal, or 0 after the limit.
+  [[nodiscard]] int wait(Duration limit);
+
+ private:
+  void take();
+
+  std::mutex mutex_;
+  std::function<void()> last_words_;
+  std::condition_variable changed_;
+  // Each kind once: a second SIGHUP before the first is handled adds nothing.
+  std::deque<int> taken_;
+  std::atomic<bool> ending_ = false;
+  bool ended_ = false;
+  std::thread thread_;  // last: it uses the members above
+};
+
+// Logs present and coming faults of this program's DDS Security identity while it runs: once a day,
+// and when its certificate expires. Main thread.
+
+// Returns true if a day has passed, the clock was set back, or a certificate with this end has
+// expired since `last`. Pure.
+[[nodiscard]] bool is_look_due(std::optional<UtcTime> not_after, UtcTime last, UtcTime now);
+
+class IdentityWatch {
+ public:
+  explicit IdentityWatch(bool is_bridge) : is_bridge_(is_bridge) {}
+
+  // The program has joined or rejoined with the present contents of its folder.
+  void joined(const DdsSpec& spec, UtcTime now);
+  // No effect without security, or before is_look_due().
+  void look(UtcTime now);
+
+ private:
+  const bool is_bridge_;
+  std::optional<std::string> folder_;
+  std::optional<UtcTime> not_after_;  // of the certificate in use
+  UtcTime last_;
+};
+
+}  // namespace fieldcast

@@ -1,0 +1,150 @@
+#include "tools/import/formats/list/list_vote.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "tools/import/text/table.hpp"
+
+namespace fieldcast::importing {
+
+namespace {
+
+constexpr std::array kLengthUnits{LengthUnit::kWords, LengthUnit::kBytes, LengthUnit::kBits};
+
+}  // namespace
+
+std::optional<LengthUnit> length_unit_of_title(std::string_view title) {
+  const std::string word = column_word(title);
+  const auto has = [&](std::string_view part) { return word.find(part) != std::string::npos; };
+  if (has("byte")) return LengthUnit::kBytes;
+  if (has("bits")) return LengthUnit::kBits;
+  if (has("word") || has("reg")) return LengthUnit::kWords;
+  return std::nullopt;
+}
+
+void LengthVote::add(Votes& votes, const Length& length, unsigned bits) {
+  for (const LengthUnit unit : kLengthUnits) {
+    if (length.unit.value_or(unit) == unit && length.bits(unit) == bits)
+      ++votes[static_cast<std::size_t>(unit)];
+  }
+}
+
+void LengthVote::add_type(const Length& length, unsigned bits) { add(by_type_, length, bits); }
+
+void LengthVote::add_step(const Length& length, std::uint32_t step) {
+  if (step <= 4) add(by_step_, length, step * 16);
+}
+
+std::optional<LengthUnit> LengthVote::most(const Votes& votes) {
+  for (const LengthUnit unit : kLengthUnits) {
+    const std::size_t own = votes[static_cast<std::size_t>(unit)];
+    if (2 * own > votes[0] + votes[1] + votes[2]) return unit;
+  }
+  return std::nullopt;
+}
+
+std::optional<LengthUnit> LengthVote::unit() const {
+  const auto by_type = most(by_type_);
+  return by_type ? by_type : most(by_step_);
+}
+
+namespace {
+
+constexpr std::size_t kRowsNamed = 3;
+
+}  // namespace
+
+ReferenceVote::Say ReferenceVote::say_of(const Row& row) {
+  if (!row.reference || (holds_bits(*row.reference) && row.is_number)) return Say::kIsNone;
+  if (!row.said) return Say::kNothing;
+  return *row.said == *row.reference ? Say::kConfirms : Say::kContradicts;
+}
+
+bool ReferenceVote::counts_from_one() const {
+  struct Area {
+    std::size_t confirm = 0, contradict = 0;
+  };
+  std::array<Area, 4> areas;
+  for (const Row& row : rows_) {
+    const Say say = say_of(row);
+    if (say == Say::kIsNone) return false;
+    Area& area = areas[static_cast<std::size_t>(*row.reference)];
+    area.confirm += say == Say::kConfirms;
+    area.contradict += say == Say::kContradicts;
+  }
+  std::size_t confirm = 0, contradict = 0, confirmed_areas = 0;
+  bool most_of_each = true;
+  for (const Area& area : areas) {
+    confirm += area.confirm;
+    contradict += area.contradict;
+    confirmed_areas += area.confirm > 0;
+    most_of_each = most_of_each && (area.contradict == 0 || area.confirm > area.contradict);
+  }
+  if (contradict == 0) return !rows_.empty();
+  return confirm > contradict && (confirmed_areas >= 2 || most_of_each);
+}
+
+std::string ReferenceVote::note() const {
+  const auto example = std::ranges::find_if(rows_, [](const Row& row) {
+    const Say say = say_of(row);
+    return say == Say::kNothing || say == Say::kConfirms;
+  });
+  if (example == rows_.end() || counts_from_one()) return {};
+  std::string against;
+  std::size_t count = 0;
+  for (const Row& row : rows_) {
+    const Say say = say_of(row);
+    if (say != Say::kContradicts && say != Say::kIsNone) continue;
+    if (++count > kRowsNamed) continue;
+    against += fmt::format("{}line {} ('{}'{})", against.empty() ? "" : ", ", row.line, row.cell,
+                           say == Say::kContradicts ? " of another function" : "");
+  }
+  if (count > kRowsNamed) against += fmt::format(" and {} more", count - kRowsNamed);
+  return fmt::format(
+      "numbers such as '{}' (line {}) are taken as they are, not as references that count from 1, "
+      "for this cannot be one: {}; if that row is wrong, take it out",
+      example->cell, example->line, against);
+}
+
+namespace {
+
+bool same_table(const Placed& a, const Placed& b) {
+  return a.device == b.device && a.area == b.area;
+}
+
+void note_both(const Placed& a, const Placed& b, std::string_view what) {
+  for (const auto& [own, other] : {std::pair(&a, &b), std::pair(&b, &a)})
+    own->point->changes.push_back(fmt::format("{} of '{}' (line {}) too", what, other->point->name,
+                                              other->point->origin.line));
+}
+
+}  // namespace
+
+void note_overlaps(std::vector<Placed> values) {
+  std::ranges::stable_sort(values, {}, [](const Placed& value) {
+    return std::tuple(value.device, value.area, value.bit.has_value(), value.first,
+                      value.bit.value_or(0));
+  });
+  // The previous value with the highest end.
+  const Placed* last = nullptr;
+  for (const Placed& value : values) {
+    if (last && (!same_table(*last, value) || last->bit.has_value() != value.bit.has_value()))
+      last = nullptr;
+    if (last && value.bit) {
+      if (last->first == value.first && last->bit == value.bit)
+        note_both(*last, value, "is the bit");
+    } else if (last && last->first + last->registers > value.first) {
+      if (last->first != value.first || last->registers != value.registers)
+        note_both(*last, value, "lies on registers");
+    }
+    if (!last || value.bit || value.first + value.registers > last->first + last->registers)
+      last = &value;
+  }
+}
+
+}  // namespace fieldcast::importing

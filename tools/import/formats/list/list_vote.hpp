@@ -1,0 +1,79 @@
+// Determines the unit of a length column by types of known width, or else by the distances of
+// consecutive addresses. Pure.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tools/import/formats/list/list_type.hpp"
+#include "tools/import/points/address.hpp"
+#include "tools/import/points/model.hpp"
+
+namespace fieldcast::importing {
+
+// "Size (bytes)", "Number of registers", "Words", "Bits"; empty if the title has no unit.
+[[nodiscard]] std::optional<LengthUnit> length_unit_of_title(std::string_view title);
+
+class LengthVote {
+ public:
+  void add_type(const Length& length, unsigned bits);
+  // Adds a value whose successor is `step` registers after it.
+  void add_step(const Length& length, std::uint32_t step);
+  // Empty without votes or in a tie.
+  [[nodiscard]] std::optional<LengthUnit> unit() const;
+
+ private:
+  using Votes = std::array<std::size_t, 3>;  // by LengthUnit
+  static void add(Votes& votes, const Length& length, unsigned bits);
+  static std::optional<LengthUnit> most(const Votes& votes);
+
+  Votes by_type_{}, by_step_{};
+};
+
+// Determines whether numbers such as 40001 are references, which count from 1, or plain numbers.
+// All valid rows are compared. Pure.
+
+class ReferenceVote {
+ public:
+  struct Row {
+    unsigned line = 0;
+    std::string_view cell;                // as in the list
+    std::optional<ModbusArea> reference;  // empty: can only be a plain number
+    std::optional<ModbusArea> said;       // from the function or table
+    bool is_number = false;               // the type is a number, so the area is not a bit area
+  };
+  void add(const Row& row) { rows_.push_back(row); }
+
+  // True if every row may be a reference. Accepts a few contradictions if more rows in two areas
+  // agree; the caller refuses those.
+  [[nodiscard]] bool counts_from_one() const;
+
+  // Describes conflicting rows; empty if there are none.
+  [[nodiscard]] std::string note() const;
+
+ private:
+  enum class Say { kNothing, kConfirms, kContradicts, kIsNone };
+  [[nodiscard]] static Say say_of(const Row& row);
+
+  std::vector<Row> rows_;
+};
+
+// Finds values that overlap partly: one of the two is wrong, usually in its type or address. Pure.
+
+struct Placed {
+  std::optional<std::uint16_t> device;  // only values of the same device are compared
+  ModbusArea area = ModbusArea::kHolding;
+  std::uint32_t first = 0;
+  std::optional<std::uint8_t> bit;
+  unsigned registers = 1;
+  Point* point = nullptr;
+};
+
+// Adds a note to each value that shares some registers, or the same bit, with a different value.
+// Bits in a register, and two values of exactly the same registers, are allowed.
+void note_overlaps(std::vector<Placed> values);
+
+}  // namespace fieldcast::importing

@@ -1,0 +1,68 @@
+// GET /metrics: the station's counters in the Prometheus text format 0.0.4. Runs on the io thread.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bridge/store/records/records.hpp"
+#include "core/access/login.hpp"
+#include "tools/station/api/base/database.hpp"
+#include "tools/station/http/route_table.hpp"
+#include "tools/station/record/recorder.hpp"
+#include "tools/station/web/logins.hpp"
+
+namespace fieldcast::web {
+
+struct Metric {
+  const char* name;  // without the prefix "fieldcast_station_"
+  bool counter;      // false: gauge
+  const char* help;
+  double value;
+};
+[[nodiscard]] std::string metrics_text(const std::vector<Metric>& metrics);
+
+// Returns the metrics of these objects; each pointer may be null.
+[[nodiscard]] std::vector<Metric> metrics_of(const Database* database, const Store* store,
+                                             const Recorder* recorder);
+
+// `further` returns the metrics of the rest of the program. All arguments must outlive the table.
+void add_metrics_routes(RouteTable& table, const Database* database, const Store* store,
+                        const Recorder* recorder, std::function<std::vector<Metric>()> further);
+
+// Logs in by token from the store. Runs on the io thread and never blocks. Audits the token's name,
+// never the token. A peer that sends wrong tokens must wait.
+
+class Tokens {
+ public:
+  // `database` and `audit` must outlive this object.
+  Tokens(Database& database, Audit& audit, std::function<UtcTime()> utc,
+         std::function<Instant()> now)
+      : database_(database), audit_(audit), utc_(std::move(utc)), now_(std::move(now)) {}
+  Tokens(const Tokens&) = delete;
+  Tokens& operator=(const Tokens&) = delete;
+
+  // Calls `done` once on the io thread, immediately or later, even if this object was destroyed.
+  void check(std::string token, const std::string& peer, std::function<void(LoginVerdict)> done);
+
+  // Returns the names of all valid tokens; empty if the store cannot be read now.
+  void names(std::function<void(std::optional<std::vector<std::string>>)> done);
+
+ private:
+  struct Shared {
+    LoginThrottle throttle;
+  };
+  Database& database_;
+  Audit& audit_;
+  const std::function<UtcTime()> utc_;
+  const std::function<Instant()> now_;
+  const std::shared_ptr<Shared> shared_ = std::make_shared<Shared>();
+};
+
+// GET /api/audit: the audit log, newest first. GET /api/users: the users without their hashes.
+
+// `now` is called on the io thread. `database` is null if the station has no store.
+void add_audit_routes(RouteTable& table, Database* database, std::function<UtcTime()> now);
+void add_user_routes(RouteTable& table, Database* database);
+
+}  // namespace fieldcast::web

@@ -1,0 +1,101 @@
+#include "tools/station/wiring.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "tools/station/api/api_routes.hpp"
+
+namespace fieldcast::web {
+
+namespace {
+
+std::vector<Metric> own_metrics(const LiveDomain& domain, const HttpServer& server) {
+  std::vector<Metric> all;
+  const auto add = [&all](const char* name, bool counter, const char* help, auto value) {
+    all.push_back({name, counter, help, static_cast<double>(value)});
+  };
+  const LiveDomain::Counters live = domain.counters();
+  add("channels", false, "Channels that bridges announce.", live.channels);
+  add("samples_total", true, "Samples that came.", live.inbox.samples);
+  add("samples_overtaken_total", true, "Samples with a newer one before pages saw them.",
+      live.inbox.overtaken);
+  add("missing_blocks_total", true, "Blocks of samples that never came.", live.blocks.missing);
+  add("clients", false, "Clients of /live.", live.connected);
+  add("frames_total", true, "Binary frames sent to clients.", live.clients.frames);
+  add("frames_dropped_total", true, "Frames not made since a client was slow.",
+      live.clients.dropped);
+  add("frames_encoded_total", true, "Frames that were made; several clients may share one.",
+      live.frames.encoded);
+  add("messages_refused_total", true, "Messages of clients that were refused.",
+      live.clients.refused);
+  add("interests", false, "Interests declared for clients.", live.interests);
+  Duration offset{};
+  for (const StationBusStatus* bus : domain.model().objects().all<StationBusStatus>())
+    offset = std::max(offset, std::chrono::abs(bus->clock_ahead.value_or(Duration{})));
+  add("largest_clock_offset_seconds", false,
+      "Largest difference between the clocks of this station and of a bridge.", to_seconds(offset));
+  const ServerCounters web = server.counters();
+  add("connections_total", true, "HTTP connections accepted.", web.connections);
+  add("connections", false, "HTTP connections now.", web.open);
+  add("turned_away_total", true, "Connections and clients beyond a limit.", web.turned_away);
+  return all;
+}
+
+}  // namespace
+
+void add_api_routes(RouteTable& routes, const RouteNeeds& needs) {
+  add_routes(routes, {.model = needs.domain.model(),
+                      .commands = needs.domain.commands(),
+                      .database = needs.database,
+                      .store = needs.store,
+                      .recorder = needs.recorder,
+                      .now = needs.now,
+                      .metrics = [&domain = needs.domain, &server = needs.server] {
+                        return own_metrics(domain, server);
+                      }});
+}
+
+std::optional<Role> local_role_of(const StationSpec& spec, std::optional<std::size_t> users) {
+  if (!on_loopback(spec.web.listen)) return std::nullopt;
+  if (spec.web.local_role) {
+    switch (*spec.web.local_role) {
+      case LocalRole::kNone: return std::nullopt;
+      case LocalRole::kViewer: return Role::kViewer;
+      case LocalRole::kOperator: return Role::kOperator;
+    }
+  }
+  if (!spec.store || users == 0u) return Role::kViewer;
+  return std::nullopt;
+}
+
+UserWatch::UserWatch(boost::asio::io_context& io, const StationSpec& spec, Site& site, Ask ask)
+    : spec_(spec), site_(site), ask_(std::move(ask)), timer_(io) {
+  site_.set_local_role(local_role_of(spec_, std::nullopt));
+}
+
+UserWatch::~UserWatch() = default;
+
+void UserWatch::look() {
+  if (!ask_) return;
+  ask_([this, alive = std::weak_ptr(alive_)](Users users) {
+    if (!alive.expired()) on_users(users);
+  });
+}
+
+// If the store cannot be read, logins and the local role remain unchanged.
+void UserWatch::on_users(const Users& users) {
+  if (users) {
+    users_ = users->size();
+    std::vector<SessionStore::KnownUser> known;
+    for (const User& user : *users) known.push_back({user.name, user.role, user.created_at});
+    site_.book().users_are(known);
+  }
+  site_.set_local_role(local_role_of(spec_, users_));
+  timer_.expires_after(std::chrono::duration_cast<std::chrono::steady_clock::duration>(kPeriod));
+  timer_.async_wait([this](boost::system::error_code cancelled) {
+    if (!cancelled) look();
+  });
+}
+
+}  // namespace fieldcast::web

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <boost/asio/steady_timer.hpp>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bridge/store/store.hpp"
+#include "bridge/store/users/user_table.hpp"
+#include "tools/station/api/base/database.hpp"
+#include "tools/station/http/route_table.hpp"
+#include "tools/station/live/live_domain.hpp"
+#include "tools/station/record/recorder.hpp"
+#include "tools/station/settings/configuration.hpp"
+#include "tools/station/web/http_server.hpp"
+#include "tools/station/web/site.hpp"
+
+namespace fieldcast::web {
+
+// Must outlive the table. Pointers are null without a store or recorder.
+struct RouteNeeds {
+  LiveDomain& domain;
+  Database* database;
+  Store* store;
+  Recorder* recorder;
+  const HttpServer& server;
+  std::function<UtcTime()> now;
+};
+
+void add_api_routes(RouteTable& routes, const RouteNeeds& needs);
+
+// Reads the users of the store periodically. Ends logins of removed or changed users, and updates
+// the role of clients without a login. Runs on the io thread.
+
+// Empty if clients must log in. `users`: number of users; empty if unknown.
+[[nodiscard]] std::optional<Role> local_role_of(const StationSpec& spec,
+                                                std::optional<std::size_t> users);
+
+class UserWatch {
+ public:
+  static constexpr Duration kPeriod = std::chrono::seconds{5};
+  using Users = std::optional<std::vector<User>>;  // empty: the store cannot be read now
+  // Reads the users without blocking; `done` is called on the io thread.
+  using Ask = std::function<void(std::function<void(Users)> done)>;
+
+  // The site must outlive this object.
+  UserWatch(boost::asio::io_context& io, const StationSpec& spec, Site& site, Ask ask);
+  ~UserWatch();
+  UserWatch(const UserWatch&) = delete;
+  UserWatch& operator=(const UserWatch&) = delete;
+
+  void look();
+
+ private:
+  void on_users(const Users& users);
+
+  const StationSpec spec_;
+  Site& site_;
+  const Ask ask_;
+  boost::asio::steady_timer timer_;
+  std::optional<std::size_t> users_;  // number of users at the last successful read
+  std::shared_ptr<bool> alive_ = std::make_shared<bool>(true);
+};
+
+}  // namespace fieldcast::web
