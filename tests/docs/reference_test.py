@@ -94,7 +94,7 @@ class ExitCodes(unittest.TestCase):
 
 class Picture(unittest.TestCase):
     def test_shows_the_columns_of_watch(self):
-        table = re.search(r"TextTable table\((.*?)\);", read("tools/cli/view/station_view.cpp"), re.DOTALL).group(1)
+        table = re.search(r"TextTable table\((.*?)\);", read("tools/cli/view/station_view.cpp").split(" watch_lines(")[1], re.DOTALL).group(1)
         heads = re.findall(r'"(\w+)"', table)
         self.assertEqual(len(heads), 7)
         rows = {}
