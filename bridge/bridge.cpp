@@ -133,7 +133,6 @@ void Bridge::State::stop_all(program::Server::Modules kept, DdsLink::Leave leave
   link.reset();  // 6.
   group.reset();
   guard.reset();
-  commands.keep_identities({}, {});
   identities.reset();
   audit.open(nullptr);
   alarms.close(store.get());

@@ -102,36 +102,45 @@ void Bridge::State::answer_held(const std::string& bus, const CommandResult& res
   link->complete(bus, result, read_clocks());
 }
 
-// `late`: the command has already expired; the text is the reason.
+// The steps of a command at the bridge that runs it. DdsLink has authenticated the requester. The
+// bus executes the command, and BusOutput::complete() responds. `late`: the command has already
+// expired; the text is the reason.
 void Bridge::State::run_command(const std::string& bus, Command command, std::string late) {
-  if (commands.was_answered_elsewhere(command, steady_now())) return;
+  const Instant now = steady_now();
+  if (commands.was_answered_elsewhere(command, now)) return;
   const AuditEntry asked = audit.asked(bus, command);
   ++standby.in_hand;
-  if (const auto refused = commands.take(bus, std::move(command), steady_now(), std::move(late))) {
-    audit.refused(asked, *refused);
-    if (!keeps_result(bus, *refused)) link->complete(bus, *refused, read_clocks());
-  }
+  std::optional<CommandResult> refused = commands.deduplicate(command, now, std::move(late));
+  if (!refused && CommandRouter::must_be_noted(command) && (group || identities))
+    return run_noted(bus, command, now);
+  if (!refused) refused = commands.route(bus, command, CommandRouter::Identity::kNew, now);
+  if (!refused) return;
+  audit.refused(asked, *refused);
+  if (!keeps_result(bus, *refused)) link->complete(bus, *refused, read_clocks());
+}
+
+// Before a write is sent to the bus, notes it at all members that may have to respond for it, and
+// in the store.
+void Bridge::State::run_noted(const std::string& bus, const Command& command, Instant received) {
+  const auto run = [this, bus, command, received](CommandRouter::Identity identity) {
+    const auto refused = commands.route(bus, command, identity, received);
+    if (!refused || keeps_result(bus, *refused)) return;
+    audit.answered(bus, *refused);
+    link->complete(bus, *refused, read_clocks());
+  };
+  const auto keep = [this, run, requester = command.requester, id = command.request_id] {
+    identities ? identities->enter(requester, id, run) : run(CommandRouter::Identity::kNew);
+  };
+  if (!group) return keep();
+  group->begin(bus, command.requester, command.request_id, [keep, run](bool noted) {
+    noted ? keep() : run(CommandRouter::Identity::kNotNoted);
+  });
 }
 
 void Bridge::State::run_action(const AlarmAction& action) {
   const UtcMapping now = read_clocks();
   standby.note_result(action.requester, action.request_id);
   link->complete(action.alarm.bus, alarm_actions.take(action, now), now);
-}
-
-// Before a write is sent to the bus, records it at all members that may have to respond for it.
-void Bridge::State::keep_identity(const std::string& bus, const std::string& requester,
-                                  std::uint64_t request_id,
-                                  std::function<void(CommandRouter::Identity)> kept) {
-  const auto keep = [this, requester, request_id](auto then) {
-    if (!identities) return then(CommandRouter::Identity::kNew);
-    keep_in_store(requester, request_id, std::move(then));
-  };
-  if (!group) return keep(std::move(kept));
-  group->begin(bus, requester, request_id, [keep, kept = std::move(kept)](bool noted) {
-    if (!noted) return kept(CommandRouter::Identity::kNotNoted);
-    keep(kept);
-  });
 }
 
 // Returns true if this bridge must not publish the result: the successor runs the command, or the

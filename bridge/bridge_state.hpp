@@ -97,9 +97,6 @@ struct Bridge::State {
   [[nodiscard]] program::Hooks program_hooks();
   void join();
   void open_store();
-  void keep_identities();
-  void keep_in_store(const std::string& requester, std::uint64_t request_id,
-                     std::function<void(CommandRouter::Identity)> kept);
   void serve_metrics(const BridgeSpec& wanted);
   void tell_other_bridges(DdsLink::Handlers& handlers);
   void publish_alarms();
@@ -151,8 +148,7 @@ struct Bridge::State {
   void answer_held(const std::string& bus, const CommandResult& result);
   void run_command(const std::string& bus, Command command, std::string late = {});
   void run_action(const AlarmAction& action);
-  void keep_identity(const std::string& bus, const std::string& requester, std::uint64_t request_id,
-                     std::function<void(CommandRouter::Identity)> kept);
+  void run_noted(const std::string& bus, const Command& command, Instant received);
   [[nodiscard]] bool keeps_result(const std::string& bus, const CommandResult& result);
   [[nodiscard]] bool keep_late(const std::string& bus, const CommandResult& result);
   void finish_held();

@@ -51,13 +51,9 @@ program::Hooks Bridge::State::program_hooks() {
 void Bridge::State::join() {
   DdsLink::Handlers handlers;
   handlers.clock = [] { return read_clocks(); };
-  handlers.on_command = [this](const std::string& bus, Command command) {
+  handlers.on_command = [this](const std::string& bus, Command command, std::string late) {
     if (standby.hold(bus, command)) return;
-    run_command(bus, std::move(command));
-  };
-  handlers.on_late_command = [this](const std::string& bus, Command command, std::string why) {
-    if (standby.hold(bus, command)) return;
-    run_command(bus, std::move(command), std::move(why));
+    run_command(bus, std::move(command), std::move(late));
   };
   handlers.on_alarm_action = [this](const AlarmAction& action) {
     if (standby.hold(action)) return;
@@ -80,7 +76,6 @@ void Bridge::State::join() {
   publish_alarms();
   spec.standby ? join_group() : stand_alone();
   if (spec.store) open_store();
-  if (spec.store || spec.standby) keep_identities();
   audit.open(store.get());
 }
 
@@ -94,32 +89,6 @@ void Bridge::State::open_store() {
   }
   logins = std::make_unique<Authenticator>(StoreAddress(spec.store->address), *store);
   identities = std::make_unique<CommandIdTable>(StoreAddress(spec.store->address));
-}
-
-void Bridge::State::keep_in_store(const std::string& requester, std::uint64_t request_id,
-                                  std::function<void(CommandRouter::Identity)> kept) {
-  identities->enter(requester, request_id,
-                    [kept = std::move(kept)](CommandIdTable::Verdict verdict) {
-                      switch (verdict) {
-                        case CommandIdTable::Verdict::kNew:
-                          return kept(CommandRouter::Identity::kNew);
-                        case CommandIdTable::Verdict::kKnown:
-                          return kept(CommandRouter::Identity::kKnown);
-                        case CommandIdTable::Verdict::kNotKept:
-                          return kept(CommandRouter::Identity::kNotKept);
-                      }
-                    });
-}
-
-void Bridge::State::keep_identities() {
-  commands.keep_identities(
-      [this](const std::string& bus, const std::string& requester, std::uint64_t request_id,
-             auto kept) { keep_identity(bus, requester, request_id, std::move(kept)); },
-      [this](const std::string& bus, const CommandResult& refused) {
-        if (keeps_result(bus, refused)) return;
-        audit.answered(bus, refused);
-        link->complete(bus, refused, read_clocks());
-      });
 }
 
 // The task reads the status when it runs, so the last of several changes is published.
