@@ -1,10 +1,5 @@
-// Publishes the data of one bus on DDS on the right thread, and notes its reports for the metrics.
-//
-// The block of an exchange, and a few single samples, are written immediately on the bus's thread,
-// during the silence after the response: this is fastest. Everything else goes to the publisher
-// thread, so that a bus never waits for DDS. The order is kept: while that thread has tasks of the
-// bus, nothing is written directly, so DdsLink has one caller at a time per bus. Called on the
-// bus's thread.
+// Output of one bus: DDS, the store, the alarms, the metrics, the audit of commands. Owns the objects
+// that belong only to this bus. Called on the bus's thread.
 #pragma once
 
 #include <atomic>
@@ -29,37 +24,6 @@
 
 namespace fieldcast {
 
-class DdsPublisher {
- public:
-  // Time that DDS needs for one sample on a small machine.
-  static constexpr Duration kOneSample = std::chrono::microseconds{50};
-
-  // The references must outlive this object.
-  DdsPublisher(PublisherThread& thread, DdsLink& link, MetricsTable& figures, const BusSpec& bus);
-
-  // Returns false if only the block was written; then pass the samples to publish_later().
-  [[nodiscard]] bool publish_now(const std::vector<Sample>& samples, const UtcMapping& mapping);
-  void publish_later(std::vector<Sample> samples, const UtcMapping& mapping);
-
-  void promise(ChannelIndex channel, std::optional<Duration> gap);
-  void complete(const CommandResult& result, const UtcMapping& mapping);
-  void report(const BusReport& report, UtcTime at);
-  void report(std::string_view device, const DeviceReport& report, UtcTime at);
-  void report(PlanReport plan, UtcTime at);
-  void report(const std::vector<AlarmChange>& changes, const UtcMapping& mapping);
-
- private:
-  template <class Task>
-  void post(Task task, PublisherThread::Late late = PublisherThread::Late::kRun);
-
-  PublisherThread& thread_;
-  DdsLink& link_;
-  MetricsTable& figures_;
-  const std::string bus_;
-  const std::size_t most_now_;           // number of samples that fit in the silence
-  std::atomic<std::size_t> waiting_{0};  // unfinished tasks of this bus
-};
-
 // Stores the samples of one bus and the state changes of its devices. Called on the bus's thread;
 // never waits for the store.
 
@@ -83,11 +47,16 @@ class StoreRecorder {
   std::map<std::string, Device, std::less<>> devices_;
 };
 
-// Output of one bus: DDS, the store, the alarms, the audit of commands. Owns the objects that
-// belong only to this bus. Called on the bus's thread.
+// The block of an exchange, and a few single samples, are written immediately on the bus's thread,
+// during the silence after the response: this is fastest. Everything else goes to the publisher
+// thread, so that a bus never waits for DDS. The order is kept: while that thread has tasks of the
+// bus, nothing is written directly, so DdsLink has one caller at a time per bus.
 
 class BusOutput final : public BusSink {
  public:
+  // Time that DDS needs for one sample on a small machine.
+  static constexpr Duration kOneSample = std::chrono::microseconds{50};
+
   // Objects that all buses share; they outlive the outputs. `store` is null without a store.
   struct Shared {
     PublisherThread& thread;
@@ -115,6 +84,14 @@ class BusOutput final : public BusSink {
   void report(PlanReport plan, UtcTime at) override;
 
  private:
+  // Runs `task` on the publisher thread.
+  template <class Task>
+  void post(Task task, PublisherThread::Late late = PublisherThread::Late::kRun);
+  void report(const std::vector<AlarmChange>& changes, const UtcMapping& mapping);
+
+  PublisherThread& thread_;
+  DdsLink& link_;
+  MetricsTable& figures_;
   SampleHold hold_;
   CommandAudit& audit_;
   MasterLease& lease_;
@@ -122,7 +99,8 @@ class BusOutput final : public BusSink {
   const bool in_group_;
   std::uint64_t foreign_masters_ = 0;
   const std::string bus_;
-  DdsPublisher dds_;
+  const std::size_t most_now_;           // number of samples that fit in the silence
+  std::atomic<std::size_t> waiting_{0};  // unfinished tasks of this bus
   std::optional<StoreRecorder> store_;
   AlarmReporter alarms_;
 };
