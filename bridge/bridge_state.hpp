@@ -23,7 +23,7 @@
 #include "bridge/bridge_roles.hpp"
 #include "bridge/bus/bus_runner.hpp"
 #include "bridge/capture/capture_service.hpp"
-#include "bridge/command/alarm_actions.hpp"
+#include "bridge/alarm/alarm_actions.hpp"
 #include "bridge/command/command_router.hpp"
 #include "bridge/dds/endpoints/dds_link.hpp"
 #include "bridge/dds/endpoints/standby_channel.hpp"

@@ -12,10 +12,10 @@
 #include <string_view>
 #include <vector>
 
+#include "bridge/alarm/alarm_table.hpp"
 #include "bridge/bus/bus_runner.hpp"
 #include "bridge/dds/endpoints/dds_link.hpp"
 #include "bridge/metrics/metrics_snapshot.hpp"
-#include "bridge/publish/alarm_table.hpp"
 #include "bridge/publish/publisher_thread.hpp"
 #include "bridge/standby/master_lease.hpp"
 #include "bridge/store/command_audit.hpp"
