@@ -32,8 +32,8 @@ BusOutput::BusOutput(const Shared& shared, const BusSpec& bus)
       link_(shared.link),
       figures_(shared.figures),
       audit_(shared.audit),
+      commands_(shared.commands),
       lease_(shared.lease),
-      keeps_result_(shared.keeps_result),
       in_group_(shared.in_group),
       bus_(bus.name),
       most_now_(static_cast<std::size_t>(silence_of(bus.silence, line_of(bus.port)) / kOneSample)),
@@ -72,7 +72,7 @@ void BusOutput::promise(ChannelIndex channel, std::optional<Duration> gap) {
 }
 
 void BusOutput::complete(const CommandResult& result, const UtcMapping& mapping) {
-  if (keeps_result_ && keeps_result_(bus_, result)) return;
+  if (in_group_ && commands_.keeps_result(bus_, result)) return;
   audit_.answered(bus_, result);
   post([this, result, mapping] { link_.complete(bus_, result, mapping); });
 }

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <atomic>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -14,6 +13,7 @@
 
 #include "bridge/alarm/alarm_table.hpp"
 #include "bridge/bus/bus_runner.hpp"
+#include "bridge/command/command_service.hpp"
 #include "bridge/dds/endpoints/dds_link.hpp"
 #include "bridge/metrics/metrics_snapshot.hpp"
 #include "bridge/publish/publisher_thread.hpp"
@@ -63,11 +63,10 @@ class BusOutput final : public BusSink {
     DdsLink& link;
     Store* store;
     CommandAudit& audit;
+    CommandService& commands;
     AlarmTable& alarms;
     MetricsTable& figures;
     MasterLease& lease;
-    // Returns true if it has taken the result, which is then not published.
-    std::function<bool(const std::string& bus, const CommandResult& result)> keeps_result{};
     bool in_group = false;
   };
   BusOutput(const Shared& shared, const BusSpec& bus);
@@ -94,8 +93,8 @@ class BusOutput final : public BusSink {
   MetricsTable& figures_;
   SampleHold hold_;
   CommandAudit& audit_;
+  CommandService& commands_;
   MasterLease& lease_;
-  const std::function<bool(const std::string&, const CommandResult&)> keeps_result_;
   const bool in_group_;
   std::uint64_t foreign_masters_ = 0;
   const std::string bus_;

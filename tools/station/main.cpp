@@ -13,12 +13,12 @@
 #include "bridge/base/command_line.hpp"
 #include "bridge/base/exit_code.hpp"
 #include "bridge/base/secret.hpp"
+#include "bridge/base/write_faults.hpp"
 #include "bridge/dds/library/library.hpp"
 #include "bridge/dds/transport/join_check.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/service/process_watch.hpp"
 #include "bridge/service/service.hpp"
-#include "bridge/write_faults.hpp"
 #include "tools/station/settings/configuration.hpp"
 #include "tools/station/station.hpp"
 
