@@ -14,6 +14,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
+#include "bridge/alarm/alarm_table.hpp"
 #include "bridge/base/io_thread.hpp"
 #include "bridge/bridge_store.hpp"
 #include "bridge/buses/bus_set.hpp"
@@ -25,7 +26,6 @@
 #include "bridge/metrics/metrics_snapshot.hpp"
 #include "bridge/port/dial_in_registry.hpp"
 #include "bridge/program/server.hpp"
-#include "bridge/publish/alarm_table.hpp"
 #include "bridge/publish/publisher_thread.hpp"
 #include "bridge/role/membership.hpp"
 #include "bridge/service/service.hpp"

@@ -7,7 +7,7 @@
 #include <mutex>
 #include <optional>
 
-#include "bridge/publish/alarm_table.hpp"
+#include "bridge/alarm/alarm_table.hpp"
 #include "bridge/store/command_id_table.hpp"
 #include "bridge/store/store.hpp"
 #include "bridge/store/users/authenticator.hpp"

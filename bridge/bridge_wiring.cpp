@@ -58,11 +58,8 @@ program::Hooks Bridge::program_hooks() {
 DdsLink::Handlers Bridge::link_handlers() {
   DdsLink::Handlers handlers;
   handlers.clock = [] { return read_clocks(); };
-  handlers.on_command = [this](const std::string& bus, Command command) {
-    commands_.receive(bus, std::move(command));
-  };
-  handlers.on_late_command = [this](const std::string& bus, Command command, std::string why) {
-    commands_.receive(bus, std::move(command), std::move(why));
+  handlers.on_command = [this](const std::string& bus, Command command, std::string late) {
+    commands_.receive(bus, std::move(command), std::move(late));
   };
   handlers.on_alarm_action = [this](const AlarmAction& action) { commands_.receive(action); };
   handlers.on_interest = [this](const Interest& interest) {
@@ -126,20 +123,17 @@ void Bridge::join() {
   publish_alarms();
   if (spec_.store) store_.open(*spec_.store, alarms_);
   audit_.open(store_.store());
-  const auto keeps_result = [this](const std::string& bus, const CommandResult& result) {
-    return commands_.keeps_result(bus, result);
-  };
-  buses_ = std::make_unique<BusSet>(
-      BusSet::Uses{{sinks_, *link_, store_.store(), audit_, alarms_, figures_, lease_, keeps_result,
-                    spec_.standby.has_value()},
-                   *guard_,
-                   router_,
-                   interests_,
-                   program_,
-                   modules_,
-                   plans_,
-                   step_},
-      spec_, trace_);
+  buses_ =
+      std::make_unique<BusSet>(BusSet::Uses{{sinks_, *link_, store_.store(), audit_, commands_,
+                                             alarms_, figures_, lease_, spec_.standby.has_value()},
+                                            *guard_,
+                                            router_,
+                                            interests_,
+                                            program_,
+                                            modules_,
+                                            plans_,
+                                            step_},
+                               spec_, trace_);
   if (spec_.standby) {
     membership_ =
         std::make_unique<Membership>(Membership::Uses{*link_, *guard_, *buses_, commands_, alarms_,
@@ -147,7 +141,6 @@ void Bridge::join() {
                                      spec_, memory_);
   } else {
     lease_.set(kNever);
-    commands_.stand_alone();
   }
   commands_.open(*link_, store_.identities());
 }

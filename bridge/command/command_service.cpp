@@ -1,5 +1,7 @@
 #include "bridge/command/command_service.hpp"
 
+#include <optional>
+
 #include "bridge/base/clock.hpp"
 
 namespace fieldcast {
@@ -20,21 +22,7 @@ CommandResult unfinished(const std::string& requester, std::uint64_t request_id,
   return result;
 }
 
-CommandRouter::Identity identity_of(CommandIdTable::Verdict verdict) {
-  switch (verdict) {
-    case CommandIdTable::Verdict::kNew: return CommandRouter::Identity::kNew;
-    case CommandIdTable::Verdict::kKnown: return CommandRouter::Identity::kKnown;
-    case CommandIdTable::Verdict::kNotKept: break;
-  }
-  return CommandRouter::Identity::kNotKept;
-}
-
 }  // namespace
-
-void CommandService::stand_alone() {
-  (void)held_commands_.take_over(steady_now());
-  (void)held_actions_.take_over(steady_now());
-}
 
 void CommandService::join(StandbyGroup& group) {
   held_commands_.join();
@@ -47,45 +35,52 @@ void CommandService::join(StandbyGroup& group) {
 void CommandService::open(DdsLink& link, CommandIdTable* identities) {
   link_ = &link;
   identities_ = identities;
-  if (!group_ && !identities_) return;
-  router_.keep_identities(
-      [this](const std::string& bus, const std::string& requester, std::uint64_t request_id,
-             auto kept) { keep_identity(bus, requester, request_id, std::move(kept)); },
-      [this](const std::string& bus, const CommandResult& refused) {
-        if (keeps_result(bus, refused)) return;
-        audit_.answered(bus, refused);
-        link_->complete(bus, refused, read_clocks());
-      });
 }
 
 void CommandService::close() {
-  router_.keep_identities({}, {});
   link_ = nullptr;
   group_ = nullptr;
   identities_ = nullptr;
 }
 
 void CommandService::receive(const std::string& bus, Command command, std::string late) {
-  if (!held_commands_.hold(bus, {command.requester, command.request_id}, {bus, command},
-                           command.expires, steady_now()))
-    run(bus, std::move(command), std::move(late));
+  const Instant now = steady_now();
+  if (group_ && (held_commands_.hold(bus, {command.requester, command.request_id}, {bus, command},
+                                     command.expires, now) ||
+                 router_.was_answered_elsewhere(command, now)))
+    return;
+  const AuditEntry asked = audit_.asked(bus, command);
+  if (group_) ++in_hand_;
+  std::optional<CommandResult> refused = router_.deduplicate(command, now, std::move(late));
+  if (!refused && CommandRouter::must_be_noted(command) && (group_ || identities_))
+    return run_noted(bus, command, now);
+  if (!refused) refused = router_.route(bus, command, CommandRouter::Identity::kNew, now);
+  if (!refused) return;
+  audit_.refused(asked, *refused);
+  if (!keeps_result(bus, *refused)) link_->complete(bus, *refused, read_clocks());
+}
+
+void CommandService::run_noted(const std::string& bus, const Command& command, Instant received) {
+  const auto run = [this, bus, command, received](CommandRouter::Identity identity) {
+    const auto refused = router_.route(bus, command, identity, received);
+    if (!refused || keeps_result(bus, *refused)) return;
+    audit_.answered(bus, *refused);
+    link_->complete(bus, *refused, read_clocks());
+  };
+  const auto keep = [this, run, requester = command.requester, id = command.request_id] {
+    identities_ ? identities_->enter(requester, id, run) : run(CommandRouter::Identity::kNew);
+  };
+  if (!group_) return keep();
+  group_->begin(bus, command.requester, command.request_id, [keep, run](bool noted) {
+    noted ? keep() : run(CommandRouter::Identity::kNotNoted);
+  });
 }
 
 void CommandService::receive(const AlarmAction& action) {
   const Instant now = steady_now();
-  if (!held_actions_.hold(action.alarm.bus, {action.requester, action.request_id}, action,
-                          now + std::chrono::seconds{10}, now))
+  if (!group_ || !held_actions_.hold(action.alarm.bus, {action.requester, action.request_id},
+                                     action, now + std::chrono::seconds{10}, now))
     run(action);
-}
-
-void CommandService::run(const std::string& bus, Command command, std::string late) {
-  if (router_.was_answered_elsewhere(command, steady_now())) return;
-  const AuditEntry asked = audit_.asked(bus, command);
-  ++in_hand_;
-  if (const auto refused = router_.take(bus, std::move(command), steady_now(), std::move(late))) {
-    audit_.refused(asked, *refused);
-    if (!keeps_result(bus, *refused)) link_->complete(bus, *refused, read_clocks());
-  }
 }
 
 void CommandService::run(const AlarmAction& action) {
@@ -94,25 +89,9 @@ void CommandService::run(const AlarmAction& action) {
   link_->complete(action.alarm.bus, actions_.take(action, now), now);
 }
 
-// Before a write is sent to the bus, records it at all members that may have to respond for it.
-void CommandService::keep_identity(const std::string& bus, const std::string& requester,
-                                   std::uint64_t request_id,
-                                   std::function<void(CommandRouter::Identity)> kept) {
-  const auto keep = [this, requester, request_id](auto then) {
-    if (!identities_) return then(CommandRouter::Identity::kNew);
-    identities_->enter(requester, request_id,
-                       [then = std::move(then)](auto verdict) { then(identity_of(verdict)); });
-  };
-  if (!group_) return keep(std::move(kept));
-  group_->begin(bus, requester, request_id, [keep, kept = std::move(kept)](bool noted) {
-    if (!noted) return kept(CommandRouter::Identity::kNotNoted);
-    keep(kept);
-  });
-}
-
 bool CommandService::keeps_result(const std::string& bus, const CommandResult& result) {
-  if (--in_hand_ == 0 && handing_over_) roles_.notify();
   if (!group_) return false;
+  if (--in_hand_ == 0 && handing_over_) roles_.notify();
   const bool rejected = result.state == CommandState::kRejected;
   if (handing_over_ && rejected && result.cause == Cause::kShutdown) {
     group_->give_back(bus, result.requester, result.request_id);
@@ -191,7 +170,7 @@ void CommandService::answer_unknown(const StandbyNote& held) {
 
 void CommandService::run_held() {
   const Instant now = steady_now();
-  for (Held& held : held_commands_.take_over(now)) run(held.bus, std::move(held.command));
+  for (Held& held : held_commands_.take_over(now)) receive(held.bus, std::move(held.command));
   for (const AlarmAction& action : held_actions_.take_over(now)) run(action);
 }
 
@@ -199,7 +178,7 @@ void CommandService::finish_begun() {
   (void)roles_.wait_until(steady_now() + HeldCommands<Held>::kLastWords,
                           [this] { return !held_commands_.waits(); });
   auto left = held_commands_.give_up();
-  for (Held& held : left.to_run) run(held.bus, std::move(held.command));
+  for (Held& held : left.to_run) receive(held.bus, std::move(held.command));
   for (const auto& [bus, key] : left.begun) {
     router_.answered_elsewhere(key.first, key.second, steady_now());
     const CommandResult failed = unfinished(key.first, key.second, true);

@@ -5,13 +5,12 @@
 
 #include <atomic>
 #include <cstdint>
-#include <functional>
 #include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "bridge/command/alarm_actions.hpp"
+#include "bridge/alarm/alarm_actions.hpp"
 #include "bridge/command/command_router.hpp"
 #include "bridge/dds/endpoints/dds_link.hpp"
 #include "bridge/standby/held_commands.hpp"
@@ -32,8 +31,7 @@ class CommandService {
                  const MasterLease& lease, RoleThread& roles)
       : router_(router), audit_(audit), actions_(alarms, audit), lease_(lease), roles_(roles) {}
 
-  // In order: one of the first two, then open(). They outlive close(). `identities` may be null.
-  void stand_alone();
+  // Call join() first, only in a standby group. They outlive close(). `identities` may be null.
   void join(StandbyGroup& group);
   void open(DdsLink& link, CommandIdTable* identities);
   // REQUIRES: no handler of the link, the group or the identities is called any more.
@@ -41,6 +39,14 @@ class CommandService {
 
   // ---- from plant systems and buses
 
+  // The steps of a command at the bridge, after DdsLink has received it and authenticated its
+  // requester. The first step that returns a result ends the way.
+  //   hold          at a waiting member, until the master responds     (HeldCommands)
+  //   deduplicate   each pair of requester and request_id runs once    (CommandRouter)
+  //   note          a write, at the other members and in the store     (StandbyGroup, CommandIdTable)
+  //   route         to the bus                                         (CommandRouter)
+  //   execute       the request and its response on the wire           (BusEngine)
+  //   answer        with the result, unless keeps_result()             (BusOutput)
   // `late`: the command has already expired; the text is the reason.
   void receive(const std::string& bus, Command command, std::string late = {});
   void receive(const AlarmAction& action);
@@ -79,10 +85,8 @@ class CommandService {
     std::string bus;
     Command command;
   };
-  void run(const std::string& bus, Command command, std::string late = {});
+  void run_noted(const std::string& bus, const Command& command, Instant received);
   void run(const AlarmAction& action);
-  void keep_identity(const std::string& bus, const std::string& requester, std::uint64_t request_id,
-                     std::function<void(CommandRouter::Identity)> kept);
   void answer(const std::string& bus, const CommandResult& result);
   [[nodiscard]] bool keep_late(const std::string& bus, const CommandResult& result);
   void note_result(const std::string& requester, std::uint64_t request_id);
@@ -100,7 +104,7 @@ class CommandService {
 
   HeldCommands<Held> held_commands_;
   HeldCommands<AlarmAction> held_actions_;
-  std::atomic<int> in_hand_{0};  // commands that run here and have no result yet
+  std::atomic<int> in_hand_{0};  // in a group: commands that run here and have no result yet
   std::atomic<bool> handing_over_ = false;
   std::mutex late_mutex_;
   // Results that arrived while the lease was not held.

@@ -12,11 +12,11 @@
 #include <string>
 #include <vector>
 
+#include "bridge/alarm/alarm_table.hpp"
 #include "bridge/buses/bus_set.hpp"
 #include "bridge/command/command_service.hpp"
 #include "bridge/dds/endpoints/dds_link.hpp"
 #include "bridge/metrics/metrics_snapshot.hpp"
-#include "bridge/publish/alarm_table.hpp"
 #include "bridge/standby/bus_guard.hpp"
 #include "bridge/standby/election.hpp"
 #include "bridge/standby/master_lease.hpp"
