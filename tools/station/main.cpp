@@ -128,23 +128,6 @@ void on_hangup(WebStation& station) {
   fieldcast::log_info("web", "certificate and key are read from their files again");
 }
 
-class WhileItLives {
- public:
-  WhileItLives(fieldcast::Signals& signals, WebStation& station) : signals_(signals) {
-    signals_.if_stuck([&station] {
-      fieldcast::log_error("web", fmt::format("not stopped in time, while {}: the process ends",
-                                              station.busy_with()));
-      fieldcast::flush_log(kLastWords);
-    });
-  }
-  ~WhileItLives() { signals_.if_stuck({}); }
-  WhileItLives(const WhileItLives&) = delete;
-  WhileItLives& operator=(const WhileItLives&) = delete;
-
- private:
-  fieldcast::Signals& signals_;
-};
-
 class SiteIdentities {
  public:
   explicit SiteIdentities(const StationSpec& spec)
@@ -179,7 +162,11 @@ ExitCode serve(fieldcast::Signals& signals, const StationSpec& spec) {
   }
   SiteIdentities identities(spec);
   WebStation station(spec, FIELDCAST_VERSION);
-  const WhileItLives watched(signals, station);
+  const auto watched = signals.if_stuck([&station] {
+    fieldcast::log_error(
+        "web", fmt::format("not stopped in time, while {}: the process ends", station.busy_with()));
+    fieldcast::flush_log(kLastWords);
+  });
   if (const auto started = station.start(); !started) {
     fieldcast::log_error("web", "cannot start: " + started.error().what);
     return started.error().configuration ? ExitCode::kBadConfiguration : ExitCode::kCannotStart;
