@@ -26,17 +26,10 @@ constexpr std::size_t kSamplesOfBlock = 32;
 
 LinkedBus::LinkedBus(Domain& domain, const std::string& bridge, const BusSpec& spec,
                      dds::DataWriter* catalogue_blocks, const BlockWriter::Stream& stream,
-                     std::function<void()> on_reader, const std::function<void()>& on_match)
+                     SnapshotSender& snapshots)
     : catalogue(domain, catalogue_blocks, bridge, spec.name, stream.epoch),
-      blocks(domain, "fieldcast-bridge " + bridge + ": " + spec.name, stream,
-             [on_reader, on_match] {
-               on_match();
-               on_reader();
-             }),
-      samples(domain, bridge, spec, stream.most_bytes,
-              {std::move(on_reader), on_match, [this](ChannelIndex channel, LastValue& out) {
-                 return blocks.last_value(channel, out);
-               }}) {
+      blocks(domain, "fieldcast-bridge " + bridge + ": " + spec.name, stream, snapshots),
+      samples(domain, bridge, spec, stream.most_bytes, blocks, snapshots) {
   ChannelIndex index = 0;
   for (const DeviceSpec& device : spec.devices) {
     for (const ChannelSpec& channel : device.channels)
@@ -171,13 +164,9 @@ std::unique_ptr<LinkedBus> DdsLink::State::made(const BusSpec& spec) {
   std::size_t channels = 0;
   for (const DeviceSpec& device : spec.devices) channels += device.channels.size();
   const auto epoch = static_cast<std::uint64_t>(handlers.clock().utc.nanoseconds);
-  return std::make_unique<LinkedBus>(
-      domain, bridge, spec, catalogue_blocks,
-      BlockWriter::Stream{spec.name, channels, epoch, block_bytes},
-      [this, name = spec.name] { snapshots->request(name); },
-      [this] {
-        if (handlers.on_readers) handlers.on_readers();
-      });
+  return std::make_unique<LinkedBus>(domain, bridge, spec, catalogue_blocks,
+                                     BlockWriter::Stream{spec.name, channels, epoch, block_bytes},
+                                     *snapshots);
 }
 
 void DdsLink::State::serve(const std::string& name, std::unique_ptr<LinkedBus> bus) {

@@ -26,7 +26,7 @@ namespace fieldcast {
 struct LinkedBus {
   LinkedBus(Domain& domain, const std::string& bridge, const BusSpec& spec,
             dds::DataWriter* catalogue_blocks, const BlockWriter::Stream& stream,
-            std::function<void()> on_reader, const std::function<void()>& on_match);
+            SnapshotSender& snapshots);
 
   BusCatalogue catalogue;
   BlockWriter blocks;  // keeps the last values for blocks and single samples
