@@ -1,14 +1,14 @@
 #include "bridge/bridge.hpp"
 
 #include <fmt/format.h>
-
-#include <cstdlib>
+#include <fmt/ranges.h>
 
 #include "bridge/base/check.hpp"
 #include "bridge/base/clock.hpp"
-#include "bridge/base/exit_code.hpp"
-#include "bridge/bridge_state.hpp"
+#include "bridge/dds/library/library.hpp"
 #include "bridge/dds/transport/network_check.hpp"
+#include "bridge/log/log.hpp"
+#include "core/base/message_text.hpp"
 
 namespace fieldcast {
 namespace {
@@ -18,149 +18,249 @@ constexpr std::chrono::milliseconds kPublishLimit{300};  // for samples that wai
 // Time to dispose instances when the whole bridge leaves. 10 000 channels on a busy machine can
 // need longer; the remaining instances end with the participant.
 constexpr std::chrono::milliseconds kDisposeLimit{800};
-constexpr std::chrono::milliseconds kLastWords{300};  // for the log to be written
+
+bool never() { return false; }
 
 }  // namespace
 
-Bridge::Bridge() : state_(std::make_unique<State>()) {}
-
-Bridge::~Bridge() { stop(); }
-
 tl::expected<void, std::string> Bridge::start(const BridgeSpec& spec,
                                               const std::function<bool()>& give_up) {
-  const std::lock_guard lock(state_->changing);
-  state_->standby.leaving = false;
-  return state_->start(spec, program::Server::Modules::kLetGo, give_up);
-}
-
-tl::expected<Bridge::Reloaded, std::string> Bridge::reload(const BridgeSpec& wanted) {
-  const std::lock_guard lock(state_->changing);
-  return state_->reload(wanted);
+  const std::lock_guard lock(changing_);
+  leaving_ = false;
+  return start_all(spec, Modules::kLetGo, give_up);
 }
 
 void Bridge::set_trace(bool on) {
-  const std::lock_guard lock(state_->changing);
-  state_->trace = on;
-  for (auto& [name, bus] : state_->buses) bus.runner->set_trace(on);
+  const std::lock_guard lock(changing_);
+  trace_ = on;
+  if (buses_) buses_->set_trace(on);
 }
 
 std::vector<BusTurn> Bridge::turns() const {
-  const std::lock_guard lock(state_->changing);
-  std::vector<BusTurn> turns;
-  for (const auto& [name, bus] : state_->buses) turns.push_back({name, bus.runner->last_turn()});
-  return turns;
+  const std::lock_guard lock(changing_);
+  return buses_ ? buses_->turns() : std::vector<BusTurn>{};
 }
 
 void Bridge::stop() {
-  const bool handed_over = state_->hand_over_before_stop();
+  leaving_ = true;
+  roles_.notify();
+  bool handed_over = false, serving = false;
   {
-    const std::lock_guard lock(state_->changing);
-    state_->stop_all(program::Server::Modules::kLetGo,
-                     handed_over ? DdsLink::Leave::kHandOver : DdsLink::Leave::kDispose);
+    const std::lock_guard lock(changing_);
+    handed_over = membership_ != nullptr;
+    serving = membership_ && membership_->is_serving();
   }
-  state_->standby.end();
+  // Without the lock, so that the thread of roles can release the buses.
+  if (serving) handed_over = membership_->hand_over_before_stop();
+  {
+    const std::lock_guard lock(changing_);
+    stop_all(Modules::kLetGo, handed_over ? DdsLink::Leave::kHandOver : DdsLink::Leave::kDispose);
+  }
+  roles_.end();
 }
 
-std::string Bridge::busy_with() const { return state_->step.load(); }
-
-void Bridge::save(Duration limit) {
-  const std::lock_guard lock(state_->store_mutex);
-  if (state_->store) (void)state_->store->flush(limit);
-}
-
-tl::expected<void, std::string> Bridge::State::start(const BridgeSpec& wanted,
-                                                     program::Server::Modules kept,
-                                                     const std::function<bool()>& give_up) {
-  FIELDCAST_CHECK(!link);
-  spec = wanted;
-  (void)alarms.configure(spec.buses, read_clocks().utc);  // DDS restarts without known alarms
+Bridge::Started Bridge::start_all(const BridgeSpec& wanted, Modules modules,
+                                  const std::function<bool()>& give_up) {
+  FIELDCAST_CHECK(!link_);
+  spec_ = wanted;
+  (void)alarms_.configure(spec_.buses, read_clocks().utc);  // DDS restarts without known alarms
   try {
     join();
-    captures = std::make_unique<CaptureService>(spec.name);
-    serve_metrics(spec);
-    want_buses(spec);
-    if (spec.standby) {
-      for (const BusSpec& bus : spec.buses) {
+    serve_metrics(spec_);
+    buses_->want(spec_.buses);
+    if (membership_) {
+      for (const BusSpec& bus : spec_.buses) {
         if (give_up()) return {};
-        prepare_bus(bus);
+        buses_->prepare(bus);
       }
     }
-    guard->settle(give_up);
-    if (const auto absent = servers_remark(spec.dds.discovery_servers, link->missing_servers()))
+    guard_->settle(give_up);
+    if (const auto absent = servers_remark(spec_.dds.discovery_servers, link_->missing_servers()))
       log_warning("dds", *absent);
-    for (const BusSpec& bus : spec.buses) {
+    for (const BusSpec& bus : spec_.buses) {
       if (give_up()) return {};
-      if (!spec.standby) start_buses({bus.name}, spec);
+      if (!membership_) buses_->start(bus);
     }
-    interests.all_added();
-    if (const auto listening = program.start(spec.program); !listening) {
-      stop_all(kept);
-      return tl::make_unexpected(listening.error());
+    interests_.all_added();
+    if (auto listening = program_.start(spec_.program); !listening) {
+      stop_all(modules);
+      return listening;
     }
-    guard->watch();
-    if (spec.standby) take_part();
+    guard_->watch();
+    if (membership_) {
+      membership_->take_part();
+      roles_.start([this] { return follow_role(); });
+      roles_.notify();
+    }
   } catch (const DdsError& error) {
-    stop_all(kept);
+    stop_all(modules);
     return tl::make_unexpected(std::string(error.what()));
   }
   return {};
 }
 
 // The complete order of a shutdown.
-void Bridge::State::stop_all(program::Server::Modules kept, DdsLink::Leave leave) {
-  if (!link) return;
-  sinks.drop_from(steady_now() + kPublishLimit);
-  metrics.reset();
-  step = "the engineers are notified";
-  guard->end();
-  program.stop(kept);  // 0. engineers are notified, their devices released
-  logins.reset();
-  std::vector<std::string> names;
-  for (const auto& [name, bus] : buses) names.push_back(name);
-  // 1. to 4. in stop_runners() and stop_buses(), for all buses together
-  stop_buses(names, kDisposeLimit, leave);
-  captures.reset();
-  leave_group();
-  if (identities) identities->close();  // responds to waiting requests: their bus no longer exists
-  step = "the bridge leaves the domain";
+void Bridge::stop_all(Modules modules, DdsLink::Leave leave) {
+  if (!link_) return;
+  sinks_.drop_from(steady_now() + kPublishLimit);
+  metrics_.reset();
+  step_ = "the engineers are notified";
+  guard_->end();
+  program_.stop(modules);  // 0. engineers are notified, their devices released
+  store_.close_logins();
+  // 1. to 4. in BusSet, for all buses together
+  buses_->stop(buses_->running(), kDisposeLimit, leave);
+  if (membership_) memory_ = membership_->leave();
+  // Responds to waiting requests: their bus no longer exists.
+  if (store_.identities() != nullptr) store_.identities()->close();
+  step_ = "the bridge leaves the domain";
   // 5. The last results reach their readers, then the bridge leaves the domain. No handler is
   //   called afterwards.
-  link->close(kLinger, leave);
-  alarms.publish_with({});
-  sinks.drain();
-  channel.reset();
-  standby.prepared.clear();
-  link.reset();  // 6.
-  group.reset();
-  guard.reset();
-  commands.keep_identities({}, {});
-  identities.reset();
-  audit.open(nullptr);
-  alarms.close(store.get());
-  step = "the store is written";
-  std::unique_ptr<Store> last;
-  {
-    const std::lock_guard lock(store_mutex);
-    last.swap(store);
-  }
-  last.reset();  // 7. pending data is written
-  sinks.drop_from(kNever);
-  interests.forget();  // 8. stations declare their interests again to the next bridge
+  link_->close(kLinger, leave);
+  alarms_.publish_with({});
+  sinks_.drain();
+  commands_.close();
+  membership_.reset();
+  buses_.reset();
+  link_.reset();  // 6.
+  guard_.reset();
+  audit_.open(nullptr);
+  step_ = "the store is written";
+  store_.close(alarms_);  // 7. pending data is written
+  sinks_.drop_from(kNever);
+  interests_.forget();  // 8. stations declare their interests again to the next bridge
 }
 
-// A bus whose thread hangs in a driver (for example an ioctl of a failed USB adapter) cannot be
-// destroyed. The process ends after the other buses have published; its supervisor restarts it.
-void Bridge::State::abandon(const std::string& bus) {
-  log_error(bus, "the bus hangs in its driver and cannot be stopped: the process ends");
-  link->close(kLinger);
-  if (store) (void)store->flush(kLinger);
-  flush_log(kLastWords);
-  std::_Exit(static_cast<int>(ExitCode::kHung));
+// Runs on the thread of roles. Returns true if it must be called again soon.
+bool Bridge::follow_role() {
+  const std::unique_lock lock(changing_, std::try_to_lock);
+  if (!lock) return true;  // the main thread stops or reloads
+  if (leaving_ && !(membership_ && membership_->is_serving())) return false;
+  if (membership_) {
+    const Membership::Next next = membership_->follow_role(leaving_);
+    if (next != Membership::Next::kRestart) return next == Membership::Next::kSoon;
+  } else if (link_) {
+    return false;
+  }
+  restart_as_standby();  // also if the last restart failed
+  return false;
+}
+
+// Restarts everything without disposing the instances that another bridge now serves.
+void Bridge::restart_as_standby() {
+  const BridgeSpec same = spec_;
+  if (link_ && commands_.is_handing_over()) roles_.linger(Membership::kAfterHandOver);
+  stop_all(Modules::kKeep, DdsLink::Leave::kHandOver);
+  commands_.handed_over();
+  const auto started = start_all(same, Modules::kKeep, [this] { return leaving_.load(); });
+  if (!started) log_error(same.name, "cannot stand by: " + started.error());
+}
+
+tl::expected<Bridge::Reloaded, std::string> Bridge::reload(const BridgeSpec& wanted) {
+  const std::lock_guard lock(changing_);
+  const auto done = [](const Started& result) { return result.map([] { return Reloaded{}; }); };
+  // An earlier reload failed, and the previous configuration could not be restored.
+  if (!link_) return done(start_all(wanted, Modules::kKeep, never));
+  ReloadPlan plan = plan_reload(spec_, wanted);
+  const bool renewed = plan.whole_bridge.empty() && link_->has_new_identity();
+  const bool only_renewed = renewed && plan.nothing();
+  if (renewed) plan = ReloadPlan{.whole_bridge = {"a renewed certificate"}};
+  Reloaded waiting;
+  for (const auto& leased : disturbed_by(plan, wanted, program_.leased()))
+    waiting.waits_for.push_back(fmt::format("{}/{} by {}", leased.bus, leased.device, leased.who));
+  if (!waiting.waits_for.empty()) return waiting;
+  const bool serves_group = membership_ && membership_->is_serving();
+  if (serves_group && only_renewed && hand_over_for_renewal()) return Reloaded{};
+  // A restart of a waiting bridge disturbs nothing.
+  const bool waits = membership_ && !serves_group;
+  return done(waits || !plan.whole_bridge.empty() ? start_anew(wanted, plan)
+                                                  : exchange_buses(wanted, plan));
+}
+
+// Ends alarms whose limit was removed, while their bus can still publish that.
+void Bridge::configure_alarms(const BridgeSpec& from, const BridgeSpec& to) {
+  const UtcMapping now = read_clocks();
+  for (const AlarmRecord& ended : alarms_.configure(to.buses, now.utc)) {
+    log_info(fmt::format("{}/{}/{}", ended.bus, ended.device, ended.channel),
+             fmt::format("alarm {} ends: its limit is taken away", ended.limit));
+    if (const auto change = end_of_alarm(from, ended, now.instant))
+      sinks_.post(
+          [this, bus = ended.bus, change = *change, now] { link_->report(bus, change, now); });
+  }
+}
+
+// Stops and starts everything. After an error, restarts with the previous configuration.
+Bridge::Started Bridge::start_anew(const BridgeSpec& wanted, const ReloadPlan& plan) {
+  const BridgeSpec before = spec_;
+  log_info(
+      before.name,
+      fmt::format("reloading: {}: all buses are restarted: {}, the participant "
+                  "in DDS domain {}{}{}",
+                  fmt::join(plan.whole_bridge, ", "), counted(before.buses.size(), "bus", "buses"),
+                  before.dds.domain, before.store ? ", the store" : "",
+                  before.program == ProgramSpec{} ? "" : ", the programming server"));
+  stop_all(Modules::kKeep);
+  Started started = start_all(wanted, Modules::kKeep, never);
+  if (started) {
+    log_info(wanted.name, "reloaded: all buses were restarted: " + buses_text(wanted));
+  } else if (const auto back = start_all(before, Modules::kKeep, never); !back) {
+    return tl::make_unexpected(fmt::format("{}; and then {}", started.error(), back.error()));
+  }
+  return started;
+}
+
+// After an error, restarts the server with the previous configuration.
+Bridge::Started Bridge::restart_program(const ProgramSpec& wanted) {
+  log_info(spec_.name, "reloading: the programming server restarts; modules stay connected");
+  program_.stop(Modules::kKeep);
+  auto listening = program_.start(wanted);
+  if (!listening) (void)program_.start(spec_.program);
+  return listening;
+}
+
+// Restarts only the programming server and the changed buses; after an error, the old ones.
+Bridge::Started Bridge::exchange_buses(const BridgeSpec& wanted, const ReloadPlan& plan) {
+  if (plan.program) {
+    if (auto listening = restart_program(wanted.program); !listening) return listening;
+  }
+  configure_alarms(spec_, wanted);
+  buses_->stop(plan.stop);
+  buses_->want(wanted.buses);
+  try {
+    buses_->start(plan.start);
+  } catch (const DdsError& error) {
+    buses_->stop(plan.start);
+    buses_->want(spec_.buses);
+    if (plan.program) {
+      program_.stop(Modules::kKeep);
+      (void)program_.start(spec_.program);
+    }
+    configure_alarms(wanted, spec_);
+    buses_->start(plan.stop);
+    return tl::make_unexpected(std::string(error.what()));
+  }
+  if (plan.metrics) serve_metrics(wanted);
+  buses_->configure_captures();
+  spec_ = wanted;
+  if (membership_) membership_->reconfigure(spec_);
+  log_info(wanted.name, to_text(plan));
+  return {};
+}
+
+// Another bridge of the group takes over, so that no refresh is missed. This bridge then restarts
+// as a standby with the files that are in its directory.
+bool Bridge::hand_over_for_renewal() {
+  if (const auto refused = membership_->hand_over()) {
+    log_warning(spec_.name, "renewed with a gap, as no other bridge takes over: " + *refused);
+    return false;
+  }
+  log_info(spec_.name, "reloading: a renewed certificate: another bridge of the group takes over");
+  return true;
 }
 
 std::string buses_text(const BridgeSpec& spec) {
-  return fmt::format("{} {}, DDS domain {}", spec.buses.size(),
-                     spec.buses.size() == 1 ? "bus" : "buses", spec.dds.domain);
+  return fmt::format("{}, DDS domain {}", counted(spec.buses.size(), "bus", "buses"),
+                     spec.dds.domain);
 }
 
 }  // namespace fieldcast

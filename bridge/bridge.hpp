@@ -1,16 +1,38 @@
-// The running bridge: connects DDS and the buses, and routes commands and interests between them.
+// The running bridge: assembles the parts, connects DDS with the buses, and starts and stops all of
+// them in order.
 //
-// Owns the io threads, the DdsLink and the bus runners. Call the functions on the main thread. DDS
-// threads enter only through the handlers of the link.
+// Call the functions on the main thread. The threads of the guard and of the roles enter through
+// handlers and lock `changing_`; threads of DDS and of the programming server enter through the
+// handlers in bridge_wiring.cpp.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <tl/expected.hpp>
 #include <vector>
 
+#include "bridge/alarm/alarm_table.hpp"
+#include "bridge/base/io_thread.hpp"
+#include "bridge/bridge_store.hpp"
+#include "bridge/buses/bus_set.hpp"
+#include "bridge/buses/reload_plan.hpp"
+#include "bridge/command/command_service.hpp"
+#include "bridge/dds/endpoints/dds_link.hpp"
+#include "bridge/interest/interest_registry.hpp"
+#include "bridge/metrics/metrics_server.hpp"
+#include "bridge/metrics/metrics_snapshot.hpp"
+#include "bridge/port/dial_in_registry.hpp"
+#include "bridge/program/server.hpp"
+#include "bridge/publish/publisher_thread.hpp"
+#include "bridge/role/membership.hpp"
 #include "bridge/service/service.hpp"
+#include "bridge/standby/bus_guard.hpp"
+#include "bridge/standby/master_lease.hpp"
+#include "bridge/standby/role_thread.hpp"
+#include "bridge/store/command_audit.hpp"
 #include "core/model/spec.hpp"
 
 namespace fieldcast {
@@ -18,7 +40,7 @@ namespace fieldcast {
 class Bridge {
  public:
   Bridge();
-  ~Bridge();
+  ~Bridge() { stop(); }
   Bridge(const Bridge&) = delete;
   Bridge& operator=(const Bridge&) = delete;
 
@@ -46,12 +68,64 @@ class Bridge {
 
   // For the thread that ends the process when the main thread hangs. busy_with() returns what the
   // main thread does. save() writes the pending data of the store, as far as the limit allows.
-  [[nodiscard]] std::string busy_with() const;
-  void save(Duration limit);
+  [[nodiscard]] std::string busy_with() const { return step_.load(); }
+  void save(Duration limit) { store_.save(limit); }
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  using Modules = program::Server::Modules;
+  using Started = tl::expected<void, std::string>;
+
+  // `modules`: what happens to connected modules if the start fails, or at the stop.
+  [[nodiscard]] Started start_all(const BridgeSpec& wanted, Modules modules,
+                                  const std::function<bool()>& give_up);
+  void stop_all(Modules modules, DdsLink::Leave leave = DdsLink::Leave::kDispose);
+  [[nodiscard]] bool follow_role();
+  void restart_as_standby();
+
+  [[nodiscard]] Started start_anew(const BridgeSpec& wanted, const ReloadPlan& plan);
+  [[nodiscard]] Started exchange_buses(const BridgeSpec& wanted, const ReloadPlan& plan);
+  [[nodiscard]] Started restart_program(const ProgramSpec& wanted);
+  [[nodiscard]] bool hand_over_for_renewal();
+  void configure_alarms(const BridgeSpec& from, const BridgeSpec& to);
+
+  // bridge_wiring.cpp. join() throws DdsError.
+  void join();
+  [[nodiscard]] DdsLink::Handlers link_handlers();
+  [[nodiscard]] BusGuard::Handlers guard_handlers();
+  [[nodiscard]] program::Hooks program_hooks();
+  void publish_alarms();
+  void serve_metrics(const BridgeSpec& wanted);
+
+  std::atomic<const char*> step_ = "starting";  // what the main thread does now
+  mutable std::mutex changing_;                 // held while the set of buses changes
+  std::atomic<bool> leaving_ = false;           // stop() has begun
+  std::atomic<bool> readers_came_ = false;      // see Membership
+  BridgeSpec spec_;
+  bool trace_ = false;
+
+  // Parts that outlive a restart with a new configuration. Each uses only parts above it.
+  CommandAudit audit_;
+  CommandRouter router_;
+  AlarmTable alarms_;
+  InterestRegistry interests_;
+  BridgeStore store_;
+  DialInRegistry modules_;
+  program::Server program_;
+  MetricsTable figures_;
+  MasterLease lease_;  // always held by a bridge without a group
+  RoleThread roles_;
+  CommandService commands_;
+  IoThread plans_{"plans"};
+  PublisherThread sinks_;
+  Membership::Memory memory_;
+
+  // Parts that exist while the bridge is in its domain. Each uses only parts above it, except that
+  // the handlers of guard and link use the parts below.
+  std::unique_ptr<BusGuard> guard_;
+  std::unique_ptr<DdsLink> link_;
+  std::unique_ptr<BusSet> buses_;
+  std::unique_ptr<Membership> membership_;  // only in a standby group
+  std::unique_ptr<MetricsServer> metrics_;  // only with `metrics`
 };
 
 // "2 buses, DDS domain 0"

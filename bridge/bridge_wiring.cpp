@@ -2,13 +2,21 @@
 #include <fmt/format.h>
 
 #include "bridge/base/clock.hpp"
-#include "bridge/bridge_state.hpp"
+#include "bridge/bridge.hpp"
 #include "bridge/dds/guard/datagram_guard.hpp"
 #include "bridge/dds/transport/network_check.hpp"
+#include "bridge/log/log.hpp"
 
 namespace fieldcast {
 
-program::Hooks Bridge::State::program_hooks() {
+Bridge::Bridge()
+    : interests_([](const std::string& text) {
+        log_counted(LogLevel::kInfo, "dds", "interests that change nothing", text);
+      }),
+      program_(program_hooks(), modules_),
+      commands_(router_, audit_, alarms_, lease_, roles_) {}
+
+program::Hooks Bridge::program_hooks() {
   program::Hooks hooks;
   const auto verdict = [](std::function<void(program::LoginResponse)> done) {
     return [done = std::move(done)](const LoginResult& result) {
@@ -20,51 +28,42 @@ program::Hooks Bridge::State::program_hooks() {
   // Without a store, the certificate authority decides which users are engineers.
   hooks.certified = [this, verdict](std::string user, std::string address,
                                     std::function<void(program::LoginResponse)> done) {
-    if (!logins) return done({true, ""});
-    logins->authenticate({.user = std::move(user), .peer = std::move(address), .certified = true},
-                         verdict(std::move(done)));
+    if (store_.logins() == nullptr) return done({true, ""});
+    store_.logins()->authenticate(
+        {.user = std::move(user), .peer = std::move(address), .certified = true},
+        verdict(std::move(done)));
   };
   hooks.login = [this, verdict](std::string user, Secret password, std::string address,
                                 std::function<void(program::LoginResponse)> done) {
-    if (!logins) return done({false, "this bridge has no users: its configuration has no store"});
-    logins->authenticate({std::move(user), std::move(password), std::move(address)},
-                         verdict(std::move(done)));
+    if (store_.logins() == nullptr)
+      return done({false, "this bridge has no users: its configuration has no store"});
+    store_.logins()->authenticate({std::move(user), std::move(password), std::move(address)},
+                                  verdict(std::move(done)));
   };
   hooks.audit = [this](const program::Transmission& what) {
-    const std::lock_guard lock(store_mutex);
-    if (store)
-      store->append({{},
-                     what.who,
-                     "program",
-                     what.target,
-                     what.bytes_to_device,
-                     what.bytes_from_device,
-                     what.result});
+    store_.append({{},
+                   what.who,
+                   "program",
+                   what.target,
+                   what.bytes_to_device,
+                   what.bytes_from_device,
+                   what.result});
   };
   hooks.report = [this](const ProgramSessionReport& report) {
-    sinks.post([this, report] { link->report(report); });
+    sinks_.post([this, report] { link_->report(report); });
   };
   return hooks;
 }
 
-// Throws DdsError.
-void Bridge::State::join() {
+DdsLink::Handlers Bridge::link_handlers() {
   DdsLink::Handlers handlers;
   handlers.clock = [] { return read_clocks(); };
-  handlers.on_command = [this](const std::string& bus, Command command) {
-    if (standby.hold(bus, command)) return;
-    run_command(bus, std::move(command));
+  handlers.on_command = [this](const std::string& bus, Command command, std::string late) {
+    commands_.receive(bus, std::move(command), std::move(late));
   };
-  handlers.on_late_command = [this](const std::string& bus, Command command, std::string why) {
-    if (standby.hold(bus, command)) return;
-    run_command(bus, std::move(command), std::move(why));
-  };
-  handlers.on_alarm_action = [this](const AlarmAction& action) {
-    if (standby.hold(action)) return;
-    run_action(action);
-  };
+  handlers.on_alarm_action = [this](const AlarmAction& action) { commands_.receive(action); };
   handlers.on_interest = [this](const Interest& interest) {
-    if (const auto noted = interests.note(interest.station, interest.pattern, interest.refresh);
+    if (const auto noted = interests_.note(interest.station, interest.pattern, interest.refresh);
         !noted) {
       log_counted(LogLevel::kWarning, "dds", "refused interests", noted.error());
     }
@@ -72,110 +71,108 @@ void Bridge::State::join() {
   handlers.on_problem = [](const std::string& text) {
     log_counted(LogLevel::kWarning, "dds", "problems with other participants", text);
   };
-  handlers.on_readers = [this] { standby.readers_came = true; };
-  tell_other_bridges(handlers);
-  link = std::make_unique<DdsLink>(spec.dds, spec.name, std::move(handlers));
-  if (const auto small = receive_buffer_remark(spec.dds)) log_warning("dds", *small);
-  if (const auto alone = multicast_remark(spec.dds)) log_warning("dds", *alone);
+  handlers.on_readers = [this] { readers_came_ = true; };
+  handlers.bridges = {[this](const std::string& id) { guard_->found(id); },
+                      [this](const std::string& id, BridgeClaims claims) {
+                        guard_->receive(id, std::move(claims));
+                      },
+                      [this](const std::string& id, bool alive) { guard_->set_alive(id, alive); },
+                      [this](const std::string& id) { guard_->lost(id); }};
+  return handlers;
+}
+
+BusGuard::Handlers Bridge::guard_handlers() {
+  BusGuard::Handlers handlers;
+  handlers.announce = [this](const BridgeClaims& claims) { link_->announce(claims); };
+  handlers.changed = [this](const std::set<std::string>& uncontested) {
+    const std::unique_lock lock(changing_, std::try_to_lock);
+    if (!lock) return false;  // the main thread stops or reloads
+    buses_->follow_guard(uncontested);
+    return true;
+  };
+  handlers.now = [] { return read_clocks().utc; };
+  handlers.finding = [this] {
+    const std::size_t servers = spec_.dds.discovery_servers.size();
+    return Finding{servers > 0, link_->missing_servers().size() < servers, link_->unknown_bridges(),
+                   0};
+  };
+  handlers.members = [this] {
+    return membership_ ? membership_->others() : std::vector<std::string>{};
+  };
+  handlers.waits = [this](const std::string& what) {
+    const Duration most = membership_ ? Settling::kMostInGroup : Settling::kMost;
+    log_info(spec_.name, fmt::format("serves nothing yet, and waits for {}; at most {} in all",
+                                     what, to_text(most)));
+    if (membership_) membership_->set_not_ready("it waits for " + what);
+  };
+  handlers.unheard = [this](std::size_t bridges) {
+    log_warning(spec_.name,
+                fmt::format("{} bridges are in DDS domain {} and say nothing that this one can "
+                            "read: they may have died a moment ago, or dds: security: is not the "
+                            "same there and here",
+                            bridges, spec_.dds.domain));
+  };
+  return handlers;
+}
+
+void Bridge::join() {
+  guard_ = std::make_unique<BusGuard>(spec_.name, guard_handlers());
+  link_ = std::make_unique<DdsLink>(spec_.dds, spec_.name, link_handlers());
+  if (const auto small = receive_buffer_remark(spec_.dds)) log_warning("dds", *small);
+  if (const auto alone = multicast_remark(spec_.dds)) log_warning("dds", *alone);
   publish_alarms();
-  spec.standby ? join_group() : stand_alone();
-  if (spec.store) open_store();
-  if (spec.store || spec.standby) keep_identities();
-  audit.open(store.get());
-}
-
-void Bridge::State::open_store() {
-  alarms.expect_store();
-  auto opened = std::make_unique<Store>(
-      *spec.store, [this](Store& known, const KeptAlarms& kept) { alarms.loaded(known, kept); });
-  {
-    const std::lock_guard lock(store_mutex);
-    store = std::move(opened);
+  if (spec_.store) store_.open(*spec_.store, alarms_);
+  audit_.open(store_.store());
+  buses_ =
+      std::make_unique<BusSet>(BusSet::Uses{{sinks_, *link_, store_.store(), audit_, commands_,
+                                             alarms_, figures_, lease_, spec_.standby.has_value()},
+                                            *guard_,
+                                            router_,
+                                            interests_,
+                                            program_,
+                                            modules_,
+                                            plans_,
+                                            step_},
+                               spec_, trace_);
+  if (spec_.standby) {
+    membership_ =
+        std::make_unique<Membership>(Membership::Uses{*link_, *guard_, *buses_, commands_, alarms_,
+                                                      lease_, roles_, readers_came_},
+                                     spec_, memory_);
+  } else {
+    lease_.set(kNever);
   }
-  logins = std::make_unique<Authenticator>(StoreAddress(spec.store->address), *store);
-  identities = std::make_unique<CommandIdTable>(StoreAddress(spec.store->address));
-}
-
-void Bridge::State::keep_in_store(const std::string& requester, std::uint64_t request_id,
-                                  std::function<void(CommandRouter::Identity)> kept) {
-  identities->enter(requester, request_id,
-                    [kept = std::move(kept)](CommandIdTable::Verdict verdict) {
-                      switch (verdict) {
-                        case CommandIdTable::Verdict::kNew:
-                          return kept(CommandRouter::Identity::kNew);
-                        case CommandIdTable::Verdict::kKnown:
-                          return kept(CommandRouter::Identity::kKnown);
-                        case CommandIdTable::Verdict::kNotKept:
-                          return kept(CommandRouter::Identity::kNotKept);
-                      }
-                    });
-}
-
-void Bridge::State::keep_identities() {
-  commands.keep_identities(
-      [this](const std::string& bus, const std::string& requester, std::uint64_t request_id,
-             auto kept) { keep_identity(bus, requester, request_id, std::move(kept)); },
-      [this](const std::string& bus, const CommandResult& refused) {
-        if (keeps_result(bus, refused)) return;
-        audit.answered(bus, refused);
-        link->complete(bus, refused, read_clocks());
-      });
+  commands_.open(*link_, store_.identities());
 }
 
 // The task reads the status when it runs, so the last of several changes is published.
-void Bridge::State::publish_alarms() {
-  alarms.publish_with([this](const AlarmKey& alarm) {
-    sinks.post([this, alarm] {
-      if (const auto status = alarms.status_of(alarm)) {
-        link->report(alarm, *status);
+void Bridge::publish_alarms() {
+  alarms_.publish_with([this](const AlarmKey& alarm) {
+    sinks_.post([this, alarm] {
+      if (const auto status = alarms_.status_of(alarm)) {
+        link_->report(alarm, *status);
       } else {
-        link->forget(alarm);
+        link_->forget(alarm);
       }
     });
   });
 }
 
 // Replaces the previous server. A server that cannot listen retries; start and reload succeed.
-void Bridge::State::serve_metrics(const BridgeSpec& wanted) {
-  metrics.reset();
+void Bridge::serve_metrics(const BridgeSpec& wanted) {
+  metrics_.reset();
   if (!wanted.metrics) return;
   const auto buffer = wanted.dds.profile ? std::nullopt : granted_receive_buffer();
-  metrics = std::make_unique<MetricsServer>(
+  metrics_ = std::make_unique<MetricsServer>(
       wanted.metrics->listen, [this, name = wanted.name, buffer](MetricsFormat format) {
         MetricsSnapshot snapshot{
             .bridge = name, .refused_datagrams = refused_datagrams(), .receive_buffer = buffer};
-        figures.copy_to(snapshot);
-        snapshot.alarms = alarms.counts();
-        if (group) snapshot.standby = standby_figures();
-        {
-          const std::lock_guard lock(store_mutex);
-          if (store) snapshot.store = store->counters();
-        }
+        figures_.copy_to(snapshot);
+        snapshot.alarms = alarms_.counts();
+        if (membership_) snapshot.standby = membership_->figures();
+        snapshot.store = store_.counters();
         return metrics_text(snapshot, format);
       });
-}
-
-void Bridge::State::tell_other_bridges(DdsLink::Handlers& handlers) {
-  guard = std::make_unique<BusGuard>(
-      spec.name, BusGuard::Handlers{
-                     [this](const BridgeClaims& claims) { link->announce(claims); },
-                     [this](const auto& uncontested) { return follow_guard(uncontested); },
-                     [] { return read_clocks().utc; },
-                     [this] {
-                       const std::size_t servers = spec.dds.discovery_servers.size();
-                       return Finding{servers > 0, link->missing_servers().size() < servers,
-                                      link->unknown_bridges(), 0};
-                     },
-                     [this] { return group ? group->view().others : std::vector<std::string>{}; },
-                     [this](const std::string& what) { say_waits_for(what); },
-                     [this](std::size_t bridges) { say_unheard(bridges); }});
-  BusGuard& others = *guard;
-  handlers.bridges = {[&others](const std::string& id) { others.found(id); },
-                      [&others](const std::string& id, BridgeClaims claims) {
-                        others.receive(id, std::move(claims));
-                      },
-                      [&others](const std::string& id, bool alive) { others.set_alive(id, alive); },
-                      [&others](const std::string& id) { others.lost(id); }};
 }
 
 }  // namespace fieldcast

@@ -61,61 +61,53 @@ std::string summary(const BridgeSpec& spec) {
   return text;
 }
 
-// Reports buses that cannot keep their refresh times, and the remedy. Used at start and reload.
-template <typename Tell>
-void tell_overloads(const BridgeSpec& spec, Tell tell) {
+// Where remarks go: the log, or with --check the terminal.
+using Report = void (*)(std::string_view subject, std::string_view text);
+
+void print(std::string_view subject, std::string_view text) {
+  std::fputs(fmt::format("{}: {}\n", subject, text).c_str(), stdout);
+}
+void print_warning(std::string_view subject, std::string_view text) {
+  std::fputs(fmt::format("warning: {}: {}\n", subject, text).c_str(), stderr);
+}
+
+// Reports buses that cannot keep their refresh times, and the remedy.
+void report_overloads(const BridgeSpec& spec, Report warn) {
   for (const BusSpec& bus : spec.buses) {
     if (const auto overload = overload_of(bus, kAssumedAnswerTime))
-      tell(bus.name, to_text(*overload));
+      warn(bus.name, to_text(*overload));
   }
 }
 
-constexpr std::size_t kOverlapsTold = 20;  // per bus; the rest is only counted
+constexpr std::size_t kOverlapsReported = 20;  // per bus; the rest is only counted
 
-// Reports channels that read the same items as different types. Used by --check.
-template <typename Tell>
-void tell_overlaps(const BridgeSpec& spec, Tell tell) {
+// Reports channels that read the same items as different types.
+void report_overlaps(const BridgeSpec& spec, Report warn) {
   for (const BusSpec& bus : spec.buses) {
     const std::vector<Overlap> overlaps = overlaps_of(bus);
-    for (std::size_t i = 0; i < std::min(overlaps.size(), kOverlapsTold); ++i)
-      tell(bus.name, to_text(overlaps[i]));
-    if (overlaps.size() > kOverlapsTold)
-      tell(bus.name, fmt::format("{} more channels overlap", overlaps.size() - kOverlapsTold));
+    for (std::size_t i = 0; i < std::min(overlaps.size(), kOverlapsReported); ++i)
+      warn(bus.name, to_text(overlaps[i]));
+    if (overlaps.size() > kOverlapsReported)
+      warn(bus.name, fmt::format("{} more channels overlap", overlaps.size() - kOverlapsReported));
   }
-}
-
-void log_overloads(const BridgeSpec& spec) {
-  tell_overloads(spec,
-                 [](const std::string& bus, const std::string& text) { log_warning(bus, text); });
 }
 
 // Reports the fence of each bus that may have a second master; in a standby group, of every bus.
-template <typename Say, typename Warn>
-void tell_fences(const BridgeSpec& spec, Say say, Warn warn) {
+void report_fences(const BridgeSpec& spec, Report say, Report warn) {
   for (const BusSpec& bus : spec.buses) {
     if (!spec.standby && !fence_of(bus.port).kind) continue;
     const FenceText fence = fence_text(bus);
-    if (fence.missing && spec.standby)
-      warn(bus.name, "fence: " + fence.text);
-    else
-      say(bus.name, "fence: " + fence.text);
+    (fence.missing && spec.standby ? warn : say)(bus.name, "fence: " + fence.text);
   }
-}
-
-void log_fences(const BridgeSpec& spec) {
-  tell_fences(
-      spec, [](const std::string& bus, const std::string& text) { log_info(bus, text); },
-      [](const std::string& bus, const std::string& text) { log_warning(bus, text); });
 }
 
 JoinCheck check_joining(const BridgeSpec& spec) {
   return check_joining(spec.dds, spec.name, read_clocks().utc);
 }
 
-template <typename Tell>
-void tell_access(const ProgramSpec& spec, Tell tell) {
-  if (spec.engineers) tell(program::to_text(*spec.engineers));
-  if (spec.modules) tell(program::to_text(*spec.modules));
+void report_access(const ProgramSpec& spec, Report say) {
+  if (spec.engineers) say("program", program::to_text(*spec.engineers));
+  if (spec.modules) say("program", program::to_text(*spec.modules));
 }
 
 void log_joining(const JoinCheck& joining) {
@@ -124,10 +116,6 @@ void log_joining(const JoinCheck& joining) {
 }
 
 constexpr const char* kOpen = "security: none: every program in the network can read and command";
-
-void log_faults(const std::vector<config::Fault>& faults) {
-  for (const config::Fault& fault : faults) log_error("configuration", config::to_text(fault));
-}
 
 // A reload, including its wait while engineers use devices that it would restart.
 class Reloader {
@@ -150,19 +138,16 @@ class Reloader {
     refused_ = false;
     config::Loaded loaded = config::load_file(path_);
     if (!loaded) {
-      refused_ = true;
-      log_faults(loaded.error());
-      return log_error("configuration", kRefused);
+      for (const config::Fault& fault : loaded.error())
+        log_error("configuration", config::to_text(fault));
+      return refuse(kRefused);
     }
     const JoinCheck joining = check_joining(*loaded);
     log_joining(joining);
-    if (!joining.faults.empty()) {
-      refused_ = true;
-      return log_error("configuration", kRefused);
-    }
+    if (!joining.faults.empty()) return refuse(kRefused);
     open_log(loaded->log.level);
-    log_overloads(*loaded);
-    log_fences(*loaded);
+    report_overloads(*loaded, log_warning);
+    report_fences(*loaded, log_info, log_warning);
     wanted_ = *std::move(loaded);
     begun_ = steady_now();
     say_at_ = begun_;
@@ -175,12 +160,8 @@ class Reloader {
   }
   void go_on() {
     const auto done = bridge_.reload(*wanted_);
-    if (!done) {
-      wanted_.reset();
-      refused_ = true;
-      return log_error("configuration",
-                       "not reloaded, the old configuration goes on running: " + done.error());
-    }
+    if (!done)
+      return refuse("not reloaded, the old configuration goes on running: " + done.error());
     if (done->waits_for.empty()) {
       running_ = buses_text(*wanted_);
       identity_.joined(wanted_->dds, read_clocks().utc);
@@ -188,14 +169,11 @@ class Reloader {
     }
     const Instant now = steady_now();
     const std::string who = fmt::format("{}", fmt::join(done->waits_for, ", "));
-    if (now - begun_ >= kGiveUp) {
-      wanted_.reset();
-      refused_ = true;
-      return log_error("configuration",
-                       fmt::format("not reloaded, the old configuration goes on running: still "
-                                   "programmed after {}: {}; send SIGHUP again when that has ended",
-                                   to_text(kGiveUp), who));
-    }
+    if (now - begun_ >= kGiveUp)
+      return refuse(
+          fmt::format("not reloaded, the old configuration goes on running: still programmed after "
+                      "{}: {}; send SIGHUP again when that has ended",
+                      to_text(kGiveUp), who));
     if (now < say_at_) return;
     say_at_ = now + kSayAgain;
     log_warning("configuration",
@@ -205,6 +183,12 @@ class Reloader {
   }
 
  private:
+  void refuse(const std::string& why) {
+    wanted_.reset();
+    refused_ = true;
+    log_error("configuration", why);
+  }
+
   Bridge& bridge_;
   IdentityWatch& identity_;
   const std::string path_;
@@ -214,22 +198,9 @@ class Reloader {
   Instant begun_{}, say_at_{};
 };
 
-class WhileItLives {
- public:
-  WhileItLives(Signals& signals, Bridge& bridge) : signals_(signals) {
-    signals_.if_stuck([&bridge] { last_words(bridge); });
-  }
-  ~WhileItLives() { signals_.if_stuck({}); }
-  WhileItLives(const WhileItLives&) = delete;
-  WhileItLives& operator=(const WhileItLives&) = delete;
-
- private:
-  Signals& signals_;
-};
-
 ExitCode serve(Signals& signals, const BridgeSpec& spec, const DaemonOptions& options) {
-  log_overloads(spec);
-  log_fences(spec);
+  report_overloads(spec, log_warning);
+  report_fences(spec, log_info, log_warning);
   const JoinCheck joining = check_joining(spec);
   log_joining(joining);
   if (!joining.faults.empty()) {
@@ -240,9 +211,9 @@ ExitCode serve(Signals& signals, const BridgeSpec& spec, const DaemonOptions& op
   identity.joined(spec.dds, read_clocks().utc);
   if (spec.dds.without_security) log_warning("dds", kOpen);
   if (const auto small = rate_remark(spec)) log_warning("dds", *small);
-  tell_access(spec.program, [](const std::string& text) { log_info("program", text); });
+  report_access(spec.program, log_info);
   Bridge bridge;
-  const WhileItLives watched(signals, bridge);
+  const auto watched = signals.if_stuck([&bridge] { last_words(bridge); });
   bool trace = options.trace;
   bridge.set_trace(trace);
   if (const auto started = bridge.start(spec, [&signals] { return signals.ending(); }); !started) {
@@ -316,21 +287,14 @@ ExitCode check_configuration(const std::string& path) {
     return ExitCode::kBadConfiguration;
   }
   std::fputs(summary(*loaded).c_str(), stdout);
-  tell_access(loaded->program,
-              [](const std::string& text) { std::printf("  %s\n", text.c_str()); });
-  const auto warn = [](const std::string& bus, const std::string& text) {
-    std::fputs(fmt::format("warning: {}: {}\n", bus, text).c_str(), stderr);
-  };
-  tell_overloads(*loaded, warn);
-  tell_overlaps(*loaded, warn);
-  tell_fences(
-      *loaded,
-      [](const std::string& bus, const std::string& text) {
-        std::fputs(fmt::format("{}: {}\n", bus, text).c_str(), stdout);
-      },
-      warn);
-  if (const auto small = rate_remark(*loaded)) warn("dds", *small);
-  if (loaded->dds.without_security) warn("dds", kOpen);
+  report_access(loaded->program, [](std::string_view, std::string_view text) {
+    std::fputs(fmt::format("  {}\n", text).c_str(), stdout);
+  });
+  report_overloads(*loaded, print_warning);
+  report_overlaps(*loaded, print_warning);
+  report_fences(*loaded, print, print_warning);
+  if (const auto small = rate_remark(*loaded)) print_warning("dds", *small);
+  if (loaded->dds.without_security) print_warning("dds", kOpen);
   return check_machine(*loaded, places);
 }
 

@@ -5,9 +5,9 @@
 
 #include "bridge/base/command_line.hpp"
 #include "bridge/base/secret.hpp"
+#include "bridge/base/write_faults.hpp"
 #include "bridge/daemon.hpp"
 #include "bridge/log/log.hpp"
-#include "bridge/write_faults.hpp"
 
 namespace {
 

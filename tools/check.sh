@@ -27,6 +27,8 @@ codespell bridge config core docs idl tests tools ./*.md .ci/run ||
 python3 tests/tools/boundaries.py . || fail "a boundary is crossed, see above"
 words=$(python3 tests/docs/language.py .) || fail "words to avoid: $words; see: python3 tests/docs/language.py . PATH"
 echo "words of CONTRIBUTING.md, 'Language': ${words%% *}"
+ways=$(python3 tests/docs/ways_test.py . 2>&1) || fail "a way is not as tests/docs/ways.txt lists it: $ways"
+grep '^way of ' <<<"$ways"
 public=(bridge/client/include/fieldcast/*.hpp)
 lines=$(cat "${public[@]}" | wc -l)
 echo "headers of the station library: ${#public[@]}, $lines lines"

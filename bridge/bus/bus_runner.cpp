@@ -113,12 +113,14 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     port_->retire();
   }
 
-  void command(Command command) {
-    if (stopped_) return sink_.complete(shutdown_result(command, steady_now()), mapping_);
-    process_after_bytes(CommandArrived{std::move(command)});
+  // Delivers received bytes before the event: on a fenced wire they may come from another master.
+  void event(const BusEvent& event) {
+    const auto* arrived = std::get_if<CommandArrived>(&event);
+    if (arrived && stopped_)
+      return sink_.complete(shutdown_result(arrived->command, steady_now()), mapping_);
+    if (fenced_ && open_ && !revoked_) port_->poll();
+    process(event, steady_now());
   }
-
-  void event(const BusEvent& event) { process_after_bytes(event); }
 
   void lease(const std::string& who, const Granted& granted, Revoked revoked) {
     if (revoked_)
@@ -218,12 +220,6 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
       return asked(tl::make_unexpected(LeaseRefused{false, reason}));
     }
     if (const Revoked revoked = std::exchange(revoked_, {})) revoked(reason);
-  }
-
-  // Delivers received bytes before the event: on a fenced wire they may come from another master.
-  void process_after_bytes(const BusEvent& event) {
-    if (fenced_ && open_ && !revoked_) port_->poll();
-    process(event, steady_now());
   }
 
   void process(const BusEvent& event, Instant now) {
@@ -389,9 +385,9 @@ bool BusRunner::post(Command command) {
     loop_->waiting.fetch_sub(1, std::memory_order_relaxed);
     return false;
   }
-  return loop_->gate().post([loop = loop_, command = std::move(command)]() mutable {
+  return loop_->gate().post([loop = loop_, arrived = BusEvent{CommandArrived{std::move(command)}}] {
     loop->waiting.fetch_sub(1, std::memory_order_relaxed);
-    loop->command(std::move(command));
+    loop->event(arrived);
   });
 }
 

@@ -13,12 +13,6 @@ void CommandRouter::remove(const std::string& bus) {
   runners_.erase(bus);
 }
 
-void CommandRouter::keep_identities(Keep keep, Refused refused) {
-  const std::lock_guard lock(mutex_);
-  keep_ = std::move(keep);
-  refused_ = std::move(refused);
-}
-
 bool CommandRouter::answered_elsewhere(const std::string& requester, std::uint64_t request_id,
                                        Instant now) {
   const std::lock_guard lock(mutex_);
@@ -32,67 +26,40 @@ bool CommandRouter::was_answered_elsewhere(const Command& command, Instant now) 
   return elsewhere_.lately({command.requester, command.request_id}, now);
 }
 
-std::optional<CommandResult> CommandRouter::take(const std::string& bus, Command command,
-                                                 Instant now, std::string late) {
-  Keep keep;
-  {
-    const std::lock_guard lock(mutex_);
-    if (!ledger_.enter(command.requester, command.request_id)) {
-      return rejection(command, Cause::kDuplicate, "this requester used this request_id before",
-                       now);
-    }
-    if (!late.empty())
-      return refusal(command, CommandState::kExpired, Cause::kExpired, std::move(late), now, now);
-    // A read may run twice.
-    if (!keep_ || command.operation != Operation::kWrite) return post(bus, std::move(command), now);
-    keep = keep_;
-  }
-  // Outside the lock, because it may call back immediately.
-  keep(bus, command.requester, command.request_id,
-       [this, bus, command, now](Identity identity) { on_identity(bus, command, identity, now); });
-  return std::nullopt;
+std::optional<CommandResult> CommandRouter::deduplicate(const Command& command, Instant now,
+                                                        std::string late) {
+  const std::lock_guard lock(mutex_);
+  if (!ledger_.enter(command.requester, command.request_id))
+    return rejection(command, Cause::kDuplicate, "this requester used this request_id before", now);
+  if (late.empty()) return std::nullopt;
+  return refusal(command, CommandState::kExpired, Cause::kExpired, std::move(late), now, now);
 }
 
-std::optional<CommandResult> CommandRouter::post(const std::string& bus, Command command,
-                                                 Instant now) {
+std::optional<CommandResult> CommandRouter::route(const std::string& bus, const Command& command,
+                                                  Identity identity, Instant received) {
+  const auto refused = [&](Cause cause, std::string reason) {
+    return rejection(command, cause, std::move(reason), received);
+  };
+  switch (identity) {
+    case Identity::kNew: break;
+    case Identity::kKnown:
+      return refused(Cause::kDuplicate,
+                     "this requester used this request_id before this bridge began; whether that "
+                     "command was done is not known any more");
+    case Identity::kNotKept:
+      return refused(Cause::kOffline, "the store is away, which keeps commands from running twice");
+    case Identity::kNotNoted:
+      return refused(Cause::kOffline,
+                     "the other bridges of the standby group did not note it in time, or one of "
+                     "them has begun it: commands do not run twice");
+  }
   // Posted under the lock: after remove() has returned, the runner gets no more commands.
+  const std::lock_guard lock(mutex_);
   const auto found = runners_.find(bus);
-  if (found == runners_.end())
-    return rejection(command, Cause::kShutdown, "the bridge is stopping this bus", now);
-  CommandResult full =
-      rejection(command, Cause::kQueueFull, "too many commands wait for this bus", now);
-  if (!found->second->post(std::move(command))) return full;
+  if (found == runners_.end()) return refused(Cause::kShutdown, "the bridge is stopping this bus");
+  if (!found->second->post(command))
+    return refused(Cause::kQueueFull, "too many commands wait for this bus");
   return std::nullopt;
-}
-
-void CommandRouter::on_identity(const std::string& bus, Command command, Identity identity,
-                                Instant received) {
-  std::optional<CommandResult> result;
-  Refused refused;
-  {
-    const std::lock_guard lock(mutex_);
-    refused = refused_;
-    switch (identity) {
-      case Identity::kNew: result = post(bus, std::move(command), received); break;
-      case Identity::kKnown:
-        result = rejection(command, Cause::kDuplicate,
-                           "this requester used this request_id before this bridge began; whether "
-                           "that command was done is not known any more",
-                           received);
-        break;
-      case Identity::kNotKept:
-        result = rejection(command, Cause::kOffline,
-                           "the store is away, which keeps commands from running twice", received);
-        break;
-      case Identity::kNotNoted:
-        result = rejection(command, Cause::kOffline,
-                           "the other bridges of the standby group did not note it in time, or one "
-                           "of them has begun it: commands do not run twice",
-                           received);
-        break;
-    }
-  }
-  if (result && refused) refused(bus, *result);
 }
 
 }  // namespace fieldcast

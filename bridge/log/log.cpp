@@ -165,7 +165,7 @@ void log_line(LogLevel level, std::string_view subject, std::string_view text) {
 void log_counted(LogLevel level, std::string_view subject, std::string_view kind,
                  std::string_view text) {
   if (!logger().should_log(level_of(level))) return;
-  LineBudget::Verdict verdict;
+  LineVerdict verdict;
   {
     const std::lock_guard lock(counted_mutex);
     verdict = counted().occurred(kind, steady_now());
@@ -176,13 +176,13 @@ void log_counted(LogLevel level, std::string_view subject, std::string_view kind
 }
 
 void log_summaries(Instant now) {
-  std::vector<LineBudget::Summary> summaries;
+  std::vector<LineSummary> summaries;
   {
     const std::lock_guard lock(counted_mutex);
     summaries = counted().summaries(now);
   }
   for (const auto& summary : summaries)
-    log_warning("log", fmt::format("{}: {} more in {}", summary.kind, summary.suppressed,
+    log_warning("log", fmt::format("{}: {} more in {}", summary.key, summary.suppressed,
                                    to_text(LineBudget::kPeriod)));
 }
 

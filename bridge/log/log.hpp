@@ -21,9 +21,6 @@ void open_log(LogLevel level);
 void reopen_log();
 void log_line(LogLevel level, std::string_view subject, std::string_view text);
 
-inline void log_debug(std::string_view subject, std::string_view text) {
-  log_line(LogLevel::kDebug, subject, text);
-}
 inline void log_info(std::string_view subject, std::string_view text) {
   log_line(LogLevel::kInfo, subject, text);
 }

@@ -19,7 +19,7 @@
 
 namespace fieldcast {
 
-LineBudget::Verdict LineBudget::occurred(std::string_view kind, Instant now) {
+LineVerdict LineBudget::occurred(std::string_view kind, Instant now) {
   auto found = entries_.find(kind);
   if (found == entries_.end()) {
     if (entries_.size() >= kMaxKinds) kind = "others";
@@ -39,8 +39,8 @@ LineBudget::Verdict LineBudget::occurred(std::string_view kind, Instant now) {
   return {true, suppressed};
 }
 
-std::vector<LineBudget::Summary> LineBudget::summaries(Instant now) {
-  std::vector<Summary> due;
+std::vector<LineSummary> LineBudget::summaries(Instant now) {
+  std::vector<LineSummary> due;
   for (auto& [kind, entry] : entries_) {
     if (entry.suppressed == 0 || now - entry.begun < kPeriod) continue;
     due.push_back({kind, entry.suppressed});
@@ -49,7 +49,7 @@ std::vector<LineBudget::Summary> LineBudget::summaries(Instant now) {
   return due;
 }
 
-RepeatFilter::Verdict RepeatFilter::occurred(const std::string& key, Instant now) {
+LineVerdict RepeatFilter::occurred(const std::string& key, Instant now) {
   const auto found = entries_.find(key);
   if (found == entries_.end()) {
     make_room();
@@ -66,23 +66,23 @@ RepeatFilter::Verdict RepeatFilter::occurred(const std::string& key, Instant now
   return {true, std::exchange(entry.suppressed, 0)};
 }
 
-RepeatFilter::Verdict RepeatFilter::recovered(const std::string& key) {
+LineVerdict RepeatFilter::recovered(const std::string& key) {
   const auto found = entries_.find(key);
   if (found == entries_.end()) return {};
-  const Verdict verdict{true, found->second.suppressed};
+  const LineVerdict verdict{true, found->second.suppressed};
   entries_.erase(found);
   return verdict;
 }
 
-std::vector<RepeatFilter::Summary> RepeatFilter::summaries(Instant now) {
-  std::vector<Summary> due;
+std::vector<LineSummary> RepeatFilter::summaries(Instant now) {
+  std::vector<LineSummary> due;
   for (auto& [key, entry] : entries_) {
     if (entry.suppressed == 0 || now - entry.last_line < kSummary) continue;
     due.push_back({key, std::exchange(entry.suppressed, 0)});
     entry.last_line = now;
   }
   std::sort(due.begin(), due.end(),
-            [](const Summary& a, const Summary& b) { return a.key < b.key; });
+            [](const LineSummary& a, const LineSummary& b) { return a.key < b.key; });
   return due;
 }
 

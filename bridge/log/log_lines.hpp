@@ -16,24 +16,24 @@
 
 namespace fieldcast {
 
+struct LineVerdict {
+  bool log = false;
+  std::uint64_t suppressed = 0;  // lines of this kind that were not logged before
+};
+struct LineSummary {
+  std::string key;
+  std::uint64_t suppressed = 0;
+};
+
 class LineBudget {
  public:
   static constexpr unsigned kLines = 10;
   static constexpr Duration kPeriod = std::chrono::minutes{10};
   static constexpr std::size_t kMaxKinds = 64;  // further kinds share one budget
 
-  struct Verdict {
-    bool log = false;
-    std::uint64_t suppressed = 0;  // lines of this kind that were not logged in the previous period
-  };
-  [[nodiscard]] Verdict occurred(std::string_view kind, Instant now);
-
-  struct Summary {
-    std::string kind;
-    std::uint64_t suppressed = 0;
-  };
+  [[nodiscard]] LineVerdict occurred(std::string_view kind, Instant now);
   // Returns the kinds with suppressed lines whose period has ended; each once.
-  [[nodiscard]] std::vector<Summary> summaries(Instant now);
+  [[nodiscard]] std::vector<LineSummary> summaries(Instant now);
 
  private:
   struct Entry {
@@ -55,20 +55,11 @@ class RepeatFilter {
   // A new key beyond it replaces the key that was quiet longest.
   static constexpr std::size_t kMaxKeys = 4096;
 
-  struct Verdict {
-    bool log = false;
-    std::uint64_t suppressed = 0;  // occurrences since the last line that were not logged
-  };
-  [[nodiscard]] Verdict occurred(const std::string& key, Instant now);
+  [[nodiscard]] LineVerdict occurred(const std::string& key, Instant now);
   // The fault has ended. `log` is true if it had occurred. Its next occurrence is logged again.
-  [[nodiscard]] Verdict recovered(const std::string& key);
-
-  struct Summary {
-    std::string key;
-    std::uint64_t suppressed = 0;
-  };
+  [[nodiscard]] LineVerdict recovered(const std::string& key);
   // Keys with suppressed occurrences whose last line is kSummary old, each once. Call periodically.
-  [[nodiscard]] std::vector<Summary> summaries(Instant now);
+  [[nodiscard]] std::vector<LineSummary> summaries(Instant now);
 
  private:
   struct Entry {

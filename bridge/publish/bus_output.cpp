@@ -8,70 +8,6 @@
 
 namespace fieldcast {
 
-DdsPublisher::DdsPublisher(PublisherThread& thread, DdsLink& link, MetricsTable& figures,
-                           const BusSpec& bus)
-    : thread_(thread),
-      link_(link),
-      figures_(figures),
-      bus_(bus.name),
-      most_now_(static_cast<std::size_t>(silence_of(bus.silence, line_of(bus.port)) / kOneSample)) {
-}
-
-template <class Task>
-void DdsPublisher::post(Task task, PublisherThread::Late late) {
-  ++waiting_;
-  thread_.post(
-      [this, task = std::move(task)] {
-        task();
-        --waiting_;
-      },
-      late);
-}
-
-bool DdsPublisher::publish_now(const std::vector<Sample>& samples, const UtcMapping& mapping) {
-  if (!link_.publish_block(bus_, samples, mapping)) return true;
-  if (samples.size() > most_now_ || waiting_ != 0) return false;
-  link_.publish_each(bus_, samples, mapping);
-  return true;
-}
-
-void DdsPublisher::publish_later(std::vector<Sample> samples, const UtcMapping& mapping) {
-  post(
-      [this, samples = std::move(samples), mapping] { link_.publish_each(bus_, samples, mapping); },
-      PublisherThread::Late::kDrop);
-}
-
-void DdsPublisher::promise(ChannelIndex channel, std::optional<Duration> gap) {
-  post([this, channel, gap] { link_.set_refresh(bus_, channel, gap); });
-}
-
-void DdsPublisher::complete(const CommandResult& result, const UtcMapping& mapping) {
-  post([this, result, mapping] { link_.complete(bus_, result, mapping); });
-}
-
-void DdsPublisher::report(const BusReport& report, UtcTime at) {
-  post([this, report, at] {
-    link_.report(bus_, report, at);
-    figures_.note(BusFigures{bus_, report, link_.counters(bus_), at});
-  });
-}
-
-void DdsPublisher::report(std::string_view device, const DeviceReport& report, UtcTime at) {
-  post([this, device = std::string(device), report, at] {
-    link_.report(bus_, device, report, at);
-    figures_.note(DeviceFigures{bus_, device, report});
-  });
-}
-
-void DdsPublisher::report(PlanReport plan, UtcTime at) {
-  post([this, plan = std::move(plan), at] { link_.report(bus_, plan, at); });
-}
-
-void DdsPublisher::report(const std::vector<AlarmChange>& changes, const UtcMapping& mapping) {
-  for (const AlarmChange& change : changes)
-    post([this, change, mapping] { link_.report(bus_, change, mapping); });
-}
-
 StoreRecorder::StoreRecorder(Store& store, const BusSpec& bus)
     : store_(store), bus_(bus.name), intake_(store.intake(bus)) {
   for (const DeviceSpec& device : bus.devices)
@@ -92,34 +28,53 @@ void StoreRecorder::put(std::string_view device, DeviceState state, UtcTime at) 
 }
 
 BusOutput::BusOutput(const Shared& shared, const BusSpec& bus)
-    : audit_(shared.audit),
+    : thread_(shared.thread),
+      link_(shared.link),
+      figures_(shared.figures),
+      audit_(shared.audit),
+      commands_(shared.commands),
       lease_(shared.lease),
-      keeps_result_(shared.keeps_result),
       in_group_(shared.in_group),
       bus_(bus.name),
-      dds_(shared.thread, shared.link, shared.figures, bus),
+      most_now_(static_cast<std::size_t>(silence_of(bus.silence, line_of(bus.port)) / kOneSample)),
       alarms_(shared.alarms, bus) {
   if (shared.store) store_.emplace(*shared.store, bus);
+}
+
+template <class Task>
+void BusOutput::post(Task task, PublisherThread::Late late) {
+  ++waiting_;
+  thread_.post(
+      [this, task = std::move(task)] {
+        task();
+        --waiting_;
+      },
+      late);
 }
 
 void BusOutput::publish(std::vector<Sample> samples, const UtcMapping& mapping) {
   samples = hold_.pass(std::move(samples), lease_.holds(), steady_now());
   if (samples.empty()) return;
-  const bool left = dds_.publish_now(samples, mapping);
+  const bool wanted = link_.publish_block(bus_, samples, mapping);  // by readers of Sample
+  const bool later = wanted && (samples.size() > most_now_ || waiting_ != 0);
+  if (wanted && !later) link_.publish_each(bus_, samples, mapping);
   const Instant now = steady_now();
   if (store_) store_->put(samples, mapping, now);
-  dds_.report(alarms_.on_samples(samples, mapping, now), mapping);
-  if (!left) dds_.publish_later(std::move(samples), mapping);
+  report(alarms_.on_samples(samples, mapping, now), mapping);
+  if (!later) return;
+  post(
+      [this, samples = std::move(samples), mapping] { link_.publish_each(bus_, samples, mapping); },
+      PublisherThread::Late::kDrop);
 }
 
 void BusOutput::promise(ChannelIndex channel, std::optional<Duration> gap) {
-  dds_.promise(channel, gap);
+  post([this, channel, gap] { link_.set_refresh(bus_, channel, gap); });
 }
 
 void BusOutput::complete(const CommandResult& result, const UtcMapping& mapping) {
-  if (keeps_result_ && keeps_result_(bus_, result)) return;
+  if (in_group_ && commands_.keeps_result(bus_, result)) return;
   audit_.answered(bus_, result);
-  dds_.complete(result, mapping);
+  post([this, result, mapping] { link_.complete(bus_, result, mapping); });
 }
 
 void BusOutput::report(const BusReport& report, UtcTime at) {
@@ -128,15 +83,28 @@ void BusOutput::report(const BusReport& report, UtcTime at) {
       report.foreign_masters > std::exchange(foreign_masters_, report.foreign_masters);
   if (foreign && in_group_) hold_.foreign_master(steady_now());
   publish({}, now);  // samples that were held
-  dds_.report(alarms_.on_time(now), now);
-  dds_.report(report, at);
+  this->report(alarms_.on_time(now), now);
+  post([this, report, at] {
+    link_.report(bus_, report, at);
+    figures_.note(BusFigures{bus_, report, link_.counters(bus_), at});
+  });
 }
 
 void BusOutput::report(std::string_view device, const DeviceReport& report, UtcTime at) {
   if (store_) store_->put(device, report.state, at);
-  dds_.report(device, report, at);
+  post([this, device = std::string(device), report, at] {
+    link_.report(bus_, device, report, at);
+    figures_.note(DeviceFigures{bus_, device, report});
+  });
 }
 
-void BusOutput::report(PlanReport plan, UtcTime at) { dds_.report(std::move(plan), at); }
+void BusOutput::report(PlanReport plan, UtcTime at) {
+  post([this, plan = std::move(plan), at] { link_.report(bus_, plan, at); });
+}
+
+void BusOutput::report(const std::vector<AlarmChange>& changes, const UtcMapping& mapping) {
+  for (const AlarmChange& change : changes)
+    post([this, change, mapping] { link_.report(bus_, change, mapping); });
+}
 
 }  // namespace fieldcast

@@ -1,14 +1,8 @@
-// Publishes the data of one bus on DDS on the right thread, and notes its reports for the metrics.
-//
-// The block of an exchange, and a few single samples, are written immediately on the bus's thread,
-// during the silence after the response: this is fastest. Everything else goes to the publisher
-// thread, so that a bus never waits for DDS. The order is kept: while that thread has tasks of the
-// bus, nothing is written directly, so DdsLink has one caller at a time per bus. Called on the
-// bus's thread.
+// Output of one bus: DDS, the store, the alarms, the metrics, the audit of commands. Owns the objects
+// that belong only to this bus. Called on the bus's thread.
 #pragma once
 
 #include <atomic>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -17,10 +11,11 @@
 #include <string_view>
 #include <vector>
 
+#include "bridge/alarm/alarm_table.hpp"
 #include "bridge/bus/bus_runner.hpp"
+#include "bridge/command/command_service.hpp"
 #include "bridge/dds/endpoints/dds_link.hpp"
 #include "bridge/metrics/metrics_snapshot.hpp"
-#include "bridge/publish/alarm_table.hpp"
 #include "bridge/publish/publisher_thread.hpp"
 #include "bridge/standby/master_lease.hpp"
 #include "bridge/store/command_audit.hpp"
@@ -28,37 +23,6 @@
 #include "core/model/status.hpp"
 
 namespace fieldcast {
-
-class DdsPublisher {
- public:
-  // Time that DDS needs for one sample on a small machine.
-  static constexpr Duration kOneSample = std::chrono::microseconds{50};
-
-  // The references must outlive this object.
-  DdsPublisher(PublisherThread& thread, DdsLink& link, MetricsTable& figures, const BusSpec& bus);
-
-  // Returns false if only the block was written; then pass the samples to publish_later().
-  [[nodiscard]] bool publish_now(const std::vector<Sample>& samples, const UtcMapping& mapping);
-  void publish_later(std::vector<Sample> samples, const UtcMapping& mapping);
-
-  void promise(ChannelIndex channel, std::optional<Duration> gap);
-  void complete(const CommandResult& result, const UtcMapping& mapping);
-  void report(const BusReport& report, UtcTime at);
-  void report(std::string_view device, const DeviceReport& report, UtcTime at);
-  void report(PlanReport plan, UtcTime at);
-  void report(const std::vector<AlarmChange>& changes, const UtcMapping& mapping);
-
- private:
-  template <class Task>
-  void post(Task task, PublisherThread::Late late = PublisherThread::Late::kRun);
-
-  PublisherThread& thread_;
-  DdsLink& link_;
-  MetricsTable& figures_;
-  const std::string bus_;
-  const std::size_t most_now_;           // number of samples that fit in the silence
-  std::atomic<std::size_t> waiting_{0};  // unfinished tasks of this bus
-};
 
 // Stores the samples of one bus and the state changes of its devices. Called on the bus's thread;
 // never waits for the store.
@@ -83,22 +47,26 @@ class StoreRecorder {
   std::map<std::string, Device, std::less<>> devices_;
 };
 
-// Output of one bus: DDS, the store, the alarms, the audit of commands. Owns the objects that
-// belong only to this bus. Called on the bus's thread.
+// The block of an exchange, and a few single samples, are written immediately on the bus's thread,
+// during the silence after the response: this is fastest. Everything else goes to the publisher
+// thread, so that a bus never waits for DDS. The order is kept: while that thread has tasks of the
+// bus, nothing is written directly, so DdsLink has one caller at a time per bus.
 
 class BusOutput final : public BusSink {
  public:
+  // Time that DDS needs for one sample on a small machine.
+  static constexpr Duration kOneSample = std::chrono::microseconds{50};
+
   // Objects that all buses share; they outlive the outputs. `store` is null without a store.
   struct Shared {
     PublisherThread& thread;
     DdsLink& link;
     Store* store;
     CommandAudit& audit;
+    CommandService& commands;
     AlarmTable& alarms;
     MetricsTable& figures;
     MasterLease& lease;
-    // Returns true if it has taken the result, which is then not published.
-    std::function<bool(const std::string& bus, const CommandResult& result)> keeps_result{};
     bool in_group = false;
   };
   BusOutput(const Shared& shared, const BusSpec& bus);
@@ -115,14 +83,23 @@ class BusOutput final : public BusSink {
   void report(PlanReport plan, UtcTime at) override;
 
  private:
+  // Runs `task` on the publisher thread.
+  template <class Task>
+  void post(Task task, PublisherThread::Late late = PublisherThread::Late::kRun);
+  void report(const std::vector<AlarmChange>& changes, const UtcMapping& mapping);
+
+  PublisherThread& thread_;
+  DdsLink& link_;
+  MetricsTable& figures_;
   SampleHold hold_;
   CommandAudit& audit_;
+  CommandService& commands_;
   MasterLease& lease_;
-  const std::function<bool(const std::string&, const CommandResult&)> keeps_result_;
   const bool in_group_;
   std::uint64_t foreign_masters_ = 0;
   const std::string bus_;
-  DdsPublisher dds_;
+  const std::size_t most_now_;           // number of samples that fit in the silence
+  std::atomic<std::size_t> waiting_{0};  // unfinished tasks of this bus
   std::optional<StoreRecorder> store_;
   AlarmReporter alarms_;
 };

@@ -40,9 +40,13 @@ Signals::~Signals() {
   thread_.join();
 }
 
-void Signals::if_stuck(std::function<void()> last_words) {
-  const std::lock_guard lock(mutex_);
-  last_words_ = std::move(last_words);
+std::shared_ptr<void> Signals::if_stuck(std::function<void()> last_words) {
+  const auto set = [this](std::function<void()> words) {
+    const std::lock_guard lock(mutex_);
+    last_words_ = std::move(words);
+  };
+  set(std::move(last_words));
+  return {nullptr, [set](void*) { set({}); }};
 }
 
 int Signals::wait(Duration limit) {

@@ -7,6 +7,7 @@
 #include <condition_variable>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -30,8 +31,9 @@ class Signals {
   Signals(const Signals&) = delete;
   Signals& operator=(const Signals&) = delete;
 
-  // Sets what the signal thread does before it ends the process because a stop takes too long.
-  void if_stuck(std::function<void()> last_words);
+  // Sets what the signal thread does before it ends the process because a stop takes too long, for
+  // the life of the returned object.
+  [[nodiscard]] std::shared_ptr<void> if_stuck(std::function<void()> last_words);
 
   [[nodiscard]] bool ending() const { return ending_; }
 

@@ -32,29 +32,24 @@ std::optional<Number> number_in(const std::string& text) {
 
 }  // namespace
 
-NotifySocket::NotifySocket(std::string address) : address_(std::move(address)) {
+Service::Service(std::string notify_address, std::optional<Duration> watchdog)
+    : address_(std::move(notify_address)), watchdog_(watchdog) {
   if (address_.size() >= sizeof(sockaddr_un::sun_path)) address_.clear();
   if (!address_.empty())
     socket_.reset(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
 }
 
-void NotifySocket::ready(std::string_view status) {
-  send(fmt::format("READY=1\nSTATUS={}", status));
-}
+void Service::ready(std::string_view status) { send(fmt::format("READY=1\nSTATUS={}", status)); }
 
-void NotifySocket::reloading(Instant now) {
+void Service::reloading(Instant now) {
   const auto microseconds =
       std::chrono::duration_cast<std::chrono::microseconds>(now.time_since_epoch());
   send(fmt::format("RELOADING=1\nMONOTONIC_USEC={}\nSTATUS=reloading", microseconds.count()));
 }
 
-void NotifySocket::stopping() { send("STOPPING=1\nSTATUS=stopping"); }
+void Service::status(std::string_view text) { send(fmt::format("STATUS={}", text)); }
 
-void NotifySocket::alive() { send("WATCHDOG=1"); }
-
-void NotifySocket::status(std::string_view text) { send(fmt::format("STATUS={}", text)); }
-
-void NotifySocket::send(const std::string& message) {
+void Service::send(const std::string& message) {
   if (!socket_.valid()) return;
   sockaddr_un to{};
   to.sun_family = AF_UNIX;
@@ -94,10 +89,10 @@ void Service::look(const std::vector<BusTurn>& turns, Instant now) {
   if (!standing) {
     if (!standing_.empty()) {
       log_warning(standing_, "the bus turns again");
-      socket_.status("all buses turn");
+      status("all buses turn");
     }
     standing_.clear();
-    return socket_.alive();
+    return send("WATCHDOG=1");
   }
   if (standing->bus == standing_) return;
   standing_ = standing->bus;
@@ -106,7 +101,7 @@ void Service::look(const std::vector<BusTurn>& turns, Instant now) {
       "hangs; the service is restarted if that goes on",
       to_seconds(standing->standing));
   log_error(standing_, text);
-  socket_.status(fmt::format("{}: {}", standing_, text));
+  status(fmt::format("{}: {}", standing_, text));
 }
 
 }  // namespace fieldcast

@@ -1,6 +1,4 @@
-// Reports the state of the program to the service manager with the datagrams of sd_notify(3). Does
-// nothing without a service manager ($NOTIFY_SOCKET is not set). Never waits and never fails; a
-// datagram that the manager does not receive is lost. Main thread.
+// The service manager (systemd): reports of the program, and its watchdog.
 #pragma once
 
 #include <optional>
@@ -13,32 +11,10 @@
 
 namespace fieldcast {
 
-class NotifySocket {
- public:
-  // `address`: a path, or "@name" of an abstract socket; empty: no reports.
-  explicit NotifySocket(std::string address);
-
-  // The configuration is loaded and every bus has its thread.
-  void ready(std::string_view status);
-  // Until the next ready(), the configuration is reloaded. `now` is of the monotonic clock.
-  void reloading(Instant now);
-  void stopping();
-  // Feeds the watchdog.
-  void alive();
-  // One line for `systemctl status`.
-  void status(std::string_view text);
-
- private:
-  void send(const std::string& message);
-
-  std::string address_;
-  FileDescriptor socket_;
-};
-
 // $NOTIFY_SOCKET; empty without a service manager.
 [[nodiscard]] std::string notify_address();
 
-// Time without alive() after which the service manager ends the process ($WATCHDOG_USEC, unless
+// Time without a report after which the service manager ends the process ($WATCHDOG_USEC, unless
 // $WATCHDOG_PID is another process); `std::nullopt` without a watchdog.
 [[nodiscard]] std::optional<Duration> watchdog_limit();
 
@@ -59,8 +35,9 @@ struct StandingBus {
 [[nodiscard]] std::optional<StandingBus> standing_bus(const std::vector<BusTurn>& turns,
                                                       Instant now, Duration limit);
 
-// The bridge as a service: reports to the service manager and feeds the watchdog. Does nothing
-// without a service manager. Main thread.
+// Reports the state of the program to the service manager with the datagrams of sd_notify(3), and
+// feeds the watchdog. Does nothing without a service manager ($NOTIFY_SOCKET is not set). Never
+// waits and never fails; a datagram that the manager does not receive is lost. Main thread.
 
 class Service {
  public:
@@ -68,14 +45,17 @@ class Service {
   // this time: a thread may be late on a busy machine.
   static constexpr Duration kLeastStanding = std::chrono::seconds{3};
 
-  // `watchdog`: time without a report after which the manager ends the process.
-  Service(std::string notify_address, std::optional<Duration> watchdog)
-      : socket_(std::move(notify_address)), watchdog_(watchdog) {}
+  // `notify_address`: a path, or "@name" of an abstract socket; empty: no reports. `watchdog`: time
+  // without a report after which the manager ends the process.
+  Service(std::string notify_address, std::optional<Duration> watchdog);
 
-  void ready(const std::string& status) { socket_.ready(status); }
-  void status(const std::string& text) { socket_.status(text); }
-  void reloading(Instant now) { socket_.reloading(now); }
-  void stopping() { socket_.stopping(); }
+  // The configuration is loaded and every bus has its thread.
+  void ready(std::string_view status);
+  // Until the next ready(), the configuration is reloaded. `now` is of the monotonic clock.
+  void reloading(Instant now);
+  void stopping() { send("STOPPING=1\nSTATUS=stopping"); }
+  // One line for `systemctl status`.
+  void status(std::string_view text);
 
   // Returns how long the main thread may sleep, at most `longest`.
   [[nodiscard]] Duration sleep(Duration longest) const;
@@ -84,7 +64,10 @@ class Service {
   void look(const std::vector<BusTurn>& turns, Instant now);
 
  private:
-  NotifySocket socket_;
+  void send(const std::string& message);
+
+  std::string address_;
+  FileDescriptor socket_;
   std::optional<Duration> watchdog_;
   std::string standing_;  // the bus that was logged; empty: all turn
 };

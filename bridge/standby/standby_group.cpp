@@ -79,15 +79,22 @@ void StandbyGroup::wake() const {
   (void)!::write(wake_.get(), &one, sizeof one);
 }
 
-void StandbyGroup::on_member(const StandbyMessage& message) {
+template <class Input>
+void StandbyGroup::apply(Input input) {
   {
     const std::lock_guard lock(mutex_);
+    input();
+    if (!ending_) follow_role();  // end() has released the lease
+  }
+  wake();
+}
+
+void StandbyGroup::on_member(const StandbyMessage& message) {
+  apply([&] {
     if (ending_) return;
     election_.receive(message.member, steady_now());
     others_[message.member.bridge] = message;
-    follow_role();
-  }
-  wake();
+  });
 }
 
 // While this bridge was stopped, another master has begun or responded to a write that waits here
@@ -109,11 +116,7 @@ void StandbyGroup::give_up_begun(const StandbyNote& note) {
 }
 
 void StandbyGroup::on_lost(const std::string& bridge) {
-  {
-    const std::lock_guard lock(mutex_);
-    election_.lost(bridge, steady_now());
-  }
-  wake();
+  apply([&] { election_.lost(bridge, steady_now()); });
 }
 
 void StandbyGroup::on_note(const StandbyNote& note) {
@@ -136,50 +139,31 @@ void StandbyGroup::on_note(const StandbyNote& note) {
 }
 
 void StandbyGroup::set_not_ready(std::string reason) {
-  {
-    const std::lock_guard lock(mutex_);
+  apply([&] {
     election_.set_not_ready(std::move(reason));
     beat_soon_ = true;
-  }
-  wake();
+  });
 }
 
 void StandbyGroup::set_configuration(std::string configuration) {
-  {
-    const std::lock_guard lock(mutex_);
+  apply([&] {
     election_.set_configuration(std::move(configuration));
     beat_soon_ = true;
-  }
-  wake();
+  });
 }
 
 std::optional<std::string> StandbyGroup::hand_over(const std::string& successor) {
   std::optional<std::string> refused;
-  {
-    const std::lock_guard lock(mutex_);
-    refused = election_.hand_over(successor, steady_now());
-    follow_role();
-  }
-  wake();
+  apply([&] { refused = election_.hand_over(successor, steady_now()); });
   return refused;
 }
 
 void StandbyGroup::released() {
-  {
-    const std::lock_guard lock(mutex_);
-    election_.released(steady_now());
-    follow_role();
-  }
-  wake();
+  apply([&] { election_.released(steady_now()); });
 }
 
 void StandbyGroup::follows(std::uint64_t sequence) {
-  {
-    const std::lock_guard lock(mutex_);
-    election_.follows(sequence);
-    follow_role();
-  }
-  wake();
+  apply([&] { election_.follows(sequence); });
 }
 
 // Applies a changed role immediately: only a master may send.

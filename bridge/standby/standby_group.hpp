@@ -107,6 +107,9 @@ class StandbyGroup {
     FileDescriptor handle;  // readable when it has ended
   };
   void run();
+  // Passes an input to the election and applies the role that results.
+  template <class Input>
+  void apply(Input input);
   void give_up_begun(const StandbyNote& note);
   // The next functions REQUIRE: mutex_ held.
   void follow_role();

@@ -31,6 +31,8 @@ class CommandIdTable {
     kNew,      // committed now for the first time; it may run
     kKnown,    // accepted before, perhaps by a bridge that has ended
     kNotKept,  // the store did not save it
+    // Only in a standby group: not all bridges have noted it, or one of them has begun it.
+    kNotNoted,
   };
   using Done = std::function<void(Verdict)>;
 

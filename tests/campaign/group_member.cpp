@@ -7,7 +7,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Same values as in bridge/bridge_standby.cpp and bridge/bridge_buses.cpp.
+// Same values as in bridge/role/membership.cpp and bridge/buses/bus_set.cpp.
 constexpr Duration kFinish = 1s, kLastBlocks = 50ms, kAfterHandOver = 500ms, kProve = 3s;
 constexpr std::uint64_t kSequenceMargin = 1024;
 

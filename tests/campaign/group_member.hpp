@@ -1,6 +1,6 @@
 // Simulates a bridge of a standby group in virtual time: its election, its engine, the master's
 // data that it follows, held commands, and notes of writes that begin. It mirrors the shell
-// (bridge/bridge_standby.cpp, bridge/standby/standby_group.cpp, bridge/publish/bus_output.cpp)
+// (bridge/role/membership.cpp, bridge/standby/standby_group.cpp, bridge/publish/bus_output.cpp)
 // without its threads, with the same Election, HeldCommands, CommandLedger and BusEngine.
 //
 // Deterministic by its seed; one thread; no function fails.

@@ -53,7 +53,7 @@ bool GroupMember::answered_elsewhere(const Key& key, Instant now) {
   return is_new;
 }
 
-// Mirrors Bridge::State::seen_answer().
+// Mirrors CommandService::seen_answer().
 void GroupMember::seen_answer(const Key& key, Instant now) {
   held_->answered(key);
   answered_elsewhere(key, now);
@@ -94,7 +94,7 @@ void GroupMember::begin(Command command, Instant now) {
   settle_notes(now);
 }
 
-// Mirrors Bridge::State::tell_held() and answer_unknown().
+// Mirrors CommandService::report_held() and answer_unknown().
 void GroupMember::tell_held(Instant now) {
   next_look_ = now + kLook;
   const auto master = election_->master(now);
@@ -110,7 +110,7 @@ void GroupMember::tell_held(Instant now) {
   }
 }
 
-// Mirrors Bridge::State::tell_last_words().
+// Mirrors CommandService::report_held().
 void GroupMember::tell_last_words(Instant now) {
   if (election_->role() != StandbyRole::kWaiting || !election_->master(now)) return;
   for (const auto& [bus, key, begun] : held_->last_words(now)) {

@@ -55,10 +55,8 @@ void run_bridge(const DdsSpec& spec) {
   DdsLink link(
       spec, "bench",
       {.clock = both_clocks,
-       .on_command =
-           [&](const std::string& bus, const Command& command) {
-             self->complete(bus, done(command), both_clocks());
-           },
+       .on_command = [&](const std::string& bus, const Command& command,
+                         const std::string&) { self->complete(bus, done(command), both_clocks()); },
        .on_interest = [](const Interest&) {},
        .on_problem =
            [](const std::string& text) { std::fprintf(stderr, "bridge: %s\n", text.c_str()); },

@@ -6,7 +6,7 @@
 
 #include "bridge/base/file_descriptor.hpp"
 #include "bridge/base/secret.hpp"
-#include "bridge/write_faults.hpp"
+#include "bridge/base/write_faults.hpp"
 #include "tools/cli/arguments.hpp"
 #include "tools/cli/terminal/console.hpp"
 

@@ -5,7 +5,7 @@
 
 #include "bridge/base/command_line.hpp"
 #include "bridge/base/secret.hpp"
-#include "bridge/write_faults.hpp"
+#include "bridge/base/write_faults.hpp"
 #include "config/sections/port.hpp"
 #include "core/base/duration_text.hpp"
 #include "core/program/frame.hpp"

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "bridge/base/command_line.hpp"
-#include "bridge/write_faults.hpp"
+#include "bridge/base/write_faults.hpp"
 #include "config/loader/loader.hpp"
 #include "core/base/duration_text.hpp"
 #include "core/base/json.hpp"

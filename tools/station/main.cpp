@@ -13,12 +13,12 @@
 #include "bridge/base/command_line.hpp"
 #include "bridge/base/exit_code.hpp"
 #include "bridge/base/secret.hpp"
+#include "bridge/base/write_faults.hpp"
 #include "bridge/dds/library/library.hpp"
 #include "bridge/dds/transport/join_check.hpp"
 #include "bridge/log/log.hpp"
 #include "bridge/service/process_watch.hpp"
 #include "bridge/service/service.hpp"
-#include "bridge/write_faults.hpp"
 #include "tools/station/settings/configuration.hpp"
 #include "tools/station/station.hpp"
 
@@ -128,23 +128,6 @@ void on_hangup(WebStation& station) {
   fieldcast::log_info("web", "certificate and key are read from their files again");
 }
 
-class WhileItLives {
- public:
-  WhileItLives(fieldcast::Signals& signals, WebStation& station) : signals_(signals) {
-    signals_.if_stuck([&station] {
-      fieldcast::log_error("web", fmt::format("not stopped in time, while {}: the process ends",
-                                              station.busy_with()));
-      fieldcast::flush_log(kLastWords);
-    });
-  }
-  ~WhileItLives() { signals_.if_stuck({}); }
-  WhileItLives(const WhileItLives&) = delete;
-  WhileItLives& operator=(const WhileItLives&) = delete;
-
- private:
-  fieldcast::Signals& signals_;
-};
-
 class SiteIdentities {
  public:
   explicit SiteIdentities(const StationSpec& spec)
@@ -179,7 +162,11 @@ ExitCode serve(fieldcast::Signals& signals, const StationSpec& spec) {
   }
   SiteIdentities identities(spec);
   WebStation station(spec, FIELDCAST_VERSION);
-  const WhileItLives watched(signals, station);
+  const auto watched = signals.if_stuck([&station] {
+    fieldcast::log_error(
+        "web", fmt::format("not stopped in time, while {}: the process ends", station.busy_with()));
+    fieldcast::flush_log(kLastWords);
+  });
   if (const auto started = station.start(); !started) {
     fieldcast::log_error("web", "cannot start: " + started.error().what);
     return started.error().configuration ? ExitCode::kBadConfiguration : ExitCode::kCannotStart;

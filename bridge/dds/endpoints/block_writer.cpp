@@ -11,10 +11,10 @@
 namespace fieldcast {
 
 BlockWriter::BlockWriter(Domain& domain, const std::string& label, Stream stream,
-                         std::function<void()> on_reader)
+                         SnapshotSender& snapshots)
     : domain_(domain),
       stream_(std::move(stream)),
-      on_reader_(std::move(on_reader)),
+      snapshots_(snapshots),
       values_(stream_.channels) {
   block_.bus() = cut_text(stream_.bus, kMaxNameLength);
   block_.epoch(stream_.epoch);
@@ -26,7 +26,7 @@ BlockWriter::~BlockWriter() { domain_.remove(writer_); }
 void BlockWriter::on_publication_matched(dds::DataWriter*,
                                          const dds::PublicationMatchedStatus& status) {
   readers_.store(static_cast<std::uint32_t>(status.current_count), std::memory_order_relaxed);
-  if (status.current_count_change > 0) on_reader_();
+  if (status.current_count_change > 0) snapshots_.matched(stream_.bus, true);
 }
 
 void BlockWriter::go_on_with(std::uint64_t epoch, std::uint64_t number,
@@ -116,13 +116,16 @@ void SnapshotSender::request(const std::string& bus) {
   changed_.notify_one();
 }
 
+void SnapshotSender::matched(const std::string& bus, bool wants) {
+  if (asked_) asked_();
+  if (wants) request(bus);
+}
+
 void SnapshotSender::on_data_available(dds::DataReader* reader) {
   idl::SnapshotRequest asked;
   dds::SampleInfo info;
   while (reader->take_next_sample(&asked, &info) == ReturnCode_t::RETCODE_OK) {
-    if (!info.valid_data) continue;
-    if (asked_) asked_();
-    request(asked.bus().c_str());
+    if (info.valid_data) matched(asked.bus().c_str(), true);
   }
 }
 

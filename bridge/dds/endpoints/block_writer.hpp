@@ -22,6 +22,8 @@
 
 namespace fieldcast {
 
+class SnapshotSender;
+
 class BlockWriter : private dds::DataWriterListener {
  public:
   // Largest block in bytes: if all peers are on this machine, and on networks, where a block must
@@ -34,9 +36,8 @@ class BlockWriter : private dds::DataWriterListener {
     std::uint64_t epoch = 0;  // of the bus's catalogue
     std::size_t most_bytes = kBytesOnNetworks;
   };
-  // Calls `on_reader` on a DDS thread for each new reader, which needs a snapshot. Throws DdsError.
-  BlockWriter(Domain& domain, const std::string& label, Stream stream,
-              std::function<void()> on_reader);
+  // Requests a snapshot for each new reader. Throws DdsError.
+  BlockWriter(Domain& domain, const std::string& label, Stream stream, SnapshotSender& snapshots);
   ~BlockWriter() override;
   BlockWriter(const BlockWriter&) = delete;
   BlockWriter& operator=(const BlockWriter&) = delete;
@@ -64,7 +65,7 @@ class BlockWriter : private dds::DataWriterListener {
 
   Domain& domain_;
   const Stream stream_;
-  const std::function<void()> on_reader_;
+  SnapshotSender& snapshots_;
   std::atomic<std::uint32_t> readers_{0};
   mutable std::mutex mutex_;       // protects the members below and the order of blocks
   std::vector<LastValue> values_;  // by channel index
@@ -95,11 +96,13 @@ class SnapshotSender : private dds::DataReaderListener {
   enum class Part : std::uint8_t { kFirst, kNext };
   // Writes a part of the snapshot of a bus, or nothing if there is no such bus.
   using Send = std::function<Sent(const std::string& bus, Part part)>;
-  // `asked` is called on a DDS thread for each SnapshotRequest; may be null.
+  // `asked` is called on a DDS thread for each SnapshotRequest and each matched reader; may be null.
   SnapshotSender(Domain& domain, Send send, std::function<void()> asked);
   ~SnapshotSender() override;
 
   void request(const std::string& bus);
+  // A reader of the bus has matched. `wants`: it needs the last values.
+  void matched(const std::string& bus, bool wants);
   void close();  // nothing is sent after it returns; a second call has no effect
 
  private:

@@ -1,6 +1,7 @@
 #include "bridge/dds/endpoints/dds_link.hpp"
 
 #include <algorithm>
+#include <type_traits>
 
 #include "bridge/dds/endpoints/dds_link_state.hpp"
 #include "core/model/command.hpp"
@@ -25,17 +26,10 @@ constexpr std::size_t kSamplesOfBlock = 32;
 
 LinkedBus::LinkedBus(Domain& domain, const std::string& bridge, const BusSpec& spec,
                      dds::DataWriter* catalogue_blocks, const BlockWriter::Stream& stream,
-                     std::function<void()> on_reader, const std::function<void()>& on_match)
+                     SnapshotSender& snapshots)
     : catalogue(domain, catalogue_blocks, bridge, spec.name, stream.epoch),
-      blocks(domain, "fieldcast-bridge " + bridge + ": " + spec.name, stream,
-             [on_reader, on_match] {
-               on_match();
-               on_reader();
-             }),
-      samples(domain, bridge, spec, stream.most_bytes,
-              {std::move(on_reader), on_match, [this](ChannelIndex channel, LastValue& out) {
-                 return blocks.last_value(channel, out);
-               }}) {
+      blocks(domain, "fieldcast-bridge " + bridge + ": " + spec.name, stream, snapshots),
+      samples(domain, bridge, spec, stream.most_bytes, blocks, snapshots) {
   ChannelIndex index = 0;
   for (const DeviceSpec& device : spec.devices) {
     for (const ChannelSpec& channel : device.channels)
@@ -84,52 +78,42 @@ SnapshotSender::Sent DdsLink::State::send_snapshot(const std::string& name,
   return {blocks + (woken.written == 0 ? 0 : 1), woken.all};
 }
 
-bool DdsLink::State::is_ours(const std::string& name) {
-  const std::lock_guard lock(names_mutex);
-  return names.contains(name);
-}
-
+// The first steps of a request, on a DDS thread: receive, authenticate, convert. Requests for other
+// buses belong to other bridges.
 template <class Message>
-RequestHandlers<Message> DdsLink::State::request_handlers() {
-  return {.clock = handlers.clock,
-          .is_ours = [this](const std::string& name) { return is_ours(name); },
-          .accepted = [this](const Message& message,
-                             RequestTerms terms) { accept(message, std::move(terms)); },
-          .refused = [this](const Message& message,
-                            const MalformedCommand& why) { reject(message, why); },
-          .received =
-              [this](const std::string& requester, const RequestWriters::Guid& writer) {
-                results.remember(requester, writer.guidPrefix);
-              },
-          .on_problem = handlers.on_problem};
-}
-
-void DdsLink::State::accept(const idl::Command& message, RequestTerms terms) {
-  auto command = from_idl(message);
-  if (!command) return reject(message, command.error());
-  command->subject = std::move(terms.subject);
-  command->expires = terms.expires;
-  if (!terms.late.empty() && handlers.on_late_command)
-    return handlers.on_late_command(message.bus().c_str(), *std::move(command),
-                                    std::move(terms.late));
-  handlers.on_command(message.bus().c_str(), *std::move(command));
-}
-
-void DdsLink::State::accept(const idl::AlarmAction& message, const RequestTerms& terms) {
-  if (!terms.late.empty()) return reject(message, {Cause::kExpired, terms.late});
-  auto action = from_idl(message);
-  if (!action) return reject(message, action.error());
-  action->subject = terms.subject;
-  handlers.on_alarm_action(*std::move(action));
+void DdsLink::State::receive(const Message& message, const RequestOrigin& origin) {
+  const std::string bus = message.bus().c_str(), requester = message.requester().c_str();
+  if (origin.bus && bus != *origin.bus) return;
+  {
+    const std::lock_guard lock(names_mutex);
+    if (!names.contains(bus)) return;
+  }
+  auto terms = writers.terms_of(domain, requester, origin, handlers.clock());
+  if (!terms)
+    return handlers.on_problem("a request under the name of another's requester was dropped");
+  results.remember(requester, origin.writer.guidPrefix);
+  if (!terms->too_early.empty())
+    return reject(message, {Cause::kExpired, std::move(terms->too_early)});
+  constexpr bool is_command = std::is_same_v<Message, idl::Command>;
+  if (!is_command && !terms->late.empty())
+    return reject(message, {Cause::kExpired, std::move(terms->late)});
+  auto request = from_idl(message);
+  if (!request) return reject(message, request.error());
+  request->subject = std::move(terms->subject);
+  if constexpr (is_command) {
+    request->expires = terms->expires;
+    handlers.on_command(bus, *std::move(request), std::move(terms->late));
+  } else {
+    handlers.on_alarm_action(*std::move(request));
+  }
 }
 
 DdsLink::State::Receivers DdsLink::State::listen(const HeldTo& bus) {
+  const Instant now = handlers.clock().instant;
   Receivers made;
-  made.commands = std::make_unique<Commands>(domain, kCommandTopic, writers,
-                                             request_handlers<idl::Command>(), bus);
+  made.commands = std::make_unique<Commands>(*this, domain, kCommandTopic, bus, now);
   if (handlers.on_alarm_action)
-    made.actions = std::make_unique<Actions>(domain, kAlarmActionTopic, writers,
-                                             request_handlers<idl::AlarmAction>(), bus);
+    made.actions = std::make_unique<Actions>(*this, domain, kAlarmActionTopic, bus, now);
   return made;
 }
 
@@ -180,13 +164,9 @@ std::unique_ptr<LinkedBus> DdsLink::State::made(const BusSpec& spec) {
   std::size_t channels = 0;
   for (const DeviceSpec& device : spec.devices) channels += device.channels.size();
   const auto epoch = static_cast<std::uint64_t>(handlers.clock().utc.nanoseconds);
-  return std::make_unique<LinkedBus>(
-      domain, bridge, spec, catalogue_blocks,
-      BlockWriter::Stream{spec.name, channels, epoch, block_bytes},
-      [this, name = spec.name] { snapshots->request(name); },
-      [this] {
-        if (handlers.on_readers) handlers.on_readers();
-      });
+  return std::make_unique<LinkedBus>(domain, bridge, spec, catalogue_blocks,
+                                     BlockWriter::Stream{spec.name, channels, epoch, block_bytes},
+                                     *snapshots);
 }
 
 void DdsLink::State::serve(const std::string& name, std::unique_ptr<LinkedBus> bus) {

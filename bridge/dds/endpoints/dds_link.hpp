@@ -6,7 +6,7 @@
 //
 // Threads. "One caller for a bus" means: any thread, one call at a time for each bus. In the daemon
 // that is the bus's own thread if no item of the bus is queued, else the publisher thread
-// (bridge/publish/dds_publisher.hpp). Functions of different buses may run at the same time.
+// (bridge/publish/bus_output.hpp). Functions of different buses may run at the same time.
 #pragma once
 
 #include <cstdint>
@@ -49,10 +49,10 @@ class DdsLink {
   };
   struct Handlers {
     std::function<UtcMapping()> clock;  // reads both clocks now; called on any thread
-    // A command for a bus that was added. `expires` is its source timestamp plus the writer's
-    // LIFESPAN on the engine's clock. It may have passed already: the engine then responds with
-    // kExpired. Commands for other buses are not delivered.
-    std::function<void(const std::string& bus, Command command)> on_command;
+    // A command for a bus that was added; others are not delivered. `expires` is its source
+    // timestamp plus the writer's LIFESPAN on the engine's clock. `late`: why it has expired on
+    // arrival, with both clock readings; empty if it has not.
+    std::function<void(const std::string& bus, Command command, std::string late)> on_command;
     std::function<void(Interest interest)> on_interest;
     // A text for the log: incompatible QoS, a limit reached, a malformed command.
     std::function<void(std::string text)> on_problem;
@@ -62,9 +62,6 @@ class DdsLink {
     std::function<void(AlarmAction action)> on_alarm_action{};
     // Called when readers of samples match or a station requests the last values. May be null.
     std::function<void()> on_readers{};
-    // Called for a command that has expired on arrival, with the reason and both clock readings. If
-    // null, on_command() is called.
-    std::function<void(const std::string& bus, Command command, std::string why)> on_late_command{};
   };
 
   struct BusCounters {

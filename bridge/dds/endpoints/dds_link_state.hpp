@@ -26,7 +26,7 @@ namespace fieldcast {
 struct LinkedBus {
   LinkedBus(Domain& domain, const std::string& bridge, const BusSpec& spec,
             dds::DataWriter* catalogue_blocks, const BlockWriter::Stream& stream,
-            std::function<void()> on_reader, const std::function<void()>& on_match);
+            SnapshotSender& snapshots);
 
   BusCatalogue catalogue;
   BlockWriter blocks;  // keeps the last values for blocks and single samples
@@ -41,8 +41,8 @@ struct LinkedBus {
 };
 
 struct DdsLink::State {
-  using Commands = RequestReceiver<idl::Command>;
-  using Actions = RequestReceiver<idl::AlarmAction>;
+  using Commands = RequestReceiver<idl::Command, State>;
+  using Actions = RequestReceiver<idl::AlarmAction, State>;
   // Receivers of requests: of unrestricted senders, or of members restricted to one bus.
   struct Receivers {
     std::unique_ptr<Commands> commands;
@@ -56,11 +56,8 @@ struct DdsLink::State {
   // Runs on the snapshot thread: writes changed catalogue entries, then the last values.
   SnapshotSender::Sent send_snapshot(const std::string& name, SnapshotSender::Part part);
 
-  bool is_ours(const std::string& name);
   template <class Message>
-  RequestHandlers<Message> request_handlers();
-  void accept(const idl::Command& message, RequestTerms terms);
-  void accept(const idl::AlarmAction& message, const RequestTerms& terms);
+  void receive(const Message& message, const RequestOrigin& origin);
   Receivers listen(const HeldTo& bus);
   // Responds to requests that are not forwarded: malformed ones and expired alarm actions.
   template <class Message>

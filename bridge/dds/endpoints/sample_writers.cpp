@@ -29,17 +29,19 @@ struct SampleWriters::Writer : dds::DataWriterListener {
                               const dds::PublicationMatchedStatus& status) override {
     readers = static_cast<std::uint32_t>(status.current_count);
     if (status.current_count_change <= 0) return;
-    all.hooks_.on_match();
-    if (!all.awake_) all.hooks_.on_reader();
+    all.snapshots_.matched(all.bus_, !all.awake_);
   }
 };
 
 SampleWriters::SampleWriters(Domain& domain, const std::string& bridge, const BusSpec& bus,
-                             std::size_t most_bytes, Hooks hooks)
+                             std::size_t most_bytes, const BlockWriter& blocks,
+                             SnapshotSender& snapshots)
     : domain_(domain),
       label_("fieldcast-bridge " + bridge + ": " + bus.name),
       most_bytes_(most_bytes),
-      hooks_(std::move(hooks)) {
+      bus_(bus.name),
+      blocks_(blocks),
+      snapshots_(snapshots) {
   const std::lock_guard lock(mutex_);
   for (const DeviceSpec& device : bus.devices) {
     for (const ChannelSpec& channel : device.channels) {
@@ -107,7 +109,7 @@ SampleWriters::Woken SampleWriters::wake(std::size_t most) {
       Slot& slot = slots_[unwoken_];
       if (slot.written()) continue;
       LastValue last;
-      if (!hooks_.last_value(static_cast<ChannelIndex>(unwoken_), last)) continue;
+      if (!blocks_.last_value(static_cast<ChannelIndex>(unwoken_), last)) continue;
       if (!has_writer(slot)) continue;
       slot.value = std::move(last);
       (void)write(slot);
@@ -184,7 +186,8 @@ void SampleWriters::tidy_up(Instant now) {
 // instance that was written.
 void SampleWriters::rest_if_unread(Instant now) {
   const bool read = has_readers();
-  if (read && !awake_) hooks_.on_reader();  // again: the bus may not have been found the first time
+  if (read && !awake_)
+    snapshots_.request(bus_);  // again: the bus may not have been found the first time
   if (read || !awake_) {
     unread_since_.reset();
     return;
@@ -194,7 +197,7 @@ void SampleWriters::rest_if_unread(Instant now) {
   unread_since_.reset();  // after a failure, retry after the same time
   if (!make_anew()) return;
   awake_ = false;
-  if (has_readers()) hooks_.on_reader();  // it matched while the writers were awake
+  if (has_readers()) snapshots_.request(bus_);  // it matched while the writers were awake
 }
 
 bool SampleWriters::make_anew() {

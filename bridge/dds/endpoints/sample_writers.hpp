@@ -11,7 +11,6 @@
 #pragma once
 
 #include <atomic>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -19,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "bridge/dds/endpoints/block_writer.hpp"
 #include "bridge/dds/endpoints/dds_link.hpp"
 #include "bridge/dds/topics/conversion.hpp"
 #include "bridge/dds/topics/sample_type.hpp"
@@ -28,19 +28,11 @@ namespace fieldcast {
 
 class SampleWriters {
  public:
-  struct Hooks {
-    // Called on a DDS thread for a reader that matches while the writers rest. The owner must call
-    // wake() soon, on another thread.
-    std::function<void()> on_reader;
-    // Called on a DDS thread for each matched reader, before on_reader.
-    std::function<void()> on_match;
-    // Returns the last value of a channel, false if it has none. Any thread.
-    std::function<bool(ChannelIndex, LastValue&)> last_value;
-  };
-  // Creates the writers of every channel that is read. `most_bytes` bounds a datagram. Throws
-  // DdsError.
+  // Creates the writers of every channel that is read. `most_bytes` bounds a datagram. `blocks` has
+  // the last values. `snapshots` learns of each matched reader; for one that matches while the
+  // writers rest, it must call wake() soon, on another thread. Throws DdsError.
   SampleWriters(Domain& domain, const std::string& bridge, const BusSpec& bus,
-                std::size_t most_bytes, Hooks hooks);
+                std::size_t most_bytes, const BlockWriter& blocks, SnapshotSender& snapshots);
   ~SampleWriters();  // calls dispose() unless done
   SampleWriters(const SampleWriters&) = delete;
   SampleWriters& operator=(const SampleWriters&) = delete;
@@ -127,7 +119,9 @@ class SampleWriters {
   Domain& domain_;
   const std::string label_;
   const std::size_t most_bytes_;
-  const Hooks hooks_;
+  const std::string bus_;
+  const BlockWriter& blocks_;
+  SnapshotSender& snapshots_;
   std::atomic<bool> awake_{false};
   mutable std::mutex mutex_;  // protects the members below
   std::vector<Slot> slots_;

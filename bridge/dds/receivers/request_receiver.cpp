@@ -67,22 +67,31 @@ std::string utc_text(UtcTime time) {
 
 }  // namespace
 
-Duration RequestWriters::lifespan_of(const Guid& writer) const {
-  const std::lock_guard lock(mutex_);
-  const auto found = lifespans_.find(writer);
-  return found == lifespans_.end() ? kDefault : found->second;
-}
-
 std::string RequestWriters::subject_of(const Domain& domain, const Guid& writer) const {
   return domain.member() ? requesters_.subject_of(writer.guidPrefix) : std::string();
 }
 
-std::optional<std::string> RequestWriters::subject_of(const Domain& domain,
-                                                      const std::string& requester,
-                                                      const Guid& writer) const {
-  std::string subject = subject_of(domain, writer);
-  if (!subject.empty() && !requesters_.bind(requester, subject)) return std::nullopt;
-  return subject;
+std::optional<RequestTerms> RequestWriters::terms_of(const Domain& domain,
+                                                     const std::string& requester,
+                                                     const RequestOrigin& origin,
+                                                     const UtcMapping& now) const {
+  RequestTerms terms;
+  terms.subject = subject_of(domain, origin.writer);
+  if (!terms.subject.empty() && !requesters_.bind(requester, terms.subject)) return std::nullopt;
+  if (const auto before = written_before(origin.listening, origin.source, now))
+    terms.too_early =
+        fmt::format("written {} before this bridge began to listen; send it again. It was {}",
+                    to_text(std::chrono::ceil<std::chrono::milliseconds>(*before)),
+                    clocks_text(origin.source, now));
+  {
+    const std::lock_guard lock(mutex_);
+    const auto known = lifespans_.find(origin.writer);
+    const Duration lifespan = known == lifespans_.end() ? kDefault : known->second;
+    terms.expires = expiry_of(origin.source, lifespan, now);
+  }
+  if (terms.expires <= now.instant)
+    terms.late = fmt::format("{}: {}", to_text(Cause::kExpired), clocks_text(origin.source, now));
+  return terms;
 }
 
 void RequestWriters::on_writer(const FoundWriter& writer) {

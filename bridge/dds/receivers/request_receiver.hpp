@@ -51,8 +51,25 @@ class RequesterRegistry {
   std::deque<std::string> oldest_;             // requesters, oldest first
 };
 
-// Conditions under which a bridge accepts `Command` and `AlarmAction`: the expiry, the target
-// bridge, and the requester's identity.
+// The bus that senders are restricted to; `std::nullopt` for requests without a partition. Members
+// restricted to a bus cannot write for other buses: Domain::reader_of_bus().
+using HeldTo = std::optional<std::string>;
+
+// How a request arrived.
+struct RequestOrigin {
+  rtps::GUID_t writer;
+  UtcTime source;     // by the sender's clock
+  HeldTo bus;         // of the receiver
+  Instant listening;  // when the receiver began to listen
+};
+
+// Conditions under which a bridge accepts `Command` and `AlarmAction`.
+struct RequestTerms {
+  std::string subject;    // of the requester, by DDS Security; "" without it
+  Instant expires;        // may have passed already
+  std::string late;       // reason why it has expired; empty if it has not
+  std::string too_early;  // why it must be refused: it was written before the bridge listened
+};
 
 // Collects the lifespans of writers from discovery, because LIFESPAN is a QoS of the writer, but
 // the library's reader applies its own. Also collects the DDS Security subjects of participants.
@@ -65,16 +82,16 @@ class RequestWriters : public DiscoveryListener {
   static constexpr Duration kLongest = std::chrono::hours{24};
   static constexpr std::size_t kMaxWriters = 4096;  // further writers get the default
 
-  [[nodiscard]] Duration lifespan_of(const Guid& writer) const;
+  // Authenticates a request and determines its expiry. `std::nullopt`: the requester's name belongs
+  // to another subject. Such a request gets no result, because the result would go to the owner of
+  // the name.
+  [[nodiscard]] std::optional<RequestTerms> terms_of(const Domain& domain,
+                                                     const std::string& requester,
+                                                     const RequestOrigin& origin,
+                                                     const UtcMapping& now) const;
   // The subject of the writer's participant, for example "bridge line-7", or
   // RequesterRegistry::kUnknown. Empty without DDS Security.
   [[nodiscard]] std::string subject_of(const Domain& domain, const Guid& writer) const;
-  // The subject of a requester: "" without DDS Security, `std::nullopt` if the requester's name
-  // belongs to another subject. Such a request gets no result, because the result would go to the
-  // owner of the name.
-  [[nodiscard]] std::optional<std::string> subject_of(const Domain& domain,
-                                                      const std::string& requester,
-                                                      const Guid& writer) const;
 
  private:
   void on_writer(const FoundWriter& writer) override;
@@ -100,49 +117,20 @@ class RequestWriters : public DiscoveryListener {
 [[nodiscard]] std::optional<Duration> written_before(Instant listening, UtcTime source,
                                                      const UtcMapping& now);
 
-// Receives `Command` and `AlarmAction`: authenticates the requester, checks the target bridge and
-// the expiry, and forwards the request unchanged. Handlers are called on DDS threads.
-
-// The bus that senders are restricted to; `std::nullopt` for requests without a partition. Members
-// restricted to a bus cannot write for other buses: Domain::reader_of_bus().
-using HeldTo = std::optional<std::string>;
-
-struct RequestTerms {
-  std::string subject;  // of the requester, by DDS Security; "" without it
-  Instant expires;      // may have passed already
-  UtcMapping now;
-  std::string late;  // reason why it has expired; empty if it has not
-};
-
-template <class Message>
-struct RequestHandlers {
-  std::function<UtcMapping()> clock;
-  // Requests for other buses belong to other bridges.
-  std::function<bool(const std::string& bus)> is_ours;
-  std::function<void(const Message& message, RequestTerms terms)> accepted;
-  // Called for a request that was written before this receiver began to listen.
-  std::function<void(const Message& message, const MalformedCommand& why)> refused;
-  // Called before accepted() or refused().
-  std::function<void(const std::string& requester, const RequestWriters::Guid& writer)> received;
-  std::function<void(std::string text)> on_problem;
-};
-
-template <class Message>
+// Receives `Command` or `AlarmAction` and passes each message to `owner.receive(message, origin)`,
+// on DDS threads.
+template <class Message, class Owner>
 class RequestReceiver : private dds::DataReaderListener {
  public:
   template <class Generated>
-  RequestReceiver(Domain& domain, const Topic<Generated>& topic, const RequestWriters& writers,
-                  RequestHandlers<Message> handlers, HeldTo bus = {})
-      : domain_(domain),
-        writers_(writers),
-        handlers_(std::move(handlers)),
-        bus_(std::move(bus)),
-        listening_(handlers_.clock().instant) {
+  RequestReceiver(Owner& owner, Domain& domain, const Topic<Generated>& topic, HeldTo bus,
+                  Instant now)
+      : owner_(owner), domain_(domain), bus_(std::move(bus)), listening_(now) {
     const auto mask = dds::StatusMask::data_available();
     reader_ =
         bus_ ? domain.reader_of_bus(*bus_, topic, this, mask) : domain.reader(topic, this, mask);
   }
-  void close() { domain_.remove(reader_); }  // no handler is called after it returns
+  void close() { domain_.remove(reader_); }  // nothing is received after it returns
 
  private:
   void on_data_available(dds::DataReader* reader) override {
@@ -150,39 +138,18 @@ class RequestReceiver : private dds::DataReaderListener {
     dds::SampleInfo info;
     // Also takes unregister messages, which frees their instances in the reader.
     while (reader->take_next_sample(&message, &info) == ReturnCode_t::RETCODE_OK) {
-      if (info.valid_data) take(message, info);
+      if (info.valid_data)
+        owner_.receive(message, RequestOrigin{info.sample_identity.writer_guid(),
+                                              {info.source_timestamp.to_ns()},
+                                              bus_,
+                                              listening_});
     }
   }
 
-  void take(const Message& message, const dds::SampleInfo& info) {
-    const std::string bus = message.bus().c_str(), requester = message.requester().c_str();
-    if (!handlers_.is_ours(bus) || (bus_ && bus != *bus_)) return;
-    const RequestWriters::Guid writer = info.sample_identity.writer_guid();
-    auto subject = writers_.subject_of(domain_, requester, writer);
-    if (!subject)
-      return handlers_.on_problem("a request under the name of another's requester was dropped");
-    handlers_.received(requester, writer);
-    const UtcTime source{info.source_timestamp.to_ns()};
-    const UtcMapping now = handlers_.clock();
-    if (const auto before = written_before(listening_, source, now))
-      return handlers_.refused(message, {Cause::kExpired, too_early(*before, source, now)});
-    RequestTerms terms{
-        *std::move(subject), expiry_of(source, writers_.lifespan_of(writer), now), now, {}};
-    if (terms.expires <= now.instant)
-      terms.late = std::string(to_text(Cause::kExpired)) + ": " + clocks_text(source, now);
-    handlers_.accepted(message, std::move(terms));
-  }
-
-  static std::string too_early(Duration before, UtcTime source, const UtcMapping& now) {
-    return "written " + to_text(std::chrono::ceil<std::chrono::milliseconds>(before)) +
-           " before this bridge began to listen; send it again. It was " + clocks_text(source, now);
-  }
-
+  Owner& owner_;
   Domain& domain_;
-  const RequestWriters& writers_;
-  const RequestHandlers<Message> handlers_;
   const HeldTo bus_;
-  const Instant listening_;  // when it began to listen
+  const Instant listening_;
   dds::DataReader* reader_ = nullptr;
 };
 

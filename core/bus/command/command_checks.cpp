@@ -86,8 +86,10 @@ tl::expected<CommandJob, CommandFault> CommandJob::make(const Command& command,
                                                         TextCodec& codec) {
   CommandJob job(command, index, protocol, codec);
   job.max_rewrites_ = device.retries;
-  if (auto found = job.find_subjects(device, first_channel); !found)
-    return tl::make_unexpected(found.error());
+  const auto* named = std::get_if<ChannelTarget>(&command.target);
+  const auto found = named ? job.find_channels(device, named->name, first_channel)
+                           : job.find_address(device, std::get<AddressTarget>(command.target));
+  if (!found) return tl::make_unexpected(found.error());
   const ChannelSpec* channel = nullptr;
   if (job.subjects_.size() == 1 && job.subjects_[0].channel)
     channel = &device.channels[*job.subjects_[0].channel - first_channel];
@@ -95,13 +97,6 @@ tl::expected<CommandJob, CommandFault> CommandJob::make(const Command& command,
       command.operation == Operation::kWrite ? job.prepare_write(channel) : job.prepare_acquire();
   if (!prepared) return tl::make_unexpected(prepared.error());
   return job;
-}
-
-tl::expected<void, CommandFault> CommandJob::find_subjects(const DeviceSpec& device,
-                                                           ChannelIndex first_channel) {
-  if (const auto* channel = std::get_if<ChannelTarget>(&command_.target))
-    return find_channels(device, channel->name, first_channel);
-  return find_address(device, std::get<AddressTarget>(command_.target));
 }
 
 tl::expected<void, CommandFault> CommandJob::find_channels(const DeviceSpec& device,

@@ -85,8 +85,6 @@ class CommandJob {
 
   [[nodiscard]] tl::expected<void, CommandFault> prepare_write(const ChannelSpec* channel);
   [[nodiscard]] tl::expected<void, CommandFault> prepare_acquire();
-  [[nodiscard]] tl::expected<void, CommandFault> find_subjects(const DeviceSpec& device,
-                                                               ChannelIndex first_channel);
   [[nodiscard]] tl::expected<void, CommandFault> find_channels(const DeviceSpec& device,
                                                                const std::string& name,
                                                                ChannelIndex first_channel);

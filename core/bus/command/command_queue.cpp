@@ -220,25 +220,21 @@ void CommandQueue::not_sent(std::size_t batch) {
 void CommandQueue::finish(std::size_t batch, Instant acquired, Instant now, ActionSink& sink) {
   std::size_t at = 0;
   for (; batch > 0; --batch) {
-    if (waiting_[at].job.next()) {
+    const Waiting& each = waiting_[at];
+    if (each.job.next()) {
       ++at;
       continue;
     }
-    complete(waiting_[at], acquired, now, sink);
-    left(waiting_[at]);
+    std::vector<Sample> samples;
+    for (const CommandJob::Acquired& read : each.job.acquired())
+      channels_.acquired(read.channel, read.item_bits, read.items, acquired, samples);
+    ++done_;
+    sink.push(Complete{each.job.result(each.received, now)});
+    sink.publish(std::move(samples));
+    left(each);
     waiting_.erase(waiting_.begin() + static_cast<std::ptrdiff_t>(at));
   }
   begun_ = at > 0;
-}
-
-void CommandQueue::complete(const Waiting& finished, Instant acquired, Instant now,
-                            ActionSink& sink) {
-  std::vector<Sample> samples;
-  for (const CommandJob::Acquired& read : finished.job.acquired())
-    channels_.acquired(read.channel, read.item_bits, read.items, acquired, samples);
-  ++done_;
-  sink.push(Complete{finished.job.result(finished.received, now)});
-  sink.publish(std::move(samples));
 }
 
 void CommandQueue::expire(BusState bus, Instant now, ActionSink& sink) {

@@ -90,7 +90,6 @@ class CommandQueue {
                                                      const Condition& condition, Instant now) const;
   [[nodiscard]] std::size_t gather(WriteRequest& write);
   void finish(std::size_t batch, Instant acquired, Instant now, ActionSink& sink);
-  void complete(const Waiting& finished, Instant acquired, Instant now, ActionSink& sink);
 
   const BusSetup& setup_;
   ChannelTable& channels_;

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
+#include <utility>
+
 #include "bridge/base/clock.hpp"
 #include "bridge/base/io_thread.hpp"
 #include "tests/bridge/support/pty.hpp"
@@ -29,6 +32,11 @@ struct CommandRouterTest : testing::Test {
   }
   ~CommandRouterTest() override { runner->stop().wait(); }
 
+  std::optional<CommandResult> take(std::uint64_t id, Instant now = steady_now()) {
+    if (auto refused = router.deduplicate(command(id), now)) return refused;
+    return router.route("bus", command(id), CommandRouter::Identity::kNew, now);
+  }
+
   test::Pty pty;
   test::RecordingSink sink;
   IoThread io{"bus"};
@@ -37,19 +45,19 @@ struct CommandRouterTest : testing::Test {
 };
 
 TEST_F(CommandRouterTest, ACommandGoesToItsBusAndEndsThere) {
-  EXPECT_FALSE(router.take("bus", command(1), steady_now()));
+  EXPECT_FALSE(take(1));
   ASSERT_TRUE(sink.wait_for([](const auto& r) { return r.results.size() == 1; }));
   EXPECT_EQ(sink.record().results[0].cause, Cause::kUnknownDevice);
 }
 
 TEST_F(CommandRouterTest, ADuplicateIsRefusedAndNeverReachesTheBus) {
-  EXPECT_FALSE(router.take("bus", command(1), steady_now()));
-  const auto again = router.take("bus", command(1), steady_now());
+  EXPECT_FALSE(take(1));
+  const auto again = take(1);
   ASSERT_TRUE(again);
   EXPECT_EQ(again->state, CommandState::kRejected);
   EXPECT_EQ(again->cause, Cause::kDuplicate);
   EXPECT_EQ(again->request_id, 1u);
-  EXPECT_FALSE(router.take("bus", command(2), steady_now()));
+  EXPECT_FALSE(take(2));
   ASSERT_TRUE(sink.wait_for([](const auto& r) { return r.results.size() == 2; }));
   EXPECT_EQ(sink.record().results[1].request_id, 2u);
 }
@@ -61,14 +69,14 @@ TEST_F(CommandRouterTest, WhatAnotherBridgeHasJustAnsweredGetsNoSecondResult) {
   EXPECT_TRUE(router.was_answered_elsewhere(command(1), later - std::chrono::milliseconds{1}));
   EXPECT_FALSE(router.was_answered_elsewhere(command(2), now));
   EXPECT_FALSE(router.was_answered_elsewhere(command(1), later));
-  const auto again = router.take("bus", command(1), later);
+  const auto again = take(1, later);
   ASSERT_TRUE(again);
   EXPECT_EQ(again->cause, Cause::kDuplicate);
 }
 
 TEST_F(CommandRouterTest, ABusThatStopsIsARefusal) {
   router.remove("bus");
-  const auto refused = router.take("bus", command(1), steady_now());
+  const auto refused = take(1);
   ASSERT_TRUE(refused);
   EXPECT_EQ(refused->cause, Cause::kShutdown);
 }
@@ -77,7 +85,7 @@ TEST_F(CommandRouterTest, EveryCommandOfAFloodEndsInOneResult) {
   std::size_t refused = 0;
   constexpr std::size_t kFlood = 20'000;
   for (std::uint64_t id = 1; id <= kFlood; ++id) {
-    if (const auto result = router.take("bus", command(id), steady_now())) {
+    if (const auto result = take(id)) {
       EXPECT_EQ(result->cause, Cause::kQueueFull);
       ++refused;
     }
@@ -85,59 +93,53 @@ TEST_F(CommandRouterTest, EveryCommandOfAFloodEndsInOneResult) {
   EXPECT_TRUE(sink.wait_for([&](const auto& r) { return r.results.size() == kFlood - refused; }));
 }
 
-// A store of identities, controlled by the test.
-struct Keeper {
-  explicit Keeper(CommandRouter& router) {
-    router.keep_identities(
-        [this](const std::string&, const std::string&, std::uint64_t id, auto kept) {
-          waiting[id] = kept;
-        },
-        [this](const std::string&, const CommandResult& result) { refused.push_back(result); });
-  }
-  std::map<std::uint64_t, std::function<void(CommandRouter::Identity)>> waiting;
-  std::vector<CommandResult> refused;
-};
-
-TEST_F(CommandRouterTest, AWriteWaitsUntilItsIdentityIsKept) {
-  Keeper keeper(router);
-  EXPECT_FALSE(router.take("bus", command(1), steady_now()));
-  EXPECT_FALSE(router.take("bus", command(2), steady_now()));
-  ASSERT_EQ(keeper.waiting.size(), 2u);
-  keeper.waiting[2](CommandRouter::Identity::kNew);
+TEST_F(CommandRouterTest, OnlyAWriteWhoseIdentityIsKeptReachesItsBus) {
+  const Instant now = steady_now();
+  EXPECT_FALSE(router.deduplicate(command(1), now));
+  EXPECT_FALSE(router.deduplicate(command(2), now));
+  EXPECT_FALSE(router.route("bus", command(2), CommandRouter::Identity::kNew, now));
   ASSERT_TRUE(sink.wait_for([](const auto& r) { return r.results.size() == 1; }));
   EXPECT_EQ(sink.record().results[0].request_id, 2u);
-  EXPECT_TRUE(keeper.refused.empty());
 }
 
 TEST_F(CommandRouterTest, AWriteThatWasTakenBeforeOrCannotBeKeptIsRefused) {
-  Keeper keeper(router);
-  EXPECT_FALSE(router.take("bus", command(1), steady_now()));
-  EXPECT_FALSE(router.take("bus", command(2), steady_now()));
-  keeper.waiting[1](CommandRouter::Identity::kKnown);
-  keeper.waiting[2](CommandRouter::Identity::kNotKept);
-  ASSERT_EQ(keeper.refused.size(), 2u);
-  EXPECT_EQ(keeper.refused[0].cause, Cause::kDuplicate);
-  EXPECT_EQ(keeper.refused[0].request_id, 1u);
-  EXPECT_EQ(keeper.refused[1].cause, Cause::kOffline);
+  const Instant now = steady_now();
+  using Identity = CommandRouter::Identity;
+  for (const auto& [identity, cause] : {std::pair{Identity::kKnown, Cause::kDuplicate},
+                                        std::pair{Identity::kNotKept, Cause::kOffline},
+                                        std::pair{Identity::kNotNoted, Cause::kOffline}}) {
+    const auto refused = router.route("bus", command(1), identity, now);
+    ASSERT_TRUE(refused);
+    EXPECT_EQ(refused->state, CommandState::kRejected);
+    EXPECT_EQ(refused->cause, cause);
+    EXPECT_EQ(refused->request_id, 1u);
+  }
   EXPECT_TRUE(sink.record().results.empty());
 }
 
-TEST_F(CommandRouterTest, AWriteWhoseBusStopsMeanwhileIsRefused) {
-  Keeper keeper(router);
-  EXPECT_FALSE(router.take("bus", command(1), steady_now()));
-  router.remove("bus");
-  keeper.waiting[1](CommandRouter::Identity::kNew);
-  ASSERT_EQ(keeper.refused.size(), 1u);
-  EXPECT_EQ(keeper.refused[0].cause, Cause::kShutdown);
+TEST_F(CommandRouterTest, AReadNeedsNoIdentity) {
+  Command read = command(1);
+  EXPECT_TRUE(CommandRouter::must_be_noted(read));
+  read.operation = Operation::kAcquire;
+  EXPECT_FALSE(CommandRouter::must_be_noted(read));
 }
 
-TEST_F(CommandRouterTest, AReadNeedsNoIdentity) {
-  Keeper keeper(router);
-  Command read = command(1);
-  read.operation = Operation::kAcquire;
-  EXPECT_FALSE(router.take("bus", read, steady_now()));
-  ASSERT_TRUE(sink.wait_for([](const auto& r) { return r.results.size() == 1; }));
-  EXPECT_TRUE(keeper.waiting.empty());
+TEST_F(CommandRouterTest, ALateCommandIsExpiredOnceAndThenADuplicate) {
+  const auto late = router.deduplicate(command(1), steady_now(), "late");
+  ASSERT_TRUE(late);
+  EXPECT_EQ(late->state, CommandState::kExpired);
+  EXPECT_EQ(late->reason, "late");
+  const auto again = router.deduplicate(command(1), steady_now(), "late");
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->cause, Cause::kDuplicate);
+}
+
+TEST_F(CommandRouterTest, AWriteWhoseBusStopsMeanwhileIsRefused) {
+  EXPECT_FALSE(router.deduplicate(command(1), steady_now()));
+  router.remove("bus");
+  const auto refused = router.route("bus", command(1), CommandRouter::Identity::kNew, steady_now());
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->cause, Cause::kShutdown);
 }
 
 }  // namespace

@@ -116,7 +116,7 @@ struct Received {
   DdsLink::Handlers handlers() {
     return {.clock = both_clocks,
             .on_command =
-                [this](const std::string& bus, Command command) {
+                [this](const std::string& bus, Command command, std::string) {
                   commands.add({bus, command});
                   if (answer) answer(bus, command);
                 },

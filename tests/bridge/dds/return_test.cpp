@@ -44,7 +44,7 @@ TEST(CutNetwork, WhatHasNotChangedIsThereAgain) {
   Counts came, gone;
   DdsLink::Handlers handlers;
   handlers.clock = both_clocks;
-  handlers.on_command = [](const std::string&, const Command&) {};
+  handlers.on_command = [](const std::string&, const Command&, const std::string&) {};
   handlers.on_interest = [&](const Interest& interest) {
     (interest.refresh ? came : gone).add("interest");
   };

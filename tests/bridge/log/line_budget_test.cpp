@@ -22,7 +22,7 @@ TEST(LineBudget, TheFirstLinesOfAKindAreWrittenTheRestIsCounted) {
   EXPECT_TRUE(budget.summaries(kStart + minutes{9}).empty());
   const auto summaries = budget.summaries(kStart + minutes{10});
   ASSERT_EQ(summaries.size(), 1u);
-  EXPECT_EQ(summaries[0].kind, "a");
+  EXPECT_EQ(summaries[0].key, "a");
   EXPECT_EQ(summaries[0].suppressed, 30'000 - LineBudget::kLines);
   EXPECT_TRUE(budget.summaries(kStart + minutes{11}).empty());
 }

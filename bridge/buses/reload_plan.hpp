@@ -1,10 +1,14 @@
-// Decides what a new configuration changes in a running bridge. Bridge carries it out. Pure.
+// Decides what a new configuration changes in a running bridge. The bridge carries it out. Pure.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "bridge/program/server.hpp"
+#include "bridge/store/records/records.hpp"
+#include "core/alarm/alarm_monitor.hpp"
+#include "core/base/time.hpp"
 #include "core/model/spec.hpp"
 
 namespace fieldcast {
@@ -25,6 +29,14 @@ struct ReloadPlan {
 
 // REQUIRES: the bus names of each specification are unique.
 [[nodiscard]] ReloadPlan plan_reload(const BridgeSpec& running, const BridgeSpec& wanted);
+
+// "reloaded: 1 bus stopped (a), 1 started (b), 2 untouched"
+[[nodiscard]] std::string to_text(const ReloadPlan& plan);
+
+// Returns the end of an alarm whose limit was removed, for its running bus; `std::nullopt` if the
+// alarm's channel is not in `running`.
+[[nodiscard]] std::optional<AlarmChange> end_of_alarm(const BridgeSpec& running,
+                                                      const AlarmRecord& alarm, Instant now);
 
 // Returns the leased devices that the plan would take from engineers: those of buses that stop or
 // start, and all if the programming server restarts. The reload waits for them.

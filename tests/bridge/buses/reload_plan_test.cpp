@@ -1,4 +1,4 @@
-#include "bridge/reload_plan.hpp"
+#include "bridge/buses/reload_plan.hpp"
 
 #include <gmock/gmock.h>
 

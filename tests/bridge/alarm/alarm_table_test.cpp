@@ -1,4 +1,4 @@
-#include "bridge/publish/alarm_table.hpp"
+#include "bridge/alarm/alarm_table.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "bridge/command/alarm_actions.hpp"
+#include "bridge/alarm/alarm_actions.hpp"
 
 #include <fmt/format.h>
 

@@ -1,9 +1,12 @@
-#include "bridge/reload_plan.hpp"
+#include "bridge/buses/reload_plan.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <iterator>
+
+#include "core/base/message_text.hpp"
 
 namespace fieldcast {
 namespace {
@@ -79,6 +82,31 @@ std::vector<program::LeasedDevice> disturbed_by(const ReloadPlan& plan, const Br
                  return contains(plan.stop, device.bus) || begins(device.number);
                });
   return disturbed;
+}
+
+std::string to_text(const ReloadPlan& plan) {
+  const auto names = [](const std::vector<std::string>& listed) {
+    return listed.empty() ? std::string{} : fmt::format(" ({})", fmt::join(listed, ", "));
+  };
+  return fmt::format("reloaded: {} stopped{}, {} started{}, {} untouched",
+                     counted(plan.stop.size(), "bus", "buses"), names(plan.stop), plan.start.size(),
+                     names(plan.start), plan.untouched.size());
+}
+
+std::optional<AlarmChange> end_of_alarm(const BridgeSpec& running, const AlarmRecord& alarm,
+                                        Instant now) {
+  const BusSpec* bus = find_bus(running, alarm.bus);
+  const auto limit = limit_kind_from(alarm.limit);
+  if (bus == nullptr || !limit) return std::nullopt;
+  ChannelIndex index = 0;
+  for (const DeviceSpec& device : bus->devices) {
+    for (const ChannelSpec& channel : device.channels) {
+      if (device.name == alarm.device && channel.name == alarm.channel)
+        return AlarmChange{index, *limit, AlarmState::kClear, alarm.value, now};
+      ++index;
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace fieldcast

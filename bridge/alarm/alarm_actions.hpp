@@ -5,7 +5,7 @@
 
 #include <mutex>
 
-#include "bridge/publish/alarm_table.hpp"
+#include "bridge/alarm/alarm_table.hpp"
 #include "bridge/store/command_audit.hpp"
 #include "core/base/time.hpp"
 #include "core/bus/command/command_ledger.hpp"

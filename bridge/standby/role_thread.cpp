@@ -1,0 +1,66 @@
+#include "bridge/standby/role_thread.hpp"
+
+#include <pthread.h>
+
+#include "bridge/base/clock.hpp"
+
+namespace fieldcast {
+namespace {
+
+constexpr std::chrono::milliseconds kLookAgain{20};
+
+}  // namespace
+
+void RoleThread::start(std::function<bool()> look) {
+  if (thread_.joinable()) return;
+  ending_ = false;
+  thread_ = std::thread([this, look = std::move(look)] { run(look); });
+}
+
+void RoleThread::notify() {
+  const std::lock_guard lock(mutex_);
+  ++notified_;
+  changed_.notify_all();
+}
+
+bool RoleThread::wait_until(Instant limit, const std::function<bool()>& reached) {
+  for (;;) {
+    std::unique_lock lock(mutex_);
+    const std::uint64_t seen = notified_;
+    lock.unlock();
+    if (reached()) return true;
+    const Duration left = limit - steady_now();
+    if (left <= Duration::zero()) return false;
+    lock.lock();
+    changed_.wait_for(lock, left, [&] { return notified_ != seen; });
+  }
+}
+
+void RoleThread::linger(Duration time) {
+  (void)wait_until(steady_now() + time, [] { return false; });
+}
+
+void RoleThread::end() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+    changed_.notify_all();
+  }
+  if (thread_.joinable()) thread_.join();
+}
+
+void RoleThread::run(const std::function<bool()>& look) {
+  pthread_setname_np(pthread_self(), "roles");
+  std::unique_lock lock(mutex_);
+  while (!ending_) {
+    const std::uint64_t seen = notified_;
+    lock.unlock();
+    const bool again = look();
+    lock.lock();
+    const auto woken = [&] { return notified_ != seen || ending_; };
+    again ? changed_.wait_for(lock, kLookAgain, woken)
+          : changed_.wait_for(lock, std::chrono::seconds{1}, woken);
+  }
+}
+
+}  // namespace fieldcast
