@@ -7,7 +7,7 @@
 namespace fieldcast {
 namespace {
 
-constexpr std::chrono::milliseconds kLookAgain{20};
+constexpr std::chrono::milliseconds kLookAgain{20}, kLook{1000};
 
 }  // namespace
 
@@ -36,10 +36,6 @@ bool RoleThread::wait_until(Instant limit, const std::function<bool()>& reached)
   }
 }
 
-void RoleThread::linger(Duration time) {
-  (void)wait_until(steady_now() + time, [] { return false; });
-}
-
 void RoleThread::end() {
   {
     const std::lock_guard lock(mutex_);
@@ -58,8 +54,7 @@ void RoleThread::run(const std::function<bool()>& look) {
     const bool again = look();
     lock.lock();
     const auto woken = [&] { return notified_ != seen || ending_; };
-    again ? changed_.wait_for(lock, kLookAgain, woken)
-          : changed_.wait_for(lock, std::chrono::seconds{1}, woken);
+    changed_.wait_for(lock, again ? kLookAgain : kLook, woken);
   }
 }
 
