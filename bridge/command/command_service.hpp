@@ -46,7 +46,7 @@ class CommandService {
   //   note          a write, at the other members and in the store     (StandbyGroup, CommandIdTable)
   //   route         to the bus                                         (CommandRouter)
   //   execute       the request and its response on the wire           (BusEngine)
-  //   answer        with the result, unless keeps_result()             (BusOutput)
+  //   respond       with the result, unless keeps_result()             (BusOutput)
   // `late`: the command has already expired; the text is the reason.
   void receive(const std::string& bus, Command command, std::string late = {});
   void receive(const AlarmAction& action);
