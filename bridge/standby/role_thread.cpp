@@ -14,7 +14,18 @@ constexpr std::chrono::milliseconds kLookAgain{20}, kLook{1000};
 void RoleThread::start(std::function<bool()> look) {
   if (thread_.joinable()) return;
   ending_ = false;
-  thread_ = std::thread([this, look = std::move(look)] { run(look); });
+  thread_ = std::thread([this, look = std::move(look)] {
+    pthread_setname_np(pthread_self(), "roles");
+    std::unique_lock lock(mutex_);
+    while (!ending_) {
+      const std::uint64_t seen = notified_;
+      lock.unlock();
+      const bool again = look();
+      lock.lock();
+      const auto woken = [&] { return notified_ != seen || ending_; };
+      changed_.wait_for(lock, again ? kLookAgain : kLook, woken);
+    }
+  });
 }
 
 void RoleThread::notify() {
@@ -43,19 +54,6 @@ void RoleThread::end() {
     changed_.notify_all();
   }
   if (thread_.joinable()) thread_.join();
-}
-
-void RoleThread::run(const std::function<bool()>& look) {
-  pthread_setname_np(pthread_self(), "roles");
-  std::unique_lock lock(mutex_);
-  while (!ending_) {
-    const std::uint64_t seen = notified_;
-    lock.unlock();
-    const bool again = look();
-    lock.lock();
-    const auto woken = [&] { return notified_ != seen || ending_; };
-    changed_.wait_for(lock, again ? kLookAgain : kLook, woken);
-  }
 }
 
 }  // namespace fieldcast

@@ -24,8 +24,6 @@ class RoleThread {
   void end();  // may be called twice
 
  private:
-  void run(const std::function<bool()>& look);
-
   std::mutex mutex_;
   std::condition_variable changed_;
   std::uint64_t notified_ = 0;
