@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <thread>
+
 #include "bridge/base/check.hpp"
 #include "bridge/base/clock.hpp"
 #include "bridge/dds/library/library.hpp"
@@ -59,6 +61,11 @@ void Bridge::stop() {
   roles_.end();
 }
 
+void Bridge::save(Duration limit) {
+  const std::lock_guard lock(store_mutex_);
+  if (store_) (void)store_->store.flush(limit);
+}
+
 Bridge::Started Bridge::start_all(const BridgeSpec& wanted, Modules modules,
                                   const std::function<bool()>& give_up) {
   FIELDCAST_CHECK(!link_);
@@ -107,12 +114,10 @@ void Bridge::stop_all(Modules modules, DdsLink::Leave leave) {
   step_ = "the engineers are notified";
   guard_->end();
   program_.stop(modules);  // 0. engineers are notified, their devices released
-  store_.close_logins();
   // 1. to 4. in BusSet, for all buses together
   buses_->stop(buses_->running(), kDisposeLimit, leave);
   if (membership_) memory_ = membership_->leave();
-  // Responds to waiting requests: their bus no longer exists.
-  if (store_.identities() != nullptr) store_.identities()->close();
+  if (store_) store_->identities.close();  // responds to waiting requests: their bus has ended
   step_ = "the bridge leaves the domain";
   // 5. The last results reach their readers, then the bridge leaves the domain. No handler is
   //   called afterwards.
@@ -126,7 +131,13 @@ void Bridge::stop_all(Modules modules, DdsLink::Leave leave) {
   guard_.reset();
   audit_.open(nullptr);
   step_ = "the store is written";
-  store_.close(alarms_);  // 7. pending data is written
+  alarms_.close(store_ ? &store_->store : nullptr);
+  std::unique_ptr<OpenStore> last;
+  {
+    const std::lock_guard lock(store_mutex_);
+    last.swap(store_);
+  }
+  last.reset();  // 7. pending data is written
   sinks_.drop_from(kNever);
   interests_.forget();  // 8. stations declare their interests again to the next bridge
 }
@@ -149,7 +160,7 @@ bool Bridge::follow_role() {
 // Restarts everything without disposing the instances that another bridge now serves.
 void Bridge::restart_as_standby() {
   const BridgeSpec same = spec_;
-  if (link_ && commands_.is_handing_over()) roles_.linger(Membership::kAfterHandOver);
+  if (link_ && commands_.is_handing_over()) std::this_thread::sleep_for(Membership::kAfterHandOver);
   stop_all(Modules::kKeep, DdsLink::Leave::kHandOver);
   commands_.handed_over();
   const auto started = start_all(same, Modules::kKeep, [this] { return leaving_.load(); });
@@ -170,7 +181,17 @@ tl::expected<Bridge::Reloaded, std::string> Bridge::reload(const BridgeSpec& wan
     waiting.waits_for.push_back(fmt::format("{}/{} by {}", leased.bus, leased.device, leased.who));
   if (!waiting.waits_for.empty()) return waiting;
   const bool serves_group = membership_ && membership_->is_serving();
-  if (serves_group && only_renewed && hand_over_for_renewal()) return Reloaded{};
+  if (serves_group && only_renewed) {
+    // Another bridge of the group takes over, so that no refresh is missed. This bridge then
+    // restarts as a standby with the files that are in its directory.
+    const auto refused = membership_->hand_over();
+    if (!refused) {
+      log_info(spec_.name,
+               "reloading: a renewed certificate: another bridge of the group takes over");
+      return Reloaded{};
+    }
+    log_warning(spec_.name, "renewed with a gap, as no other bridge takes over: " + *refused);
+  }
   // A restart of a waiting bridge disturbs nothing.
   const bool waits = membership_ && !serves_group;
   return done(waits || !plan.whole_bridge.empty() ? start_anew(wanted, plan)
@@ -209,19 +230,18 @@ Bridge::Started Bridge::start_anew(const BridgeSpec& wanted, const ReloadPlan& p
   return started;
 }
 
-// After an error, restarts the server with the previous configuration.
-Bridge::Started Bridge::restart_program(const ProgramSpec& wanted) {
-  log_info(spec_.name, "reloading: the programming server restarts; modules stay connected");
-  program_.stop(Modules::kKeep);
-  auto listening = program_.start(wanted);
-  if (!listening) (void)program_.start(spec_.program);
-  return listening;
-}
-
 // Restarts only the programming server and the changed buses; after an error, the old ones.
 Bridge::Started Bridge::exchange_buses(const BridgeSpec& wanted, const ReloadPlan& plan) {
+  const auto restart_program = [this](const ProgramSpec& program) {
+    program_.stop(Modules::kKeep);
+    return program_.start(program);
+  };
   if (plan.program) {
-    if (auto listening = restart_program(wanted.program); !listening) return listening;
+    log_info(spec_.name, "reloading: the programming server restarts; modules stay connected");
+    if (auto listening = restart_program(wanted.program); !listening) {
+      (void)program_.start(spec_.program);
+      return listening;
+    }
   }
   configure_alarms(spec_, wanted);
   buses_->stop(plan.stop);
@@ -231,10 +251,7 @@ Bridge::Started Bridge::exchange_buses(const BridgeSpec& wanted, const ReloadPla
   } catch (const DdsError& error) {
     buses_->stop(plan.start);
     buses_->want(spec_.buses);
-    if (plan.program) {
-      program_.stop(Modules::kKeep);
-      (void)program_.start(spec_.program);
-    }
+    if (plan.program) (void)restart_program(spec_.program);
     configure_alarms(wanted, spec_);
     buses_->start(plan.stop);
     return tl::make_unexpected(std::string(error.what()));
@@ -245,17 +262,6 @@ Bridge::Started Bridge::exchange_buses(const BridgeSpec& wanted, const ReloadPla
   if (membership_) membership_->reconfigure(spec_);
   log_info(wanted.name, to_text(plan));
   return {};
-}
-
-// Another bridge of the group takes over, so that no refresh is missed. This bridge then restarts
-// as a standby with the files that are in its directory.
-bool Bridge::hand_over_for_renewal() {
-  if (const auto refused = membership_->hand_over()) {
-    log_warning(spec_.name, "renewed with a gap, as no other bridge takes over: " + *refused);
-    return false;
-  }
-  log_info(spec_.name, "reloading: a renewed certificate: another bridge of the group takes over");
-  return true;
 }
 
 std::string buses_text(const BridgeSpec& spec) {

@@ -16,7 +16,6 @@
 
 #include "bridge/alarm/alarm_table.hpp"
 #include "bridge/base/io_thread.hpp"
-#include "bridge/bridge_store.hpp"
 #include "bridge/buses/bus_set.hpp"
 #include "bridge/buses/reload_plan.hpp"
 #include "bridge/command/command_service.hpp"
@@ -33,6 +32,9 @@
 #include "bridge/standby/master_lease.hpp"
 #include "bridge/standby/role_thread.hpp"
 #include "bridge/store/command_audit.hpp"
+#include "bridge/store/command_id_table.hpp"
+#include "bridge/store/store.hpp"
+#include "bridge/store/users/authenticator.hpp"
 #include "core/model/spec.hpp"
 
 namespace fieldcast {
@@ -69,11 +71,17 @@ class Bridge {
   // For the thread that ends the process when the main thread hangs. busy_with() returns what the
   // main thread does. save() writes the pending data of the store, as far as the limit allows.
   [[nodiscard]] std::string busy_with() const { return step_.load(); }
-  void save(Duration limit) { store_.save(limit); }
+  void save(Duration limit);
 
  private:
   using Modules = program::Server::Modules;
   using Started = tl::expected<void, std::string>;
+  struct OpenStore {
+    OpenStore(const StoreSpec& spec, AlarmTable& alarms);
+    Store store;
+    Authenticator logins;
+    CommandIdTable identities;
+  };
 
   // `modules`: what happens to connected modules if the start fails, or at the stop.
   [[nodiscard]] Started start_all(const BridgeSpec& wanted, Modules modules,
@@ -84,8 +92,6 @@ class Bridge {
 
   [[nodiscard]] Started start_anew(const BridgeSpec& wanted, const ReloadPlan& plan);
   [[nodiscard]] Started exchange_buses(const BridgeSpec& wanted, const ReloadPlan& plan);
-  [[nodiscard]] Started restart_program(const ProgramSpec& wanted);
-  [[nodiscard]] bool hand_over_for_renewal();
   void configure_alarms(const BridgeSpec& from, const BridgeSpec& to);
 
   // bridge_wiring.cpp. join() throws DdsError.
@@ -100,6 +106,7 @@ class Bridge {
   mutable std::mutex changing_;                 // held while the set of buses changes
   std::atomic<bool> leaving_ = false;           // stop() has begun
   std::atomic<bool> readers_came_ = false;      // see Membership
+  std::mutex store_mutex_;                      // guards the pointer `store_` from save()
   BridgeSpec spec_;
   bool trace_ = false;
 
@@ -108,7 +115,6 @@ class Bridge {
   CommandRouter router_;
   AlarmTable alarms_;
   InterestRegistry interests_;
-  BridgeStore store_;
   DialInRegistry modules_;
   program::Server program_;
   MetricsTable figures_;
@@ -123,6 +129,7 @@ class Bridge {
   // the handlers of guard and link use the parts below.
   std::unique_ptr<BusGuard> guard_;
   std::unique_ptr<DdsLink> link_;
+  std::unique_ptr<OpenStore> store_;  // only with `store`
   std::unique_ptr<BusSet> buses_;
   std::unique_ptr<Membership> membership_;  // only in a standby group
   std::unique_ptr<MetricsServer> metrics_;  // only with `metrics`

@@ -16,6 +16,11 @@ Bridge::Bridge()
       program_(program_hooks(), modules_),
       commands_(router_, audit_, alarms_, lease_, roles_) {}
 
+Bridge::OpenStore::OpenStore(const StoreSpec& spec, AlarmTable& alarms)
+    : store(spec, [&alarms](Store& known, const KeptAlarms& kept) { alarms.loaded(known, kept); }),
+      logins(StoreAddress(spec.address), store),
+      identities(StoreAddress(spec.address)) {}
+
 program::Hooks Bridge::program_hooks() {
   program::Hooks hooks;
   const auto verdict = [](std::function<void(program::LoginResponse)> done) {
@@ -28,26 +33,25 @@ program::Hooks Bridge::program_hooks() {
   // Without a store, the certificate authority decides which users are engineers.
   hooks.certified = [this, verdict](std::string user, std::string address,
                                     std::function<void(program::LoginResponse)> done) {
-    if (store_.logins() == nullptr) return done({true, ""});
-    store_.logins()->authenticate(
+    if (!store_) return done({true, ""});
+    store_->logins.authenticate(
         {.user = std::move(user), .peer = std::move(address), .certified = true},
         verdict(std::move(done)));
   };
   hooks.login = [this, verdict](std::string user, Secret password, std::string address,
                                 std::function<void(program::LoginResponse)> done) {
-    if (store_.logins() == nullptr)
-      return done({false, "this bridge has no users: its configuration has no store"});
-    store_.logins()->authenticate({std::move(user), std::move(password), std::move(address)},
-                                  verdict(std::move(done)));
+    if (!store_) return done({false, "this bridge has no users: its configuration has no store"});
+    store_->logins.authenticate({std::move(user), std::move(password), std::move(address)},
+                                verdict(std::move(done)));
   };
   hooks.audit = [this](const program::Transmission& what) {
-    store_.append({{},
-                   what.who,
-                   "program",
-                   what.target,
-                   what.bytes_to_device,
-                   what.bytes_from_device,
-                   what.result});
+    audit_.note({{},
+                 what.who,
+                 "program",
+                 what.target,
+                 what.bytes_to_device,
+                 what.bytes_from_device,
+                 what.result});
   };
   hooks.report = [this](const ProgramSessionReport& report) {
     sinks_.post([this, report] { link_->report(report); });
@@ -90,7 +94,6 @@ BusGuard::Handlers Bridge::guard_handlers() {
     buses_->follow_guard(uncontested);
     return true;
   };
-  handlers.now = [] { return read_clocks().utc; };
   handlers.finding = [this] {
     const std::size_t servers = spec_.dds.discovery_servers.size();
     return Finding{servers > 0, link_->missing_servers().size() < servers, link_->unknown_bridges(),
@@ -121,19 +124,24 @@ void Bridge::join() {
   if (const auto small = receive_buffer_remark(spec_.dds)) log_warning("dds", *small);
   if (const auto alone = multicast_remark(spec_.dds)) log_warning("dds", *alone);
   publish_alarms();
-  if (spec_.store) store_.open(*spec_.store, alarms_);
-  audit_.open(store_.store());
-  buses_ =
-      std::make_unique<BusSet>(BusSet::Uses{{sinks_, *link_, store_.store(), audit_, commands_,
-                                             alarms_, figures_, lease_, spec_.standby.has_value()},
-                                            *guard_,
-                                            router_,
-                                            interests_,
-                                            program_,
-                                            modules_,
-                                            plans_,
-                                            step_},
-                               spec_, trace_);
+  if (spec_.store) {
+    alarms_.expect_store();
+    auto opened = std::make_unique<OpenStore>(*spec_.store, alarms_);
+    const std::lock_guard lock(store_mutex_);
+    store_ = std::move(opened);
+  }
+  Store* const store = store_ ? &store_->store : nullptr;
+  audit_.open(store);
+  buses_ = std::make_unique<BusSet>(BusSet::Uses{{sinks_, *link_, store, audit_, commands_, alarms_,
+                                                  figures_, lease_, spec_.standby.has_value()},
+                                                 *guard_,
+                                                 router_,
+                                                 interests_,
+                                                 program_,
+                                                 modules_,
+                                                 plans_,
+                                                 step_},
+                                    spec_, trace_);
   if (spec_.standby) {
     membership_ =
         std::make_unique<Membership>(Membership::Uses{*link_, *guard_, *buses_, commands_, alarms_,
@@ -142,7 +150,7 @@ void Bridge::join() {
   } else {
     lease_.set(kNever);
   }
-  commands_.open(*link_, store_.identities());
+  commands_.open(*link_, store_ ? &store_->identities : nullptr);
 }
 
 // The task reads the status when it runs, so the last of several changes is published.
@@ -170,7 +178,7 @@ void Bridge::serve_metrics(const BridgeSpec& wanted) {
         figures_.copy_to(snapshot);
         snapshot.alarms = alarms_.counts();
         if (membership_) snapshot.standby = membership_->figures();
-        snapshot.store = store_.counters();
+        if (store_) snapshot.store = store_->store.counters();
         return metrics_text(snapshot, format);
       });
 }

@@ -27,6 +27,37 @@ void start_sodium() {
   FIELDCAST_CHECK(started >= 0);
 }
 
+tl::unexpected<std::string> fault(const std::string& path, std::string_view what) {
+  return tl::unexpected(fmt::format("{}: {}", path, what));
+}
+
+tl::expected<FileDescriptor, std::string> opened(const std::string& path, Readers readers) {
+  FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY));
+  if (!file.valid()) return fault(path, fmt::format("cannot be read: {}", errno_text(errno)));
+  struct stat found {};
+  if (::fstat(file.get(), &found) != 0) return fault(path, errno_text(errno));
+  if (!S_ISREG(found.st_mode) && !S_ISFIFO(found.st_mode)) return fault(path, "this is no file");
+  const mode_t others = readers == Readers::kOwner ? S_IRWXG | S_IRWXO : S_IWGRP | S_IRWXO;
+  if ((found.st_mode & others) != 0)
+    return fault(path, fmt::format("others may read or change it; chmod 600 {}", path));
+  const uid_t self = ::geteuid();
+  if (self != 0 && found.st_uid != self && found.st_uid != 0)
+    return fault(path, "it belongs to another user, who can read and change it");
+  return file;
+}
+
+// The leak check of a sanitizer traces its own process, which needs PR_SET_DUMPABLE.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kTraced = true;
+#else
+constexpr bool kTraced = false;
+#endif
+
+bool dumps_are_wanted() {
+  const char* wanted = std::getenv("FIELDCAST_CORE_DUMPS");
+  return wanted != nullptr && std::string_view(wanted) == "1";
+}
+
 }  // namespace
 
 Secret::Secret(std::string_view text) : size_(text.size()) {
@@ -71,29 +102,6 @@ bool secrets_are_locked() {
   return locked;
 }
 
-namespace {
-
-tl::unexpected<std::string> fault(const std::string& path, std::string_view what) {
-  return tl::unexpected(fmt::format("{}: {}", path, what));
-}
-
-tl::expected<FileDescriptor, std::string> opened(const std::string& path, Readers readers) {
-  FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY));
-  if (!file.valid()) return fault(path, fmt::format("cannot be read: {}", errno_text(errno)));
-  struct stat found {};
-  if (::fstat(file.get(), &found) != 0) return fault(path, errno_text(errno));
-  if (!S_ISREG(found.st_mode) && !S_ISFIFO(found.st_mode)) return fault(path, "this is no file");
-  const mode_t others = readers == Readers::kOwner ? S_IRWXG | S_IRWXO : S_IWGRP | S_IRWXO;
-  if ((found.st_mode & others) != 0)
-    return fault(path, fmt::format("others may read or change it; chmod 600 {}", path));
-  const uid_t self = ::geteuid();
-  if (self != 0 && found.st_uid != self && found.st_uid != 0)
-    return fault(path, "it belongs to another user, who can read and change it");
-  return file;
-}
-
-}  // namespace
-
 tl::expected<void, std::string> check_secret_file(const std::string& path, Readers readers) {
   return opened(path, readers).map([](const FileDescriptor&) {});
 }
@@ -128,22 +136,6 @@ tl::expected<Secret, std::string> read_secret_line(const std::string& path, Read
   if (line.empty()) return fault(path, "its first line is empty");
   return Secret(line);
 }
-
-namespace {
-
-// The leak check of a sanitizer traces its own process, which needs PR_SET_DUMPABLE.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kTraced = true;
-#else
-constexpr bool kTraced = false;
-#endif
-
-bool dumps_are_wanted() {
-  const char* wanted = std::getenv("FIELDCAST_CORE_DUMPS");
-  return wanted != nullptr && std::string_view(wanted) == "1";
-}
-
-}  // namespace
 
 void guard_memory() {
   if (dumps_are_wanted()) return;

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdlib>
 #include <ctime>
@@ -22,33 +23,19 @@ namespace {
 
 constexpr std::size_t kMaxSubject = 256;  // bytes
 
+struct Level {
+  spdlog::level::level_enum level;
+  std::string_view colour;
+  std::string_view priority;  // sd-daemon(3)
+};
+// In the order of LogLevel.
+constexpr std::array<Level, 4> kLevels{{{spdlog::level::err, "\x1b[31;1m", "<3>"},
+                                        {spdlog::level::warn, "\x1b[33;1m", "<4>"},
+                                        {spdlog::level::info, "\x1b[32m", "<6>"},
+                                        {spdlog::level::debug, "\x1b[36m", "<7>"}}};
+
 spdlog::level::level_enum level_of(LogLevel level) {
-  switch (level) {
-    case LogLevel::kDebug: return spdlog::level::debug;
-    case LogLevel::kInfo: return spdlog::level::info;
-    case LogLevel::kWarning: return spdlog::level::warn;
-    case LogLevel::kError: return spdlog::level::err;
-  }
-  return spdlog::level::err;
-}
-
-std::string_view colour_of(spdlog::level::level_enum level) {
-  switch (level) {
-    case spdlog::level::info: return "\x1b[32m";
-    case spdlog::level::warn: return "\x1b[33;1m";
-    case spdlog::level::err: return "\x1b[31;1m";
-    default: return "\x1b[36m";
-  }
-}
-
-// sd-daemon(3): SD_ERR, SD_WARNING, SD_INFO, SD_DEBUG.
-std::string_view priority_of(spdlog::level::level_enum level) {
-  switch (level) {
-    case spdlog::level::info: return "<6>";
-    case spdlog::level::warn: return "<4>";
-    case spdlog::level::err: return "<3>";
-    default: return "<7>";
-  }
+  return kLevels[static_cast<std::size_t>(level)].level;
 }
 
 enum class Decoration { kNone, kColour, kPriority };
@@ -63,10 +50,11 @@ class QueueSink final : public spdlog::sinks::base_sink<std::mutex> {
     spdlog::memory_buf_t buffer;
     formatter_->format(message, buffer);
     std::string line(buffer.data(), buffer.size());
-    if (decoration_ == Decoration::kPriority) line.insert(0, priority_of(message.level));
+    const Level& level = *std::ranges::find(kLevels, message.level, &Level::level);
+    if (decoration_ == Decoration::kPriority) line.insert(0, level.priority);
     if (decoration_ == Decoration::kColour && message.color_range_end > message.color_range_start) {
       line.insert(message.color_range_end, "\x1b[0m");
-      line.insert(message.color_range_start, colour_of(message.level));
+      line.insert(message.color_range_start, level.colour);
     }
     lines_.put(std::move(line));
   }

@@ -18,6 +18,14 @@
 #include "bridge/base/file_descriptor.hpp"
 
 namespace fieldcast {
+namespace {
+
+// poll() reports a pipe as writable if this many bytes do not block (PIPE_BUF of Linux, pipe(7)).
+// The thread therefore waits in poll(), where it can be ended, and rarely in write().
+constexpr std::size_t kPiece = 4096;
+constexpr int kPollMilliseconds = 100;  // delay until the thread sees `ending`
+
+}  // namespace
 
 LineVerdict LineBudget::occurred(std::string_view kind, Instant now) {
   auto found = entries_.find(kind);
@@ -92,15 +100,6 @@ void RepeatFilter::make_room() {
       entries_.begin(), entries_.end(),
       [](const auto& a, const auto& b) { return a.second.last_seen < b.second.last_seen; }));
 }
-
-namespace {
-
-// poll() reports a pipe as writable if this many bytes do not block (PIPE_BUF of Linux, pipe(7)).
-// The thread therefore waits in poll(), where it can be ended, and rarely in write().
-constexpr std::size_t kPiece = 4096;
-constexpr int kPollMilliseconds = 100;  // delay until the thread sees `ending`
-
-}  // namespace
 
 struct LineWriter::State {
   FileDescriptor fd;    // owned by the thread

@@ -22,12 +22,9 @@ class NoticeLog {
   void tick(Instant now);
 
  private:
-  void fault(LogLevel level, const std::string& key, const std::string& subject,
-             const std::string& text, Instant now);
+  void fault(const std::string& key, const std::string& subject, const std::string& text,
+             Instant now);
   void over(const std::string& key, const std::string& subject, const std::string& text);
-  [[nodiscard]] std::string subject_of(const std::string& device) const {
-    return device.empty() ? bus_ : bus_ + "/" + device;
-  }
 
   std::string bus_;
   RepeatFilter filter_;

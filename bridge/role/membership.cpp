@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <thread>
 
 #include "bridge/base/clock.hpp"
 #include "bridge/dds/endpoints/standby_channel.hpp"
@@ -103,8 +104,6 @@ void Membership::reconfigure(const BridgeSpec& spec) {
   group_->set_configuration(common_configuration(spec));
 }
 
-void Membership::set_not_ready(const std::string& reason) { group_->set_not_ready(reason); }
-
 Membership::Memory Membership::leave() {
   uses_.commands.report_held(true);
   group_->end();
@@ -132,7 +131,7 @@ bool Membership::hand_over_before_stop() {
         const StandbyGroup::View view = group_->view();
         return view.role == StandbyRole::kWaiting && view.master.has_value();
       });
-  if (replaced) uses_.roles.linger(kAfterHandOver);
+  if (replaced) std::this_thread::sleep_for(kAfterHandOver);
   return replaced;
 }
 

@@ -61,7 +61,7 @@ class Membership {
   // Call when the buses are prepared.
   void take_part();
   void reconfigure(const BridgeSpec& spec);
-  void set_not_ready(const std::string& reason);
+  void set_not_ready(const std::string& reason) { group_->set_not_ready(reason); }
 
   enum class Next : std::uint8_t {
     kWait,     // for the next notification of the thread of roles

@@ -20,7 +20,7 @@ BusGuard::BusGuard(std::string bridge, Handlers handlers) : handlers_(std::move(
   own_.bridge = std::move(bridge);
   own_.host = own_host_name();
   own_.process = own_process_identity();
-  own_.since = handlers_.now();
+  own_.since = read_clocks().utc;
 }
 
 BusGuard::~BusGuard() { end(); }
@@ -75,7 +75,7 @@ void BusGuard::want(const std::string& id, const std::vector<std::string>& buses
   {
     const std::lock_guard lock(mutex_);
     claims_.set_id(id);
-    claims_.want(buses, handlers_.now());
+    claims_.want(buses, read_clocks().utc);
     if (settled_) (void)claims_.decide(steady_now());
   }
   announce();

@@ -89,7 +89,6 @@ class BusGuard {
     // served and no longer serves. Called on the guard's thread, after watch(). If it returns
     // false, it is called again soon.
     std::function<bool(const std::set<std::string>& uncontested)> changed;
-    std::function<UtcTime()> now;
     std::function<Finding()> finding;  // without the bridges of found() and of the claims
     // Members of the group that were received there.
     std::function<std::vector<std::string>()> members;

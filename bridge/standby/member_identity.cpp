@@ -54,25 +54,6 @@ void add(Sum& sum, const ChannelSpec& channel) {
   sum.add(channel.on_interest ? 1 : 0);
 }
 
-}  // namespace
-
-std::string common_configuration(const BridgeSpec& spec) {
-  Sum sum;
-  for (const BusSpec& bus : spec.buses) {
-    sum.add(bus.name);
-    for (const DeviceSpec& device : bus.devices) {
-      sum.add(device.name);
-      sum.add(device.protocol);
-      sum.add(device.link.address);
-      for (const auto& [option, value] : device.link.options) sum.add(option + "=" + value);
-      for (const ChannelSpec& channel : device.channels) add(sum, channel);
-    }
-  }
-  return sum.text();
-}
-
-namespace {
-
 std::string boot() {
   std::string id;
   std::getline(std::ifstream("/proc/sys/kernel/random/boot_id"), id);
@@ -101,15 +82,6 @@ std::optional<std::string> start_of(const std::string& pid) {
   return state == "Z" || state == "X" ? std::string{} : field;
 }
 
-}  // namespace
-
-std::string own_process_identity() {
-  const std::string pid = std::to_string(::getpid());
-  return fmt::format("{}/{}/{}/{}", boot(), pid_namespace(), pid, start_of(pid).value_or(""));
-}
-
-namespace {
-
 struct Process {
   std::string pid, start;
 };
@@ -130,6 +102,26 @@ pid_t number_of(const Process& process) {
 }
 
 }  // namespace
+
+std::string common_configuration(const BridgeSpec& spec) {
+  Sum sum;
+  for (const BusSpec& bus : spec.buses) {
+    sum.add(bus.name);
+    for (const DeviceSpec& device : bus.devices) {
+      sum.add(device.name);
+      sum.add(device.protocol);
+      sum.add(device.link.address);
+      for (const auto& [option, value] : device.link.options) sum.add(option + "=" + value);
+      for (const ChannelSpec& channel : device.channels) add(sum, channel);
+    }
+  }
+  return sum.text();
+}
+
+std::string own_process_identity() {
+  const std::string pid = std::to_string(::getpid());
+  return fmt::format("{}/{}/{}/{}", boot(), pid_namespace(), pid, start_of(pid).value_or(""));
+}
 
 bool has_ended(const std::string& identity) {
   const auto process = process_of(identity);

@@ -7,14 +7,25 @@
 namespace fieldcast {
 namespace {
 
-constexpr std::chrono::milliseconds kLookAgain{20};
+constexpr std::chrono::milliseconds kLookAgain{20}, kLook{1000};
 
 }  // namespace
 
 void RoleThread::start(std::function<bool()> look) {
   if (thread_.joinable()) return;
   ending_ = false;
-  thread_ = std::thread([this, look = std::move(look)] { run(look); });
+  thread_ = std::thread([this, look = std::move(look)] {
+    pthread_setname_np(pthread_self(), "roles");
+    std::unique_lock lock(mutex_);
+    while (!ending_) {
+      const std::uint64_t seen = notified_;
+      lock.unlock();
+      const bool again = look();
+      lock.lock();
+      const auto woken = [&] { return notified_ != seen || ending_; };
+      changed_.wait_for(lock, again ? kLookAgain : kLook, woken);
+    }
+  });
 }
 
 void RoleThread::notify() {
@@ -36,10 +47,6 @@ bool RoleThread::wait_until(Instant limit, const std::function<bool()>& reached)
   }
 }
 
-void RoleThread::linger(Duration time) {
-  (void)wait_until(steady_now() + time, [] { return false; });
-}
-
 void RoleThread::end() {
   {
     const std::lock_guard lock(mutex_);
@@ -47,20 +54,6 @@ void RoleThread::end() {
     changed_.notify_all();
   }
   if (thread_.joinable()) thread_.join();
-}
-
-void RoleThread::run(const std::function<bool()>& look) {
-  pthread_setname_np(pthread_self(), "roles");
-  std::unique_lock lock(mutex_);
-  while (!ending_) {
-    const std::uint64_t seen = notified_;
-    lock.unlock();
-    const bool again = look();
-    lock.lock();
-    const auto woken = [&] { return notified_ != seen || ending_; };
-    again ? changed_.wait_for(lock, kLookAgain, woken)
-          : changed_.wait_for(lock, std::chrono::seconds{1}, woken);
-  }
 }
 
 }  // namespace fieldcast

@@ -21,12 +21,9 @@ class RoleThread {
   // Calls `reached` now and after each notify(), until it returns true or `limit` passes; returns
   // its last value. No lock is held during the call.
   [[nodiscard]] bool wait_until(Instant limit, const std::function<bool()>& reached);
-  void linger(Duration time);
   void end();  // may be called twice
 
  private:
-  void run(const std::function<bool()>& look);
-
   std::mutex mutex_;
   std::condition_variable changed_;
   std::uint64_t notified_ = 0;

@@ -36,7 +36,6 @@ StandbyGroup::StandbyGroup(std::string group, const StandbyMember& own, MasterLe
       handlers_(std::move(handlers)),
       wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
       election_(own, steady_now(), before),
-      strength_(own.strength),
       own_name_(own.bridge) {
   lease_.set(kLongAgo);
 }
@@ -370,10 +369,8 @@ StandbyGroup::View StandbyGroup::view() const {
   View view;
   view.role = election_.role();
   view.term = election_.term();
-  view.group = group_;
   view.master = election_.master(now);
   view.not_ready = election_.not_ready(now);
-  view.strength = strength_;
   view.terms_begun = terms_begun_;
   for (const auto& [name, told] : others_) {
     if (!election_.is_alive(name, now)) continue;

@@ -82,10 +82,8 @@ class StandbyGroup {
   struct View {
     StandbyRole role = StandbyRole::kWaiting;
     StandbyTerm term = 0;
-    std::string group;
     std::optional<std::string> master;
     std::string not_ready;
-    std::int32_t strength = 0;
     std::uint64_t terms_begun = 0;    // how often this bridge became master
     std::uint64_t behind = 0;         // SampleBlocks of the master not followed yet
     std::vector<std::string> others;  // live members
@@ -136,7 +134,6 @@ class StandbyGroup {
   std::uint64_t written_ = 0;  // in the present term, as master
   StandbyTerm noted_term_ = 0;
   std::uint64_t noted_ = 0;  // in the master's term
-  std::int32_t strength_ = 0;
   std::string own_name_;
   StandbyRole told_ = StandbyRole::kWaiting;
   StandbyTerm told_term_ = 0;

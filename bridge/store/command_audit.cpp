@@ -66,6 +66,11 @@ void CommandAudit::answered(const std::string& bus, const CommandResult& result)
   append(std::move(entry), result);
 }
 
+void CommandAudit::note(AuditEntry entry) {
+  const std::lock_guard lock(mutex_);
+  if (audit_) audit_->append(std::move(entry));
+}
+
 void CommandAudit::note(AuditEntry asked, const CommandResult& result) {
   const std::lock_guard lock(mutex_);
   append(std::move(asked), result);

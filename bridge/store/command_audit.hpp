@@ -25,6 +25,7 @@ class CommandAudit {
   // Refused before a bus had it. Its key may be that of another command that still runs.
   void refused(AuditEntry asked, const CommandResult& result);
   void answered(const std::string& bus, const CommandResult& result);
+  void note(AuditEntry entry);  // a complete one
   // For requests that get their result immediately.
   void note(AuditEntry asked, const CommandResult& result);
 

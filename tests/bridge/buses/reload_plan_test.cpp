@@ -161,5 +161,36 @@ TEST(ReloadPlan, WhoProgramsADeviceThatItWouldTakeAwayIsWaitedFor) {
   EXPECT_THAT(disturbed(wanted), ElementsAre("P1", "P2", "17"));
 }
 
+TEST(ReloadPlan, IsReportedInOneLine) {
+  const BridgeSpec running = bridge({bus("a"), bus("b"), bus("c")});
+  EXPECT_EQ(to_text(plan_reload(running, bridge({bus("a"), bus("b", 2), bus("d")}))),
+            "reloaded: 2 buses stopped (b, c), 2 started (b, d), 1 untouched");
+  EXPECT_EQ(to_text(plan_reload(running, running)),
+            "reloaded: 0 buses stopped, 0 started, 3 untouched");
+}
+
+TEST(EndOfAlarm, NamesTheChannelByItsIndexOnTheRunningBus) {
+  BridgeSpec running = bridge({bus("a"), bus("b")});
+  DeviceSpec& device = running.buses[1].devices[0];
+  device.channels.resize(2);
+  device.channels[0].name = "level";
+  device.channels[1].name = "flow";
+  AlarmRecord alarm;
+  alarm.bus = "b";
+  alarm.device = "d";
+  alarm.channel = "flow";
+  alarm.limit = "high";
+  const auto change = end_of_alarm(running, alarm, Instant{std::chrono::seconds{5}});
+  ASSERT_TRUE(change);
+  EXPECT_EQ(change->channel, 1u);
+  EXPECT_EQ(change->limit, LimitKind::kHigh);
+  EXPECT_EQ(change->state, AlarmState::kClear);
+  EXPECT_EQ(change->since, Instant{std::chrono::seconds{5}});
+  alarm.channel = "speed";
+  EXPECT_FALSE(end_of_alarm(running, alarm, {})) << "a channel that does not run";
+  alarm.bus = "c";
+  EXPECT_FALSE(end_of_alarm(running, alarm, {})) << "a bus that does not run";
+}
+
 }  // namespace
 }  // namespace fieldcast
