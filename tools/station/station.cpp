@@ -23,8 +23,8 @@
 #include "tools/station/api/base/database.hpp"
 #include "tools/station/live/live_domain.hpp"
 #include "tools/station/record/recorder.hpp"
-#include "tools/station/web/http_server.hpp"
 #include "tools/station/web/site.hpp"
+#include "tools/station/web/station_server.hpp"
 #include "tools/station/wiring.hpp"
 
 namespace fieldcast::web {
@@ -102,7 +102,7 @@ struct WebStation::State {
   std::unique_ptr<LiveDomain> domain;
   std::unique_ptr<Site> site;
   std::unique_ptr<UserWatch> users;
-  std::unique_ptr<HttpServer> server;
+  std::unique_ptr<StationServer> server;
   std::unique_ptr<Listener> listener;
 };
 
@@ -188,8 +188,8 @@ void WebStation::State::open_site(std::unique_ptr<TlsServer> tls) {
   site_spec.store = store != nullptr;
   site =
       std::make_unique<Site>(std::move(site_spec), SiteClock{steady_now, utc_now}, login_check());
-  server = std::make_unique<HttpServer>(io.context(), *site, domain->make_protocol());
-  server->serve(std::move(tls));
+  server = std::make_unique<StationServer>(io.context(), *site, domain->make_protocol());
+  server->http().serve(std::move(tls));
   users = std::make_unique<UserWatch>(io.context(), spec, *site, ask_users());
   users->look();
   add_page_routes(site->routes(), page_files());
@@ -239,7 +239,7 @@ tl::expected<void, WebStation::Fault> WebStation::start() {
     s.turning = std::make_unique<asio::steady_timer>(s.io.context());
     s.turn();
     s.listener = std::make_unique<Listener>(s.io.context(), [&s](asio::ip::tcp::socket socket) {
-      if (s.server) s.server->accept(std::move(socket));
+      if (s.server) s.server->http().accept(std::move(socket));
     });
     listening = s.listener->open(s.spec.web.listen);
   });
@@ -262,7 +262,7 @@ std::string WebStation::address() const {
 tl::expected<void, std::string> WebStation::renew_certificate() {
   auto tls = state_->tls_server();
   if (!tls) return tl::make_unexpected(tls.error());
-  state_->run([&] { state_->server->serve(*std::move(tls)); });
+  state_->run([&] { state_->server->http().serve(*std::move(tls)); });
   return {};
 }
 

@@ -10,7 +10,7 @@ namespace fieldcast::web {
 
 namespace {
 
-std::vector<Metric> own_metrics(const LiveDomain& domain, const HttpServer& server) {
+std::vector<Metric> own_metrics(const LiveDomain& domain, const StationServer& server) {
   std::vector<Metric> all;
   const auto add = [&all](const char* name, bool counter, const char* help, auto value) {
     all.push_back({name, counter, help, static_cast<double>(value)});
@@ -35,7 +35,7 @@ std::vector<Metric> own_metrics(const LiveDomain& domain, const HttpServer& serv
     offset = std::max(offset, std::chrono::abs(bus->clock_ahead.value_or(Duration{})));
   add("largest_clock_offset_seconds", false,
       "Largest difference between the clocks of this station and of a bridge.", to_seconds(offset));
-  const ServerCounters web = server.counters();
+  const StationCounters web = server.counters();
   add("connections_total", true, "HTTP connections accepted.", web.connections);
   add("connections", false, "HTTP connections now.", web.open);
   add("turned_away_total", true, "Connections and clients beyond a limit.", web.turned_away);

@@ -9,12 +9,12 @@
 #include "bridge/store/store.hpp"
 #include "bridge/store/users/user_table.hpp"
 #include "tools/station/api/base/database.hpp"
-#include "tools/station/http/route_table.hpp"
 #include "tools/station/live/live_domain.hpp"
 #include "tools/station/record/recorder.hpp"
 #include "tools/station/settings/configuration.hpp"
-#include "tools/station/web/http_server.hpp"
+#include "tools/station/web/route_table.hpp"
 #include "tools/station/web/site.hpp"
+#include "tools/station/web/station_server.hpp"
 
 namespace fieldcast::web {
 
@@ -24,7 +24,7 @@ struct RouteNeeds {
   Database* database;
   Store* store;
   Recorder* recorder;
-  const HttpServer& server;
+  const StationServer& server;
   std::function<UtcTime()> now;
 };
 

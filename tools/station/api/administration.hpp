@@ -8,9 +8,9 @@
 #include "bridge/store/records/records.hpp"
 #include "core/access/login.hpp"
 #include "tools/station/api/base/database.hpp"
-#include "tools/station/http/route_table.hpp"
 #include "tools/station/record/recorder.hpp"
 #include "tools/station/web/logins.hpp"
+#include "tools/station/web/route_table.hpp"
 
 namespace fieldcast::web {
 

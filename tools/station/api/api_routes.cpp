@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "bridge/http/http_message.hpp"
 #include "bridge/store/alarm_life_table.hpp"
 #include "core/base/json.hpp"
 #include "tools/station/api/administration.hpp"
@@ -10,7 +11,6 @@
 #include "tools/station/api/commands.hpp"
 #include "tools/station/api/export.hpp"
 #include "tools/station/api/history.hpp"
-#include "tools/station/http/http_message.hpp"
 #include "tools/station/model/live_json.hpp"
 
 namespace fieldcast::web {

@@ -4,9 +4,9 @@
 
 #include "tools/station/api/administration.hpp"
 #include "tools/station/api/base/database.hpp"
-#include "tools/station/http/route_table.hpp"
 #include "tools/station/live/client_message.hpp"
 #include "tools/station/model/live_model.hpp"
+#include "tools/station/web/route_table.hpp"
 
 namespace fieldcast::web {
 

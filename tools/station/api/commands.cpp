@@ -8,7 +8,7 @@
 #include "core/base/json.hpp"
 #include "core/base/message_text.hpp"
 #include "tools/station/api/base/exchange.hpp"
-#include "tools/station/http/route_table.hpp"
+#include "tools/station/web/route_table.hpp"
 
 namespace fieldcast::web {
 

@@ -8,9 +8,9 @@
 
 #include "core/alarm/alarm_status.hpp"
 #include "tools/station/api/base/exchange.hpp"
-#include "tools/station/http/route_table.hpp"
 #include "tools/station/live/client_message.hpp"
 #include "tools/station/model/live_model.hpp"
+#include "tools/station/web/route_table.hpp"
 
 namespace fieldcast::web {
 

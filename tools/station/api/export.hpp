@@ -4,11 +4,11 @@
 #include <optional>
 #include <string>
 
+#include "bridge/http/http_message.hpp"
 #include "bridge/store/tiers/sample_table.hpp"
 #include "core/model/channel_pattern.hpp"
 #include "tools/station/api/base/database.hpp"
-#include "tools/station/http/http_message.hpp"
-#include "tools/station/http/route_table.hpp"
+#include "tools/station/web/route_table.hpp"
 
 namespace fieldcast::web {
 

@@ -8,7 +8,7 @@
 #include "bridge/store/tiers/sample_table.hpp"
 #include "core/model/channel_pattern.hpp"
 #include "tools/station/api/base/database.hpp"
-#include "tools/station/http/route_table.hpp"
+#include "tools/station/web/route_table.hpp"
 
 namespace fieldcast::web {
 

@@ -1,5 +1,5 @@
 // Replaces the page if built with -DFIELDCAST_STATION_PAGE=OFF.
-#include "tools/station/http/embedded_file.hpp"
+#include "tools/station/web/embedded_file.hpp"
 
 namespace fieldcast::web {
 namespace {

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <charconv>
 
+#include "bridge/http/http_message.hpp"
 #include "core/base/duration_text.hpp"
 #include "core/base/message_text.hpp"
 #include "tools/cli/model/sample_text.hpp"
-#include "tools/station/http/http_message.hpp"
 
 namespace fieldcast::web {
 

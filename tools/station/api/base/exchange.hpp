@@ -7,10 +7,10 @@
 #include <string_view>
 #include <tl/expected.hpp>
 
+#include "bridge/http/http_message.hpp"
 #include "core/base/time.hpp"
 #include "core/model/channel_pattern.hpp"
-#include "tools/station/http/http_message.hpp"
-#include "tools/station/http/route_table.hpp"
+#include "tools/station/web/route_table.hpp"
 
 namespace fieldcast::web {
 

@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 
-#include "tools/station/web/http_guard.hpp"
+#include "bridge/http/http_guard.hpp"
 
 namespace fieldcast::web {
 namespace {

@@ -9,7 +9,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "tools/station/http/http_message.hpp"
+#include "bridge/http/http_message.hpp"
 
 namespace fieldcast::web {
 
