@@ -20,6 +20,7 @@
 #include "bridge/store/store.hpp"
 #include "bridge/store/users/authenticator.hpp"
 #include "tools/station/api/administration.hpp"
+#include "tools/station/api/api_routes.hpp"
 #include "tools/station/api/base/database.hpp"
 #include "tools/station/live/live_domain.hpp"
 #include "tools/station/record/recorder.hpp"
@@ -193,8 +194,13 @@ void WebStation::State::open_site(std::unique_ptr<TlsServer> tls) {
   users = std::make_unique<UserWatch>(io.context(), spec, *site, ask_users());
   users->look();
   add_page_routes(site->routes(), page_files());
-  add_api_routes(site->routes(),
-                 {*domain, database.get(), store.get(), recorder.get(), *server, utc_now});
+  add_routes(site->routes(), {.model = &domain->model(),
+                              .commands = &domain->commands(),
+                              .database = database.get(),
+                              .store = store.get(),
+                              .recorder = recorder.get(),
+                              .now = utc_now,
+                              .metrics = [this] { return metrics_of(*domain, *server); }});
 }
 
 void WebStation::State::tell_servers() {

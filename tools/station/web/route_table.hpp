@@ -31,7 +31,7 @@ enum class Access : std::uint8_t {
 
 struct Route {
   Method method;
-  std::string path;  // exact: "/api/history"
+  std::string path;  // exact
   Access access;
   Handler handler;
 };

@@ -22,7 +22,7 @@ class ChannelsApiTest : public test::ApiTest {
     announce("d-1", "a");
     announce("d", "b");
     announce("d", "a");
-    add_channel_routes(table_, model_);
+    add_routes(table_, {.model = &model_});
   }
   [[nodiscard]] std::string names(const std::string& query) {
     std::string text;

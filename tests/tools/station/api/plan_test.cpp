@@ -8,7 +8,7 @@ using PlanApiTest = test::ApiTest;
 
 TEST_F(PlanApiTest, IsWhatTheBridgeTells) {
   LiveModel model;
-  add_plan_routes(table_, model);
+  add_routes(table_, {.model = &model});
   const HttpResponse none = ask("/api/plan?bus=line");
   EXPECT_EQ(none.status, 404u);
   EXPECT_NE(none.body.find("no bridge publishes a plan"), std::string::npos);

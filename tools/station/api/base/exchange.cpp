@@ -158,15 +158,4 @@ HttpResponse no_store() {
                         "give it a store: 'store: { path: FILE }' in its configuration");
 }
 
-void add_openapi_routes(RouteTable& table) {
-  const auto text = std::make_shared<const std::string>(openapi_text());
-  table.add({Method::kGet, "/api/openapi.yaml", Access::kViewer,
-             [text](const HttpRequest&, const Caller&, const Reply& reply) {
-               HttpResponse response;
-               response.content_type = "application/yaml";
-               response.shared_body = text;
-               reply(std::move(response));
-             }});
-}
-
 }  // namespace fieldcast::web
