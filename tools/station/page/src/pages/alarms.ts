@@ -6,16 +6,17 @@ import { acknowledge, limitText, shelve, unshelve } from '../alarm_actions';
 import { alarmHistory } from '../alarm_history';
 import { arrangeAlarms, isShelved, sectionOf, sections, wantsSomebody } from '../alarm_rows';
 import type { AlarmChoice, Section } from '../alarm_rows';
-import type { Change, Context, MakePage, Page } from '../context';
+import type { Change, Context, MakePage } from '../context';
 import { age, count, exactValue, fullTime, time } from '../format';
 import { t, word } from '../i18n';
 import type { Key } from '../i18n';
 import { ListTable } from '../list';
 import { html } from '../markup';
 import { alarmKey } from '../plant';
-import { channelLink, link } from '../router';
+import { channelLink } from '../router';
+import { tabbedPage } from '../tabs';
 import type { Alarm } from '../types';
-import { empty, makeElement } from '../view';
+import { empty } from '../view';
 import '../../styles/alarms.css';
 
 export const texts = {
@@ -219,21 +220,5 @@ class PresentAlarms {
   }
 }
 
-export const page: MakePage = (context): Page => {
-  const element = makeElement('alarms listing');
-  const past = context.route.parts[0] === 'history';
-  const body = past ? alarmHistory(context) : new PresentAlarms(context);
-  const head = document.createElement('div');
-  head.className = 'tabs';
-  render(html`<h1>${t('alarms.title')}</h1><nav aria-label=${t('alarms.title')}>
-    <a href=${link('alarms')} aria-current=${past ? nothing : 'page'}>${t('alarms.present')}</a>
-    <a href=${link('alarms', ['history'])} aria-current=${past ? 'page' : nothing}>${t('alarms.history')}</a></nav>`, head);
-  element.append(head, body.tools, body.element);
-  return {
-    element,
-    paint: (change) => body.paint(change),
-    key: (event) => body.key(event),
-    focusFilter: () => body.focusFilter(),
-    close: () => { if ('close' in body) body.close(); },
-  };
-};
+export const page: MakePage = (context) =>
+  tabbedPage(context, 'history', [t('alarms.present'), t('alarms.history')], (past) => (past ? alarmHistory(context) : new PresentAlarms(context)));

@@ -2,15 +2,17 @@
 
 import { nothing, render } from 'lit-html';
 import { request } from '../api';
-import type { Context, MakePage, Page } from '../context';
+import type { Context, MakePage } from '../context';
 import { csvTime } from '../csv';
 import { bytes, fullTime, time } from '../format';
 import { t, word } from '../i18n';
 import { html } from '../markup';
 import { PastList } from '../past';
-import { channelLink, link } from '../router';
+import { channelLink } from '../router';
+import { tabbedPage } from '../tabs';
+import type { Tab } from '../tabs';
 import type { AuditEntry, User } from '../types';
-import { empty, errorText, makeElement } from '../view';
+import { empty, errorText } from '../view';
 import '../../styles/audit.css';
 
 export const texts = {
@@ -57,8 +59,7 @@ const audit = (context: Context): PastList<AuditEntry> => new PastList<AuditEntr
   ],
 });
 
-// Same interface as PastList.
-class Users {
+class Users implements Tab {
   readonly element = document.createElement('div');
   readonly tools = document.createElement('p');
   private readonly asked = new AbortController();
@@ -69,9 +70,6 @@ class Users {
     void this.load();
   }
 
-  paint(): void {}
-  key(): boolean { return false; }
-  focusFilter(): void {}
   close(): void { this.asked.abort(); }
 
   private async load(): Promise<void> {
@@ -88,28 +86,11 @@ class Users {
   }
 }
 
-export const page: MakePage = (context): Page => {
-  const element = makeElement('audit listing');
-  const users = context.route.parts[0] === 'users';
-  const head = document.createElement('div');
-  head.className = 'tabs';
-  render(html`<h1>${t('audit.title')}</h1><nav aria-label=${t('audit.title')}>
-    <a href=${link('audit')} aria-current=${users ? nothing : 'page'}>${t('audit.entries')}</a>
-    <a href=${link('audit', ['users'])} aria-current=${users ? 'page' : nothing}>${t('audit.users')}</a></nav>`, head);
-  element.append(head);
-  if (!context.mayOperate()) {
-    const note = document.createElement('div');
-    render(empty(t('audit.not-allowed')), note);
-    element.append(note);
-    return { element };
-  }
-  const body = users ? new Users(context) : audit(context);
-  element.append(body.tools, body.element);
-  return {
-    element,
-    paint: (change) => body.paint(change),
-    key: (event) => body.key(event),
-    focusFilter: () => body.focusFilter(),
-    close: () => body.close(),
-  };
-};
+function notAllowed(): Tab {
+  const element = document.createElement('div');
+  render(empty(t('audit.not-allowed')), element);
+  return { element };
+}
+
+export const page: MakePage = (context) => tabbedPage(context, 'users', [t('audit.entries'), t('audit.users')], (users) =>
+  !context.mayOperate() ? notAllowed() : users ? new Users(context) : audit(context));

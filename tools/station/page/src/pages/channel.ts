@@ -1,7 +1,6 @@
 // One channel: its value in large, its stored and live trend in one line, a write with confirmation and result.
 
 import { nothing, render } from 'lit-html';
-import type { TemplateResult } from 'lit-html';
 import { query, request } from '../api';
 import { Chart } from '../chart';
 import type { Line } from '../chart';
@@ -15,7 +14,7 @@ import { LiveTail, lineOf } from '../trend';
 import { typedValue } from '../typed';
 import { isLate, notYetRead } from '../types';
 import type { Channel, History, Result, Series } from '../types';
-import { ask, badge, empty, errorText, makeElement, qualityText, toneOfQuality } from '../view';
+import { ask, badge, empty, errorText, fact, makeElement, qualityText, toneOfQuality } from '../view';
 import '../../styles/channel.css';
 
 export const texts = {
@@ -211,7 +210,6 @@ class ChannelPage implements Page {
     const age_ms = this.context.now() - acquired_ms, late = acquired_ms > 0 && isLate(channel, age_ms);
     const [bus, device, name] = channel.path.split('/');
     const limits = Object.entries(channel.limits).map(([limit, value]) => `${limit} ${value}`).join(', ');
-    const fact = (label: string, value: unknown): TemplateResult => html`<div class="fact"><dt>${label}</dt><dd>${value}</dd></div>`;
     render(html`
       <div class="value-head">
         <h1><a href=${link('live', [], { q: `${bus}/*` })}>${bus}</a> / <a href=${link('live', [], { q: `${bus}/${device}/*` })}>${device}</a> / ${name}</h1>

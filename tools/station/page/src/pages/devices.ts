@@ -13,7 +13,7 @@ import { html } from '../markup';
 import { link } from '../router';
 import { SplitPage } from '../split_page';
 import type { Device } from '../types';
-import { bar, empty, shape, stateBadge, toneOfState } from '../view';
+import { bar, empty, fact, shape, stateBadge, toneOfState } from '../view';
 import '../../styles/devices.css';
 
 export const texts = {
@@ -165,7 +165,6 @@ class DevicesPage extends SplitPage {
       return;
     }
     const { context } = this;
-    const fact = (name: string, value: unknown): TemplateResult => html`<div class="fact"><dt>${name}</dt><dd>${value}</dd></div>`;
     const reason = reasonText(this.reason(device));
     const reportAge_ms = context.now() - device.reported_ms;
     const maintained = this.inMaintenance(device);

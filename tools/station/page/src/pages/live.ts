@@ -7,7 +7,7 @@ import { age, count, duration, tableValue } from '../format';
 import { t } from '../i18n';
 import { html } from '../markup';
 import { meter } from '../meter';
-import { printable } from '../printable';
+import { printable, setText } from '../printable';
 import { channelLink } from '../router';
 import { arrange } from '../rows';
 import type { Choice, Rows, SortKey } from '../rows';
@@ -38,10 +38,6 @@ function readPins(): Set<string> {
   }
 }
 
-function setText(element: Element, received: string): void {
-  const text = printable(received);
-  if (element.textContent !== text) element.textContent = text;
-}
 function setTitle(element: HTMLElement, received: string): void {
   const text = printable(received);
   if (element.title !== text) element.title = text;

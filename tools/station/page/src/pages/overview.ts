@@ -10,7 +10,7 @@ import { html, svg } from '../markup';
 import type { Load, Tally } from '../plant';
 import { link } from '../router';
 import type { Bridge, Bus, Counts, Device } from '../types';
-import { badge, bar, empty, makeElement, stateBadge } from '../view';
+import { badge, bar, empty, fact, makeElement, stateBadge } from '../view';
 
 export const texts = {
   'overview.title': ['Overview', '总览'], 'overview.planned': ['Planned', '计划'], 'overview.measured': ['Measured', '实测'],
@@ -86,8 +86,6 @@ function card(context: Context, bus: Bus, tally: Tally | undefined): TemplateRes
   const recent = grown(loads, 'misses', minute_ms);
   const rate = grown(loads, 'exchanges', 10_000);
   const alarms = [...plant.alarms.values()].filter((alarm) => alarm.bus === bus.bus && alarm.active).length;
-  const fact = (name: string, value: unknown, wide = false): TemplateResult =>
-    html`<div class=${wide ? 'fact wide' : 'fact'}><dt>${name}</dt><dd>${value}</dd></div>`;
   return html`<article class=${reportAge_ms > staleAfter_ms ? 'card bus stale' : 'card bus'} aria-label=${bus.bus}>
     <header><h2><a href=${link('live', [], { q: `${bus.bus}/*` })}>${bus.bus}</a></h2>${stateBadge(bus.state)}</header>
     <p class="muted sub">${bus.bridge}${bus.closed_because ? ` · ${t('overview.because', { cause: word('cause', bus.closed_because) })}` : ''}

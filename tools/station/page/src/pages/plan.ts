@@ -13,7 +13,7 @@ import { axisTicks, marksOf, orderedGroups, pathOf, pointsOf, rangeText, readCou
 import type { Read } from '../plan_picture';
 import { channelLink, link } from '../router';
 import type { PlanGroup, ReadPlan } from '../types';
-import { bar, empty, errorText, makeElement } from '../view';
+import { bar, empty, errorText, fact, makeElement } from '../view';
 import '../../styles/plan.css';
 
 export const texts = {
@@ -181,7 +181,6 @@ class PlanPage implements Page {
 
   private loads(plan: ReadPlan): TemplateResult {
     const bus = this.context.plant.buses.get(this.bus);
-    const fact = (name: string, value: unknown): TemplateResult => html`<div class="fact"><dt>${name}</dt><dd>${value}</dd></div>`;
     const free = 1 - plan.load;
     const requests = plan.hyperperiod_ms ? this.groups.reduce((sum, group) => sum + readCount(group, plan.hyperperiod_ms!), 0) : 0;
     return html`<section class="card plan-loads" aria-label=${t('plan.load')}>
@@ -237,7 +236,6 @@ class PlanPage implements Page {
     const points = read ? pointsOf(group, read) : group.points;
     const names = points.flatMap((point) => point.channels);
     const gap = Math.max(...group.points.map((point) => point.worst_gap_ms ?? 0));
-    const fact = (name: string, value: unknown): TemplateResult => html`<div class="fact"><dt>${name}</dt><dd>${value}</dd></div>`;
     return html`<section class="card plan-details" aria-live="polite">
       <h2><a href=${link('devices', [this.bus, group.device])}>${group.device}</a> ${rangeText(points)}</h2>
       <dl class="facts">
