@@ -40,9 +40,9 @@ struct Resources {
       model.on_channel(channel_of(name));
       model.on_sample(sample_of(name, 1.5));
     }
-    model.on_device_status(device_of("press", 1));
-    model.on_bus_status(bus_of("shop"));
-    model.on_read_plan(plan_of("shop"));
+    model.put(device_of("press", 1));
+    model.put(bus_of("shop"));
+    model.put(plan_of("shop"));
     add_routes(table, {.model = &model,
                        .commands = &commands,
                        .now = [] { return UtcTime{1'000'000'000'000}; },

@@ -62,11 +62,6 @@ struct LiveDomain::State {
       if (also) also(message);
     };
   }
-  template <class Message>
-  auto to_inbox(void (DomainInbox::*note)(const Message&)) {
-    return [this, note](const Message& message) { (inbox.*note)(message); };
-  }
-
   boost::asio::io_context& io;
   const DomainTap tap;
   std::shared_ptr<bool> open = std::make_shared<bool>(true);  // posted tasks hold it weakly
@@ -116,20 +111,29 @@ void LiveDomain::State::give_memory_back() {
 }
 
 void LiveDomain::State::listen() {
+  const auto put = [this](const auto& object) { inbox.put(object); };
+  const auto remove = [this](const auto& last) { inbox.remove(last); };
+  const auto put_alarm = [this](const auto& alarm) { inbox.put(live_alarm(alarm)); };
+  const auto remove_alarm = [this](const auto& last) { inbox.remove(live_alarm(last)); };
   station.on_result([this](const StationResult& result) { desk.on_result(result); });
-  station.subscribe_bridges(to_inbox(&DomainInbox::on_bridge),
-                            to_inbox(&DomainInbox::on_bridge_gone));
-  station.subscribe_bus_status(to_inbox(&DomainInbox::on_bus_status),
-                               to_inbox(&DomainInbox::on_bus_gone));
-  station.subscribe_device_status(both(&DomainInbox::on_device_status, tap.device_status),
-                                  to_inbox(&DomainInbox::on_device_gone));
-  station.subscribe_read_plans(to_inbox(&DomainInbox::on_read_plan),
-                               to_inbox(&DomainInbox::on_read_plan_gone));
-  station.subscribe_program_sessions(to_inbox(&DomainInbox::on_session));
-  station.subscribe_alarms(both(&DomainInbox::on_alarm, tap.alarm),
-                           to_inbox(&DomainInbox::on_alarm_gone));
-  station.subscribe_alarm_status(both(&DomainInbox::on_alarm_status, tap.alarm_status),
-                                 to_inbox(&DomainInbox::on_alarm_status_gone));
+  station.subscribe_bridges(put, remove);
+  station.subscribe_bus_status(put, remove);
+  station.subscribe_device_status(
+      [this](const StationDeviceStatus& status) {
+        inbox.put(status);
+        if (tap.device_status) tap.device_status(status);
+      },
+      remove);
+  station.subscribe_read_plans(
+      put, [this](const std::string& bus) { inbox.remove(StationReadPlan{.bus = bus}); });
+  station.subscribe_program_sessions(put);
+  station.subscribe_alarms(put_alarm, remove_alarm);
+  station.subscribe_alarm_status(
+      [this](const StationAlarmStatus& status) {
+        inbox.put(live_alarm(status));
+        if (tap.alarm_status) tap.alarm_status(status);
+      },
+      remove_alarm);
   station.subscribe_channels(
       both(&DomainInbox::on_channel, tap.channel),
       [this](const std::string& bus, const std::string& device, const std::string& channel) {

@@ -24,7 +24,6 @@ struct DomainTap {
   Station::OnGone gone;  // a channel was removed
   std::function<void(const StationSample&)> sample;
   std::function<void(const StationDeviceStatus&)> device_status;
-  std::function<void(const StationAlarm&)> alarm;
   std::function<void(const StationAlarmStatus&)> alarm_status;
 };
 

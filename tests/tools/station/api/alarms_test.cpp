@@ -13,7 +13,7 @@ TEST_F(AlarmsApiTest, ThePresentComesFromTheModel) {
   alarm.bus = "line";
   alarm.state = "unacknowledged";
   alarm.active = true;
-  model.on_alarm(alarm);
+  model.put(alarm);
   add_routes(table_, {.model = &model, .now = now()});
   EXPECT_EQ(json("/api/alarms").at("alarms").at(0).at("bus"), "line");
   EXPECT_EQ(ask("/api/alarms?from=1h").status, 404u) << "there is no store";

@@ -155,7 +155,10 @@ TEST_F(CommandsApiTest, BodiesAboutAlarmsThatAreNoneSayWhatIsWrong) {
 }
 
 TEST_F(CommandsApiTest, OnlyOperatorsDoAnything) {
-  for (const Route* route : table_.rows()) EXPECT_EQ(route->access, Access::kOperator);
+  for (const Route* route : table_.rows()) {
+    if (route->method != Method::kGet || route->path.starts_with("/api/commands"))
+      EXPECT_EQ(route->access, Access::kOperator) << route->path;
+  }
 }
 
 }  // namespace

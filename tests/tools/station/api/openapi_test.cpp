@@ -65,27 +65,27 @@ class OpenApiTest : public test::ApiTest {
     StationBusStatus bus;
     bus.bus = "line";
     bus.causes["CHECKSUM"] = 2;
-    model_.on_bus_status(bus);
+    model_.put(bus);
     StationDeviceStatus device;
     device.bus = "line";
     device.device = "d";
     device.report.areas.push_back({.area = "holding"});
-    model_.on_device_status(device);
+    model_.put(device);
     LiveAlarm alarm;
     alarm.bus = "line";
     alarm.state = "unacknowledged";
     alarm.active = true;
-    model_.on_alarm(alarm);
-    model_.on_session({.bus = "line", .device = "d"});
+    model_.put(alarm);
+    model_.put(ProgramSessionReport{.bus = "line", .device = "d"});
     StationBridge bridge;
     bridge.bridge = "b";
     bridge.buses.push_back({"line", utc(1), true});
-    model_.on_bridge(bridge);
+    model_.put(bridge);
     StationReadPlan plan;
     plan.bus = "line";
     plan.plan.groups.push_back({});
     plan.plan.groups[0].points.push_back({});
-    model_.on_read_plan(plan);
+    model_.put(plan);
     store([](Store& to) {
       const auto number = to.number_of({.bus = "line", .device = "d", .channel = "speed"});
       const SampleRow row{
@@ -158,7 +158,7 @@ std::vector<std::string> json_targets() {
 
 TEST_F(OpenApiTest, AnswersAreAsTheDocumentSays) {
   std::vector<std::string> targets = json_targets();
-  EXPECT_EQ(targets.size(), 11u);
+  EXPECT_EQ(targets.size(), 12u);
   targets.insert(targets.end(), {"/api/plan?bus=line", "/api/alarms?from=1h",
                                  "/api/history?channel=line/d/speed&channel=line/d/none"});
   for (const std::string& target : targets) {

@@ -15,7 +15,7 @@ TEST_F(PlanApiTest, IsWhatTheBridgeTells) {
   EXPECT_EQ(json("/api/plan").size(), 0u);
   StationReadPlan plan;
   plan.bus = "line";
-  model.on_read_plan(plan);
+  model.put(plan);
   EXPECT_EQ(json("/api/plan?bus=line").at("bus"), "line");
   EXPECT_EQ(json("/api/plan").size(), 1u);
 }
