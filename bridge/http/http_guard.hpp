@@ -2,8 +2,8 @@
 // Pure; owns no connection.
 //
 // A connection waits for its client (next request, rest of a request, handshake) or works (the
-// server makes or sends a response). A waiting connection can be closed for a new one; a working one
-// only with `evicts_working`.
+// server makes or sends a response). A waiting connection can be closed for a new one; a working
+// one only with `evicts_working`.
 #pragma once
 
 #include <cstddef>

@@ -52,8 +52,8 @@ class LiveObjects {
   // An unchanged device is reported again after this time, measured by its reports.
   static constexpr Duration kDevicePeriod = std::chrono::seconds{2};
 
-  // A clear alarm is removed unless shelved or suppressed; an alarm without details does not change a
-  // detailed one. Of a read plan, clients receive only a notice that it has changed.
+  // A clear alarm is removed unless shelved or suppressed; an alarm without details does not change
+  // a detailed one. Of a read plan, clients receive only a notice that it has changed.
   void put(LiveObject object);
   // Only the names of the object count, and whether an alarm is detailed.
   void remove(const LiveObject& object);
