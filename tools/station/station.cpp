@@ -120,21 +120,8 @@ void WebStation::State::open_store() {
 }
 
 void WebStation::State::join_domain() {
-  DomainTap tap;
-  if (recorder) {
-    tap.channel = [this](const StationChannel& channel) { recorder->on_channel(channel); };
-    tap.gone = [this](const std::string& bus, const std::string& device,
-                      const std::string& channel) { recorder->on_gone(bus, device, channel); };
-    tap.sample = [this](const StationSample& sample) { recorder->on_sample(sample, utc_now()); };
-    tap.device_status = [this](const StationDeviceStatus& status) {
-      recorder->on_device_status(status);
-    };
-    tap.alarm_status = [this](const StationAlarmStatus& status) {
-      recorder->on_alarm_status(status, utc_now());
-    };
-  }
   domain = std::make_unique<LiveDomain>(io.context(), spec.sites, spec.name, version, store.get(),
-                                        std::move(tap));
+                                        recorder.get());
   servers_from = steady_now() + kServersAnswer;
 }
 

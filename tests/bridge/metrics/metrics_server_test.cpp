@@ -185,6 +185,19 @@ TEST_F(MetricsServerTest, AClientThatNeverReadsIsCutAndHoldsUpNobody) {
   EXPECT_LT(never.receive("\nend\n").size(), text.size());
 }
 
+TEST_F(MetricsServerTest, ClientsThatReadNothingMakeWay) {
+  text = std::string(8 << 20, 'x');
+  serve();
+  std::list<TcpClient> clients;
+  for (std::size_t i = 0; i < limits.connections; ++i) {
+    clients.emplace_back(server->port());
+    clients.back().send(kGet);
+  }
+  TcpClient other(server->port());
+  other.send("GET /metrics HTTP/1.1\r\nHost: h\r\nAccept: application/openmetrics-text\r\n\r\n");
+  EXPECT_THAT(other.receive("# EOF\n"), StartsWith("HTTP/1.1 200 OK\r\n"));
+}
+
 TEST_F(MetricsServerTest, ATakenPortIsListenedAtOnceItIsFree) {
   serve();
   std::unique_ptr<MetricsServer> first = std::move(server);

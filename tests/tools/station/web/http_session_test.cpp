@@ -382,6 +382,22 @@ TEST_F(HttpSessionTest, AClientThatReadsSlowlyGetsEverything) {
   EXPECT_FALSE(link->station_closed);
 }
 
+TEST_F(HttpSessionTest, AClientThatReadsForTooLongIsClosed) {
+  StationLimits limits;
+  limits.http.response = 300ms;
+  StationServer server(io_, site_, {}, limits);
+  const auto link = std::make_shared<MemoryLink>();
+  server.http().accept(std::make_unique<MemoryStream>(io_, link), "127.0.0.1");
+  link->takes = 1;
+  send(link, get("/large"));
+  wait_until([&] {
+    link->takes = 1;
+    link->wake();
+    return link->station_closed;
+  });
+  EXPECT_LT(link->to_client.size(), 1'000'000u);
+}
+
 TEST_F(HttpSessionTest, TheConnectionThatWasIdleForLongestMakesWay) {
   const auto busy = connect();
   send(busy, get("/later"));
