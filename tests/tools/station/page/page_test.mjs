@@ -303,6 +303,12 @@ test('every text is there in both languages, and every key that is asked for exi
       all.add(key);
     }
   }
+  const whole = files(source).map((path) => readFileSync(path, 'utf8')).join('\n');
+  const kinds = new Set([...whole.matchAll(/\bword\('([a-z]+)'/g)].map((match) => match[1]));
+  const prefixes = [...whole.matchAll(/\bt\(`([^$`]+)\$\{/g)].map((match) => match[1]);
+  const isUsed = (key) => key.endsWith('.title') || kinds.has(key.split('.')[0]) || prefixes.some((prefix) => key.startsWith(prefix)) ||
+    new RegExp(`[^\\n ,{]'${key}'|'${key}'[^:]`).test(whole);
+  for (const key of all) assert.ok(isUsed(key), `${key} is not used`);
   for (const path of files(source))
     for (const [, key] of readFileSync(path, 'utf8').matchAll(/\bt\('([\w.-]+)'/g)) assert.ok(all.has(key), `${path}: ${key}`);
   assert.equal(i18n.t('live.shown', { n: 3, all: 5 }), '3 of 5');

@@ -27,12 +27,12 @@ export const texts = {
   'channel.no-store': ['This station keeps no history: the trend begins when the page is opened.', '此监控站不保存历史：趋势从打开页面时开始。'],
   'channel.write': ['Write', '写入'], 'channel.new-value': ['New value', '新值'], 'channel.verify': ['Read back', '回读'],
   'channel.confirm-title': ['Write this value?', '写入此值？'], 'channel.from-to': ['{from} becomes {to}', '{from} 改为 {to}'],
-  'channel.read-now': ['Read now', '立即读取'], 'channel.results': ['Results', '结果'], 'channel.took': ['{time} after {took}', '{time}，用时 {took}'],
+  'channel.read-now': ['Read now', '立即读取'], 'channel.results': ['Results', '结果'],
   'channel.range': ['{min} to {max}', '{min} 到 {max}'], 'channel.bad-number': ['This is no number for {type}.', '这不是 {type} 的有效数值。'],
   'channel.out-of-range': ['The value must be {range}.', '该值必须在 {range} 之间。'], 'channel.waiting': ['waiting …', '等待中…'],
-  'channel.read': ['read', '已读取'], 'channel.history': ['Open in History', '在历史中打开'],
-  'channel.needs-operator': ['Writing needs the role operator.', '写入需要操作员角色。'], 'channel.pause': ['Zoomed', '已缩放'],
-  'channel.follow': ['Back to now', '回到当前'], 'channel.missed': ['missed refreshes', '错过的刷新'],
+  'channel.history': ['Open in History', '在历史中打开'],
+  'channel.needs-operator': ['Writing needs the role operator.', '写入需要操作员角色。'],
+  'channel.follow': ['Back to now', '回到当前'],
 } as const;
 
 const points = 1000;

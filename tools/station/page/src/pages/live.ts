@@ -19,9 +19,9 @@ import { makeElement, qualityText, shape, toneOfQuality } from '../view';
 export const texts = {
   'live.title': ['Live', '实时'], 'live.filter': ['Filter', '筛选'], 'live.filter-hint': ['press-shop/* or words', 'press-shop/* 或关键词'],
   'live.only-bad': ['Only bad', '仅异常'], 'live.bad-first': ['Bad first', '异常优先'], 'live.group': ['By device', '按设备'],
-  'live.shown': ['{n} of {all}', '{n} / {all}'], 'live.table': ['Channels and their values', '通道及其数值'], 'live.pin': ['Pin', '置顶'],
+  'live.shown': ['{n} of {all}', '{n} / {all}'], 'live.table': ['Channels and their values', '通道及其数值'],
   'live.quality': ['Quality', '质量'], 'live.channel': ['Channel', '通道'], 'live.value': ['Value', '数值'], 'live.unit': ['Unit', '单位'],
-  'live.age': ['Age', '时长'], 'live.refresh': ['Refresh', '刷新'], 'live.type': ['Type', '类型'], 'live.at': ['Address', '地址'],
+  'live.age': ['Age', '时长'], 'live.refresh': ['Refresh', '刷新'], 'live.at': ['Address', '地址'],
   'live.none': ['No channel fits the filter.', '没有符合筛选的通道。'], 'live.never': ['never', '从未'], 'live.pin-row': ['Pin {path} on top', '将 {path} 置顶'],
   'live.pinned': ['Pinned', '已置顶'], 'live.description': ['Description', '说明'],
 } as const;
