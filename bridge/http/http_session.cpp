@@ -286,7 +286,10 @@ void HttpSession::send(std::shared_ptr<const std::string> bytes) {
 }
 
 void HttpSession::write() {
-  if (unsent_.empty()) return pieces_ ? next_piece() : finish_response();
+  if (unsent_.empty() && !pieces_) return finish_response();
+  // The timer alone does not end it: each part that the client receives sets the timer again.
+  if (steady_now() >= response_ends_) return on_late();
+  if (unsent_.empty()) return next_piece();
   const auto bytes = unsent_.front();
   stream_->write_some(asio::buffer(bytes->data() + sent_, bytes->size() - sent_),
                       [self = shared_from_this(), bytes](error_code fault, std::size_t count) {
