@@ -9,7 +9,7 @@
 #include "tests/tools/station/live/live_support.hpp"
 #include "tools/station/api/api_routes.hpp"
 #include "tools/station/api/base/exchange.hpp"
-#include "tools/station/http/route_table.hpp"
+#include "tools/station/web/route_table.hpp"
 
 namespace fieldcast::web {
 namespace {
@@ -34,20 +34,17 @@ class CountingCommands final : public CommandSink {
   std::uint64_t count = 0;
 };
 
-struct Api {
-  Api() {
+struct Resources {
+  Resources() {
     for (const char* name : {"oil", "speed"}) {
       model.on_channel(channel_of(name));
       model.on_sample(sample_of(name, 1.5));
     }
-    model.on_device_status(device_of("press", 1));
-    model.on_bus_status(bus_of("shop"));
-    model.on_read_plan(plan_of("shop"));
-    add_routes(table, {.model = model,
-                       .commands = commands,
-                       .database = nullptr,
-                       .store = nullptr,
-                       .recorder = nullptr,
+    model.put(device_of("press", 1));
+    model.put(bus_of("shop"));
+    model.put(plan_of("shop"));
+    add_routes(table, {.model = &model,
+                       .commands = &commands,
                        .now = [] { return UtcTime{1'000'000'000'000}; },
                        .metrics = [] { return std::vector<Metric>{}; }});
   }
@@ -78,7 +75,7 @@ void read_parameters(const HttpRequest& request) {
 
 void run_api(ByteView data) {
   if (data.empty()) return;
-  static Api api;
+  static Resources api;
   const std::string_view text(reinterpret_cast<const char*>(data.data()) + 1, data.size() - 1);
   const auto end = std::min(text.find('\n'), text.size());
   const auto target = parse_target(text.substr(0, end));

@@ -10,7 +10,7 @@
 #include "bridge/base/clock.hpp"
 #include "core/base/bytes.hpp"
 #include "tests/tools/station/web/memory_stream.hpp"
-#include "tools/station/web/http_server.hpp"
+#include "tools/station/web/station_server.hpp"
 
 namespace fieldcast::web {
 namespace {
@@ -67,15 +67,15 @@ void run_one(ByteView data) {
                        response.body = request.body;
                        reply(std::move(response));
                      }});
-  ServerLimits limits;
+  StationLimits limits;
   limits.socket.handshake = std::chrono::milliseconds{1};
   const auto make = [&](const Caller&, LivePeer& peer) {
     require(open && own_page);
     return std::make_unique<Protocol>(peer);
   };
-  HttpServer server(io, site, make, limits);
+  StationServer server(io, site, make, limits);
   const auto link = std::make_shared<MemoryLink>();
-  server.accept(std::make_unique<MemoryStream>(io, link), "127.0.0.1");
+  server.http().accept(std::make_unique<MemoryStream>(io, link), "127.0.0.1");
   while (!rest.empty() && !link->station_closed) {
     link->to_station += rest.substr(0, piece);
     rest.remove_prefix(std::min(piece, rest.size()));

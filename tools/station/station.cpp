@@ -20,11 +20,12 @@
 #include "bridge/store/store.hpp"
 #include "bridge/store/users/authenticator.hpp"
 #include "tools/station/api/administration.hpp"
+#include "tools/station/api/api_routes.hpp"
 #include "tools/station/api/base/database.hpp"
 #include "tools/station/live/live_domain.hpp"
 #include "tools/station/record/recorder.hpp"
-#include "tools/station/web/http_server.hpp"
 #include "tools/station/web/site.hpp"
+#include "tools/station/web/station_server.hpp"
 #include "tools/station/wiring.hpp"
 
 namespace fieldcast::web {
@@ -102,7 +103,7 @@ struct WebStation::State {
   std::unique_ptr<LiveDomain> domain;
   std::unique_ptr<Site> site;
   std::unique_ptr<UserWatch> users;
-  std::unique_ptr<HttpServer> server;
+  std::unique_ptr<StationServer> server;
   std::unique_ptr<Listener> listener;
 };
 
@@ -119,21 +120,8 @@ void WebStation::State::open_store() {
 }
 
 void WebStation::State::join_domain() {
-  DomainTap tap;
-  if (recorder) {
-    tap.channel = [this](const StationChannel& channel) { recorder->on_channel(channel); };
-    tap.gone = [this](const std::string& bus, const std::string& device,
-                      const std::string& channel) { recorder->on_gone(bus, device, channel); };
-    tap.sample = [this](const StationSample& sample) { recorder->on_sample(sample, utc_now()); };
-    tap.device_status = [this](const StationDeviceStatus& status) {
-      recorder->on_device_status(status);
-    };
-    tap.alarm_status = [this](const StationAlarmStatus& status) {
-      recorder->on_alarm_status(status, utc_now());
-    };
-  }
   domain = std::make_unique<LiveDomain>(io.context(), spec.sites, spec.name, version, store.get(),
-                                        std::move(tap));
+                                        recorder.get());
   servers_from = steady_now() + kServersAnswer;
 }
 
@@ -188,13 +176,18 @@ void WebStation::State::open_site(std::unique_ptr<TlsServer> tls) {
   site_spec.store = store != nullptr;
   site =
       std::make_unique<Site>(std::move(site_spec), SiteClock{steady_now, utc_now}, login_check());
-  server = std::make_unique<HttpServer>(io.context(), *site, domain->make_protocol());
-  server->serve(std::move(tls));
+  server = std::make_unique<StationServer>(io.context(), *site, domain->make_protocol());
+  server->http().serve(std::move(tls));
   users = std::make_unique<UserWatch>(io.context(), spec, *site, ask_users());
   users->look();
   add_page_routes(site->routes(), page_files());
-  add_api_routes(site->routes(),
-                 {*domain, database.get(), store.get(), recorder.get(), *server, utc_now});
+  add_routes(site->routes(), {.model = &domain->model(),
+                              .commands = &domain->commands(),
+                              .database = database.get(),
+                              .store = store.get(),
+                              .recorder = recorder.get(),
+                              .now = utc_now,
+                              .metrics = [this] { return metrics_of(*domain, *server); }});
 }
 
 void WebStation::State::tell_servers() {
@@ -239,7 +232,7 @@ tl::expected<void, WebStation::Fault> WebStation::start() {
     s.turning = std::make_unique<asio::steady_timer>(s.io.context());
     s.turn();
     s.listener = std::make_unique<Listener>(s.io.context(), [&s](asio::ip::tcp::socket socket) {
-      if (s.server) s.server->accept(std::move(socket));
+      if (s.server) s.server->http().accept(std::move(socket));
     });
     listening = s.listener->open(s.spec.web.listen);
   });
@@ -262,7 +255,7 @@ std::string WebStation::address() const {
 tl::expected<void, std::string> WebStation::renew_certificate() {
   auto tls = state_->tls_server();
   if (!tls) return tl::make_unexpected(tls.error());
-  state_->run([&] { state_->server->serve(*std::move(tls)); });
+  state_->run([&] { state_->server->http().serve(*std::move(tls)); });
   return {};
 }
 

@@ -4,13 +4,9 @@
 #include <chrono>
 #include <utility>
 
-#include "tools/station/api/api_routes.hpp"
-
 namespace fieldcast::web {
 
-namespace {
-
-std::vector<Metric> own_metrics(const LiveDomain& domain, const HttpServer& server) {
+std::vector<Metric> metrics_of(const LiveDomain& domain, const StationServer& server) {
   std::vector<Metric> all;
   const auto add = [&all](const char* name, bool counter, const char* help, auto value) {
     all.push_back({name, counter, help, static_cast<double>(value)});
@@ -35,25 +31,11 @@ std::vector<Metric> own_metrics(const LiveDomain& domain, const HttpServer& serv
     offset = std::max(offset, std::chrono::abs(bus->clock_ahead.value_or(Duration{})));
   add("largest_clock_offset_seconds", false,
       "Largest difference between the clocks of this station and of a bridge.", to_seconds(offset));
-  const ServerCounters web = server.counters();
+  const StationCounters web = server.counters();
   add("connections_total", true, "HTTP connections accepted.", web.connections);
   add("connections", false, "HTTP connections now.", web.open);
   add("turned_away_total", true, "Connections and clients beyond a limit.", web.turned_away);
   return all;
-}
-
-}  // namespace
-
-void add_api_routes(RouteTable& routes, const RouteNeeds& needs) {
-  add_routes(routes, {.model = needs.domain.model(),
-                      .commands = needs.domain.commands(),
-                      .database = needs.database,
-                      .store = needs.store,
-                      .recorder = needs.recorder,
-                      .now = needs.now,
-                      .metrics = [&domain = needs.domain, &server = needs.server] {
-                        return own_metrics(domain, server);
-                      }});
 }
 
 std::optional<Role> local_role_of(const StationSpec& spec, std::optional<std::size_t> users) {

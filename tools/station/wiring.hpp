@@ -6,29 +6,17 @@
 #include <string>
 #include <vector>
 
-#include "bridge/store/store.hpp"
 #include "bridge/store/users/user_table.hpp"
-#include "tools/station/api/base/database.hpp"
-#include "tools/station/http/route_table.hpp"
+#include "tools/station/api/administration.hpp"
 #include "tools/station/live/live_domain.hpp"
-#include "tools/station/record/recorder.hpp"
 #include "tools/station/settings/configuration.hpp"
-#include "tools/station/web/http_server.hpp"
 #include "tools/station/web/site.hpp"
+#include "tools/station/web/station_server.hpp"
 
 namespace fieldcast::web {
 
-// Must outlive the table. Pointers are null without a store or recorder.
-struct RouteNeeds {
-  LiveDomain& domain;
-  Database* database;
-  Store* store;
-  Recorder* recorder;
-  const HttpServer& server;
-  std::function<UtcTime()> now;
-};
-
-void add_api_routes(RouteTable& routes, const RouteNeeds& needs);
+// Counters of the live values and of the server, for /metrics.
+[[nodiscard]] std::vector<Metric> metrics_of(const LiveDomain& domain, const StationServer& server);
 
 // Reads the users of the store periodically. Ends logins of removed or changed users, and updates
 // the role of clients without a login. Runs on the io thread.

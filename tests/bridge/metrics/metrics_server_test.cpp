@@ -74,13 +74,13 @@ TEST_F(MetricsServerTest, GivesTheTextInTheFormatThatIsAccepted) {
   serve();
   const std::string older = response_to(kGetAndClose);
   EXPECT_THAT(older, StartsWith("HTTP/1.1 200 OK\r\n"));
-  EXPECT_THAT(older, HasSubstr("Content-Type: text/plain; version=0.0.4; charset=utf-8\r\n"));
+  EXPECT_THAT(older, HasSubstr("content-type: text/plain; version=0.0.4; charset=utf-8\r\n"));
   EXPECT_THAT(older, testing::EndsWith("\r\n\r\na 1\n"));
   const std::string open = response_to(
       "GET /metrics?x=1 HTTP/1.1\r\nHost: h\r\nAccept: "
       "application/openmetrics-text;version=1.0.0\r\n"
       "Connection: close\r\n\r\n");
-  EXPECT_THAT(open, HasSubstr("Content-Type: application/openmetrics-text; version=1.0.0"));
+  EXPECT_THAT(open, HasSubstr("content-type: application/openmetrics-text; version=1.0.0"));
   EXPECT_THAT(open, testing::EndsWith("# EOF\n"));
 }
 
@@ -127,7 +127,7 @@ TEST_F(MetricsServerTest, EverythingElseIsRefused) {
     const std::string response =
         response_to(fmt::format("{} /metrics HTTP/1.1\r\nHost: h\r\n\r\n", method));
     EXPECT_THAT(response, StartsWith("HTTP/1.1 405 ")) << method;
-    EXPECT_THAT(response, HasSubstr("Allow: GET\r\n")) << method;
+    EXPECT_THAT(response, HasSubstr("allow: GET\r\n")) << method;
   }
   EXPECT_THAT(response_to("POST /metrics HTTP/1.1\r\nContent-Length: 5\r\n\r\nhello"),
               StartsWith("HTTP/1.1 405 "));
@@ -183,6 +183,19 @@ TEST_F(MetricsServerTest, AClientThatNeverReadsIsCutAndHoldsUpNobody) {
   EXPECT_TRUE(eventually([&] { return open_descriptors() < both; })) << "it reads nothing so long";
   EXPECT_TRUE(never.is_closed());
   EXPECT_LT(never.receive("\nend\n").size(), text.size());
+}
+
+TEST_F(MetricsServerTest, ClientsThatReadNothingMakeWay) {
+  text = std::string(8 << 20, 'x');
+  serve();
+  std::list<TcpClient> clients;
+  for (std::size_t i = 0; i < limits.connections; ++i) {
+    clients.emplace_back(server->port());
+    clients.back().send(kGet);
+  }
+  TcpClient other(server->port());
+  other.send("GET /metrics HTTP/1.1\r\nHost: h\r\nAccept: application/openmetrics-text\r\n\r\n");
+  EXPECT_THAT(other.receive("# EOF\n"), StartsWith("HTTP/1.1 200 OK\r\n"));
 }
 
 TEST_F(MetricsServerTest, ATakenPortIsListenedAtOnceItIsFree) {

@@ -6,6 +6,7 @@
 #include "bridge/store/users/authenticator.hpp"
 #include "bridge/store/users/user_table.hpp"
 #include "core/base/json.hpp"
+#include "tools/station/api/api_routes.hpp"
 #include "tools/station/api/base/exchange.hpp"
 
 namespace fieldcast::web {
@@ -55,19 +56,22 @@ std::vector<Metric> metrics_of(const Database* database, const Store* store,
   return all;
 }
 
-void add_metrics_routes(RouteTable& table, const Database* database, const Store* store,
-                        const Recorder* recorder, std::function<std::vector<Metric>()> further) {
-  const auto handler = [=, further = std::move(further)](const HttpRequest&, const Caller&,
-                                                         const Reply& reply) {
-    std::vector<Metric> all = metrics_of(database, store, recorder);
-    const std::vector<Metric> more = further();
-    all.insert(all.end(), more.begin(), more.end());
-    HttpResponse response;
-    response.content_type = "text/plain; version=0.0.4; charset=utf-8";
-    response.body = metrics_text(all);
-    reply(std::move(response));
-  };
-  table.add({Method::kGet, "/metrics", Access::kViewer, handler});
+void show_metrics(const Api& api, const HttpRequest&, const Caller&, const Reply& reply) {
+  std::vector<Metric> all = metrics_of(api.database, api.store, api.recorder);
+  const std::vector<Metric> more = api.metrics();
+  all.insert(all.end(), more.begin(), more.end());
+  HttpResponse response;
+  response.content_type = "text/plain; version=0.0.4; charset=utf-8";
+  response.body = metrics_text(all);
+  reply(std::move(response));
+}
+
+void show_openapi(const Api&, const HttpRequest&, const Caller&, const Reply& reply) {
+  static const auto kText = std::make_shared<const std::string>(openapi_text());
+  HttpResponse response;
+  response.content_type = "application/yaml";
+  response.shared_body = kText;
+  reply(std::move(response));
 }
 
 namespace {
@@ -181,40 +185,31 @@ std::string list_json(std::string_view name, const Rows& rows, ToJson to_json) {
 
 }  // namespace
 
-void add_audit_routes(RouteTable& table, Database* database, std::function<UtcTime()> now) {
-  const auto handler = [database, now = std::move(now)](const HttpRequest& request, const Caller&,
-                                                        Reply reply) {
-    if (database == nullptr) return reply(no_store());
-    const Parameters parameters(request, {"from", "to", "limit"});
-    if (auto fault = parameters.fault()) return reply(*std::move(fault));
-    auto span = parameters.span(now(), kOneDay);
-    if (!span) return reply(std::move(span.error()));
-    auto limit = parameters.number("limit", 1, kMostEntries, 1000);
-    if (!limit) return reply(std::move(limit.error()));
-    database->answer(
-        [span = *span, limit = *limit, compress = request.accepts_gzip](SqlConnection& connection) {
-          std::vector<AuditEntry> entries;
-          EventTable(connection)
-              .newest_audit(span.from, span.to, limit,
-                            [&](const AuditEntry& entry) { entries.push_back(entry); });
-          return json_response(list_json("entries", entries, entry_json), compress);
-        },
-        std::move(reply));
-  };
-  table.add({Method::kGet, "/api/audit", Access::kOperator, handler});
+void show_audit(const Api& api, const HttpRequest& request, const Caller&, const Reply& reply) {
+  const Parameters parameters(request, {"from", "to", "limit"});
+  if (auto fault = parameters.fault()) return reply(*std::move(fault));
+  auto span = parameters.span(api.now(), kOneDay);
+  if (!span) return reply(std::move(span.error()));
+  auto limit = parameters.number("limit", 1, kMostEntries, 1000);
+  if (!limit) return reply(std::move(limit.error()));
+  api.database->answer(
+      [span = *span, limit = *limit, compress = request.accepts_gzip](SqlConnection& connection) {
+        std::vector<AuditEntry> entries;
+        EventTable(connection)
+            .newest_audit(span.from, span.to, limit,
+                          [&](const AuditEntry& entry) { entries.push_back(entry); });
+        return json_response(list_json("entries", entries, entry_json), compress);
+      },
+      reply);
 }
 
-void add_user_routes(RouteTable& table, Database* database) {
-  const auto handler = [database](const HttpRequest& request, const Caller&, Reply reply) {
-    if (database == nullptr) return reply(no_store());
-    if (auto fault = Parameters(request, {}).fault()) return reply(*std::move(fault));
-    database->answer(
-        [](SqlConnection& connection) {
-          return json_response(list_json("users", UserTable(connection).list(), user_json));
-        },
-        std::move(reply));
-  };
-  table.add({Method::kGet, "/api/users", Access::kOperator, handler});
+void show_users(const Api& api, const HttpRequest& request, const Caller&, const Reply& reply) {
+  if (auto fault = Parameters(request, {}).fault()) return reply(*std::move(fault));
+  api.database->answer(
+      [](SqlConnection& connection) {
+        return json_response(list_json("users", UserTable(connection).list(), user_json));
+      },
+      reply);
 }
 
 }  // namespace fieldcast::web

@@ -1,4 +1,5 @@
-// GET /metrics: the station's counters in the Prometheus text format 0.0.4. Runs on the io thread.
+// The station's counters in the Prometheus text format 0.0.4, and logins by token. Runs on the io
+// thread.
 #pragma once
 
 #include <functional>
@@ -8,9 +9,9 @@
 #include "bridge/store/records/records.hpp"
 #include "core/access/login.hpp"
 #include "tools/station/api/base/database.hpp"
-#include "tools/station/http/route_table.hpp"
 #include "tools/station/record/recorder.hpp"
 #include "tools/station/web/logins.hpp"
+#include "tools/station/web/route_table.hpp"
 
 namespace fieldcast::web {
 
@@ -25,10 +26,6 @@ struct Metric {
 // Returns the metrics of these objects; each pointer may be null.
 [[nodiscard]] std::vector<Metric> metrics_of(const Database* database, const Store* store,
                                              const Recorder* recorder);
-
-// `further` returns the metrics of the rest of the program. All arguments must outlive the table.
-void add_metrics_routes(RouteTable& table, const Database* database, const Store* store,
-                        const Recorder* recorder, std::function<std::vector<Metric>()> further);
 
 // Logs in by token from the store. Runs on the io thread and never blocks. Audits the token's name,
 // never the token. A peer that sends wrong tokens must wait.
@@ -58,11 +55,5 @@ class Tokens {
   const std::function<Instant()> now_;
   const std::shared_ptr<Shared> shared_ = std::make_shared<Shared>();
 };
-
-// GET /api/audit: the audit log, newest first. GET /api/users: the users without their hashes.
-
-// `now` is called on the io thread. `database` is null if the station has no store.
-void add_audit_routes(RouteTable& table, Database* database, std::function<UtcTime()> now);
-void add_user_routes(RouteTable& table, Database* database);
 
 }  // namespace fieldcast::web

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "bridge/http/http_message.hpp"
 #include "bridge/store/alarm_life_table.hpp"
 #include "core/base/json.hpp"
 #include "tools/station/api/administration.hpp"
@@ -10,28 +11,11 @@
 #include "tools/station/api/commands.hpp"
 #include "tools/station/api/export.hpp"
 #include "tools/station/api/history.hpp"
-#include "tools/station/http/http_message.hpp"
 #include "tools/station/model/live_json.hpp"
 
 namespace fieldcast::web {
 
 namespace {
-
-// Caches the whole catalogue as compressed JSON.
-class KeptCatalogue {
- public:
-  [[nodiscard]] std::shared_ptr<const std::string> whole(const LiveModel& model) {
-    if (!kept_ || version_ != model.catalogue_version()) {
-      version_ = model.catalogue_version();
-      kept_ = std::make_shared<const std::string>(packed(catalogue_json(model, 0)));
-    }
-    return kept_;
-  }
-
- private:
-  std::shared_ptr<const std::string> kept_;
-  std::uint64_t version_ = 0;
-};
 
 Checked<std::uint64_t> version_of(const HttpRequest& request) {
   const std::string text = request.parameter("after").value_or("0");
@@ -44,20 +28,35 @@ Checked<std::uint64_t> version_of(const HttpRequest& request) {
                      "give the version of the last response, or leave it out"));
 }
 
-void catalogue(const LiveModel& model, KeptCatalogue& kept, const HttpRequest& request,
-               const Reply& reply) {
+template <class Kind, class ToJson>
+void show_all(const Api& api, const HttpRequest& request, const Reply& reply, ToJson to_json) {
+  if (auto fault = Parameters(request, {}).fault()) return reply(*std::move(fault));
+  reply(json_response(
+      json_array(api.model->objects().all<Kind>(),
+                 [&](std::string& out, const Kind* object) { out += to_json(*object); }),
+      request.accepts_gzip));
+}
+
+}  // namespace
+
+void show_catalogue(const Api& api, const HttpRequest& request, const Caller&, const Reply& reply) {
   if (auto fault = Parameters(request, {"after"}).fault()) return reply(*std::move(fault));
   auto after = version_of(request);
   if (!after) return reply(std::move(after.error()));
+  const LiveModel& model = *api.model;
   if (*after != 0 || !request.accepts_gzip)
     return reply(json_response(catalogue_json(model, *after), request.accepts_gzip));
+  KeptCatalogue& kept = *api.catalogue;
+  if (!kept.json || kept.version != model.catalogue_version())
+    kept = {std::make_shared<const std::string>(packed(catalogue_json(model, 0))),
+            model.catalogue_version()};
   HttpResponse response;
-  response.shared_body = kept.whole(model);
+  response.shared_body = kept.json;
   response.headers.emplace_back("content-encoding", "gzip");
   reply(std::move(response));
 }
 
-void channels(const LiveModel& model, const HttpRequest& request, const Reply& reply) {
+void show_channels(const Api& api, const HttpRequest& request, const Caller&, const Reply& reply) {
   const Parameters parameters(request, {"pattern", "after", "limit"});
   if (auto fault = parameters.fault()) return reply(*std::move(fault));
   auto pattern = parameters.pattern("pattern");
@@ -75,7 +74,7 @@ void channels(const LiveModel& model, const HttpRequest& request, const Reply& r
   }
   std::string json = "[";
   std::uint32_t count = 0;
-  for (const LiveChannel* live : model.channels()) {
+  for (const LiveChannel* live : api.model->channels()) {
     const StationChannel& channel = live->channel;
     if (!pattern->matches(channel.bus, channel.device, channel.channel)) continue;
     if (after && ChannelPath{channel.bus, channel.device, channel.channel} <= *after) continue;
@@ -86,34 +85,20 @@ void channels(const LiveModel& model, const HttpRequest& request, const Reply& r
   reply(json_response(json + ']', request.accepts_gzip));
 }
 
-template <class Kind, class ToJson>
-Handler all_of(const LiveModel& model, ToJson to_json) {
-  return [&model, to_json](const HttpRequest& request, const Caller&, const Reply& reply) {
-    if (auto fault = Parameters(request, {}).fault()) return reply(*std::move(fault));
-    reply(json_response(
-        json_array(model.objects().all<Kind>(),
-                   [&](std::string& out, const Kind* object) { out += to_json(*object); }),
-        request.accepts_gzip));
-  };
+void show_buses(const Api& api, const HttpRequest& request, const Caller&, const Reply& reply) {
+  show_all<StationBusStatus>(api, request, reply, bus_json);
 }
 
-}  // namespace
+void show_devices(const Api& api, const HttpRequest& request, const Caller&, const Reply& reply) {
+  show_all<StationDeviceStatus>(api, request, reply, device_json);
+}
 
-void add_channel_routes(RouteTable& table, const LiveModel& model) {
-  const auto add = [&table](const char* path, Handler handler) {
-    table.add({Method::kGet, path, Access::kViewer, std::move(handler)});
-  };
-  add("/api/catalogue", [&model, kept = std::make_shared<KeptCatalogue>()](
-                            const HttpRequest& request, const Caller&, const Reply& reply) {
-    catalogue(model, *kept, request, reply);
-  });
-  add("/api/channels", [&model](const HttpRequest& request, const Caller&, const Reply& reply) {
-    channels(model, request, reply);
-  });
-  add("/api/buses", all_of<StationBusStatus>(model, bus_json));
-  add("/api/devices", all_of<StationDeviceStatus>(model, device_json));
-  add("/api/sessions", all_of<ProgramSessionReport>(model, session_json));
-  add("/api/bridges", all_of<StationBridge>(model, bridge_json));
+void show_sessions(const Api& api, const HttpRequest& request, const Caller&, const Reply& reply) {
+  show_all<ProgramSessionReport>(api, request, reply, session_json);
+}
+
+void show_bridges(const Api& api, const HttpRequest& request, const Caller&, const Reply& reply) {
+  show_all<StationBridge>(api, request, reply, bridge_json);
 }
 
 namespace {
@@ -135,14 +120,14 @@ std::string event_json(const AlarmLogEntry& entry) {
   return json.add("who", entry.who).add("note", entry.note).add("until_ms", entry.until).take();
 }
 
-void present(const LiveModel& model, const HttpRequest& request, const Reply& reply) {
+void show_present(const LiveModel& model, const HttpRequest& request, const Reply& reply) {
   const auto append = [](std::string& out, const LiveAlarm* alarm) { out += alarm_json(*alarm); };
   reply(json_response(
       JsonObject().add_json("alarms", json_array(model.objects().all<LiveAlarm>(), append)).take(),
       request.accepts_gzip));
 }
 
-void history(Database& database, UtcTime now, const HttpRequest& request, const Reply& reply) {
+void show_past(Database& database, UtcTime now, const HttpRequest& request, const Reply& reply) {
   const Parameters parameters(request, {"from", "to", "limit"});
   auto span = parameters.span(now, kOneDay);
   if (!span) return reply(std::move(span.error()));
@@ -163,50 +148,33 @@ void history(Database& database, UtcTime now, const HttpRequest& request, const 
 
 }  // namespace
 
-void add_alarm_routes(RouteTable& table, const LiveModel& model, Database* database,
-                      std::function<UtcTime()> now) {
-  const auto handler = [&model, database, now = std::move(now)](const HttpRequest& request,
-                                                                const Caller&, const Reply& reply) {
-    if (auto fault = Parameters(request, {"from", "to", "limit"}).fault())
-      return reply(*std::move(fault));
-    if (request.query.empty()) return present(model, request, reply);
-    if (database == nullptr) return reply(no_store());
-    history(*database, now(), request, reply);
-  };
-  table.add({Method::kGet, "/api/alarms", Access::kViewer, handler});
+void show_alarms(const Api& api, const HttpRequest& request, const Caller&, const Reply& reply) {
+  if (auto fault = Parameters(request, {"from", "to", "limit"}).fault())
+    return reply(*std::move(fault));
+  if (request.query.empty()) return show_present(*api.model, request, reply);
+  if (api.database == nullptr) return reply(no_store());
+  show_past(*api.database, api.now(), request, reply);
 }
 
-void add_plan_routes(RouteTable& table, const LiveModel& model) {
-  const auto handler = [&model](const HttpRequest& request, const Caller&, const Reply& reply) {
-    if (auto fault = Parameters(request, {"bus"}).fault()) return reply(*std::move(fault));
-    const auto bus = request.parameter("bus");
-    if (!bus) {
-      const auto append = [](std::string& out, const StationReadPlan* plan) {
-        out += read_plan_json(*plan);
-      };
-      return reply(json_response(json_array(model.objects().all<StationReadPlan>(), append),
-                                 request.accepts_gzip));
-    }
-    if (const StationReadPlan* plan = model.objects().read_plan(*bus))
-      return reply(json_response(read_plan_json(*plan), request.accepts_gzip));
-    reply(error_response(
-        404, "no bridge publishes a plan of this bus",
-        "GET /api/buses lists the buses; a bridge of an older version publishes none"));
-  };
-  table.add({Method::kGet, "/api/plan", Access::kViewer, handler});
+void show_plan(const Api& api, const HttpRequest& request, const Caller&, const Reply& reply) {
+  if (auto fault = Parameters(request, {"bus"}).fault()) return reply(*std::move(fault));
+  const auto bus = request.parameter("bus");
+  if (!bus) return show_all<StationReadPlan>(api, request, reply, read_plan_json);
+  if (const StationReadPlan* plan = api.model->objects().read_plan(*bus))
+    return reply(json_response(read_plan_json(*plan), request.accepts_gzip));
+  reply(error_response(
+      404, "no bridge publishes a plan of this bus",
+      "GET /api/buses lists the buses; a bridge of an older version publishes none"));
 }
 
-void add_routes(RouteTable& routes, const ApiNeeds& needs) {
-  add_alarm_routes(routes, needs.model, needs.database, needs.now);
-  add_audit_routes(routes, needs.database, needs.now);
-  add_channel_routes(routes, needs.model);
-  add_command_routes(routes, needs.model, needs.commands);
-  add_export_routes(routes, needs.database, needs.now);
-  add_history_routes(routes, needs.database, needs.now);
-  add_metrics_routes(routes, needs.database, needs.store, needs.recorder, needs.metrics);
-  add_openapi_routes(routes);
-  add_plan_routes(routes, needs.model);
-  add_user_routes(routes, needs.database);
+void add_routes(RouteTable& routes, Api given) {
+  const auto api = std::make_shared<const Api>(std::move(given));
+  for (const ApiRow& row : kApiRows)
+    routes.add({row.method, row.path, row.access,
+                [api, &row](const HttpRequest& request, const Caller& caller, const Reply& reply) {
+                  if (row.needs_store && api->database == nullptr) return reply(no_store());
+                  row.handler(*api, request, caller, reply);
+                }});
 }
 
 }  // namespace fieldcast::web

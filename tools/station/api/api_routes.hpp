@@ -1,44 +1,83 @@
-// State of the domain from the live model: GET /api/catalogue for the page; /api/channels, buses,
-// devices, sessions and bridges for scripts. Runs on the io thread.
+// The table of the routes that read and change a plant: method, path, access, handler. openapi.yaml
+// describes each of them, and its schemas. All run on the io thread.
 #pragma once
 
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bridge/http/http_message.hpp"
 #include "tools/station/api/administration.hpp"
 #include "tools/station/api/base/database.hpp"
-#include "tools/station/http/route_table.hpp"
 #include "tools/station/live/client_message.hpp"
 #include "tools/station/model/live_model.hpp"
+#include "tools/station/web/route_table.hpp"
 
 namespace fieldcast::web {
 
 inline constexpr std::uint32_t kMaxListed = 10'000;  // channels of one response
 
-// The model must outlive the table.
-void add_channel_routes(RouteTable& table, const LiveModel& model);
-
-// GET /api/alarms: current alarms from the live model; with `from` or `to` the history from the
-// store, newest first. Runs on the io thread.
-
-// `model` and `database` must outlive the table. `database` is null if the station has no store.
-void add_alarm_routes(RouteTable& table, const LiveModel& model, Database* database,
-                      std::function<UtcTime()> now);
-
-// GET /api/plan?bus=B: the active read plan of a bus; without `bus`, of all buses. On the io
-// thread.
-
-// The model must outlive the table.
-void add_plan_routes(RouteTable& table, const LiveModel& model);
-
-// Must outlive the table. Pointers are null without a store or recorder.
-struct ApiNeeds {
-  const LiveModel& model;
-  CommandSink& commands;
-  Database* database;
-  const Store* store;
-  const Recorder* recorder;
-  std::function<UtcTime()> now;
-  std::function<std::vector<Metric>()> metrics;  // counters of the rest of the program
+// The whole catalogue as compressed JSON.
+struct KeptCatalogue {
+  std::shared_ptr<const std::string> json;
+  std::uint64_t version = 0;
 };
 
-void add_routes(RouteTable& routes, const ApiNeeds& needs);
+// What the handlers use; it must outlive the table. Pointers are null without a store or recorder.
+struct Api {
+  const LiveModel* model = nullptr;
+  CommandSink* commands = nullptr;
+  Database* database = nullptr;
+  const Store* store = nullptr;
+  const Recorder* recorder = nullptr;
+  std::function<UtcTime()> now;
+  std::function<std::vector<Metric>()> metrics;  // counters of the rest of the program
+  std::shared_ptr<KeptCatalogue> catalogue = std::make_shared<KeptCatalogue>();
+  std::shared_ptr<std::atomic<int>> exports = std::make_shared<std::atomic<int>>(0);  // running
+};
+
+using ApiHandler = void(const Api& api, const HttpRequest& request, const Caller& caller,
+                        const Reply& reply);
+
+ApiHandler show_alarms, show_audit, show_bridges, show_buses, show_catalogue, show_channels,
+    show_devices, show_history, show_metrics, show_openapi, show_plan, show_result, show_sessions,
+    show_users, export_history;
+ApiHandler write_value, acknowledge_alarms, shelve_alarms, unshelve_alarms, maintain_device;
+
+struct ApiRow {
+  Method method;
+  const char* path;
+  Access access;
+  ApiHandler* handler;
+  bool needs_store = false;  // without a store: 404
+};
+
+inline constexpr ApiRow kApiRows[] = {
+    {Method::kGet, "/metrics", Access::kViewer, show_metrics},
+    {Method::kGet, "/api/alarms", Access::kViewer, show_alarms},
+    {Method::kPost, "/api/alarms/acknowledge", Access::kOperator, acknowledge_alarms},
+    {Method::kPost, "/api/alarms/maintenance", Access::kOperator, maintain_device},
+    {Method::kPost, "/api/alarms/shelve", Access::kOperator, shelve_alarms},
+    {Method::kPost, "/api/alarms/unshelve", Access::kOperator, unshelve_alarms},
+    {Method::kGet, "/api/audit", Access::kOperator, show_audit, true},
+    {Method::kGet, "/api/bridges", Access::kViewer, show_bridges},
+    {Method::kGet, "/api/buses", Access::kViewer, show_buses},
+    {Method::kGet, "/api/catalogue", Access::kViewer, show_catalogue},
+    {Method::kGet, "/api/channels", Access::kViewer, show_channels},
+    {Method::kPost, "/api/commands", Access::kOperator, write_value},
+    {Method::kGet, "/api/commands/result", Access::kOperator, show_result},
+    {Method::kGet, "/api/devices", Access::kViewer, show_devices},
+    {Method::kGet, "/api/export", Access::kViewer, export_history, true},
+    {Method::kGet, "/api/history", Access::kViewer, show_history, true},
+    {Method::kGet, "/api/openapi.yaml", Access::kViewer, show_openapi},
+    {Method::kGet, "/api/plan", Access::kViewer, show_plan},
+    {Method::kGet, "/api/sessions", Access::kViewer, show_sessions},
+    {Method::kGet, "/api/users", Access::kOperator, show_users, true},
+};
+
+void add_routes(RouteTable& routes, Api api);
 
 }  // namespace fieldcast::web

@@ -5,6 +5,7 @@
 #include "bridge/store/tiers/tier_table.hpp"
 #include "core/base/json.hpp"
 #include "tools/cli/view/record_view.hpp"
+#include "tools/station/api/api_routes.hpp"
 #include "tools/station/api/base/exchange.hpp"
 
 namespace fieldcast::web {
@@ -68,30 +69,24 @@ HttpResponse streamed(Database& database, ExportQuestion question,
 
 }  // namespace
 
-void add_export_routes(RouteTable& table, Database* database, std::function<UtcTime()> now) {
-  const auto handler = [database, now = std::move(now),
-                        running = std::make_shared<std::atomic<int>>(0)](
-                           const HttpRequest& request, const Caller&, Reply reply) {
-    if (database == nullptr) return reply(no_store());
-    const Parameters parameters(request, {"pattern", "from", "to", "format", "every"});
-    if (auto fault = parameters.fault()) return reply(*std::move(fault));
-    auto pattern = parameters.pattern("pattern");
-    if (!pattern) return reply(std::move(pattern.error()));
-    auto span = parameters.span(now(), kOneDay);
-    if (!span) return reply(std::move(span.error()));
-    auto json_lines = parameters.chosen("format", "csv", "jsonl");
-    if (!json_lines) return reply(std::move(json_lines.error()));
-    auto every = parameters.duration("every", kShortest);
-    if (!every) return reply(std::move(every.error()));
-    if (*running >= kMaxExports)
-      return reply(error_response(503, "too many exports are in progress",
-                                  "ask again when one of them has ended"));
-    reply(streamed(
-        *database,
-        {*std::move(pattern), span->from, span->to, *every, *json_lines, request.accepts_gzip},
-        running));
-  };
-  table.add({Method::kGet, "/api/export", Access::kViewer, handler});
+void export_history(const Api& api, const HttpRequest& request, const Caller&, const Reply& reply) {
+  const Parameters parameters(request, {"pattern", "from", "to", "format", "every"});
+  if (auto fault = parameters.fault()) return reply(*std::move(fault));
+  auto pattern = parameters.pattern("pattern");
+  if (!pattern) return reply(std::move(pattern.error()));
+  auto span = parameters.span(api.now(), kOneDay);
+  if (!span) return reply(std::move(span.error()));
+  auto json_lines = parameters.chosen("format", "csv", "jsonl");
+  if (!json_lines) return reply(std::move(json_lines.error()));
+  auto every = parameters.duration("every", kShortest);
+  if (!every) return reply(std::move(every.error()));
+  if (*api.exports >= kMaxExports)
+    return reply(error_response(503, "too many exports are in progress",
+                                "ask again when one of them has ended"));
+  reply(streamed(
+      *api.database,
+      {*std::move(pattern), span->from, span->to, *every, *json_lines, request.accepts_gzip},
+      api.exports));
 }
 
 Exporter::Exporter(ExportQuestion question) : question_(std::move(question)) {

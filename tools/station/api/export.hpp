@@ -4,18 +4,14 @@
 #include <optional>
 #include <string>
 
+#include "bridge/http/http_message.hpp"
+#include "bridge/store/sql/sql.hpp"
 #include "bridge/store/tiers/sample_table.hpp"
 #include "core/model/channel_pattern.hpp"
-#include "tools/station/api/base/database.hpp"
-#include "tools/station/http/http_message.hpp"
-#include "tools/station/http/route_table.hpp"
 
 namespace fieldcast::web {
 
 inline constexpr int kMaxExports = 4;
-
-// `now` runs on the io thread. `database`: null without a store; outlives the exports.
-void add_export_routes(RouteTable& table, Database* database, std::function<UtcTime()> now);
 
 // Writes stored samples or buckets in the lines of `fieldcast history --csv` and `--json`. Each
 // piece is a separate query, so a slow client blocks nobody. next() runs on the database thread,

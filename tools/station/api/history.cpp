@@ -3,6 +3,7 @@
 #include "bridge/store/tiers/tier_table.hpp"
 #include "core/base/cause.hpp"
 #include "core/base/json.hpp"
+#include "tools/station/api/api_routes.hpp"
 #include "tools/station/api/base/exchange.hpp"
 
 namespace fieldcast::web {
@@ -149,28 +150,22 @@ std::vector<HistorySeries> read_history(SqlConnection& connection,
   return all;
 }
 
-void add_history_routes(RouteTable& table, Database* database, std::function<UtcTime()> now) {
-  const auto handler = [database, now = std::move(now)](const HttpRequest& request, const Caller&,
-                                                        Reply reply) {
-    if (database == nullptr) return reply(no_store());
-    const Parameters parameters(request, {"channel", "from", "to", "points"});
-    if (auto fault = parameters.fault("channel")) return reply(*std::move(fault));
-    auto channels = parameters.channels("channel", kMaxHistoryChannels);
-    if (!channels) return reply(std::move(channels.error()));
-    auto span = parameters.span(now(), std::chrono::hours{1});
-    if (!span) return reply(std::move(span.error()));
-    auto points = parameters.number("points", 2, kMaxHistoryPoints, 1000);
-    if (!points) return reply(std::move(points.error()));
-    const HistoryQuestion question{*std::move(channels), span->from, span->to, *points};
-    database->answer(
-        [question, compress = request.accepts_gzip](SqlConnection& connection) {
-          return json_response(
-              history_json(question.from, question.to, read_history(connection, question)),
-              compress);
-        },
-        std::move(reply));
-  };
-  table.add({Method::kGet, "/api/history", Access::kViewer, handler});
+void show_history(const Api& api, const HttpRequest& request, const Caller&, const Reply& reply) {
+  const Parameters parameters(request, {"channel", "from", "to", "points"});
+  if (auto fault = parameters.fault("channel")) return reply(*std::move(fault));
+  auto channels = parameters.channels("channel", kMaxHistoryChannels);
+  if (!channels) return reply(std::move(channels.error()));
+  auto span = parameters.span(api.now(), std::chrono::hours{1});
+  if (!span) return reply(std::move(span.error()));
+  auto points = parameters.number("points", 2, kMaxHistoryPoints, 1000);
+  if (!points) return reply(std::move(points.error()));
+  const HistoryQuestion question{*std::move(channels), span->from, span->to, *points};
+  api.database->answer(
+      [question, compress = request.accepts_gzip](SqlConnection& connection) {
+        return json_response(
+            history_json(question.from, question.to, read_history(connection, question)), compress);
+      },
+      reply);
 }
 
 }  // namespace fieldcast::web

@@ -4,11 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "bridge/store/sql/sql.hpp"
 #include "bridge/store/tiers/bucket.hpp"
 #include "bridge/store/tiers/sample_table.hpp"
 #include "core/model/channel_pattern.hpp"
-#include "tools/station/api/base/database.hpp"
-#include "tools/station/http/route_table.hpp"
 
 namespace fieldcast::web {
 
@@ -50,8 +49,5 @@ struct HistoryQuestion {
 // more are aggregated to buckets.
 [[nodiscard]] std::vector<HistorySeries> read_history(SqlConnection& connection,
                                                       const HistoryQuestion& question);
-
-// `now` is called on the io thread. `database` is null if the station has no store.
-void add_history_routes(RouteTable& table, Database* database, std::function<UtcTime()> now);
 
 }  // namespace fieldcast::web

@@ -17,10 +17,10 @@
 #include <vector>
 
 #include "bridge/dds/topics/topic_values.hpp"
+#include "bridge/http/http_message.hpp"
 #include "core/base/time.hpp"
 #include "core/base/value.hpp"
 #include "core/model/channel_pattern.hpp"
-#include "tools/station/http/http_message.hpp"
 
 namespace fieldcast::web {
 

@@ -11,7 +11,7 @@
 #include <mutex>
 #include <string>
 #include <unordered_map>
-#include <variant>
+#include <utility>
 
 #include "tools/station/model/live_model.hpp"
 
@@ -29,19 +29,8 @@ class DomainInbox {
   void on_channel(const StationChannel& channel);
   void on_sample(const StationSample& sample);
   void on_gone(const std::string& bus, const std::string& device, const std::string& channel);
-  void on_bus_status(const StationBusStatus& status);
-  void on_bus_gone(const StationBusStatus& last);
-  void on_device_status(const StationDeviceStatus& status);
-  void on_device_gone(const StationDeviceStatus& last);
-  void on_alarm(const StationAlarm& alarm);
-  void on_alarm_gone(const StationAlarm& last);
-  void on_alarm_status(const StationAlarmStatus& status);
-  void on_alarm_status_gone(const StationAlarmStatus& last);
-  void on_session(const ProgramSessionReport& session);
-  void on_bridge(const StationBridge& bridge);
-  void on_bridge_gone(const StationBridge& last);
-  void on_read_plan(const StationReadPlan& plan);
-  void on_read_plan_gone(const std::string& bus);
+  void put(LiveObject object) { put_news({std::move(object), false}); }
+  void remove(LiveObject last) { put_news({std::move(last), true}); }
 
   void deliver(LiveModel& model, Instant now);
 
@@ -62,10 +51,8 @@ class DomainInbox {
     bool has_value = false;
     LiveValue value;
   };
-  using Object = std::variant<StationBusStatus, StationDeviceStatus, LiveAlarm,
-                              ProgramSessionReport, StationBridge, StationReadPlan>;
   struct ObjectNews {
-    Object object;
+    LiveObject object;
     bool gone = false;
   };
   struct Batch {
@@ -75,10 +62,11 @@ class DomainInbox {
   };
   // Returns null if the inbox is full. REQUIRES: mutex_ is held.
   PathNews* news_of(const PathView& path);
-  void put(std::string key, Object object, bool gone);
-  // Calls wake_ if it was not called since the last delivery. REQUIRES: mutex_ is not held.
-  void wake(bool first);
-  [[nodiscard]] bool mark();  // REQUIRES: mutex_ is held
+  void put_news(ObjectNews news);
+  // Calls `change` under the lock, and wake_ after it if a change waits that it was not called for.
+  // `change` returns whether it has changed the batch.
+  template <typename Change>
+  void apply(Change change);
 
   const Wake wake_;
   mutable std::mutex mutex_;

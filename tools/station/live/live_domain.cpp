@@ -34,6 +34,8 @@ class StationPort : public CommandPort {
   Sites& station_;
 };
 
+UtcTime utc_now() { return read_clocks().to_utc(steady_now()); }
+
 // Milliseconds of the clock, so that versions increase over restarts of the program.
 std::uint64_t first_version() {
   return static_cast<std::uint64_t>(read_clocks().utc.nanoseconds / 1'000'000);
@@ -43,9 +45,9 @@ std::uint64_t first_version() {
 
 struct LiveDomain::State {
   State(boost::asio::io_context& context, const std::vector<DdsSite>& sites,
-        const std::string& name, const std::string& version, Audit* audit, DomainTap also)
+        const std::string& name, const std::string& version, Audit* audit, Recorder* records)
       : io(context),
-        tap(std::move(also)),
+        recorder(records),
         live{model, frames, interests, desk, [] { return read_clocks().utc; }, version},
         desk(context, port, audit,
              [this](const CommandOutcome& outcome) { hub.on_outcome(outcome); }),
@@ -55,20 +57,9 @@ struct LiveDomain::State {
   void deliver();
   void watch();  // checks for overdue values
   void give_memory_back();
-  template <class Message, class Tap>
-  auto both(void (DomainInbox::*note)(const Message&), const Tap& also) {
-    return [this, note, &also](const Message& message) {
-      (inbox.*note)(message);
-      if (also) also(message);
-    };
-  }
-  template <class Message>
-  auto to_inbox(void (DomainInbox::*note)(const Message&)) {
-    return [this, note](const Message& message) { (inbox.*note)(message); };
-  }
 
   boost::asio::io_context& io;
-  const DomainTap tap;
+  Recorder* const recorder;                                   // called on DDS threads; may be null
   std::shared_ptr<bool> open = std::make_shared<bool>(true);  // posted tasks hold it weakly
   LiveModel model{first_version()};
   std::uint64_t trimmed_at = 0;  // number of forgotten channels at the last malloc_trim()
@@ -116,33 +107,48 @@ void LiveDomain::State::give_memory_back() {
 }
 
 void LiveDomain::State::listen() {
+  const auto put = [this](const auto& object) { inbox.put(object); };
+  const auto remove = [this](const auto& last) { inbox.remove(last); };
+  const auto put_alarm = [this](const auto& alarm) { inbox.put(live_alarm(alarm)); };
+  const auto remove_alarm = [this](const auto& last) { inbox.remove(live_alarm(last)); };
   station.on_result([this](const StationResult& result) { desk.on_result(result); });
-  station.subscribe_bridges(to_inbox(&DomainInbox::on_bridge),
-                            to_inbox(&DomainInbox::on_bridge_gone));
-  station.subscribe_bus_status(to_inbox(&DomainInbox::on_bus_status),
-                               to_inbox(&DomainInbox::on_bus_gone));
-  station.subscribe_device_status(both(&DomainInbox::on_device_status, tap.device_status),
-                                  to_inbox(&DomainInbox::on_device_gone));
-  station.subscribe_read_plans(to_inbox(&DomainInbox::on_read_plan),
-                               to_inbox(&DomainInbox::on_read_plan_gone));
-  station.subscribe_program_sessions(to_inbox(&DomainInbox::on_session));
-  station.subscribe_alarms(both(&DomainInbox::on_alarm, tap.alarm),
-                           to_inbox(&DomainInbox::on_alarm_gone));
-  station.subscribe_alarm_status(both(&DomainInbox::on_alarm_status, tap.alarm_status),
-                                 to_inbox(&DomainInbox::on_alarm_status_gone));
+  station.subscribe_bridges(put, remove);
+  station.subscribe_bus_status(put, remove);
+  station.subscribe_read_plans(
+      put, [this](const std::string& bus) { inbox.remove(StationReadPlan{.bus = bus}); });
+  station.subscribe_program_sessions(put);
+  station.subscribe_alarms(put_alarm, remove_alarm);
+  station.subscribe_device_status(
+      [this](const StationDeviceStatus& status) {
+        inbox.put(status);
+        if (recorder != nullptr) recorder->on_device_status(status);
+      },
+      remove);
+  station.subscribe_alarm_status(
+      [this](const StationAlarmStatus& status) {
+        inbox.put(live_alarm(status));
+        if (recorder != nullptr) recorder->on_alarm_status(status, utc_now());
+      },
+      remove_alarm);
   station.subscribe_channels(
-      both(&DomainInbox::on_channel, tap.channel),
+      [this](const StationChannel& channel) {
+        inbox.on_channel(channel);
+        if (recorder != nullptr) recorder->on_channel(channel);
+      },
       [this](const std::string& bus, const std::string& device, const std::string& channel) {
         inbox.on_gone(bus, device, channel);
-        if (tap.gone) tap.gone(bus, device, channel);
+        if (recorder != nullptr) recorder->on_gone(bus, device, channel);
       });
-  station.subscribe_samples(both(&DomainInbox::on_sample, tap.sample));
+  station.subscribe_samples([this](const StationSample& sample) {
+    inbox.on_sample(sample);
+    if (recorder != nullptr) recorder->on_sample(sample, utc_now());
+  });
 }
 
 LiveDomain::LiveDomain(boost::asio::io_context& io, const std::vector<DdsSite>& sites,
                        const std::string& name, const std::string& version, Audit* audit,
-                       DomainTap tap)
-    : state_(std::make_unique<State>(io, sites, name, version, audit, std::move(tap))) {
+                       Recorder* recorder)
+    : state_(std::make_unique<State>(io, sites, name, version, audit, recorder)) {
   state_->listen();
   state_->watch();
 }

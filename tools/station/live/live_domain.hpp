@@ -3,7 +3,6 @@
 // `audit` and the tap must outlive it.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <string>
 
@@ -14,26 +13,17 @@
 #include "tools/station/live/live_hub.hpp"
 #include "tools/station/live/live_peer.hpp"
 #include "tools/station/model/live_model.hpp"
+#include "tools/station/record/recorder.hpp"
 
 namespace fieldcast::web {
 
-// Receives each sample, for example to record it. Called on DDS threads; must not block. Null
-// functions are skipped.
-struct DomainTap {
-  std::function<void(const StationChannel&)> channel;
-  Station::OnGone gone;  // a channel was removed
-  std::function<void(const StationSample&)> sample;
-  std::function<void(const StationDeviceStatus&)> device_status;
-  std::function<void(const StationAlarm&)> alarm;
-  std::function<void(const StationAlarmStatus&)> alarm_status;
-};
-
 class LiveDomain {
  public:
-  // Joins the domains of all sites. Throws DdsError.
+  // Joins the domains of all sites. Throws DdsError. `audit` and `recorder` may be null, and must
+  // outlive this object.
   LiveDomain(boost::asio::io_context& io, const std::vector<DdsSite>& sites,
              const std::string& name, const std::string& version, Audit* audit = nullptr,
-             DomainTap tap = {});
+             Recorder* recorder = nullptr);
   ~LiveDomain();
   LiveDomain(const LiveDomain&) = delete;
   LiveDomain& operator=(const LiveDomain&) = delete;

@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "bridge/http/http_message.hpp"
 #include "core/base/time.hpp"
-#include "tools/station/http/http_message.hpp"
 
 namespace fieldcast::web {
 

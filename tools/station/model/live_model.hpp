@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "bridge/dds/topics/topic_values.hpp"
@@ -100,19 +101,8 @@ class LiveModel {
   // A value is overdue after this many refreshes, and at least after this time for the transport.
   static constexpr int kPatienceRefreshes = 2;
   static constexpr Duration kPatience = std::chrono::seconds{2};
-  void on_bus_status(const StationBusStatus& status) { objects_.put(status); }
-  void on_bus_gone(const std::string& bus) { objects_.remove_bus(bus); }
-  void on_device_status(const StationDeviceStatus& status) { objects_.put(status); }
-  void on_device_gone(const std::string& bus, const std::string& device) {
-    objects_.remove_device(bus, device);
-  }
-  void on_alarm(const LiveAlarm& alarm) { objects_.put(alarm); }
-  void on_alarm_gone(const LiveAlarm& alarm) { objects_.remove(alarm); }
-  void on_session(const ProgramSessionReport& session) { objects_.put(session); }
-  void on_bridge(const StationBridge& bridge) { objects_.put(bridge); }
-  void on_bridge_gone(const std::string& bridge) { objects_.remove_bridge(bridge); }
-  void on_read_plan(const StationReadPlan& plan) { objects_.put(plan); }
-  void on_read_plan_gone(const std::string& bus) { objects_.remove_read_plan(bus); }
+  void put(LiveObject object) { objects_.put(std::move(object)); }
+  void remove(const LiveObject& object) { objects_.remove(object); }
 
   // Null if never announced or forgotten. The channel may have been removed.
   [[nodiscard]] const LiveChannel* find(const PathView& path) const;

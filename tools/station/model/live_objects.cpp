@@ -9,13 +9,25 @@ namespace fieldcast::web {
 namespace {
 
 // The first byte is the kind; the names are separated by a byte that no name contains.
-std::string key_of(char kind, const std::string& a, const std::string& b = {}) {
+std::string joined(char kind, const std::string& a, const std::string& b = {}) {
   return std::string(1, kind) + a + '\x1F' + b;
 }
-std::string key_of(const LiveAlarm& alarm) {
-  return key_of('a', alarm.bus, alarm.device + '\x1F' + alarm.channel + '\x1F') +
-         std::string(to_text(alarm.limit));
-}
+
+struct KeyOf {
+  std::string operator()(const StationBusStatus& bus) const { return joined('b', bus.bus); }
+  std::string operator()(const StationDeviceStatus& device) const {
+    return joined('d', device.bus, device.device);
+  }
+  std::string operator()(const LiveAlarm& alarm) const {
+    return joined('a', alarm.bus, alarm.device + '\x1F' + alarm.channel + '\x1F') +
+           std::string(to_text(alarm.limit));
+  }
+  std::string operator()(const ProgramSessionReport& session) const {
+    return joined('s', session.bus, session.device);
+  }
+  std::string operator()(const StationBridge& bridge) const { return joined('r', bridge.bridge); }
+  std::string operator()(const StationReadPlan& plan) const { return joined('p', plan.bus); }
+};
 
 // Returns whether the reports differ only in details that the page does not show.
 bool looks_the_same(const DeviceReport& a, const DeviceReport& b) {
@@ -48,7 +60,21 @@ struct MessageOf {
   }
 };
 
+bool is_clear(const LiveAlarm& alarm) {
+  return alarm.state == "clear" && !alarm.active && alarm.suppressed.empty() &&
+         alarm.shelved_until.nanoseconds == 0;
+}
+
+// Returns whether `last` must stay: it is detailed, and the report of the same alarm is not.
+bool outranks(const LiveObject* last, const LiveObject& report) {
+  const auto* const alarm = std::get_if<LiveAlarm>(&report);
+  return last != nullptr && alarm != nullptr && !alarm->detailed &&
+         std::get<LiveAlarm>(*last).detailed;
+}
+
 }  // namespace
+
+std::string key_of(const LiveObject& object) { return std::visit(KeyOf{}, object); }
 
 LiveAlarm live_alarm(const StationAlarm& alarm) {
   LiveAlarm live;
@@ -95,96 +121,71 @@ void LiveObjects::touch(Entry& entry) {
   changed_.splice(changed_.end(), changed_, entry.changed);
 }
 
-void LiveObjects::put(const std::string& key, Object object, bool quietly) {
-  const std::size_t kind = object.index();
-  auto found = entries_.find(key);
-  if (found == entries_.end()) {
-    if (counts_[kind] >= kMaxObjects) {
-      ++refused_;
-      return;
-    }
-    ++counts_[kind];
-    found = entries_.try_emplace(key).first;
-    found->second.changed = changed_.insert(changed_.end(), &found->second);
-  }
-  Entry& entry = found->second;
-  entry.object = std::move(object);
-  if (std::exchange(entry.gone, false)) gone_.remove(key);
-  if (!quietly) touch(entry);
-}
-
-void LiveObjects::put(const StationBusStatus& bus) { put(key_of('b', bus.bus), bus); }
-
-void LiveObjects::put(const StationDeviceStatus& device) {
-  const std::string key = key_of('d', device.bus, device.device);
+const LiveObject* LiveObjects::present(const std::string& key) const {
   const auto found = entries_.find(key);
-  bool quietly = false;
-  if (found != entries_.end() && !found->second.gone) {
-    const auto& last = std::get<StationDeviceStatus>(found->second.object);
-    const std::int64_t passed = device.reported_at.nanoseconds - found->second.told_at.nanoseconds;
-    // If the clock was set back, the device is reported.
-    quietly =
-        looks_the_same(last.report, device.report) && passed >= 0 && passed < kDevicePeriod.count();
+  return found == entries_.end() || found->second.gone ? nullptr : &found->second.object;
+}
+
+LiveObjects::Entry* LiveObjects::entry_of(const std::string& key, std::size_t kind) {
+  if (const auto found = entries_.find(key); found != entries_.end()) return &found->second;
+  if (counts_[kind] >= kMaxObjects) {
+    ++refused_;
+    return nullptr;
   }
-  put(key, device, quietly);
-  if (quietly) return;
-  if (const auto put_now = entries_.find(key); put_now != entries_.end())
-    put_now->second.told_at = device.reported_at;
+  ++counts_[kind];
+  Entry& entry = entries_[key];
+  entry.changed = changed_.insert(changed_.end(), &entry);
+  return &entry;
 }
 
-void LiveObjects::put(const LiveAlarm& alarm) {
-  const std::string key = key_of(alarm);
-  if (const auto found = entries_.find(key); found != entries_.end() && !found->second.gone &&
-                                             !alarm.detailed &&
-                                             std::get<LiveAlarm>(found->second.object).detailed)
-    return;
-  const bool clear = alarm.state == "clear" && !alarm.active && alarm.suppressed.empty() &&
-                     alarm.shelved_until.nanoseconds == 0;
+void LiveObjects::put(LiveObject object) {
+  const std::string key = key_of(object);
+  const LiveObject* const last = present(key);
+  if (outranks(last, object)) return;
+  const auto* const alarm = std::get_if<LiveAlarm>(&object);
+  const bool clear = alarm != nullptr && is_clear(*alarm);
   if (clear && !entries_.contains(key)) return;
-  put(key, alarm);
-  if (clear) remove(key);
+  if (const auto* const plan = std::get_if<StationReadPlan>(&object);
+      plan != nullptr && last != nullptr && std::get<StationReadPlan>(*last).plan == plan->plan)
+    return;
+  Entry* const entry = entry_of(key, object.index());
+  if (entry == nullptr) return;
+  bool quietly = false;
+  if (const auto* const device = std::get_if<StationDeviceStatus>(&object)) {
+    const std::int64_t passed = device->reported_at.nanoseconds - entry->told_at.nanoseconds;
+    // If the clock was set back, the device is reported.
+    quietly = last != nullptr && passed >= 0 && passed < kDevicePeriod.count() &&
+              looks_the_same(std::get<StationDeviceStatus>(*last).report, device->report);
+    if (!quietly) entry->told_at = device->reported_at;
+  }
+  entry->object = std::move(object);
+  if (std::exchange(entry->gone, false)) gone_.remove(key);
+  if (!quietly) touch(*entry);
+  if (clear) remove_entry(key);
 }
 
-void LiveObjects::put(const ProgramSessionReport& session) {
-  put(key_of('s', session.bus, session.device), session);
-}
-
-void LiveObjects::put(const StationBridge& bridge) { put(key_of('r', bridge.bridge), bridge); }
-
-void LiveObjects::put(const StationReadPlan& plan) {
-  const StationReadPlan* last = read_plan(plan.bus);
-  if (last == nullptr || last->plan != plan.plan) put(key_of('p', plan.bus), plan);
-}
-
-void LiveObjects::remove(const LiveAlarm& alarm) {
-  const std::string key = key_of(alarm);
+void LiveObjects::remove(const LiveObject& object) {
+  const std::string key = key_of(object);
   const auto found = entries_.find(key);
   if (found == entries_.end() || found->second.gone) return;
-  if (!alarm.detailed && std::get<LiveAlarm>(found->second.object).detailed) return;
-  // The last message reports the alarm as clear.
-  auto& last = std::get<LiveAlarm>(found->second.object);
-  last.state = "clear";
-  last.active = false;
-  remove(key);
+  LiveObject& last = found->second.object;
+  if (outranks(&last, object)) return;
+  if (auto* const alarm = std::get_if<LiveAlarm>(&last)) {  // the last message reports it as clear
+    alarm->state = "clear";
+    alarm->active = false;
+  }
+  remove_entry(key);
 }
-
-void LiveObjects::remove_bus(const std::string& bus) { remove(key_of('b', bus)); }
-void LiveObjects::remove_device(const std::string& bus, const std::string& device) {
-  remove(key_of('d', bus, device));
-}
-void LiveObjects::remove_bridge(const std::string& bridge) { remove(key_of('r', bridge)); }
-void LiveObjects::remove_read_plan(const std::string& bus) { remove(key_of('p', bus)); }
 
 const StationReadPlan* LiveObjects::read_plan(const std::string& bus) const {
-  const auto found = entries_.find(key_of('p', bus));
-  if (found == entries_.end() || found->second.gone) return nullptr;
-  return &std::get<StationReadPlan>(found->second.object);
+  const LiveObject* const found = present(joined('p', bus));
+  return found == nullptr ? nullptr : &std::get<StationReadPlan>(*found);
 }
 
-void LiveObjects::remove(const std::string& key) {
-  const auto found = entries_.find(key);
-  if (found == entries_.end() || std::exchange(found->second.gone, true)) return;
-  touch(found->second);
+void LiveObjects::remove_entry(const std::string& key) {
+  Entry& entry = entries_.at(key);
+  entry.gone = true;
+  touch(entry);
   gone_.push_back(key);
   if (gone_.size() > kMaxGone) forget_oldest();
 }

@@ -39,6 +39,11 @@ struct LiveAlarm {
 [[nodiscard]] LiveAlarm live_alarm(const StationAlarm& alarm);
 [[nodiscard]] LiveAlarm live_alarm(const StationAlarmStatus& status);
 
+using LiveObject = std::variant<StationBusStatus, StationDeviceStatus, LiveAlarm,
+                                ProgramSessionReport, StationBridge, StationReadPlan>;
+// Kind and names, which are the same for each report of an object.
+[[nodiscard]] std::string key_of(const LiveObject& object);
+
 class LiveObjects {
  public:
   // Further objects are refused and counted.
@@ -47,23 +52,11 @@ class LiveObjects {
   // An unchanged device is reported again after this time, measured by its reports.
   static constexpr Duration kDevicePeriod = std::chrono::seconds{2};
 
-  using Object = std::variant<StationBusStatus, StationDeviceStatus, LiveAlarm,
-                              ProgramSessionReport, StationBridge, StationReadPlan>;
-
-  void put(const StationBusStatus& bus);
-  void put(const StationDeviceStatus& device);
-  // Removes a clear alarm unless shelved or suppressed. A report without details does not change a
-  // detailed one.
-  void put(const LiveAlarm& alarm);
-  void put(const ProgramSessionReport& session);
-  void put(const StationBridge& bridge);
-  // Clients receive only a notice of the new plan.
-  void put(const StationReadPlan& plan);
-  void remove(const LiveAlarm& alarm);
-  void remove_bus(const std::string& bus);
-  void remove_device(const std::string& bus, const std::string& device);
-  void remove_bridge(const std::string& bridge);
-  void remove_read_plan(const std::string& bus);
+  // A clear alarm is removed unless shelved or suppressed; an alarm without details does not change
+  // a detailed one. Of a read plan, clients receive only a notice that it has changed.
+  void put(LiveObject object);
+  // Only the names of the object count, and whether an alarm is detailed.
+  void remove(const LiveObject& object);
 
   // Null if unknown.
   [[nodiscard]] const StationReadPlan* read_plan(const std::string& bus) const;
@@ -92,15 +85,17 @@ class LiveObjects {
 
  private:
   struct Entry {
-    Object object;
+    LiveObject object;
     bool gone = false;
     std::uint64_t version = 0;
     UtcTime told_at;          // device: reported_at of the last report sent to clients
     mutable Message message;  // null: not encoded yet
     std::list<Entry*>::iterator changed;
   };
-  void put(const std::string& key, Object object, bool quietly = false);
-  void remove(const std::string& key);
+  [[nodiscard]] const LiveObject* present(const std::string& key) const;
+  // Returns null if the object is one too many.
+  [[nodiscard]] Entry* entry_of(const std::string& key, std::size_t kind);
+  void remove_entry(const std::string& key);
   void touch(Entry& entry);
   void forget_oldest();
 

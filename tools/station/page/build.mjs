@@ -19,7 +19,7 @@ const largest_kb = 60;
 async function bundle() {
   const { build } = createRequire(join(modules, 'x'))('esbuild');
   const result = await build({
-    entryPoints: [join(here, 'src/main.ts'), join(here, 'app.css')],
+    entryPoints: [join(here, 'src/main.ts')],
     entryNames: 'app',
     outdir: join(here, 'out'),
     bundle: true,
@@ -63,7 +63,7 @@ const array = (file, index) => {
   return `constexpr unsigned char kFile${index}[] = {\n${numbers.join('\n')}\n};`;
 };
 writeFileSync(output, `// Made by tools/station/page/build.mjs: ${total} bytes in all.
-#include "tools/station/http/embedded_file.hpp"
+#include "tools/station/web/embedded_file.hpp"
 
 namespace fieldcast::web {
 namespace {

@@ -5,8 +5,9 @@
 #include <memory>
 #include <string>
 
+#include "bridge/net/byte_stream.hpp"
 #include "tools/station/live/live_peer.hpp"
-#include "tools/station/web/http_session.hpp"
+#include "tools/station/web/site.hpp"
 
 namespace fieldcast::web {
 
@@ -14,6 +15,12 @@ struct LiveLimits {
   std::size_t message_bytes = 4 * 1024;           // maximum message of the client
   Duration handshake = std::chrono::seconds{10};  // also limits the closing handshake
   Duration idle = std::chrono::seconds{120};      // no byte received, not even a pong
+};
+
+struct LiveRequest {
+  std::unique_ptr<ByteStream> stream;
+  std::string head;  // request header, which the WebSocket library parses again
+  Site::Upgrade who;
 };
 
 class LiveSocket {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/json.hpp"
-#include "tools/station/http/route_table.hpp"
+#include "tools/station/web/route_table.hpp"
 #include "tools/station/web/site.hpp"
 
 namespace fieldcast::web {

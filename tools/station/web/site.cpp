@@ -2,16 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <exception>
 
+#include "bridge/http/http_message.hpp"
 #include "bridge/log/log.hpp"
-#include "tools/station/http/http_message.hpp"
 
 namespace fieldcast::web {
 
 namespace {
 
 constexpr std::string_view kLive = "/live";
+constexpr std::string_view kSubprotocol = "fieldcast.1";
 
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
@@ -62,6 +64,39 @@ Site::Site(SiteSpec spec, SiteClock clock, LoginCheck logins)
         if (ended_) ended_(id);
       }) {
   add_own_routes();
+}
+
+namespace {
+
+// Only the station's own files; only lit-html may create markup from text.
+constexpr std::string_view kPolicy =
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
+    "connect-src 'self'; font-src 'self'; manifest-src 'self'; base-uri 'none'; "
+    "form-action 'none'; require-trusted-types-for 'script'; trusted-types lit-html; "
+    "frame-ancestors ";
+
+}  // namespace
+
+SecurityHeaders::SecurityHeaders(bool tls, const std::vector<std::string>& embed)
+    : tls_(tls), policy_(std::string(kPolicy) + "'none'"), embed_policy_(kPolicy) {
+  embed_policy_ += embed.empty() ? "'none'" : "'self'";
+  for (const std::string& site : embed) embed_policy_ += ' ' + site;
+}
+
+void SecurityHeaders::add_to(HttpResponse& response, const std::string& path) const {
+  const auto add = [&](const char* name, const std::string& value) {
+    const auto known = std::ranges::find(response.headers, name, &TextPairs::value_type::first);
+    if (known == response.headers.end()) response.headers.emplace_back(name, value);
+  };
+  const bool embedded = path == "/embed" || path.starts_with("/embed/");
+  add("content-security-policy", embedded ? embed_policy_ : policy_);
+  add("x-content-type-options", "nosniff");
+  add("referrer-policy", "no-referrer");
+  add("cross-origin-opener-policy", "same-origin");
+  add("cross-origin-resource-policy", "same-origin");
+  add("permissions-policy", "camera=(), geolocation=(), microphone=()");
+  add("cache-control", "no-store");
+  if (tls_) add("strict-transport-security", "max-age=31536000");
 }
 
 void Site::set_local_role(std::optional<Role> role) {
@@ -172,6 +207,12 @@ tl::expected<Site::Upgrade, HttpResponse> Site::upgrade(const RawRequest& raw) {
   const Known who = known(raw);
   if (!who.caller)
     return refuse(error_response(401, "login required", "log in with POST /api/login"));
+  bool speaks = false;
+  for (std::string_view left = raw.subprotocols; !left.empty() && !speaks;)
+    speaks = next_part(left, ',') == kSubprotocol;
+  if (!speaks)
+    return refuse(
+        error_response(400, "no such subprotocol", fmt::format("ask for {}", kSubprotocol)));
   return Upgrade{*who.caller, who.login};
 }
 

@@ -11,23 +11,12 @@
 #include <vector>
 
 #include "core/model/program_spec.hpp"
-#include "tools/station/http/embedded_file.hpp"
-#include "tools/station/http/route_table.hpp"
 #include "tools/station/settings/origin_check.hpp"
-#include "tools/station/web/http_guard.hpp"
+#include "tools/station/web/embedded_file.hpp"
 #include "tools/station/web/logins.hpp"
+#include "tools/station/web/route_table.hpp"
 
 namespace fieldcast::web {
-
-// A request as received, before any check.
-struct RawRequest {
-  std::string method, target;
-  std::vector<std::string> hosts;  // all Host headers
-  std::optional<std::string> origin;
-  std::string content_type, cookie, accept_encoding, if_none_match;
-  std::string body;
-  std::string peer;  // address without the port
-};
 
 struct SiteSpec {
   ListenSpec listen;  // with the bound port
@@ -41,6 +30,21 @@ struct SiteSpec {
 struct SiteClock {
   std::function<Instant()> now;
   std::function<UtcTime()> utc;
+};
+
+// Security headers of every response: a browser accepts only files of the station. Pure.
+
+class SecurityHeaders {
+ public:
+  // `embed`: the sites that may show /embed in a frame ("https://wiki.plant").
+  SecurityHeaders(bool tls, const std::vector<std::string>& embed);
+
+  // Keeps headers that the response already has.
+  void add_to(HttpResponse& response, const std::string& path) const;
+
+ private:
+  const bool tls_;
+  std::string policy_, embed_policy_;
 };
 
 class Site {

@@ -13,8 +13,8 @@ TEST_F(AlarmsApiTest, ThePresentComesFromTheModel) {
   alarm.bus = "line";
   alarm.state = "unacknowledged";
   alarm.active = true;
-  model.on_alarm(alarm);
-  add_alarm_routes(table_, model, nullptr, now());
+  model.put(alarm);
+  add_routes(table_, {.model = &model, .now = now()});
   EXPECT_EQ(json("/api/alarms").at("alarms").at(0).at("bus"), "line");
   EXPECT_EQ(ask("/api/alarms?from=1h").status, 404u) << "there is no store";
   EXPECT_EQ(ask("/api/alarms?form=1h").status, 400u);
@@ -34,7 +34,7 @@ TEST_F(AlarmsApiTest, TheHistoryTellsTheNewestFirstAndNothingTwice) {
     }
   });
   const LiveModel model;
-  add_alarm_routes(table_, model, database(), now());
+  add_routes(table_, {.model = &model, .database = database(), .now = now()});
   const auto events = json("/api/alarms?from=1h").at("events");
   ASSERT_EQ(events.size(), 2u);
   EXPECT_EQ(events[0].at("event"), "acknowledged");

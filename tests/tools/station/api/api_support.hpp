@@ -18,7 +18,7 @@
 #include "tests/bridge/store/scratch.hpp"
 #include "tests/bridge/store/store_support.hpp"
 #include "tools/station/api/base/database.hpp"
-#include "tools/station/http/route_table.hpp"
+#include "tools/station/web/route_table.hpp"
 
 namespace fieldcast::web::test {
 

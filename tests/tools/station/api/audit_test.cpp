@@ -1,6 +1,7 @@
 #include "bridge/store/users/user_table.hpp"
 #include "tests/tools/station/api/api_support.hpp"
 #include "tools/station/api/administration.hpp"
+#include "tools/station/api/api_routes.hpp"
 
 namespace fieldcast::web {
 namespace {
@@ -17,7 +18,7 @@ TEST_F(AuditApiTest, TheNewestEntriesComeFirst) {
                  .target = "line/d/c",
                  .result = "done"});
   });
-  add_audit_routes(table_, database(), now());
+  add_routes(table_, {.database = database(), .now = now()});
   const auto entries = json("/api/audit?limit=2").at("entries");
   ASSERT_EQ(entries.size(), 2u);
   EXPECT_EQ(entries[0].at("what"), "write 4");
@@ -27,8 +28,7 @@ TEST_F(AuditApiTest, TheNewestEntriesComeFirst) {
 }
 
 TEST_F(AuditApiTest, OnlyOperatorsSeeTheAuditAndTheUsers) {
-  add_audit_routes(table_, nullptr, now());
-  add_user_routes(table_, nullptr);
+  add_routes(table_, {});
   for (const char* const path : {"/api/audit", "/api/users"}) {
     const auto refused = table_.find(Method::kGet, path, Role::kViewer);
     ASSERT_FALSE(refused);
@@ -41,7 +41,7 @@ TEST_F(AuditApiTest, UsersAreShownWithoutTheirHashes) {
     const auto connection = open_store(address(), IfMissing::kCreate);
     ASSERT_TRUE(UserTable(*connection).add("anna", Role::kOperator, "a long password", utc(1)));
   }
-  add_user_routes(table_, database());
+  add_routes(table_, {.database = database()});
   const HttpResponse response = ask("/api/users");
   EXPECT_EQ(response.body,
             R"({"users":[{"user":"anna","role":"operator","created_ms":1700000001000}]})");

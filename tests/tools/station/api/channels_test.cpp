@@ -22,7 +22,7 @@ class ChannelsApiTest : public test::ApiTest {
     announce("d-1", "a");
     announce("d", "b");
     announce("d", "a");
-    add_channel_routes(table_, model_);
+    add_routes(table_, {.model = &model_});
   }
   [[nodiscard]] std::string names(const std::string& query) {
     std::string text;
@@ -73,11 +73,11 @@ TEST_F(ChannelsApiTest, WhatElseTheDomainReportsIsListed) {
   StationBusStatus bus;
   bus.bus = "line";
   bus.bridge = "b1";
-  model_.on_bus_status(bus);
+  model_.put(bus);
   StationDeviceStatus device;
   device.bus = "line";
   device.device = "d";
-  model_.on_device_status(device);
+  model_.put(device);
   EXPECT_EQ(json("/api/buses").at(0).at("bus"), "line");
   EXPECT_EQ(json("/api/devices").at(0).at("device"), "d");
   EXPECT_EQ(json("/api/sessions").size(), 0u);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "tests/tools/station/api/api_support.hpp"
+#include "tools/station/api/api_routes.hpp"
 
 namespace fieldcast::web {
 namespace {
@@ -27,7 +28,7 @@ class ExportApiTest : public test::ApiTest {
         }
       }
     });
-    add_export_routes(table_, database(), now());
+    add_routes(table_, {.database = database(), .now = now()});
   }
   static std::vector<std::string> lines_of(const std::string& text) {
     std::vector<std::string> lines;
@@ -67,7 +68,7 @@ TEST_F(ExportApiTest, SamplesOfOneInstantAreNeitherLostNorToldTwiceBetweenParts)
       to.put(std::span(&row, 1));
     }
   });
-  add_export_routes(table_, database(), now());
+  add_routes(table_, {.database = database(), .now = now()});
   const auto lines =
       lines_of(all_of(ask("/api/export?format=jsonl&from=0&to=1700009000000")).first);
   ASSERT_EQ(lines.size(), 6000u);
@@ -124,7 +125,7 @@ TEST_F(ExportApiTest, AClientThatLeavesInTheMiddleIsNoFault) {
 }
 
 TEST_F(ExportApiTest, AStoreThatBreaksOffSaysSoInTheLastLine) {
-  add_export_routes(table_, database(), now());
+  add_routes(table_, {.database = database(), .now = now()});
   const HttpResponse response = ask("/api/export?from=0");
   EXPECT_EQ(all_of(response).first, "incomplete: the database does not respond\n");
 }

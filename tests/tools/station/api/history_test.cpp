@@ -1,6 +1,7 @@
 #include "tools/station/api/history.hpp"
 
 #include "tests/tools/station/api/api_support.hpp"
+#include "tools/station/api/api_routes.hpp"
 
 namespace fieldcast::web {
 namespace {
@@ -27,7 +28,7 @@ class HistoryApiTest : public test::ApiTest {
         to.put(std::span(&row, 1));
       }
     });
-    add_history_routes(table_, database(), now());
+    add_routes(table_, {.database = database(), .now = now()});
   }
   [[nodiscard]] Json series(const std::string& query) {
     return json("/api/history?channel=line/press/t&" + query).at("series").at(0);
@@ -74,7 +75,7 @@ TEST_F(HistoryApiTest, BadSamplesAreCountedAndGiveNoNumber) {
                         .value = 7.0};
     to.put(std::span(&row, 1));
   });
-  add_history_routes(table_, database(), now());
+  add_routes(table_, {.database = database(), .now = now()});
   const Json found = series("from=" + ms(0) + "&to=" + ms(10));
   EXPECT_EQ(found.at("min").dump(), "[null]");
   EXPECT_EQ(found.at("average").dump(), "[null]");
@@ -93,7 +94,7 @@ TEST_F(HistoryApiTest, TextsAreGivenAsTexts) {
                         .value = std::string("run \"2\"")};
     to.put(std::span(&row, 1));
   });
-  add_history_routes(table_, database(), now());
+  add_routes(table_, {.database = database(), .now = now()});
   const Json found = series("from=" + ms(0) + "&to=" + ms(10));
   EXPECT_EQ(found.at("text").dump(), R"(["run \"2\""])");
   EXPECT_EQ(found.at("quality").dump(), R"(["GOOD"])");
@@ -115,7 +116,7 @@ TEST_F(HistoryApiTest, EightChannelsAtMost) {
 }
 
 TEST_F(HistoryApiTest, WithoutAStoreThereIsNone) {
-  add_history_routes(table_, nullptr, now());
+  add_routes(table_, {.now = now()});
   const HttpResponse response = ask("/api/history?channel=a/b/c");
   EXPECT_EQ(response.status, 404u);
   EXPECT_NE(response.body.find("stores nothing"), std::string::npos);

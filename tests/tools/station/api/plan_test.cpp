@@ -8,14 +8,14 @@ using PlanApiTest = test::ApiTest;
 
 TEST_F(PlanApiTest, IsWhatTheBridgeTells) {
   LiveModel model;
-  add_plan_routes(table_, model);
+  add_routes(table_, {.model = &model});
   const HttpResponse none = ask("/api/plan?bus=line");
   EXPECT_EQ(none.status, 404u);
   EXPECT_NE(none.body.find("no bridge publishes a plan"), std::string::npos);
   EXPECT_EQ(json("/api/plan").size(), 0u);
   StationReadPlan plan;
   plan.bus = "line";
-  model.on_read_plan(plan);
+  model.put(plan);
   EXPECT_EQ(json("/api/plan?bus=line").at("bus"), "line");
   EXPECT_EQ(json("/api/plan").size(), 1u);
 }

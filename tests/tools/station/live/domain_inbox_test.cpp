@@ -58,23 +58,25 @@ TEST_F(DomainInboxTest, AChannelThatCameAndWentIsGone) {
 }
 
 TEST_F(DomainInboxTest, ObjectsComeToo) {
-  inbox.on_bus_status(bus_of("shop"));
-  inbox.on_device_status(device_of("press", 1));
-  inbox.on_alarm({"shop", "press", "oil", LimitKind::kHigh, AlarmState::kActive, 81, {1}});
-  inbox.on_session({"shop", "press", ProgramSessionState::kOpen, "anna", 1, 2, {1}});
+  inbox.put(bus_of("shop"));
+  inbox.put(device_of("press", 1));
+  inbox.put(live_alarm(
+      StationAlarm{"shop", "press", "oil", LimitKind::kHigh, AlarmState::kActive, 81, {1}}));
+  inbox.put(ProgramSessionReport{"shop", "press", ProgramSessionState::kOpen, "anna", 1, 2, {1}});
   StationBridge bridge;
   bridge.bridge = "line-7";
-  inbox.on_bridge(bridge);
+  inbox.put(bridge);
   inbox.deliver(model, {});
   EXPECT_EQ(model.objects().all<StationBusStatus>().size(), 1u);
   EXPECT_EQ(model.objects().all<StationDeviceStatus>().size(), 1u);
   EXPECT_EQ(model.objects().all<LiveAlarm>().size(), 1u);
   EXPECT_EQ(model.objects().all<ProgramSessionReport>().size(), 1u);
   EXPECT_EQ(model.objects().all<StationBridge>().size(), 1u);
-  inbox.on_bus_gone(bus_of("shop"));
-  inbox.on_device_gone(device_of("press", 1));
-  inbox.on_bridge_gone(bridge);
-  inbox.on_alarm_gone({"shop", "press", "oil", LimitKind::kHigh, AlarmState::kActive, 81, {1}});
+  inbox.remove(bus_of("shop"));
+  inbox.remove(device_of("press", 1));
+  inbox.remove(bridge);
+  inbox.remove(live_alarm(
+      StationAlarm{"shop", "press", "oil", LimitKind::kHigh, AlarmState::kActive, 81, {1}}));
   inbox.deliver(model, {});
   EXPECT_TRUE(model.objects().all<StationBusStatus>().empty());
   EXPECT_TRUE(model.objects().all<StationDeviceStatus>().empty());

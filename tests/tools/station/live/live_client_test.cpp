@@ -30,7 +30,7 @@ TEST_F(LiveClientTest, IsGreetedOnce) {
 }
 
 TEST_F(LiveClientTest, IsToldOfWhatIsThereWithoutAsking) {
-  domain.model.on_bus_status(bus_of("shop"));
+  domain.model.put(bus_of("shop"));
   LivePerson ben{domain, "ben", Role::kViewer};
   EXPECT_THAT(ben.texts(),
               ElementsAre(HasSubstr("hello"), HasSubstr(R"({"kind":"bus","bus":"shop")")));
@@ -326,12 +326,12 @@ TEST_F(LiveClientTest, SixteenSubscriptionsAndNoMore) {
 }
 
 TEST_F(LiveClientTest, AClientThatMissedTooMuchIsClosed) {
-  domain.model.on_bus_status(bus_of("shop"));
+  domain.model.put(bus_of("shop"));
   domain.hub.on_news(domain.now);
   anna.wait(LiveClient::kGathering);
   for (std::size_t i = 0; i <= LiveObjects::kMaxGone; ++i) {
-    domain.model.on_bus_status(bus_of("bus-" + std::to_string(i)));
-    domain.model.on_bus_gone("bus-" + std::to_string(i));
+    domain.model.put(bus_of("bus-" + std::to_string(i)));
+    domain.model.remove(bus_of("bus-" + std::to_string(i)));
   }
   anna.wait(seconds{1});
   anna.take();

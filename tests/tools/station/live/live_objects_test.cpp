@@ -63,8 +63,8 @@ TEST(LiveObjects, WhatIsGoneIsToldToThoseWhoSawIt) {
   objects.put(bus_of("shop"));
   objects.put(device_of("press", 1));
   const std::uint64_t seen = objects.version();
-  objects.remove_bus("shop");
-  objects.remove_device("shop", "press");
+  objects.remove(bus_of("shop"));
+  objects.remove(device_of("press", 1));
   EXPECT_THAT(texts(objects.since(seen, kEverything)),
               ElementsAre(R"({"kind":"bus_gone","bus":"shop"})",
                           R"({"kind":"device_gone","bus":"shop","device":"press"})"));
@@ -84,7 +84,7 @@ TEST(LiveObjects, AnotherPlanIsToldAndTheSameOneIsNot) {
   EXPECT_EQ(objects.since(seen, kEverything).messages.size(), 1u);
   EXPECT_EQ(objects.read_plan("shop")->plan.load, 0.5);
   seen = objects.version();
-  objects.remove_read_plan("shop");
+  objects.remove(plan_of("shop"));
   EXPECT_EQ(objects.read_plan("shop"), nullptr);
   EXPECT_THAT(texts(objects.since(seen, kEverything)),
               ElementsAre(R"({"kind":"plan","bus":"shop"})"));
@@ -155,7 +155,7 @@ TEST(LiveObjects, WhoMissedThatSomethingIsGoneIsTold) {
   for (std::size_t i = 0; i <= LiveObjects::kMaxGone; ++i) {
     const std::string name = "bus-" + std::to_string(i);
     objects.put(bus_of(name));
-    objects.remove_bus(name);
+    objects.remove(bus_of(name));
   }
   EXPECT_TRUE(objects.since(seen, kEverything).lost);
   EXPECT_FALSE(objects.since(0, kEverything).lost);

@@ -12,17 +12,20 @@ import { encodeFrame } from './mock_station.mjs';
 
 const [folder, modules] = process.argv.slice(2).map((path) => resolve(path));
 const source = join(folder, 'src');
+// The page's modules ask for these when they are loaded.
+globalThis.document = { createTreeWalker: () => ({}) };
+globalThis.MessageChannel = class { port1 = {}; port2 = {}; };
 globalThis.localStorage = { getItem: (key) => (key === 'fieldcast.language' ? 'en' : null), setItem: () => {} };
 
 // Bundles the modules together, so that they share state as in the page.
 const { buildSync } = createRequire(join(modules, 'x'))('esbuild');
-const names = ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock', 'alarm_rows', 'csv', 'plan_picture', 'device_health', 'port_command', 'printable'];
+const names = ['frame', 'plant', 'router', 'rows', 'format', 'i18n', 'trend', 'ticks', 'typed', 'clock', 'alarm_rows', 'csv', 'plan_picture', 'device_health', 'port_command', 'printable', 'pages'];
 const made = mkdtempSync(join(tmpdir(), 'fieldcast-page-'));
 buildSync({
-  stdin: { contents: names.map((name) => `export * as ${name} from './${name}';`).join('\n'), resolveDir: source, loader: 'ts' },
+  stdin: { contents: [...names, 'texts/common', 'texts/causes'].map((path) => `export * as ${path.split('/').pop()} from './${path}';`).join('\n'), resolveDir: source, loader: 'ts' },
   bundle: true, format: 'esm', outfile: join(made, 'page.mjs'), nodePaths: [modules], logLevel: 'warning',
 });
-const { frame, plant, router, rows, format, i18n, trend, ticks, typed, clock, alarm_rows, csv, plan_picture, device_health, port_command, printable } = await import(join(made, 'page.mjs'));
+const { frame, plant, router, rows, format, i18n, trend, ticks, typed, clock, alarm_rows, csv, plan_picture, device_health, port_command, printable, pages, common, causes } = await import(join(made, 'page.mjs'));
 rmSync(made, { recursive: true });
 
 const row = (id, path, more = {}) => [id, path, more.type ?? 'float32', more.unit ?? '', 'holding:0', 'read-only', 'scheduled', 500, {}, more.description ?? '', 'north'];
@@ -288,22 +291,33 @@ test('what was typed becomes a value of the type', () => {
   assert.deepEqual(typed.typedValue('31', 'float32', { 'write-max': 30 }), { fault: 'range' });
 });
 
-test('every text is there in both languages, and every key that is asked for exists', () => {
+test('every text is there in both languages, and every key that is asked for exists', async () => {
   const files = (path) => readdirSync(path, { withFileTypes: true }).flatMap((entry) =>
     entry.isDirectory() ? files(join(path, entry.name)) : [join(path, entry.name)]);
-  const texts = files(join(source, 'texts')).map((path) => readFileSync(path, 'utf8'));
-  const keys = (text, name) => new Set([...text.slice(text.indexOf(`export const ${name}`)).split('\n};')[0].matchAll(/(?:^|[{,]\s*)'?([\w.-]+)'?: ['"`]/gm)].map((match) => match[1]));
   const all = new Set();
-  for (const text of texts) {
-    const [en, zh] = [keys(text, 'en'), keys(text, 'zh')];
-    assert.ok(en.size > 0);
-    assert.deepEqual([...zh].sort(), [...en].sort());
-    for (const key of en) {
+  for (const texts of [common.texts, causes.texts, ...pages.pages.map(({ module }) => module.texts)]) {
+    assert.ok(Object.keys(texts).length > 0);
+    for (const [key, languages] of Object.entries(texts)) {
+      assert.deepEqual(languages.map((text) => typeof text === 'string' && text !== ''), [true, true], key);
       assert.ok(!all.has(key), `${key} is there twice`);
       all.add(key);
     }
   }
-  for (const path of files(source).filter((each) => !each.includes('/texts/')))
+  const whole = files(source).map((path) => readFileSync(path, 'utf8')).join('\n');
+  const kinds = new Set([...whole.matchAll(/\bword\('([a-z]+)'/g)].map((match) => match[1]));
+  const prefixes = [...whole.matchAll(/\bt\(`([^$`]+)\$\{/g)].map((match) => match[1]);
+  const isUsed = (key) => key.endsWith('.title') || kinds.has(key.split('.')[0]) || prefixes.some((prefix) => key.startsWith(prefix)) ||
+    new RegExp(`[^\\n ,{]'${key}'|'${key}'[^:]`).test(whole);
+  for (const key of all) assert.ok(isUsed(key), `${key} is not used`);
+  for (const path of files(source))
     for (const [, key] of readFileSync(path, 'utf8').matchAll(/\bt\('([\w.-]+)'/g)) assert.ok(all.has(key), `${path}: ${key}`);
   assert.equal(i18n.t('live.shown', { n: 3, all: 5 }), '3 of 5');
+});
+
+test('each page has a row, a title, and a key that no other page has', () => {
+  const names = readdirSync(join(source, 'pages')).map((file) => file.replace('.ts', ''));
+  assert.deepEqual(pages.pages.map(({ name }) => name).sort(), names.sort());
+  const keys = pages.pages.flatMap(({ key }) => (key ? [key] : []));
+  assert.equal(new Set(keys).size, keys.length);
+  for (const { name, module } of pages.pages) assert.ok(module.texts[`${name}.title`], name);
 });

@@ -1,5 +1,3 @@
-#include "tools/station/web/http_server.hpp"
-
 #include <gmock/gmock.h>
 
 #include <boost/asio/io_context.hpp>
@@ -10,6 +8,7 @@
 #include "bridge/base/clock.hpp"
 #include "bridge/base/io_thread.hpp"
 #include "tests/tools/station/web/raw_client.hpp"
+#include "tools/station/web/station_server.hpp"
 
 namespace fieldcast::web {
 namespace {
@@ -56,10 +55,10 @@ class HttpServerTest : public testing::Test {
   HttpServerTest() { start({}, nullptr); }
   ~HttpServerTest() override { stop(); }
 
-  void start(const ServerLimits& limits, std::unique_ptr<TlsServer> tls) {
+  void start(const StationLimits& limits, std::unique_ptr<TlsServer> tls) {
     run([&] {
       listener_ = std::make_unique<Listener>(io_->context(), [this](asio::ip::tcp::socket socket) {
-        server_->accept(std::move(socket));
+        server_->http().accept(std::move(socket));
       });
       ASSERT_TRUE(listener_->open({"127.0.0.1", 0}));
       port_ = listener_->port();
@@ -77,14 +76,14 @@ class HttpServerTest : public testing::Test {
           std::make_unique<Site>(SiteSpec{.listen = {"127.0.0.1", port_}, .tls = tls != nullptr},
                                  SiteClock{steady_now, [] { return UtcTime{}; }}, check);
       site_->set_local_role(Role::kViewer);
-      server_ = std::make_unique<HttpServer>(
+      server_ = std::make_unique<StationServer>(
           io_->context(), *site_,
           [this](const Caller& caller, LivePeer& peer) {
             ++open_;
             return std::make_unique<EchoProtocol>(caller, peer, open_);
           },
           limits);
-      server_->serve(std::move(tls));
+      server_->http().serve(std::move(tls));
     });
   }
   void stop() {
@@ -103,7 +102,7 @@ class HttpServerTest : public testing::Test {
     run([] {});
     EXPECT_EQ(open_, 0);
   }
-  void restart(const ServerLimits& limits, std::unique_ptr<TlsServer> tls = nullptr) {
+  void restart(const StationLimits& limits, std::unique_ptr<TlsServer> tls = nullptr) {
     stop();
     start(limits, std::move(tls));
   }
@@ -115,8 +114,8 @@ class HttpServerTest : public testing::Test {
     });
     done.get_future().get();
   }
-  ServerCounters counters() {
-    ServerCounters found;
+  StationCounters counters() {
+    StationCounters found;
     run([&] { found = server_->counters(); });
     return found;
   }
@@ -145,7 +144,7 @@ class HttpServerTest : public testing::Test {
   std::uint16_t port_ = 0;
   std::unique_ptr<Listener> listener_;
   std::unique_ptr<Site> site_;
-  std::unique_ptr<HttpServer> server_;
+  std::unique_ptr<StationServer> server_;
 };
 
 TEST_F(HttpServerTest, AWebSocketSpeaksBothWays) {
@@ -217,7 +216,7 @@ TEST_F(HttpServerTest, AWebSocketNeedsSubprotocolAndVersion) {
 }
 
 TEST_F(HttpServerTest, BrokenFramesEndTheWebSocket) {
-  ServerLimits limits;
+  StationLimits limits;
   limits.socket.handshake = 300ms;
   restart(limits);
   const std::string unmasked = "\x81\x02ho", reserved("\xf1\x80\0\0\0\0", 6),
@@ -305,7 +304,7 @@ TEST_F(HttpServerTest, AClientThatLeavesTooManyTextsUnreadIsClosed) {
 }
 
 TEST_F(HttpServerTest, AClientWithoutASignOfLifeIsClosed) {
-  ServerLimits limits;
+  StationLimits limits;
   limits.socket.idle = 400ms;
   restart(limits);
   RawClient silent = live();
@@ -325,7 +324,7 @@ TEST_F(HttpServerTest, TheStopSaysGoodbye) {
 }
 
 TEST_F(HttpServerTest, AClientThatIgnoresTheGoodbyeDoesNotHoldUpTheStop) {
-  ServerLimits limits;
+  StationLimits limits;
   limits.farewell = 200ms;
   restart(limits);
   const RawClient client = live();
@@ -344,7 +343,7 @@ class HttpsServerTest : public HttpServerTest {
         "-subj /CN=station -addext subjectAltName=IP:127.0.0.1 -keyout " +
         folder_ + "/key.pem -out " + folder_ + "/cert.pem >/dev/null 2>&1";
     ASSERT_EQ(std::system(make.c_str()), 0);
-    ServerLimits limits;
+    StationLimits limits;
     limits.handshake = 300ms;
     limits.handshakes = {.total = 3, .of_one = 3, .reserved = 0};
     auto tls = TlsServer::make({folder_ + "/cert.pem", folder_ + "/key.pem", {}, {}});
@@ -426,7 +425,7 @@ TEST_F(HttpsServerTest, HandshakesOfARenewedCertificateAreNotCounted) {
   EXPECT_EQ(counters().open, 3u);
   auto tls = TlsServer::make({folder_ + "/cert.pem", folder_ + "/key.pem", {}, {}});
   ASSERT_TRUE(tls) << tls.error();
-  run([&] { server_->serve(*std::move(tls)); });
+  run([&] { server_->http().serve(*std::move(tls)); });
   EXPECT_EQ(counters().open, 0u);
   EXPECT_EQ(get("/healthz", "--cacert " + folder_ + "/cert.pem"), "ok\n200");
   EXPECT_EQ(counters().turned_away, 0u);

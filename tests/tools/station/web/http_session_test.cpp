@@ -1,10 +1,10 @@
-#include "tools/station/web/http_session.hpp"
+#include "bridge/http/http_session.hpp"
 
 #include <gmock/gmock.h>
 
 #include "bridge/base/clock.hpp"
 #include "tests/tools/station/web/memory_stream.hpp"
-#include "tools/station/web/http_server.hpp"
+#include "tools/station/web/station_server.hpp"
 
 namespace fieldcast::web {
 namespace {
@@ -50,7 +50,7 @@ class HttpSessionTest : public testing::Test {
   }
   std::shared_ptr<MemoryLink> connect() {
     auto link = std::make_shared<MemoryLink>();
-    server_.accept(std::make_unique<MemoryStream>(io_, link), "127.0.0.1");
+    server_.http().accept(std::make_unique<MemoryStream>(io_, link), "127.0.0.1");
     return link;
   }
   void settle() {
@@ -88,13 +88,13 @@ class HttpSessionTest : public testing::Test {
 
   boost::asio::io_context io_;
   Site site_{{.listen = {"127.0.0.1", 8090}}, {steady_now, [] { return UtcTime{}; }}, {}};
-  HttpServer server_{io_, site_, {}, limits_with()};
+  StationServer server_{io_, site_, {}, limits_with()};
   Reply later_;
   int asked_ = 0;
 
  private:
-  static ServerLimits limits_with() {
-    ServerLimits limits;
+  static StationLimits limits_with() {
+    StationLimits limits;
     limits.connections = {.total = 4, .of_one = 4, .working_of_one = 4, .reserved = 0};
     limits.http.idle = 400ms;
     limits.http.header = 400ms;
@@ -380,6 +380,22 @@ TEST_F(HttpSessionTest, AClientThatReadsSlowlyGetsEverything) {
     return link->to_client.size() > 1'000'000;
   });
   EXPECT_FALSE(link->station_closed);
+}
+
+TEST_F(HttpSessionTest, AClientThatReadsForTooLongIsClosed) {
+  StationLimits limits;
+  limits.http.response = 300ms;
+  StationServer server(io_, site_, {}, limits);
+  const auto link = std::make_shared<MemoryLink>();
+  server.http().accept(std::make_unique<MemoryStream>(io_, link), "127.0.0.1");
+  link->takes = 1;
+  send(link, get("/large"));
+  wait_until([&] {
+    link->takes = 1;
+    link->wake();
+    return link->station_closed;
+  });
+  EXPECT_LT(link->to_client.size(), 1'000'000u);
 }
 
 TEST_F(HttpSessionTest, TheConnectionThatWasIdleForLongestMakesWay) {

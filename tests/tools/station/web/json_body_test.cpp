@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tools/station/http/route_table.hpp"
+#include "tools/station/web/route_table.hpp"
 
 namespace fieldcast::web {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/station/http/route_table.hpp"
+#include "tools/station/web/route_table.hpp"
 
 #include <gtest/gtest.h>
 

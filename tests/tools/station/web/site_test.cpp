@@ -334,6 +334,7 @@ TEST_F(SiteTest, AFileIsSentPackedUnpackedOrNotAtAll) {
 TEST_F(SiteTest, AWebSocketNeedsALoginAndTheOrigin) {
   RawRequest request = get("/live");
   request.origin = "http://127.0.0.1:8090";
+  request.subprotocols = "other, fieldcast.1";
   EXPECT_EQ(site_->upgrade(request).error().status, 401u);
   log_in();
   request.cookie = "fieldcast=" + cookie_;

@@ -9,9 +9,9 @@
 #include <tl/expected.hpp>
 
 #include "bridge/base/worker.hpp"
+#include "bridge/http/http_message.hpp"
 #include "bridge/store/sql/sql.hpp"
 #include "core/base/time.hpp"
-#include "tools/station/http/http_message.hpp"
 
 namespace fieldcast::web {
 

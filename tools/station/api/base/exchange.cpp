@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <charconv>
 
+#include "bridge/http/http_message.hpp"
 #include "core/base/duration_text.hpp"
 #include "core/base/message_text.hpp"
 #include "tools/cli/model/sample_text.hpp"
-#include "tools/station/http/http_message.hpp"
 
 namespace fieldcast::web {
 
@@ -156,17 +156,6 @@ HttpResponse json_response(std::string json, bool compress) {
 HttpResponse no_store() {
   return error_response(404, "this station stores nothing",
                         "give it a store: 'store: { path: FILE }' in its configuration");
-}
-
-void add_openapi_routes(RouteTable& table) {
-  const auto text = std::make_shared<const std::string>(openapi_text());
-  table.add({Method::kGet, "/api/openapi.yaml", Access::kViewer,
-             [text](const HttpRequest&, const Caller&, const Reply& reply) {
-               HttpResponse response;
-               response.content_type = "application/yaml";
-               response.shared_body = text;
-               reply(std::move(response));
-             }});
 }
 
 }  // namespace fieldcast::web

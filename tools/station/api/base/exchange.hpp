@@ -7,10 +7,9 @@
 #include <string_view>
 #include <tl/expected.hpp>
 
+#include "bridge/http/http_message.hpp"
 #include "core/base/time.hpp"
 #include "core/model/channel_pattern.hpp"
-#include "tools/station/http/http_message.hpp"
-#include "tools/station/http/route_table.hpp"
 
 namespace fieldcast::web {
 
@@ -59,9 +58,7 @@ inline constexpr std::size_t kWorthCompressing = 2048;
 [[nodiscard]] HttpResponse json_response(std::string json, bool compress = false);
 [[nodiscard]] HttpResponse no_store();
 
-// GET /api/openapi.yaml: returns tools/station/openapi.yaml, which is compiled into the program.
-
+// tools/station/openapi.yaml, which is compiled into the program.
 [[nodiscard]] std::string_view openapi_text();
-void add_openapi_routes(RouteTable& table);
 
 }  // namespace fieldcast::web

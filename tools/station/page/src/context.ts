@@ -24,7 +24,7 @@ export interface Context {
 }
 
 export interface Page {
-  title: string;
+  title?: string;  // otherwise its text NAME.title
   element: HTMLElement;
   paint?(change: Change): void;  // called in an animation frame; the first call must paint everything
   key?(event: KeyboardEvent): boolean;  // true: handled

@@ -1,6 +1,6 @@
 // A virtual table of objects: each column returns the text of an object. Keeps the selected object when the order changes.
 
-import { printable } from './printable';
+import { printable, setText } from './printable';
 import { VirtualTable } from './table';
 import type { Row } from './table';
 
@@ -25,11 +25,6 @@ export interface ListOwner<T> {
   tone?(item: T): string;  // classes of the row
   open?(item: T): void;
   choose?(item: T): void;  // called when a different object is selected
-}
-
-function setText(element: Element, received: string): void {
-  const text = printable(received);
-  if (element.textContent !== text) element.textContent = text;
 }
 
 export class ListTable<T> {

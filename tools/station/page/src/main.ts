@@ -2,29 +2,19 @@
 // paints them, so a fast plant costs at most one painting for each frame of the screen.
 
 import { request } from './api';
-import type { Change, Context, MakePage, Page } from './context';
+import type { Change, Context, Page } from './context';
 import { setLanguage, t } from './i18n';
 import { Live } from './live';
+import { pageOf } from './pages';
 import { Plant } from './plant';
 import type { CatalogueAnswer, Topic } from './plant';
-import { page as alarms } from './pages/alarms';
-import { page as audit } from './pages/audit';
-import { page as channel } from './pages/channel';
-import { page as devices } from './pages/devices';
-import { page as history } from './pages/history';
-import { page as live } from './pages/live';
-import { page as login } from './pages/login';
-import { page as overview } from './pages/overview';
-import { page as plan } from './pages/plan';
-import { page as programming } from './pages/programming';
 import { meter } from './meter';
 import { parseRoute } from './router';
 import type { Route } from './router';
 import { Shell } from './shell';
 import { applyTheme } from './theme';
 import type { Me } from './types';
-
-const pages: Record<string, MakePage> = { overview, live, channel, alarms, devices, programming, history, plan, audit, login };
+import '../app.css';  // after the styles of the pages
 
 const plant = new Plant();
 const connection = new Live(plant);
@@ -84,8 +74,8 @@ function showPage(): void {
   if (!me) return;
   shown?.close?.();
   route = parseRoute(location.hash);
-  const name = me.role === null ? 'login' : route.name === 'login' || !pages[route.name] ? 'overview' : route.name;
-  shown = pages[name]!(context(route));
+  const name = me.role === null ? 'login' : route.name === 'login' || !pageOf(route.name) ? 'overview' : route.name;
+  shown = pageOf(name)!.module.page(context(route));
   rotate();
   fresh = true;
   shell.show(name, route, shown);
@@ -95,7 +85,7 @@ function showPage(): void {
 // A wall screen may show some pages in turn: ?kiosk=overview,alarms&every=20 (seconds).
 function rotate(): void {
   clearTimeout(rotation);
-  const names = (route.query.get('kiosk') ?? '').split(',').filter((name) => pages[name]);
+  const names = (route.query.get('kiosk') ?? '').split(',').filter(pageOf);
   if (names.length < 2) return;
   const next = names[(names.indexOf(route.name) + 1) % names.length]!;
   const every_s = Math.max(shortestTurn_s, Number(route.query.get('every')) || usualTurn_s);

@@ -10,6 +10,7 @@ import { language, languages, t } from './i18n';
 import type { Key, Language } from './i18n';
 import type { Live } from './live';
 import { html } from './markup';
+import { pageOf, pages } from './pages';
 import type { Plant } from './plant';
 import { printable } from './printable';
 import { link } from './router';
@@ -23,10 +24,8 @@ interface Actions {
   chooseLanguage(language: Language): void;
 }
 
-// Page for each key pressed after g.
-const places: readonly (readonly [string, string])[] = [
-  ['o', 'overview'], ['l', 'live'], ['a', 'alarms'], ['d', 'devices'], ['p', 'programming'], ['h', 'history'], ['u', 'audit'],
-];
+const places = pages.filter((page) => page.key);
+const titleOf = (name: string): string => t(`${name}.title` as Key);
 const chordWithin_ms = 1500;
 const messageFor_ms = 6000;
 
@@ -66,7 +65,7 @@ export class Shell {
     this.name = name;
     this.menuOpen = false;
     document.documentElement.classList.toggle('kiosk', route.query.has('kiosk'));
-    this.pageTitle = page.title;
+    this.pageTitle = page.title ?? titleOf(name);
     this.showTitle();
     this.main.replaceChildren(page.element);
     this.renderHead();
@@ -112,8 +111,8 @@ export class Shell {
     const now = performance.now();
     if (now - this.chordAt < chordWithin_ms) {
       this.chordAt = -chordWithin_ms;
-      const place = places.find(([key]) => key === event.key);
-      if (place) location.hash = link(place[1]);
+      const place = places.find(({ key }) => key === event.key);
+      if (place) location.hash = link(place.name);
       return place !== undefined;
     }
     if (event.key === 'g') {
@@ -135,7 +134,7 @@ export class Shell {
     const dialog = document.createElement('dialog');
     dialog.setAttribute('aria-labelledby', 'help-title');
     const rows: [string, string][] = [
-      ...places.map(([key, name]): [string, string] => [`g ${key}`, t(`nav.${name}` as Key)]),
+      ...places.map(({ key, name }): [string, string] => [`g ${key}`, titleOf(name)]),
       ['/', t('keys.filter')], ['↑ ↓', t('keys.rows')], ['Enter', t('keys.open')], ['Esc', t('keys.leave')], ['?', t('keys.help')],
     ];
     render(html`<form method="dialog"><h2 id="help-title">${t('keys.title')}</h2>
@@ -175,10 +174,10 @@ export class Shell {
       <a class="skip" href="#main" @click=${this.skip}>${t('skip')}</a>
       <a class="brand" href=${link('overview')}>Fieldcast</a>
       <button type="button" class="menu-button" aria-expanded=${this.menuOpen} aria-controls="menu" @click=${() => this.toggleMenu()}>
-        ${t(`nav.${this.name === 'channel' ? 'live' : this.name === 'plan' ? 'overview' : this.name}` as Key)}${
+        ${titleOf(pageOf(this.name)?.under ?? this.name)}${
           alarms ? html` <span class="count">${alarms}</span>` : nothing} ▾</button>
       <div id="menu" class=${this.menuOpen ? 'menu open' : 'menu'}>
-        <nav aria-label=${t('nav.label')}>${places.map(([, name]) => this.navLink(name, name === 'alarms' ? alarms : 0))}</nav>
+        <nav aria-label=${t('nav.label')}>${places.map(({ name }) => this.navLink(name, name === 'alarms' ? alarms : 0))}</nav>
         ${this.choices()}
         ${this.me.login === 'none' ? nothing : html`<span class="user">${this.me.user}</span>
           <button type="button" class="plain" @click=${() => void this.actions.logout()}>${t('logout')}</button>`}
@@ -191,7 +190,7 @@ export class Shell {
   };
 
   private navLink(name: string, number: number): TemplateResult {
-    return html`<a href=${link(name)} aria-current=${this.name === name ? 'page' : nothing}>${t(`nav.${name}` as Key)}${
+    return html`<a href=${link(name)} aria-current=${this.name === name ? 'page' : nothing}>${titleOf(name)}${
       number ? html`<span class="count">${number}</span>` : nothing}</a>`;
   }
 

@@ -20,6 +20,3 @@ export function applyTheme(): void {
   if (theme() === 'system') delete root.dataset['theme'];
   else root.dataset['theme'] = theme();
 }
-
-export const isDark = (): boolean =>
-  theme() === 'dark' || (theme() === 'system' && matchMedia('(prefers-color-scheme: dark)').matches);

@@ -1,4 +1,4 @@
-// JSON messages of the station; names and units as in openapi.yaml and live/README.md. Times are Unix milliseconds.
+// The fields that the page reads of the station's JSON messages; names and units as in openapi.yaml and live/README.md. Times are Unix ms.
 
 export type Role = 'viewer' | 'operator' | 'programmer';
 
@@ -6,7 +6,6 @@ export interface Me {
   user: string;
   role: Role | null;
   login: 'none' | 'session' | 'token' | 'required';
-  expires_ms: number | null;
   version: string;
   store: boolean;
   now_ms: number;
@@ -40,10 +39,6 @@ export interface Bus {
   samples: number;
   commands: number;
   deadline_misses: number;
-  bytes_sent: number;
-  bytes_received: number;
-  reopened: number;
-  dds_deadline_misses: number;
   causes: Counts;
   misses: Counts;
   reported_ms: number;
@@ -172,10 +167,8 @@ export interface Session {
 export interface Bridge {
   bridge: string;
   host: string;
-  process: string;
   version: string;
   standby_group: string;
-  strength: number;
   since_ms: number;
   buses: { bus: string; since_ms: number; serving: boolean }[];
 }
@@ -186,7 +179,6 @@ export interface Result {
   cause: string;
   reason: string;
   value: unknown;
-  completed_ms: number;
 }
 
 // A text channel has t, text and quality.
@@ -195,7 +187,6 @@ export interface Series {
   known: boolean;
   unit: string;
   type: string;
-  tier: 'raw' | 'minute' | 'hour';
   bucket_ms: number;  // 0: raw samples
   t: number[];
   min: (number | null)[];

@@ -38,6 +38,9 @@ export function bar(name: string, label: string, share: number, hint = ''): Temp
   </div>`;
 }
 
+export const fact = (name: string, value: unknown, wide = false): TemplateResult =>
+  html`<div class=${wide ? 'fact wide' : 'fact'}><dt>${name}</dt><dd>${value}</dd></div>`;
+
 export interface Question {
   title: string;
   body: unknown;  // a template

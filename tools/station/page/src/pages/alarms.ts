@@ -6,16 +6,53 @@ import { acknowledge, limitText, shelve, unshelve } from '../alarm_actions';
 import { alarmHistory } from '../alarm_history';
 import { arrangeAlarms, isShelved, sectionOf, sections, wantsSomebody } from '../alarm_rows';
 import type { AlarmChoice, Section } from '../alarm_rows';
-import type { Change, Context, MakePage, Page } from '../context';
+import type { Change, Context, MakePage } from '../context';
 import { age, count, exactValue, fullTime, time } from '../format';
 import { t, word } from '../i18n';
 import type { Key } from '../i18n';
 import { ListTable } from '../list';
 import { html } from '../markup';
 import { alarmKey } from '../plant';
-import { channelLink, link } from '../router';
+import { channelLink } from '../router';
+import { tabbedPage } from '../tabs';
 import type { Alarm } from '../types';
-import { empty, makeElement } from '../view';
+import { empty } from '../view';
+import '../../styles/alarms.css';
+
+export const texts = {
+  'alarms.title': ['Alarms', '报警'], 'alarms.present': ['Present', '当前'], 'alarms.history': ['History', '历史'],
+  'alarms.table': ['Alarms that are there', '当前报警'], 'alarms.filter': ['Filter', '筛选'], 'alarms.all': ['All', '全部'],
+  'alarms.section-unacknowledged': ['Unacknowledged', '未确认'], 'alarms.section-acknowledged': ['Acknowledged', '已确认'],
+  'alarms.section-shelved': ['Shelved', '已搁置'], 'alarms.section-maintenance': ['Maintenance', '维护中'], 'alarms.priority': ['Priority', '优先级'],
+  'alarms.state': ['State', '状态'], 'alarms.channel': ['Channel', '通道'], 'alarms.limit': ['Limit', '限值'], 'alarms.value': ['Value', '数值'],
+  'alarms.since': ['Since', '持续'], 'alarms.count': ['Times', '次数'], 'alarms.by': ['By, note', '人员、备注'], 'alarms.at': ['Time', '时间'],
+  'alarms.event': ['Event', '事件'], 'alarms.who': ['Who', '人员'], 'alarms.note': ['Note', '备注'], 'alarms.check': ['Choose {path}', '选择 {path}'],
+  'alarms.check-all': ['Choose all unacknowledged', '选择全部未确认'], 'alarms.choose': ['Choose an alarm that this can be done to.', '请选择可执行此操作的报警。'],
+  'alarms.acknowledge': ['Acknowledge', '确认'], 'alarms.shelve': ['Shelve', '搁置'], 'alarms.unshelve': ['Unshelve', '取消搁置'],
+  'alarms.acknowledge-title': ['Acknowledge ({n})', '确认报警（{n}）'], 'alarms.shelve-title': ['Shelve ({n})', '搁置报警（{n}）'],
+  'alarms.shelve-hint': ['A shelved alarm asks for nobody until its time is over.', '被搁置的报警在到期之前不再提醒。'],
+  'alarms.and-more': ['and {n} more', '以及另外 {n} 条'], 'alarms.for': ['For', '时长'], 'alarms.minutes': ['{n} min', '{n} 分钟'],
+  'alarms.hours': ['{n} h', '{n} 小时'], 'alarms.days': ['{n} d', '{n} 天'], 'alarms.acknowledged': ['Acknowledged: {n}', '已确认：{n}'],
+  'alarms.shelved': ['Shelved for {time}: {n}', '已搁置 {time}：{n}'], 'alarms.unshelved': ['No longer shelved: {n}', '已取消搁置：{n}'],
+  'alarms.failed': ['{what}: failed. {reason}', '{what}：失败。{reason}'], 'alarms.maintenance-title': ['Maintenance of {device}', '维护 {device}'],
+  'alarms.maintenance-start': ['Start maintenance', '开始维护'],
+  'alarms.maintenance-hint': ['Values are read as before. Alarms of this device ask for nobody until the end.', '数值照常读取。在结束之前，此设备的报警不再提醒。'],
+  'alarms.maintenance-started': ['{device} in maintenance for {time}', '{device} 进入维护，时长 {time}'],
+  'alarms.maintenance-ended': ['{device}: maintenance has ended', '{device}：维护已结束'], 'alarms.until': ['until {time}', '至 {time}'],
+  'alarms.chattering': ['Chattering: {n} times in 10 minutes', '抖动：10 分钟内 {n} 次'], 'alarms.none': ['No alarm', '无报警'],
+  'alarms.none-hint': ['No good value is beyond a limit.', '没有有效值超出限值。'], 'alarms.none-fits': ['No alarm fits.', '没有符合的报警。'],
+  'alarms.no-events': ['Nothing happened to alarms in this time.', '此时段内没有报警事件。'], 'alarm.unacknowledged': ['unacknowledged', '未确认'],
+  'alarm.acknowledged': ['acknowledged', '已确认'], 'alarm.returned': ['returned, unacknowledged', '已恢复，未确认'], 'alarm.clear': ['clear', '正常'],
+  'priority.critical': ['critical', '紧急'], 'priority.high': ['high', '高'], 'priority.medium': ['medium', '中'], 'priority.low': ['low', '低'],
+  'limit.high-high': ['high-high', '高高'], 'limit.high': ['high', '高'], 'limit.low': ['low', '低'], 'limit.low-low': ['low-low', '低低'],
+  'suppressed.maintenance': ['maintenance', '维护中'], 'event.raised': ['raised', '触发'], 'event.cleared': ['cleared', '恢复'],
+  'event.acknowledged': ['acknowledged', '确认'], 'event.shelved': ['shelved', '搁置'], 'event.unshelved': ['unshelved', '取消搁置'],
+  'event.shelving ended': ['shelving ended', '搁置到期'], 'event.maintenance': ['maintenance', '开始维护'],
+  'event.maintenance ended': ['maintenance ended', '维护结束'], 'event.chattering': ['chattering', '开始抖动'],
+  'event.chattering ended': ['chattering ended', '抖动结束'], 'range.span': ['Span', '时段'], 'range.from': ['From', '从'], 'range.to': ['To', '到'],
+  'range.show': ['Show', '显示'], 'range.csv': ['CSV', 'CSV'], 'range.found': ['{n} entries', '{n} 条'],
+  'range.most': ['the newest {n} entries', '最新的 {n} 条'], 'range.wrong': ['The end must be behind the begin.', '结束时间必须晚于开始时间。'],
+} as const;
 
 const priorityShapes: Record<Alarm['priority'], string> = { critical: '▲', high: '▲', medium: '◆', low: '●' };
 const stateShapes: Record<string, string> = { unacknowledged: '▲', returned: '◇', acknowledged: '✓', clear: '○' };
@@ -183,21 +220,5 @@ class PresentAlarms {
   }
 }
 
-export const page: MakePage = (context): Page => {
-  const element = makeElement('alarms listing');
-  const past = context.route.parts[0] === 'history';
-  const body = past ? alarmHistory(context) : new PresentAlarms(context);
-  const head = document.createElement('div');
-  head.className = 'tabs';
-  render(html`<h1>${t('alarms.title')}</h1><nav aria-label=${t('alarms.title')}>
-    <a href=${link('alarms')} aria-current=${past ? nothing : 'page'}>${t('alarms.present')}</a>
-    <a href=${link('alarms', ['history'])} aria-current=${past ? 'page' : nothing}>${t('alarms.history')}</a></nav>`, head);
-  element.append(head, body.tools, body.element);
-  return {
-    title: t('alarms.title'), element,
-    paint: (change) => body.paint(change),
-    key: (event) => body.key(event),
-    focusFilter: () => body.focusFilter(),
-    close: () => { if ('close' in body) body.close(); },
-  };
-};
+export const page: MakePage = (context) =>
+  tabbedPage(context, 'history', [t('alarms.present'), t('alarms.history')], (past) => (past ? alarmHistory(context) : new PresentAlarms(context)));

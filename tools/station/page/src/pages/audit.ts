@@ -2,15 +2,32 @@
 
 import { nothing, render } from 'lit-html';
 import { request } from '../api';
-import type { Context, MakePage, Page } from '../context';
+import type { Context, MakePage } from '../context';
 import { csvTime } from '../csv';
 import { bytes, fullTime, time } from '../format';
 import { t, word } from '../i18n';
 import { html } from '../markup';
 import { PastList } from '../past';
-import { channelLink, link } from '../router';
+import { channelLink } from '../router';
+import { tabbedPage } from '../tabs';
+import type { Tab } from '../tabs';
 import type { AuditEntry, User } from '../types';
-import { empty, errorText, makeElement } from '../view';
+import { empty, errorText } from '../view';
+import '../../styles/audit.css';
+
+export const texts = {
+  'audit.title': ['Audit', '审计'], 'audit.entries': ['Entries', '记录'], 'audit.users': ['Users', '用户'], 'audit.what': ['What', '操作'],
+  'audit.target': ['Target', '对象'], 'audit.result': ['Result', '结果'], 'audit.bytes': ['Bytes to / from', '字节 发送/接收'],
+  'audit.none': ['Nobody did anything in this time.', '此时段内没有任何操作。'], 'audit.not-allowed': ['This page needs the role operator.', '此页面需要操作员角色。'],
+  'audit.user': ['User', '用户'], 'audit.role': ['Role', '角色'], 'audit.may': ['May', '权限'], 'audit.since': ['Since', '创建于'],
+  'audit.no-users': ['There are no users.', '没有用户。'],
+  'audit.users-hint': ['Users and tokens are changed on the station’s machine only, by these commands:', '用户和令牌只能在监控站所在的机器上用以下命令更改：'],
+  'what.write': ['write', '写入'], 'what.acquire': ['read now', '立即读取'], 'what.login': ['login', '登录'], 'what.logout': ['logout', '退出'],
+  'what.program': ['program', '编程'], 'what.acknowledge': ['acknowledge', '确认报警'], 'what.shelve': ['shelve', '搁置报警'],
+  'what.unshelve': ['unshelve', '取消搁置'], 'what.maintenance': ['maintenance', '开始维护'], 'what.end maintenance': ['end maintenance', '结束维护'],
+  'what.command': ['command', '命令'], 'what.user add': ['add user', '添加用户'], 'what.user remove': ['remove user', '删除用户'], 'may.viewer': ['look', '查看'],
+  'may.operator': ['look, write, acknowledge', '查看、写入、确认'], 'may.programmer': ['look, write, acknowledge, program devices', '查看、写入、确认、设备编程'],
+} as const;
 
 // "write 1800", "acknowledge: looked at it": translates the action, and keeps the rest.
 function whatText({ what }: AuditEntry): string {
@@ -42,8 +59,7 @@ const audit = (context: Context): PastList<AuditEntry> => new PastList<AuditEntr
   ],
 });
 
-// Same interface as PastList.
-class Users {
+class Users implements Tab {
   readonly element = document.createElement('div');
   readonly tools = document.createElement('p');
   private readonly asked = new AbortController();
@@ -54,9 +70,6 @@ class Users {
     void this.load();
   }
 
-  paint(): void {}
-  key(): boolean { return false; }
-  focusFilter(): void {}
   close(): void { this.asked.abort(); }
 
   private async load(): Promise<void> {
@@ -73,28 +86,11 @@ class Users {
   }
 }
 
-export const page: MakePage = (context): Page => {
-  const element = makeElement('audit listing');
-  const users = context.route.parts[0] === 'users';
-  const head = document.createElement('div');
-  head.className = 'tabs';
-  render(html`<h1>${t('audit.title')}</h1><nav aria-label=${t('audit.title')}>
-    <a href=${link('audit')} aria-current=${users ? nothing : 'page'}>${t('audit.entries')}</a>
-    <a href=${link('audit', ['users'])} aria-current=${users ? 'page' : nothing}>${t('audit.users')}</a></nav>`, head);
-  element.append(head);
-  if (!context.mayOperate()) {
-    const note = document.createElement('div');
-    render(empty(t('audit.not-allowed')), note);
-    element.append(note);
-    return { title: t('audit.title'), element };
-  }
-  const body = users ? new Users(context) : audit(context);
-  element.append(body.tools, body.element);
-  return {
-    title: t('audit.title'), element,
-    paint: (change) => body.paint(change),
-    key: (event) => body.key(event),
-    focusFilter: () => body.focusFilter(),
-    close: () => body.close(),
-  };
-};
+function notAllowed(): Tab {
+  const element = document.createElement('div');
+  render(empty(t('audit.not-allowed')), element);
+  return { element };
+}
+
+export const page: MakePage = (context) => tabbedPage(context, 'users', [t('audit.entries'), t('audit.users')], (users) =>
+  !context.mayOperate() ? notAllowed() : users ? new Users(context) : audit(context));

@@ -1,7 +1,6 @@
 // One channel: its value in large, its stored and live trend in one line, a write with confirmation and result.
 
 import { nothing, render } from 'lit-html';
-import type { TemplateResult } from 'lit-html';
 import { query, request } from '../api';
 import { Chart } from '../chart';
 import type { Line } from '../chart';
@@ -15,7 +14,26 @@ import { LiveTail, lineOf } from '../trend';
 import { typedValue } from '../typed';
 import { isLate, notYetRead } from '../types';
 import type { Channel, History, Result, Series } from '../types';
-import { ask, badge, empty, errorText, makeElement, qualityText, toneOfQuality } from '../view';
+import { ask, badge, empty, errorText, fact, makeElement, qualityText, toneOfQuality } from '../view';
+import '../../styles/channel.css';
+
+export const texts = {
+  'channel.title': ['Channel', '通道'], 'channel.unknown': ['There is no channel {path}.', '没有通道 {path}。'],
+  'channel.unknown-hint': ['It may come back with its bridge. Look for it on the page Live.', '它可能随网桥恢复。请在“实时”页面查找。'], 'channel.age': ['Age', '时长'],
+  'channel.type': ['Type', '类型'], 'channel.at': ['Address', '地址'], 'channel.access': ['Access', '访问'], 'channel.mode': ['Mode', '模式'],
+  'channel.refresh': ['Refresh', '刷新'], 'channel.bridge': ['Bridge', '网桥'], 'channel.limits': ['Limits', '限值'], 'channel.no-limits': ['none', '无'],
+  'channel.trend': ['Trend of {path}', '{path} 的趋势'], 'channel.span': ['Shown span', '显示时段'],
+  'channel.no-trend': ['A text has no trend. Its last values:', '文本没有趋势。最近的值：'],
+  'channel.no-store': ['This station keeps no history: the trend begins when the page is opened.', '此监控站不保存历史：趋势从打开页面时开始。'],
+  'channel.write': ['Write', '写入'], 'channel.new-value': ['New value', '新值'], 'channel.verify': ['Read back', '回读'],
+  'channel.confirm-title': ['Write this value?', '写入此值？'], 'channel.from-to': ['{from} becomes {to}', '{from} 改为 {to}'],
+  'channel.read-now': ['Read now', '立即读取'], 'channel.results': ['Results', '结果'],
+  'channel.range': ['{min} to {max}', '{min} 到 {max}'], 'channel.bad-number': ['This is no number for {type}.', '这不是 {type} 的有效数值。'],
+  'channel.out-of-range': ['The value must be {range}.', '该值必须在 {range} 之间。'], 'channel.waiting': ['waiting …', '等待中…'],
+  'channel.history': ['Open in History', '在历史中打开'],
+  'channel.needs-operator': ['Writing needs the role operator.', '写入需要操作员角色。'],
+  'channel.follow': ['Back to now', '回到当前'],
+} as const;
 
 const points = 1000;
 const chartHeight = 320;
@@ -192,7 +210,6 @@ class ChannelPage implements Page {
     const age_ms = this.context.now() - acquired_ms, late = acquired_ms > 0 && isLate(channel, age_ms);
     const [bus, device, name] = channel.path.split('/');
     const limits = Object.entries(channel.limits).map(([limit, value]) => `${limit} ${value}`).join(', ');
-    const fact = (label: string, value: unknown): TemplateResult => html`<div class="fact"><dt>${label}</dt><dd>${value}</dd></div>`;
     render(html`
       <div class="value-head">
         <h1><a href=${link('live', [], { q: `${bus}/*` })}>${bus}</a> / <a href=${link('live', [], { q: `${bus}/${device}/*` })}>${device}</a> / ${name}</h1>

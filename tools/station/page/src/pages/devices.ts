@@ -3,7 +3,7 @@
 import { nothing, render } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
 import { endMaintenance, startMaintenance } from '../alarm_actions';
-import type { Change, Context, MakePage, Page } from '../context';
+import type { Change, Context, MakePage } from '../context';
 import { deviceStates, failedShare, grownCause, orderedDevices, pathOf, reasonOf } from '../device_health';
 import type { Reason } from '../device_health';
 import { age, count, duration, percent } from '../format';
@@ -11,8 +11,28 @@ import { t, word } from '../i18n';
 import { ListTable } from '../list';
 import { html } from '../markup';
 import { link } from '../router';
+import { SplitPage } from '../split_page';
 import type { Device } from '../types';
-import { bar, empty, makeElement, shape, stateBadge, toneOfState } from '../view';
+import { bar, empty, fact, shape, stateBadge, toneOfState } from '../view';
+import '../../styles/devices.css';
+
+export const texts = {
+  'devices.title': ['Devices', '设备'], 'devices.table': ['Devices and how they are', '设备及其状态'], 'devices.state': ['State', '状态'],
+  'devices.device': ['Device', '设备'], 'devices.reason': ['Reason', '原因'], 'devices.answer': ['Answer', '应答'], 'devices.failed': ['Failed', '失败'],
+  'devices.missed': ['Missed', '错过'], 'devices.none': ['No device is known yet.', '尚无设备。'], 'devices.none-fits': ['No device fits.', '没有符合的设备。'],
+  'devices.unknown': ['No bridge tells of {device}.', '没有网桥报告 {device}。'], 'devices.programmed': ['programmed by {who}', '{who} 正在编程'],
+  'devices.bus-closed': ['bus closed: {cause}', '总线已关闭：{cause}'],
+  'devices.bus-leased': ['the bus rests while another device is programmed', '另一设备编程期间总线暂停'],
+  'devices.refuses': ['refuses {n} addresses', '拒绝 {n} 个地址'], 'devices.refuses-one': ['refuses one address', '拒绝一个地址'],
+  'devices.not-read': ['nothing was read yet', '尚未读取'], 'devices.fine': ['Answers in time.', '应答及时。'],
+  'devices.in-maintenance': ['in maintenance', '维护中'], 'devices.end-maintenance': ['End maintenance', '结束维护'], 'devices.timeout': ['Timeout', '超时'],
+  'devices.pause': ['Pause', '间歇'], 'devices.exchanges': ['Exchanges', '交换'], 'devices.failures': ['Failed exchanges', '失败的交换'],
+  'devices.retries': ['Retries', '重试'], 'devices.learned': ['Learned', '已学习'], 'devices.area': ['Area', '区域'],
+  'devices.largest': ['Largest block', '最大块'], 'devices.longest': ['Limit', '上限'], 'devices.nothing': ['Nothing was learned yet.', '尚未学习到任何内容。'],
+  'devices.refused': ['Refused addresses', '被拒绝的地址'],
+  'devices.refused-hint': ['The device answers these with an error. They are tried again from time to time.', '设备对这些地址返回错误。会不时重试。'],
+  'devices.gaps': ['Gaps', '间隙'], 'devices.gaps-hint': ['No request reaches across these ranges, since the device refuses that.', '设备不允许请求跨越这些范围。'],
+} as const;
 
 const staleAfter_ms = 10_000;  // a device with changed counters only is reported every 2 s
 
@@ -33,27 +53,13 @@ const causes = new Map<string, Device['causes']>();  // of the previous report, 
 const recent = new Map<string, string>();  // the cause that grew last
 const kept = { filter: '', state: '' };
 
-class DevicesPage implements Page {
-  readonly element = makeElement('devices listing');
-  readonly title = t('devices.title');
-  private readonly head = document.createElement('div');
+class DevicesPage extends SplitPage {
   private readonly tools = document.createElement('div');
-  private readonly body = document.createElement('div');
-  private readonly details = document.createElement('section');
-  private readonly note = document.createElement('div');
   private readonly list: ListTable<Device>;
-  private readonly chosen: string;
 
-  constructor(private readonly context: Context) {
-    this.chosen = context.route.parts.slice(0, 2).join('/');
-    this.head.className = 'tabs';
+  constructor(context: Context) {
+    super(context, t('devices.title'));
     this.tools.className = 'tools';
-    this.body.className = this.chosen ? 'split chosen' : 'split';
-    this.details.className = 'card device';
-    this.details.dataset['scroll'] = '';
-    this.details.tabIndex = 0;
-    this.details.setAttribute('role', 'region');
-    this.note.className = 'nothing';
     this.list = new ListTable<Device>({
       label: t('devices.table'), className: 'device-table', keyOf: pathOf,
       tone: (device) => `d-${toneOfState(device.state)}`,
@@ -72,7 +78,7 @@ class DevicesPage implements Page {
     render(html`<h1>${t('devices.title')}</h1>`, this.head);
   }
 
-  paint(change: Change): void {
+  override paint(change: Change): void {
     if (change.topics.has('devices')) this.noteCauses();
     if (change.second || change.topics.has('alarms') || change.topics.has('sessions')) this.arrange();
   }
@@ -159,7 +165,6 @@ class DevicesPage implements Page {
       return;
     }
     const { context } = this;
-    const fact = (name: string, value: unknown): TemplateResult => html`<div class="fact"><dt>${name}</dt><dd>${value}</dd></div>`;
     const reason = reasonText(this.reason(device));
     const reportAge_ms = context.now() - device.reported_ms;
     const maintained = this.inMaintenance(device);
@@ -169,7 +174,7 @@ class DevicesPage implements Page {
       <p class="reason">${reason || t('devices.fine')}${maintained ? html` · <b>${t('devices.in-maintenance')}</b>` : nothing}</p>
       <p class="links"><a href=${link('live', [], { q: `${pathOf(device)}/*` })}>${t('overview.show')}</a>
         <a href=${link('plan', [device.bus])}>${t('overview.plan')}</a>
-        <a href=${link('programming', [device.bus, device.device])}>${t('nav.programming')}</a>
+        <a href=${link('programming', [device.bus, device.device])}>${t('programming.title')}</a>
         ${context.mayOperate() ? html`<button type="button" @click=${() => void this.maintain(device)}>${t(maintained ? 'devices.end-maintenance' : 'alarms.maintenance-start')} <kbd>m</kbd></button>` : nothing}</p>
       <dl class="facts">
         ${fact(t('devices.answer'), html`<b>${duration(device.answer_time_ms)}</b> ± ${duration(device.answer_spread_ms)}`)}

@@ -15,6 +15,21 @@ import { lineOf } from '../trend';
 import type { History, Series } from '../types';
 import { empty, errorText, makeElement } from '../view';
 
+export const texts = {
+  'history.title': ['History', '历史'], 'history.add': ['Add a channel', '添加通道'], 'history.add-hint': ['bus/device/channel', '总线/设备/通道'],
+  'history.from': ['From', '从'], 'history.to': ['To', '到'], 'history.show': ['Show', '显示'], 'history.back': ['Zoom out', '缩小'],
+  'history.csv': ['CSV', 'CSV'], 'history.none': ['Choose up to eight channels.', '最多选择八个通道。'],
+  'history.none-hint': ['Type a part of a name and take one of the list. The address of this page can be sent.', '输入名称的一部分，再从列表中选择。本页地址可以转发。'],
+  'history.no-store': ['This station keeps no history.', '此监控站不保存历史。'],
+  'history.no-store-hint': ['Give it a store in its configuration, then it records.', '在其配置中设置存储后即开始记录。'],
+  'history.remove': ['Remove {path}', '移除 {path}'], 'history.full': ['Eight channels are the most.', '最多八个通道。'],
+  'history.no-data': ['no data', '无数据'], 'history.points': ['{n} points of {width}', '{n} 个点，每点 {width}'], 'history.raw': ['{n} samples', '{n} 个样本'],
+  'history.min': ['Min', '最小'], 'history.average': ['Average', '平均'], 'history.max': ['Max', '最大'], 'history.bad': ['Bad', '异常'],
+  'history.cursor': ['At {time}', '时刻 {time}'], 'history.channel': ['Channel', '通道'], 'history.chart': ['Trend of {n} channels', '{n} 个通道的趋势'],
+  'history.resolution': ['Resolution', '分辨率'], 'history.drag': ['Drag across the trend to zoom in.', '在趋势图上拖动即可放大。'],
+  'history.value': ['Value', '数值'], 'history.unit': ['Unit', '单位'], 'history.text': ['A text has no trend: see its CSV.', '文本没有趋势：请查看其 CSV。'],
+} as const;
+
 const mostChannels = 8;
 const points = 1000;
 const chartHeight = 380;
@@ -51,7 +66,6 @@ function figuresOf(series: Series): Figures {
 
 class HistoryPage implements Page {
   readonly element = makeElement('history');
-  readonly title = t('history.title');
   private readonly chart: Chart;
   private readonly channels: string[];
   private readonly span_ms: number;

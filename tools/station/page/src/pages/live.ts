@@ -7,7 +7,7 @@ import { age, count, duration, tableValue } from '../format';
 import { t } from '../i18n';
 import { html } from '../markup';
 import { meter } from '../meter';
-import { printable } from '../printable';
+import { printable, setText } from '../printable';
 import { channelLink } from '../router';
 import { arrange } from '../rows';
 import type { Choice, Rows, SortKey } from '../rows';
@@ -15,6 +15,16 @@ import { VirtualTable } from '../table';
 import type { Row } from '../table';
 import { isLate, notYetRead } from '../types';
 import { makeElement, qualityText, shape, toneOfQuality } from '../view';
+
+export const texts = {
+  'live.title': ['Live', '实时'], 'live.filter': ['Filter', '筛选'], 'live.filter-hint': ['press-shop/* or words', 'press-shop/* 或关键词'],
+  'live.only-bad': ['Only bad', '仅异常'], 'live.bad-first': ['Bad first', '异常优先'], 'live.group': ['By device', '按设备'],
+  'live.shown': ['{n} of {all}', '{n} / {all}'], 'live.table': ['Channels and their values', '通道及其数值'],
+  'live.quality': ['Quality', '质量'], 'live.channel': ['Channel', '通道'], 'live.value': ['Value', '数值'], 'live.unit': ['Unit', '单位'],
+  'live.age': ['Age', '时长'], 'live.refresh': ['Refresh', '刷新'], 'live.at': ['Address', '地址'],
+  'live.none': ['No channel fits the filter.', '没有符合筛选的通道。'], 'live.never': ['never', '从未'], 'live.pin-row': ['Pin {path} on top', '将 {path} 置顶'],
+  'live.pinned': ['Pinned', '已置顶'], 'live.description': ['Description', '说明'],
+} as const;
 
 const pinsKey = 'fieldcast.pins';
 const mostPins = 200;
@@ -28,10 +38,6 @@ function readPins(): Set<string> {
   }
 }
 
-function setText(element: Element, received: string): void {
-  const text = printable(received);
-  if (element.textContent !== text) element.textContent = text;
-}
 function setTitle(element: HTMLElement, received: string): void {
   const text = printable(received);
   if (element.title !== text) element.title = text;
@@ -195,7 +201,7 @@ export const page: MakePage = (context) => {
   element.append(tools, live.table.element);
   draw();
   return {
-    title: t('live.title'), element,
+    element,
     paint: (change) => {
       if (change.topics.has('catalogue')) live.arrange();
       live.paint(change.values, change.second);

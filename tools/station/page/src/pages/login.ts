@@ -7,6 +7,12 @@ import { t } from '../i18n';
 import { html } from '../markup';
 import { errorText, makeElement } from '../view';
 
+export const texts = {
+  'login.title': ['Log in', '登录'], 'login.user': ['User', '用户'], 'login.password': ['Password', '密码'], 'login.go': ['Log in', '登录'],
+  'login.wrong': ['User or password is wrong.', '用户名或密码错误。'], 'login.wait': ['Too many tries. Wait {n} s.', '尝试次数过多。请等待 {n} 秒。'],
+  'login.hint': ['Users are made on the machine of the station: fieldcast user add', '用户在监控站主机上创建：fieldcast user add'],
+} as const;
+
 export const page: MakePage = () => {
   const element = makeElement('login');
   let trouble = '';
@@ -41,5 +47,5 @@ export const page: MakePage = () => {
       <p class="muted">${t('login.hint')}</p>
     </form>`, element);
   draw();
-  return { title: t('login.title'), element };
+  return { element };
 };

@@ -10,7 +10,27 @@ import { html, svg } from '../markup';
 import type { Load, Tally } from '../plant';
 import { link } from '../router';
 import type { Bridge, Bus, Counts, Device } from '../types';
-import { badge, bar, empty, makeElement, stateBadge } from '../view';
+import { badge, bar, empty, fact, makeElement, stateBadge } from '../view';
+
+export const texts = {
+  'overview.title': ['Overview', '总览'], 'overview.planned': ['Planned', '计划'], 'overview.measured': ['Measured', '实测'],
+  'overview.used': ['Used', '占用'], 'overview.planned-hint': ['Share of the wire that the read plan needs', '读取计划所需的总线时间比例'],
+  'overview.measured-hint': ['Share of the wire that reading took in the last 10 s', '最近 10 秒读取所占的总线时间比例'],
+  'overview.used-hint': ['Share of the last second in which the wire was busy or had to be silent', '最近一秒内总线忙碌或必须静默的时间比例'],
+  'overview.channels': ['Channels', '通道'], 'overview.bad': ['bad', '异常'], 'overview.exchanges': ['Exchanges/s', '交换/秒'],
+  'overview.misses': ['Missed refreshes', '错过的刷新'], 'overview.stretch': ['Refreshes stretched by', '刷新周期拉长为'],
+  'overview.slowest': ['Slowest device', '最慢的设备'], 'overview.no-misses': ['none', '无'],
+  'overview.last-minute': ['+{n} in the last minute', '最近一分钟 +{n}'], 'overview.plan': ['Read plan', '读取计划'],
+  'overview.show': ['Channels', '通道'], 'overview.none': ['No bus is known yet.', '尚无总线。'],
+  'overview.none-hint': ['Buses show up here as soon as a bridge of this domain reports them.', '此域中的网桥一旦上报，总线就会显示在这里。'],
+  'overview.used-trend': ['Used in the last five minutes', '最近五分钟的占用'], 'overview.alarms': ['Alarms', '报警'],
+  'overview.report-age': ['Report', '报告'], 'overview.causes': ['Failed exchanges', '失败的交换'],
+  'overview.because': ['because of {cause}', '原因：{cause}'], 'overview.clock': ['Clock offset', '时钟偏差'],
+  'overview.clock-ahead': ['The clock of this station is {by} ahead of the clock of bridge {bridge}. Synchronize both with NTP.', '本站时钟比网桥 {bridge} 的时钟快 {by}。请用 NTP 同步两者。'],
+  'overview.clock-behind': ['The clock of this station is {by} behind the clock of bridge {bridge}. Synchronize both with NTP.', '本站时钟比网桥 {bridge} 的时钟慢 {by}。请用 NTP 同步两者。'],
+  'overview.contested': ['Contested: {bridge} also claims to serve a bus of this name. Stop or rename one of them.', '冲突：{bridge} 也声明服务于同名总线。请停止或重命名其中之一。'],
+  'overview.refused': ['{bridge} has a bus of this name and does not serve it, because this bridge does.', '{bridge} 有同名总线，但因本网桥正在服务而未服务该总线。'],
+} as const;
 
 const trendFor_ms = 300_000;
 const minute_ms = 60_000;
@@ -66,8 +86,6 @@ function card(context: Context, bus: Bus, tally: Tally | undefined): TemplateRes
   const recent = grown(loads, 'misses', minute_ms);
   const rate = grown(loads, 'exchanges', 10_000);
   const alarms = [...plant.alarms.values()].filter((alarm) => alarm.bus === bus.bus && alarm.active).length;
-  const fact = (name: string, value: unknown, wide = false): TemplateResult =>
-    html`<div class=${wide ? 'fact wide' : 'fact'}><dt>${name}</dt><dd>${value}</dd></div>`;
   return html`<article class=${reportAge_ms > staleAfter_ms ? 'card bus stale' : 'card bus'} aria-label=${bus.bus}>
     <header><h2><a href=${link('live', [], { q: `${bus.bus}/*` })}>${bus.bus}</a></h2>${stateBadge(bus.state)}</header>
     <p class="muted sub">${bus.bridge}${bus.closed_because ? ` · ${t('overview.because', { cause: word('cause', bus.closed_because) })}` : ''}
@@ -105,7 +123,7 @@ export const page: MakePage = (context) => {
         empty(t('overview.none'), t('overview.none-hint'))}`, element);
   };
   return {
-    title: t('overview.title'), element,
+    element,
     paint: (change) => { if (change.second || change.topics.has('connection')) draw(); },
   };
 };

@@ -13,7 +13,23 @@ import { axisTicks, marksOf, orderedGroups, pathOf, pointsOf, rangeText, readCou
 import type { Read } from '../plan_picture';
 import { channelLink, link } from '../router';
 import type { PlanGroup, ReadPlan } from '../types';
-import { bar, empty, errorText, makeElement } from '../view';
+import { bar, empty, errorText, fact, makeElement } from '../view';
+import '../../styles/plan.css';
+
+export const texts = {
+  'plan.title': ['Read plan', '读取计划'], 'plan.bus': ['Bus', '总线'], 'plan.picture': ['Reads of {bus} in time', '{bus} 的读取时间图'],
+  'plan.load': ['Load of the wire', '总线负载'], 'plan.free': ['Free on the wire', '总线空闲'], 'plan.overload': ['{share} too much', '超出 {share}'],
+  'plan.table': ['Repeats after', '重复周期'], 'plan.no-table': ['no timetable', '无时间表'], 'plan.groups': ['Groups', '组'],
+  'plan.reads': ['{groups} groups, {reads} reads', '{groups} 组，{reads} 次读取'], 'plan.stretch': ['Refreshes', '刷新周期'],
+  'plan.no-stretch': ['as asked for', '与要求一致'], 'plan.since': ['In force since', '生效于'], 'plan.wire': ['Wire', '总线'],
+  'plan.all-groups': ['all groups', '所有组'], 'plan.every': ['every {period}', '每 {period}'], 'plan.when-due': ['when due', '按需'],
+  'plan.in': ['Zoom in', '放大'], 'plan.out': ['Zoom out', '缩小'], 'plan.none': ['No plan is known of {bus}.', '{bus} 没有已知的计划。'],
+  'plan.none-hint': ['A bridge tells its plan when it runs the bus. A bridge of an older version tells none.', '网桥运行该总线时会报告其计划。旧版本的网桥不报告。'],
+  'plan.no-groups': ['Nothing is read on this bus.', '此总线上没有读取任何内容。'], 'plan.read': ['Read', '读取'], 'plan.read-of': ['{n} of {of}', '第 {n} / {of} 次'],
+  'plan.ends': ['Ends at', '结束于'], 'plan.takes': ['Takes', '用时'], 'plan.period': ['Period', '周期'], 'plan.slack': ['Slack', '余量'],
+  'plan.gap': ['Longest gap', '最长间隔'], 'plan.share': ['Share of the wire', '总线占比'], 'plan.request': ['Request', '请求'],
+  'plan.list': ['a list of ranges', '地址范围列表'], 'plan.block': ['one block', '一个连续块'], 'plan.channels': ['Channels in this read: {n}', '此次读取的通道：{n}'],
+} as const;
 
 const rowHeight = 46;
 const mostNames = 60;
@@ -165,7 +181,6 @@ class PlanPage implements Page {
 
   private loads(plan: ReadPlan): TemplateResult {
     const bus = this.context.plant.buses.get(this.bus);
-    const fact = (name: string, value: unknown): TemplateResult => html`<div class="fact"><dt>${name}</dt><dd>${value}</dd></div>`;
     const free = 1 - plan.load;
     const requests = plan.hyperperiod_ms ? this.groups.reduce((sum, group) => sum + readCount(group, plan.hyperperiod_ms!), 0) : 0;
     return html`<section class="card plan-loads" aria-label=${t('plan.load')}>
@@ -221,7 +236,6 @@ class PlanPage implements Page {
     const points = read ? pointsOf(group, read) : group.points;
     const names = points.flatMap((point) => point.channels);
     const gap = Math.max(...group.points.map((point) => point.worst_gap_ms ?? 0));
-    const fact = (name: string, value: unknown): TemplateResult => html`<div class="fact"><dt>${name}</dt><dd>${value}</dd></div>`;
     return html`<section class="card plan-details" aria-live="polite">
       <h2><a href=${link('devices', [this.bus, group.device])}>${group.device}</a> ${rangeText(points)}</h2>
       <dl class="facts">

@@ -3,7 +3,7 @@
 
 import { nothing, render } from 'lit-html';
 import type { TemplateResult } from 'lit-html';
-import type { Change, Context, MakePage, Page } from '../context';
+import type { Change, Context, MakePage } from '../context';
 import { pathOf } from '../device_health';
 import { age, bytes, count, fullTime } from '../format';
 import { t, word } from '../i18n';
@@ -12,9 +12,39 @@ import { html } from '../markup';
 import { portCommand, serverOf } from '../port_command';
 import type { PortChoice } from '../port_command';
 import { link } from '../router';
+import { SplitPage } from '../split_page';
 import type { Device, Session } from '../types';
-import { badge, empty, makeElement } from '../view';
+import { badge, empty } from '../view';
 import type { Tone } from '../view';
+import '../../styles/programming.css';
+
+export const texts = {
+  'programming.title': ['Programming', '编程'], 'programming.table': ['Devices and modules, and who programs them', '设备与模块，以及正在编程的人员'],
+  'programming.hint': ['The vendor’s software programs a PLC through the bridge. While it does, the bus of that PLC rests.', '厂商软件通过网桥对 PLC 编程。编程期间，该 PLC 所在的总线暂停。'],
+  'programming.state': ['Session', '会话'], 'programming.free': ['free', '空闲'], 'programming.to': ['To it', '发送'],
+  'programming.from': ['From it', '接收'], 'programming.one-open': ['One device is programmed now', '当前有一台设备正在编程'],
+  'programming.open': ['{n} devices are programmed now', '当前有 {n} 台设备正在编程'],
+  'programming.by': ['{who} has been programming it for {age}.', '{who} 已编程 {age}。'],
+  'programming.last': ['Programmed last by {who}.', '上次编程：{who}。'],
+  'programming.never': ['Nobody has programmed it since its bridge started.', '自网桥启动以来无人编程。'],
+  'programming.meanwhile': ['What rests meanwhile', '期间暂停的内容'],
+  'programming.no-bus': ['This module has no bus. Nothing rests while it is programmed.', '此模块没有总线，编程期间不影响其他内容。'],
+  'programming.rests': ['The whole bus {bus}: {devices} devices with {channels} channels. Their values become uncertain, commands are refused with LEASED. Other buses go on.', '整条总线 {bus}：{devices} 台设备、{channels} 个通道。其数值变为不确定，命令以 LEASED 被拒绝。其他总线不受影响。'],
+  'programming.start': ['Start', '开始'],
+  'programming.start-hint': ['Run this on the PC with the programming software. Then choose the virtual port in that software.', '在装有编程软件的电脑上运行此命令，然后在软件中选择该虚拟串口。'],
+  'programming.command': ['Command', '命令'], 'programming.copy': ['Copy', '复制'],
+  'programming.copied': ['The command is in the clipboard.', '命令已复制到剪贴板。'],
+  'programming.copy-by-hand': ['The browser does not allow it. The command is selected: copy it by hand.', '浏览器不允许复制。命令已选中，请手动复制。'],
+  'programming.server': ['Bridge', '网桥'],
+  'programming.server-hint': ['host:port, as program: engineers: listen: of the bridge says', '主机:端口，与网桥配置 program: engineers: listen: 一致'],
+  'programming.number': ['Device number', '设备号'],
+  'programming.number-hint': ['number: of the device in the bridge’s configuration', '网桥配置中该设备的 number:'],
+  'programming.port': ['Virtual port', '虚拟串口'], 'programming.port-hint': ['made on that PC, gone at the end', '在该电脑上创建，结束后消失'],
+  'programming.user': ['User', '用户'], 'programming.user-hint': ['with the role programmer; empty: no login', '需要 programmer 角色；留空则不登录'],
+  'programming.tls': ['By TLS', '使用 TLS'],
+  'programming.end-hint': ['Ctrl-C ends it. The bridge also takes the device back after ten minutes without a byte.', '按 Ctrl-C 结束。十分钟没有数据时，网桥也会收回设备。'],
+  'session.open': ['programming', '编程中'], 'session.closed': ['ended', '已结束'], 'session.refused': ['refused', '被拒绝'],
+} as const;
 
 const dialIn = 'dial-in';  // stands for the bus of a module without one
 const keptUnder = 'fieldcast.port';
@@ -38,30 +68,15 @@ function read(): Record<string, string> {
   }
 }
 
-class ProgrammingPage implements Page {
-  readonly element = makeElement('programming listing');
-  readonly title = t('programming.title');
-  private readonly head = document.createElement('div');
+class ProgrammingPage extends SplitPage {
   private readonly hint = document.createElement('p');
-  private readonly body = document.createElement('div');
-  private readonly details = document.createElement('section');
-  private readonly note = document.createElement('div');
   private readonly list: ListTable<Target>;
-  private readonly chosen: string;
   private choice: PortChoice | undefined;
 
-  constructor(private readonly context: Context) {
-    this.chosen = context.route.parts.slice(0, 2).join('/');
-    this.head.className = 'tabs';
+  constructor(context: Context) {
+    super(context, t('programming.start'));
     this.hint.className = 'muted';
     this.hint.textContent = t('programming.hint');
-    this.body.className = this.chosen ? 'split chosen' : 'split';
-    this.details.className = 'card device';
-    this.details.dataset['scroll'] = '';
-    this.details.tabIndex = 0;
-    this.details.setAttribute('role', 'region');
-    this.details.setAttribute('aria-label', this.chosen || t('programming.start'));
-    this.note.className = 'nothing';
     const now = (): number => context.now();
     this.list = new ListTable<Target>({
       label: t('programming.table'), className: 'session-table', keyOf: pathOf,
@@ -80,7 +95,7 @@ class ProgrammingPage implements Page {
     this.element.append(this.head, this.hint, this.body);
   }
 
-  paint(change: Change): void {
+  override paint(change: Change): void {
     if (!change.second && !change.topics.has('sessions') && !change.topics.has('bridges')) return;
     const targets = this.targets();
     this.list.set(targets);

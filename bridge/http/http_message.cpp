@@ -1,11 +1,11 @@
-#include "tools/station/http/http_message.hpp"
+#include "bridge/http/http_message.hpp"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 
 #include "bridge/base/check.hpp"
 #include "core/base/json.hpp"
@@ -137,19 +137,7 @@ bool one_line(std::string_view text) {
 
 // "Sun, 06 Nov 1994 08:49:37 GMT"
 std::string http_date(UtcTime at) {
-  using namespace std::chrono;
-  static constexpr std::array kDays{"Sun", "Mon", "Tue", "Wed", "Thu", "Fri", "Sat"};
-  static constexpr std::array kMonths{"Jan", "Feb", "Mar", "Apr", "May", "Jun",
-                                      "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"};
-  const sys_seconds second{floor<seconds>(nanoseconds{at.nanoseconds})};
-  const auto day = floor<days>(second);
-  const year_month_day date{day};
-  const hh_mm_ss time{second - day};
-  return fmt::format("{}, {:02} {} {} {:02}:{:02}:{:02} GMT", kDays[weekday{day}.c_encoding()],
-                     static_cast<unsigned>(date.day()),
-                     kMonths[static_cast<unsigned>(date.month()) - 1],
-                     static_cast<int>(date.year()), time.hours().count(), time.minutes().count(),
-                     time.seconds().count());
+  return fmt::format("{:%a, %d %b %Y %H:%M:%S GMT}", fmt::gmtime(at.nanoseconds / 1'000'000'000));
 }
 
 }  // namespace

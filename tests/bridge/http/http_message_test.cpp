@@ -1,4 +1,4 @@
-#include "tools/station/http/http_message.hpp"
+#include "bridge/http/http_message.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,11 +4,13 @@
 
 #include <boost/asio/steady_timer.hpp>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <string>
+#include <tl/expected.hpp>
 
+#include "bridge/http/http_message.hpp"
 #include "bridge/net/byte_stream.hpp"
-#include "tools/station/web/site.hpp"
 
 namespace fieldcast::web {
 
@@ -18,15 +20,30 @@ struct HttpLimits {
   Duration idle = std::chrono::seconds{75};      // between two requests
   Duration header = std::chrono::seconds{10};    // from its first to its last byte
   Duration body = std::chrono::seconds{10};      // from the end of the header to the last byte
-  Duration handler = std::chrono::seconds{60};   // for the station's response
+  Duration handler = std::chrono::seconds{60};   // for the service's response
   Duration progress = std::chrono::seconds{30};  // for a client to receive part of the response
+  Duration response = std::chrono::hours{24};    // for a client to receive a whole response
   Duration linger = std::chrono::seconds{1};     // for a client to receive the last response
 };
 
-struct LiveRequest {
-  std::unique_ptr<ByteStream> stream;
-  std::string head;  // request header, which the WebSocket library parses again
-  Site::Upgrade who;
+// What a server serves. All calls are on the io thread.
+class HttpService {
+ public:
+  virtual ~HttpService() = default;
+  // `reply` is called once, immediately or later.
+  virtual void handle(RawRequest request, Reply reply) = 0;
+  // Returns the response to a request that is not served; the connection ends with it.
+  [[nodiscard]] virtual HttpResponse refusal(unsigned status, std::string_view error,
+                                             std::string_view hint) const = 0;
+  // Connections with a login have limits of their own.
+  [[nodiscard]] virtual bool has_login(const RawRequest&) { return false; }
+  // Receives the stream of a WebSocket and its request header, which the WebSocket library parses
+  // again.
+  using TakeStream = std::function<void(std::unique_ptr<ByteStream>, std::string head)>;
+  // A null function: handle() serves the request.
+  [[nodiscard]] virtual tl::expected<TakeStream, HttpResponse> upgrade(const RawRequest&) {
+    return TakeStream{};
+  }
 };
 
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
@@ -34,11 +51,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   // Must outlive the sessions.
   struct Server {
     boost::asio::io_context& io;
-    Site& site;
+    HttpService& service;
     HttpLimits limits;
-    // Returns an empty value if the WebSocket is allowed.
-    std::function<std::optional<HttpResponse>(const Site::Upgrade&)> refuse_live;
-    std::function<void(LiveRequest)> take_live;
     // Returns whether the request may be processed; `logged_in`: it has a valid login.
     std::function<bool(std::uint64_t id, bool logged_in)> work;
     std::function<void(std::uint64_t id)> wait;  // the response has ended
@@ -74,9 +88,11 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void on_read(std::size_t count);
   void parse();
   void on_request();
-  void upgrade(RawRequest& raw);
+  void hand_over(const HttpService::TakeStream& take);
   void refuse(unsigned status, std::string_view error, std::string_view hint);
   void respond(HttpResponse response);
+  void respond_last(HttpResponse response);  // and end the connection
+  void await_client();
   void send(std::shared_ptr<const std::string> bytes);
   void write();
   void on_written(std::size_t count);
@@ -89,7 +105,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   std::unique_ptr<ByteStream> stream_;
   const std::string peer_;
   State state_ = State::kIdle;
-  Instant since_{};
+  Instant since_{}, response_ends_{};
   boost::asio::steady_timer timer_;
   std::unique_ptr<Parser> parser_;  // of the current request
   std::string received_;            // not parsed yet

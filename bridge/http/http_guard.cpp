@@ -1,4 +1,4 @@
-#include "tools/station/web/http_guard.hpp"
+#include "bridge/http/http_guard.hpp"
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
@@ -38,10 +38,10 @@ std::size_t ConnectionTable::count(Rule rule) const {
 }
 
 template <typename Rule>
-std::optional<ConnectionTable::Id> ConnectionTable::oldest_waiting(Rule rule) const {
+std::optional<ConnectionTable::Id> ConnectionTable::oldest(Phase phase, Rule rule) const {
   auto oldest = rows_.end();
   for (auto at = rows_.begin(); at != rows_.end(); ++at) {
-    if (at->second.phase != Phase::kWaiting || !rule(at->first, at->second)) continue;
+    if (at->second.phase != phase || !rule(at->first, at->second)) continue;
     if (oldest == rows_.end() || at->second.since < oldest->second.since) oldest = at;
   }
   return oldest == rows_.end() ? std::nullopt : std::optional(oldest->first);
@@ -60,23 +60,24 @@ bool ConnectionTable::may_work(const Peer& peer) const {
 }
 
 // `self`: the connection to admit, if it is in the table already.
-ConnectionTable::Admission ConnectionTable::room_at_address(const Peer& peer,
-                                                            std::optional<Id> self) const {
+ConnectionTable::Admission ConnectionTable::place_at_address(const Peer& peer,
+                                                             std::optional<Id> self) const {
   const auto is_alike = [&](const Row& row) {
     return row.peer.group == peer.group && row.peer.logged_in == peer.logged_in;
   };
   if (count(is_alike) < limits_.of_one) return {true, std::nullopt};
-  const auto evicted =
-      oldest_waiting([&](Id id, const Row& row) { return id != self && is_alike(row); });
+  const auto may_leave = [&](Id id, const Row& row) { return id != self && is_alike(row); };
+  auto evicted = oldest(Phase::kWaiting, may_leave);
+  if (!evicted && limits_.evicts_working) evicted = oldest(Phase::kWorking, may_leave);
   return {evicted.has_value(), evicted};
 }
 
 ConnectionTable::Admission ConnectionTable::admission(const Peer& peer, Phase phase) const {
   if (phase == Phase::kWorking && !may_work(peer)) return {};
-  Admission room = room_at_address(peer, std::nullopt);
+  Admission room = place_at_address(peer, std::nullopt);
   if (!room.admitted || room.evicted || rows_.size() < limits_.total) return room;
-  room.evicted = oldest_waiting([](Id, const Row& row) { return !row.peer.logged_in; });
-  if (!room.evicted) room.evicted = oldest_waiting([](Id, const Row&) { return true; });
+  room.evicted = oldest(Phase::kWaiting, [](Id, const Row& row) { return !row.peer.logged_in; });
+  if (!room.evicted) room.evicted = oldest(Phase::kWaiting, [](Id, const Row&) { return true; });
   room.admitted = room.evicted.has_value();
   return room;
 }
@@ -95,7 +96,7 @@ ConnectionTable::Admission ConnectionTable::work(Id id, bool logged_in) {
   const Peer peer{row.peer.group, logged_in};
   if (!may_work(peer)) return {};
   Admission room{true, std::nullopt};
-  if (row.peer.logged_in != logged_in) room = room_at_address(peer, id);
+  if (row.peer.logged_in != logged_in) room = place_at_address(peer, id);
   if (!room.admitted) return room;
   if (room.evicted) rows_.erase(*room.evicted);
   row.peer.logged_in = logged_in;
@@ -188,39 +189,6 @@ std::optional<HeadFault> HeadCheck::on_coding(std::string_view value) {
   if (std::exchange(has_coding_, true) || has_length_) return kTwoLengths;
   if (old_) return kOldCoding;
   return same_word(value, "chunked") ? std::nullopt : std::optional(kCoding);
-}
-
-namespace {
-
-// Only the station's own files; only lit-html may create markup from text.
-constexpr std::string_view kPolicy =
-    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
-    "connect-src 'self'; font-src 'self'; manifest-src 'self'; base-uri 'none'; "
-    "form-action 'none'; require-trusted-types-for 'script'; trusted-types lit-html; "
-    "frame-ancestors ";
-
-}  // namespace
-
-SecurityHeaders::SecurityHeaders(bool tls, const std::vector<std::string>& embed)
-    : tls_(tls), policy_(std::string(kPolicy) + "'none'"), embed_policy_(kPolicy) {
-  embed_policy_ += embed.empty() ? "'none'" : "'self'";
-  for (const std::string& site : embed) embed_policy_ += ' ' + site;
-}
-
-void SecurityHeaders::add_to(HttpResponse& response, const std::string& path) const {
-  const auto add = [&](const char* name, const std::string& value) {
-    const auto known = std::ranges::find(response.headers, name, &TextPairs::value_type::first);
-    if (known == response.headers.end()) response.headers.emplace_back(name, value);
-  };
-  const bool embedded = path == "/embed" || path.starts_with("/embed/");
-  add("content-security-policy", embedded ? embed_policy_ : policy_);
-  add("x-content-type-options", "nosniff");
-  add("referrer-policy", "no-referrer");
-  add("cross-origin-opener-policy", "same-origin");
-  add("cross-origin-resource-policy", "same-origin");
-  add("permissions-policy", "camera=(), geolocation=(), microphone=()");
-  add("cache-control", "no-store");
-  if (tls_) add("strict-transport-security", "max-age=31536000");
 }
 
 }  // namespace fieldcast::web

@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 
-#include "tools/station/web/http_guard.hpp"
+#include "bridge/http/http_guard.hpp"
 
 namespace fieldcast::web {
 namespace {
@@ -150,6 +150,20 @@ TEST(AddressGroup, Ipv6CountsByItsSlash64AndAMappedAddressAsIpv4) {
   EXPECT_EQ(address_group("[::ffff:10.0.0.7]"), "10.0.0.7");
   EXPECT_EQ(address_group("?"), "?");
   EXPECT_EQ(address_group(""), "");
+}
+
+TEST(ConnectionTableThatEvictsWork, AWorkingOneLeavesIfNoneWaits) {
+  ConnectionTable table(
+      {.total = 3, .of_one = 3, .working_of_one = 3, .reserved = 0, .evicts_working = true});
+  const auto open = [&](ConnectionTable::Id id) {
+    return table.open(id, {"a"}, Phase::kWaiting, Instant{std::chrono::seconds{id}});
+  };
+  for (const ConnectionTable::Id id : {1u, 2u, 3u}) EXPECT_FALSE(open(id).evicted);
+  for (const ConnectionTable::Id id : {1u, 2u}) EXPECT_TRUE(table.work(id, false).admitted);
+  EXPECT_THAT(open(4).evicted, Optional(3u));  // it waits
+  EXPECT_TRUE(table.work(4, false).admitted);
+  EXPECT_THAT(open(5).evicted, Optional(1u));  // all work; this one began to wait first
+  EXPECT_EQ(table.size(), 3u);
 }
 
 }  // namespace

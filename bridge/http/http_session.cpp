@@ -1,17 +1,18 @@
-#include "tools/station/web/http_session.hpp"
+#include "bridge/http/http_session.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/beast/http/parser.hpp>
-#include <boost/beast/http/rfc7230.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
 #include <utility>
 
 #include "bridge/base/clock.hpp"
-#include "tools/station/http/http_message.hpp"
-#include "tools/station/web/http_guard.hpp"
+#include "bridge/http/http_guard.hpp"
+#include "bridge/http/http_message.hpp"
 
 namespace fieldcast::web {
 namespace {
@@ -21,9 +22,8 @@ namespace beast = boost::beast;
 namespace http = boost::beast::http;
 using boost::system::error_code;
 
-constexpr std::size_t kPiece = 8 * 1024;               // size of one read
-constexpr std::size_t kMaxLingerBytes = 256 * 1024;    // bytes discarded after the last response
-constexpr std::string_view kProtocol = "fieldcast.1";  // subprotocol of /live
+constexpr std::size_t kPiece = 8 * 1024;             // size of one read
+constexpr std::size_t kMaxLingerBytes = 256 * 1024;  // bytes discarded after the last response
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
@@ -42,8 +42,10 @@ RawRequest raw_of(Request& request, const std::string& peer) {
   if (request.count(http::field::origin) == 1) raw.origin = text_of(request, http::field::origin);
   raw.content_type = text_of(request, http::field::content_type);
   raw.cookie = text_of(request, http::field::cookie);
+  raw.accept = text_of(request, http::field::accept);
   raw.accept_encoding = text_of(request, http::field::accept_encoding);
   raw.if_none_match = text_of(request, http::field::if_none_match);
+  raw.subprotocols = text_of(request, http::field::sec_websocket_protocol);
   raw.body = std::move(request.body());
   raw.peer = peer;
   return raw;
@@ -116,14 +118,16 @@ void HttpSession::enter(State state, Duration limit) {
   });
 }
 
+void HttpSession::await_client() {
+  enter(State::kResponse, std::min(server_.limits.progress, response_ends_ - steady_now()));
+}
+
 void HttpSession::on_late() {
   if (state_ == State::kClosed) return;
   if (state_ == State::kRequest)
     return refuse(408, "the request took too long", "send it without a pause");
-  if (state_ == State::kHandler) {
-    keep_alive_ = false;
-    return respond(server_.site.refusal(503, "the station is too busy", "try again later"));
-  }
+  if (state_ == State::kHandler)
+    return respond_last(server_.service.refusal(503, "the station is too busy", "try again later"));
   if (state_ != State::kIdle && state_ != State::kLinger) ++server_.faults;
   close();
 }
@@ -213,57 +217,54 @@ void HttpSession::on_request() {
   const bool upgrades = beast::websocket::is_upgrade(request);
   RawRequest raw = raw_of(request, peer_);
   head_only_ = raw.method == "HEAD";
-  if (upgrades) return upgrade(raw);
-  parser_.reset();
-  if (!server_.work(id_, server_.site.has_login(raw))) {
-    keep_alive_ = false;
-    return respond(server_.site.refusal(503, "too many requests at a time", "try again later"));
+  if (upgrades) {
+    auto take = server_.service.upgrade(raw);
+    if (!take) return respond_last(std::move(take.error()));
+    if (*take) return hand_over(*take);
   }
+  parser_.reset();
+  if (!server_.work(id_, server_.service.has_login(raw)))
+    return respond_last(
+        server_.service.refusal(503, "too many requests at a time", "try again later"));
   enter(State::kHandler, server_.limits.handler);
-  server_.site.handle(std::move(raw),
-                      [weak = weak_from_this(), answer = answer_](HttpResponse response) {
-                        const auto self = weak.lock();
-                        if (self && self->state_ == State::kHandler && self->answer_ == answer)
-                          self->respond(std::move(response));
-                      });
+  server_.service.handle(std::move(raw),
+                         [weak = weak_from_this(), answer = answer_](HttpResponse response) {
+                           const auto self = weak.lock();
+                           if (self && self->state_ == State::kHandler && self->answer_ == answer)
+                             self->respond(std::move(response));
+                         });
 }
 
-void HttpSession::upgrade(RawRequest& raw) {
-  const auto& request = parser_->parser.get();
-  const auto refuse_with = [this](HttpResponse response) {
-    keep_alive_ = false;
-    respond(std::move(response));
-  };
-  auto who = server_.site.upgrade(raw);
-  if (!who) return refuse_with(std::move(who.error()));
-  if (!http::token_list{request[http::field::sec_websocket_protocol]}.exists(
-          beast::string_view(kProtocol.data(), kProtocol.size())))
-    return refuse(400, "no such subprotocol", fmt::format("ask for {}", kProtocol));
+void HttpSession::hand_over(const HttpService::TakeStream& take) {
   if (!received_.empty())
     return refuse(400, "bytes before the WebSocket is open", "wait for the response");
-  if (auto refused = server_.refuse_live(*who)) return refuse_with(std::move(*refused));
-  std::string head = head_of(request);
+  std::string head = head_of(parser_->parser.get());
   state_ = State::kClosed;
   timer_.cancel();
   ++server_.requests;
   const auto self = shared_from_this();
-  server_.take_live({std::move(stream_), std::move(head), std::move(*who)});
+  take(std::move(stream_), std::move(head));
   server_.gone(id_);
 }
 
 void HttpSession::refuse(unsigned status, std::string_view error, std::string_view hint) {
   ++server_.faults;
-  keep_alive_ = false;
   chunked_ = true;
-  respond(server_.site.refusal(status, error, hint));
+  respond_last(server_.service.refusal(status, error, hint));
+}
+
+void HttpSession::respond_last(HttpResponse response) {
+  response.close = true;
+  respond(std::move(response));
 }
 
 void HttpSession::respond(HttpResponse response) {
   ++answer_;
   ++server_.requests;
-  enter(State::kResponse, server_.limits.progress);
+  response_ends_ = steady_now() + server_.limits.response;
+  await_client();
   const bool streams = response.next != nullptr;
-  if (streams && !chunked_) keep_alive_ = false;
+  if (response.close || (streams && !chunked_)) keep_alive_ = false;
   const std::shared_ptr<const std::string> body =
       response.shared_body ? std::move(response.shared_body)
                            : std::make_shared<const std::string>(std::move(response.body));
@@ -285,7 +286,10 @@ void HttpSession::send(std::shared_ptr<const std::string> bytes) {
 }
 
 void HttpSession::write() {
-  if (unsent_.empty()) return pieces_ ? next_piece() : finish_response();
+  if (unsent_.empty() && !pieces_) return finish_response();
+  // The timer alone does not end it: each part that the client receives sets the timer again.
+  if (steady_now() >= response_ends_) return on_late();
+  if (unsent_.empty()) return next_piece();
   const auto bytes = unsent_.front();
   stream_->write_some(asio::buffer(bytes->data() + sent_, bytes->size() - sent_),
                       [self = shared_from_this(), bytes](error_code fault, std::size_t count) {
@@ -300,7 +304,7 @@ void HttpSession::on_written(std::size_t count) {
     unsent_.pop_front();
     sent_ = 0;
   }
-  if (count > 0) enter(State::kResponse, server_.limits.progress);
+  if (count > 0) await_client();
   write();
 }
 
@@ -313,7 +317,7 @@ void HttpSession::next_piece() {
 
 void HttpSession::on_piece(std::uint64_t answer, Piece piece) {
   if (state_ != State::kResponse || answer != answer_ || !pieces_ || !unsent_.empty()) return;
-  enter(State::kResponse, server_.limits.progress);
+  await_client();
   std::string bytes;
   if (!piece) {
     pieces_.reset();

@@ -41,6 +41,17 @@ struct HttpRequest {
   [[nodiscard]] std::vector<std::string> parameters(std::string_view name) const;
 };
 
+// A request as received, before any check.
+struct RawRequest {
+  std::string method, target;
+  std::vector<std::string> hosts;  // all Host headers
+  std::optional<std::string> origin;
+  std::string content_type, cookie, accept, accept_encoding, if_none_match;
+  std::string subprotocols;  // of a WebSocket
+  std::string body;
+  std::string peer;  // address without the port
+};
+
 // The next piece of a streamed body; empty at the end of the body.
 using Piece = std::optional<std::string>;
 
@@ -54,7 +65,8 @@ struct HttpResponse {
   // received the last one; it passes one piece to its argument, immediately or later on the io
   // thread. Destroyed when the client disconnects.
   std::function<void(std::function<void(Piece)>)> next;
-  TextPairs headers;  // further headers: content-encoding, etag, retry-after, ...
+  TextPairs headers;   // further headers: content-encoding, etag, retry-after, ...
+  bool close = false;  // ends the connection after this response
 };
 
 // {"error":"..","hint":".."}: what is wrong and what to do. Contains no internals of the program.

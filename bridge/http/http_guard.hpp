@@ -2,7 +2,8 @@
 // Pure; owns no connection.
 //
 // A connection waits for its client (next request, rest of a request, handshake) or works (the
-// station makes or sends a response). Only a waiting connection can be closed for a new one.
+// server makes or sends a response). A waiting connection can be closed for a new one; a working
+// one only with `evicts_working`.
 #pragma once
 
 #include <cstddef>
@@ -11,10 +12,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "core/base/time.hpp"
-#include "tools/station/http/http_message.hpp"
 
 namespace fieldcast::web {
 
@@ -23,7 +22,8 @@ struct ConnectionLimits {
   std::size_t of_one = 128;  // of one address; connections with a login are counted separately
   // of one address without a login; lower than of_one: a new one always fits
   std::size_t working_of_one = 96;
-  std::size_t reserved = 64;  // part of `total` in which only connections with a login work
+  std::size_t reserved = 64;    // part of `total` in which only connections with a login work
+  bool evicts_working = false;  // if none waits at the address
 };
 
 // Removes the port. IPv6 becomes its /64, because a host can use all of it; IPv4-mapped becomes
@@ -69,9 +69,9 @@ class ConnectionTable {
   template <typename Rule>
   [[nodiscard]] std::size_t count(Rule rule) const;
   template <typename Rule>
-  [[nodiscard]] std::optional<Id> oldest_waiting(Rule rule) const;
+  [[nodiscard]] std::optional<Id> oldest(Phase phase, Rule rule) const;
   [[nodiscard]] bool may_work(const Peer& peer) const;
-  [[nodiscard]] Admission room_at_address(const Peer& peer, std::optional<Id> self) const;
+  [[nodiscard]] Admission place_at_address(const Peer& peer, std::optional<Id> self) const;
 
   const ConnectionLimits limits_;
   std::map<Id, Row> rows_;
@@ -100,21 +100,6 @@ class HeadCheck {
   // next_: the next byte; line_: the start of its line
   std::size_t next_ = 0, line_ = 0, size_ = 0;
   bool first_ = true, has_length_ = false, has_coding_ = false, old_ = false;
-};
-
-// Security headers of every response: a browser accepts only files of the station. Pure.
-
-class SecurityHeaders {
- public:
-  // `embed`: the sites that may show /embed in a frame ("https://wiki.plant").
-  SecurityHeaders(bool tls, const std::vector<std::string>& embed);
-
-  // Keeps headers that the response already has.
-  void add_to(HttpResponse& response, const std::string& path) const;
-
- private:
-  const bool tls_;
-  std::string policy_, embed_policy_;
 };
 
 }  // namespace fieldcast::web

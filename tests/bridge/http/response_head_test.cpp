@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "tools/station/http/http_message.hpp"
+#include "bridge/http/http_message.hpp"
 
 namespace fieldcast::web {
 namespace {

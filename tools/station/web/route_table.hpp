@@ -9,7 +9,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "tools/station/http/http_message.hpp"
+#include "bridge/http/http_message.hpp"
 
 namespace fieldcast::web {
 
@@ -31,7 +31,7 @@ enum class Access : std::uint8_t {
 
 struct Route {
   Method method;
-  std::string path;  // exact: "/api/history"
+  std::string path;  // exact
   Access access;
   Handler handler;
 };
