@@ -9,13 +9,13 @@
 #include <optional>
 
 #include "bridge/base/clock.hpp"
-#include "bridge/base/secret.hpp"
 #include "bridge/bridge.hpp"
 #include "bridge/capture/capture_folder.hpp"
 #include "bridge/dds/library/library.hpp"
 #include "bridge/dds/receivers/sample_load.hpp"
 #include "bridge/dds/transport/join_check.hpp"
 #include "bridge/log/log.hpp"
+#include "bridge/process/secret.hpp"
 #include "bridge/program/server.hpp"
 #include "bridge/service/process_watch.hpp"
 #include "bridge/service/service.hpp"

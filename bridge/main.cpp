@@ -3,10 +3,10 @@
 #include <cstdio>
 #include <exception>
 
-#include "bridge/base/command_line.hpp"
-#include "bridge/base/secret.hpp"
 #include "bridge/daemon.hpp"
 #include "bridge/log/log.hpp"
+#include "bridge/process/command_line.hpp"
+#include "bridge/process/secret.hpp"
 #include "bridge/write_faults.hpp"
 
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "bridge/base/file_descriptor.hpp"
-#include "bridge/base/secret.hpp"
+#include "bridge/process/secret.hpp"
 #include "bridge/write_faults.hpp"
 #include "tools/cli/arguments.hpp"
 #include "tools/cli/terminal/console.hpp"

@@ -3,8 +3,8 @@
 
 #include <cstdio>
 
-#include "bridge/base/command_line.hpp"
-#include "bridge/base/secret.hpp"
+#include "bridge/process/command_line.hpp"
+#include "bridge/process/secret.hpp"
 #include "bridge/write_faults.hpp"
 #include "config/sections/port.hpp"
 #include "core/base/duration_text.hpp"

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <string>
 
-#include "bridge/base/command_line.hpp"
+#include "bridge/process/command_line.hpp"
 #include "bridge/write_faults.hpp"
 #include "config/loader/loader.hpp"
 #include "core/base/duration_text.hpp"
