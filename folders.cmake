@@ -4,7 +4,7 @@
 # The libraries of others, by their names in `Libraries:` (tests/tools/boundaries.py has their headers).
 set(FIELDCAST_LIBRARIES
   "Boost=$<BUILD_INTERFACE:Boost::headers>" "CLI11=$<BUILD_INTERFACE:CLI11::CLI11>" "Fast-DDS=fastrtps" "fmt=fmt::fmt" "idl=fieldcast_idl" "libpq=PkgConfig::PQ" "libsodium=PkgConfig::SODIUM"
-  "libzip=PkgConfig::libzip" "ncurses=PkgConfig::NCURSES" "nlohmann-json=$<BUILD_INTERFACE:nlohmann_json::nlohmann_json>" "OpenSSL=OpenSSL::SSL"
+  "libzip=PkgConfig::libzip" "ncurses=fieldcast_ncurses" "nlohmann-json=$<BUILD_INTERFACE:nlohmann_json::nlohmann_json>" "OpenSSL=OpenSSL::SSL"
   "spdlog=spdlog::spdlog" "SQLite=SQLite::SQLite3" "tinyxml2=tinyxml2::tinyxml2" "toml++=fieldcast_toml" "yaml-cpp=yaml-cpp" "zlib=ZLIB::ZLIB")
 find_package(CLI11 REQUIRED)
 find_package(fastrtps REQUIRED)
@@ -19,9 +19,13 @@ find_package(tomlplusplus REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(ZLIB REQUIRED)
 pkg_check_modules(libzip REQUIRED IMPORTED_TARGET libzip)
-pkg_check_modules(NCURSES REQUIRED IMPORTED_TARGET ncursesw tinfo)
 pkg_check_modules(PQ REQUIRED IMPORTED_TARGET libpq)
 pkg_check_modules(SODIUM REQUIRED IMPORTED_TARGET libsodium)
+set(CURSES_NEED_NCURSES TRUE)
+set(CURSES_NEED_WIDE TRUE)
+find_package(Curses REQUIRED)
+add_library(fieldcast_ncurses INTERFACE)
+target_link_libraries(fieldcast_ncurses INTERFACE ${CURSES_LIBRARIES})
 # Only the headers of toml++.
 add_library(fieldcast_toml INTERFACE)
 target_include_directories(fieldcast_toml SYSTEM INTERFACE $<TARGET_PROPERTY:tomlplusplus::tomlplusplus,INTERFACE_INCLUDE_DIRECTORIES>)
