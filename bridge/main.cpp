@@ -10,9 +10,7 @@
 #include <string>
 
 #include "bridge/base/clock.hpp"
-#include "bridge/base/command_line.hpp"
 #include "bridge/base/exit_code.hpp"
-#include "bridge/base/secret.hpp"
 #include "bridge/base/write_faults.hpp"
 #include "bridge/bridge.hpp"
 #include "bridge/capture/capture_folder.hpp"
@@ -20,6 +18,8 @@
 #include "bridge/dds/receivers/sample_load.hpp"
 #include "bridge/dds/transport/join_check.hpp"
 #include "bridge/log/log.hpp"
+#include "bridge/process/command_line.hpp"
+#include "bridge/process/secret.hpp"
 #include "bridge/program/server.hpp"
 #include "bridge/service/process_watch.hpp"
 #include "bridge/service/service.hpp"

@@ -13,7 +13,7 @@
 
 #include "bridge/base/check.hpp"
 #include "bridge/base/file_descriptor.hpp"
-#include "bridge/base/secret.hpp"
+#include "bridge/process/secret.hpp"
 
 namespace fieldcast {
 namespace {

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "bridge/base/secret.hpp"
+#include "bridge/process/secret.hpp"
 #include "bridge/store/users/authenticator.hpp"
 #include "bridge/store/users/user_table.hpp"
 #include "core/base/bytes.hpp"

@@ -1,9 +1,10 @@
 """The boundaries between folders, read from their READMEs and from the includes of the sources.
 
-The README.md of each folder with sources names its face (the headers that other folders may include) and the folders that it may use.
+The README.md of each folder with sources names its face (the headers that other folders may include), the folders that it may use, and
+the libraries of others that it includes. folders.cmake links what it names.
 
 usage: boundaries.py SOURCE_DIR           prints every fault and the figures; exit code 1 if there is a fault
-       boundaries.py --write SOURCE_DIR   rewrites both lines of every README from the includes, for a change that is meant
+       boundaries.py --write SOURCE_DIR   rewrites these lines of every README from the includes, for a change that is meant
 """
 
 import collections
@@ -12,7 +13,15 @@ import re
 import sys
 
 ROOTS = ("core", "config", "bridge", "tools")
-FACE, USES = "Face: ", "May use: "
+FACE, USES, LIBRARIES = "Face: ", "May use: ", "Libraries: "
+MARKS = (FACE, USES, LIBRARIES)
+# The libraries of others by the beginnings of their headers. Headers alone (tl::expected), libc and the C++ library are not named.
+HEADERS = {
+    "boost/": "Boost", "CLI/": "CLI11", "fastcdr/": "Fast-DDS", "fastdds/": "Fast-DDS", "fastrtps/": "Fast-DDS", "fmt/": "fmt", "idl/topics": "idl",
+    "libpq-fe.h": "libpq", "sodium.h": "libsodium", "zip.h": "libzip", "curses.h": "ncurses", "term.h": "ncurses", "nlohmann/": "nlohmann-json",
+    "openssl/": "OpenSSL", "spdlog/": "spdlog", "sqlite3.h": "SQLite", "tinyxml2.h": "tinyxml2", "toml++/": "toml++", "yaml-cpp/": "yaml-cpp",
+    "zlib.h": "zlib",
+}
 # Folders whose files do not belong to the product's libraries.
 OUTSIDE = {"tools/packaging", "tools/packaging/example"}
 MOST_SOURCES = 25  # of a folder
@@ -25,6 +34,12 @@ PER_LINE = 110  # columns of a README's line
 
 def include_lines(text):
     return re.findall(r'^[ \t]*#[ \t]*include[ \t]*"([^"]+)"', text, re.MULTILINE)
+
+
+def libraries_of(text):
+    """The names of the libraries of others that a source includes."""
+    included = re.findall(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^>"]+)[>"]', text, re.MULTILINE)
+    return {name for header in included for start, name in HEADERS.items() if header.startswith(start)}
 
 
 def read_tree(source_dir):
@@ -78,7 +93,7 @@ def names_after(mark, text):
     for paragraph in re.split(r"\n\s*\n", text):
         for start in [match.start() for match in re.finditer(r"^" + re.escape(mark), paragraph, re.MULTILINE)]:
             part = paragraph[start:]
-            end = min((part.find("\n" + other) for other in (FACE, USES) if part.find("\n" + other) > 0), default=len(part))
+            end = min((part.find("\n" + other) for other in MARKS if part.find("\n" + other) > 0), default=len(part))
             return re.findall(r"`([^`]+)`", part[:end])
     return None
 
@@ -95,27 +110,30 @@ def wrapped(mark, names):
 
 
 def wanted(files):
-    """{folder: (face, folders it uses)} from the includes."""
-    face, uses = collections.defaultdict(set), collections.defaultdict(set)
+    """{folder: (face, folders it uses, libraries of others)} from the includes."""
+    face, uses, libraries = (collections.defaultdict(set) for _ in MARKS)
+    for path, text in files.items():
+        libraries[os.path.dirname(path)] |= libraries_of(text)
     for path, include in crossings(files):
         face[os.path.dirname(include)].add(os.path.basename(include))
         uses[os.path.dirname(path)].add(os.path.dirname(include))
-    return {folder: (sorted(face[folder]), sorted(uses[folder])) for folder in {os.path.dirname(path) for path in files}}
+    return {folder: tuple(sorted(names[folder]) for names in (face, uses, libraries)) for folder in {os.path.dirname(path) for path in files}}
 
 
 def boundary_faults(files, readmes):
     """Faults of `files` against {folder: text of its README.md}."""
     faults = []
-    for folder, (face, uses) in sorted(wanted(files).items()):
+    for folder, boundary in sorted(wanted(files).items()):
         text = readmes.get(folder)
         if text is None:
             faults.append(f"{folder} has no README.md; write what it is, and run boundaries.py --write")
             continue
-        for mark, real in ((FACE, face), (USES, uses)):
+        for mark, real in zip(MARKS, boundary):
             named = names_after(mark, text)
-            if named is None:
+            if named is None and (real or mark != LIBRARIES):
                 faults.append(f"{folder}/README.md has no line '{mark}'")
                 continue
+            named = named or []
             kind = "is included from other folders but is not in its face" if mark == FACE else "is used"
             faults += [f"{folder}/README.md: {name} {kind}; add it to '{mark}' if this is meant" for name in real if name not in named]
             faults += [f"{folder}/README.md: '{mark}' names {name}, which no include needs" for name in named if name not in real]
@@ -150,7 +168,7 @@ def size_faults(files):
 
 def figures(files):
     lines = sorted(text.count("\n") for text in files.values())
-    edges = {folder: set(uses) for folder, (_, uses) in wanted(files).items()}
+    edges = {folder: set(uses) for folder, (_, uses, _) in wanted(files).items()}
     sources = collections.Counter(os.path.dirname(path) for path in files)
     return (f"{len(edges)} folders, {sum(map(len, edges.values()))} arrows, {len(files)} files, {sum(lines)} lines; lines of a file: "
             f"median {lines[len(lines) // 2]}, 90th percentile {lines[len(lines) * 9 // 10]}, most {lines[-1]}; "
@@ -170,7 +188,7 @@ def read_readmes(source_dir, folders):
 
 def all_faults(source_dir):
     files = read_tree(source_dir)
-    edges = {folder: set(uses) for folder, (_, uses) in wanted(files).items()}
+    edges = {folder: set(uses) for folder, (_, uses, _) in wanted(files).items()}
     cycle = cycle_of(edges)
     faults = [f"the folders {' -> '.join(cycle)} form a cycle"] if cycle else []
     return faults + boundary_faults(files, read_readmes(source_dir, edges)) + size_faults(files)
@@ -180,8 +198,7 @@ def write(source_dir):
     files = read_tree(source_dir)
     boundaries = wanted(files)
     for folder, text in read_readmes(source_dir, boundaries).items():
-        face, uses = boundaries[folder]
-        lines = wrapped(FACE, face) + "\n" + wrapped(USES, uses)
+        lines = "\n".join(wrapped(mark, names) for mark, names in zip(MARKS, boundaries[folder]) if names or mark != LIBRARIES)
         kept = [part for part in re.split(r"\n\s*\n", text.rstrip("\n"))]
         place = next((i for i, part in enumerate(kept) if part.startswith(FACE)), None)
         if place is None:

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "bridge/base/file_descriptor.hpp"
-#include "bridge/base/secret.hpp"
 #include "bridge/base/write_faults.hpp"
+#include "bridge/process/secret.hpp"
 #include "tools/cli/arguments.hpp"
 #include "tools/cli/terminal/console.hpp"
 

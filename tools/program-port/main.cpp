@@ -3,9 +3,9 @@
 
 #include <cstdio>
 
-#include "bridge/base/command_line.hpp"
-#include "bridge/base/secret.hpp"
 #include "bridge/base/write_faults.hpp"
+#include "bridge/process/command_line.hpp"
+#include "bridge/process/secret.hpp"
 #include "config/sections/port.hpp"
 #include "core/base/duration_text.hpp"
 #include "core/program/frame.hpp"

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <string>
 
-#include "bridge/base/command_line.hpp"
 #include "bridge/base/write_faults.hpp"
+#include "bridge/process/command_line.hpp"
 #include "config/loader/loader.hpp"
 #include "core/base/duration_text.hpp"
 #include "core/base/json.hpp"

@@ -10,13 +10,13 @@
 #include <vector>
 
 #include "bridge/base/clock.hpp"
-#include "bridge/base/command_line.hpp"
 #include "bridge/base/exit_code.hpp"
-#include "bridge/base/secret.hpp"
 #include "bridge/base/write_faults.hpp"
 #include "bridge/dds/library/library.hpp"
 #include "bridge/dds/transport/join_check.hpp"
 #include "bridge/log/log.hpp"
+#include "bridge/process/command_line.hpp"
+#include "bridge/process/secret.hpp"
 #include "bridge/service/process_watch.hpp"
 #include "bridge/service/service.hpp"
 #include "tools/station/settings/configuration.hpp"

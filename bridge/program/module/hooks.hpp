@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "bridge/base/secret.hpp"
+#include "bridge/process/secret.hpp"
 #include "core/base/time.hpp"
 #include "core/model/status.hpp"
 

@@ -10,8 +10,8 @@
 #include <memory>
 #include <string>
 
-#include "bridge/base/secret.hpp"
 #include "bridge/net/tls.hpp"
+#include "bridge/process/secret.hpp"
 #include "bridge/program/module/relay_end.hpp"
 
 namespace fieldcast::program {

@@ -7,8 +7,8 @@
 #include <array>
 
 #include "bridge/base/check.hpp"
-#include "bridge/base/secret.hpp"
 #include "bridge/log/log.hpp"
+#include "bridge/process/secret.hpp"
 #include "core/program/frame.hpp"
 
 namespace fieldcast::program {

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "bridge/base/file_descriptor.hpp"
-#include "bridge/base/secret.hpp"
 #include "bridge/net/tls.hpp"
+#include "bridge/process/secret.hpp"
 #include "core/access/network.hpp"
 #include "core/model/program_spec.hpp"
 #include "core/program/registration.hpp"

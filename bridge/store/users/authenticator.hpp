@@ -10,8 +10,8 @@
 #include <string_view>
 #include <tl/expected.hpp>
 
-#include "bridge/base/secret.hpp"
 #include "bridge/base/worker.hpp"
+#include "bridge/process/secret.hpp"
 #include "bridge/store/records/records.hpp"
 #include "bridge/store/sql/sql.hpp"
 #include "core/access/login.hpp"

@@ -1,4 +1,4 @@
-#include "bridge/base/secret.hpp"
+#include "bridge/process/secret.hpp"
 
 #include <gmock/gmock.h>
 #include <sys/prctl.h>

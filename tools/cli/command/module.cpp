@@ -8,8 +8,8 @@
 #include <ostream>
 
 #include "bridge/base/file_descriptor.hpp"
-#include "bridge/base/secret.hpp"
 #include "bridge/port/serial_line.hpp"
+#include "bridge/process/secret.hpp"
 #include "config/sections/port.hpp"
 #include "core/program/frame.hpp"
 #include "tools/cli/command/base/command.hpp"

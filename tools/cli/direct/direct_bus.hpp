@@ -9,7 +9,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "bridge/base/command_line.hpp"
+#include "bridge/process/command_line.hpp"
 #include "core/model/bus_spec.hpp"
 #include "core/model/command.hpp"
 #include "tools/cli/model/address_notation.hpp"

@@ -10,7 +10,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "bridge/base/command_line.hpp"
+#include "bridge/process/command_line.hpp"
 #include "bridge/store/sql/sql.hpp"
 #include "core/base/time.hpp"
 #include "core/model/dds_spec.hpp"

@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <iostream>
 
-#include "bridge/base/secret.hpp"
+#include "bridge/process/secret.hpp"
 
 namespace fieldcast::cli {
 

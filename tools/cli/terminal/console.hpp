@@ -4,7 +4,7 @@
 #include <string>
 #include <tl/expected.hpp>
 
-#include "bridge/base/secret.hpp"
+#include "bridge/process/secret.hpp"
 #include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {

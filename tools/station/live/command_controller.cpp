@@ -10,13 +10,13 @@
 namespace fieldcast::web {
 namespace {
 
-constexpr std::size_t kShown = 128;  // bytes of a value in the audit log
+constexpr std::size_t kShownInAudit = 128;  // bytes of a value in the audit log
 
 std::string what_of(const StationCommand& command) {
   if (command.command.operation == Operation::kAcquire) return "acquire";
   std::string text = "write";
   for (const Value& value : command.command.values) text += ' ' + fieldcast::to_text(value);
-  return printable(text, kShown);
+  return printable(text, kShownInAudit);
 }
 
 std::string target_of(const StationCommand& command) {
@@ -83,7 +83,7 @@ CommandController::Submitted CommandController::submit(const Caller& caller, Ala
                                                        Done done) {
   action.by = caller.user;
   PendingCommands::Asked asked{0, caller, std::string(to_text(action.kind)), target_of(action)};
-  if (!action.note.empty()) asked.what += ": " + printable(action.note, kShown);
+  if (!action.note.empty()) asked.what += ": " + printable(action.note, kShownInAudit);
   asked.request_id = action.request_id = port_.reserve_request_id();
   return enter(
       std::move(asked),

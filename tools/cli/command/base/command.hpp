@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "bridge/base/command_line.hpp"
+#include "bridge/process/command_line.hpp"
 #include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {

@@ -6,7 +6,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "bridge/base/command_line.hpp"
+#include "bridge/process/command_line.hpp"
 #include "core/model/channel_pattern.hpp"
 #include "tools/cli/domain/connection.hpp"
 #include "tools/cli/model/address_notation.hpp"

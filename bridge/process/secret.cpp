@@ -1,4 +1,4 @@
-#include "bridge/base/secret.hpp"
+#include "bridge/process/secret.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-#include "bridge/base/command_line.hpp"
+#include "bridge/process/command_line.hpp"
 
 #include <CLI/CLI.hpp>
 #include <sstream>
