@@ -35,7 +35,7 @@ struct BusClaim {
 struct BridgeClaims {
   std::string bridge;
   std::string host;     // human-readable
-  std::string process;  // see process_identity.hpp
+  std::string process;  // see member_identity.hpp
   UtcTime since;        // when it joined the domain
   std::map<std::string, BusClaim> buses;
   std::string group{};  // its standby group; empty: none
