@@ -1,6 +1,7 @@
 #include "fieldcast/station.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <map>
 #include <mutex>
 #include <set>
@@ -102,7 +103,7 @@ struct Station::State {
   template <class Message>
   struct Received {
     Feed<Message> feed;
-    std::once_flag begun;
+    std::atomic<bool> begun = false;
   };
   // `subscribe` is the function of the inner station for the topic.
   template <class Message, class Inner, class Gone>
@@ -118,10 +119,18 @@ struct Station::State {
         if constexpr (requires { message.present; }) message.present = false;
       });
     };
-    std::call_once(topic.begun, [&] { joining([&] { (inner.*subscribe)(received, removed); }); });
+    // Only the first caller subscribes, and no caller waits for it: it may wait for a handler.
+    if (!topic.begun.exchange(true)) {
+      try {
+        (inner.*subscribe)(received, removed);
+      } catch (const DdsError& error) {
+        topic.begun = false;
+        throw JoinError(error.what());
+      }
+    }
     return Subscription(feed.add(std::move(handlers)));
   }
-  // For topics whose messages say themselves that they are the last one.
+  // For messages with `present`, which also report the end of their key.
   template <class Message, class Subscribe>
   Subscription add_all(Received<Message>& topic, Subscribe subscribe,
                        const std::function<void(const Message&)>& handler) {

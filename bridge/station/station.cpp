@@ -250,7 +250,7 @@ Station::Station(const DdsSpec& spec, const std::string& name)
 Station::~Station() = default;
 
 void Station::subscribe_samples(OnSample on_sample, OnGone gone, SampleOptions options) {
-  FIELDCAST_CHECK(!std::exchange(state_->has_samples, true));
+  FIELDCAST_CHECK(!state_->has_samples);
   if (state_->sites.size() > 1) share_turn(on_sample, gone);
   const auto names_of_last = [](OnGone to) {
     return [to = std::move(to)](const ReceivedSample& last) {
@@ -273,16 +273,18 @@ void Station::subscribe_samples(OnSample on_sample, OnGone gone, SampleOptions o
     site->subscribe<idl::SamplePubSubType, ReceivedSampleType>(
         kSampleTopic, sample_reader_qos(options.deadline), std::move(handlers));
   }
+  state_->has_samples = true;
 }
 
 void Station::subscribe_channels(std::function<void(const StationChannel&)> on_channel,
                                  OnGone gone) {
-  FIELDCAST_CHECK(!std::exchange(state_->has_channels, true));
+  FIELDCAST_CHECK(!state_->has_channels);
   if (state_->sites.size() > 1) share_turn(on_channel, gone);
   for (const auto& site : state_->sites) {
     site->by_blocks().subscribe_channels(at_site(site->prefix, on_channel),
                                          at_site(site->prefix, gone));
   }
+  state_->has_channels = true;
 }
 
 Station::BlockCounters Station::block_counters() const {

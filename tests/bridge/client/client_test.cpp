@@ -79,6 +79,19 @@ TEST_F(Client, AHandlerMayEndItsOwnSubscription) {
   EXPECT_EQ(calls, 1);
 }
 
+TEST_F(Client, AHandlerMayUseTheStation) {
+  Collected<api::Channel> channels;
+  Collected<std::uint64_t> lost;
+  api::Subscription catalogue;
+  const auto values = station_.subscribe("*", [&](const api::Sample&) {
+    if (!catalogue)
+      catalogue = station_.catalogue("*", [&](const api::Channel& c) { channels.add(c); });
+    lost.add(station_.lost_blocks());
+  });
+  publish({good(0, 1.0)});
+  EXPECT_TRUE(eventually([&] { return channels.size() == 2 && lost.size() == 1; }));
+}
+
 TEST_F(Client, ReceivesTheCatalogueAndItsBridge) {
   Collected<api::Channel> channels;
   const auto catalogue = station_.catalogue("*", [&](const api::Channel& c) { channels.add(c); });
