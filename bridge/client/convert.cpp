@@ -3,6 +3,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "core/codec/value_codec.hpp"
+
 namespace fieldcast::api {
 
 namespace {
@@ -173,6 +175,33 @@ Bridge to_public(const StationBridge& bridge) {
   return result;
 }
 
+ReadPlan to_public(const StationReadPlan& plan) {
+  ReadPlan result{.bus = plan.bus,
+                  .load = plan.plan.load,
+                  .stretch = plan.plan.stretch,
+                  .slot = plan.plan.slot,
+                  .hyperperiod = plan.plan.hyperperiod,
+                  .groups = {},
+                  .in_force_since = to_public(plan.in_force_since)};
+  for (const auto& [device, list, period, phase, slack, load, points] : plan.plan.groups) {
+    auto& group =
+        result.groups.emplace_back(ReadPlan::Group{device, list, period, phase, slack, load, {}});
+    for (const auto& [area, first, count, channels, every, at, worst_gap, stretch] : points)
+      group.points.push_back({area, first, count, channels, every, at, worst_gap, stretch});
+  }
+  return result;
+}
+
+ProgrammingSession to_public(const ProgramSessionReport& session) {
+  return {.bus = session.bus,
+          .device = session.device,
+          .state = std::string(fieldcast::to_text(session.state)),
+          .engineer = session.who,
+          .bytes_to_device = session.bytes_to_device,
+          .bytes_from_device = session.bytes_from_device,
+          .since = to_public(session.since)};
+}
+
 Result to_public(const StationOutcome& outcome) {
   if (!outcome) {
     const bool sent = outcome.error() == StationFault::kNoResult;
@@ -189,6 +218,20 @@ Result to_public(const StationOutcome& outcome) {
           .received_at = to_public(outcome->received_at),
           .started_at = to_public(outcome->started_at),
           .completed_at = to_public(outcome->completed_at)};
+}
+
+tl::expected<AddressTarget, std::string> to_inner(const Address& address) {
+  auto encoding = encoding_from(address.type);
+  if (!encoding) {
+    return tl::unexpected("type '" + address.type + "' is unknown; there are " +
+                          fieldcast::allowed_types());
+  }
+  if (address.low_word_first) encoding->word_order = WordOrder::kLittleEndian;
+  if (address.low_byte_first) encoding->byte_order = ByteOrder::kLittleEndian;
+  encoding->bit = address.bit;
+  encoding->scale = address.scale;
+  encoding->offset = address.offset;
+  return AddressTarget{address.at, *std::move(encoding)};
 }
 
 AlarmKey key_of(const Alarm& alarm) {

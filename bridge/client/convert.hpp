@@ -10,11 +10,13 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <tl/expected.hpp>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "bridge/station/station.hpp"
+#include "core/model/command.hpp"
 #include "fieldcast/alarms.hpp"
 #include "fieldcast/commands.hpp"
 #include "fieldcast/settings.hpp"
@@ -28,9 +30,10 @@ class Feed {
  public:
   using Handler = std::function<void(const Message&)>;
   struct Handlers {
-    std::function<bool(const Message&)> wants;  // the subscriber's pattern
+    std::function<bool(const Message&)> wants;  // the subscriber's pattern; empty: all
     Handler on_message;
     Handler on_removed;  // the last message of a key that is removed; may be empty
+    [[nodiscard]] bool want(const Message& message) const { return !wants || wants(message); }
   };
 
   // Returns the function that ends the subscription. It waits for a running handler, unless the
@@ -43,7 +46,7 @@ class Feed {
     {
       const std::lock_guard lock(mutex_);
       for (const auto& [key, message] : newest_) {
-        if (added->handlers.wants(message)) known.push_back(message);
+        if (added->handlers.want(message)) known.push_back(message);
       }
       subscribers_.push_back(added);
     }
@@ -91,7 +94,7 @@ class Feed {
 
   static void deliver(Subscriber& subscriber, const Message& message, const Handler& handler) {
     const std::lock_guard turn(subscriber.turn);
-    if (!subscriber.ended && handler && subscriber.handlers.wants(message)) handler(message);
+    if (!subscriber.ended && handler && subscriber.handlers.want(message)) handler(message);
   }
 
   void end(const std::shared_ptr<Subscriber>& subscriber) {
@@ -119,7 +122,11 @@ class Feed {
 [[nodiscard]] BusStatus to_public(const StationBusStatus& status);
 [[nodiscard]] DeviceStatus to_public(const StationDeviceStatus& status);
 [[nodiscard]] Bridge to_public(const StationBridge& bridge);
+[[nodiscard]] ReadPlan to_public(const StationReadPlan& plan);
+[[nodiscard]] ProgrammingSession to_public(const ProgramSessionReport& session);
 [[nodiscard]] Result to_public(const StationOutcome& outcome);
 [[nodiscard]] AlarmKey key_of(const Alarm& alarm);
+// Fails with one line about the type.
+[[nodiscard]] tl::expected<AddressTarget, std::string> to_inner(const Address& address);
 
 }  // namespace fieldcast::api

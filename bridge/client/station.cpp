@@ -1,6 +1,7 @@
 #include "fieldcast/station.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <map>
 #include <mutex>
 #include <set>
@@ -8,7 +9,7 @@
 #include <utility>
 
 #include "bridge/client/convert.hpp"
-#include "bridge/station/sites.hpp"
+#include "bridge/station/station.hpp"
 #include "core/model/channel_pattern.hpp"
 
 namespace fieldcast::api {
@@ -38,7 +39,48 @@ std::vector<DdsSite> sites_of(const std::vector<Domain>& domains) {
   return sites;
 }
 
-std::string key_text(const AlarmKey& key) { return fieldcast::to_text(key); }
+auto by_path(Pattern pattern) {
+  return [pattern = std::move(pattern)](const auto& message) {
+    return matches(pattern, message.path);
+  };
+}
+
+template <class Message>
+typename Feed<Message>::Handler for_path(std::function<void(const Path&)> handler) {
+  if (!handler) return {};
+  return [handler = std::move(handler)](const Message& last) { handler(last.path); };
+}
+
+// The keys under which a Feed keeps its messages.
+std::string key_of(const std::string& bus, const std::string& device, const std::string& channel) {
+  return Path{bus, device, channel}.text();
+}
+std::string key_of(const StationSample& sample) { return sample.path(); }
+std::string key_of(const StationChannel& channel) { return channel.path(); }
+std::string key_of(const StationAlarmStatus& status) { return fieldcast::to_text(status.alarm); }
+std::string key_of(const StationBusStatus& status) { return status.bridge + '/' + status.bus; }
+std::string key_of(const StationDeviceStatus& status) { return status.bus + '/' + status.device; }
+std::string key_of(const StationBridge& bridge) { return bridge.host + '/' + bridge.process; }
+std::string key_of(const std::string& bus) { return bus; }
+std::string key_of(const StationReadPlan& plan) { return plan.bus; }
+std::string key_of(const ProgramSessionReport& one) { return one.bus + '/' + one.device; }
+
+Result not_sent(std::string reason) {
+  return {.outcome = Outcome::kNotSent, .reason = std::move(reason)};
+}
+
+// The channel of the result is "*".
+tl::expected<ChannelPath, std::string> parse_device(std::string_view path) {
+  return ChannelPath::parse(std::string(path) + "/*");
+}
+
+// Makes the exception of the public headers from the inner one.
+template <class Function>
+auto joining(Function function) {
+  try {
+    return function();
+  } catch (const DdsError& error) { throw JoinError(error.what()); }
+}
 
 }  // namespace
 
@@ -57,171 +99,115 @@ struct Station::State {
   State(const std::string& given, std::vector<DdsSite> joined)
       : name(given), sites(std::move(joined)), inner(sites, name) {}
 
+  // The messages of a topic, which the inner station receives from the first subscriber on.
   template <class Message>
-  Subscription add(Feed<Message>& feed, typename Feed<Message>::Handlers handlers) {
+  struct Received {
+    Feed<Message> feed;
+    std::atomic<bool> begun = false;
+  };
+  // `subscribe` is the function of the inner station for the topic.
+  template <class Message, class Inner, class Gone>
+  Subscription add(Received<Message>& topic,
+                   void (fieldcast::Station::*subscribe)(std::function<void(const Inner&)>, Gone),
+                   typename Feed<Message>::Handlers handlers) {
+    Feed<Message>& feed = topic.feed;
+    const auto received = [&feed](const Inner& message) {
+      feed.publish(key_of(message), api::to_public(message));
+    };
+    const auto removed = [&feed](const auto&... last) {
+      feed.remove(key_of(last...), [](Message& message) {
+        if constexpr (requires { message.present; }) message.present = false;
+      });
+    };
+    // Only the first caller subscribes, and no caller waits for it: it may wait for a handler.
+    if (!topic.begun.exchange(true)) {
+      try {
+        (inner.*subscribe)(received, removed);
+      } catch (const DdsError& error) {
+        topic.begun = false;
+        throw JoinError(error.what());
+      }
+    }
     return Subscription(feed.add(std::move(handlers)));
   }
-  void receive_samples();
-  void receive_channels();
-  void receive_alarms();
-  void receive_bus_status();
-  void receive_device_status();
-  void receive_bridges();
+  // For messages with `present`, which also report the end of their key.
+  template <class Message, class Subscribe>
+  Subscription add_all(Received<Message>& topic, Subscribe subscribe,
+                       const std::function<void(const Message&)>& handler) {
+    return add(topic, subscribe, {.wants = {}, .on_message = handler, .on_removed = handler});
+  }
   void end_interest(const std::string& pattern, Duration refresh);
+  struct DeadlineWatch;
   Subscription subscribe_with_deadline(const Pattern& pattern,
                                        std::function<void(const Sample&)> on_sample,
                                        SampleOptions options);
-  Result execute(StationCommand command, const CommandOptions& options);
-  struct DeadlineWatch;
+  Result execute(const ChannelPath& path, Command command, const CommandOptions& options);
+  Result execute(std::string_view device, const Address& address, Command command,
+                 const CommandOptions& options);
 
   const std::string name;
   const std::vector<DdsSite> sites;
-  Feed<Sample> samples;
-  Feed<Channel> channels;
-  Feed<Alarm> alarms;
-  Feed<BusStatus> buses;
-  Feed<DeviceStatus> devices;
-  Feed<Bridge> bridges;
-  std::once_flag has_samples, has_channels, has_alarms, has_buses, has_devices, has_bridges;
+  Received<Sample> samples;
+  Received<Channel> channels;
+  Received<Alarm> alarms;
+  Received<BusStatus> buses;
+  Received<DeviceStatus> devices;
+  Received<Bridge> bridges;
+  Received<ReadPlan> plans;
+  Received<ProgrammingSession> sessions;
   std::mutex interest_mutex;
   std::map<std::string, std::multiset<Duration>> interests;  // by pattern
   std::mutex watch_mutex;
   std::vector<std::shared_ptr<DeadlineWatch>> ended_watches;
-  Sites inner;  // last: its threads use what is above
+  fieldcast::Station inner;  // last: its threads use what is above
 };
-
-void Station::State::receive_samples() {
-  std::call_once(has_samples, [this] {
-    inner.subscribe_samples(
-        [this](const StationSample& sample) {
-          samples.publish(sample.path(), api::to_public(sample));
-        },
-        [this](const std::string& bus, const std::string& device, const std::string& channel) {
-          samples.remove(Path{bus, device, channel}.text(), [](Sample&) {});
-        });
-  });
-}
-
-void Station::State::receive_channels() {
-  std::call_once(has_channels, [this] {
-    inner.subscribe_channels(
-        [this](const StationChannel& channel) {
-          channels.publish(channel.path(), api::to_public(channel));
-        },
-        [this](const std::string& bus, const std::string& device, const std::string& channel) {
-          channels.remove(Path{bus, device, channel}.text(), [](Channel&) {});
-        });
-  });
-}
-
-void Station::State::receive_alarms() {
-  std::call_once(has_alarms, [this] {
-    inner.subscribe_alarm_status(
-        [this](const StationAlarmStatus& status) {
-          alarms.publish(key_text(status.alarm), api::to_public(status));
-        },
-        [this](const StationAlarmStatus& last) {
-          alarms.remove(key_text(last.alarm), [](Alarm& alarm) { alarm.present = false; });
-        });
-  });
-}
-
-void Station::State::receive_bus_status() {
-  std::call_once(has_buses, [this] {
-    inner.subscribe_bus_status(
-        [this](const StationBusStatus& status) {
-          buses.publish(status.bridge + '/' + status.bus, api::to_public(status));
-        },
-        [this](const StationBusStatus& last) {
-          buses.remove(last.bridge + '/' + last.bus,
-                       [](BusStatus& status) { status.present = false; });
-        });
-  });
-}
-
-void Station::State::receive_device_status() {
-  std::call_once(has_devices, [this] {
-    inner.subscribe_device_status(
-        [this](const StationDeviceStatus& status) {
-          devices.publish(status.bus + '/' + status.device, api::to_public(status));
-        },
-        [this](const StationDeviceStatus& last) {
-          devices.remove(last.bus + '/' + last.device,
-                         [](DeviceStatus& status) { status.present = false; });
-        });
-  });
-}
-
-void Station::State::receive_bridges() {
-  std::call_once(has_bridges, [this] {
-    inner.subscribe_bridges(
-        [this](const StationBridge& bridge) {
-          bridges.publish(bridge.host + '/' + bridge.process, api::to_public(bridge));
-        },
-        [this](const StationBridge& last) {
-          bridges.remove(last.host + '/' + last.process,
-                         [](Bridge& bridge) { bridge.present = false; });
-        });
-  });
-}
 
 // DDS itself watches the deadline of each reader, so that this needs readers, and participants, of
 // its own.
 struct Station::State::DeadlineWatch {
-  // Calls `handler` with the path if it is wanted and the subscription has not ended.
-  void call(const std::function<void(const Path&)>& handler, const Path& path) {
+  void subscribe() {
+    const auto to_path = [this](const std::function<void(const Path&)>& handler) {
+      return [this, &handler](const auto&... names) {
+        const Path path{names...};
+        call(handler, path, path);
+      };
+    };
+    station.subscribe_samples(
+        [this](const StationSample& received) {
+          const Sample sample = api::to_public(received);
+          call(on_sample, sample.path, sample);
+        },
+        to_path(options.on_removed),
+        {.deadline = options.refresh, .on_deadline_missed = to_path(options.on_missed)});
+  }
+  // Calls `handler` if the path is wanted and the subscription has not ended.
+  template <class Message>
+  void call(const std::function<void(const Message&)>& handler, const Path& path,
+            const Message& message) {
     const std::lock_guard lock(turn);
-    if (handler && !ended && matches(pattern, path)) handler(path);
+    if (handler && !ended && matches(pattern, path)) handler(message);
   }
   void end() {
-    end_samples();
     const std::lock_guard lock(turn);
     ended = true;
   }
 
-  Pattern pattern;
-  SampleOptions options;
-  Feed<Sample> feed;
-  std::function<void()> end_samples;
-  std::recursive_mutex turn;  // held while on_missed or on_removed runs
+  const Pattern pattern;
+  const std::function<void(const Sample&)> on_sample;
+  const SampleOptions options;
+  fieldcast::Station station;
+  std::recursive_mutex turn{};  // held while a handler runs
   bool ended = false;
-  std::vector<std::unique_ptr<fieldcast::Station>> stations;
 };
 
 Subscription Station::State::subscribe_with_deadline(const Pattern& pattern,
                                                      std::function<void(const Sample&)> on_sample,
                                                      SampleOptions options) {
-  const auto watch = std::make_shared<DeadlineWatch>();
-  watch->pattern = pattern;
-  watch->options = std::move(options);
-  watch->end_samples =
-      watch->feed.add({.wants = [pattern](const Sample& s) { return matches(pattern, s.path); },
-                       .on_message = std::move(on_sample),
-                       .on_removed = {}});
-  for (const DdsSite& site : sites) {
-    auto station = std::make_unique<fieldcast::Station>(site.dds, name);
-    const std::string prefix = site.name.empty() ? "" : site.name + ':';
-    const auto to_path = [prefix](const std::string& bus, const std::string& device,
-                                  const std::string& channel) {
-      return Path{prefix + bus, device, channel};
-    };
-    station->subscribe_samples(
-        [to = watch.get(), prefix](const StationSample& received) {
-          Sample sample = api::to_public(received);
-          sample.path.bus.insert(0, prefix);
-          to->feed.publish(sample.path.text(), sample);
-        },
-        [to = watch.get(), to_path](const auto&... names) {
-          to->call(to->options.on_removed, to_path(names...));
-        },
-        {.deadline = watch->options.refresh,
-         .on_deadline_missed =
-             [to = watch.get(), to_path](const auto&... names) {
-               to->call(to->options.on_missed, to_path(names...));
-             },
-         .one_by_one = true});
-    watch->stations.push_back(std::move(station));
-  }
+  const auto watch = joining([&] {
+    return std::shared_ptr<DeadlineWatch>(
+        new DeadlineWatch{pattern, std::move(on_sample), std::move(options), {sites, name}});
+  });
+  joining([&] { watch->subscribe(); });
   // A handler may end its own subscription, and a participant cannot be removed on its own thread:
   // ended ones are removed by the next call, or with the station.
   std::vector<std::shared_ptr<DeadlineWatch>> removed;
@@ -234,21 +220,32 @@ Subscription Station::State::subscribe_with_deadline(const Pattern& pattern,
   });
 }
 
-Result Station::State::execute(StationCommand command, const CommandOptions& options) {
-  command.lifespan = options.lifespan;
-  command.person = options.person;
-  return api::to_public(
-      inner.execute(std::move(command), options.wait_for_bridge, options.wait_for_result));
+Result Station::State::execute(const ChannelPath& path, Command command,
+                               const CommandOptions& options) {
+  command.device = path.device;
+  command.verify = options.verify && command.operation == Operation::kWrite;
+  return api::to_public(inner.execute({.bus = path.bus,
+                                       .command = std::move(command),
+                                       .lifespan = options.lifespan,
+                                       .person = options.person},
+                                      options.wait_for_bridge, options.wait_for_result));
+}
+
+Result Station::State::execute(std::string_view device, const Address& address, Command command,
+                               const CommandOptions& options) {
+  const auto named = parse_device(device);
+  if (!named) return not_sent(named.error());
+  auto target = api::to_inner(address);
+  if (!target) return not_sent(std::move(target.error()));
+  command.target = *std::move(target);
+  return execute(*named, std::move(command), options);
 }
 
 Station::Station(const std::string& name, const Domain& domain)
     : Station(name, std::vector<Domain>{domain}) {}
 
-Station::Station(const std::string& name, const std::vector<Domain>& domains) {
-  try {
-    state_ = std::make_unique<State>(name, sites_of(domains));
-  } catch (const DdsError& error) { throw JoinError(error.what()); }
-}
+Station::Station(const std::string& name, const std::vector<Domain>& domains)
+    : state_(joining([&] { return std::make_unique<State>(name, sites_of(domains)); })) {}
 
 Station::~Station() = default;
 
@@ -258,65 +255,48 @@ Subscription Station::subscribe(std::string_view pattern,
   const Pattern wanted = parse(pattern);
   if (options.refresh > Duration{} || options.on_missed)
     return state_->subscribe_with_deadline(wanted, std::move(on_sample), std::move(options));
-  state_->receive_samples();
-  Feed<Sample>::Handler on_removed;
-  if (options.on_removed) {
-    on_removed = [handler = std::move(options.on_removed)](const Sample& last) {
-      handler(last.path);
-    };
-  }
-  return state_->add(
-      state_->samples,
-      {.wants = [wanted](const Sample& sample) { return matches(wanted, sample.path); },
-       .on_message = std::move(on_sample),
-       .on_removed = std::move(on_removed)});
+  return state_->add(state_->samples, &fieldcast::Station::subscribe_samples,
+                     {.wants = by_path(wanted),
+                      .on_message = std::move(on_sample),
+                      .on_removed = for_path<Sample>(std::move(options.on_removed))});
 }
 
 Subscription Station::catalogue(std::string_view pattern,
                                 std::function<void(const Channel&)> on_channel,
                                 std::function<void(const Path&)> on_removed) {
-  const Pattern wanted = parse(pattern);
-  state_->receive_channels();
-  Feed<Channel>::Handler removed;
-  if (on_removed) {
-    removed = [handler = std::move(on_removed)](const Channel& last) { handler(last.path); };
-  }
-  return state_->add(
-      state_->channels,
-      {.wants = [wanted](const Channel& channel) { return matches(wanted, channel.path); },
-       .on_message = std::move(on_channel),
-       .on_removed = std::move(removed)});
+  return state_->add(state_->channels, &fieldcast::Station::subscribe_channels,
+                     {.wants = by_path(parse(pattern)),
+                      .on_message = std::move(on_channel),
+                      .on_removed = for_path<Channel>(std::move(on_removed))});
 }
 
 Subscription Station::alarms(std::string_view pattern,
                              const std::function<void(const Alarm&)>& on_alarm) {
-  const Pattern wanted = parse(pattern);
-  state_->receive_alarms();
-  return state_->add(state_->alarms,
-                     {.wants = [wanted](const Alarm& alarm) { return matches(wanted, alarm.path); },
-                      .on_message = on_alarm,
-                      .on_removed = on_alarm});
+  return state_->add(
+      state_->alarms, &fieldcast::Station::subscribe_alarm_status,
+      {.wants = by_path(parse(pattern)), .on_message = on_alarm, .on_removed = on_alarm});
 }
 
 Subscription Station::bus_status(const std::function<void(const BusStatus&)>& on_status) {
-  state_->receive_bus_status();
-  return state_->add(state_->buses, {.wants = [](const BusStatus&) { return true; },
-                                     .on_message = on_status,
-                                     .on_removed = on_status});
+  return state_->add_all(state_->buses, &fieldcast::Station::subscribe_bus_status, on_status);
 }
 
 Subscription Station::device_status(const std::function<void(const DeviceStatus&)>& on_status) {
-  state_->receive_device_status();
-  return state_->add(state_->devices, {.wants = [](const DeviceStatus&) { return true; },
-                                       .on_message = on_status,
-                                       .on_removed = on_status});
+  return state_->add_all(state_->devices, &fieldcast::Station::subscribe_device_status, on_status);
 }
 
 Subscription Station::bridges(const std::function<void(const Bridge&)>& on_bridge) {
-  state_->receive_bridges();
-  return state_->add(state_->bridges, {.wants = [](const Bridge&) { return true; },
-                                       .on_message = on_bridge,
-                                       .on_removed = on_bridge});
+  return state_->add_all(state_->bridges, &fieldcast::Station::subscribe_bridges, on_bridge);
+}
+
+Subscription Station::read_plans(const std::function<void(const ReadPlan&)>& on_plan) {
+  return state_->add_all(state_->plans, &fieldcast::Station::subscribe_read_plans, on_plan);
+}
+
+Subscription Station::programming_sessions(
+    const std::function<void(const ProgrammingSession&)>& on_session) {
+  return state_->add_all(state_->sessions, &fieldcast::Station::subscribe_program_sessions,
+                         on_session);
 }
 
 Subscription Station::interest(std::string_view pattern, Duration refresh) {
@@ -341,27 +321,29 @@ void Station::State::end_interest(const std::string& pattern, Duration refresh) 
 
 Result Station::write(std::string_view path, Value value, const CommandOptions& options) {
   const auto named = ChannelPath::parse(path);
-  if (!named) return {.outcome = Outcome::kNotSent, .reason = named.error()};
-  StationCommand command;
-  command.bus = named->bus;
-  command.command.device = named->device;
-  command.command.target = ChannelTarget{named->channel};
-  command.command.values = {std::move(value)};
-  command.command.verify = options.verify;
-  return state_->execute(std::move(command), options);
+  if (!named) return not_sent(named.error());
+  return state_->execute(
+      *named, {.target = ChannelTarget{named->channel}, .values = {std::move(value)}}, options);
+}
+
+Result Station::write(std::string_view device, const Address& address, std::vector<Value> values,
+                      const CommandOptions& options) {
+  const auto count = static_cast<std::uint32_t>(values.size());
+  return state_->execute(device, address, {.values = std::move(values), .count = count}, options);
 }
 
 Result Station::acquire(std::string_view path, const CommandOptions& options) {
-  const std::string whole =
-      std::count(path.begin(), path.end(), '/') == 1 ? std::string(path) + "/*" : std::string(path);
-  const auto named = ChannelPath::parse(whole);
-  if (!named) return {.outcome = Outcome::kNotSent, .reason = named.error()};
-  StationCommand command;
-  command.bus = named->bus;
-  command.command.device = named->device;
-  command.command.operation = Operation::kAcquire;
-  command.command.target = ChannelTarget{named->channel == "*" ? "" : named->channel};
-  return state_->execute(std::move(command), options);
+  const bool is_device = std::count(path.begin(), path.end(), '/') == 1;
+  const auto named = is_device ? parse_device(path) : ChannelPath::parse(path);
+  if (!named) return not_sent(named.error());
+  const ChannelTarget target{named->channel == "*" ? "" : named->channel};
+  return state_->execute(*named, {.target = target, .operation = Operation::kAcquire}, options);
+}
+
+Result Station::acquire(std::string_view device, const Address& address, std::uint32_t count,
+                        const CommandOptions& options) {
+  return state_->execute(device, address, {.operation = Operation::kAcquire, .count = count},
+                         options);
 }
 
 Result Station::acknowledge(const Alarm& alarm, const std::string& person,

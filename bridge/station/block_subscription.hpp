@@ -85,7 +85,8 @@ class BlockSubscription : private dds::DataReaderListener {
   Domain& domain_;
   const std::string station_;
 
-  mutable std::mutex mutex_;  // protects the state, and is held while handlers run
+  // Protects the state, and is held while handlers run, which may call this object.
+  mutable std::recursive_mutex mutex_;
   BusTable::Handlers handlers_;
   OnGone channel_gone_, sample_gone_;
   std::map<std::string, Bus, std::less<>> buses_;

@@ -35,14 +35,17 @@ auto participant_of(const dds::InstanceHandle_t& endpoint) {
 
 }  // namespace
 
-CommandClient::CommandClient(Domain& domain, const std::string& name)
-    : CommandClient(domain, name, make_identity()) {}
+StationIdentity::StationIdentity(const std::string& station)
+    : StationIdentity(station, make_identity()) {}
 
-CommandClient::CommandClient(Domain& domain, const std::string& name, const std::string& identity)
-    : domain_(domain),
-      requester_(cut_text(name, kMaxNameLength) + identity),
-      of_persons_(cut_text(name, kMaxNameWithPerson) + identity + '/'),
-      servers_(domain, [this] {
+StationIdentity::StationIdentity(const std::string& station, const std::string& suffix)
+    : name(station),
+      short_name(cut_text(name, 128)),
+      requester(cut_text(name, kMaxNameLength) + suffix),
+      of_persons(cut_text(name, kMaxNameWithPerson) + suffix + '/') {}
+
+CommandClient::CommandClient(Domain& domain, StationIdentity& station)
+    : domain_(domain), station_(station), servers_(domain, [this] {
         const std::lock_guard lock(mutex_);
         changed_.notify_all();
       }) {
@@ -183,12 +186,7 @@ void CommandClient::keep(std::uint64_t request_id, Kept kept) {
 }
 
 bool CommandClient::is_ours(std::string_view requester) const {
-  return requester == requester_ || requester.starts_with(of_persons_);
-}
-
-std::uint64_t CommandClient::reserve_request_id() {
-  const std::lock_guard lock(mutex_);
-  return next_id_++;
+  return requester == station_.requester || requester.starts_with(station_.of_persons);
 }
 
 CommandClient::CommandWriter& CommandClient::writer_for(Duration lifespan) {
@@ -204,8 +202,8 @@ CommandClient::CommandWriter& CommandClient::writer_for(Duration lifespan) {
   // Without mutex_: the library may report matches while it creates the writer.
   auto made = std::make_unique<CommandWriter>();
   made->client = this;
-  made->entity = domain_.writer(kCommandTopic, command_writer_qos(lifespan), requester_, made.get(),
-                                dds::StatusMask::publication_matched());
+  made->entity = domain_.writer(kCommandTopic, command_writer_qos(lifespan), station_.requester,
+                                made.get(), dds::StatusMask::publication_matched());
   made->once.attach(made->entity);
   const std::lock_guard lock(mutex_);
   return *(writers_[lifespan] = std::move(made));
@@ -219,8 +217,9 @@ CommandClient::ActionWriter& CommandClient::action_writer() {
   }
   auto made = std::make_unique<ActionWriter>();
   made->client = this;
-  made->entity = domain_.writer(kAlarmActionTopic, alarm_action_writer_qos(kActionLifespan),
-                                requester_, made.get(), dds::StatusMask::publication_matched());
+  made->entity =
+      domain_.writer(kAlarmActionTopic, alarm_action_writer_qos(kActionLifespan),
+                     station_.requester, made.get(), dds::StatusMask::publication_matched());
   made->once.attach(made->entity);
   const std::lock_guard lock(mutex_);
   return *(actions_ = std::move(made));
@@ -255,8 +254,8 @@ tl::expected<std::uint64_t, StationFault> CommandClient::write(Message& message,
     const std::string bus = message.bus().c_str();
     if (!changed_.wait_for(lock, wait_for_bridge, [&] { return reaches(bus, writer); }))
       return tl::unexpected(StationFault::kNoBridge);
-    if (message.request_id() >= next_id_) return tl::unexpected(StationFault::kNotSent);
-    id = message.request_id() != 0 ? message.request_id() : next_id_++;
+    if (message.request_id() >= station_.next_id) return tl::unexpected(StationFault::kNotSent);
+    id = message.request_id() != 0 ? message.request_id() : station_.next_id++;
     message.request_id(id);
     note(id);
   }
@@ -274,7 +273,8 @@ tl::expected<std::uint64_t, StationFault> CommandClient::send(StationCommand com
                                                               bool awaited) {
   if (!command.person.empty() && !is_person(command.person))
     return tl::unexpected(StationFault::kNoPerson);
-  command.command.requester = command.person.empty() ? requester_ : of_persons_ + command.person;
+  command.command.requester =
+      command.person.empty() ? station_.requester : station_.of_persons + command.person;
   Kept kept;
   kept.command = std::move(command);
   return send(std::move(kept), wait_for_bridge, awaited);
@@ -295,7 +295,7 @@ tl::expected<std::uint64_t, StationFault> CommandClient::send(Kept kept, Duratio
 tl::expected<std::uint64_t, StationFault> CommandClient::send(AlarmAction action,
                                                               Duration wait_for_bridge,
                                                               bool awaited) {
-  action.requester = requester_;
+  action.requester = station_.requester;
   idl::AlarmAction out;
   if (!to_idl(action, out)) return tl::unexpected(StationFault::kNotSent);
   return write(out, action_writer(), wait_for_bridge, [&](std::uint64_t id) {
@@ -303,16 +303,7 @@ tl::expected<std::uint64_t, StationFault> CommandClient::send(AlarmAction action
   });
 }
 
-StationOutcome CommandClient::execute(StationCommand command, Duration wait_for_bridge,
-                                      Duration wait_for_result) {
-  const Duration longest = command.lifespan + wait_for_result;
-  const auto id = send(std::move(command), wait_for_bridge, true);
-  if (!id) return tl::unexpected(id.error());
-  return await(*id, longest);
-}
-
-tl::expected<StationResult, StationFault> CommandClient::await(std::uint64_t request_id,
-                                                               Duration wait) {
+StationOutcome CommandClient::await(std::uint64_t request_id, Duration wait) {
   std::unique_lock lock(mutex_);
   changed_.wait_for(lock, wait, [&] { return awaited_.at(request_id).has_value(); });
   std::optional<StationResult> result = std::move(awaited_.at(request_id));

@@ -23,29 +23,37 @@
 
 namespace fieldcast {
 
+// The names of a station, and the ids of its commands and actions at all its sites. Any thread.
+struct StationIdentity {
+  explicit StationIdentity(const std::string& station);
+
+  const std::string name;
+  const std::string short_name;  // at most 128 bytes
+  const std::string requester;   // ends with ":pid:random"; unique for each object
+  const std::string of_persons;  // prefix of the requesters of users
+  std::atomic<std::uint64_t> next_id{1};
+
+ private:
+  StationIdentity(const std::string& station, const std::string& suffix);
+};
+
 class CommandClient {
  public:
-  CommandClient(Domain& domain, const std::string& name);
+  // `station` must outlive it.
+  CommandClient(Domain& domain, StationIdentity& station);
   ~CommandClient();
 
-  [[nodiscard]] const std::string& requester() const { return requester_; }
   void on_result(std::function<void(const StationResult&)> handler);
-  [[nodiscard]] std::uint64_t reserve_request_id();
   [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(StationCommand command,
                                                                Duration wait_for_bridge,
                                                                bool awaited);
   [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(AlarmAction action,
                                                                Duration wait_for_bridge,
                                                                bool awaited);
-  // Calls send() and await().
-  [[nodiscard]] StationOutcome execute(StationCommand command, Duration wait_for_bridge,
-                                       Duration wait_for_result);
-  [[nodiscard]] tl::expected<StationResult, StationFault> await(std::uint64_t request_id,
-                                                                Duration wait);
+  // Waits for the result of a message that was sent with `awaited`.
+  [[nodiscard]] StationOutcome await(std::uint64_t request_id, Duration wait);
 
  private:
-  CommandClient(Domain& domain, const std::string& name, const std::string& identity);
-
   // For one command, with pauses of kTry, twice that, and so on: the bridge that releases a bus may
   // still be the one that is found.
   static constexpr int kMostAttempts = 6;
@@ -135,9 +143,8 @@ class CommandClient {
   void send_again();
 
   Domain& domain_;
-  const std::string requester_;
-  const std::string of_persons_;  // prefix of the requesters of users
-  std::mutex mutex_;              // protects everything below except the entities themselves
+  StationIdentity& station_;
+  std::mutex mutex_;  // protects everything below except the entities themselves
   std::condition_variable changed_;
   std::mutex making_;  // one thread creates writers
   std::map<Duration, std::unique_ptr<CommandWriter>> writers_;
@@ -145,7 +152,6 @@ class CommandClient {
   ResultListener listener_;
   dds::DataReader* results_ = nullptr;
   std::set<dds::InstanceHandle_t> result_writers_;
-  std::uint64_t next_id_ = 1;
   std::map<std::uint64_t, std::optional<StationResult>> awaited_;
   std::function<void(const StationResult&)> handler_;
   std::map<std::uint64_t, Kept> kept_;  // by the request_id of the last attempt

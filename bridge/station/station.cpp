@@ -1,8 +1,10 @@
 #include "bridge/station/station.hpp"
 
-#include <atomic>
+#include <algorithm>
 #include <chrono>
+#include <map>
 #include <mutex>
+#include <utility>
 
 #include "bridge/base/check.hpp"
 #include "bridge/dds/topics/conversion.hpp"
@@ -19,50 +21,165 @@ namespace fieldcast {
 
 namespace {
 
-using SampleSubscription = Subscription<idl::SamplePubSubType, ReceivedSampleType>;
+constexpr char kAfterSite = ':';  // not allowed in names of sites and buses
+
+// Makes a handler and its `gone` handler run one at a time across sites.
+template <class Handler, class Gone>
+void share_turn(Handler& handler, Gone& gone) {
+  const auto mutex = std::make_shared<std::mutex>();
+  handler = [mutex, inner = std::move(handler)](const auto& message) {
+    const std::lock_guard lock(*mutex);
+    inner(message);
+  };
+  if (!gone) return;
+  gone = [mutex, inner = std::move(gone)](const auto&... message) {
+    const std::lock_guard lock(*mutex);
+    inner(message...);
+  };
+}
+
+// Makes the handler of one site from a handler of all sites: puts the site's prefix before the
+// names of buses and bridges in a message.
+template <class Message>
+std::function<void(const Message&)> at_site(const std::string& prefix,
+                                            std::function<void(const Message&)> handler) {
+  if (!handler || prefix.empty()) return handler;
+  return [prefix, handler = std::move(handler)](Message message) {
+    if constexpr (requires { message.bus; }) message.bus.insert(0, prefix);
+    if constexpr (requires { message.alarm.bus; }) message.alarm.bus.insert(0, prefix);
+    if constexpr (requires { message.bridge; }) message.bridge.insert(0, prefix);
+    if constexpr (requires { message.buses; })
+      for (auto& each : message.buses) each.bus.insert(0, prefix);
+    handler(message);
+  };
+}
+Station::OnGone at_site(const std::string& prefix, const Station::OnGone& gone) {
+  if (!gone || prefix.empty()) return gone;
+  return [prefix, gone](const std::string& bus, const std::string& device,
+                        const std::string& channel) { gone(prefix + bus, device, channel); };
+}
 
 }  // namespace
 
-struct Station::State {
-  State(const DdsSpec& spec, const std::string& station)
-      : name(cut_text(station, 128)), domain(spec, station, nullptr) {}
+struct Station::Site {
+  Site(const DdsSite& site, StationIdentity& identity)
+      : name(site.name),
+        prefix(name.empty() ? "" : name + kAfterSite),
+        station(identity),
+        domain(site.dds, station.name, nullptr) {}
 
   [[nodiscard]] bool may_write(const char* topic) const {
     const auto& member = domain.member();
     const security::TopicRight* right = security::right_of(topic);
     return !member || (right != nullptr && right->writers.has(member->role));
   }
+  [[nodiscard]] bool may_command() const { return may_write(kCommandTopic.name); }
+  [[nodiscard]] bool may_declare_interest() const { return may_write(kInterestTopic.name); }
 
   // Created at the first command: a read-only station has no writers.
   CommandClient& client() {
     const std::lock_guard lock(mutex);
-    if (!commands) commands = std::make_unique<CommandClient>(domain, name);
+    if (!commands) commands = std::make_unique<CommandClient>(domain, station);
     return *commands;
   }
-
   BlockSubscription& by_blocks() {
-    if (!blocks) blocks = std::make_unique<BlockSubscription>(domain, name);
+    const std::lock_guard lock(mutex);
+    if (!blocks) blocks = std::make_unique<BlockSubscription>(domain, station.short_name);
     return *blocks;
   }
+  template <class Generated, class Type = TopicType<Generated>>
+  void subscribe(const Topic<Generated>& topic, const dds::DataReaderQos& qos,
+                 typename Subscription<Generated, Type>::Handlers handlers) {
+    auto made =
+        std::make_shared<Subscription<Generated, Type>>(domain, topic, qos, std::move(handlers));
+    const std::lock_guard lock(mutex);
+    FIELDCAST_CHECK(subscriptions.emplace(topic.name, std::move(made)).second);
+  }
+  // Without a refresh: withdraws the interest.
+  void write_interest(const std::string& pattern, std::optional<Duration> refresh) {
+    if (interests == nullptr && refresh)
+      interests = domain.writer(kInterestTopic, station.short_name);
+    if (interests == nullptr) return;
+    idl::Interest interest;
+    interest.station() = station.short_name;
+    interest.pattern() = pattern;
+    if (!refresh) {
+      interests->unregister_instance(&interest, dds::HANDLE_NIL);  // disposes it
+      return;
+    }
+    interest.refresh(refresh->count());
+    interests->write(&interest);
+  }
 
-  const std::string name;
+  const std::string name;    // empty: the only one
+  const std::string prefix;  // "north:"; empty: none
+  StationIdentity& station;
   Domain domain;
-  std::mutex mutex;
-  std::unique_ptr<SampleSubscription> samples;
-  std::unique_ptr<BlockSubscription> blocks;
-  bool has_channels = false, has_samples = false;
-  ClockOffsets clocks;  // used by the subscription
-  std::unique_ptr<Subscription<idl::BusStatusPubSubType>> buses;
-  std::unique_ptr<Subscription<idl::DeviceStatusPubSubType>> devices;
-  std::unique_ptr<Subscription<idl::BridgePubSubType>> bridges;
-  std::unique_ptr<Subscription<idl::ProgramSessionPubSubType>> sessions;
-  std::unique_ptr<Subscription<idl::AlarmPubSubType>> alarms;
-  std::unique_ptr<Subscription<idl::AlarmStatusPubSubType>> alarm_status;
-  PlanParts plan_parts;
-  std::unique_ptr<Subscription<idl::ReadPlanPubSubType>> plans;
+  ClockOffsets clocks;   // used by the subscription to BusStatus
+  PlanParts plan_parts;  // used by the subscription to ReadPlan
   dds::DataWriter* interests = nullptr;
+  std::mutex mutex;                                            // protects the members below
+  std::map<std::string, std::shared_ptr<void>> subscriptions;  // by topic
+  std::unique_ptr<BlockSubscription> blocks;
   std::unique_ptr<CommandClient> commands;
-  std::atomic<std::uint64_t> refused{0};  // commands for which this station has no right
+};
+
+struct Station::State {
+  explicit State(const std::string& name) : identity(name) {}
+
+  // Subscribes the topic at every site. `convert(site, received)` returns the message, or an empty
+  // std::optional if it is not valid; `convert_last` does so for the last one of an instance.
+  template <class Message, class Generated, class Convert, class ConvertLast>
+  void subscribe(const Topic<Generated>& topic, std::function<void(const Message&)> handler,
+                 std::function<void(const Message&)> gone, Convert convert,
+                 ConvertLast convert_last) {
+    if (sites.size() > 1) share_turn(handler, gone);
+    for (const auto& site : sites) {
+      const auto converted = [&](const auto& to, auto by) {
+        return [to = at_site(site->prefix, to), by, &at = *site](const auto& received) {
+          if (const std::optional<Message> message = by(at, received)) to(*message);
+        };
+      };
+      typename fieldcast::Subscription<Generated>::Handlers handlers;
+      handlers.sample = converted(handler, convert);
+      if (gone) handlers.gone = converted(gone, convert_last);
+      site->template subscribe<Generated>(topic, reader_qos(topic), std::move(handlers));
+    }
+  }
+  template <class Message, class Generated>
+  void subscribe(const Topic<Generated>& topic, std::function<void(const Message&)> handler,
+                 std::function<void(const Message&)> gone) {
+    const auto convert = [](Site&, const auto& received) { return from_idl(received); };
+    subscribe(topic, std::move(handler), std::move(gone), convert, convert);
+  }
+
+  // Returns the client of the site that a bus names, and removes the site from the name.
+  [[nodiscard]] tl::expected<CommandClient*, StationFault> take_site(std::string& bus) {
+    for (const auto& site : sites) {
+      if (!bus.starts_with(site->prefix)) continue;
+      bus.erase(0, site->prefix.size());
+      if (!site->may_command()) return tl::unexpected(StationFault::kNoRight);
+      return &site->client();
+    }
+    return tl::unexpected(StationFault::kNoSite);
+  }
+  // `bus` is a member of `message`.
+  template <class Message>
+  [[nodiscard]] StationOutcome execute(Message& message, std::string& bus, Duration wait_for_bridge,
+                                       Duration wait_for_result) {
+    const std::string named = bus;
+    const auto client = take_site(bus);
+    if (!client) return tl::unexpected(client.error());
+    const auto id = (*client)->send(std::move(message), wait_for_bridge, true);
+    if (!id) return tl::unexpected(id.error());
+    StationOutcome outcome = (*client)->await(*id, wait_for_result);
+    if (outcome) outcome->bus = named;
+    return outcome;
+  }
+
+  StationIdentity identity;
+  bool has_channels = false, has_samples = false;
+  std::vector<std::unique_ptr<Site>> sites;
 };
 
 std::string_view to_text(StationFault fault) {
@@ -96,182 +213,185 @@ Duration age(const StationSample& sample) {
   return std::chrono::duration_cast<Duration>(now) - Duration{sample.acquired_at.nanoseconds};
 }
 
+std::optional<std::string> pattern_at_site(std::string_view pattern, std::string_view site) {
+  if (site.empty()) return std::string(pattern);
+  const auto slash = pattern.find('/');
+  const std::string_view bus = pattern.substr(0, slash);
+  const std::string_view rest = slash == pattern.npos ? std::string_view{} : pattern.substr(slash);
+  if (const auto colon = bus.find(kAfterSite); colon != bus.npos) {
+    if (!glob_matches(bus.substr(0, colon), site)) return std::nullopt;
+    return std::string(bus.substr(colon + 1)).append(rest);
+  }
+  // A star must match the end of the site's name; the last one that can leaves the longest pattern.
+  const std::string prefix = std::string(site) + kAfterSite;
+  for (auto star = bus.rfind('*'); star != bus.npos;
+       star = star == 0 ? bus.npos : bus.rfind('*', star - 1)) {
+    if (glob_matches(bus.substr(0, star + 1), prefix))
+      return std::string(bus.substr(star)).append(rest);
+  }
+  return std::nullopt;
+}
+
+Station::Station(const std::vector<DdsSite>& sites, const std::string& name)
+    : state_(std::make_unique<State>(name)) {
+  FIELDCAST_CHECK(!sites.empty());
+  for (const DdsSite& site : sites) {
+    FIELDCAST_CHECK(sites.size() == 1 || !site.name.empty());
+    try {
+      state_->sites.push_back(std::make_unique<Site>(site, state_->identity));
+    } catch (const DdsError& error) {
+      if (site.name.empty()) throw;
+      throw DdsError("site " + site.name + ": " + error.what());
+    }
+  }
+}
 Station::Station(const DdsSpec& spec, const std::string& name)
-    : state_(std::make_unique<State>(spec, name)) {}
+    : Station(std::vector{DdsSite{{}, spec}}, name) {}
 Station::~Station() = default;
 
 void Station::subscribe_samples(OnSample on_sample, OnGone gone, SampleOptions options) {
-  FIELDCAST_CHECK(!std::exchange(state_->has_samples, true));
-  if (!options.one_by_one && !options.deadline && !options.on_deadline_missed)
-    return state_->by_blocks().subscribe_samples(std::move(on_sample), std::move(gone));
-  SampleSubscription::Handlers handlers;
-  handlers.sample = [on_sample = std::move(on_sample)](const ReceivedSample& received) {
-    if (received.is_known) on_sample(received.sample);
-  };
-  if (gone) {
-    handlers.gone = [gone = std::move(gone)](const ReceivedSample& last) {
-      gone(last.sample.bus, last.sample.device, last.sample.channel);
+  FIELDCAST_CHECK(!state_->has_samples);
+  if (state_->sites.size() > 1) share_turn(on_sample, gone);
+  const auto names_of_last = [](OnGone to) {
+    return [to = std::move(to)](const ReceivedSample& last) {
+      to(last.sample.bus, last.sample.device, last.sample.channel);
     };
+  };
+  for (const auto& site : state_->sites) {
+    OnSample to = at_site(site->prefix, on_sample);
+    if (!options.one_by_one && !options.deadline && !options.on_deadline_missed) {
+      site->by_blocks().subscribe_samples(std::move(to), at_site(site->prefix, gone));
+      continue;
+    }
+    Subscription<idl::SamplePubSubType, ReceivedSampleType>::Handlers handlers;
+    handlers.sample = [to = std::move(to)](const ReceivedSample& received) {
+      if (received.is_known) to(received.sample);
+    };
+    if (gone) handlers.gone = names_of_last(at_site(site->prefix, gone));
+    if (options.on_deadline_missed)
+      handlers.deadline_missed = names_of_last(at_site(site->prefix, options.on_deadline_missed));
+    site->subscribe<idl::SamplePubSubType, ReceivedSampleType>(
+        kSampleTopic, sample_reader_qos(options.deadline), std::move(handlers));
   }
-  if (options.on_deadline_missed) {
-    handlers.deadline_missed =
-        [missed = std::move(options.on_deadline_missed)](const ReceivedSample& last) {
-          missed(last.sample.bus, last.sample.device, last.sample.channel);
-        };
-  }
-  state_->samples = std::make_unique<SampleSubscription>(
-      state_->domain, kSampleTopic, sample_reader_qos(options.deadline), std::move(handlers));
+  state_->has_samples = true;
 }
 
 void Station::subscribe_channels(std::function<void(const StationChannel&)> on_channel,
                                  OnGone gone) {
-  FIELDCAST_CHECK(!std::exchange(state_->has_channels, true));
-  state_->by_blocks().subscribe_channels(std::move(on_channel), std::move(gone));
+  FIELDCAST_CHECK(!state_->has_channels);
+  if (state_->sites.size() > 1) share_turn(on_channel, gone);
+  for (const auto& site : state_->sites) {
+    site->by_blocks().subscribe_channels(at_site(site->prefix, on_channel),
+                                         at_site(site->prefix, gone));
+  }
+  state_->has_channels = true;
 }
 
 Station::BlockCounters Station::block_counters() const {
-  if (!state_->blocks) return {};
-  const auto [blocks, missing, requests] = state_->blocks->counters();
-  return {blocks, missing, requests};
+  BlockCounters all;
+  for (const auto& site : state_->sites) {
+    if (!site->blocks) continue;
+    const auto [blocks, missing, requests] = site->blocks->counters();
+    all.blocks += blocks;
+    all.missing += missing;
+    all.requests += requests;
+  }
+  return all;
 }
 
 void Station::subscribe_bus_status(std::function<void(const StationBusStatus&)> on_status,
                                    std::function<void(const StationBusStatus&)> gone) {
-  FIELDCAST_CHECK(!state_->buses);
-  Subscription<idl::BusStatusPubSubType>::Handlers handlers;
-  handlers.sample = [on_status = std::move(on_status),
-                     &clocks = state_->clocks](const idl::BusStatus& received) {
+  const auto with_clock = [](Site& site, const idl::BusStatus& received) {
     StationBusStatus status = from_idl(received);
     const auto wall = std::chrono::system_clock::now().time_since_epoch();
     const auto monotonic = std::chrono::steady_clock::now().time_since_epoch();
-    status.clock_ahead =
-        clocks.add(status.bridge, status.bus, status.reported_at,
-                   UtcTime{std::chrono::duration_cast<Duration>(wall).count()}, Instant{monotonic});
-    on_status(status);
+    status.clock_ahead = site.clocks.add(
+        status.bridge, status.bus, status.reported_at,
+        UtcTime{std::chrono::duration_cast<Duration>(wall).count()}, Instant{monotonic});
+    return status;
   };
-  if (gone)
-    handlers.gone = [gone = std::move(gone)](const idl::BusStatus& last) { gone(from_idl(last)); };
-  state_->buses = std::make_unique<Subscription<idl::BusStatusPubSubType>>(
-      state_->domain, kBusStatusTopic, std::move(handlers));
+  state_->subscribe(kBusStatusTopic, std::move(on_status), std::move(gone), with_clock,
+                    [](Site&, const idl::BusStatus& last) { return from_idl(last); });
 }
 
 void Station::subscribe_device_status(std::function<void(const StationDeviceStatus&)> on_status,
                                       std::function<void(const StationDeviceStatus&)> gone) {
-  FIELDCAST_CHECK(!state_->devices);
-  Subscription<idl::DeviceStatusPubSubType>::Handlers handlers;
-  handlers.sample = [on_status = std::move(on_status)](const idl::DeviceStatus& status) {
-    on_status(from_idl(status));
-  };
-  if (gone)
-    handlers.gone = [gone = std::move(gone)](const idl::DeviceStatus& last) {
-      gone(from_idl(last));
-    };
-  state_->devices = std::make_unique<Subscription<idl::DeviceStatusPubSubType>>(
-      state_->domain, kDeviceStatusTopic, std::move(handlers));
+  state_->subscribe(kDeviceStatusTopic, std::move(on_status), std::move(gone));
 }
 
 void Station::subscribe_bridges(std::function<void(const StationBridge&)> on_bridge,
                                 std::function<void(const StationBridge&)> gone) {
-  FIELDCAST_CHECK(!state_->bridges);
-  Subscription<idl::BridgePubSubType>::Handlers handlers;
-  handlers.sample = [on_bridge = std::move(on_bridge)](const idl::Bridge& bridge) {
-    on_bridge(station_bridge(bridge));
-  };
-  if (gone)
-    handlers.gone = [gone = std::move(gone)](const idl::Bridge& last) {
-      gone(station_bridge(last));
-    };
-  state_->bridges = std::make_unique<Subscription<idl::BridgePubSubType>>(
-      state_->domain, kBridgeTopic, std::move(handlers));
+  const auto convert = [](Site&, const idl::Bridge& bridge) { return station_bridge(bridge); };
+  state_->subscribe(kBridgeTopic, std::move(on_bridge), std::move(gone), convert, convert);
 }
 
 void Station::subscribe_program_sessions(
-    std::function<void(const ProgramSessionReport&)> on_session) {
-  FIELDCAST_CHECK(!state_->sessions);
-  Subscription<idl::ProgramSessionPubSubType>::Handlers handlers;
-  handlers.sample = [on_session = std::move(on_session)](const idl::ProgramSession& session) {
-    on_session(from_idl(session));
-  };
-  state_->sessions = std::make_unique<Subscription<idl::ProgramSessionPubSubType>>(
-      state_->domain, kProgramSessionTopic, std::move(handlers));
+    std::function<void(const ProgramSessionReport&)> on_session,
+    std::function<void(const ProgramSessionReport&)> gone) {
+  state_->subscribe(kProgramSessionTopic, std::move(on_session), std::move(gone));
 }
 
 void Station::subscribe_read_plans(std::function<void(const StationReadPlan&)> on_plan,
-                                   std::function<void(const std::string& bus)> gone) {
-  FIELDCAST_CHECK(!state_->plans);
-  PlanParts& parts = state_->plan_parts;
-  Subscription<idl::ReadPlanPubSubType>::Handlers handlers;
-  handlers.sample = [&parts, on_plan = std::move(on_plan)](const idl::ReadPlan& part) {
-    if (const auto plan = parts.on_part(part)) on_plan(*plan);
+                                   const std::function<void(const std::string& bus)>& gone) {
+  const auto whole = [](Site& site, const idl::ReadPlan& part) {
+    return site.plan_parts.on_part(part);
   };
-  handlers.gone = [&parts, gone = std::move(gone)](const idl::ReadPlan& last) {
-    if (last.block() != 0) return;  // a later plan has fewer parts
-    parts.forget(last.bus().c_str());
-    if (gone) gone(last.bus().c_str());
+  const auto last_bus = [](Site& site, const idl::ReadPlan& last) {
+    std::optional<StationReadPlan> plan;
+    if (last.block() != 0) return plan;  // a later plan has fewer parts
+    site.plan_parts.forget(last.bus().c_str());
+    plan.emplace().bus = last.bus().c_str();
+    return plan;
   };
-  state_->plans = std::make_unique<Subscription<idl::ReadPlanPubSubType>>(
-      state_->domain, kReadPlanTopic, std::move(handlers));
+  std::function<void(const StationReadPlan&)> on_gone = [gone](const StationReadPlan& last) {
+    if (gone) gone(last.bus);
+  };
+  state_->subscribe(kReadPlanTopic, std::move(on_plan), std::move(on_gone), whole, last_bus);
 }
 
 void Station::subscribe_alarms(std::function<void(const StationAlarm&)> on_alarm,
                                std::function<void(const StationAlarm&)> gone) {
-  FIELDCAST_CHECK(!state_->alarms);
-  Subscription<idl::AlarmPubSubType>::Handlers handlers;
-  handlers.sample = [on_alarm = std::move(on_alarm)](const idl::Alarm& alarm) {
-    if (const auto known = from_idl(alarm)) on_alarm(*known);
-  };
-  if (gone) {
-    handlers.gone = [gone = std::move(gone)](const idl::Alarm& last) {
-      if (const auto known = from_idl(last)) gone(*known);
-    };
-  }
-  state_->alarms = std::make_unique<Subscription<idl::AlarmPubSubType>>(state_->domain, kAlarmTopic,
-                                                                        std::move(handlers));
+  state_->subscribe(kAlarmTopic, std::move(on_alarm), std::move(gone));
 }
 
 void Station::subscribe_alarm_status(std::function<void(const StationAlarmStatus&)> on_status,
                                      std::function<void(const StationAlarmStatus&)> gone) {
-  FIELDCAST_CHECK(!state_->alarm_status);
-  Subscription<idl::AlarmStatusPubSubType>::Handlers handlers;
-  handlers.sample = [on_status = std::move(on_status)](const idl::AlarmStatus& status) {
-    if (const auto known = from_idl(status)) on_status(*known);
-  };
-  if (gone) {
-    handlers.gone = [gone = std::move(gone)](const idl::AlarmStatus& last) {
-      if (const auto known = from_idl(last)) gone(*known);
-    };
-  }
-  state_->alarm_status = std::make_unique<Subscription<idl::AlarmStatusPubSubType>>(
-      state_->domain, kAlarmStatusTopic, std::move(handlers));
+  state_->subscribe(kAlarmStatusTopic, std::move(on_status), std::move(gone));
 }
 
-bool Station::may_command() const { return state_->may_write(kCommandTopic.name); }
+bool Station::may_command() const {
+  return std::ranges::any_of(state_->sites, [](const auto& site) { return site->may_command(); });
+}
 
-bool Station::may_declare_interest() const { return state_->may_write(kInterestTopic.name); }
+bool Station::may_declare_interest() const {
+  return std::ranges::any_of(state_->sites,
+                             [](const auto& site) { return site->may_declare_interest(); });
+}
 
 void Station::declare_interest(const std::string& pattern, Duration refresh) {
-  if (state_->interests == nullptr) {
-    state_->interests = state_->domain.writer(kInterestTopic, state_->name);
+  for (const auto& site : state_->sites) {
+    const auto there = pattern_at_site(pattern, site->name);
+    if (there && (state_->sites.size() == 1 || site->may_declare_interest()))
+      site->write_interest(*there, refresh);
   }
-  idl::Interest interest;
-  interest.station() = state_->name;
-  interest.pattern() = pattern;
-  interest.refresh(refresh.count());
-  state_->interests->write(&interest);
 }
 
 void Station::withdraw_interest(const std::string& pattern) {
-  if (state_->interests == nullptr) return;
-  idl::Interest interest;
-  interest.station() = state_->name;
-  interest.pattern() = pattern;
-  state_->interests->unregister_instance(&interest, dds::HANDLE_NIL);  // disposes it
+  for (const auto& site : state_->sites) {
+    if (const auto there = pattern_at_site(pattern, site->name))
+      site->write_interest(*there, std::nullopt);
+  }
 }
 
 StationOutcome Station::execute(StationCommand command, Duration wait_for_bridge,
                                 Duration wait_for_result) {
-  if (!may_command()) return tl::unexpected(StationFault::kNoRight);
-  return state_->client().execute(std::move(command), wait_for_bridge, wait_for_result);
+  const Duration longest = command.lifespan + wait_for_result;
+  return state_->execute(command, command.bus, wait_for_bridge, longest);
+}
+
+StationOutcome Station::execute(AlarmAction action, Duration wait_for_bridge,
+                                Duration wait_for_result) {
+  return state_->execute(action, action.alarm.bus, wait_for_bridge, wait_for_result);
 }
 
 StationOutcome Station::write(std::string_view path, Value value, bool verify) {
@@ -288,39 +408,40 @@ StationOutcome Station::write(std::string_view path, Value value, bool verify) {
 
 tl::expected<std::uint64_t, StationFault> Station::send(StationCommand command,
                                                         Duration wait_for_bridge) {
-  if (!may_command()) return tl::unexpected(StationFault::kNoRight);
-  return state_->client().send(std::move(command), wait_for_bridge, false);
-}
-
-StationOutcome Station::execute(AlarmAction action, Duration wait_for_bridge,
-                                Duration wait_for_result) {
-  if (!may_command()) return tl::unexpected(StationFault::kNoRight);
-  CommandClient& client = state_->client();
-  const auto id = client.send(std::move(action), wait_for_bridge, true);
-  if (!id) return tl::unexpected(id.error());
-  return client.await(*id, wait_for_result);
+  const auto client = state_->take_site(command.bus);
+  if (!client) return tl::unexpected(client.error());
+  return (*client)->send(std::move(command), wait_for_bridge, false);
 }
 
 tl::expected<std::uint64_t, StationFault> Station::send(AlarmAction action,
                                                         Duration wait_for_bridge) {
-  if (!may_command()) return tl::unexpected(StationFault::kNoRight);
-  return state_->client().send(std::move(action), wait_for_bridge, false);
+  const auto client = state_->take_site(action.alarm.bus);
+  if (!client) return tl::unexpected(client.error());
+  return (*client)->send(std::move(action), wait_for_bridge, false);
 }
 
 void Station::on_result(std::function<void(const StationResult&)> handler) {
-  if (may_command()) state_->client().on_result(std::move(handler));
+  std::function<void(const StationResult&)> none;
+  if (state_->sites.size() > 1) share_turn(handler, none);
+  for (const auto& site : state_->sites) {
+    if (site->may_command()) site->client().on_result(at_site(site->prefix, handler));
+  }
 }
 
-std::uint64_t Station::reserve_request_id() {
-  return may_command() ? state_->client().reserve_request_id() : ++state_->refused;
-}
+std::uint64_t Station::reserve_request_id() { return state_->identity.next_id++; }
 
 std::vector<std::string> Station::missing_servers() const {
-  return state_->domain.missing_servers();
+  std::vector<std::string> missing;
+  for (const auto& site : state_->sites) {
+    for (std::string& server : site->domain.missing_servers()) {
+      if (std::ranges::find(missing, server) == missing.end()) missing.push_back(std::move(server));
+    }
+  }
+  return missing;
 }
 
 const std::string& Station::requester() const {
-  return may_command() ? state_->client().requester() : state_->name;
+  return may_command() ? state_->identity.requester : state_->identity.short_name;
 }
 
 }  // namespace fieldcast

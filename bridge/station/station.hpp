@@ -1,10 +1,13 @@
 // A monitoring station or plant system: the other side of DdsLink, for our tools, tests and
-// benches.
+// benches. It watches one domain, or several sites: with several, the name of the site comes before
+// the names of its bridges and buses ("north:line-7"), and commands, actions and interests are sent
+// to the site that their bus names.
 //
-// Owns its DDS participant. Channels and samples are received as blocks, on the station's own
-// thread. All other data, and samples requested with a deadline, are received on DDS threads.
-// Callbacks are called one at a time for each subscription and must not block. Subscribe before you
-// use received data; the object may be used from any one thread. No DDS type appears here.
+// Owns a DDS participant for each site. Channels and samples are received as blocks, on a thread
+// for each site. All other data, and samples requested with a deadline, are received on DDS
+// threads. Callbacks are called one at a time for each subscription, for all sites together, and
+// must not block. Subscribe before you use received data; the object may be used from any one
+// thread. No DDS type appears here.
 #pragma once
 
 #include <cstdint>
@@ -48,9 +51,18 @@ using StationOutcome = tl::expected<StationResult, StationFault>;
 // byte. Needs synchronized clocks. A channel that was never read is as old as the epoch.
 [[nodiscard]] Duration age(const StationSample& sample);
 
+// The pattern that applies at a site of this name: "north:*/m/t" is "*/m/t" at "north", "*" is "*"
+// at every site, "north:line-7" gives `std::nullopt` at "south".
+[[nodiscard]] std::optional<std::string> pattern_at_site(std::string_view pattern,
+                                                         std::string_view site);
+
 class Station {
  public:
-  // Joins the domain; `name` is the participant name that other tools see. Throws DdsError.
+  // Joins the domains of all sites; `name` is the participant name that other tools see. Throws
+  // DdsError, which names the site. REQUIRES: names are unique, and none is empty unless there is
+  // only one site.
+  Station(const std::vector<DdsSite>& sites, const std::string& name);
+  // Joins one domain, whose buses keep their names.
   Station(const DdsSpec& spec, const std::string& name);
   ~Station();
   Station(const Station&) = delete;
@@ -66,7 +78,7 @@ class Station {
     // Matches only the channels that promise this refresh or a shorter one.
     std::optional<Duration> deadline;
     // No sample of the channel arrived within `deadline`. Called again for each further deadline
-    // that passes.
+    // that passes, also while another callback runs.
     OnMissed on_deadline_missed;
     // Receives each sample individually (fieldcast/Sample) instead of in blocks; a deadline implies
     // it.
@@ -76,7 +88,7 @@ class Station {
   void subscribe_samples(OnSample on_sample, OnGone gone = {}) {
     subscribe_samples(std::move(on_sample), std::move(gone), {});
   }
-  // Counters of received blocks. Any thread.
+  // Counters of received blocks, of all sites. Any thread.
   struct BlockCounters {
     std::uint64_t blocks = 0;
     std::uint64_t missing = 0;   // lost blocks: this station was too slow for them
@@ -91,10 +103,11 @@ class Station {
   // The bridges of the domain. A bridge that crashes is reported as removed when its lease expires.
   void subscribe_bridges(std::function<void(const StationBridge&)> on_bridge,
                          std::function<void(const StationBridge& last)> gone = {});
-  void subscribe_program_sessions(std::function<void(const ProgramSessionReport&)> on_session);
+  void subscribe_program_sessions(std::function<void(const ProgramSessionReport&)> on_session,
+                                  std::function<void(const ProgramSessionReport& last)> gone = {});
   // Reports the whole plan whenever a new plan is in force.
   void subscribe_read_plans(std::function<void(const StationReadPlan&)> on_plan,
-                            std::function<void(const std::string& bus)> gone = {});
+                            const std::function<void(const std::string& bus)>& gone = {});
   void subscribe_alarms(std::function<void(const StationAlarm&)> on_alarm,
                         std::function<void(const StationAlarm& last)> gone = {});
   // Actions of users on alarms, in addition to the alarms themselves: acknowledged, shelved,
@@ -102,20 +115,22 @@ class Station {
   void subscribe_alarm_status(std::function<void(const StationAlarmStatus&)> on_status,
                               std::function<void(const StationAlarmStatus& last)> gone = {});
 
-  // Rights of this station by DDS Security in addition to reading. Without DDS Security, everything
-  // is allowed.
+  // Rights of this station by DDS Security in addition to reading, at one site at least. Without
+  // DDS Security, everything is allowed.
   [[nodiscard]] bool may_command() const;
   [[nodiscard]] bool may_declare_interest() const;
 
-  // Declares an interest in channels at a refresh, until it is withdrawn or this process ends.
-  // Throws DdsError unless may_declare_interest().
+  // Declares an interest in channels at a refresh, until it is withdrawn or this process ends, at
+  // every site that the pattern may match and where this station has the right. Throws DdsError if
+  // the only site does not give it.
   void declare_interest(const std::string& pattern, Duration refresh);
   void withdraw_interest(const std::string& pattern);
 
   // Writes the command once the bridge that serves the bus is found (at most wait_for_bridge) and
   // blocks for its one result, at most lifespan + wait_for_result. A command that was_not_run() is
   // sent again while its lifespan lasts, here and in send(); the caller sees one command with one
-  // request_id and one result. Sets request_id and requester. Fails with kNoRight, as all below.
+  // request_id and one result. Sets request_id and requester. Fails with kNoRight and kNoSite, as
+  // all below.
   [[nodiscard]] StationOutcome execute(StationCommand command,
                                        Duration wait_for_bridge = std::chrono::seconds{3},
                                        Duration wait_for_result = std::chrono::seconds{5});
@@ -142,7 +157,7 @@ class Station {
   [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(
       AlarmAction action, Duration wait_for_bridge = std::chrono::seconds{3});
 
-  // The configured discovery servers that do not respond. Any thread.
+  // The configured discovery servers of all sites that do not respond, each once. Any thread.
   [[nodiscard]] std::vector<std::string> missing_servers() const;
 
   // Unique for each process and object. The requester of a user's command is made from it:
@@ -150,6 +165,7 @@ class Station {
   [[nodiscard]] const std::string& requester() const;
 
  private:
+  struct Site;
   struct State;
   std::unique_ptr<State> state_;
 };

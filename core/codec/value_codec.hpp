@@ -81,6 +81,8 @@ struct Encoding {
 };
 
 [[nodiscard]] std::string to_text(const Encoding& encoding);  // "float32", "string(16)"
+// Parses what to_text() returns.
+[[nodiscard]] std::optional<Encoding> encoding_from(std::string_view text);
 
 // 16 for int16, 8 * n for string(n) and for a number as text of n characters, 1 for bool.
 [[nodiscard]] unsigned width_bits(const Encoding& encoding);

@@ -141,6 +141,20 @@ std::string to_text(const Encoding& encoding) {
   return text;
 }
 
+std::optional<Encoding> encoding_from(std::string_view text) {
+  const auto open = text.find('(');
+  const auto type = value_type_from(text.substr(0, open));
+  const bool has_size = open != text.npos;
+  if (!type || (*type == ValueType::kString) != has_size) return std::nullopt;
+  Encoding encoding{.type = *type};
+  if (!has_size) return encoding;
+  const char* const last = text.data() + text.size();
+  const auto [end, error] = std::from_chars(text.data() + open + 1, last, encoding.string_bytes);
+  if (error != std::errc{} || end + 1 != last || *end != ')') return std::nullopt;
+  if (encoding.string_bytes < 1 || encoding.string_bytes > kMaxStringBytes) return std::nullopt;
+  return encoding;
+}
+
 bool is_part(const Encoding& encoding, unsigned item_bits) {
   return encoding.bit && item_bits > width_bits(encoding) && width_bits(encoding) <= 8;
 }

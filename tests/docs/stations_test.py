@@ -39,6 +39,7 @@ buses:
     devices:
       - name: meter
         address: 1
+        allow: [raw-read, raw-write]
         channels:
           - { name: voltage, at: "holding:0", type: float32, unit: V, refresh: 200ms }
           - { name: setpoint, at: "holding:10", type: float32, refresh: 200ms, access: read-write }
@@ -167,11 +168,21 @@ class Stations(unittest.TestCase):
             station.says("line/meter/setpoint 42 GOOD" + AGE, after=len(station.lines))
             return station.lines
 
+    def shown(self):
+        """The outputs that the document shows, as lists of lines, in order."""
+        with open(os.path.join(SOURCE_DIR, "docs/stations.md"), encoding="utf-8") as file:
+            return [block.text.splitlines() for block in parse("docs/stations.md", file.read()) if "picture" in block.markers]
+
     def test_the_station_in_cpp_says_what_the_document_shows(self):
         said = {general(line) for line in self.check_station("build/station")}
-        with open(os.path.join(SOURCE_DIR, "docs/stations.md"), encoding="utf-8") as file:
-            shown, = [block.text for block in parse("docs/stations.md", file.read()) if "picture" in block.markers]
-        self.assertEqual({general(line) for line in shown.splitlines()} - said, set())
+        of_station, _ = self.shown()
+        self.assertEqual({general(line) for line in of_station} - said, set())
+
+    def test_the_station_for_engineers_says_what_the_document_shows(self):
+        _, of_engineer = self.shown()
+        with self.start("engineer") as station:
+            for line in of_engineer:
+                station.says(re.escape(line))
 
     def test_the_station_in_c(self):
         self.check_station("station-c")
@@ -191,7 +202,7 @@ class Stations(unittest.TestCase):
             with open(os.path.join(SOURCE_DIR, document), encoding="utf-8") as file:
                 shown.update({os.path.basename(block.markers["file"]): block.text for block in parse(document, file.read())
                               if "file" in block.markers})
-        for name in ["station.cpp", "station.c", "CMakeLists.txt"]:
+        for name in ["station.cpp", "engineer.cpp", "station.c", "CMakeLists.txt"]:
             with open(os.path.join(SOURCE_DIR, "tools/packaging/example", name), encoding="utf-8") as file:
                 self.assertEqual(shown[name], file.read(), name)
         self.assertLessEqual(len(shown["station.cpp"].splitlines()), 25)

@@ -79,6 +79,19 @@ TEST_F(Client, AHandlerMayEndItsOwnSubscription) {
   EXPECT_EQ(calls, 1);
 }
 
+TEST_F(Client, AHandlerMayUseTheStation) {
+  Collected<api::Channel> channels;
+  Collected<std::uint64_t> lost;
+  api::Subscription catalogue;
+  const auto values = station_.subscribe("*", [&](const api::Sample&) {
+    if (!catalogue)
+      catalogue = station_.catalogue("*", [&](const api::Channel& c) { channels.add(c); });
+    lost.add(station_.lost_blocks());
+  });
+  publish({good(0, 1.0)});
+  EXPECT_TRUE(eventually([&] { return channels.size() == 2 && lost.size() == 1; }));
+}
+
 TEST_F(Client, ReceivesTheCatalogueAndItsBridge) {
   Collected<api::Channel> channels;
   const auto catalogue = station_.catalogue("*", [&](const api::Channel& c) { channels.add(c); });
@@ -109,6 +122,86 @@ TEST_F(Client, AcquiresOneChannelOrAWholeDevice) {
   ASSERT_EQ(commands.size(), 2u);
   EXPECT_EQ(std::get<ChannelTarget>(commands[0].second.target).name, "c1");
   EXPECT_EQ(std::get<ChannelTarget>(commands[1].second.target).name, "");
+}
+
+TEST_F(Client, WritesAndAcquiresAtAnAddress) {
+  api::Address address{.at = "holding:100", .type = "int32", .low_word_first = true};
+  EXPECT_TRUE(station_.write(bus_ + "/d", address, {std::int64_t{-7}, std::int64_t{8}}).ok());
+  const api::Result acquired =
+      station_.acquire(bus_ + "/d", {.at = "holding:3", .type = "string(8)"}, 3);
+  EXPECT_TRUE(acquired.ok()) << api::to_text(acquired);
+  const auto commands = served_.received.commands.all();
+  ASSERT_EQ(commands.size(), 2u);
+  const Command& written = commands[0].second;
+  const auto& target = std::get<AddressTarget>(written.target);
+  EXPECT_EQ(target.at, "holding:100");
+  EXPECT_EQ(target.encoding,
+            (Encoding{.type = ValueType::kInt32, .word_order = WordOrder::kLittleEndian}));
+  EXPECT_EQ(written.device, "d");
+  EXPECT_EQ(written.values, (std::vector<Value>{std::int64_t{-7}, std::int64_t{8}}));
+  const Command& read = commands[1].second;
+  EXPECT_EQ(read.operation, Operation::kAcquire);
+  EXPECT_EQ(to_text(std::get<AddressTarget>(read.target).encoding), "string(8)");
+  EXPECT_EQ(read.count, 3u);
+}
+
+TEST_F(Client, AnAddressOfNoTypeOrNoDeviceIsNotSent) {
+  const api::Result no_type = station_.acquire(bus_ + "/d", {.at = "holding:3", .type = "int61"});
+  EXPECT_EQ(no_type.outcome, api::Outcome::kNotSent);
+  EXPECT_EQ(no_type.reason.substr(0, 24), "type 'int61' is unknown;");
+  for (const std::string& device : {bus_, bus_ + "/d/c0"}) {
+    const api::Result no_device = station_.acquire(device, api::Address{.at = "holding:3"});
+    EXPECT_EQ(no_device.outcome, api::Outcome::kNotSent) << device;
+    EXPECT_FALSE(no_device.reason.empty());
+  }
+  EXPECT_EQ(served_.received.commands.size(), 0u);
+}
+
+TEST_F(Client, ReceivesTheReadPlanOfABusAndItsEnd) {
+  PlanReport::Point point{.area = "holding", .first = 7, .count = 2, .channels = {"c0", "c1"}};
+  point.worst_gap = 380ms;
+  const PlanReport::Group group{.device = "d", .list = true, .period = 188ms, .points = {point}};
+  served_.link.report(bus_, {.load = 0.25, .slot = 94ms, .groups = {group}}, {6});
+  Collected<api::ReadPlan> plans;
+  const auto watched = station_.read_plans([&](const api::ReadPlan& plan) { plans.add(plan); });
+  ASSERT_TRUE(eventually([&] { return plans.size() == 1; }));
+  const api::ReadPlan plan = plans.all()[0];
+  EXPECT_EQ(plan.bus, bus_);
+  EXPECT_EQ(plan.load, 0.25);
+  EXPECT_EQ(plan.slot, 94ms);
+  EXPECT_EQ(plan.in_force_since, api::Time{6ns});
+  ASSERT_EQ(plan.groups.size(), 1u);
+  EXPECT_EQ(plan.groups[0].device, "d");
+  EXPECT_TRUE(plan.groups[0].list);
+  EXPECT_EQ(plan.groups[0].period, 188ms);
+  ASSERT_EQ(plan.groups[0].points.size(), 1u);
+  EXPECT_EQ(plan.groups[0].points[0].area, "holding");
+  EXPECT_EQ(plan.groups[0].points[0].count, 2u);
+  EXPECT_EQ(plan.groups[0].points[0].channels, point.channels);
+  EXPECT_EQ(plan.groups[0].points[0].worst_gap, Duration{380ms});
+  served_.link.remove_bus(bus_);
+  ASSERT_TRUE(eventually([&] { return plans.size() == 2; }));
+  EXPECT_FALSE(plans.all()[1].present);
+}
+
+TEST_F(Client, ReceivesTheSessionsOfEngineersAndTheirEnd) {
+  auto other = std::make_unique<Obedient>(bus_ + "-other");
+  Collected<api::ProgrammingSession> sessions;
+  const auto watched = station_.programming_sessions(
+      [&](const api::ProgrammingSession& session) { sessions.add(session); });
+  other->link.report({bus_, "d", ProgramSessionState::kOpen, "anna (10.0.0.7:5)", 1, 2, {3}});
+  ASSERT_TRUE(eventually([&] { return sessions.size() == 1; }));
+  const api::ProgrammingSession session = sessions.all()[0];
+  EXPECT_EQ(session.bus + '/' + session.device, bus_ + "/d");
+  EXPECT_EQ(session.state, "open");
+  EXPECT_EQ(session.engineer, "anna (10.0.0.7:5)");
+  EXPECT_EQ(session.bytes_to_device, 1u);
+  EXPECT_EQ(session.bytes_from_device, 2u);
+  EXPECT_EQ(session.since, api::Time{3ns});
+  EXPECT_TRUE(session.present);
+  other.reset();
+  ASSERT_TRUE(eventually([&] { return sessions.size() == 2; }));
+  EXPECT_FALSE(sessions.all()[1].present);
 }
 
 TEST_F(Client, AnInterestLastsAsLongAsItsSubscription) {
@@ -173,6 +266,40 @@ TEST(ClientDomains, TheNameOfADomainComesBeforeItsBuses) {
   EXPECT_EQ(samples.all()[0].path.text(), "south:" + bus + "/d/c0");
   EXPECT_TRUE(station.write("north:" + bus + "/d/c0", true).ok());
   EXPECT_EQ(in_north.received.commands.size(), 1u);
+  EXPECT_TRUE(station.acquire("south:" + bus + "/d", api::Address{.at = "holding:1"}).ok());
+  EXPECT_EQ(in_south.received.commands.size(), 1u);
+  Collected<std::string> plans, sessions;
+  const auto planned = station.read_plans([&](const api::ReadPlan& p) { plans.add(p.bus); });
+  const auto programmed =
+      station.programming_sessions([&](const api::ProgrammingSession& s) { sessions.add(s.bus); });
+  in_north.link.report(bus, PlanReport{}, {1});
+  in_south.link.report({bus, "d", ProgramSessionState::kOpen, "anna", 0, 0, {1}});
+  ASSERT_TRUE(eventually([&] { return plans.size() == 1 && sessions.size() == 1; }));
+  EXPECT_EQ(plans.all()[0], "north:" + bus);
+  EXPECT_EQ(sessions.all()[0], "south:" + bus);
+}
+
+TEST(ClientDomains, AMissedRefreshNamesItsDomain) {
+  DdsSpec north = loopback(), south = loopback();
+  north.partition = "north";
+  south.partition = "south";
+  const std::string bus = bus_name("line");
+  Received none;
+  DdsLink in_south(south, "test", none.handlers());
+  in_south.add_bus(bus_of(bus, 1, [](std::size_t) { return Duration{100ms}; }));
+  api::Station station("both", {domain_of(north, "north"), domain_of(south, "south")});
+  Collected<api::Sample> samples;
+  Collected<api::Path> missed;
+  const auto values = station.subscribe(
+      "south:*", [&](const api::Sample& s) { samples.add(s); },
+      {.refresh = 200ms, .on_missed = [&](const api::Path& path) { missed.add(path); }});
+  ASSERT_TRUE(eventually([&] {
+    in_south.publish(bus, std::vector<Sample>{good(0, 1.0)}, both_clocks());
+    return samples.size() > 0;
+  }));
+  ASSERT_TRUE(eventually([&] { return missed.size() > 0; }));
+  EXPECT_EQ(samples.all()[0].path.text(), "south:" + bus + "/d/c0");
+  EXPECT_EQ(missed.all()[0].text(), "south:" + bus + "/d/c0");
 }
 
 }  // namespace

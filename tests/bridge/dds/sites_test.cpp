@@ -1,9 +1,8 @@
-#include "bridge/station/sites.hpp"
-
 #include <gtest/gtest.h>
 
 #include <set>
 
+#include "bridge/station/station.hpp"
 #include "tests/bridge/dds/dds_support.hpp"
 
 namespace fieldcast::testing {
@@ -19,7 +18,7 @@ class SitesTest : public ::testing::Test {
  protected:
   const std::string bus_ = bus_name("line");
   Obedient north_{bus_, 2, site("north").dds}, south_{bus_, 2, site("south").dds};
-  Sites sites_{{site("north"), site("south")}, "both"};
+  Station sites_{{site("north"), site("south")}, "both"};
 };
 
 TEST_F(SitesTest, ValuesOfBusesWithOneNameAreToldApart) {
@@ -118,7 +117,7 @@ TEST(PatternAtSite, NamesTheSiteOrMatchesIt) {
 TEST(Sites, OneWithoutANameIsAStation) {
   const std::string bus = bus_name("alone");
   Obedient bridge(bus);
-  Sites sites({DdsSite{{}, loopback()}}, "one");
+  Station sites({DdsSite{{}, loopback()}}, "one");
   Collected<StationChannel> channels;
   sites.subscribe_channels([&](const StationChannel& channel) {
     if (channel.bus == bus) channels.add(channel);
@@ -131,7 +130,7 @@ TEST(Sites, AFaultNamesItsSite) {
   DdsSite bad = site("south");
   bad.dds.interfaces = {"192.0.2.1"};
   try {
-    const Sites sites({site("north"), bad}, "both");
+    const Station sites({site("north"), bad}, "both");
     FAIL();
   } catch (const DdsError& error) {
     EXPECT_EQ(std::string(error.what()),

@@ -20,7 +20,7 @@
 #include "bridge/base/worker.hpp"
 #include "bridge/dds/library/library.hpp"
 #include "bridge/dds/transport/network_check.hpp"
-#include "bridge/station/sites.hpp"
+#include "bridge/station/station.hpp"
 #include "bridge/store/sql/sql.hpp"
 #include "tools/cli/terminal/interrupt.hpp"
 
@@ -37,7 +37,7 @@ void gather_clocks(const ConnectionOptions& options, MachineFacts& facts) {
   std::map<std::string, ClockFacts> clocks;
   interrupt.on_raise([&inbox] { inbox.close(); });
   try {
-    Sites sites(connection->sites, "fieldcast-cli");
+    Station sites(connection->sites, "fieldcast-cli");
     sites.subscribe_bus_status([&inbox](const StationBusStatus& status) {
       if (status.clock_ahead) inbox.put_newest({status.bridge, *status.clock_ahead, utc_now()});
     });

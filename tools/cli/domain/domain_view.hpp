@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "bridge/base/worker.hpp"
-#include "bridge/station/sites.hpp"
 #include "bridge/station/standby_monitor.hpp"
+#include "bridge/station/station.hpp"
 #include "core/base/time.hpp"
 #include "tools/cli/domain/connection.hpp"
 #include "tools/cli/model/watch_model.hpp"
@@ -71,7 +71,7 @@ class DomainView {
   void subscribe_program_sessions();
   void subscribe_alarms();  // with the actions of operators
 
-  [[nodiscard]] Sites& station() { return station_; }
+  [[nodiscard]] Station& station() { return station_; }
   [[nodiscard]] std::vector<std::string> missing_servers() const {
     return station_.missing_servers();
   }
@@ -82,7 +82,7 @@ class DomainView {
   Interrupt& interrupt_;
   // Before the station, because its threads write here until it is destroyed.
   BoundedQueue<DomainEvent> inbox_{kMaxWaiting};
-  Sites station_;
+  Station station_;
 };
 
 // Decides when all bridges have reported: nothing new for kQuietTime and a report of each site, or

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <charconv>
 #include <cstdio>
 
 #include "core/codec/value_codec.hpp"
@@ -65,22 +64,8 @@ tl::expected<ChannelPath, std::string> parse_device_or_channel(std::string_view 
 }
 
 tl::expected<Encoding, std::string> parse_type(std::string_view text) {
-  const auto fault = [&] {
-    return tl::unexpected(fmt::format("type '{}' is unknown; there are {}", text, allowed_types()));
-  };
-  Encoding encoding;
-  const auto open = text.find('(');
-  const auto type = value_type_from(text.substr(0, open));
-  if (!type || (*type == ValueType::kString) != (open != std::string_view::npos)) return fault();
-  encoding.type = *type;
-  if (open != std::string_view::npos) {
-    const auto digits = text.substr(open + 1);
-    const auto last = digits.data() + digits.size();
-    const auto [end, error] = std::from_chars(digits.data(), last, encoding.string_bytes);
-    if (error != std::errc{} || end + 1 != last || *end != ')') return fault();
-    if (encoding.string_bytes < 1 || encoding.string_bytes > kMaxStringBytes) return fault();
-  }
-  return encoding;
+  if (auto encoding = encoding_from(text)) return *std::move(encoding);
+  return tl::unexpected(fmt::format("type '{}' is unknown; there are {}", text, allowed_types()));
 }
 
 tl::expected<Encoding, std::string> with_byte(Encoding encoding, std::string_view byte) {

@@ -15,7 +15,7 @@ constexpr std::uint64_t kTrimmedAfter = 10'000;
 
 class StationPort : public CommandPort {
  public:
-  explicit StationPort(Sites& station) : station_(station) {}
+  explicit StationPort(Station& station) : station_(station) {}
   std::uint64_t reserve_request_id() override { return station_.reserve_request_id(); }
   tl::expected<std::uint64_t, StationFault> send(StationCommand command) override {
     return station_.send(std::move(command), CommandController::kFinding);
@@ -31,7 +31,7 @@ class StationPort : public CommandPort {
   }
 
  private:
-  Sites& station_;
+  Station& station_;
 };
 
 UtcTime utc_now() { return read_clocks().to_utc(steady_now()); }
@@ -76,7 +76,7 @@ struct LiveDomain::State {
   }};
   StationPort port{station};
   CommandController desk;
-  Sites station;  // last member: its callbacks use the members above
+  Station station;  // last member: its callbacks use the members above
 };
 
 void LiveDomain::State::deliver() {

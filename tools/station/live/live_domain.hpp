@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "bridge/station/sites.hpp"
+#include "bridge/station/station.hpp"
 #include "bridge/store/records/records.hpp"
 #include "tools/station/live/command_controller.hpp"
 #include "tools/station/live/domain_inbox.hpp"

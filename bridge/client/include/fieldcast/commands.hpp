@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,6 +23,18 @@ struct CommandOptions {
   /// The user for whom the station acts, for the audit: 1 to 64 letters, digits, '-', '_', '.',
   /// '@'.
   std::string person;
+};
+
+/// Values at an address of a device, with or without a channel there. The bridge reads and writes
+/// such addresses only if the device has `allow: [raw-read, raw-write]` in its configuration.
+struct Address {
+  std::string at;               ///< in the notation of the PLC: "holding:100", "DB5.DBW2"
+  std::string type = "uint16";  ///< as in the configuration: "bool", "float32", "string(16)"
+  /// Bit of a bool in a wider item, or the lowest bit of an 8-bit type in it.
+  std::optional<std::uint8_t> bit{};
+  bool low_word_first = false;  ///< false: the usual order of the device family
+  bool low_byte_first = false;
+  double scale = 1, offset = 0;  ///< value = raw * scale + offset
 };
 
 enum class Outcome : std::uint8_t {

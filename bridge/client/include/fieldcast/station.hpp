@@ -16,8 +16,9 @@
 /// running handler of the subscription has returned, unless the handler itself destroys it. A
 /// Subscription must not outlive its Station.
 ///
-/// Exceptions. Constructors throw JoinError. A handler must not throw: the program is terminated.
-/// Other functions throw only std::bad_alloc.
+/// Exceptions. Constructors throw JoinError. A function that begins a subscription throws JoinError
+/// if DDS refuses it, and std::invalid_argument for a pattern that is not valid. A handler must not
+/// throw: the program is terminated. Other functions throw only std::bad_alloc.
 #pragma once
 
 #include <functional>
@@ -89,6 +90,11 @@ class Station {
   [[nodiscard]] Subscription device_status(
       const std::function<void(const DeviceStatus&)>& on_status);
   [[nodiscard]] Subscription bridges(const std::function<void(const Bridge&)>& on_bridge);
+  /// The whole read plan of each bus, again whenever a new plan is in force.
+  [[nodiscard]] Subscription read_plans(const std::function<void(const ReadPlan&)>& on_plan);
+  /// The last session of each device.
+  [[nodiscard]] Subscription programming_sessions(
+      const std::function<void(const ProgrammingSession&)>& on_session);
 
   /// Asks the bridges to read the channels at this refresh or faster while the Subscription exists.
   /// Empty if this station, by DDS Security, may not declare interests.
@@ -102,6 +108,14 @@ class Station {
   /// Reads the channel now, or all channels of BUS/DEVICE, and blocks for the result; the values
   /// are published as samples too.
   [[nodiscard]] Result acquire(std::string_view path, const CommandOptions& options = {});
+  /// Writes consecutive values from an address of the device BUS/DEVICE on, and blocks for the
+  /// result.
+  [[nodiscard]] Result write(std::string_view device, const Address& address,
+                             std::vector<Value> values, const CommandOptions& options = {});
+  /// Reads `count` consecutive values, at most 2048, from an address of the device BUS/DEVICE on,
+  /// and blocks for the result.
+  [[nodiscard]] Result acquire(std::string_view device, const Address& address,
+                               std::uint32_t count = 1, const CommandOptions& options = {});
   /// Acknowledges the present occurrence of an alarm and blocks for the result.
   [[nodiscard]] Result acknowledge(const Alarm& alarm, const std::string& person,
                                    const std::string& note = {});

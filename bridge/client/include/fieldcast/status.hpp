@@ -1,10 +1,11 @@
 /// @file
-/// The state of bridges, buses and devices, as they report it once a second and at every change.
-/// Plain values; any thread.
+/// The state of bridges, buses and devices, as they report it once a second and at every change,
+/// the read plans of buses, and the sessions of engineers. Plain values; any thread.
 #pragma once
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,45 @@ struct DeviceStatus {
 struct Bridge {
   std::string bridge, host, version, standby_group;
   std::vector<std::string> buses;  ///< that it serves
+  Time since;
+  bool present = true;
+};
+
+/// What a bus reads, when, and how much of the wire this needs.
+struct ReadPlan {
+  /// Consecutive items of a device that are read together.
+  struct Point {
+    std::string area;  ///< "holding"
+    std::uint32_t first = 0, count = 0;
+    std::vector<std::string> channels;  ///< names on the device
+    Duration period{}, phase{};         ///< 0: it is not in the timetable
+    std::optional<Duration> worst_gap;  ///< between two readings, as planned
+    double stretch = 1;                 ///< factor on its refresh while the wire is overloaded
+  };
+  /// Points that are read with the same requests.
+  struct Group {
+    std::string device;
+    bool list = false;           ///< a request contains a list of ranges
+    Duration period{}, phase{};  ///< 0: it is not in the timetable
+    Duration slack{};            ///< how much a read may end earlier than its phase
+    double load = 0;             ///< share of the wire
+    std::vector<Point> points;   ///< ordered by area and address
+  };
+  std::string bus;
+  double load = 0;                 ///< share of the wire that the plan needs
+  double stretch = 1;              ///< the largest of all points
+  Duration slot{}, hyperperiod{};  ///< 0: the plan has no timetable
+  std::vector<Group> groups;
+  Time in_force_since;
+  bool present = true;  ///< false: the bridge has left the domain
+};
+
+/// The session of an engineer who programs a device through the bridge.
+struct ProgrammingSession {
+  std::string bus, device;  ///< a module without a bus: "dial-in" and its device number
+  std::string state;        ///< "open", "closed" or "refused"
+  std::string engineer;     ///< the user and the network address, or the address alone
+  std::uint64_t bytes_to_device = 0, bytes_from_device = 0;
   Time since;
   bool present = true;
 };
