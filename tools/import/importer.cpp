@@ -14,8 +14,7 @@
 #include "tools/import/points/channel_keys.hpp"
 #include "tools/import/points/types.hpp"
 #include "tools/import/points/writer.hpp"
-#include "tools/import/text/text.hpp"
-#include "tools/import/text/xlsx.hpp"
+#include "tools/import/text/table.hpp"
 
 namespace fieldcast::importing {
 

@@ -1,6 +1,6 @@
 #include "tests/tools/import/support.hpp"
 #include "tools/import/formats/epics/epics_files.hpp"
-#include "tools/import/formats/wb_channel.hpp"
+#include "tools/import/formats/expression.hpp"
 
 namespace fieldcast::importing {
 namespace {

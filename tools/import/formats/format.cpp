@@ -36,6 +36,25 @@ Recognised recognise(const SourceText& source) {
   return best;
 }
 
+Device& device_at(Bus& bus, std::uint16_t address) {
+  const auto known = std::ranges::find(bus.devices, address, &Device::address);
+  if (known != bus.devices.end()) return *known;
+  Device& device = bus.devices.emplace_back();
+  device.address = address;
+  return device;
+}
+
+Line line_at(const Node& map, const LineKeys& keys) {
+  Line line;
+  if (const auto baud = whole_at(map, keys.baud); baud && *baud < 10'000'000)
+    line.baud = static_cast<std::uint32_t>(*baud);
+  const std::string_view parity = text_at(map, keys.parity);
+  line.format = fmt::format("{}{}{}", whole_at(map, keys.data_bits).value_or(8),
+                            parity.empty() ? keys.usual_parity : parity[0],
+                            whole_at(map, keys.stop_bits).value_or(1));
+  return line;
+}
+
 std::string_view to_text_of(Confidence confidence) {
   if (confidence >= kCertain) return "certainly";
   return confidence >= kLikely ? "probably" : "perhaps";

@@ -1,14 +1,10 @@
 #include "tools/import/text/tree.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "config/document/document.hpp"
 #include "core/base/value.hpp"
-#include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {
 
@@ -17,9 +13,9 @@ Tree read_yaml_tree(std::string_view text) {
   auto document = config::parse_yaml(config::Source{.file = "", .text = std::string(text)}, faults);
   if (!faults.empty()) {
     const config::Fault fault = faults.take().front();
-    return tl::unexpected("line " + std::to_string(fault.line) + ": " + fault.what);
+    return refused("line {}: {}", fault.line, fault.what);
   }
-  if (document->root == nullptr) return tl::unexpected(std::string("it is empty"));
+  if (document->root == nullptr) return refused("it is empty");
   return document;
 }
 
@@ -37,28 +33,52 @@ std::string_view text_of(const Node* node) {
 
 std::string_view text_at(const Node& map, std::string_view key) { return text_of(child(map, key)); }
 
+std::string_view first_text(const Node& map, std::initializer_list<std::string_view> keys) {
+  for (const std::string_view key : keys) {
+    if (const std::string_view text = text_at(map, key); !text.empty()) return text;
+  }
+  return {};
+}
+
 std::optional<double> number_at(const Node& map, std::string_view key) {
   return number_from(text_at(map, key));
 }
 
-std::optional<std::string> fault_of_number(const Node& map, std::string_view key) {
+MayFail fault_of_number(const Node& map, std::string_view key) {
   const std::string_view text = text_at(map, key);
   if (text.empty() || number_from(text)) return std::nullopt;
   return fmt::format("{} '{}' is no number", key, text);
+}
+
+MayFail read_scale_at(const Node& map, std::string_view key, double& scale) {
+  if (auto fault = fault_of_number(map, key)) return fault;
+  if (const auto number = number_at(map, key); number && *number != 0) scale = *number;
+  return std::nullopt;
 }
 
 std::optional<std::uint64_t> whole_at(const Node& map, std::string_view key) {
   return whole_from(text_at(map, key));
 }
 
+std::optional<unsigned> small_at(const Node& map, std::string_view key, unsigned least,
+                                 unsigned most) {
+  const auto number = whole_from(text_at(map, key), least, most);
+  return number ? std::optional(static_cast<unsigned>(*number)) : std::nullopt;
+}
+
 std::optional<bool> bool_at(const Node& map, std::string_view key) {
   const std::string word = lower(text_at(map, key));
   if (word.empty()) return std::nullopt;
-  return word == "true" || word == "yes" || word == "on" || word == "1";
+  return is_one_of(word, "true yes on 1");
 }
 
 bool is_list(const Node* node) { return node != nullptr && node->kind == config::Kind::kList; }
 bool is_map(const Node* node) { return node != nullptr && node->kind == config::Kind::kMap; }
+
+const config::LeanList<const Node*>& items_of(const Node* node) {
+  static const config::LeanList<const Node*> kNone;
+  return is_list(node) ? node->items : kNone;
+}
 
 // Builds the tree from nlohmann's SAX events. The iterator counts lines, because events have none.
 

@@ -2,6 +2,7 @@
 // records; expanded macros of kMaxExpanded bytes and 10 levels.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <span>
 #include <string>
@@ -52,6 +53,8 @@ struct EpicsFiles {
 [[nodiscard]] bool is_substitutions(std::string_view text);
 
 // Decimal, 0x.., or octal with a leading 0.
-[[nodiscard]] std::optional<std::int64_t> c_number(std::string_view text);
+[[nodiscard]] std::optional<std::int64_t> c_number(std::string_view text,
+                                                   std::int64_t least = INT64_MIN,
+                                                   std::int64_t most = INT64_MAX);
 
 }  // namespace fieldcast::importing

@@ -1,7 +1,6 @@
 #include "tools/import/formats/epics/epics_templates.hpp"
 
 #include <algorithm>
-#include <array>
 
 namespace fieldcast::importing {
 
@@ -43,8 +42,7 @@ constexpr ModuleTemplate kTemplates[] = {
     {"floatarray_in", "waveform", "asynFloat64ArrayIn", kTyped},
     {"floatarray_out", "waveform", "asynFloat64ArrayOut", kTyped},
 };
-constexpr std::array<std::string_view, 4> kOfTheDriver{"asynRecord", "statistics", "poll_delay",
-                                                       "poll_trigger"};
+constexpr std::string_view kOfTheDriver = "asynRecord statistics poll_delay poll_trigger";
 
 std::string_view without_end(std::string_view file) { return file.substr(0, file.rfind('.')); }
 
@@ -71,7 +69,7 @@ std::optional<EpicsRecord> module_template(std::string_view file) {
 }
 
 bool is_driver_template(std::string_view file) {
-  return std::ranges::find(kOfTheDriver, without_end(file)) != kOfTheDriver.end();
+  return is_one_of(without_end(file), kOfTheDriver);
 }
 
 void EpicsTokens::skip_blanks() {
@@ -90,7 +88,7 @@ std::optional<EpicsToken> EpicsTokens::next() {
   skip_blanks();
   if (at_ >= text_.size()) return std::nullopt;
   EpicsToken token{.text = {}, .line = line_};
-  if (std::string_view("{}(),").find(text_[at_]) != std::string_view::npos) {
+  if (contains("{}(),", text_.substr(at_, 1))) {
     token.text = text_[at_++];
     return token;
   }
@@ -113,8 +111,7 @@ std::optional<EpicsToken> EpicsTokens::next() {
       ++open;
     } else if (open > 0 && (c == ')' || c == '}')) {
       --open;
-    } else if (c == '\n' ||
-               (open == 0 && std::string_view(" \t\"{}(),#").find(c) != std::string_view::npos)) {
+    } else if (c == '\n' || (open == 0 && contains(" \t\"{}(),#", text_.substr(at_, 1)))) {
       break;
     }
     token.text += c;

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "tools/import/formats/format.hpp"
 #include "tools/import/formats/list/list_address.hpp"
 #include "tools/import/formats/list/list_columns.hpp"
 #include "tools/import/formats/list/list_type.hpp"
@@ -15,8 +16,6 @@
 #include "tools/import/text/table.hpp"
 
 namespace fieldcast::importing {
-
-inline constexpr const char* kTextLength = "a text without a length of 1 to 125 registers";
 
 [[nodiscard]] inline bool is_empty_cell(std::string_view cell) {
   return cell.empty() || cell == "-";
