@@ -11,7 +11,6 @@
 #include "core/protocol/families/registry.hpp"
 #include "tools/import/accept.hpp"
 #include "tools/import/arrange.hpp"
-#include "tools/import/points/channel_keys.hpp"
 #include "tools/import/points/types.hpp"
 #include "tools/import/points/writer.hpp"
 #include "tools/import/text/table.hpp"

@@ -50,4 +50,7 @@ struct WriteOptions {
 // A YAML scalar, quoted if necessary.
 [[nodiscard]] std::string yaml_text(std::string_view text);
 
+// "uint16", "string(20)".
+[[nodiscard]] std::string type_text(const Point& point);
+
 }  // namespace fieldcast::importing

@@ -231,6 +231,16 @@ std::pair<std::string_view, std::string_view> halves(std::string_view text, char
   return {text.substr(0, end), text.substr(std::min(end + 1, text.size()))};
 }
 
+std::string with_replaced(std::string_view text, std::span<const Replacement> rows) {
+  std::string result(text);
+  for (const auto& [from, to] : rows) {
+    for (std::size_t at = result.find(from); at != std::string::npos;
+         at = result.find(from, at + to.size()))
+      result.replace(at, from.size(), to);
+  }
+  return result;
+}
+
 bool is_one_of(std::string_view word, std::string_view words) {
   if (word.empty() || word.find(' ') != std::string_view::npos) return false;
   for (std::size_t at = words.find(word); at != std::string_view::npos;

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
@@ -53,6 +54,10 @@ struct Decoded {
 // Splits at the first separator; the second part is empty without one.
 [[nodiscard]] std::pair<std::string_view, std::string_view> halves(std::string_view text,
                                                                    char separator);
+
+using Replacement = std::pair<std::string_view, std::string_view>;
+// Replaces each first text by its second, one row after the other.
+[[nodiscard]] std::string with_replaced(std::string_view text, std::span<const Replacement> rows);
 
 // Whether `word` is one of `words`, which are separated by single blanks.
 [[nodiscard]] bool is_one_of(std::string_view word, std::string_view words);

@@ -1,31 +1,16 @@
 #include "tools/import/formats/list/list_vote.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <array>
-#include <string>
 #include <tuple>
 #include <utility>
 
-#include "tools/import/text/table.hpp"
-
 namespace fieldcast::importing {
-
 namespace {
 
 constexpr std::array kLengthUnits{LengthUnit::kWords, LengthUnit::kBytes, LengthUnit::kBits};
+constexpr std::size_t kRowsNamed = 3;
 
 }  // namespace
-
-std::optional<LengthUnit> length_unit_of_title(std::string_view title) {
-  const std::string word = column_word(title);
-  const auto has = [&](std::string_view part) { return word.find(part) != std::string::npos; };
-  if (has("byte")) return LengthUnit::kBytes;
-  if (has("bits")) return LengthUnit::kBits;
-  if (has("word") || has("reg")) return LengthUnit::kWords;
-  return std::nullopt;
-}
 
 void LengthVote::add(Votes& votes, const Length& length, unsigned bits) {
   for (const LengthUnit unit : kLengthUnits) {
@@ -53,12 +38,6 @@ std::optional<LengthUnit> LengthVote::unit() const {
   return by_type ? by_type : most(by_step_);
 }
 
-namespace {
-
-constexpr std::size_t kRowsNamed = 3;
-
-}  // namespace
-
 ReferenceVote::Say ReferenceVote::say_of(const Row& row) {
   if (!row.reference || (holds_bits(*row.reference) && row.is_number)) return Say::kIsNone;
   if (!row.said) return Say::kNothing;
@@ -66,25 +45,22 @@ ReferenceVote::Say ReferenceVote::say_of(const Row& row) {
 }
 
 bool ReferenceVote::counts_from_one() const {
-  struct Area {
-    std::size_t confirm = 0, contradict = 0;
-  };
-  std::array<Area, 4> areas;
-  for (const Row& row : rows_) {
-    const Say say = say_of(row);
-    if (say == Say::kIsNone) return false;
-    Area& area = areas[static_cast<std::size_t>(*row.reference)];
-    area.confirm += say == Say::kConfirms;
-    area.contradict += say == Say::kContradicts;
-  }
   std::size_t confirm = 0, contradict = 0, confirmed_areas = 0;
   bool most_of_each = true;
-  for (const Area& area : areas) {
-    confirm += area.confirm;
-    contradict += area.contradict;
-    confirmed_areas += area.confirm > 0;
-    most_of_each = most_of_each && (area.contradict == 0 || area.confirm > area.contradict);
+  for (const ModbusArea area :
+       {ModbusArea::kCoil, ModbusArea::kInput, ModbusArea::kInputRegister, ModbusArea::kHolding}) {
+    const auto count = [&](Say say) {
+      return static_cast<std::size_t>(std::ranges::count_if(
+          rows_, [&](const Row& row) { return row.reference == area && say_of(row) == say; }));
+    };
+    const std::size_t yes = count(Say::kConfirms), no = count(Say::kContradicts);
+    confirm += yes;
+    contradict += no;
+    confirmed_areas += yes > 0;
+    most_of_each = most_of_each && (no == 0 || yes > no);
   }
+  const auto is_none = [](const Row& row) { return say_of(row) == Say::kIsNone; };
+  if (std::ranges::any_of(rows_, is_none)) return false;
   if (contradict == 0) return !rows_.empty();
   return confirm > contradict && (confirmed_areas >= 2 || most_of_each);
 }

@@ -1,5 +1,4 @@
-// Determines the unit of a length column by types of known width, or else by the distances of
-// consecutive addresses. Pure.
+// Decisions that all rows of a register list make together. Pure.
 #pragma once
 
 #include <array>
@@ -14,9 +13,8 @@
 
 namespace fieldcast::importing {
 
-// "Size (bytes)", "Number of registers", "Words", "Bits"; empty if the title has no unit.
-[[nodiscard]] std::optional<LengthUnit> length_unit_of_title(std::string_view title);
-
+// Determines the unit of a length column by types of known width, or else by the distances of
+// consecutive addresses.
 class LengthVote {
  public:
   void add_type(const Length& length, unsigned bits);
@@ -34,8 +32,7 @@ class LengthVote {
 };
 
 // Determines whether numbers such as 40001 are references, which count from 1, or plain numbers.
-// All valid rows are compared. Pure.
-
+// All valid rows are compared.
 class ReferenceVote {
  public:
   struct Row {
@@ -61,8 +58,6 @@ class ReferenceVote {
   std::vector<Row> rows_;
 };
 
-// Finds values that overlap partly: one of the two is wrong, usually in its type or address. Pure.
-
 struct Placed {
   std::optional<std::uint16_t> device;  // only values of the same device are compared
   ModbusArea area = ModbusArea::kHolding;
@@ -72,8 +67,8 @@ struct Placed {
   Point* point = nullptr;
 };
 
-// Adds a note to each value that shares some registers, or the same bit, with a different value.
-// Bits in a register, and two values of exactly the same registers, are allowed.
+// Adds a note to each value that shares some registers, or the same bit, with a different value:
+// one of the two is wrong, usually in its type or address. Bits in a register, and two values of exactly the same registers, are allowed.
 void note_overlaps(std::vector<Placed> values);
 
 }  // namespace fieldcast::importing
