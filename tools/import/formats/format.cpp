@@ -6,19 +6,9 @@
 namespace fieldcast::importing {
 
 std::span<const Format> formats() {
-  static constexpr std::array kFormats{
-      Format{"kepware", "Kepware tag export (CSV)", recognise_kepware, read_kepware},
-      Format{"telegraf", "Telegraf inputs.modbus (TOML)", recognise_telegraf, read_telegraf, "0"},
-      Format{"mqmgateway", "mqmgateway, modmqttd (YAML)", recognise_mqmgateway, read_mqmgateway,
-             "1, hexadecimal ones from 0"},
-      Format{"epics", "EPICS modbus: st.cmd, databases, substitutions", recognise_epics, read_epics,
-             "0"},
-      Format{"wb-mqtt-serial", "wb-mqtt-serial template or configuration (JSON)", recognise_wb,
-             read_wb, "0"},
-      Format{"neuron", "Neuron tags (JSON, CSV, Excel)", recognise_neuron, read_neuron},
-      Format{"modbus-list", "list of Modbus registers (CSV, Excel)", recognise_modbus_list,
-             read_modbus_list},
-  };
+  // The order decides between formats of the same confidence.
+  static const std::array kFormats{kKepwareFormat, kTelegrafFormat, kMqmgatewayFormat, kEpicsFormat,
+                                   kWbFormat,      kNeuronFormat,   kModbusListFormat};
   return kFormats;
 }
 

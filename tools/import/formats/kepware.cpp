@@ -321,8 +321,6 @@ class TagRow {
   const ReadOptions& options_;
 };
 
-}  // namespace
-
 Confidence recognise_kepware(const SourceText& source) {
   const auto table = read_table(source.text.substr(0, source.text.find('\n', 200)));
   if (!table || table->rows.empty()) return 0;
@@ -373,5 +371,10 @@ Read read_kepware(std::span<const SourceText> sources, const ReadOptions& option
         "big-endian");
   return found;
 }
+
+}  // namespace
+
+constinit const Format kKepwareFormat{"kepware", "Kepware tag export (CSV)", recognise_kepware,
+                                      read_kepware};
 
 }  // namespace fieldcast::importing

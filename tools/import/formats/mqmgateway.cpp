@@ -305,8 +305,6 @@ MayFail MqmReader::read(const Node& root) {
   return std::nullopt;
 }
 
-}  // namespace
-
 Confidence recognise_mqmgateway(const SourceText& source) {
   const std::string_view text = source.text;
   const auto has = [&](std::string_view word) { return contains(text, word); };
@@ -324,5 +322,11 @@ Read read_mqmgateway(std::span<const SourceText> sources, const ReadOptions&) {
   }
   return found;
 }
+
+}  // namespace
+
+constinit const Format kMqmgatewayFormat{"mqmgateway", "mqmgateway, modmqttd (YAML)",
+                                         recognise_mqmgateway, read_mqmgateway,
+                                         "1, hexadecimal ones from 0"};
 
 }  // namespace fieldcast::importing

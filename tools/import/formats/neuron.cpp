@@ -316,8 +316,6 @@ bool is_json(std::string_view text) {
   return begin.starts_with('{') || begin.starts_with('[');
 }
 
-}  // namespace
-
 Confidence recognise_neuron(const SourceText& source) {
   const std::string_view text = source.text;
   if (is_json(text)) {
@@ -349,5 +347,10 @@ Read read_neuron(std::span<const SourceText> sources, const ReadOptions& options
   }
   return found;
 }
+
+}  // namespace
+
+constinit const Format kNeuronFormat{"neuron", "Neuron tags (JSON, CSV, Excel)", recognise_neuron,
+                                     read_neuron};
 
 }  // namespace fieldcast::importing

@@ -263,8 +263,6 @@ class TelegrafReader : TreeReader {
   std::string_view strings_;
 };
 
-}  // namespace
-
 Confidence recognise_telegraf(const SourceText& source) {
   return contains(source.text, "[[inputs.modbus]]") ? kCertain : 0;
 }
@@ -278,5 +276,10 @@ Read read_telegraf(std::span<const SourceText> sources, const ReadOptions&) {
   }
   return found;
 }
+
+}  // namespace
+
+constinit const Format kTelegrafFormat{"telegraf", "Telegraf inputs.modbus (TOML)",
+                                       recognise_telegraf, read_telegraf, "0"};
 
 }  // namespace fieldcast::importing

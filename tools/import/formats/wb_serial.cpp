@@ -305,8 +305,6 @@ class WbReader {
 
 bool is_jinja(std::string_view text) { return contains(text, "{%") || contains(text, "{{"); }
 
-}  // namespace
-
 Confidence recognise_wb(const SourceText& source) {
   const std::string_view text = source.text;
   const auto has = [&](std::string_view word) { return contains(text, word); };
@@ -335,5 +333,11 @@ Read read_wb(std::span<const SourceText> sources, const ReadOptions&) {
   WbReader(found).read(files);
   return found;
 }
+
+}  // namespace
+
+constinit const Format kWbFormat{"wb-mqtt-serial",
+                                 "wb-mqtt-serial template or configuration (JSON)", recognise_wb,
+                                 read_wb, "0"};
 
 }  // namespace fieldcast::importing

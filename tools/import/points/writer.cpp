@@ -142,11 +142,11 @@ class LineWriter {
 };
 
 void write_channels(LineWriter& out, const Device& device, const SharedKeys& shared,
-                    std::string_view indent, WrittenChannel where, WrittenFile& file) {
+                    std::string_view indent, WrittenPart where, WrittenFile& file) {
   for (where.point = 0; where.point < device.points.size(); ++where.point) {
     out.line(fmt::format("{}- {}", indent, yaml_channel(device.points[where.point], shared)));
-    where.line = out.lines();
-    file.channels.push_back(where);
+    where.first = where.last = out.lines();
+    file.parts.push_back(where);
   }
 }
 
@@ -169,7 +169,7 @@ std::vector<std::string> device_lines(const Device& device, const SharedKeys& sh
 constexpr std::string_view kWriteMultiple = "options: { write-single: multiple }";
 
 // With the columns that any channel has.
-WrittenFile channel_list(const Device& device, const SharedKeys& shared, WrittenChannel where) {
+WrittenFile channel_list(const Device& device, const SharedKeys& shared, WrittenPart where) {
   WrittenFile file;
   LineWriter out;
   std::vector<ChannelKey> used = keys_of(device.points.front(), shared);
@@ -190,8 +190,8 @@ WrittenFile channel_list(const Device& device, const SharedKeys& shared, Written
   for (where.point = 0; where.point < device.points.size(); ++where.point) {
     const auto keys = keys_of(device.points[where.point], shared);
     write_row([&](std::size_t i) { return csv_cell(keys[i].value.value_or("")); });
-    where.line = out.lines();
-    file.channels.push_back(where);
+    where.first = where.last = out.lines();
+    file.parts.push_back(where);
   }
   file.text = out.take();
   return file;
@@ -210,13 +210,12 @@ class ConfigurationWriter {
     out_.line("buses:");
     for (std::size_t i = 0; i < buses.size(); ++i) {
       const Bus& bus = buses[i];
-      WrittenHead head{.first = out_.lines() + 1, .bus = i};
+      WrittenPart head{.first = out_.lines() + 1, .bus = i};
       out_.line(fmt::format("  - name: {}", yaml_text(bus.name)));
       out_.line(fmt::format("    port: {{ {} }}", port_text(bus.port)));
       out_.line(fmt::format("    protocol: {}", bus.protocol));
       out_.line("    devices:");
-      head.last = out_.lines();
-      files_.front().heads.push_back(head);
+      add_part(head);
       for (std::size_t k = 0; k < bus.devices.size(); ++k) write_device(bus, i, k);
     }
     files_.front().text = out_.take();
@@ -227,25 +226,26 @@ class ConfigurationWriter {
   void write_device(const Bus& bus, std::size_t bus_index, std::size_t index) {
     const Device& device = bus.devices[index];
     const SharedKeys shared = shared_keys(device);
-    const WrittenChannel where{.bus = bus_index, .device = index};
-    WrittenHead head{.first = out_.lines() + 1, .bus = bus_index, .device = index};
+    WrittenPart where{.first = out_.lines() + 1, .bus = bus_index, .device = index};
     out_.line(fmt::format("      - name: {}", yaml_text(device.name)));
     out_.line(fmt::format("        address: {}", device.address.value_or(1)));
     for (const std::string& line : device_lines(device, shared)) out_.line("        " + line);
     if (device.write_multiple) out_.line(fmt::format("        {}", kWriteMultiple));
     if (!options_.lists) {
       out_.line("        channels:");
-      head.last = out_.lines();
-      files_.front().heads.push_back(head);
-      write_channels(out_, device, shared, "          ", where, files_.front());
-      return;
+      add_part(where);
+      return write_channels(out_, device, shared, "          ", where, files_.front());
     }
     WrittenFile list = channel_list(device, shared, where);
     list.name = fmt::format("{}-{}.csv", bus.name, device.name);
     out_.line(fmt::format("        channels: {}", yaml_text(list.name)));
-    head.last = out_.lines();
-    files_.front().heads.push_back(head);
+    add_part(where);
     files_.push_back(std::move(list));
+  }
+
+  void add_part(WrittenPart part) {
+    part.last = out_.lines();
+    files_.front().parts.push_back(part);
   }
 
   const WriteOptions& options_;
@@ -297,8 +297,8 @@ WrittenFile write_template(const Device& device, std::string_view head) {
   for (const std::string& line : lines) out.line("  " + line);
   if (device.write_multiple) out.line(kWriteMultiple);
   out.line("channels:");
-  file.heads.push_back({.first = 1, .last = out.lines(), .device = 0});
-  write_channels(out, device, shared, "  ", {}, file);
+  file.parts.push_back({.first = 1, .last = out.lines(), .device = 0});
+  write_channels(out, device, shared, "  ", {.device = 0}, file);
   file.text = out.take();
   return file;
 }

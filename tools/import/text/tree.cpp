@@ -114,27 +114,22 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
   TreeBuilder(config::Document& document, const std::uint32_t& line)
       : document_(document), line_(line) {}
 
-  bool null() override { return add(config::Kind::kNull, {}) != nullptr; }
-  bool boolean(bool value) override { return scalar(value ? "true" : "false", false); }
-  bool number_integer(number_integer_t value) override {
-    return scalar(std::to_string(value), false);
-  }
-  bool number_unsigned(number_unsigned_t value) override {
-    return scalar(std::to_string(value), false);
-  }
+  bool null() override { return add(config::Kind::kNull, {}); }
+  bool boolean(bool value) override { return scalar(value ? "true" : "false"); }
+  bool number_integer(number_integer_t value) override { return scalar(std::to_string(value)); }
+  bool number_unsigned(number_unsigned_t value) override { return scalar(std::to_string(value)); }
   bool number_float(number_float_t value, const string_t&) override {
-    return scalar(number_text(value), false);
+    return scalar(number_text(value));
   }
-  bool string(string_t& value) override { return scalar(std::move(value), true); }
+  bool string(string_t& value) override { return scalar(std::move(value)); }
   bool binary(binary_t&) override { return false; }
   bool start_object(std::size_t) override { return open(config::Kind::kMap); }
   bool end_object() override { return close(); }
   bool start_array(std::size_t) override { return open(config::Kind::kList); }
   bool end_array() override { return close(); }
   bool key(string_t& value) override {
-    Node* node = make(config::Kind::kScalar, std::move(value));
-    keys_.back() = node;
-    return node != nullptr;
+    open_.back().key = make(config::Kind::kScalar, std::move(value));
+    return open_.back().key != nullptr;
   }
   bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override {
     fault_ = fmt::format("line {}: no JSON from here on", line_ + 1);
@@ -155,46 +150,41 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
     return &node;
   }
 
-  Node* add(config::Kind kind, std::string text) {
+  bool add(config::Kind kind, std::string text) {
     Node* node = make(kind, std::move(text));
-    if (node == nullptr) return nullptr;
+    if (node == nullptr) return false;
     if (open_.empty()) {
       document_.root = node;
-    } else if (open_.back()->kind == config::Kind::kList) {
-      open_.back()->items.push_back(node);
+    } else if (open_.back().node->kind == config::Kind::kList) {
+      open_.back().node->items.push_back(node);
     } else {
-      open_.back()->entries.push_back({keys_.back(), node});
+      open_.back().node->entries.push_back({open_.back().key, node});
     }
-    return node;
+    return true;
   }
-
-  bool scalar(std::string text, bool quoted) {
-    Node* node = add(config::Kind::kScalar, std::move(text));
-    if (node != nullptr) node->quoted = quoted;
-    return node != nullptr;
-  }
+  bool scalar(std::string text) { return add(config::Kind::kScalar, std::move(text)); }
 
   bool open(config::Kind kind) {
     if (open_.size() == kMaxTreeDepth) {
       fault_ = fmt::format("line {}: nested deeper than {} levels", line_ + 1, kMaxTreeDepth);
       return false;
     }
-    Node* node = add(kind, {});
-    if (node == nullptr) return false;
-    open_.push_back(node);
-    keys_.push_back(nullptr);
+    if (!add(kind, {})) return false;
+    open_.push_back({&document_.nodes.back(), nullptr});
     return true;
   }
   bool close() {
     open_.pop_back();
-    keys_.pop_back();
     return true;
   }
 
+  struct Level {
+    Node* node;
+    Node* key;  // of the next value of a map
+  };
   config::Document& document_;
   const std::uint32_t& line_;
-  std::vector<Node*> open_;
-  std::vector<Node*> keys_;  // parallel to open_
+  std::vector<Level> open_;
   std::string fault_;
 };
 

@@ -163,8 +163,6 @@ class EpicsReader {
   std::map<std::string, OtherKeys> other_keys_;  // by file
 };
 
-}  // namespace
-
 Confidence recognise_epics(const SourceText& source) {
   const std::string_view text = source.text;
   if (contains(text, "drvModbusAsynConfigure")) return kCertain;
@@ -177,5 +175,10 @@ Read read_epics(std::span<const SourceText> sources, const ReadOptions&) {
   const EpicsFiles files = load_epics(sources);
   return EpicsReader(files).read();
 }
+
+}  // namespace
+
+constinit const Format kEpicsFormat{"epics", "EPICS modbus: st.cmd, databases, substitutions",
+                                    recognise_epics, read_epics, "0"};
 
 }  // namespace fieldcast::importing

@@ -4,8 +4,6 @@
 #include <charconv>
 #include <set>
 
-#include "tools/import/formats/epics/epics_templates.hpp"
-
 namespace fieldcast::importing {
 namespace {
 
@@ -48,6 +46,74 @@ std::string expand_at(std::string_view text, const Macros& macros, unsigned dept
 std::string_view base_of(std::string_view path) {
   const std::size_t slash = path.rfind('/');
   return slash == std::string_view::npos ? path : path.substr(slash + 1);
+}
+
+// Tokens of databases and substitutions: names, quoted texts, brackets, commas.
+struct EpicsToken {
+  std::string text;
+  unsigned line = 0;    // from 1
+  bool quoted = false;  // never a bracket
+  [[nodiscard]] bool is(std::string_view mark) const { return !quoted && text == mark; }
+};
+
+class EpicsTokens {
+ public:
+  explicit EpicsTokens(std::string_view text) : text_(text) {}
+  // Empty at the end.
+  [[nodiscard]] std::optional<EpicsToken> next();
+
+ private:
+  void skip_blanks();
+  std::string_view text_;
+  std::size_t at_ = 0;
+  unsigned line_ = 1;
+};
+
+void EpicsTokens::skip_blanks() {
+  for (; at_ < text_.size(); ++at_) {
+    const char c = text_[at_];
+    if (c == '#') at_ = std::min(text_.find('\n', at_), text_.size() - 1);
+    if (text_[at_] == '\n') {
+      ++line_;
+    } else if (text_[at_] != ' ' && text_[at_] != '\t' && c != '#') {
+      return;
+    }
+  }
+}
+
+std::optional<EpicsToken> EpicsTokens::next() {
+  skip_blanks();
+  if (at_ >= text_.size()) return std::nullopt;
+  EpicsToken token{.text = {}, .line = line_};
+  if (contains("{}(),", text_.substr(at_, 1))) {
+    token.text = text_[at_++];
+    return token;
+  }
+  if (text_[at_] == '"') {
+    token.quoted = true;
+    for (++at_; at_ < text_.size() && text_[at_] != '"'; ++at_) {
+      if (text_[at_] == '\\' && at_ + 1 < text_.size()) ++at_;
+      if (text_[at_] == '\n') ++line_;
+      token.text += text_[at_];
+    }
+    if (at_ < text_.size()) ++at_;
+    return token;
+  }
+  // The brackets of a macro are part of the word: $(P)$(R).
+  std::size_t open = 0;
+  for (; at_ < text_.size(); ++at_) {
+    const char c = text_[at_];
+    const bool macro = (c == '(' || c == '{') && at_ > 0 && text_[at_ - 1] == '$';
+    if (macro) {
+      ++open;
+    } else if (open > 0 && (c == ')' || c == '}')) {
+      --open;
+    } else if (c == '\n' || (open == 0 && contains(" \t\"{}(),#", text_.substr(at_, 1)))) {
+      break;
+    }
+    token.text += c;
+  }
+  return token;
 }
 
 class EpicsLoader {

@@ -48,6 +48,13 @@ struct EpicsFiles {
 
 [[nodiscard]] EpicsFiles load_epics(std::span<const SourceText> sources);
 
+// Record templates of the EPICS modbus module, which users need not pass.
+
+// Its macros are unexpanded; empty for other files.
+[[nodiscard]] std::optional<EpicsRecord> module_template(std::string_view file);
+// Records about the driver itself: statistics, delays, the asyn record.
+[[nodiscard]] bool is_driver_template(std::string_view file);
+
 [[nodiscard]] bool is_startup_script(std::string_view text);
 [[nodiscard]] bool is_database(std::string_view text);
 [[nodiscard]] bool is_substitutions(std::string_view text);

@@ -378,8 +378,6 @@ class ListReader {
   std::vector<std::string> notes_;
 };
 
-}  // namespace
-
 Confidence recognise_modbus_list(const SourceText& source) {
   const auto table =
       read_table(std::string_view(source.text).substr(0, source.text.find('\n', 8192)));
@@ -405,5 +403,10 @@ Read read_modbus_list(std::span<const SourceText> sources, const ReadOptions& op
   }
   return found;
 }
+
+}  // namespace
+
+constinit const Format kModbusListFormat{"modbus-list", "list of Modbus registers (CSV, Excel)",
+                                         recognise_modbus_list, read_modbus_list};
 
 }  // namespace fieldcast::importing
