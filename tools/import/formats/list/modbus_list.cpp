@@ -311,22 +311,14 @@ class ListReader {
 
   // "40001" may be the first holding register, or register 40001; the whole list decides.
   void decide_references() {
-    ReferenceVote vote;
-    for (const ListEntry& entry : entries_) {
-      if (entry.fault || !entry.address.plain) continue;
-      vote.add({.line = entry.row->line,
-                .cell = cell(entry, Field::kAddress),
-                .reference = entry.address.is_open() ? entry.address.reference->area : std::nullopt,
-                .said = entry.said,
-                .is_number = !entry.no_type && is_number(entry.type.type->type)});
-    }
-    counts_from_one_ = vote.counts_from_one();
+    counts_from_one_ = references_count_from_one(entries_);
+    if (const std::string note = note_of_references(entries_, columns_); !note.empty())
+      tell("{}", note);
     for (ListEntry& entry : entries_) {
       if (counts_from_one_ && !entry.fault && entry.address.is_open() && entry.said &&
           *entry.said != *entry.address.reference->area)
         entry.fault = contradiction(entry);
     }
-    if (const std::string note = vote.note(); !note.empty()) tell("{}", note);
   }
 
   // The address as the whole list has it, and the type that depends on it.
