@@ -90,9 +90,7 @@ Tree read_toml(std::string_view text) {
   } catch (const toml::parse_error& error) {
     return refused("line {}: no TOML: {}", static_cast<unsigned>(error.source().begin.line),
                    escaped(error.description()));
-  } catch (const std::exception& error) {
-    return refused("no TOML: {}", error.what());
-  }
+  } catch (const std::exception& error) { return refused("no TOML: {}", error.what()); }
   auto document = std::make_unique<config::Document>();
   document->root = TomlTree(*document).add(parsed, 0);
   if (document->root == nullptr) return refused("too many or too deep values");
