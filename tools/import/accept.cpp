@@ -1,11 +1,8 @@
-#include "tools/import/accept.hpp"
-
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
+#include <ranges>
+#include <tuple>
 
 #include "config/loader/loader.hpp"
 #include "core/schedule/bus_schedule.hpp"
@@ -47,7 +44,7 @@ class Acceptance {
              const Progress& progress)
       : found_(found), options_(options), head_(head), progress_(progress) {}
 
-  tl::expected<std::vector<WrittenFile>, std::string> run() {
+  Result<std::vector<WrittenFile>> run() {
     for (unsigned round = 0; round < kMaxRounds; ++round) {
       if (found_.buses.empty()) return std::vector<WrittenFile>{};
       tell(round, 0.1);
@@ -58,9 +55,9 @@ class Acceptance {
       if (!take_out(files, result.faults))
         return tl::unexpected(config::to_text(result.faults.front()));
     }
-    return tl::unexpected(fmt::format(
+    return refused(
         "more than {} values that the check refuses; is it another kind of list? --from says it",
-        kMaxRounds * 1000));
+        kMaxRounds * 1000);
   }
 
  private:
@@ -85,7 +82,7 @@ class Acceptance {
       for (std::size_t k = 0; k < found_.buses[i].devices.size(); ++k) {
         WrittenFile file = write_template(found_.buses[i].devices[k], head_);
         file.name = fmt::format("devices/{}.yaml", found_.buses[i].devices[k].name);
-        for (WrittenChannel& channel : file.channels) channel.bus = i, channel.device = k;
+        for (WrittenPart& part : file.parts) part.bus = i, part.device = k;
         files.push_back(std::move(file));
       }
     }
@@ -109,58 +106,39 @@ class Acceptance {
     return text;
   }
 
-  // The first fault of a channel, device or bus is kept.
-  struct Blamed {
-    std::map<std::tuple<std::size_t, std::size_t, std::size_t>, std::string> points;
-    std::map<std::pair<std::size_t, std::size_t>, std::string> devices;
-    std::map<std::size_t, std::string> buses;
-  };
-
-  static void blame(const WrittenFile& file, unsigned line, const std::string& reason,
-                    Blamed& blamed) {
-    const auto channel = std::ranges::lower_bound(file.channels, line, {}, &WrittenChannel::line);
-    if (channel != file.channels.end() && channel->line == line)
-      blamed.points.try_emplace({channel->bus, channel->device, channel->point}, reason);
-    for (const WrittenHead& head : file.heads) {
-      if (line < head.first || line > head.last) continue;
-      if (head.device) {
-        blamed.devices.try_emplace({head.bus, *head.device}, reason);
-      } else {
-        blamed.buses.try_emplace(head.bus, reason);
-      }
-    }
-  }
-
-  // Returns false if no fault belongs to a point.
+  // Returns false if no fault belongs to a point, a device or a bus.
   bool take_out(const std::vector<WrittenFile>& files, const std::vector<config::Fault>& faults) {
-    Blamed bad;
+    // The first fault of each; a bus comes after its devices, a device after its points.
+    std::map<std::tuple<std::size_t, std::size_t, std::size_t>, std::string> bad;
     for (const config::Fault& fault : faults) {
-      std::string reason = fault.what;
-      if (!fault.allowed.empty()) reason += "; allowed: " + fault.allowed;
       for (const WrittenFile& file : files) {
-        if (fault.file == file.name) blame(file, fault.line, reason, bad);
+        const auto part = std::ranges::lower_bound(file.parts, fault.line, {}, &WrittenPart::last);
+        if (fault.file == file.name && part != file.parts.end() && part->first <= fault.line)
+          bad.try_emplace({part->bus, part->device, part->point}, reason_of(fault));
       }
     }
     // From the end, so that indexes stay valid.
-    for (auto it = bad.points.rbegin(); it != bad.points.rend(); ++it) {
-      const auto [bus, device, index] = it->first;
+    for (const auto& [place, reason] : std::views::reverse(bad)) {
+      const auto [bus, device, index] = place;
+      if (index == WrittenPart::kNone) continue;
       auto& points = found_.buses[bus].devices[device].points;
-      found_.refusals.push_back({points[index].listed, points[index].origin, it->second});
+      found_.refusals.push_back({points[index].listed, points[index].origin, reason});
       points.erase(points.begin() + static_cast<std::ptrdiff_t>(index));
     }
-    for (const auto& [place, reason] : bad.devices) {
-      Device& device = found_.buses[place.first].devices[place.second];
-      refuse_device(device, "its device", device.origin, reason, found_.refusals);
-    }
-    for (const auto& [index, reason] : bad.buses) {
+    for (const auto& [place, reason] : bad) {
+      const auto [index, device_index, point] = place;
+      if (point != WrittenPart::kNone) continue;
       Bus& bus = found_.buses[index];
+      if (device_index != WrittenPart::kNone) {
+        Device& device = bus.devices[device_index];
+        refuse_device(device, "its device", device.origin, reason, found_.refusals);
+        continue;
+      }
       for (Device& device : bus.devices)
         refuse_device(device, "its bus", bus.origin, reason, found_.refusals);
     }
-    for (Bus& bus : found_.buses)
-      std::erase_if(bus.devices, [](const Device& device) { return device.points.empty(); });
-    std::erase_if(found_.buses, [](const Bus& bus) { return bus.devices.empty(); });
-    return !bad.points.empty() || !bad.devices.empty() || !bad.buses.empty();
+    drop_empty(found_);
+    return !bad.empty();
   }
 
   void stretch(unsigned factor) {
@@ -173,7 +151,7 @@ class Acceptance {
   }
 
   // Lengthens the refresh times of an overloaded bus; adds a note for a late one.
-  tl::expected<std::vector<WrittenFile>, std::string> stretched(std::vector<WrittenFile> files) {
+  Result<std::vector<WrittenFile>> stretched(std::vector<WrittenFile> files) {
     tell(0, 0.8);
     Checked result = checked(files, true);
     unsigned factor = 1;
@@ -205,10 +183,8 @@ class Acceptance {
 
 }  // namespace
 
-tl::expected<std::vector<WrittenFile>, std::string> write_accepted(Found& found,
-                                                                   const ImportOptions& options,
-                                                                   const std::string& head,
-                                                                   const Progress& progress) {
+Result<std::vector<WrittenFile>> write_accepted(Found& found, const ImportOptions& options,
+                                                const std::string& head, const Progress& progress) {
   return Acceptance(found, options, head, progress).run();
 }
 

@@ -1,7 +1,5 @@
 #include "tools/import/arrange.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <set>
 #include <utility>
@@ -31,7 +29,7 @@ void merge_buses(std::vector<Bus>& buses) {
       merged.push_back(std::move(bus));
       continue;
     }
-    for (Device& device : bus.devices) known->devices.push_back(std::move(device));
+    std::ranges::move(bus.devices, std::back_inserter(known->devices));
     if (!known->port.line.baud) known->port.line = bus.port.line;
   }
   buses = std::move(merged);
@@ -40,14 +38,12 @@ void merge_buses(std::vector<Bus>& buses) {
 void merge_devices(Bus& bus) {
   std::vector<Device> merged;
   for (Device& device : bus.devices) {
-    if (device.points.empty()) continue;
-    const auto known = std::ranges::find_if(merged, [&](const Device& other) {
-      return device.address && other.address == device.address;
-    });
+    const auto known =
+        device.address ? std::ranges::find(merged, device.address, &Device::address) : merged.end();
     if (known == merged.end()) {
       merged.push_back(std::move(device));
     } else {
-      for (Point& point : device.points) known->points.push_back(std::move(point));
+      std::ranges::move(device.points, std::back_inserter(known->points));
     }
   }
   bus.devices = std::move(merged);
@@ -187,7 +183,7 @@ void set_names(std::vector<Bus>& buses, const ImportOptions& options) {
 }
 
 // The configuration has no scale for bits and texts; dropping the scale would change the value.
-std::optional<std::string> fault_of_scale(const Point& point) {
+MayFail fault_of_scale(const Point& point) {
   if (is_number(point.type) || (point.scale == 1 && point.offset == 0)) return std::nullopt;
   const std::string has =
       fmt::format("scale {}, offset {}", number_text(point.scale), number_text(point.offset));
@@ -200,29 +196,34 @@ std::optional<std::string> fault_of_scale(const Point& point) {
   return fmt::format("a bit has no scale ({})", has);
 }
 
-void refuse_scaled_bits(Device& device, std::vector<Refusal>& refusals) {
-  std::erase_if(device.points, [&](const Point& point) {
-    const auto fault = fault_of_scale(point);
-    if (fault) refusals.push_back({point.name, point.origin, *fault});
-    return fault.has_value();
-  });
-}
-
 void refuse_faulty(Found& found) {
   for (Bus& bus : found.buses) {
     for (Device& device : bus.devices) {
-      refuse_scaled_bits(device, found.refusals);
+      std::erase_if(device.points, [&](const Point& point) {
+        const auto fault = fault_of_scale(point);
+        if (fault) found.refusals.push_back({point.name, point.origin, *fault});
+        return fault.has_value();
+      });
       if (!bus.fault.empty()) {
         refuse_device(device, "its bus", bus.origin, bus.fault, found.refusals);
       } else if (!device.fault.empty()) {
         refuse_device(device, "its device", device.origin, device.fault, found.refusals);
       }
     }
-    std::erase_if(bus.devices, [](const Device& device) { return device.points.empty(); });
   }
 }
 
 }  // namespace
+
+std::string reason_of(const config::Fault& fault) {
+  return fault.allowed.empty() ? fault.what : fault.what + "; allowed: " + fault.allowed;
+}
+
+void drop_empty(Found& found) {
+  for (Bus& bus : found.buses)
+    std::erase_if(bus.devices, [](const Device& device) { return device.points.empty(); });
+  std::erase_if(found.buses, [](const Bus& bus) { return bus.devices.empty(); });
+}
 
 void refuse_device(Device& device, std::string_view whose, const Origin& where,
                    const std::string& reason, std::vector<Refusal>& refusals) {
@@ -235,11 +236,10 @@ void refuse_device(Device& device, std::string_view whose, const Origin& where,
 
 void arrange(Found& found, const ImportOptions& options) {
   refuse_faulty(found);
-  std::erase_if(found.buses, [](const Bus& bus) { return bus.devices.empty(); });
+  drop_empty(found);
   const bool guessed = set_ports(found.buses, options, found);
   merge_buses(found.buses);
   for (Bus& bus : found.buses) merge_devices(bus);
-  std::erase_if(found.buses, [](const Bus& bus) { return bus.devices.empty(); });
   // A guessed port has been reported with its line settings.
   for (Bus& bus : found.buses)
     fill_line(bus, !options.as_template && !(guessed && bus.port.serial == kGuessedPort), found);

@@ -1,13 +1,28 @@
-// Prepares imported data for a configuration: one bus for each port, unique valid names and
-// addresses, default ports and protocols. Pure.
+// Prepares imported data for a configuration, writes it and validates it with the bridge's loader.
+// Pure.
 #pragma once
 
+#include "config/document/fault.hpp"
 #include "tools/import/importer.hpp"
 
 namespace fieldcast::importing {
 
-// Duplicate names become unique; assumptions become notes.
+// One bus for each port, unique valid names and addresses, default ports and protocols. Assumptions
+// become notes.
 void arrange(Found& found, const ImportOptions& options);
+
+// Moves each rejected point from `found.buses` to `found.refusals`, with the loader's message,
+// until the rest is valid. Fails if the user must fix an option. REQUIRES: arrange() was called.
+[[nodiscard]] Result<std::vector<WrittenFile>> write_accepted(Found& found,
+                                                              const ImportOptions& options,
+                                                              const std::string& head,
+                                                              const Progress& progress = {});
+
+// "what; allowed: this", without the place.
+[[nodiscard]] std::string reason_of(const config::Fault& fault);
+
+// Removes devices without points and buses without devices.
+void drop_empty(Found& found);
 
 // Refuses all points of the device: "its bus (telegraf.conf:12): REASON".
 void refuse_device(Device& device, std::string_view whose, const Origin& where,

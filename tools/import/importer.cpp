@@ -1,21 +1,15 @@
 #include "tools/import/importer.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
-#include <map>
 
 #include "config/loader/loader.hpp"
 #include "core/base/value.hpp"
 #include "core/protocol/families/registry.hpp"
-#include "tools/import/accept.hpp"
 #include "tools/import/arrange.hpp"
-#include "tools/import/points/channel_keys.hpp"
 #include "tools/import/points/types.hpp"
 #include "tools/import/points/writer.hpp"
-#include "tools/import/text/text.hpp"
-#include "tools/import/text/xlsx.hpp"
+#include "tools/import/text/table.hpp"
 
 namespace fieldcast::importing {
 
@@ -27,27 +21,24 @@ struct Group {
 };
 
 std::string format_names() {
-  std::string names;
-  for (const Format& format : formats())
-    names += (names.empty() ? "" : ", ") + std::string(format.name);
-  return names;
+  std::vector<std::string_view> names;
+  for (const Format& format : formats()) names.push_back(format.name);
+  return fmt::format("{}", fmt::join(names, ", "));
 }
 
-tl::expected<std::vector<Group>, std::string> recognise_all(const std::vector<InputFile>& inputs,
-                                                            const ImportOptions& options,
-                                                            Outcome& outcome) {
+Result<std::vector<Group>> recognise_all(const std::vector<InputFile>& inputs,
+                                         const ImportOptions& options, Outcome& outcome) {
   std::vector<Group> groups;
   for (const InputFile& input : inputs) {
-    if (trimmed(input.bytes).empty())
-      return tl::unexpected(fmt::format("{}: the file is empty", input.file));
+    if (trimmed(input.bytes).empty()) return refused("{}: the file is empty", input.file);
     auto decoded = is_xlsx(input.bytes) ? table_of_xlsx(input.bytes) : decode_text(input.bytes);
-    if (!decoded) return tl::unexpected(fmt::format("{}: {}", input.file, decoded.error()));
+    if (!decoded) return refused("{}: {}", input.file, decoded.error());
     SourceText source{input.file, std::move(decoded->text)};
     Recognised recognised{format_by_name(options.from), kCertain};
     if (recognised.format == nullptr) recognised = recognise(source);
     if (recognised.format == nullptr)
-      return tl::unexpected(fmt::format("{}: of no format that is known here; --from says it: {}",
-                                        input.file, format_names()));
+      return refused("{}: of no format that is known here; --from says it: {}", input.file,
+                     format_names());
     outcome.recognised.push_back(fmt::format(
         "{}: {}{}, {}", input.file,
         options.from.empty() ? std::string(to_text_of(recognised.confidence)) + ' ' : "",
@@ -144,14 +135,8 @@ void tell_moved(const Found& found, Outcome& outcome) {
       }
     }
   }
-  for (const Refusal& refusal : found.refusals)
-    outcome.rows.push_back({.fate = Fate::kRefused,
-                            .name = refusal.name,
-                            .channel = {},
-                            .at = {},
-                            .type = {},
-                            .words = refusal.reason,
-                            .origin = refusal.origin});
+  for (const auto& [name, origin, reason] : found.refusals)
+    outcome.rows.push_back({Fate::kRefused, name, {}, {}, {}, reason, origin});
   std::ranges::stable_sort(outcome.rows, {}, [](const PointFate& row) {
     return std::pair(row.origin.file, row.origin.line);
   });
@@ -160,26 +145,21 @@ void tell_moved(const Found& found, Outcome& outcome) {
 }  // namespace
 
 std::string settings_of(const PointFate& row) {
-  std::string text;
-  const auto add = [&](std::string_view word) {
-    if (!text.empty()) text += ", ";
-    text += word;
-  };
-  if (row.scale != 1) add("scale " + number_text(row.scale));
-  if (row.offset != 0) add("offset " + number_text(row.offset));
-  if (row.word_order == WordOrder::kLittleEndian) add("low word first");
-  if (row.byte_order == ByteOrder::kLittleEndian) add("low byte first");
-  if (row.access != Access::kReadOnly) add(to_text(row.access));
-  return text;
+  std::vector<std::string> settings;
+  if (row.scale != 1) settings.push_back("scale " + number_text(row.scale));
+  if (row.offset != 0) settings.push_back("offset " + number_text(row.offset));
+  if (row.word_order == WordOrder::kLittleEndian) settings.emplace_back("low word first");
+  if (row.byte_order == ByteOrder::kLittleEndian) settings.emplace_back("low byte first");
+  if (row.access != Access::kReadOnly) settings.emplace_back(to_text(row.access));
+  return fmt::format("{}", fmt::join(settings, ", "));
 }
 
 std::size_t Outcome::count(Fate fate) const {
   return static_cast<std::size_t>(std::ranges::count(rows, fate, &PointFate::fate));
 }
 
-tl::expected<Outcome, std::string> run_import(const std::vector<InputFile>& inputs,
-                                              const ImportOptions& options,
-                                              const Progress& progress) {
+Result<Outcome> run_import(const std::vector<InputFile>& inputs, const ImportOptions& options,
+                           const Progress& progress) {
   const auto tell = [&](double done) {
     if (progress) progress(done);
   };
@@ -199,15 +179,15 @@ tl::expected<Outcome, std::string> run_import(const std::vector<InputFile>& inpu
     auto read = group.format->read(group.sources, read_options);
     if (!read) return tl::unexpected(read.error());
     if (count_points(*read) == 0 && read->refusals.empty())
-      return tl::unexpected(fmt::format("{}: it looks like {}, and names no value",
-                                        group.sources.front().file, group.format->title));
+      return refused("{}: it looks like {}, and names no value", group.sources.front().file,
+                     group.format->title);
     append(found, std::move(*read));
   }
   tell(0.5);
   arrange(found, options);
   if (const std::size_t points = count_points(found); points > kMaxPoints)
-    return tl::unexpected(fmt::format(
-        "{} values; a bridge has at most {} channels: split the lists", points, kMaxPoints));
+    return refused("{} values; a bridge has at most {} channels: split the lists", points,
+                   kMaxPoints);
   auto files = write_accepted(found, options, head_of(inputs, options.as_template),
                               [&](double done) { tell(0.5 + 0.5 * done); });
   if (!files) return tl::unexpected(files.error());
@@ -260,8 +240,7 @@ std::optional<std::string> fault_of_options(const ImportOptions& options) {
   for (const config::Fault& fault : loaded.error()) {
     const auto said = std::ranges::find(kOptionLines, fault.line, &OptionLine::line);
     if (said == kOptionLines.end()) continue;
-    return fmt::format("{}: {}{}", said->options, fault.what,
-                       fault.allowed.empty() ? "" : "; allowed: " + fault.allowed);
+    return fmt::format("{}: {}", said->options, reason_of(fault));
   }
   return std::nullopt;
 }

@@ -5,7 +5,6 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <tl/expected.hpp>
 #include <vector>
 
 #include "tools/import/formats/format.hpp"
@@ -66,12 +65,11 @@ struct Outcome {
 using Progress = std::function<void(double done)>;
 
 // The error is one line: no file can be read.
-[[nodiscard]] tl::expected<Outcome, std::string> run_import(const std::vector<InputFile>& inputs,
-                                                            const ImportOptions& options,
-                                                            const Progress& progress = {});
+[[nodiscard]] Result<Outcome> run_import(const std::vector<InputFile>& inputs,
+                                         const ImportOptions& options,
+                                         const Progress& progress = {});
 
-// Validates options separately, so that their faults are not reported for a list. Pure.
-
+// Validates options separately, so that their faults are not reported for a list.
 // "--baud: baud 115000 is no rate of serial ports; allowed: ..". Empty if the options are valid.
 [[nodiscard]] std::optional<std::string> fault_of_options(const ImportOptions& options);
 

@@ -1,6 +1,6 @@
 #include "tests/tools/import/support.hpp"
 #include "tools/import/formats/epics/epics_files.hpp"
-#include "tools/import/formats/wb_channel.hpp"
+#include "tools/import/formats/expression.hpp"
 
 namespace fieldcast::importing {
 namespace {
@@ -387,6 +387,19 @@ TEST(ImportNeuron, TagsOfGroupsBecomeChannelsOfEachSlave) {
   EXPECT_THAT(channel_line(*outcome, "text"), HasSubstr("string(10), byte-order: little-endian"));
   EXPECT_THAT(fate_of(*outcome, "raw"), HasSubstr("no counterpart"));
   EXPECT_THAT(fate_of(*outcome, "other"), HasSubstr("s7comm is not Modbus"));
+}
+
+TEST(ImportNeuron, ANodeWithoutSettingsHasNotThoseOfTheNodeBefore) {
+  const auto outcome = import_text("neuron.json", R"({ "nodes": [
+    { "name": "first", "params": { "host": "10.0.0.1", "timeout": 3000, "interval": 20 },
+      "groups": [ { "group": "g", "tags": [ { "name": "a", "address": "1!400001", "type": 4 } ] } ] },
+    { "name": "second",
+      "groups": [ { "group": "g", "tags": [ { "name": "b", "address": "2!400001", "type": 4 } ] } ] }
+    ] })");
+  ASSERT_TRUE(outcome) << outcome.error();
+  const std::string& text = outcome->files.front().text;
+  EXPECT_THAT(text, HasSubstr("name: first\n        address: 1\n        timeout: 3s"));
+  EXPECT_THAT(text, HasSubstr("name: second\n        address: 2\n        channels:"));
 }
 
 TEST(ImportNeuron, TablesOfItsPagesAreUnderstood) {

@@ -1,7 +1,6 @@
 // Tests that the import reports what it does not understand and never guesses silently.
 #include "tests/tools/import/support.hpp"
-#include "tools/import/formats/list/list_address.hpp"
-#include "tools/import/formats/list/list_factor.hpp"
+#include "tools/import/formats/list/list_cells.hpp"
 
 namespace fieldcast::importing {
 namespace {

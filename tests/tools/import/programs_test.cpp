@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "tests/tools/import/support.hpp"
-#include "tools/import/formats/mqm_converter.hpp"
+#include "tools/import/formats/expression.hpp"
 
 namespace fieldcast::importing {
 namespace {

@@ -6,19 +6,9 @@
 namespace fieldcast::importing {
 
 std::span<const Format> formats() {
-  static constexpr std::array kFormats{
-      Format{"kepware", "Kepware tag export (CSV)", recognise_kepware, read_kepware},
-      Format{"telegraf", "Telegraf inputs.modbus (TOML)", recognise_telegraf, read_telegraf, "0"},
-      Format{"mqmgateway", "mqmgateway, modmqttd (YAML)", recognise_mqmgateway, read_mqmgateway,
-             "1, hexadecimal ones from 0"},
-      Format{"epics", "EPICS modbus: st.cmd, databases, substitutions", recognise_epics, read_epics,
-             "0"},
-      Format{"wb-mqtt-serial", "wb-mqtt-serial template or configuration (JSON)", recognise_wb,
-             read_wb, "0"},
-      Format{"neuron", "Neuron tags (JSON, CSV, Excel)", recognise_neuron, read_neuron},
-      Format{"modbus-list", "list of Modbus registers (CSV, Excel)", recognise_modbus_list,
-             read_modbus_list},
-  };
+  // The order decides between formats of the same confidence.
+  static const std::array kFormats{kKepwareFormat, kTelegrafFormat, kMqmgatewayFormat, kEpicsFormat,
+                                   kWbFormat,      kNeuronFormat,   kModbusListFormat};
   return kFormats;
 }
 
@@ -34,6 +24,25 @@ Recognised recognise(const SourceText& source) {
     if (confidence > best.confidence) best = {&format, confidence};
   }
   return best;
+}
+
+Device& device_at(Bus& bus, std::uint16_t address) {
+  const auto known = std::ranges::find(bus.devices, address, &Device::address);
+  if (known != bus.devices.end()) return *known;
+  Device& device = bus.devices.emplace_back();
+  device.address = address;
+  return device;
+}
+
+Line line_at(const Node& map, const LineKeys& keys) {
+  Line line;
+  if (const auto baud = whole_at(map, keys.baud); baud && *baud < 10'000'000)
+    line.baud = static_cast<std::uint32_t>(*baud);
+  const std::string_view parity = text_at(map, keys.parity);
+  line.format = fmt::format("{}{}{}", whole_at(map, keys.data_bits).value_or(8),
+                            parity.empty() ? keys.usual_parity : parity[0],
+                            whole_at(map, keys.stop_bits).value_or(1));
+  return line;
 }
 
 std::string_view to_text_of(Confidence confidence) {

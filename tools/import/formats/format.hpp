@@ -5,11 +5,12 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <tl/expected.hpp>
 #include <vector>
 
 #include "tools/import/points/model.hpp"
+#include "tools/import/points/names.hpp"
 #include "tools/import/text/text.hpp"
+#include "tools/import/text/tree.hpp"
 
 namespace fieldcast::importing {
 
@@ -23,7 +24,12 @@ struct ReadOptions {
   std::optional<WordOrder> word_order;
   std::optional<unsigned> base;  // number of the first register: 0 or 1
   std::string protocol;          // "mitsubishi-fx"; empty: Modbus
+  [[nodiscard]] bool is_modbus() const {
+    return protocol.empty() || protocol.starts_with("modbus");
+  }
 };
+
+using Read = Result<Found>;
 
 // 0 (not this format) to 100.
 using Confidence = unsigned;
@@ -34,8 +40,7 @@ struct Format {
   std::string_view title;  // "Kepware tag export (CSV)"
   Confidence (*recognise)(const SourceText& source) = nullptr;
   // Reads related files. The error is one line with the file: nothing can be read.
-  tl::expected<Found, std::string> (*read)(std::span<const SourceText> sources,
-                                           const ReadOptions& options) = nullptr;
+  Read (*read)(std::span<const SourceText> sources, const ReadOptions& options) = nullptr;
   std::string_view base;  // first address number of the format; empty: --base may set it
 };
 
@@ -54,30 +59,39 @@ struct Recognised {
 // "plant/meter 1.csv" gives "meter 1".
 [[nodiscard]] std::string stem_of(std::string_view path);
 
-// Readers of all formats, each defined in the file of its name.
+// Reasons that several formats have.
+inline constexpr const char* kSparseText = "a text with one character in each register";
+inline constexpr const char* kTruthNotNumber = "true and false instead of 1 and 0";
+inline constexpr const char* kTextLength = "a text without a length of 1 to 125 registers";
 
-using Read = tl::expected<Found, std::string>;
+// The device with this address, which is added if the bus has none.
+[[nodiscard]] Device& device_at(Bus& bus, std::uint16_t address);
 
-[[nodiscard]] Confidence recognise_kepware(const SourceText& source);
-[[nodiscard]] Read read_kepware(std::span<const SourceText> sources, const ReadOptions& options);
+// Names of the keys of a serial line.
+struct LineKeys {
+  std::string_view baud, data_bits, parity, stop_bits;
+  char usual_parity = 'N';
+};
+[[nodiscard]] Line line_at(const Node& map, const LineKeys& keys);
 
-[[nodiscard]] Confidence recognise_telegraf(const SourceText& source);
-[[nodiscard]] Read read_telegraf(std::span<const SourceText> sources, const ReadOptions& options);
+// Reports what a reader of a tree does not move. REQUIRES: the tree outlives it.
+class TreeReader {
+ protected:
+  TreeReader(const SourceText& source, Found& found) : source_(source), found_(found) {}
 
-[[nodiscard]] Confidence recognise_mqmgateway(const SourceText& source);
-[[nodiscard]] Read read_mqmgateway(std::span<const SourceText> sources, const ReadOptions& options);
+  [[nodiscard]] Origin origin_of(const Node& node) const { return {source_.file, line_of(node)}; }
+  void refuse(const Node& node, std::string_view name, std::string reason) {
+    found_.refusals.push_back({std::string(name), origin_of(node), std::move(reason)});
+  }
+  void tell_others() const { other_keys_.tell(source_.file, found_); }
 
-[[nodiscard]] Confidence recognise_epics(const SourceText& source);
-[[nodiscard]] Read read_epics(std::span<const SourceText> sources, const ReadOptions& options);
+  const SourceText& source_;
+  Found& found_;
+  OtherKeys other_keys_;
+};
 
-[[nodiscard]] Confidence recognise_wb(const SourceText& source);
-[[nodiscard]] Read read_wb(std::span<const SourceText> sources, const ReadOptions& options);
-
-[[nodiscard]] Confidence recognise_neuron(const SourceText& source);
-[[nodiscard]] Read read_neuron(std::span<const SourceText> sources, const ReadOptions& options);
-
-[[nodiscard]] Confidence recognise_modbus_list(const SourceText& source);
-[[nodiscard]] Read read_modbus_list(std::span<const SourceText> sources,
-                                    const ReadOptions& options);
+// Each is defined in the file of its name.
+extern const Format kKepwareFormat, kTelegrafFormat, kMqmgatewayFormat, kEpicsFormat, kWbFormat,
+    kNeuronFormat, kModbusListFormat;
 
 }  // namespace fieldcast::importing

@@ -1,17 +1,13 @@
 // wb-mqtt-serial: device templates, and configurations whose devices use them.
 //
 // Source: wirenboard/wb-mqtt-serial README.md, templates/.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <map>
 
+#include "tools/import/formats/expression.hpp"
 #include "tools/import/formats/format.hpp"
 #include "tools/import/formats/wb_channel.hpp"
 #include "tools/import/points/address.hpp"
-#include "tools/import/points/names.hpp"
-#include "tools/import/text/text.hpp"
-#include "tools/import/text/tree.hpp"
 
 namespace fieldcast::importing {
 namespace {
@@ -31,17 +27,17 @@ std::optional<Duration> milliseconds_at(const Node& map, std::string_view key) {
   return std::chrono::microseconds{static_cast<std::int64_t>(*number * 1000)};
 }
 
-class WbDeviceReader {
+class WbDeviceReader : TreeReader {
  public:
   WbDeviceReader(const WbFile& file, const Node& device, Found& found)
-      : file_(file), device_(device), found_(found) {}
+      : TreeReader(*file.source, found), device_(device) {}
 
   // `settings`: the device's entry in a configuration; may be nullptr.
   void read(Device& device, const Node* settings) {
     settings_ = settings;
     const bool of_template = settings != nullptr && settings != &device_;
     read_part(device_, device, {}, {}, of_template ? child(*settings, "channels") : nullptr, 0);
-    other_keys_.tell(file_.source->file, found_);
+    tell_others();
   }
 
   // Skips channels of a configuration that only change settings of a template channel.
@@ -56,11 +52,8 @@ class WbDeviceReader {
     if (const auto guard = number_at(device_, "guard_interval_us");
         guard && *guard > 0 && *guard <= 60e6)
       device.pause = std::chrono::microseconds{static_cast<std::int64_t>(*guard)};
-    if (const auto block = whole_at(device_, "max_read_registers");
-        block && *block > 0 && *block < 125)
-      device.max_block = static_cast<unsigned>(*block);
-    if (const auto gap = whole_at(device_, "max_reg_hole"); gap && *gap < 125)
-      device.max_gap = static_cast<unsigned>(*gap);
+    device.max_block = small_at(device_, "max_read_registers", 1, 124);
+    device.max_gap = small_at(device_, "max_reg_hole", 0, 124);
     note_list("setup", "writes when the program starts");
     note_list("parameters", "settings");
   }
@@ -72,26 +65,22 @@ class WbDeviceReader {
         list == nullptr ? 0 : std::max(list->items.size(), list->entries.size());
     if (count > 0)
       found_.notes.push_back(
-          fmt::format("{}: {} {} of the device are not moved", file_.source->file, count, words));
+          fmt::format("{}: {} {} of the device are not moved", source_.file, count, words));
   }
 
   // Of duplicates the last.
   using ByName = std::map<std::string_view, const Node*>;
   static ByName by_name(const Node* channels) {
     ByName named;
-    if (!is_list(channels)) return named;
-    for (const Node* channel : channels->items) named[text_at(*channel, "name")] = channel;
+    for (const Node* channel : items_of(channels)) named[text_at(*channel, "name")] = channel;
     return named;
   }
 
   // `words`: channel settings of the configuration for this part.
   void read_part(const Node& part, Device& device, std::string_view prefix, const WbBase& base,
                  const Node* words, unsigned depth) {
-    const Node* channels = child(part, "channels");
-    if (!is_list(channels)) return;
-    const ByName said_of = by_name(words);
-    const ByName template_names = template_ == nullptr ? ByName{} : by_name(template_);
-    for (const Node* channel : channels->items) {
+    const ByName said_of = by_name(words), template_names = by_name(template_);
+    for (const Node* channel : items_of(child(part, "channels"))) {
       std::string name(text_at(*channel, "name"));
       if (template_names.contains(name)) continue;
       const auto said = said_of.find(name);
@@ -109,49 +98,38 @@ class WbDeviceReader {
   // Reads a part with several kinds as its default kind.
   void read_sub_device(const Node& channel, Device& device, const std::string& name,
                        const WbBase& base, const Node* word, unsigned depth) {
-    const Node* kinds = child(device_, "subdevices");
+    if (depth == kMaxParts || ++parts_ > kMaxPartsRead)
+      return refuse(channel, name, "parts in parts, too deep");
     const std::string_view kind = text_at(channel, "device_type");
-    const auto refuse = [&](std::string reason) {
-      found_.refusals.push_back({name, {file_.source->file, line_of(channel)}, std::move(reason)});
-    };
-    if (depth == kMaxParts || ++parts_ > kMaxPartsRead) return refuse("parts in parts, too deep");
-    if (is_list(kinds)) {
-      for (const Node* candidate : kinds->items) {
-        const Node* inner = child(*candidate, "device");
-        const bool meant =
-            text_at(*candidate, "title") == kind || text_at(*candidate, "device_type") == kind;
-        if (!meant || inner == nullptr) continue;
-        const auto plus = [](std::uint32_t a, std::optional<std::uint64_t> b) {
-          return a + static_cast<std::uint32_t>(std::min<std::uint64_t>(b.value_or(0), 65535));
-        };
-        return read_part(*inner, device, name,
-                         {plus(base.shift, whole_at(channel, "shift")),
-                          plus(base.stride, whole_at(channel, "stride"))},
-                         word == nullptr ? nullptr : child(*word, "channels"), depth + 1);
-      }
+    for (const Node* candidate : items_of(child(device_, "subdevices"))) {
+      const Node* inner = child(*candidate, "device");
+      const bool meant =
+          text_at(*candidate, "title") == kind || text_at(*candidate, "device_type") == kind;
+      if (!meant || inner == nullptr) continue;
+      const auto more = [&](std::uint32_t first, std::string_view key) {
+        return first + static_cast<std::uint32_t>(
+                           std::min<std::uint64_t>(whole_at(channel, key).value_or(0), 65535));
+      };
+      return read_part(*inner, device, name,
+                       {more(base.shift, "shift"), more(base.stride, "stride")},
+                       word == nullptr ? nullptr : child(*word, "channels"), depth + 1);
     }
-    refuse(fmt::format("the part '{}' is not in the template", kind));
+    refuse(channel, name, fmt::format("the part '{}' is not in the template", kind));
   }
 
   void read_channel(const Node& channel, Device& device, std::string name, const WbBase& base,
                     const Node* word) {
     Point point;
     // The first four keys only arrange the page.
-    other_keys_.look(
-        channel, "a channel",
-        {"id",         "title",          "group",       "order",         "name",
-         "reg_type",   "address",        "format",      "write_address", "string_data_size",
-         "word_order", "byte_order",     "scale",       "offset",        "round_to",
-         "units",      "type",           "min",         "max",           "error_value",
-         "on_value",   "off_value",      "readonly",    "enabled",       "hidden",
-         "condition",  "read_period_ms", "consists_of", "poll_interval", "read_rate_limit_ms"});
+    other_keys_.look(channel, "a channel",
+                     "id title group order name reg_type address format write_address "
+                     "string_data_size word_order byte_order scale offset round_to units type min "
+                     "max error_value on_value off_value readonly enabled hidden condition "
+                     "read_period_ms consists_of poll_interval read_rate_limit_ms");
     point.name = std::move(name);
-    point.origin = {file_.source->file, line_of(channel)};
-    auto fault = read_wb_channel(channel, base, point);
-    if (fault) {
-      found_.refusals.push_back({point.name, point.origin, std::move(*fault)});
-      return;
-    }
+    point.origin = origin_of(channel);
+    if (auto fault = read_wb_channel(channel, base, point))
+      return refuse(channel, point.name, std::move(*fault));
     if (word != nullptr && bool_at(*word, "readonly") == true &&
         point.access == Access::kReadWrite) {
       point.access = Access::kReadOnly;
@@ -198,18 +176,13 @@ class WbDeviceReader {
     const Node* parameters = child(device_, "parameters");
     if (parameters == nullptr) return std::nullopt;
     if (const Node* one = child(*parameters, name)) return number_at(*one, "default");
-    if (is_list(parameters)) {
-      for (const Node* one : parameters->items) {
-        if (text_at(*one, "id") == name) return number_at(*one, "default");
-      }
+    for (const Node* one : items_of(parameters)) {
+      if (text_at(*one, "id") == name) return number_at(*one, "default");
     }
     return std::nullopt;
   }
 
-  const WbFile& file_;
   const Node& device_;
-  Found& found_;
-  OtherKeys other_keys_;
   const Node* settings_ = nullptr;
   const Node* template_ = nullptr;  // channels of the template
   unsigned parts_ = 0;
@@ -245,16 +218,16 @@ class WbReader {
     const Node* device = nullptr;
   };
 
-  void refuse_file(const WbFile& file, const Node& at, std::string name, std::string reason) {
+  void refuse(const WbFile& file, const Node& at, std::string_view name, std::string reason) {
     found_.refusals.push_back(
-        {std::move(name), {file.source->file, line_of(at)}, std::move(reason)});
+        {std::string(name), {file.source->file, line_of(at)}, std::move(reason)});
   }
 
   bool is_modbus(const WbFile& file, const Node& device) {
     const std::string_view protocol = text_at(device, "protocol");
-    if (protocol.empty() || protocol == "modbus" || protocol == "modbus-tcp") return true;
-    refuse_file(file, device, std::string(text_at(device, "name")),
-                fmt::format("its protocol {} is not Modbus", protocol));
+    if (protocol.empty() || is_one_of(protocol, "modbus modbus-tcp")) return true;
+    refuse(file, device, text_at(device, "name"),
+           fmt::format("its protocol {} is not Modbus", protocol));
     return false;
   }
 
@@ -262,9 +235,7 @@ class WbReader {
     if (!is_modbus(file, node)) return;
     Device device;
     device.name = stem_of(file.source->file);
-    for (const std::string_view begin : {"config-"}) {
-      if (device.name.starts_with(begin)) device.name.erase(0, begin.size());
-    }
+    if (device.name.starts_with("config-")) device.name.erase(0, 7);
     device.description = text_at(node, "name");
     WbDeviceReader reader(file, node, found_);
     reader.describe(device);
@@ -275,24 +246,17 @@ class WbReader {
   void read_port(const WbFile& file, const Node& node) {
     Bus bus;
     bus.origin = {file.source->file, line_of(node)};
-    if (bool_at(node, "enabled") == false) {
-      const std::string_view path = text_at(node, "path");
-      return refuse_file(file, node, std::string(path.empty() ? text_at(node, "address") : path),
-                         "the port is off (\"enabled\": false), with what is on it");
-    }
+    if (bool_at(node, "enabled") == false)
+      return refuse(file, node, first_text(node, {"path", "address"}),
+                    "the port is off (\"enabled\": false), with what is on it");
     if (const auto address = text_at(node, "address"); !address.empty()) {
       bus.port.tcp = fmt::format("{}:{}", address, whole_at(node, "port").value_or(502));
       bus.protocol = text_at(node, "port_type") == "modbus tcp" ? "modbus-tcp" : "modbus-rtu";
     } else {
       bus.port.serial = text_at(node, "path");
       bus.protocol = "modbus-rtu";
-      if (const auto baud = whole_at(node, "baud_rate"); baud && *baud < 10'000'000)
-        bus.port.line.baud = static_cast<std::uint32_t>(*baud);
+      bus.port.line = line_at(node, {"baud_rate", "data_bits", "parity", "stop_bits"});
       bus.port.usual = {9600, "wb-mqtt-serial"};
-      const std::string_view parity = text_at(node, "parity");
-      bus.port.line.format =
-          fmt::format("{}{}{}", whole_at(node, "data_bits").value_or(8),
-                      parity.empty() ? 'N' : parity[0], whole_at(node, "stop_bits").value_or(1));
     }
     const Node* devices = child(node, "devices");
     if (!is_list(devices)) return;
@@ -303,11 +267,9 @@ class WbReader {
   void read_device(const WbFile& file, const Node& node, Bus& bus) {
     Device device;
     const std::string_view type = text_at(node, "device_type");
-    device.name = text_at(node, "name");
-    if (device.name.empty()) device.name = text_at(node, "id");
-    if (device.name.empty()) device.name = type;
+    device.name = first_text(node, {"name", "id", "device_type"});
     if (bool_at(node, "enabled") == false)
-      return refuse_file(file, node, device.name, "the device is off (\"enabled\": false)");
+      return refuse(file, node, device.name, "the device is off (\"enabled\": false)");
     device.origin = {file.source->file, line_of(node)};
     if (const Slave slave = slave_from(text_at(node, "slave_id"))) {
       device.address = *slave;
@@ -318,10 +280,10 @@ class WbReader {
     if (!type.empty()) {
       const auto known = templates_.find(type);
       if (known == templates_.end())
-        return refuse_file(file, node, device.name,
-                           fmt::format("its template is not among the files: give the one with "
-                                       "\"device_type\": \"{}\", too",
-                                       type));
+        return refuse(file, node, device.name,
+                      fmt::format("its template is not among the files: give the one with "
+                                  "\"device_type\": \"{}\", too",
+                                  type));
       if (!is_modbus(*known->second.file, *known->second.device)) return;
       of_template = known->second.device;
       WbDeviceReader reader(*known->second.file, *of_template, found_);
@@ -341,15 +303,11 @@ class WbReader {
   std::map<std::string, Template, std::less<>> templates_;
 };
 
-bool is_jinja(std::string_view text) {
-  return text.find("{%") != std::string_view::npos || text.find("{{") != std::string_view::npos;
-}
-
-}  // namespace
+bool is_jinja(std::string_view text) { return contains(text, "{%") || contains(text, "{{"); }
 
 Confidence recognise_wb(const SourceText& source) {
   const std::string_view text = source.text;
-  const auto has = [&](std::string_view word) { return text.find(word) != std::string_view::npos; };
+  const auto has = [&](std::string_view word) { return contains(text, word); };
   if (has("\"device_type\"") && has("\"channels\"") && has("\"device\"")) return kCertain;
   if (has("\"ports\"") && has("\"devices\"") && has("\"slave_id\"")) return kLikely;
   return has("\"reg_type\"") && has("\"channels\"") ? kLikely : 0;
@@ -375,5 +333,11 @@ Read read_wb(std::span<const SourceText> sources, const ReadOptions&) {
   WbReader(found).read(files);
   return found;
 }
+
+}  // namespace
+
+constinit const Format kWbFormat{"wb-mqtt-serial",
+                                 "wb-mqtt-serial template or configuration (JSON)", recognise_wb,
+                                 read_wb, "0"};
 
 }  // namespace fieldcast::importing

@@ -1,197 +1,123 @@
 #include "tools/import/points/address.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "tools/import/points/types.hpp"
 #include "tools/import/text/table.hpp"
-#include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {
-
 namespace {
 
-struct AreaWord {
-  std::string_view word;
-  ModbusArea area;
-};
-constexpr AreaWord kWords[] = {
-    {"coil", ModbusArea::kCoil},
-    {"coils", ModbusArea::kCoil},
-    {"coilstatus", ModbusArea::kCoil},
-    {"do", ModbusArea::kCoil},
-    {"0x", ModbusArea::kCoil},
-    {"digitaloutput", ModbusArea::kCoil},
-    {"discreteoutput", ModbusArea::kCoil},
-    {"outputcoil", ModbusArea::kCoil},
-    {"digitalausgang", ModbusArea::kCoil},
-    {"spule", ModbusArea::kCoil},
-    {"spulen", ModbusArea::kCoil},
-    {"discrete", ModbusArea::kInput},
-    {"discreteinput", ModbusArea::kInput},
-    {"discreteinputs", ModbusArea::kInput},
-    {"inputstatus", ModbusArea::kInput},
-    {"digitalinput", ModbusArea::kInput},
-    {"inputbit", ModbusArea::kInput},
-    {"digitaleingang", ModbusArea::kInput},
-    {"diskretereingang", ModbusArea::kInput},
-    {"di", ModbusArea::kInput},
-    {"1x", ModbusArea::kInput},
-    {"input", ModbusArea::kInputRegister},
-    {"inputs", ModbusArea::kInputRegister},
-    {"inputregister", ModbusArea::kInputRegister},
-    {"inputregisters", ModbusArea::kInputRegister},
-    {"inputreg", ModbusArea::kInputRegister},
-    {"analoginput", ModbusArea::kInputRegister},
-    {"analogeingang", ModbusArea::kInputRegister},
-    {"eingangsregister", ModbusArea::kInputRegister},
-    {"ir", ModbusArea::kInputRegister},
-    {"ai", ModbusArea::kInputRegister},
-    {"3x", ModbusArea::kInputRegister},
-    {"holding", ModbusArea::kHolding},
-    {"holdings", ModbusArea::kHolding},
-    {"holdingregister", ModbusArea::kHolding},
-    {"holdingregisters", ModbusArea::kHolding},
-    {"holdingreg", ModbusArea::kHolding},
-    {"analogoutput", ModbusArea::kHolding},
-    {"analogausgang", ModbusArea::kHolding},
-    {"halteregister", ModbusArea::kHolding},
-    {"presetmultipleregisters", ModbusArea::kHolding},
-    {"presetsingleregister", ModbusArea::kHolding},
-    {"writemultipleregisters", ModbusArea::kHolding},
-    {"writesingleregister", ModbusArea::kHolding},
-    {"hr", ModbusArea::kHolding},
-    {"ao", ModbusArea::kHolding},
-    {"4x", ModbusArea::kHolding},
-    {"register", ModbusArea::kHolding},
-    {"registers", ModbusArea::kHolding},
-};
+constexpr Words<ModbusArea> kWords[] = {
+    {"coil coils coilstatus do 0x digitaloutput discreteoutput outputcoil digitalausgang "
+     "spule spulen",
+     ModbusArea::kCoil},
+    {"discrete discreteinput discreteinputs inputstatus digitalinput inputbit "
+     "digitaleingang diskretereingang di 1x",
+     ModbusArea::kInput},
+    {"input inputs inputregister inputregisters inputreg analoginput analogeingang "
+     "eingangsregister ir ai 3x",
+     ModbusArea::kInputRegister},
+    {"holding holdings holdingregister holdingregisters holdingreg analogoutput "
+     "analogausgang halteregister presetmultipleregisters presetsingleregister "
+     "writemultipleregisters writesingleregister hr ao 4x register registers",
+     ModbusArea::kHolding}};
 
-std::optional<ModbusArea> area_of_digit(char digit) {
-  switch (digit) {
-    case '0': return ModbusArea::kCoil;
-    case '1': return ModbusArea::kInput;
-    case '3': return ModbusArea::kInputRegister;
-    case '4': return ModbusArea::kHolding;
-    default: return std::nullopt;
-  }
-}
+// Parts of longer names.
+constexpr Words<ModbusArea> kParts[] = {{"holding halteregister", ModbusArea::kHolding},
+                                        {"inputreg eingangsregister", ModbusArea::kInputRegister},
+                                        {"discretein discretestat", ModbusArea::kInput},
+                                        {"coil", ModbusArea::kCoil}};
+constexpr Words<ModbusArea> kFunctions[] = {{"1 5 15", ModbusArea::kCoil},
+                                            {"2", ModbusArea::kInput},
+                                            {"4", ModbusArea::kInputRegister},
+                                            {"3 6 16 22 23", ModbusArea::kHolding}};
 
-std::optional<ModbusArea> area_of_function(std::uint64_t code) {
-  switch (code) {
-    case 1:
-    case 5:
-    case 15: return ModbusArea::kCoil;
-    case 2: return ModbusArea::kInput;
-    case 3:
-    case 6:
-    case 16:
-    case 22:
-    case 23: return ModbusArea::kHolding;
-    case 4: return ModbusArea::kInputRegister;
-    default: return std::nullopt;
-  }
+std::optional<ModbusArea> area_of_function(std::string_view number) {
+  return value_of(kFunctions, std::to_string(whole_from(number).value_or(0)));
 }
 
 bool is_access(std::string_view word) {
-  for (const std::string_view access : {"", "r", "w", "rw", "ro", "wo", "read", "write"})
-    if (word == access) return true;
-  return false;
+  return word.empty() || is_one_of(word, "r w rw ro wo read write");
+}
+
+std::size_t leading_digits(std::string_view text) {
+  return std::min(text.find_first_not_of("0123456789"), text.size());
 }
 
 // "3", "03", "0x03", "10h", "03read".
 std::optional<ModbusArea> area_of_number(std::string_view word) {
-  const bool hex = word.starts_with("0x") || word.ends_with('h');
-  if (hex) return area_of_function(whole_from(word).value_or(0));
-  const std::size_t end = std::min(word.find_first_not_of("0123456789"), word.size());
+  if (word.starts_with("0x") || word.ends_with('h')) return area_of_function(word);
+  const std::size_t end = leading_digits(word);
   if (end == 0 || !is_access(word.substr(end))) return std::nullopt;
-  return area_of_function(whole_from(word.substr(0, end)).value_or(0));
+  return area_of_function(word.substr(0, end));
 }
 
 // Finds a table name inside the word; empty if it contains two.
-std::optional<ModbusArea> area_inside(const std::string& word) {
-  struct Part {
-    std::string_view text;
-    ModbusArea area;
-  };
-  constexpr Part kParts[] = {{"holding", ModbusArea::kHolding},
-                             {"halteregister", ModbusArea::kHolding},
-                             {"inputreg", ModbusArea::kInputRegister},
-                             {"eingangsregister", ModbusArea::kInputRegister},
-                             {"discretein", ModbusArea::kInput},
-                             {"discretestat", ModbusArea::kInput},
-                             {"coil", ModbusArea::kCoil}};
+std::optional<ModbusArea> area_inside(std::string_view word) {
   std::optional<ModbusArea> found;
-  for (const Part& part : kParts) {
-    if (word.find(part.text) == std::string::npos) continue;
-    if (found && *found != part.area) return std::nullopt;
-    found = part.area;
+  for (const auto& [parts, area] : kParts) {
+    const auto inside = [&](std::string_view part) { return contains(word, part); };
+    if (std::ranges::none_of(split(parts, ' '), inside)) continue;
+    if (found) return std::nullopt;
+    found = area;
   }
   // "Read Input Registers (04)", "3 (Holding register)": the function must agree.
-  const std::size_t first = std::min(word.find_first_not_of("0123456789"), word.size());
   const std::size_t last = word.find_last_not_of("0123456789");
-  for (const std::string& digits : {word.substr(0, first), word.substr(last + 1)}) {
-    const auto area = area_of_function(whole_from(digits).value_or(0));
+  for (const auto digits : {word.substr(0, leading_digits(word)), word.substr(last + 1)}) {
+    const auto area = area_of_function(digits);
     if (found && area && digits.size() <= 2 && *area != *found) return std::nullopt;
   }
   return found;
 }
 
-std::optional<ModbusArea> area_of_word(std::string word) {
-  if (word.starts_with("modbus") && word.size() > 6) word.erase(0, 6);
+std::optional<ModbusArea> area_of_word(std::string_view word) {
+  if (word.starts_with("modbus") && word.size() > 6) word.remove_prefix(6);
   for (const std::string_view begin : {"functioncode", "function", "funktion", "fc", "fn", "f"}) {
-    const bool number = word.size() > begin.size() && word.starts_with(begin) &&
-                        word[begin.size()] >= '0' && word[begin.size()] <= '9';
-    if (number) word.erase(0, begin.size());
+    if (word.size() > begin.size() && word.starts_with(begin) && is_digit(word[begin.size()]))
+      word.remove_prefix(begin.size());
   }
-  const auto known = std::ranges::find(kWords, word, &AreaWord::word);
-  if (known != std::end(kWords)) return known->area;
+  if (const auto known = value_of(kWords, word)) return known;
   const auto number = area_of_number(word);
   return number ? number : area_inside(word);
 }
 
-bool all_digits(std::string_view text) {
-  return !text.empty() && std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
-}
+using Parsed = Result<Reference>;
 
-using Parsed = tl::expected<Reference, std::string>;
-
+// `base`: the first number of the area.
 Parsed counted(std::optional<ModbusArea> area, std::string_view digits, unsigned base) {
-  const auto number = whole_from(digits);
-  if (!number || *number > 65535 + base)
-    return tl::unexpected(
-        fmt::format("'{}' is no number from {} to {}", digits, base, 65535 + base));
-  if (*number < base) return tl::unexpected(std::string("references count from 1"));
+  const auto number = whole_from(digits, 0, 65535 + base);
+  if (!number) return refused("'{}' is no number from {} to {}", digits, base, 65535 + base);
+  if (*number < base) return refused("references count from 1");
   return Reference{area, static_cast<std::uint32_t>(*number - base), {}};
 }
 
 Parsed offset(std::optional<ModbusArea> area, std::string_view digits) {
-  const auto number = whole_from(digits);
-  if (!number || *number > 65535)
-    return tl::unexpected(fmt::format("'{}' is no address from 0 to 65535", digits));
+  const auto number = whole_from(digits, 0, 65535);
+  if (!number) return refused("'{}' is no address from 0 to 65535", digits);
   return Reference{area, static_cast<std::uint32_t>(*number), {}};
 }
 
 Parsed without_bit(std::string_view text, unsigned base) {
-  if (text.starts_with("%MW")) return offset(ModbusArea::kHolding, text.substr(3));
-  if (text.starts_with("%IW")) return offset(ModbusArea::kInputRegister, text.substr(3));
-  if (text.starts_with("%M")) return offset(ModbusArea::kCoil, text.substr(2));
-  if (text.starts_with("%I")) return offset(ModbusArea::kInput, text.substr(2));
-  // "4x0101", "4:101", "3-0007"
-  if (text.size() > 2 && std::string_view("xX:-").find(text[1]) != std::string_view::npos &&
-      !text.starts_with("0x") && !text.starts_with("0X")) {
-    if (const auto area = area_of_digit(text[0])) return counted(area, text.substr(2), base);
+  constexpr std::pair<std::string_view, ModbusArea> kIec[] = {{"%MW", ModbusArea::kHolding},
+                                                              {"%IW", ModbusArea::kInputRegister},
+                                                              {"%M", ModbusArea::kCoil},
+                                                              {"%I", ModbusArea::kInput}};
+  for (const auto& [begin, area] : kIec) {
+    if (text.starts_with(begin)) return offset(area, text.substr(begin.size()));
   }
-  if (all_digits(text) && (text.size() == 5 || text.size() == 6)) {
-    if (const auto area = area_of_digit(text[0])) return counted(area, text.substr(1), base);
+  // "4x0101", "4:101", "3-0007", "40101"
+  const bool marked = text.size() > 2 && contains("xX:-", text.substr(1, 1)) &&
+                      !text.starts_with("0x") && !text.starts_with("0X");
+  if (marked || (all_digits(text) && (text.size() == 5 || text.size() == 6))) {
+    if (const auto area = area_of_digit(text[0]))
+      return counted(area, text.substr(marked ? 2 : 1), base);
   }
   // "HR100", "holding:100"
   const std::size_t digit = text.find_first_of("0123456789");
   if (digit != std::string_view::npos && digit > 1) {
     std::string_view word = text.substr(0, digit);
-    while (!word.empty() && std::string_view(" :_-#").find(word.back()) != std::string_view::npos)
-      word.remove_suffix(1);
+    word = word.substr(0, word.find_last_not_of(" :_-#") + 1);
     if (const auto area = area_by_name(word)) return offset(area, text.substr(digit));
   }
   return offset(std::nullopt, text);
@@ -203,6 +129,11 @@ std::string address_text(ModbusArea area, std::uint64_t first, std::optional<std
   constexpr std::string_view kNames[] = {"coil", "input", "input-register", "holding"};
   const std::string text = fmt::format("{}:{}", kNames[static_cast<std::size_t>(area)], first);
   return bit ? fmt::format("{}.{}", text, *bit) : text;
+}
+
+std::optional<ModbusArea> area_of_digit(char digit) {
+  const std::size_t area = std::string_view("0134").find(digit);
+  return area < 4 ? std::optional(static_cast<ModbusArea>(area)) : std::nullopt;
 }
 
 std::optional<ModbusArea> area_by_name(std::string_view name) {
@@ -222,41 +153,38 @@ std::optional<ModbusArea> area_by_name(std::string_view name) {
 
 bool is_area_word(std::string_view name) {
   const std::string word = column_word(name);
-  return !word.empty() && (word[0] < '0' || word[0] > '9') && area_by_name(name);
+  return !word.empty() && !is_digit(word[0]) && area_by_name(name);
 }
 
 Slave slave_from(std::string_view text) {
   text = trimmed(text);
   if (text.empty()) return std::nullopt;
-  const auto number = whole_from(text);
-  if (!number || *number > 65535)
-    return tl::unexpected(fmt::format("'{}' is no address of a device on its bus", text));
+  const auto number = whole_from(text, 0, 65535);
+  if (!number) return refused("'{}' is no address of a device on its bus", text);
   return static_cast<std::uint16_t>(*number);
 }
 
-tl::expected<Reference, std::string> reference_from(std::string_view text, unsigned base) {
+Result<Reference> reference_from(std::string_view text, unsigned base) {
   text = trimmed(text);
-  if (text.empty()) return tl::unexpected(std::string("no address"));
-  const std::size_t point = text.find_first_of(".");
-  if (point == std::string_view::npos) return without_bit(text, base);
-  auto reference = without_bit(trimmed(text.substr(0, point)), base);
-  if (!reference) return reference;
-  const auto bit = whole_from(text.substr(point + 1));
-  if (!bit || *bit > 15)
-    return tl::unexpected(fmt::format("bit '{}' is not 0 to 15", text.substr(point + 1)));
+  if (text.empty()) return refused("no address");
+  const auto [place, bit_text] = halves(text, '.');
+  auto reference = without_bit(trimmed(place), base);
+  if (!reference || place.size() == text.size()) return reference;
+  const auto bit = whole_from(bit_text, 0, 15);
+  if (!bit) return refused("bit '{}' is not 0 to 15", bit_text);
   reference->bit = static_cast<std::uint8_t>(*bit);
   return reference;
 }
 
-void append_array(std::vector<Point>& points, const Point& first, ModbusArea area,
-                  std::uint32_t address, unsigned count) {
-  const unsigned step = holds_bits(area) ? 1 : registers_of(first.type, first.string_bytes);
-  for (unsigned i = 0; i < count && points.size() <= kMaxPoints; ++i) {
-    Point point = first;
-    point.name = fmt::format("{}-{}", first.name, i);
-    point.at = address_text(area, address + std::uint64_t{i} * step);
-    point.changes.push_back(fmt::format("element {} of an array of {}", i, count));
-    points.push_back(std::move(point));
+void append_points(std::vector<Point>& points, Point point, ModbusArea area, std::uint32_t address,
+                   unsigned elements) {
+  if (elements == 0) return points.push_back(std::move(point));
+  const unsigned step = holds_bits(area) ? 1 : registers_of(point.type, point.string_bytes);
+  for (unsigned i = 0; i < elements && points.size() <= kMaxPoints; ++i) {
+    Point& element = points.emplace_back(point);
+    element.name = fmt::format("{}-{}", point.name, i);
+    element.at = address_text(area, address + std::uint64_t{i} * step);
+    element.changes.push_back(fmt::format("element {} of an array of {}", i, elements));
   }
 }
 

@@ -4,10 +4,10 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <tl/expected.hpp>
 #include <vector>
 
 #include "tools/import/points/model.hpp"
+#include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {
 
@@ -24,6 +24,9 @@ enum class ModbusArea : std::uint8_t { kCoil, kInput, kInputRegister, kHolding }
 [[nodiscard]] std::string address_text(ModbusArea area, std::uint64_t first,
                                        std::optional<std::uint8_t> bit = {});
 
+// '0', '1', '3' or '4' in front of a number.
+[[nodiscard]] std::optional<ModbusArea> area_of_digit(char digit);
+
 // Table of a word: "Holding Register", "4x", "AI", "input", "03", "FC4".
 [[nodiscard]] std::optional<ModbusArea> area_by_name(std::string_view name);
 
@@ -31,7 +34,7 @@ enum class ModbusArea : std::uint8_t { kCoil, kInput, kInputRegister, kHolding }
 [[nodiscard]] bool is_area_word(std::string_view name);
 
 // Empty if the cell is empty. The loader checks the range. The error is the reason.
-using Slave = tl::expected<std::optional<std::uint16_t>, std::string>;
+using Slave = Result<std::optional<std::uint16_t>>;
 [[nodiscard]] Slave slave_from(std::string_view text);
 
 // "40101", "400101", "4x0101", "4:101", "30007.3", "%MW100", "HR100".
@@ -41,12 +44,11 @@ struct Reference {
   std::optional<std::uint8_t> bit;
 };
 // `base`: number of the first register in "40001" and "4x0001". The error is the reason.
-[[nodiscard]] tl::expected<Reference, std::string> reference_from(std::string_view text,
-                                                                  unsigned base = 1);
+[[nodiscard]] Result<Reference> reference_from(std::string_view text, unsigned base = 1);
 
-// Appends points at consecutive addresses: NAME-0, NAME-1, .. Stops one point above kMaxPoints.
-// REQUIRES: count > 0. Pure.
-void append_array(std::vector<Point>& points, const Point& first, ModbusArea area,
-                  std::uint32_t address, unsigned count);
+// Appends one point for 0 elements, or an array at consecutive addresses: NAME-0, NAME-1, ..
+// Stops one point above kMaxPoints.
+void append_points(std::vector<Point>& points, Point point, ModbusArea area, std::uint32_t address,
+                   unsigned elements);
 
 }  // namespace fieldcast::importing

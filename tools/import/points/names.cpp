@@ -78,11 +78,10 @@ constexpr std::size_t kMaxOthers = 50;
 
 }  // namespace
 
-void OtherKeys::look(const Node& map, std::string_view of,
-                     std::initializer_list<std::string_view> known) {
+void OtherKeys::look(const Node& map, std::string_view of, std::string_view known) {
   for (const Node::Entry& entry : map.entries) {
     const Node& key = *entry.key;
-    if (std::ranges::find(known, key.text) == known.end()) add(key.text, of, line_of(key));
+    if (!is_one_of(key.text, known)) add(key.text, of, line_of(key));
   }
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <initializer_list>
 #include <map>
 #include <string>
 #include <string_view>
@@ -31,8 +30,8 @@ class UniqueNames {
 
 class OtherKeys {
  public:
-  // `of` describes the map: "a request".
-  void look(const Node& map, std::string_view of, std::initializer_list<std::string_view> known);
+  // `of` describes the map: "a request". `known`: separated by blanks.
+  void look(const Node& map, std::string_view of, std::string_view known);
   // A key that is not used. REQUIRES: key and `of` outlive this.
   void add(std::string_view key, std::string_view of, unsigned line);
   // A note for each key, with the line where it stands first.

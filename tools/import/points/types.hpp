@@ -32,6 +32,10 @@ struct Orders {
 [[nodiscard]] inline bool is_number(ValueType type) {
   return type != ValueType::kBool && type != ValueType::kString;
 }
+// Half of a register.
+[[nodiscard]] inline bool is_byte(ValueType type) {
+  return type == ValueType::kInt8 || type == ValueType::kUint8;
+}
 [[nodiscard]] std::optional<ValueType> integer_of(unsigned bits, bool with_sign);
 
 }  // namespace fieldcast::importing

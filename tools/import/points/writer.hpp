@@ -1,7 +1,7 @@
 // Writes a readable configuration: YAML, channel lists, or a device template. Pure.
 #pragma once
 
-#include <optional>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,23 +10,19 @@
 
 namespace fieldcast::importing {
 
-// Each channel has its own line, so that a fault of a line belongs to one channel.
-struct WrittenChannel {
-  unsigned line = 0;  // from 1
-  std::size_t bus = 0, device = 0, point = 0;
-};
-
-struct WrittenHead {
+// Lines that describe a bus, a device or a channel, so that a fault of a line belongs to one of
+// them. Each channel has its own line.
+struct WrittenPart {
+  static constexpr std::size_t kNone = SIZE_MAX;
   unsigned first = 0, last = 0;  // from 1
   std::size_t bus = 0;
-  std::optional<std::size_t> device;
+  std::size_t device = kNone, point = kNone;  // kNone: the lines are of the bus, or of the device
 };
 
 struct WrittenFile {
   std::string name;  // "plant.yaml", "devices/meter.yaml"
   std::string text;
-  std::vector<WrittenChannel> channels;  // in the order of the lines
-  std::vector<WrittenHead> heads;
+  std::vector<WrittenPart> parts;  // in the order of the lines, disjoint
 };
 
 struct WriteOptions {
@@ -49,5 +45,8 @@ struct WriteOptions {
 
 // A YAML scalar, quoted if necessary.
 [[nodiscard]] std::string yaml_text(std::string_view text);
+
+// "uint16", "string(20)".
+[[nodiscard]] std::string type_text(const Point& point);
 
 }  // namespace fieldcast::importing

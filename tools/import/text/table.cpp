@@ -1,11 +1,7 @@
 #include "tools/import/text/table.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
-
-#include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {
 
@@ -44,14 +40,14 @@ class TableReader {
     }
   }
 
-  tl::expected<Table, std::string> read() {
+  Result<Table> read() {
     while (at_ < text_.size()) {
       Row row{.line = line_, .cells = {}};
       if (!read_row(row)) return tl::unexpected(std::move(fault_));
       while (!row.cells.empty() && row.cells.back().empty()) row.cells.pop_back();
       if (row.cells.empty()) continue;
       if (table_.rows.size() == kMaxRows)
-        return tl::unexpected(fmt::format("more than {} rows; split the list", kMaxRows));
+        return refused("more than {} rows; split the list", kMaxRows);
       table_.rows.push_back(std::move(row));
     }
     return std::move(table_);
@@ -107,28 +103,26 @@ class TableReader {
 
 }  // namespace
 
-tl::expected<Table, std::string> read_table(std::string_view text) {
-  return TableReader(text).read();
-}
+Result<Table> read_table(std::string_view text) { return TableReader(text).read(); }
 
 std::string column_word(std::string_view title) {
   std::string word;
   for (const char c : lower(title)) {
-    if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || static_cast<unsigned char>(c) >= 0x80)
-      word += c;
+    if ((c >= 'a' && c <= 'z') || is_digit(c) || static_cast<unsigned char>(c) >= 0x80) word += c;
   }
   return word;
 }
 
-Columns::Columns(const Row& header, std::span<const ColumnName> names,
+Columns::Columns(const Row& header, std::span<const Words<Field>> names,
                  std::string (*word_of)(std::string_view))
     : titles_(header.cells) {
   for (std::size_t i = 0; i < header.cells.size(); ++i) {
     const std::string word = word_of(header.cells[i]);
-    const auto found = std::ranges::find(names, word, &ColumnName::word);
-    meant_.push_back(found == names.end() ? std::nullopt : std::optional(found->field));
-    if (!meant_.back() || has(found->field)) continue;
-    indexes_[static_cast<std::size_t>(found->field)] = i;
+    const auto found = std::ranges::find_if(
+        names, [&](const Words<Field>& name) { return is_one_of(word, name.words); });
+    meant_.push_back(found == names.end() ? std::nullopt : std::optional(found->value));
+    if (!meant_.back() || has(found->value)) continue;
+    set(found->value, i);
     ++known_;
   }
 }

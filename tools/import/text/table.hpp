@@ -7,8 +7,9 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <tl/expected.hpp>
 #include <vector>
+
+#include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {
 
@@ -29,7 +30,13 @@ struct Table {
 };
 
 // The error has the fault and its line.
-[[nodiscard]] tl::expected<Table, std::string> read_table(std::string_view text);
+[[nodiscard]] Result<Table> read_table(std::string_view text);
+
+inline constexpr std::size_t kMaxUnpacked = 32u << 20;  // bytes of a part of a workbook
+
+[[nodiscard]] bool is_xlsx(std::string_view bytes);
+// Converts the first sheet of an .xlsx workbook to a text whose cells are separated by tabs.
+[[nodiscard]] Result<Decoded> table_of_xlsx(std::string_view bytes);
 
 // Lower case, letters and digits only: "Eng. Units" becomes "engunits".
 [[nodiscard]] std::string column_word(std::string_view title);
@@ -67,15 +74,11 @@ enum class Field : std::uint8_t {
   kCount  // number of fields
 };
 
-struct ColumnName {
-  std::string_view word;  // as returned by column_word()
-  Field field;
-};
-
 class Columns {
  public:
-  // Uses the first column of each field. `word_of` normalizes titles.
-  Columns(const Row& header, std::span<const ColumnName> names,
+  // Uses the first column of each field. `names` has words as column_word() returns them;
+  // `word_of` normalizes titles.
+  Columns(const Row& header, std::span<const Words<Field>> names,
           std::string (*word_of)(std::string_view) = column_word);
 
   [[nodiscard]] bool has(Field field) const { return index_of(field).has_value(); }

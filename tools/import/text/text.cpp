@@ -1,14 +1,13 @@
 #include "tools/import/text/text.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
+#include <boost/locale/utf.hpp>
 #include <charconv>
 #include <cmath>
-#include <cstdint>
-#include <optional>
-#include <string>
+#include <iterator>
+
+#include "core/base/message_text.hpp"
 
 namespace fieldcast::importing {
 
@@ -58,49 +57,16 @@ std::optional<std::uint64_t> whole_from(std::string_view text) {
   return digits_from(text, 10);
 }
 
+std::optional<std::uint64_t> whole_from(std::string_view text, std::uint64_t least,
+                                        std::uint64_t most) {
+  const auto number = whole_from(text);
+  return number && *number >= least && *number <= most ? number : std::nullopt;
+}
+
 namespace {
 
 void append_utf8(std::string& text, std::uint32_t code) {
-  if (code < 0x80) {
-    text += static_cast<char>(code);
-  } else if (code < 0x800) {
-    text += static_cast<char>(0xC0 | code >> 6);
-    text += static_cast<char>(0x80 | (code & 0x3F));
-  } else if (code < 0x10000) {
-    text += static_cast<char>(0xE0 | code >> 12);
-    text += static_cast<char>(0x80 | (code >> 6 & 0x3F));
-    text += static_cast<char>(0x80 | (code & 0x3F));
-  } else {
-    text += static_cast<char>(0xF0 | code >> 18);
-    text += static_cast<char>(0x80 | (code >> 12 & 0x3F));
-    text += static_cast<char>(0x80 | (code >> 6 & 0x3F));
-    text += static_cast<char>(0x80 | (code & 0x3F));
-  }
-}
-
-// Returns 0 for a byte that cannot be the first one.
-std::size_t sequence_bytes(unsigned char first) {
-  if (first < 0x80) return 1;
-  if (first >= 0xC2 && first < 0xE0) return 2;
-  if (first >= 0xE0 && first < 0xF0) return 3;
-  return first >= 0xF0 && first < 0xF5 ? 4 : 0;
-}
-
-bool is_utf8(std::string_view bytes) {
-  for (std::size_t i = 0; i < bytes.size();) {
-    const auto first = static_cast<unsigned char>(bytes[i]);
-    const std::size_t size = sequence_bytes(first);
-    if (size == 0 || size > bytes.size() - i) return false;
-    for (std::size_t k = 1; k < size; ++k) {
-      if ((static_cast<unsigned char>(bytes[i + k]) & 0xC0) != 0x80) return false;
-    }
-    const auto second = size > 2 ? static_cast<unsigned char>(bytes[i + 1]) : 0x80u;
-    if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F) ||
-        (first == 0xF0 && second < 0x90) || (first == 0xF4 && second > 0x8F))
-      return false;
-    i += size;
-  }
-  return true;
+  boost::locale::utf::utf_traits<char>::encode(code, std::back_inserter(text));
 }
 
 // Windows-1252 characters 0x80 to 0x9F; 0: unassigned.
@@ -186,22 +152,24 @@ std::optional<std::string> few_controls(std::string_view text) {
 
 constexpr std::string_view kBinary = "binary, no text";
 
-std::string what_it_is(std::string_view bytes) {
-  const auto begins = [&](std::string_view with) { return bytes.starts_with(with); };
-  if (begins("\x7F"
-             "ELF"))
-    return "a program, no list";
-  if (begins("\xD0\xCF\x11\xE0")) return "an old Excel file (.xls); save it as .xlsx or CSV";
-  if (begins("%PDF")) return "a PDF; copy its table into a spreadsheet and save that as CSV";
-  if (begins("\x89PNG") || begins("\xFF\xD8\xFF")) return "a picture, no list";
-  if (begins("\x1F\x8B")) return "packed with gzip; unpack it first";
-  if (begins("SQLite format 3")) return "a database of SQLite; export the tags as a list";
-  return std::string(kBinary);
+std::string_view what_it_is(std::string_view bytes) {
+  constexpr std::pair<std::string_view, std::string_view> kKinds[] = {
+      {"\x7F\x45LF", "a program, no list"},
+      {"\xD0\xCF\x11\xE0", "an old Excel file (.xls); save it as .xlsx or CSV"},
+      {"%PDF", "a PDF; copy its table into a spreadsheet and save that as CSV"},
+      {"\x89PNG", "a picture, no list"},
+      {"\xFF\xD8\xFF", "a picture, no list"},
+      {"\x1F\x8B", "packed with gzip; unpack it first"},
+      {"SQLite format 3", "a database of SQLite; export the tags as a list"}};
+  for (const auto& [begin, kind] : kKinds) {
+    if (bytes.starts_with(begin)) return kind;
+  }
+  return kBinary;
 }
 
 }  // namespace
 
-tl::expected<Decoded, std::string> decode_text(std::string_view bytes) {
+Result<Decoded> decode_text(std::string_view bytes) {
   Decoded decoded;
   if (bytes.starts_with("\xEF\xBB\xBF") && is_utf8(bytes.substr(3))) {
     decoded = {std::string(bytes.substr(3)), "UTF-8"};
@@ -214,14 +182,14 @@ tl::expected<Decoded, std::string> decode_text(std::string_view bytes) {
   } else if (std::ranges::count_if(bytes, is_control) <= kFewControls) {
     decoded = {from_windows(bytes), "Windows-1252"};
   } else {
-    return tl::unexpected(what_it_is(bytes));
+    return refused("{}", what_it_is(bytes));
   }
   // DOS programs end a text with this byte.
   if (decoded.text.ends_with('\x1A')) decoded.text.pop_back();
   if (has_control(decoded.text)) {
-    const std::string what = what_it_is(bytes);
+    const std::string_view what = what_it_is(bytes);
     const auto where = what == kBinary ? few_controls(decoded.text) : std::nullopt;
-    return tl::unexpected(where.value_or(what));
+    return tl::unexpected(where.value_or(std::string(what)));
   }
   unify_line_ends(decoded.text);
   return decoded;
@@ -240,8 +208,12 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
 }
 
-bool same_word(std::string_view a, std::string_view b) {
-  return a.size() == b.size() && lower(a) == lower(b);
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool all_digits(std::string_view text) {
+  return !text.empty() && std::ranges::all_of(text, is_digit);
+}
+bool contains(std::string_view text, std::string_view part) {
+  return text.find(part) != std::string_view::npos;
 }
 
 std::vector<std::string_view> split(std::string_view text, char separator) {
@@ -252,6 +224,32 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
     if (end == std::string_view::npos) return parts;
     text.remove_prefix(end + 1);
   }
+}
+
+std::pair<std::string_view, std::string_view> halves(std::string_view text, char separator) {
+  const std::size_t end = std::min(text.find(separator), text.size());
+  return {text.substr(0, end), text.substr(std::min(end + 1, text.size()))};
+}
+
+std::string with_replaced(std::string_view text, std::span<const Replacement> rows) {
+  std::string result(text);
+  for (const auto& [from, to] : rows) {
+    for (std::size_t at = result.find(from); at != std::string::npos;
+         at = result.find(from, at + to.size()))
+      result.replace(at, from.size(), to);
+  }
+  return result;
+}
+
+bool is_one_of(std::string_view word, std::string_view words) {
+  if (word.empty() || word.find(' ') != std::string_view::npos) return false;
+  for (std::size_t at = words.find(word); at != std::string_view::npos;
+       at = words.find(word, at + 1)) {
+    const std::size_t end = at + word.size();
+    if ((at == 0 || words[at - 1] == ' ') && (end == words.size() || words[end] == ' '))
+      return true;
+  }
+  return false;
 }
 
 }  // namespace fieldcast::importing

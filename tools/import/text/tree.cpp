@@ -1,14 +1,10 @@
 #include "tools/import/text/tree.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "config/document/document.hpp"
 #include "core/base/value.hpp"
-#include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {
 
@@ -17,9 +13,9 @@ Tree read_yaml_tree(std::string_view text) {
   auto document = config::parse_yaml(config::Source{.file = "", .text = std::string(text)}, faults);
   if (!faults.empty()) {
     const config::Fault fault = faults.take().front();
-    return tl::unexpected("line " + std::to_string(fault.line) + ": " + fault.what);
+    return refused("line {}: {}", fault.line, fault.what);
   }
-  if (document->root == nullptr) return tl::unexpected(std::string("it is empty"));
+  if (document->root == nullptr) return refused("it is empty");
   return document;
 }
 
@@ -37,28 +33,52 @@ std::string_view text_of(const Node* node) {
 
 std::string_view text_at(const Node& map, std::string_view key) { return text_of(child(map, key)); }
 
+std::string_view first_text(const Node& map, std::initializer_list<std::string_view> keys) {
+  for (const std::string_view key : keys) {
+    if (const std::string_view text = text_at(map, key); !text.empty()) return text;
+  }
+  return {};
+}
+
 std::optional<double> number_at(const Node& map, std::string_view key) {
   return number_from(text_at(map, key));
 }
 
-std::optional<std::string> fault_of_number(const Node& map, std::string_view key) {
+MayFail fault_of_number(const Node& map, std::string_view key) {
   const std::string_view text = text_at(map, key);
   if (text.empty() || number_from(text)) return std::nullopt;
   return fmt::format("{} '{}' is no number", key, text);
+}
+
+MayFail read_scale_at(const Node& map, std::string_view key, double& scale) {
+  if (auto fault = fault_of_number(map, key)) return fault;
+  if (const auto number = number_at(map, key); number && *number != 0) scale = *number;
+  return std::nullopt;
 }
 
 std::optional<std::uint64_t> whole_at(const Node& map, std::string_view key) {
   return whole_from(text_at(map, key));
 }
 
+std::optional<unsigned> small_at(const Node& map, std::string_view key, unsigned least,
+                                 unsigned most) {
+  const auto number = whole_from(text_at(map, key), least, most);
+  return number ? std::optional(static_cast<unsigned>(*number)) : std::nullopt;
+}
+
 std::optional<bool> bool_at(const Node& map, std::string_view key) {
   const std::string word = lower(text_at(map, key));
   if (word.empty()) return std::nullopt;
-  return word == "true" || word == "yes" || word == "on" || word == "1";
+  return is_one_of(word, "true yes on 1");
 }
 
 bool is_list(const Node* node) { return node != nullptr && node->kind == config::Kind::kList; }
 bool is_map(const Node* node) { return node != nullptr && node->kind == config::Kind::kMap; }
+
+const config::LeanList<const Node*>& items_of(const Node* node) {
+  static const config::LeanList<const Node*> kNone;
+  return is_list(node) ? node->items : kNone;
+}
 
 // Builds the tree from nlohmann's SAX events. The iterator counts lines, because events have none.
 
@@ -94,27 +114,22 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
   TreeBuilder(config::Document& document, const std::uint32_t& line)
       : document_(document), line_(line) {}
 
-  bool null() override { return add(config::Kind::kNull, {}) != nullptr; }
-  bool boolean(bool value) override { return scalar(value ? "true" : "false", false); }
-  bool number_integer(number_integer_t value) override {
-    return scalar(std::to_string(value), false);
-  }
-  bool number_unsigned(number_unsigned_t value) override {
-    return scalar(std::to_string(value), false);
-  }
+  bool null() override { return add(config::Kind::kNull, {}); }
+  bool boolean(bool value) override { return scalar(value ? "true" : "false"); }
+  bool number_integer(number_integer_t value) override { return scalar(std::to_string(value)); }
+  bool number_unsigned(number_unsigned_t value) override { return scalar(std::to_string(value)); }
   bool number_float(number_float_t value, const string_t&) override {
-    return scalar(number_text(value), false);
+    return scalar(number_text(value));
   }
-  bool string(string_t& value) override { return scalar(std::move(value), true); }
+  bool string(string_t& value) override { return scalar(std::move(value)); }
   bool binary(binary_t&) override { return false; }
   bool start_object(std::size_t) override { return open(config::Kind::kMap); }
   bool end_object() override { return close(); }
   bool start_array(std::size_t) override { return open(config::Kind::kList); }
   bool end_array() override { return close(); }
   bool key(string_t& value) override {
-    Node* node = make(config::Kind::kScalar, std::move(value));
-    keys_.back() = node;
-    return node != nullptr;
+    open_.back().key = make(config::Kind::kScalar, std::move(value));
+    return open_.back().key != nullptr;
   }
   bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override {
     fault_ = fmt::format("line {}: no JSON from here on", line_ + 1);
@@ -135,46 +150,41 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
     return &node;
   }
 
-  Node* add(config::Kind kind, std::string text) {
+  bool add(config::Kind kind, std::string text) {
     Node* node = make(kind, std::move(text));
-    if (node == nullptr) return nullptr;
+    if (node == nullptr) return false;
     if (open_.empty()) {
       document_.root = node;
-    } else if (open_.back()->kind == config::Kind::kList) {
-      open_.back()->items.push_back(node);
+    } else if (open_.back().node->kind == config::Kind::kList) {
+      open_.back().node->items.push_back(node);
     } else {
-      open_.back()->entries.push_back({keys_.back(), node});
+      open_.back().node->entries.push_back({open_.back().key, node});
     }
-    return node;
+    return true;
   }
-
-  bool scalar(std::string text, bool quoted) {
-    Node* node = add(config::Kind::kScalar, std::move(text));
-    if (node != nullptr) node->quoted = quoted;
-    return node != nullptr;
-  }
+  bool scalar(std::string text) { return add(config::Kind::kScalar, std::move(text)); }
 
   bool open(config::Kind kind) {
     if (open_.size() == kMaxTreeDepth) {
       fault_ = fmt::format("line {}: nested deeper than {} levels", line_ + 1, kMaxTreeDepth);
       return false;
     }
-    Node* node = add(kind, {});
-    if (node == nullptr) return false;
-    open_.push_back(node);
-    keys_.push_back(nullptr);
+    if (!add(kind, {})) return false;
+    open_.push_back({&document_.nodes.back(), nullptr});
     return true;
   }
   bool close() {
     open_.pop_back();
-    keys_.pop_back();
     return true;
   }
 
+  struct Level {
+    Node* node;
+    Node* key;  // of the next value of a map
+  };
   config::Document& document_;
   const std::uint32_t& line_;
-  std::vector<Node*> open_;
-  std::vector<Node*> keys_;  // parallel to open_
+  std::vector<Level> open_;
   std::string fault_;
 };
 

@@ -2,13 +2,14 @@
 // Refuses more than kMaxTreeNodes nodes or kMaxTreeDepth levels.
 #pragma once
 
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <tl/expected.hpp>
 
 #include "config/document/document.hpp"
+#include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {
 
@@ -16,7 +17,7 @@ inline constexpr std::size_t kMaxTreeNodes = 2'000'000;
 inline constexpr std::size_t kMaxTreeDepth = 64;
 
 using config::Node;
-using Tree = tl::expected<std::unique_ptr<config::Document>, std::string>;
+using Tree = Result<std::unique_ptr<config::Document>>;
 
 // JSON with comments, as in wb-mqtt-serial. The error has the line.
 [[nodiscard]] Tree read_json(std::string_view text);
@@ -27,14 +28,24 @@ using Tree = tl::expected<std::unique_ptr<config::Document>, std::string>;
 [[nodiscard]] const Node* child(const Node& map, std::string_view key);
 [[nodiscard]] std::string_view text_of(const Node* node);
 [[nodiscard]] std::string_view text_at(const Node& map, std::string_view key);
+// The first text of several keys that is not empty.
+[[nodiscard]] std::string_view first_text(const Node& map,
+                                          std::initializer_list<std::string_view> keys);
 [[nodiscard]] std::optional<double> number_at(const Node& map, std::string_view key);
 // Describes a value that is not a finite number.
-[[nodiscard]] std::optional<std::string> fault_of_number(const Node& map, std::string_view key);
+[[nodiscard]] MayFail fault_of_number(const Node& map, std::string_view key);
+// Reads a scale. Without the key, or for 0, the scale stays.
+[[nodiscard]] MayFail read_scale_at(const Node& map, std::string_view key, double& scale);
 [[nodiscard]] std::optional<std::uint64_t> whole_at(const Node& map, std::string_view key);
+// A whole number from `least` to `most`.
+[[nodiscard]] std::optional<unsigned> small_at(const Node& map, std::string_view key,
+                                               unsigned least, unsigned most);
 // true, yes, on, 1; empty if the key is missing.
 [[nodiscard]] std::optional<bool> bool_at(const Node& map, std::string_view key);
 [[nodiscard]] bool is_list(const Node* node);
 [[nodiscard]] bool is_map(const Node* node);
+// Empty if the node is null or not a list.
+[[nodiscard]] const config::LeanList<const Node*>& items_of(const Node* node);
 [[nodiscard]] inline unsigned line_of(const Node& node) { return node.position.line + 1; }
 
 }  // namespace fieldcast::importing

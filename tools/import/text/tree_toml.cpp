@@ -58,7 +58,6 @@ class TomlTree {
     } else {
       node.kind = config::Kind::kScalar;
       node.text = text_of_value(from);
-      node.quoted = from.is_string();
     }
     return &node;
   }
@@ -89,15 +88,12 @@ Tree read_toml(std::string_view text) {
   try {
     parsed = toml::parse(text);
   } catch (const toml::parse_error& error) {
-    return tl::unexpected(fmt::format("line {}: no TOML: {}",
-                                      static_cast<unsigned>(error.source().begin.line),
-                                      escaped(error.description())));
-  } catch (const std::exception& error) {
-    return tl::unexpected(fmt::format("no TOML: {}", error.what()));
-  }
+    return refused("line {}: no TOML: {}", static_cast<unsigned>(error.source().begin.line),
+                   escaped(error.description()));
+  } catch (const std::exception& error) { return refused("no TOML: {}", error.what()); }
   auto document = std::make_unique<config::Document>();
   document->root = TomlTree(*document).add(parsed, 0);
-  if (document->root == nullptr) return tl::unexpected(std::string("too many or too deep values"));
+  if (document->root == nullptr) return refused("too many or too deep values");
   return document;
 }
 

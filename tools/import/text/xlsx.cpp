@@ -1,8 +1,5 @@
 // A workbook is a zip archive of XML. Supports texts, numbers and booleans of one sheet (ECMA-376,
 // part 1, 18.3).
-#include "tools/import/text/xlsx.hpp"
-
-#include <fmt/format.h>
 #include <tinyxml2.h>
 #include <zip.h>
 
@@ -13,7 +10,6 @@
 #include <vector>
 
 #include "tools/import/text/table.hpp"
-#include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {
 namespace {
@@ -84,21 +80,18 @@ std::string text_below(const tinyxml2::XMLElement& element) {
 using Document = tinyxml2::XMLDocument;
 
 // Guarantees a root element; the error names the part.
-tl::expected<std::unique_ptr<Document>, std::string> read_part(const Archive& archive,
-                                                               const std::string& name) {
+Result<std::unique_ptr<Document>> read_part(const Archive& archive, const std::string& name) {
   const auto part = archive.part(name);
   auto document = std::make_unique<Document>();
   if (!part || document->Parse(part->data(), part->size()) != tinyxml2::XML_SUCCESS ||
       document->RootElement() == nullptr)
-    return tl::unexpected(
-        fmt::format("an Excel workbook whose part {} is damaged or larger than "
-                    "{} MiB",
-                    name, kMaxUnpacked >> 20));
+    return refused("an Excel workbook whose part {} is damaged or larger than {} MiB", name,
+                   kMaxUnpacked >> 20);
   return document;
 }
 
 // Workbooks with numbers only have none.
-tl::expected<std::vector<std::string>, std::string> shared_texts(const Archive& archive) {
+Result<std::vector<std::string>> shared_texts(const Archive& archive) {
   static const std::string kPart = "xl/sharedStrings.xml";
   std::vector<std::string> texts;
   if (!archive.has(kPart)) return texts;
@@ -177,20 +170,19 @@ std::optional<std::string> table_of(const tinyxml2::XMLElement& sheet,
 
 bool is_xlsx(std::string_view bytes) { return bytes.starts_with("PK\x03\x04"); }
 
-tl::expected<Decoded, std::string> table_of_xlsx(std::string_view bytes) {
+Result<Decoded> table_of_xlsx(std::string_view bytes) {
   const Archive archive(bytes);
-  if (!archive.is_open()) return tl::unexpected(std::string("a zip archive that is damaged"));
+  if (!archive.is_open()) return refused("a zip archive that is damaged");
   const std::string name = archive.first_sheet();
-  if (name.empty())
-    return tl::unexpected(std::string("a zip archive, no Excel workbook; unpack it first"));
+  if (name.empty()) return refused("a zip archive, no Excel workbook; unpack it first");
   const auto sheet = read_part(archive, name);
   if (!sheet) return tl::unexpected(sheet.error());
   const auto shared = shared_texts(archive);
   if (!shared) return tl::unexpected(shared.error());
   auto table = table_of(*(*sheet)->RootElement(), *shared);
   if (!table)
-    return tl::unexpected(fmt::format("an Excel workbook whose sheet has more than {} MiB of text",
-                                      kMaxUnpacked >> 20));
+    return refused("an Excel workbook whose sheet has more than {} MiB of text",
+                   kMaxUnpacked >> 20);
   return Decoded{*std::move(table), "Excel workbook"};
 }
 

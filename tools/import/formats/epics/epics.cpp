@@ -1,15 +1,9 @@
 // EPICS with the modbus module: a startup script and its records. Files named in a script are
 // looked up by file name among the inputs.
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <map>
 
 #include "tools/import/formats/epics/epics_files.hpp"
 #include "tools/import/formats/epics/epics_record.hpp"
-#include "tools/import/formats/format.hpp"
-#include "tools/import/points/names.hpp"
-#include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {
 namespace {
@@ -62,16 +56,14 @@ class EpicsReader {
     const std::string name(call.argument(0));
     if (call.command == "drvAsynIPPortConfigure") {
       const std::string_view host = call.argument(1);
-      octets_[name].port.tcp = host.substr(0, host.find(' '));
-      octets_[name].origin = call.origin;
-      if (host.find("UDP") != std::string_view::npos)
+      OctetPort& octet = octet_of(name, call, "modbus-tcp");
+      octet.port.tcp = host.substr(0, host.find(' '));
+      if (contains(host, "UDP"))
         found_.notes.push_back(fmt::format("{}: UDP is not moved; TCP is taken", name));
-      if (octets_[name].protocol.empty()) octets_[name].protocol = "modbus-tcp";
     } else if (call.command == "drvAsynSerialPortConfigure") {
-      octets_[name].port.serial = call.argument(1);
-      octets_[name].port.usual = {9600, "asyn"};
-      octets_[name].origin = call.origin;
-      if (octets_[name].protocol.empty()) octets_[name].protocol = "modbus-rtu";
+      OctetPort& octet = octet_of(name, call, "modbus-rtu");
+      octet.port.serial = call.argument(1);
+      octet.port.usual = {9600, "asyn"};
     } else if (call.command == "asynSetOption") {
       if (!set_option(octets_[name], call.argument(2), call.argument(3)))
         other_keys_[call.origin.file].add(call.argument(2), call.command, call.origin.line);
@@ -82,11 +74,18 @@ class EpicsReader {
     }
   }
 
+  OctetPort& octet_of(const std::string& name, const IocCall& call, std::string_view protocol) {
+    OctetPort& octet = octets_[name];
+    octet.origin = call.origin;
+    if (octet.protocol.empty()) octet.protocol = protocol;
+    return octet;
+  }
+
   // False if no line of a bus has the option.
   static bool set_option(OctetPort& octet, std::string_view key, std::string_view value) {
     if (key == "baud") {
-      const auto baud = whole_from(value);
-      if (baud && *baud < 10'000'000) octet.port.line.baud = static_cast<std::uint32_t>(*baud);
+      if (const auto baud = whole_from(value, 0, 9'999'999))
+        octet.port.line.baud = static_cast<std::uint32_t>(*baud);
     } else if (key == "bits") {
       octet.bits = value;
     } else if (key == "stop") {
@@ -102,37 +101,32 @@ class EpicsReader {
   static void interpose(OctetPort& octet, const IocCall& call) {
     constexpr std::string_view kLinks[] = {"modbus-tcp", "modbus-rtu", "modbus-ascii",
                                            "modbus-tcp"};
-    const auto link = c_number(call.argument(1));
-    if (link && *link >= 0 && *link < 4) octet.protocol = kLinks[*link];
-    const auto timeout = c_number(call.argument(2)), pause = c_number(call.argument(3));
-    if (timeout && *timeout > 0 && *timeout <= 60'000)
+    if (const auto link = c_number(call.argument(1), 0, 3)) octet.protocol = kLinks[*link];
+    if (const auto timeout = c_number(call.argument(2), 1, 60'000))
       octet.timeout = std::chrono::milliseconds{*timeout};
-    if (pause && *pause > 0 && *pause <= 60'000) octet.pause = std::chrono::milliseconds{*pause};
+    if (const auto pause = c_number(call.argument(3), 1, 60'000))
+      octet.pause = std::chrono::milliseconds{*pause};
   }
 
   void configure(const std::string& name, const IocCall& call) {
+    const auto slave = c_number(call.argument(2)), function = c_number(call.argument(3), 0, 255),
+               start = c_number(call.argument(4)), length = c_number(call.argument(5));
+    const auto refuse = [&](std::string reason) {
+      found_.refusals.push_back({name, call.origin, std::move(reason)});
+    };
+    if (slave && (*slave < 0 || *slave > 255))
+      return refuse(fmt::format("{} is no address of a device on its bus", *slave));
+    if (!slave || !function || !start || *start > 65535 || !length)
+      return refuse("the arguments of drvModbusAsynConfigure are no numbers");
     ModbusPort port;
     port.octet_port = call.argument(1);
-    const auto slave = c_number(call.argument(2)), function = c_number(call.argument(3)),
-               start = c_number(call.argument(4)), length = c_number(call.argument(5));
-    if (slave && (*slave < 0 || *slave > 255)) {
-      found_.refusals.push_back(
-          {name, call.origin, fmt::format("{} is no address of a device on its bus", *slave)});
-      return;
-    }
-    if (!slave || !function || *function < 0 || *function > 255 || !start || *start > 65535 ||
-        !length) {
-      found_.refusals.push_back(
-          {name, call.origin, "the arguments of drvModbusAsynConfigure are no numbers"});
-      return;
-    }
     port.slave = static_cast<std::uint16_t>(*slave);
     port.function = static_cast<unsigned>(*function);
     port.start = *start;
     port.length = *length;
     port.data_type = call.argument(6);
     port.poll_ms = c_number(call.argument(7)).value_or(0);
-    port.other_address_back = call.argument(8).find("Wago") != std::string_view::npos;
+    port.other_address_back = contains(call.argument(8), "Wago");
     ports_[name] = std::move(port);
   }
 
@@ -150,24 +144,14 @@ class EpicsReader {
       return refuse(files_.has_script
                         ? fmt::format("no drvModbusAsynConfigure makes the port '{}'", link->port)
                         : "the startup script (st.cmd) names the line; give it as well");
-    std::vector<Point>& points = device_of(port->second).points;
-    if (auto fault = read_epics_record(record, *link, port->second, points))
+    Device& device = device_at(buses_[port->second.octet_port], port->second.slave);
+    device.name = fmt::format("{}-{}", port->second.octet_port, port->second.slave);
+    if (auto fault = read_epics_record(record, *link, port->second, device.points))
       return refuse(std::move(*fault));
     for (const auto& [name, value] : record.fields) {
       if (!uses_epics_field(name))
         other_keys_[record.origin.file].add(name, "a record", record.origin.line);
     }
-  }
-
-  Device& device_of(const ModbusPort& port) {
-    Bus& bus = buses_[port.octet_port];
-    for (Device& device : bus.devices) {
-      if (device.address == port.slave) return device;
-    }
-    Device& device = bus.devices.emplace_back();
-    device.address = port.slave;
-    device.name = fmt::format("{}-{}", port.octet_port, port.slave);
-    return device;
   }
 
   const EpicsFiles& files_;
@@ -179,12 +163,10 @@ class EpicsReader {
   std::map<std::string, OtherKeys> other_keys_;  // by file
 };
 
-}  // namespace
-
 Confidence recognise_epics(const SourceText& source) {
   const std::string_view text = source.text;
-  if (text.find("drvModbusAsynConfigure") != std::string_view::npos) return kCertain;
-  if (is_database(text) && text.find("asyn") != std::string_view::npos) return kCertain;
+  if (contains(text, "drvModbusAsynConfigure")) return kCertain;
+  if (is_database(text) && contains(text, "asyn")) return kCertain;
   if (is_startup_script(text)) return kLikely;
   return is_substitutions(text) ? kLikely : is_database(text) ? kGuess : 0;
 }
@@ -193,5 +175,10 @@ Read read_epics(std::span<const SourceText> sources, const ReadOptions&) {
   const EpicsFiles files = load_epics(sources);
   return EpicsReader(files).read();
 }
+
+}  // namespace
+
+constinit const Format kEpicsFormat{"epics", "EPICS modbus: st.cmd, databases, substitutions",
+                                    recognise_epics, read_epics, "0"};
 
 }  // namespace fieldcast::importing

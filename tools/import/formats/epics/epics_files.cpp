@@ -1,12 +1,8 @@
 #include "tools/import/formats/epics/epics_files.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <charconv>
 #include <set>
-
-#include "tools/import/formats/epics/epics_templates.hpp"
 
 namespace fieldcast::importing {
 namespace {
@@ -33,12 +29,11 @@ std::string expand_at(std::string_view text, const Macros& macros, unsigned dept
       if (text[end] == close && --inner == 0) break;
     }
     const std::string_view body = text.substr(i + 2, end - i - 2);
-    const std::size_t equals = body.find('=');
-    const auto known = macros.find(trimmed(body.substr(0, equals)));
-    if (known != macros.end() && depth < kMaxMacroDepth) {
-      result += expand_at(known->second, macros, depth + 1, steps);
-    } else if (equals != std::string_view::npos && depth < kMaxMacroDepth) {
-      result += expand_at(body.substr(equals + 1), macros, depth + 1, steps);
+    const auto [name, usual] = halves(body, '=');
+    const auto known = macros.find(trimmed(name));
+    const bool has_usual = name.size() < body.size();
+    if (depth < kMaxMacroDepth && (known != macros.end() || has_usual)) {
+      result += expand_at(known != macros.end() ? known->second : usual, macros, depth + 1, steps);
     } else {
       result += text.substr(i, end - i + 1);
     }
@@ -51,6 +46,74 @@ std::string expand_at(std::string_view text, const Macros& macros, unsigned dept
 std::string_view base_of(std::string_view path) {
   const std::size_t slash = path.rfind('/');
   return slash == std::string_view::npos ? path : path.substr(slash + 1);
+}
+
+// Tokens of databases and substitutions: names, quoted texts, brackets, commas.
+struct EpicsToken {
+  std::string text;
+  unsigned line = 0;    // from 1
+  bool quoted = false;  // never a bracket
+  [[nodiscard]] bool is(std::string_view mark) const { return !quoted && text == mark; }
+};
+
+class EpicsTokens {
+ public:
+  explicit EpicsTokens(std::string_view text) : text_(text) {}
+  // Empty at the end.
+  [[nodiscard]] std::optional<EpicsToken> next();
+
+ private:
+  void skip_blanks();
+  std::string_view text_;
+  std::size_t at_ = 0;
+  unsigned line_ = 1;
+};
+
+void EpicsTokens::skip_blanks() {
+  for (; at_ < text_.size(); ++at_) {
+    const char c = text_[at_];
+    if (c == '#') at_ = std::min(text_.find('\n', at_), text_.size() - 1);
+    if (text_[at_] == '\n') {
+      ++line_;
+    } else if (text_[at_] != ' ' && text_[at_] != '\t' && c != '#') {
+      return;
+    }
+  }
+}
+
+std::optional<EpicsToken> EpicsTokens::next() {
+  skip_blanks();
+  if (at_ >= text_.size()) return std::nullopt;
+  EpicsToken token{.text = {}, .line = line_};
+  if (contains("{}(),", text_.substr(at_, 1))) {
+    token.text = text_[at_++];
+    return token;
+  }
+  if (text_[at_] == '"') {
+    token.quoted = true;
+    for (++at_; at_ < text_.size() && text_[at_] != '"'; ++at_) {
+      if (text_[at_] == '\\' && at_ + 1 < text_.size()) ++at_;
+      if (text_[at_] == '\n') ++line_;
+      token.text += text_[at_];
+    }
+    if (at_ < text_.size()) ++at_;
+    return token;
+  }
+  // The brackets of a macro are part of the word: $(P)$(R).
+  std::size_t open = 0;
+  for (; at_ < text_.size(); ++at_) {
+    const char c = text_[at_];
+    const bool macro = (c == '(' || c == '{') && at_ > 0 && text_[at_ - 1] == '$';
+    if (macro) {
+      ++open;
+    } else if (open > 0 && (c == ')' || c == '}')) {
+      --open;
+    } else if (c == '\n' || (open == 0 && contains(" \t\"{}(),#", text_.substr(at_, 1)))) {
+      break;
+    }
+    token.text += c;
+  }
+  return token;
 }
 
 class EpicsLoader {
@@ -77,12 +140,11 @@ class EpicsLoader {
     used_.insert(source.file);
     files_.has_script = true;
     unsigned line = 0;
-    for (std::size_t at = 0; at < source.text.size();) {
-      const std::size_t end = std::min(source.text.find('\n', at), source.text.size());
+    for (std::string_view rest = source.text; !rest.empty();) {
+      const auto [first, others] = halves(rest, '\n');
+      rest = others;
       ++line;
-      const std::string text =
-          expand(trimmed(std::string_view(source.text).substr(at, end - at)), environment_);
-      at = end + 1;
+      const std::string text = expand(trimmed(first), environment_);
       if (text.empty() || text[0] == '#' || text[0] == '<') continue;
       IocCall call = call_of(text);
       call.origin = {source.file, line};
@@ -117,23 +179,19 @@ class EpicsLoader {
   }
 
   void obey(const IocCall& call) {
-    if (call.command == "epicsEnvSet") {
-      environment_[std::string(call.argument(0))] = call.argument(1);
-    } else if (call.command == "dbLoadRecords") {
-      load_named(call, call.argument(0), macros_from(call.argument(1)), false);
-    } else if (call.command == "dbLoadTemplate") {
-      load_named(call, call.argument(0), macros_from(call.argument(1)), true);
-    }
-  }
-
-  void load_named(const IocCall& call, std::string_view path, Macros macros, bool substitutions) {
+    const std::string_view path = call.argument(0);
+    if (call.command == "epicsEnvSet") environment_[std::string(path)] = call.argument(1);
+    const bool substitutions = call.command == "dbLoadTemplate";
+    if (!substitutions && call.command != "dbLoadRecords") return;
+    Macros macros = macros_from(call.argument(1));
     for (const auto& [name, value] : environment_) macros.try_emplace(name, value);
-    if (substitutions) {
-      const SourceText* source = given(path);
-      if (source == nullptr) return missing(path, call.origin);
+    const SourceText* source = given(path);
+    if (source != nullptr && substitutions) {
       load_substitutions(*source, macros);
-    } else if (const SourceText* source = given(path)) {
+    } else if (source != nullptr) {
       load_database(*source, macros);
+    } else if (substitutions) {
+      missing(path, call.origin);
     } else {
       load_template(path, macros, call.origin);
     }
@@ -303,9 +361,8 @@ std::string expand(std::string_view text, const Macros& macros) {
 Macros macros_from(std::string_view text) {
   Macros macros;
   for (const std::string_view part : split(text, ',')) {
-    const std::size_t equals = part.find('=');
-    if (equals == std::string_view::npos) continue;
-    macros[std::string(trimmed(part.substr(0, equals)))] = trimmed(part.substr(equals + 1));
+    const auto [name, value] = halves(part, '=');
+    if (name.size() < part.size()) macros[std::string(trimmed(name))] = trimmed(value);
   }
   return macros;
 }
@@ -313,28 +370,21 @@ Macros macros_from(std::string_view text) {
 EpicsFiles load_epics(std::span<const SourceText> sources) { return EpicsLoader(sources).load(); }
 
 bool is_startup_script(std::string_view text) {
-  return text.find("drvModbusAsynConfigure") != std::string_view::npos ||
-         text.find("drvAsyn") != std::string_view::npos ||
-         text.find("dbLoadRecords") != std::string_view::npos ||
-         text.find("dbLoadTemplate") != std::string_view::npos;
+  return contains(text, "drvModbusAsynConfigure") || contains(text, "drvAsyn") ||
+         contains(text, "dbLoadRecords") || contains(text, "dbLoadTemplate");
 }
 
 bool is_database(std::string_view text) {
-  const std::size_t record = text.find("record(");
-  const bool spaced = text.find("record (") != std::string_view::npos;
-  return (record != std::string_view::npos || spaced) &&
-         text.find("field") != std::string_view::npos;
+  return (contains(text, "record(") || contains(text, "record (")) && contains(text, "field");
 }
 
 bool is_substitutions(std::string_view text) {
   const std::size_t file = text.find("file ");
   return file != std::string_view::npos && text.find('{', file) != std::string_view::npos &&
-         (text.find("pattern") != std::string_view::npos ||
-          text.find(".template") != std::string_view::npos ||
-          text.find(".db") != std::string_view::npos);
+         (contains(text, "pattern") || contains(text, ".template") || contains(text, ".db"));
 }
 
-std::optional<std::int64_t> c_number(std::string_view text) {
+std::optional<std::int64_t> c_number(std::string_view text, std::int64_t least, std::int64_t most) {
   text = trimmed(text);
   const bool minus = text.starts_with('-');
   if (minus) text.remove_prefix(1);
@@ -348,7 +398,8 @@ std::optional<std::int64_t> c_number(std::string_view text) {
   std::int64_t number = 0;
   const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), number, base);
   if (fault != std::errc{} || text.empty() || end != text.data() + text.size()) return std::nullopt;
-  return minus ? -number : number;
+  if (minus) number = -number;
+  return number >= least && number <= most ? std::optional(number) : std::nullopt;
 }
 
 }  // namespace fieldcast::importing

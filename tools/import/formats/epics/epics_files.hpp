@@ -2,6 +2,7 @@
 // records; expanded macros of kMaxExpanded bytes and 10 levels.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <span>
 #include <string>
@@ -47,11 +48,20 @@ struct EpicsFiles {
 
 [[nodiscard]] EpicsFiles load_epics(std::span<const SourceText> sources);
 
+// Record templates of the EPICS modbus module, which users need not pass.
+
+// Its macros are unexpanded; empty for other files.
+[[nodiscard]] std::optional<EpicsRecord> module_template(std::string_view file);
+// Records about the driver itself: statistics, delays, the asyn record.
+[[nodiscard]] bool is_driver_template(std::string_view file);
+
 [[nodiscard]] bool is_startup_script(std::string_view text);
 [[nodiscard]] bool is_database(std::string_view text);
 [[nodiscard]] bool is_substitutions(std::string_view text);
 
 // Decimal, 0x.., or octal with a leading 0.
-[[nodiscard]] std::optional<std::int64_t> c_number(std::string_view text);
+[[nodiscard]] std::optional<std::int64_t> c_number(std::string_view text,
+                                                   std::int64_t least = INT64_MIN,
+                                                   std::int64_t most = INT64_MAX);
 
 }  // namespace fieldcast::importing

@@ -3,8 +3,6 @@
 // (bits, conversion of each interface); EPICS record reference (LINR, ASLO, AOFF, DRVH, alarms).
 #include "tools/import/formats/epics/epics_record.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -12,60 +10,41 @@
 
 #include "tools/import/points/address.hpp"
 #include "tools/import/points/types.hpp"
-#include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {
 namespace {
 
-using MayFail = std::optional<std::string>;
-
 // modbusDataType_t since R3-1, for scripts that use the number.
-constexpr std::array<std::string_view, 37> kNumbered{
-    "INT16",           "INT16SM",      "BCD_UNSIGNED",  "BCD_SIGNED",
-    "UINT16",          "INT32_LE",     "INT32_LE_BS",   "INT32_BE",
-    "INT32_BE_BS",     "UINT32_LE",    "UINT32_LE_BS",  "UINT32_BE",
-    "UINT32_BE_BS",    "INT64_LE",     "INT64_LE_BS",   "INT64_BE",
-    "INT64_BE_BS",     "UINT64_LE",    "UINT64_LE_BS",  "UINT64_BE",
-    "UINT64_BE_BS",    "FLOAT32_LE",   "FLOAT32_LE_BS", "FLOAT32_BE",
-    "FLOAT32_BE_BS",   "FLOAT64_LE",   "FLOAT64_LE_BS", "FLOAT64_BE",
-    "FLOAT64_BE_BS",   "STRING_HIGH",  "STRING_LOW",    "STRING_HIGH_LOW",
-    "STRING_LOW_HIGH", "ZSTRING_HIGH", "ZSTRING_LOW",   "ZSTRING_HIGH_LOW",
-    "ZSTRING_LOW_HIGH"};
+constexpr std::string_view kNumbered =
+    "INT16 INT16SM BCD_UNSIGNED BCD_SIGNED UINT16 INT32_LE INT32_LE_BS INT32_BE INT32_BE_BS "
+    "UINT32_LE UINT32_LE_BS UINT32_BE UINT32_BE_BS INT64_LE INT64_LE_BS INT64_BE "
+    "INT64_BE_BS UINT64_LE UINT64_LE_BS UINT64_BE UINT64_BE_BS FLOAT32_LE FLOAT32_LE_BS "
+    "FLOAT32_BE FLOAT32_BE_BS FLOAT64_LE FLOAT64_LE_BS FLOAT64_BE FLOAT64_BE_BS STRING_HIGH "
+    "STRING_LOW STRING_HIGH_LOW STRING_LOW_HIGH ZSTRING_HIGH ZSTRING_LOW ZSTRING_HIGH_LOW "
+    "ZSTRING_LOW_HIGH";
 
-std::string_view field(const EpicsRecord& record, std::string_view name) {
+std::string_view epics_field(const EpicsRecord& record, std::string_view name) {
   const auto found = record.fields.find(name);
   return found == record.fields.end() ? std::string_view() : std::string_view(found->second);
 }
-std::optional<double> number_field(const EpicsRecord& record, std::string_view name) {
-  return number_from(field(record, name));
-}
 
-std::optional<ModbusArea> area_of(unsigned function) {
-  switch (function) {
-    case 1:
-    case 5:
-    case 15: return ModbusArea::kCoil;
-    case 2: return ModbusArea::kInput;
-    case 4: return ModbusArea::kInputRegister;
-    case 3:
-    case 6:
-    case 16:
-    case 123:
-    case 223: return ModbusArea::kHolding;
-    default: return std::nullopt;
-  }
-}
-bool writes(unsigned function) {
-  return function == 5 || function == 6 || function == 15 || function == 16 || function == 223;
-}
+// Functions of a port; 123 and 223 read and write with function 23.
+constexpr Words<ModbusArea> kAreas[] = {{"1 5 15", ModbusArea::kCoil},
+                                        {"2", ModbusArea::kInput},
+                                        {"4", ModbusArea::kInputRegister},
+                                        {"3 6 16 123 223", ModbusArea::kHolding}};
+constexpr std::string_view kWriting = "5 6 15 16 223";
 
 class RecordReader {
  public:
   RecordReader(const EpicsRecord& record, const AsynLink& link, const ModbusPort& port)
-      : record_(record), link_(link), port_(port) {}
+      : record_(record),
+        link_(link),
+        port_(port),
+        out_(is_one_of(std::to_string(port.function), kWriting)) {}
 
   MayFail read(std::vector<Point>& points) {
-    const auto area = area_of(port_.function);
+    const auto area = value_of(kAreas, std::to_string(port_.function));
     if (!area) return fmt::format("its port uses the function {}", port_.function);
     const auto offset = c_number(link_.offset);
     const std::int64_t first = offset.value_or(-1) + std::max<std::int64_t>(port_.start, 0);
@@ -73,30 +52,35 @@ class RecordReader {
       return fmt::format("'{}' is no offset", link_.offset);
     point_.name = record_.name;
     point_.origin = record_.origin;
-    point_.unit = field(record_, "EGU");
-    point_.description = field(record_, "DESC");
-    if (const auto fault = read_direction()) return fault;
-    if (const auto fault = read_value(*area, *offset)) return fault;
+    point_.unit = field("EGU");
+    point_.description = field("DESC");
+    if (auto fault = read_direction()) return fault;
+    if (auto fault = read_value(*area, *offset)) return fault;
     read_alarms();
     point_.at = address_text(*area, static_cast<std::uint64_t>(first), bit_);
-    if (elements_ > 0) {
-      append_array(points, point_, *area, static_cast<std::uint32_t>(first), elements_);
-    } else {
-      points.push_back(std::move(point_));
-    }
+    append_points(points, std::move(point_), *area, static_cast<std::uint32_t>(first), elements_);
     return std::nullopt;
   }
 
  private:
+  [[nodiscard]] std::string_view field(std::string_view name) const {
+    return epics_field(record_, name);
+  }
+  [[nodiscard]] std::optional<double> number(std::string_view name) const {
+    return number_from(field(name));
+  }
+  [[nodiscard]] bool is_record(std::string_view types) const {
+    return is_one_of(record_.type, types);
+  }
+
   MayFail read_direction() {
-    const bool out = writes(port_.function);
-    const bool out_record = record_.fields.contains("OUT") ||
-                            field(record_, "DTYP").find("Out") != std::string_view::npos ||
-                            field(record_, "DTYP") == "asynOctetWrite";
-    if (out_record != out)
+    const std::string_view interface = field("DTYP");
+    const bool out_record = record_.fields.contains("OUT") || contains(interface, "Out") ||
+                            interface == "asynOctetWrite";
+    if (out_record != out_)
       return fmt::format("the record {}, its port has the function {}",
                          out_record ? "writes" : "reads", port_.function);
-    if (!out) {
+    if (!out_) {
       read_period();
     } else if (port_.poll_ms > 0 && !port_.other_address_back) {
       point_.access = Access::kReadWrite;
@@ -109,7 +93,7 @@ class RecordReader {
 
   // ".1 second", "10 second"; other values use the poll time of the port.
   void read_period() {
-    const std::string_view scan = field(record_, "SCAN");
+    const std::string_view scan = field("SCAN");
     const std::size_t second = scan.find("second");
     const auto seconds = second == std::string_view::npos
                              ? std::nullopt
@@ -122,10 +106,10 @@ class RecordReader {
   }
 
   MayFail read_value(ModbusArea area, std::int64_t offset) {
-    const std::string_view interface = field(record_, "DTYP");
-    if (interface.find("Array") != std::string_view::npos) {
-      const auto count = whole_from(field(record_, "NELM"));
-      if (!count || *count == 0 || *count > 2000) return "an array without NELM";
+    const std::string_view interface = field("DTYP");
+    if (contains(interface, "Array")) {
+      const auto count = whole_from(field("NELM"), 1, 2000);
+      if (!count) return "an array without NELM";
       elements_ = static_cast<unsigned>(*count);
     }
     if (holds_bits(area)) {
@@ -133,7 +117,7 @@ class RecordReader {
       const bool one_bit = !link_.masked || interface != "asynUInt32Digital" ||
                            c_number(link_.mask).value_or(1) == 1;
       if (!one_bit) return "several bits in one record; write a channel for each";
-      return record_.type == "ai" || record_.type == "ao" ? read_scale(interface) : MayFail();
+      return is_record("ai ao") ? read_scale(interface) : MayFail();
     }
     if (interface == "asynUInt32Digital") return read_mask();
     return read_typed(interface, offset);
@@ -148,7 +132,7 @@ class RecordReader {
     }
     if (mask != 0 && mask != 0xFFFF)
       return fmt::format("the bits {} of a register; a channel has one bit or all", link_.mask);
-    if (record_.type == "bi" || record_.type == "bo") return "a bit without its mask";
+    if (is_record("bi bo")) return "a bit without its mask";
     point_.type = ValueType::kUint16;
     return std::nullopt;
   }
@@ -156,16 +140,17 @@ class RecordReader {
   MayFail read_typed(std::string_view interface, std::int64_t offset) {
     std::string name = link_.driver_user;
     if (name.empty() || name == "MODBUS_DATA") name = port_.data_type;
-    if (const auto number = c_number(name)) {
-      if (*number < 0 || *number >= static_cast<std::int64_t>(kNumbered.size()))
+    if (const auto index = c_number(name)) {
+      const auto names = split(kNumbered, ' ');
+      if (*index < 0 || *index >= static_cast<std::int64_t>(names.size()))
         return fmt::format("the data type {} is unknown", name);
-      name = kNumbered[static_cast<std::size_t>(*number)];
-      if (*number != 0)
+      name = names[static_cast<std::size_t>(*index)];
+      if (*index != 0)
         point_.changes.push_back(
-            fmt::format("data type {} is taken for {}, as since R3-1", *number, name));
+            fmt::format("data type {} is taken for {}, as since R3-1", *index, name));
     }
     if (interface.starts_with("asynOctet")) return read_text(name, offset);
-    if (name.find("STRING") != std::string::npos) return "a text in a record of numbers";
+    if (contains(name, "STRING")) return "a text in a record of numbers";
     if (name == "INT16SM") return "sign and magnitude is no type of a channel";
     if (name == "BCD_SIGNED") return "signed BCD is no type of a channel";
     if (name == "BCD_UNSIGNED") name = "bcd16";
@@ -175,17 +160,16 @@ class RecordReader {
     point_.word_order = type->word_order.value_or(WordOrder::kBigEndian);
     point_.byte_order = type->byte_order.value_or(ByteOrder::kBigEndian);
     note_states();
-    if (const auto fault = read_bits(interface)) return fault;
-    if (const auto fault = read_scale(interface)) return fault;
+    if (auto fault = read_bits(interface)) return fault;
+    if (auto fault = read_scale(interface)) return fault;
     read_drive_limits();
     return std::nullopt;
   }
 
   // Records with states become the register's number.
   void note_states() {
-    if (record_.type == "bi" || record_.type == "bo")
-      point_.changes.emplace_back("a number: 0 is off, any other is on");
-    if (record_.type == "mbbi" || record_.type == "mbbo")
+    if (is_record("bi bo")) point_.changes.emplace_back("a number: 0 is off, any other is on");
+    if (is_record("mbbi mbbo"))
       point_.changes.emplace_back("the number of the register, not its state");
   }
 
@@ -201,7 +185,7 @@ class RecordReader {
     Encoding encoding;
     encoding.type = point_.type;
     const unsigned width = width_bits(encoding), bits = static_cast<unsigned>(std::abs(*said));
-    const bool with_sign = *said < 0, reads = !writes(port_.function);
+    const bool with_sign = *said < 0;
     bits_ = static_cast<int>(*said);
     if (point_.type == ValueType::kBcd16)
       return bits >= 14 ? MayFail() : fmt::format("{} bits of a BCD number", bits);
@@ -209,12 +193,12 @@ class RecordReader {
     if (bits > width)
       return signed_type && !with_sign ? fmt::format("{} bits of a number of {}", bits, width)
                                        : MayFail();
-    if (bits == 8 && width == 16 && reads) {
+    if (bits == 8 && width == 16 && !out_) {
       point_.byte = 0;
       point_.type = *integer_of(8, with_sign);
       return std::nullopt;
     }
-    if (bits < width && with_sign && reads)
+    if (bits < width && with_sign && !out_)
       return fmt::format("a sign in bit {} of a number of {} bits", bits - 1, width);
     point_.type = *integer_of(width, with_sign);
     if (bits < width)
@@ -225,8 +209,8 @@ class RecordReader {
   // Limits of written values in the units of the record; ignored if the upper one is not greater.
   void read_drive_limits() {
     if (!is_number(point_.type) || point_.access == Access::kReadOnly) return;
-    const double low = number_field(record_, "DRVL").value_or(0);
-    const double high = number_field(record_, "DRVH").value_or(0);
+    const double low = number("DRVL").value_or(0);
+    const double high = number("DRVH").value_or(0);
     if (high <= low) return;
     point_.write_min = low;
     point_.write_max = high;
@@ -237,12 +221,12 @@ class RecordReader {
     if (name.ends_with("LOW_HIGH")) {
       point_.byte_order = ByteOrder::kLittleEndian;
     } else if (!name.ends_with("HIGH_LOW")) {
-      return "a text with one character in each register";
+      return kSparseText;
     }
-    const auto elements = whole_from(field(record_, "NELM"));
-    const bool waveform = record_.type == "waveform" || record_.type == "lsi";
+    const auto elements = whole_from(field("NELM"));
     const std::int64_t room = port_.start < 0 ? port_.length : port_.length - offset;
-    const std::int64_t wanted = waveform && elements ? static_cast<std::int64_t>(*elements) : 40;
+    const std::int64_t wanted =
+        is_record("waveform lsi") && elements ? static_cast<std::int64_t>(*elements) : 40;
     const std::int64_t bytes = std::min({wanted, 2 * room, std::int64_t{kMaxStringBytes}});
     if (bytes <= 0) return "a text without a length";
     point_.type = ValueType::kString;
@@ -253,15 +237,13 @@ class RecordReader {
   // VAL = raw * ASLO + AOFF, then LINR; asynFloat64 ignores LINR, asynInt64 returns the raw number.
   MayFail read_scale(std::string_view interface) {
     if (interface.starts_with("asynInt64")) return std::nullopt;
-    if (const auto slope = number_field(record_, "ASLO"); slope && *slope != 0)
-      point_.scale = *slope;
-    point_.offset = number_field(record_, "AOFF").value_or(0);
+    if (const auto slope = number("ASLO"); slope && *slope != 0) point_.scale = *slope;
+    point_.offset = number("AOFF").value_or(0);
     if (interface.starts_with("asynFloat64")) return std::nullopt;
-    const std::string_view linear = field(record_, "LINR");
-    if (linear.empty() || linear == "NO CONVERSION" || linear.starts_with("NO "))
-      return std::nullopt;
+    const std::string_view linear = field("LINR");
+    if (linear.empty() || linear.starts_with("NO ")) return std::nullopt;
     if (linear == "SLOPE") {
-      apply(number_field(record_, "ESLO").value_or(1), number_field(record_, "EOFF").value_or(0));
+      apply(number("ESLO").value_or(1), number("EOFF").value_or(0));
       return std::nullopt;
     }
     if (linear != "LINEAR") return fmt::format("the conversion {} is not linear", linear);
@@ -275,8 +257,8 @@ class RecordReader {
 
   // LINEAR maps the range of the bits to EGUL .. EGUF. Signed values do not use the lowest number.
   MayFail read_range() {
-    const double low = number_field(record_, "EGUL").value_or(0);
-    const double high = number_field(record_, "EGUF").value_or(0);
+    const double low = number("EGUL").value_or(0);
+    const double high = number("EGUF").value_or(0);
     if (low == high) return "LINR is LINEAR without EGUL and EGUF";
     if (bits_ == 0) return "LINR is LINEAR without a number of bits";
     const double steps = static_cast<double>(std::int64_t{1} << std::abs(bits_));
@@ -292,8 +274,8 @@ class RecordReader {
   void read_alarms() {
     if (!is_number(point_.type) || point_.access == Access::kWriteOnly) return;
     const auto limit = [&](std::string_view value, std::string_view severity) {
-      const std::string_view level = field(record_, severity);
-      return level.empty() || level == "NO_ALARM" ? std::nullopt : number_field(record_, value);
+      const std::string_view level = field(severity);
+      return level.empty() || level == "NO_ALARM" ? std::nullopt : number(value);
     };
     const std::array limits{limit("LOLO", "LLSV"), limit("LOW", "LSV"), limit("HIGH", "HSV"),
                             limit("HIHI", "HHSV")};
@@ -309,13 +291,14 @@ class RecordReader {
     point_.low = limits[1];
     point_.high = limits[2];
     point_.high_high = limits[3];
-    const auto hysteresis = number_field(record_, "HYST");
+    const auto hysteresis = number("HYST");
     if (before && hysteresis && *hysteresis > 0) point_.hysteresis = hysteresis;
   }
 
   const EpicsRecord& record_;
   const AsynLink& link_;
   const ModbusPort& port_;
+  const bool out_;
   Point point_;
   std::optional<std::uint8_t> bit_;
   unsigned elements_ = 0;  // 0: not an array
@@ -325,8 +308,8 @@ class RecordReader {
 }  // namespace
 
 std::optional<AsynLink> link_of(const EpicsRecord& record) {
-  std::string_view text = field(record, "INP");
-  if (text.empty()) text = field(record, "OUT");
+  std::string_view text = epics_field(record, "INP");
+  if (text.empty()) text = epics_field(record, "OUT");
   text = trimmed(text);
   AsynLink link;
   link.masked = text.starts_with("@asynMask(");
@@ -348,15 +331,13 @@ std::optional<AsynLink> link_of(const EpicsRecord& record) {
 }
 
 bool uses_epics_field(std::string_view name) {
-  constexpr std::array<std::string_view, 25> kUsed{
-      "AOFF", "ASLO", "DESC", "DRVH", "DRVL", "DTYP", "EGU",  "EGUF", "EGUL",
-      "EOFF", "ESLO", "HHSV", "HIGH", "HIHI", "HSV",  "HYST", "INP",  "LINR",
-      "LLSV", "LOLO", "LOW",  "LSV",  "NELM", "OUT",  "SCAN"};
-  return std::ranges::find(kUsed, name) != kUsed.end();
+  return is_one_of(name,
+                   "AOFF ASLO DESC DRVH DRVL DTYP EGU EGUF EGUL EOFF ESLO HHSV HIGH HIHI HSV HYST "
+                   "INP LINR LLSV LOLO LOW LSV NELM OUT SCAN");
 }
 
-std::optional<std::string> read_epics_record(const EpicsRecord& record, const AsynLink& link,
-                                             const ModbusPort& port, std::vector<Point>& points) {
+MayFail read_epics_record(const EpicsRecord& record, const AsynLink& link, const ModbusPort& port,
+                          std::vector<Point>& points) {
   return RecordReader(record, link, port).read(points);
 }
 

@@ -30,10 +30,8 @@ struct AsynLink {
 [[nodiscard]] std::optional<AsynLink> link_of(const EpicsRecord& record);
 
 // Appends one point for each element. Returns the reason if it cannot be imported.
-[[nodiscard]] std::optional<std::string> read_epics_record(const EpicsRecord& record,
-                                                           const AsynLink& link,
-                                                           const ModbusPort& port,
-                                                           std::vector<Point>& points);
+[[nodiscard]] MayFail read_epics_record(const EpicsRecord& record, const AsynLink& link,
+                                        const ModbusPort& port, std::vector<Point>& points);
 
 // Whether read_epics_record() uses this field of records of some type.
 [[nodiscard]] bool uses_epics_field(std::string_view name);

@@ -1,14 +1,20 @@
-// Analyses whole columns of a register list. Pure.
+// The columns of a register list: which title means which field, and what whole columns show.
+// Pure.
 #pragma once
 
 #include <optional>
 #include <string>
+#include <string_view>
 
-#include "tools/import/formats/list/list_factor.hpp"
-#include "tools/import/formats/list/list_vote.hpp"
+#include "tools/import/formats/list/list_cells.hpp"
+#include "tools/import/formats/list/list_type.hpp"
 #include "tools/import/text/table.hpp"
 
 namespace fieldcast::importing {
+
+// Titles may be English, German, French, Spanish or Italian, and have remarks: "Adresse (hex)". If
+// no other column has the address, "offset" is the register, as in Siemens lists.
+[[nodiscard]] Columns list_columns(const Row& header);
 
 struct ListColumns {
   // `header`: row with the titles.
@@ -26,13 +32,12 @@ struct ListColumns {
   std::optional<LengthUnit> length_unit;  // from the title
 
  private:
-  void compare_addresses(const Table& table, std::size_t header);
-  void find_areas(const Table& table, std::size_t header);
-  void release_function(const Table& table, std::size_t header);
-  void learn_style(const Table& table, std::size_t header);
-  void find_hex(const Table& table, std::size_t header);
-  void decide_gain(const Table& table, std::size_t header);
-  static bool names_areas(const Table& table, std::size_t header, std::size_t column);
+  using Rows = std::span<const Row>;  // below the titles
+  void compare_addresses(const Row& titles, Rows rows);
+  void find_areas(Rows rows);
+  void release_function(const Row& titles, Rows rows);
+  void find_hex(Rows rows);
+  void decide_gain(const Row& titles, Rows rows);
 };
 
 }  // namespace fieldcast::importing

@@ -1,13 +1,11 @@
-// Parses the cells for word order and access of a register list. Pure.
+// Parses the cells for type, length, word order and access of a register list. Pure.
 #pragma once
 
 #include <optional>
-#include <string>
 #include <string_view>
-#include <tl/expected.hpp>
 
-#include "tools/import/points/model.hpp"
 #include "tools/import/points/types.hpp"
+#include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {
 
@@ -20,13 +18,10 @@ struct ListOrder {
 // "CDAB", "3412", "LSW first", "low/high", "swapped", "Little-Endian", "big-endian byte swap".
 // Empty for an empty cell. `of_bytes`: the title is about bytes, so "swapped" is ambiguous. Fails
 // for other text.
-[[nodiscard]] tl::expected<ListOrder, std::string> list_order_from(std::string_view cell,
-                                                                   bool of_bytes);
+[[nodiscard]] Result<ListOrder> list_order_from(std::string_view cell, bool of_bytes);
 
 // "RO", "R/W", "R(W)", "lesen/schreiben", "W"; empty for other text.
 [[nodiscard]] std::optional<Access> access_from(std::string_view cell);
-
-// Parses the cells for type and length of a register list. Pure.
 
 enum class LengthUnit : std::uint8_t { kWords, kBytes, kBits };
 
@@ -37,7 +32,7 @@ struct Length {
 };
 
 // Contains no value if the cell is empty or a dash. Fails for other text.
-[[nodiscard]] tl::expected<std::optional<Length>, std::string> length_from(std::string_view cell);
+[[nodiscard]] Result<std::optional<Length>> length_from(std::string_view cell);
 
 struct ListType {
   std::optional<TypeName> type;  // empty: the cell has no type
@@ -46,7 +41,7 @@ struct ListType {
 };
 
 // Fails for unknown words.
-[[nodiscard]] tl::expected<ListType, std::string> list_type_from(std::string_view cell);
+[[nodiscard]] Result<ListType> list_type_from(std::string_view cell);
 
 // Width of the name alone; 0: a text without a length, or a bit.
 [[nodiscard]] unsigned bits_of(const TypeName& type);

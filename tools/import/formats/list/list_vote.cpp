@@ -1,31 +1,17 @@
 #include "tools/import/formats/list/list_vote.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <array>
-#include <string>
+#include <ranges>
 #include <tuple>
 #include <utility>
 
-#include "tools/import/text/table.hpp"
-
 namespace fieldcast::importing {
-
 namespace {
 
 constexpr std::array kLengthUnits{LengthUnit::kWords, LengthUnit::kBytes, LengthUnit::kBits};
+constexpr std::size_t kRowsNamed = 3;
 
 }  // namespace
-
-std::optional<LengthUnit> length_unit_of_title(std::string_view title) {
-  const std::string word = column_word(title);
-  const auto has = [&](std::string_view part) { return word.find(part) != std::string::npos; };
-  if (has("byte")) return LengthUnit::kBytes;
-  if (has("bits")) return LengthUnit::kBits;
-  if (has("word") || has("reg")) return LengthUnit::kWords;
-  return std::nullopt;
-}
 
 void LengthVote::add(Votes& votes, const Length& length, unsigned bits) {
   for (const LengthUnit unit : kLengthUnits) {
@@ -55,60 +41,71 @@ std::optional<LengthUnit> LengthVote::unit() const {
 
 namespace {
 
-constexpr std::size_t kRowsNamed = 3;
+enum class Say { kNothing, kConfirms, kContradicts, kIsNone };
+
+// REQUIRES: is_voter(entry).
+Say say_of(const ListEntry& entry) {
+  const bool number = !entry.no_type && is_number(entry.type.type->type);
+  if (!entry.address.is_open()) return Say::kIsNone;
+  const ModbusArea area = *entry.address.reference->area;
+  if (holds_bits(area) && number) return Say::kIsNone;
+  if (!entry.said) return Say::kNothing;
+  return *entry.said == area ? Say::kConfirms : Say::kContradicts;
+}
+
+bool is_voter(const ListEntry& entry) { return !entry.fault && entry.address.plain; }
 
 }  // namespace
 
-ReferenceVote::Say ReferenceVote::say_of(const Row& row) {
-  if (!row.reference || (holds_bits(*row.reference) && row.is_number)) return Say::kIsNone;
-  if (!row.said) return Say::kNothing;
-  return *row.said == *row.reference ? Say::kConfirms : Say::kContradicts;
-}
-
-bool ReferenceVote::counts_from_one() const {
-  struct Area {
-    std::size_t confirm = 0, contradict = 0;
-  };
-  std::array<Area, 4> areas;
-  for (const Row& row : rows_) {
-    const Say say = say_of(row);
-    if (say == Say::kIsNone) return false;
-    Area& area = areas[static_cast<std::size_t>(*row.reference)];
-    area.confirm += say == Say::kConfirms;
-    area.contradict += say == Say::kContradicts;
-  }
+bool references_count_from_one(std::span<const ListEntry> entries) {
+  auto voters = entries | std::views::filter(is_voter);
+  if (voters.empty()) return false;
   std::size_t confirm = 0, contradict = 0, confirmed_areas = 0;
   bool most_of_each = true;
-  for (const Area& area : areas) {
-    confirm += area.confirm;
-    contradict += area.contradict;
-    confirmed_areas += area.confirm > 0;
-    most_of_each = most_of_each && (area.contradict == 0 || area.confirm > area.contradict);
+  for (const ModbusArea area :
+       {ModbusArea::kCoil, ModbusArea::kInput, ModbusArea::kInputRegister, ModbusArea::kHolding}) {
+    const auto count = [&](Say say) {
+      return static_cast<std::size_t>(std::ranges::count_if(voters, [&](const ListEntry& entry) {
+        return say_of(entry) == say && entry.address.reference->area == area;
+      }));
+    };
+    const std::size_t yes = count(Say::kConfirms), no = count(Say::kContradicts);
+    confirm += yes;
+    contradict += no;
+    confirmed_areas += yes > 0;
+    most_of_each = most_of_each && (no == 0 || yes > no);
   }
-  if (contradict == 0) return !rows_.empty();
+  for (const ListEntry& entry : voters) {
+    if (say_of(entry) == Say::kIsNone) return false;
+  }
+  if (contradict == 0) return true;
   return confirm > contradict && (confirmed_areas >= 2 || most_of_each);
 }
 
-std::string ReferenceVote::note() const {
-  const auto example = std::ranges::find_if(rows_, [](const Row& row) {
-    const Say say = say_of(row);
-    return say == Say::kNothing || say == Say::kConfirms;
-  });
-  if (example == rows_.end() || counts_from_one()) return {};
+std::string note_of_references(std::span<const ListEntry> entries, const Columns& columns) {
+  if (references_count_from_one(entries)) return {};
+  const auto cell_of = [&](const ListEntry& entry) {
+    return columns.cell(*entry.row, Field::kAddress);
+  };
+  const ListEntry* example = nullptr;
   std::string against;
   std::size_t count = 0;
-  for (const Row& row : rows_) {
-    const Say say = say_of(row);
-    if (say != Say::kContradicts && say != Say::kIsNone) continue;
+  for (const ListEntry& entry : entries | std::views::filter(is_voter)) {
+    const Say say = say_of(entry);
+    if (say == Say::kNothing || say == Say::kConfirms) {
+      if (example == nullptr) example = &entry;
+      continue;
+    }
     if (++count > kRowsNamed) continue;
-    against += fmt::format("{}line {} ('{}'{})", against.empty() ? "" : ", ", row.line, row.cell,
-                           say == Say::kContradicts ? " of another function" : "");
+    against += fmt::format("{}line {} ('{}'{})", against.empty() ? "" : ", ", entry.row->line,
+                           cell_of(entry), say == Say::kContradicts ? " of another function" : "");
   }
+  if (example == nullptr) return {};
   if (count > kRowsNamed) against += fmt::format(" and {} more", count - kRowsNamed);
   return fmt::format(
       "numbers such as '{}' (line {}) are taken as they are, not as references that count from 1, "
       "for this cannot be one: {}; if that row is wrong, take it out",
-      example->cell, example->line, against);
+      cell_of(*example), example->row->line, against);
 }
 
 namespace {

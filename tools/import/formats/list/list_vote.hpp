@@ -1,22 +1,18 @@
-// Determines the unit of a length column by types of known width, or else by the distances of
-// consecutive addresses. Pure.
+// Decisions that all rows of a register list make together. Pure.
 #pragma once
 
 #include <array>
 #include <optional>
+#include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "tools/import/formats/list/list_type.hpp"
-#include "tools/import/points/address.hpp"
-#include "tools/import/points/model.hpp"
+#include "tools/import/formats/list/list_point.hpp"
 
 namespace fieldcast::importing {
 
-// "Size (bytes)", "Number of registers", "Words", "Bits"; empty if the title has no unit.
-[[nodiscard]] std::optional<LengthUnit> length_unit_of_title(std::string_view title);
-
+// Determines the unit of a length column by types of known width, or else by the distances of
+// consecutive addresses.
 class LengthVote {
  public:
   void add_type(const Length& length, unsigned bits);
@@ -33,35 +29,16 @@ class LengthVote {
   Votes by_type_{}, by_step_{};
 };
 
-// Determines whether numbers such as 40001 are references, which count from 1, or plain numbers.
-// All valid rows are compared. Pure.
+// Numbers such as 40001 may be references, which count from 1, or plain numbers. All valid rows are
+// compared.
 
-class ReferenceVote {
- public:
-  struct Row {
-    unsigned line = 0;
-    std::string_view cell;                // as in the list
-    std::optional<ModbusArea> reference;  // empty: can only be a plain number
-    std::optional<ModbusArea> said;       // from the function or table
-    bool is_number = false;               // the type is a number, so the area is not a bit area
-  };
-  void add(const Row& row) { rows_.push_back(row); }
+// True if every row may be a reference. Accepts a few contradictions if more rows in two areas
+// agree; the caller refuses those.
+[[nodiscard]] bool references_count_from_one(std::span<const ListEntry> entries);
 
-  // True if every row may be a reference. Accepts a few contradictions if more rows in two areas
-  // agree; the caller refuses those.
-  [[nodiscard]] bool counts_from_one() const;
-
-  // Describes conflicting rows; empty if there are none.
-  [[nodiscard]] std::string note() const;
-
- private:
-  enum class Say { kNothing, kConfirms, kContradicts, kIsNone };
-  [[nodiscard]] static Say say_of(const Row& row);
-
-  std::vector<Row> rows_;
-};
-
-// Finds values that overlap partly: one of the two is wrong, usually in its type or address. Pure.
+// Describes the rows that are against references; empty if there are none.
+[[nodiscard]] std::string note_of_references(std::span<const ListEntry> entries,
+                                             const Columns& columns);
 
 struct Placed {
   std::optional<std::uint16_t> device;  // only values of the same device are compared
@@ -72,8 +49,9 @@ struct Placed {
   Point* point = nullptr;
 };
 
-// Adds a note to each value that shares some registers, or the same bit, with a different value.
-// Bits in a register, and two values of exactly the same registers, are allowed.
+// Adds a note to each value that shares some registers, or the same bit, with a different value:
+// one of the two is wrong, usually in its type or address. Bits in a register, and two values of
+// exactly the same registers, are allowed.
 void note_overlaps(std::vector<Placed> values);
 
 }  // namespace fieldcast::importing

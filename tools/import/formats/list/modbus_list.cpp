@@ -1,21 +1,11 @@
 // Register lists of vendors and of users: one row for each value, the titles in many words and in
-// any order (modbus_list_columns.cpp).
-#include <fmt/format.h>
-
+// any order (list_columns.cpp).
 #include <algorithm>
 #include <map>
 
 #include "tools/import/formats/format.hpp"
-#include "tools/import/formats/list/list_address.hpp"
-#include "tools/import/formats/list/list_columns.hpp"
 #include "tools/import/formats/list/list_point.hpp"
-#include "tools/import/formats/list/list_type.hpp"
 #include "tools/import/formats/list/list_vote.hpp"
-#include "tools/import/formats/list/modbus_list_columns.hpp"
-#include "tools/import/points/address.hpp"
-#include "tools/import/points/types.hpp"
-#include "tools/import/text/table.hpp"
-#include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {
 namespace {
@@ -42,13 +32,12 @@ class ListReader {
         list_(table, header),
         columns_(list_.columns),
         base_(options.base ? options.base : list_.counts_from),
-        length_unit_(list_.length_unit),
-        points_(list_, table.rows[header], options.word_order) {}
+        length_unit_(list_.length_unit) {}
 
   void read(Bus& bus, Found& found) {
-    for (std::size_t i = header_ + 1; i < table_.rows.size(); ++i) {
-      const Row& row = table_.rows[i];
-      if (columns_.cell(row, Field::kAddress).empty() && known_cells(row) < 2) continue;  // a title
+    for (const Row& row : std::span(table_.rows).subspan(header_ + 1)) {
+      const auto filled = std::ranges::count_if(row.cells, std::not_fn(&std::string::empty));
+      if (cell(row, Field::kAddress).empty() && filled < 2) continue;  // a title
       ListEntry& entry = entries_.emplace_back(ListEntry{.row = &row});
       entry.point.name = name_of(row);
       entry.point.origin = {source_.file, row.line};
@@ -59,7 +48,7 @@ class ListReader {
     for (ListEntry& entry : entries_) {
       if (!entry.fault) entry.fault = set_width(entry);
     }
-    decide_references(found);
+    decide_references();
     std::vector<Placed> placed;
     for (ListEntry& entry : entries_) {
       if (!entry.fault) entry.fault = place(entry, placed);
@@ -73,31 +62,31 @@ class ListReader {
         device_of(entry, bus).points.push_back(std::move(point));
       }
     }
-    for (const std::string& title : columns_.ignored())
-      found.notes.push_back(fmt::format("{}: column '{}' is not used", source_.file, title));
-    tell_decisions(found);
-    tell_base(found);
-    if (took_unsigned_)
-      found.notes.push_back(fmt::format(
-          "{}: values without a data type are taken for unsigned numbers", source_.file));
+    for (const std::string& title : columns_.ignored()) tell("column '{}' is not used", title);
+    tell_decisions();
+    if (const auto guess = base_guess()) found.guesses.push_back(*guess);
+    if (took_unsigned_) tell("values without a data type are taken for unsigned numbers");
     if (took_holding_)
-      found.notes.push_back(
-          fmt::format("{}: no function code: addresses without one are taken for holding registers",
-                      source_.file));
+      tell("no function code: addresses without one are taken for holding registers");
+    for (const std::string& note : notes_)
+      found.notes.push_back(fmt::format("{}: {}", source_.file, note));
   }
 
  private:
-  using MayFail = std::optional<std::string>;
-
-  [[nodiscard]] std::size_t known_cells(const Row& row) const {
-    std::size_t filled = 0;
-    for (const std::string& cell : row.cells) filled += !cell.empty();
-    return filled;
+  [[nodiscard]] std::string_view cell(const Row& row, Field field) const {
+    return columns_.cell(row, field);
+  }
+  [[nodiscard]] std::string_view cell(const ListEntry& entry, Field field) const {
+    return columns_.cell(*entry.row, field);
+  }
+  template <typename... Args>
+  void tell(fmt::format_string<Args...> text, Args&&... args) {
+    notes_.push_back(fmt::format(text, std::forward<Args>(args)...));
   }
 
   [[nodiscard]] std::string name_of(const Row& row) const {
     for (const Field field : {Field::kName, Field::kDescription, Field::kAddress}) {
-      if (const auto cell = columns_.cell(row, field); !cell.empty()) return std::string(cell);
+      if (const auto text = cell(row, field); !text.empty()) return std::string(text);
     }
     return {};
   }
@@ -116,9 +105,8 @@ class ListReader {
 
   // What the row says by itself.
   MayFail read_cells(ListEntry& entry) {
-    const Row& row = *entry.row;
-    const auto address = list_address_from(columns_.cell(row, Field::kAddress),
-                                           {list_.hex, options_.base.value_or(1)});
+    const auto address =
+        list_address_from(cell(entry, Field::kAddress), {list_.hex, options_.base.value_or(1)});
     if (!address) {
       entry.point.origin.column =
           static_cast<unsigned>(columns_.index_of(Field::kAddress).value_or(0)) + 1;
@@ -130,8 +118,8 @@ class ListReader {
       if (*address->plain == 0) return "the addresses of the list count from 1";
       entry.address.plain = *address->plain - 1;
     }
-    const std::string_view type_cell = columns_.cell(row, Field::kType);
-    const std::string_view area_cell = columns_.cell(row, Field::kArea);
+    const std::string_view type_cell = cell(entry, Field::kType);
+    const std::string_view area_cell = cell(entry, Field::kArea);
     entry.said = area_by_name(area_cell);
     if (!entry.said && !is_empty_cell(area_cell))
       return fmt::format("table or function '{}' is not understood", area_cell);
@@ -140,15 +128,15 @@ class ListReader {
     entry.type = *type;
     // One cell of a column of types may name the table.
     if (!entry.said && !type->type && is_area_word(type_cell)) entry.said = area_by_name(type_cell);
-    const auto length = length_from(columns_.cell(row, Field::kLength));
+    const auto length = length_from(cell(entry, Field::kLength));
     if (!length) return length.error();
     entry.length = *length;
-    if (const std::string_view cell = columns_.cell(row, Field::kBit); !is_empty_cell(cell)) {
-      const auto bit = whole_from(cell);
-      if (!bit || *bit > 15) return fmt::format("bit '{}' is not 0 to 15", cell);
+    if (const std::string_view text = cell(entry, Field::kBit); !is_empty_cell(text)) {
+      const auto bit = whole_from(text, 0, 15);
+      if (!bit) return fmt::format("bit '{}' is not 0 to 15", text);
       entry.address.bit = static_cast<std::uint8_t>(*bit);
     }
-    if (const auto fault = read_unit(entry)) return fault;
+    if (auto fault = read_unit(entry)) return fault;
     if (const auto& reference = entry.address.reference;
         reference && !entry.address.plain && entry.said && *entry.said != *reference->area)
       return contradiction(entry);
@@ -223,7 +211,7 @@ class ListReader {
     if (entry.type.open) {
       const auto wide = as_wide(type->type, *bits);
       if (!wide && !entry.no_type)
-        return fmt::format("no '{}' has {} bits", columns_.cell(*entry.row, Field::kType), *bits);
+        return fmt::format("no '{}' has {} bits", cell(entry, Field::kType), *bits);
       if (!wide) return fmt::format("no data type, and no number has {} bits", *bits);
       type->type = *wide;
       return std::nullopt;
@@ -235,122 +223,102 @@ class ListReader {
       type->string_bytes = static_cast<std::uint16_t>(bytes);
     } else if ((own + 15) / 16 != (*bits + 15) / 16) {
       entry.point.changes.push_back(fmt::format("the type '{}' is taken, which {} bits do not fit",
-                                                columns_.cell(*entry.row, Field::kType), *bits));
+                                                cell(entry, Field::kType), *bits));
     }
     return std::nullopt;
   }
 
   // A blank cell below a filled one: a spreadsheet had merged them.
   MayFail read_unit(ListEntry& entry) {
-    const std::string_view cell = columns_.cell(*entry.row, Field::kDevice);
-    if (is_empty_cell(cell)) {
+    const std::string_view text = cell(entry, Field::kDevice);
+    if (is_empty_cell(text)) {
       if (odd_unit_) return "no address of its device, and that of the row above is odd";
       entry.unit = last_unit_;
       if (last_unit_ && !merged_) merged_ = entry.row->line;
       return std::nullopt;
     }
-    const auto unit = whole_from(cell);
-    odd_unit_ = !unit || *unit > 255;
-    if (odd_unit_) return fmt::format("'{}' is no address of a device", cell);
+    const auto unit = whole_from(text, 0, 255);
+    odd_unit_ = !unit;
+    if (odd_unit_) return fmt::format("'{}' is no address of a device", text);
     last_unit_ = entry.unit = static_cast<std::uint16_t>(*unit);
     return std::nullopt;
   }
 
   // Of a list whose addresses are marked ("0x10", "10h") a bare number may be of either kind.
   void doubt_bare_numbers() {
-    const auto understood = [](const ListEntry& entry) { return !entry.fault; };
-    const auto is_bare = [](const ListEntry& entry) {
-      return !entry.address.marked_hex && entry.address.plain && !entry.address.reference;
+    const auto is_marked = [](const ListEntry& entry) {
+      return !entry.fault && entry.address.marked_hex;
     };
-    if (list_.hex || std::ranges::none_of(entries_, [&](const ListEntry& entry) {
-          return understood(entry) && entry.address.marked_hex;
-        }))
-      return;
+    if (list_.hex || std::ranges::none_of(entries_, is_marked)) return;
     for (ListEntry& entry : entries_) {
-      if (!understood(entry) || !is_bare(entry)) continue;
-      const std::string_view cell = columns_.cell(*entry.row, Field::kAddress);
-      if (cell.size() > 1 && cell[0] == '0') {
-        entry.fault = fmt::format("address '{}' may be hexadecimal, as others of the list", cell);
+      const ListAddress& address = entry.address;
+      const bool bare = !address.marked_hex && address.plain && !address.reference;
+      if (entry.fault || !bare) continue;
+      const std::string_view text = cell(entry, Field::kAddress);
+      if (text.size() > 1 && text[0] == '0') {
+        entry.fault = fmt::format("address '{}' may be hexadecimal, as others of the list", text);
       } else {
         entry.point.changes.push_back(
-            fmt::format("address '{}' is read as decimal, others are hexadecimal", cell));
+            fmt::format("address '{}' is read as decimal, others are hexadecimal", text));
       }
     }
   }
 
-  void tell_decisions(Found& found) const {
-    const auto tell = [&](std::string_view text) {
-      found.notes.push_back(fmt::format("{}: {}", source_.file, text));
-    };
-    if (!list_.hex_note.empty()) tell(list_.hex_note);
+  void tell_decisions() {
+    if (!list_.hex_note.empty()) tell("{}", list_.hex_note);
     if (merged_)
       tell(
-          fmt::format("rows without an address of their device (line {}, ..) are taken to have "
-                      "that of the row above",
-                      *merged_));
+          "rows without an address of their device (line {}, ..) are taken to have that of the row "
+          "above",
+          *merged_);
     if (list_.gain == ListColumns::Gain::kDivides)
       tell("column 'Gain': raw values are divided by it");
     if (list_.gain == ListColumns::Gain::kMultiplies)
       tell("column 'Gain': raw values are multiplied by it, for it is below 1");
+    if (list_.counts_from && base_ != list_.counts_from) {
+      tell("the addresses count from {} by --base, not from {} as {}", *base_, *list_.counts_from,
+           list_.counts_note);
+    } else if (base_ && !options_.base) {
+      tell("the addresses count from {}, as {}", *base_, list_.counts_note);
+    }
   }
 
-  void tell_base(Found& found) const {
-    if (list_.counts_from && base_ != list_.counts_from)
-      found.notes.push_back(
-          fmt::format("{}: the addresses count from {} by --base, not from {} as {}", source_.file,
-                      *base_, *list_.counts_from, list_.counts_note));
-    if (options_.base) return;
-    if (base_) {
-      found.notes.push_back(fmt::format("{}: the addresses count from {}, as {}", source_.file,
-                                        *base_, list_.counts_note));
-      return;
-    }
-    BaseGuess guess{source_.file, 0,
-                    "no title, no digit of a table and no second column says more"};
+  // Empty if the base is known.
+  [[nodiscard]] std::optional<BaseGuess> base_guess() const {
+    if (base_) return std::nullopt;
     for (const ListEntry& entry : entries_) {
-      const std::string_view cell = columns_.cell(*entry.row, Field::kAddress);
-      if (entry.fault || cell.empty()) continue;
-      if (entry.address.plain == 0u) {
-        guess.reason = fmt::format("the list has an address 0 (line {})", entry.row->line);
-        break;
-      }
-      const bool reference = entry.address.reference && cell[0] >= '0' && cell[0] <= '9' &&
-                             (counts_from_one_ || !entry.address.plain);
-      if (!reference) continue;
-      guess.base = 1;
-      guess.reason = fmt::format(
-          "'{}' (line {}) begins with the digit of its table, and such references count from 1",
-          cell, entry.row->line);
-      break;
+      const std::string_view text = cell(entry, Field::kAddress);
+      if (entry.fault || text.empty()) continue;
+      if (entry.address.plain == 0u)
+        return BaseGuess{source_.file, 0,
+                         fmt::format("the list has an address 0 (line {})", entry.row->line)};
+      if (entry.address.reference && is_digit(text[0]) &&
+          (counts_from_one_ || !entry.address.plain))
+        return BaseGuess{
+            source_.file, 1,
+            fmt::format("'{}' (line {}) begins with the digit of its table, and such references "
+                        "count from 1",
+                        text, entry.row->line)};
     }
-    found.guesses.push_back(std::move(guess));
+    return BaseGuess{source_.file, 0,
+                     "no title, no digit of a table and no second column says more"};
   }
 
   [[nodiscard]] std::string contradiction(const ListEntry& entry) const {
     return fmt::format("the address '{}' and '{}' name different tables",
-                       columns_.cell(*entry.row, Field::kAddress),
-                       columns_.cell(*entry.row, Field::kArea));
+                       cell(entry, Field::kAddress), cell(entry, Field::kArea));
   }
 
   // "40001" may be the first holding register, or register 40001; the whole list decides.
-  void decide_references(Found& found) {
-    ReferenceVote vote;
-    for (const ListEntry& entry : entries_) {
-      if (entry.fault || !entry.address.plain) continue;
-      vote.add({.line = entry.row->line,
-                .cell = columns_.cell(*entry.row, Field::kAddress),
-                .reference = entry.address.is_open() ? entry.address.reference->area : std::nullopt,
-                .said = entry.said,
-                .is_number = !entry.no_type && is_number(entry.type.type->type)});
-    }
-    counts_from_one_ = vote.counts_from_one();
+  void decide_references() {
+    counts_from_one_ = references_count_from_one(entries_);
+    if (const std::string note = note_of_references(entries_, columns_); !note.empty())
+      tell("{}", note);
     for (ListEntry& entry : entries_) {
       if (counts_from_one_ && !entry.fault && entry.address.is_open() && entry.said &&
           *entry.said != *entry.address.reference->area)
         entry.fault = contradiction(entry);
     }
-    if (const std::string note = vote.note(); !note.empty())
-      found.notes.push_back(fmt::format("{}: {}", source_.file, note));
   }
 
   // The address as the whole list has it, and the type that depends on it.
@@ -369,7 +337,9 @@ class ListReader {
       reference.area = ModbusArea::kHolding;
     }
     if (entry.no_type && !holds_bits(*reference.area) && !reference.bit) took_unsigned_ = true;
-    if (const auto fault = points_.read(entry, reference)) return fault;
+    if (auto fault =
+            read_list_point(list_, table_.rows[header_], options_.word_order, entry, reference))
+      return fault;
     const Point& point = entry.point;
     placed.push_back({.device = entry.unit,
                       .area = *reference.area,
@@ -397,10 +367,8 @@ class ListReader {
   bool took_holding_ = false;
   bool took_unsigned_ = false;
   std::optional<LengthUnit> length_unit_;  // of the numbers in the column of lengths
-  const ListPointReader points_;
+  std::vector<std::string> notes_;
 };
-
-}  // namespace
 
 Confidence recognise_modbus_list(const SourceText& source) {
   const auto table =
@@ -416,16 +384,21 @@ Read read_modbus_list(std::span<const SourceText> sources, const ReadOptions& op
   Bus& bus = found.buses.emplace_back();
   for (const SourceText& source : sources) {
     const auto table = read_table(source.text);
-    if (!table) return tl::unexpected(fmt::format("{}: {}", source.file, table.error()));
+    if (!table) return refused("{}: {}", source.file, table.error());
     const auto header = header_row(*table);
     if (!header)
-      return tl::unexpected(fmt::format(
-          "{}: none of its first {} rows names the columns: an address (Address, Register) and "
-          "two more (Name, Type, Unit, Scale, Function, ..) are needed",
-          source.file, kTitleRows));
+      return refused(
+          "{}: none of its first {} rows names the columns: an address (Address, Register) and two "
+          "more (Name, Type, Unit, Scale, Function, ..) are needed",
+          source.file, kTitleRows);
     ListReader(source, options, *table, *header).read(bus, found);
   }
   return found;
 }
+
+}  // namespace
+
+constinit const Format kModbusListFormat{"modbus-list", "list of Modbus registers (CSV, Excel)",
+                                         recognise_modbus_list, read_modbus_list};
 
 }  // namespace fieldcast::importing
