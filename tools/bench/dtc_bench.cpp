@@ -112,9 +112,7 @@ Bytes answer_to(const ReadRequest& request, Registers& registers) {
     for (std::uint32_t address = range.first; address < range.end(); ++address)
       append_u16(message, registers.read(address));
   }
-  const std::uint16_t crc = crc16_modbus(message);
-  message.push_back(static_cast<std::uint8_t>(crc));
-  message.push_back(static_cast<std::uint8_t>(crc >> 8));
+  append_crc16(message);
   return message;
 }
 
@@ -185,7 +183,7 @@ void run(const char* what, const SilenceRule& silence, bool goals) {
   for (const auto& [name, values] : ratios) {
     const auto goal = held.find(name);
     const double worst = *std::max_element(values.begin(), values.end());
-    bench::print_figure(name.c_str(), worst, "", goals && goal != held.end() ? goal->second : "");
+    bench::print_figure(name, worst, "", goals && goal != held.end() ? goal->second : "");
   }
   std::puts("");
 }

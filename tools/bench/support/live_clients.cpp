@@ -15,6 +15,8 @@
 #include <thread>
 #include <utility>
 
+#include "tools/bench/support/figures.hpp"
+
 namespace fieldcast::bench {
 namespace {
 
@@ -24,7 +26,6 @@ namespace http = boost::beast::http;
 namespace websocket = boost::beast::websocket;
 using asio::ip::tcp;
 using boost::system::error_code;
-using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kHeader = 16;  // bytes of a frame before its columns
 
@@ -36,10 +37,6 @@ double now_ms() {
 tcp::endpoint server(std::uint16_t port) { return {asio::ip::address_v4::loopback(), port}; }
 
 std::string host_of(std::uint16_t port) { return "127.0.0.1:" + std::to_string(port); }
-
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 class Client {
  public:
@@ -229,12 +226,6 @@ Fetched fetch(std::uint16_t port, const std::string& path) {
   parser.body_limit(64u << 20u);
   http::read(socket, buffer, parser);
   return {parser.get().body().size(), seconds_since(begin), parser.get().result_int()};
-}
-
-std::uint16_t free_port() {
-  asio::io_context io;
-  tcp::acceptor acceptor(io, server(0));
-  return acceptor.local_endpoint().port();
 }
 
 }  // namespace fieldcast::bench

@@ -48,6 +48,4 @@ struct Fetched {
 };
 [[nodiscard]] Fetched fetch(std::uint16_t port, const std::string& path);
 
-[[nodiscard]] std::uint16_t free_port();
-
 }  // namespace fieldcast::bench

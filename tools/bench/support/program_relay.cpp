@@ -171,12 +171,12 @@ void relay_bench(const RelayOptions& options) {
   progress.clear();
   for (std::thread& thread : threads) thread.join();
   const double took = seconds_since(start);
-  print_figure("bytes to the device that came right", static_cast<double>(down.load()), "",
+  print_figure("bytes to the device that came right", down.load(), "",
                std::to_string(total).c_str());
-  print_figure("bytes from the device that came right", static_cast<double>(up.load()), "",
+  print_figure("bytes from the device that came right", up.load(), "",
                std::to_string(total).c_str());
-  print_figure("rate in each direction", static_cast<double>(total) / took / 1e6, "MB/s", "");
-  print_figure("bridge: memory after a second", early, "MB", "");
+  print_figure("rate in each direction", static_cast<double>(total) / took / 1e6, "MB/s");
+  print_figure("bridge: memory after a second", early, "MB");
   print_figure("bridge: highest memory", highest, "MB", "constant");
   if (port) print_figure("fieldcast-port: highest memory", port_highest, "MB", "constant");
 }

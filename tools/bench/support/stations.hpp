@@ -12,9 +12,6 @@
 
 namespace fieldcast::bench {
 
-// Throws if there is no free port.
-[[nodiscard]] std::uint16_t free_tcp_port();
-
 class Scraper {
  public:
   explicit Scraper(std::uint16_t port);
