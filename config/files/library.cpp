@@ -79,7 +79,7 @@ const Node* Library::keep(const std::string& path, std::string text, std::string
   if (const std::string_view stranger = stranger_of(source.text, what); !stranger.empty()) {
     auto unread = std::make_unique<Document>();
     unread->source = {path, {}, source.order};
-    faults_.add({&unread->source, 0, 0}, std::string(stranger));
+    faults_.add({&unread->source, 0, 0}, stranger);
     return documents_.emplace(path, std::move(unread)).first->second->root;
   }
   auto document =

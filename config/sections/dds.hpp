@@ -13,14 +13,6 @@
 
 namespace fieldcast::config {
 
-// Bytes per second: "500kB/s", "2MB/s".
-struct RateRule {
-  std::optional<std::uint64_t> operator()(const Node& node, std::string_view key,
-                                          FaultList& faults) const;
-  [[nodiscard]] std::string schema() const;
-  [[nodiscard]] std::string form() const;
-};
-
 // Add faults; absent keys keep their defaults.
 void read_dds(MapReader& file, DdsSpec& spec, Library& library);
 void read_log(MapReader& file, LogSpec& spec);

@@ -21,9 +21,8 @@ namespace {
 
 struct Abandoned {};  // thrown after a fault that ends the parsing
 
-void add(FaultList& faults, YamlTrouble trouble) {
-  faults.add(trouble.position, std::move(trouble.what), std::move(trouble.allowed),
-             std::move(trouble.suggestion));
+void add(FaultList& faults, const YamlTrouble& trouble) {
+  faults.add(trouble.position, trouble.what, trouble.allowed, trouble.suggestion);
 }
 
 class Builder final : public YAML::EventHandler {
