@@ -67,6 +67,14 @@ struct Range {
   friend bool operator==(const Range&, const Range&) = default;
 };
 
+// Whether the area has these items, and one read or one write may contain them.
+[[nodiscard]] constexpr bool fits(std::span<const Area> areas, const Range& range, bool write) {
+  if (range.area >= areas.size()) return false;
+  const Area& area = areas[range.area];
+  return range.count >= 1 && range.count <= (write ? area.max_write : area.max_read) &&
+         range.first < area.items && range.count <= area.items - range.first;
+}
+
 // Canonical image: bit items and 8-bit items use one byte each, wider ones are big-endian.
 [[nodiscard]] constexpr std::size_t image_bytes(unsigned item_bits, std::uint32_t count) {
   return item_bits <= 8 ? count : count * (item_bits / 8);

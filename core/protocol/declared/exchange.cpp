@@ -2,14 +2,13 @@
 
 #include <algorithm>
 
+#include "core/protocol/received.hpp"
+
 namespace fieldcast::declared {
 namespace {
 
 // This wait need not cover the whole rest of a frame, as each received byte restarts it.
 constexpr std::size_t kDoubtfulWait = 8;
-
-// Spurious character of an RS-485 driver that changes its direction.
-bool is_turnaround(std::uint8_t byte) { return byte == 0x00 || byte == 0xFF; }
 
 // Limited because each received byte searches all bytes again.
 std::size_t most_received(const Declaration& declaration) {

@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <array>
 
+#include "core/codec/checksum.hpp"
 #include "core/codec/lzw.hpp"
 #include "core/protocol/dtc/message.hpp"
 #include "core/protocol/dtc/packet.hpp"
 #include "core/protocol/option_reader.hpp"
 #include "core/protocol/protocol_entry.hpp"
+#include "core/protocol/received.hpp"
 
 namespace fieldcast::dtc {
 namespace {
@@ -82,8 +84,7 @@ class DtcExchange final : public Exchange {
         return Step::need_rest(static_cast<std::uint32_t>(parsed.size - bytes.size()));
       }
       if (parsed.kind == ParseResult::Kind::kNoise) {
-        if (silence_ == Cause::kNoAnswer && bytes[0] != 0x00 && bytes[0] != 0xFF)
-          silence_ = Cause::kMalformed;
+        if (silence_ == Cause::kNoAnswer && !is_turnaround(bytes[0])) silence_ = Cause::kMalformed;
         ++judged_;
         continue;
       }
@@ -102,7 +103,7 @@ class DtcExchange final : public Exchange {
         return broken(Cause::kMalformed, 1);
       message = expanded;
     }
-    if (!crc_is_right(message)) return broken(Cause::kChecksum, 1);
+    if (!ends_with_crc16(message)) return broken(Cause::kChecksum, 1);
     const std::uint8_t command = sent_[1];
     const bool ours = message[0] == link_.address && (message[1] & ~kRefused) == command;
     // A foreign message, or an echo.

@@ -37,8 +37,6 @@ constexpr std::array kHabits{Word{"coils", Table::kCoil},
 std::string_view name_of(Table table) { return areas(false)[static_cast<std::size_t>(table)].name; }
 bool holds_bits(Table table) { return table == Table::kCoil || table == Table::kInput; }
 
-using Parsed = tl::expected<ParsedAddress, AddressFault>;
-
 // "46h", "46H", "0x46", "$46": hexadecimal notation of data sheets and other programs.
 std::optional<std::string> as_hexadecimal(std::string_view text) {
   const bool marked = text.starts_with("0x") || text.starts_with("0X");
@@ -52,10 +50,7 @@ std::optional<std::string> as_hexadecimal(std::string_view text) {
   return "0x" + std::string(digits);
 }
 
-Parsed fault(std::string what, std::string suggestion = {}) {
-  return tl::unexpected(
-      AddressFault{std::move(what), std::string(kAllowed), std::move(suggestion)});
-}
+constexpr AddressFaults fault{kAllowed};
 
 std::optional<std::uint32_t> number(std::string_view text) {
   const bool hex = text.starts_with("0x") || text.starts_with("0X");
@@ -81,7 +76,7 @@ std::string suggest_area(std::string_view area, std::string_view rest) {
 }
 
 // "holding:100.5".
-Parsed parse_named(std::string_view area, std::string_view rest) {
+ParsedOrFault parse_named(std::string_view area, std::string_view rest) {
   const auto word = std::find_if(kWords.begin(), kWords.end(),
                                  [&](const Word& candidate) { return candidate.name == area; });
   if (word == kWords.end())
@@ -107,7 +102,7 @@ Parsed parse_named(std::string_view area, std::string_view rest) {
 }
 
 // "40101": the first digit is the table, the others count from 1. A bit may follow a dot.
-Parsed parse_reference(std::string_view at) {
+ParsedOrFault parse_reference(std::string_view at) {
   const std::size_t dot = at.find('.');
   const std::string_view digits = at.substr(0, dot);
   if (digits.size() != 5 && digits.size() != 6) {
@@ -133,7 +128,7 @@ Parsed parse_reference(std::string_view at) {
 
 }  // namespace
 
-tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) {
+ParsedOrFault parse_address(std::string_view at) {
   if (const std::size_t colon = at.find(':'); colon != std::string_view::npos) {
     return parse_named(at.substr(0, colon), at.substr(colon + 1));
   }

@@ -4,6 +4,7 @@
 
 #include "core/codec/checksum.hpp"
 #include "core/protocol/modbus/framing.hpp"
+#include "core/protocol/received.hpp"
 
 namespace fieldcast::modbus {
 namespace {
@@ -50,9 +51,7 @@ class AsciiSearch {
 
   ParseResult run() {
     auto colon = std::find(all_.begin(), all_.end(), kColon);
-    if (colon != all_.begin())
-      noise_ =
-          std::any_of(all_.begin(), colon, [](auto byte) { return byte != 0x00 && byte != 0xFF; });
+    noise_ = cause_of_noise({all_.begin(), colon}) != Cause::kNoAnswer;
     while (colon != all_.end() && result_.pdu.empty()) {
       const auto next = std::find(colon + 1, all_.end(), kColon);
       examine({colon + 1, next}, next == all_.end());

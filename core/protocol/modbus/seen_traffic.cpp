@@ -24,10 +24,7 @@ Bytes crc_bytes(ByteView bytes) {
   const std::uint16_t crc = crc16_modbus(bytes);
   return {static_cast<std::uint8_t>(crc), static_cast<std::uint8_t>(crc >> 8)};
 }
-bool has_right_crc(ByteView frame) {
-  return frame.size() >= 4 &&
-         std::ranges::equal(crc_bytes(frame.first(frame.size() - 2)), frame.last(2));
-}
+bool has_right_crc(ByteView frame) { return frame.size() >= 4 && ends_with_crc16(frame); }
 
 // All bytes, or the length given by the fields if a valid CRC confirms it.
 std::size_t first_frame(ByteView bytes) {
@@ -187,9 +184,9 @@ bool counts_bytes_of_registers(ByteView pdu, std::size_t quantity_at, std::size_
 bool fields_fit(ByteView pdu) {
   switch (pdu[0]) {
     case 1:
-    case 2: return within(read_u16(pdu, 3), kMaxReadBits);
+    case 2:
     case 3:
-    case 4: return within(read_u16(pdu, 3), kMaxReadRegisters);
+    case 4: return within(read_u16(pdu, 3), row_of_function(pdu[0]).most);
     case 5: return pdu[4] == 0 && (pdu[3] == 0 || pdu[3] == 0xFF);
     case 6:
     case 22: return true;
@@ -217,8 +214,7 @@ SeenRequest seen_rtu_request(ByteView bytes) {
   if (pdu_size == 0 || size > kMaxRtuFrame || size > bytes.size()) return {};
   const ByteView pdu = bytes.subspan(1, pdu_size);
   if (!fields_fit(pdu)) return {};
-  const std::uint16_t crc = crc16_modbus(bytes.first(size - 2));
-  if (crc != (bytes[size - 2] | bytes[size - 1] << 8)) return {};
+  if (!ends_with_crc16(bytes.first(size))) return {};
   return {size, differs_from_answers(pdu)};
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/codec/digits.hpp"
 #include "core/protocol/omron_hostlink/hostlink.hpp"
+#include "core/protocol/received.hpp"
 
 namespace fieldcast::omron {
 namespace {
@@ -15,19 +16,15 @@ constexpr std::size_t kMaxReceived = 1024;  // since the last send: eight frames
 constexpr std::uint16_t kNotSupported = 0x16;
 constexpr std::uint32_t kWordDigits = 4;
 
-const AreaRow& row_of(const Range& range) { return *rows_of(Mode::kCMode)[range.area]; }
+const AreaRow& row_of(const Range& range) { return *reached_in(Mode::kCMode).rows[range.area]; }
 std::uint32_t digits_of(const Range& range) {
   return row_of(range).flags ? range.count : range.count * kWordDigits;
 }
 
-bool fits(const Range& range, std::uint32_t limit) {
-  const auto& areas = areas_of(Mode::kCMode);
-  if (range.area >= areas.size() || range.count == 0 || range.count > limit) return false;
-  if (range.first >= areas[range.area].items || range.count > areas[range.area].items - range.first)
-    return false;
-  if (!is_extended(row_of(range))) return true;
-  const std::uint32_t word = range.first % kBankWords;  // limit of a bank with four digits
-  return word + range.count <= 10000;
+bool fits(const Range& range, bool write) {
+  if (!fieldcast::fits(reached_in(Mode::kCMode).areas, range, write)) return false;
+  // Limit of a bank with four digits.
+  return !is_extended(row_of(range)) || range.first % kBankWords + range.count <= 10000;
 }
 
 // Number of frames for the data characters.
@@ -69,9 +66,7 @@ class CModeExchange : public Exchange {
 
   // `expected`: characters of the whole expected frame.
   Step search(ByteView all, std::size_t expected, Bytes& out) {
-    silence_ = std::any_of(all.begin(), all.end(), [](auto c) { return c != 0x00 && c != 0xFF; })
-                   ? Cause::kMalformed
-                   : Cause::kNoAnswer;
+    silence_ = cause_of_noise(all);
     Step step = Step::need_answer();
     for (;;) {
       const ParseResult parsed = first_frame(all);
@@ -289,18 +284,13 @@ std::optional<ExchangeSize> c_mode_size(const Request& request) {
   if (const auto* read = std::get_if<ReadRequest>(&request)) {
     if (read->ranges.size() != 1) return std::nullopt;
     const Range& range = read->ranges.front();
-    if (range.area >= areas_of(Mode::kCMode).size() ||
-        !fits(range, areas_of(Mode::kCMode)[range.area].max_read))
-      return std::nullopt;
-    return read_size(range);
+    return fits(range, false) ? std::optional(read_size(range)) : std::nullopt;
   }
   const auto* write = std::get_if<WriteRequest>(&request);
   if (write == nullptr || write->bit) return std::nullopt;
   const Range& range = write->range;
-  if (range.area >= areas_of(Mode::kCMode).size() ||
-      !fits(range, areas_of(Mode::kCMode)[range.area].max_write))
-    return std::nullopt;
-  if (write->items.size() != image_bytes(row_of(range).flags ? 1 : 16, range.count))
+  if (!fits(range, true) ||
+      write->items.size() != image_bytes(row_of(range).flags ? 1 : 16, range.count))
     return std::nullopt;
   return write_size(range);
 }

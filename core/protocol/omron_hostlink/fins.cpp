@@ -6,6 +6,7 @@
 
 #include "core/codec/digits.hpp"
 #include "core/protocol/omron_hostlink/hostlink.hpp"
+#include "core/protocol/received.hpp"
 
 namespace fieldcast::omron {
 namespace {
@@ -20,21 +21,17 @@ constexpr std::uint8_t kGatewayCount = 0x02;
 constexpr std::size_t kRequestFrame = kHeadSize + 1 + kFcsSize + 2;
 constexpr std::size_t kAnswerFrame = kHeadSize + kEndCodeSize + kFcsSize + 2;
 
-const AreaRow& fins_row(const Range& range) { return *rows_of(Mode::kFins)[range.area]; }
+const AreaRow& fins_row(const Range& range) { return *reached_in(Mode::kFins).rows[range.area]; }
 std::size_t header_size(const FinsRoute& route) {
   return route.relayed ? kRelayedHeader : kDirectHeader;
 }
 std::size_t item_bytes(const Range& range) { return fins_row(range).flags ? 1 : 2; }
 
 bool fits(const Range& range, bool write) {
-  const auto& areas = areas_of(Mode::kFins);
-  if (range.area >= areas.size()) return false;
-  const Area& area = areas[range.area];
-  if (range.count == 0 || range.count > (write ? area.max_write : area.max_read)) return false;
-  if (range.first >= area.items || range.count > area.items - range.first) return false;
+  const auto& areas = reached_in(Mode::kFins).areas;
   // Each bank of EM has its own area code.
-  return !is_extended(fins_row(range)) ||
-         range.first / kBankWords == (range.end() - 1) / kBankWords;
+  return fieldcast::fits(areas, range, write) &&
+         in_one_bank(areas[range.area], range.first, range.end());
 }
 
 void append_address(Bytes& out, const Range& range, std::optional<std::uint8_t> bit = {}) {
@@ -115,9 +112,7 @@ class FinsExchange final : public Exchange {
 
   Step on_bytes(ByteView all, Bytes&) override {
     if (all.size() > kMaxFinsReceived) return Step::failed(Cause::kOverlong);
-    silence_ = std::any_of(all.begin(), all.end(), [](auto c) { return c != 0x00 && c != 0xFF; })
-                   ? Cause::kMalformed
-                   : Cause::kNoAnswer;
+    silence_ = cause_of_noise(all);
     Step step = Step::need_answer();
     for (;;) {
       const ParseResult parsed = first_frame(all);

@@ -20,6 +20,7 @@
 #include "core/codec/value_codec.hpp"
 #include "core/protocol/option_reader.hpp"
 #include "core/protocol/protocol_entry.hpp"
+#include "core/protocol/received.hpp"
 
 namespace fieldcast::s7_freeport {
 namespace {
@@ -77,9 +78,7 @@ class FreeportExchange final : public Exchange {
   Step on_bytes(ByteView all, Bytes&) override {
     if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
     Step step = Step::need_answer();
-    silence_ = std::any_of(all.begin(), all.end(), [](auto c) { return c != 0x00 && c != 0xFF; })
-                   ? Cause::kMalformed
-                   : Cause::kNoAnswer;
+    silence_ = cause_of_noise(all);
     for (auto q = std::find(all.begin(), all.end(), 'q');
          q != all.end();) {  // a `q` begins a frame at any time
       const auto next = std::find(q + 1, all.end(), 'q');
@@ -197,10 +196,7 @@ class FreeportProtocol final : public Protocol {
   }
 
  private:
-  static bool fits(const Range& range) {
-    return range.area == 0 && range.count >= 1 && range.first < kBytes &&
-           range.count <= kBytes - range.first;
-  }
+  static bool fits(const Range& range) { return fieldcast::fits(kAreas, range, true); }
   static bool fits(const WriteRequest& write) {
     return fits(write.range) && write.items.size() == write.range.count &&
            (!write.bit || (write.range.count == 1 && *write.bit < 8));

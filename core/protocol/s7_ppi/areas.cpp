@@ -13,12 +13,8 @@ constexpr std::string_view kAllowed =
     "VB100, VW100, VD100, V100.3 and likewise M, I, Q, S, SM; AIW4, AQW0 (even numbers); T37, C5, "
     "HC0";
 
-using Parsed = tl::expected<ParsedAddress, AddressFault>;
+constexpr AddressFaults fault{kAllowed};
 
-Parsed fault(std::string what, std::string suggestion = {}) {
-  return tl::unexpected(
-      AddressFault{std::move(what), std::string(kAllowed), std::move(suggestion)});
-}
 struct Named {
   AreaIndex area;
   unsigned width = 0;  // bits for B, W or D; 0: a bit or a number follows
@@ -56,7 +52,7 @@ std::string suggestion(std::string_view letters, std::string_view rest) {
 
 }  // namespace
 
-tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) {
+ParsedOrFault parse_address(std::string_view at) {
   const std::size_t digits = std::min(at.find_first_of("0123456789"), at.size());
   const std::string_view letters = at.substr(0, digits);
   const auto name = named(letters);
@@ -88,12 +84,9 @@ tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) {
   }
   if (name->width != 0 || code.counted)
     return fault(quoted(at) + " has no bits", std::string(at.substr(0, dot)));
-  const auto bit = whole_number(at.substr(dot + 1));
-  if (!bit || *bit > 7)
+  if (!set_bit(address, whole_number(at.substr(dot + 1)), 8))
     return fault("bit " + quoted(at.substr(dot + 1)) + " is not 0..7",
                  std::string(at.substr(0, dot)) + ".0");
-  address.bit = static_cast<std::uint8_t>(*bit);
-  address.width_bits = 1;
   return address;
 }
 

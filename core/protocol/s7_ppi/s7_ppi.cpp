@@ -14,6 +14,7 @@
 
 #include "core/protocol/option_reader.hpp"
 #include "core/protocol/protocol_entry.hpp"
+#include "core/protocol/received.hpp"
 #include "core/protocol/s7_ppi/areas.hpp"
 #include "core/protocol/s7_ppi/telegram.hpp"
 
@@ -59,9 +60,7 @@ class PpiExchange final : public Exchange {
 
   Step on_bytes(ByteView all, Bytes&) override {
     if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
-    silence_ = std::any_of(all.begin(), all.end(), [](auto c) { return c != 0x00 && c != 0xFF; })
-                   ? Cause::kMalformed
-                   : Cause::kNoAnswer;
+    silence_ = cause_of_noise(all);
     acknowledged_ = false;
     Step step = Step::need_answer();
     for (std::size_t at = 0; at < all.size();) {

@@ -267,14 +267,7 @@ Bytes HostLinkDevice::fins(const Command& command, Instant now, Duration& pause)
 
 tl::expected<std::unique_ptr<SimDevice>, std::string> make_hostlink_device(
     const DeviceSetup& setup) {
-  if (setup.spec.link.address > 31) {
-    return tl::unexpected(
-        fmt::format("{}: unit {} is not 0..31", setup.spec.name, setup.spec.link.address));
-  }
-  auto device = std::make_unique<HostLinkDevice>(setup);
-  if (auto added = device->memory().add_channels(setup, parse_omron_address); !added)
-    return tl::unexpected(added.error());
-  return device;
+  return make_memory_device<HostLinkDevice>(setup, 31, parse_omron_address, "unit");
 }
 
 }  // namespace fieldcast::sim
