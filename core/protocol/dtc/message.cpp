@@ -17,7 +17,7 @@ constexpr std::string_view kAllowed =
     "bit:N, int16:N, int32:N, float32:N, float64:N with N 0..65535, or int16:N.BIT, int32:N.BIT "
     "for a bit of an integer";
 
-constexpr AddressFaults fault{kAllowed};
+constexpr AddressFaults address_fault{kAllowed};
 
 }  // namespace
 
@@ -28,8 +28,8 @@ ParsedOrFault parse_address(std::string_view at) {
   if (colon == std::string_view::npos || found == kTypeNames.end()) {
     const std::string_view near = near_miss(name, kTypeNames);
     const std::string rest(colon == std::string_view::npos ? ":0" : at.substr(colon));
-    return fault("type " + quoted(name) + " is unknown",
-                 near.empty() || rest.size() > 16 ? "" : std::string(near) + rest);
+    return address_fault("type " + quoted(name) + " is unknown",
+                         near.empty() || rest.size() > 16 ? "" : std::string(near) + rest);
   }
   ParsedAddress address{.area = static_cast<AreaIndex>(found - kTypeNames.begin())};
   const unsigned bits = kTypeBits[address.area];
@@ -37,10 +37,10 @@ ParsedOrFault parse_address(std::string_view at) {
   const std::size_t dot = number.find('.');
   const auto first = whole_number(number.substr(0, dot));
   if (!first)
-    return fault(quoted(number.substr(0, dot)) + " is no number", std::string(name) + ":0");
+    return address_fault(quoted(number.substr(0, dot)) + " is no number", std::string(name) + ":0");
   if (*first >= kVariables)
-    return fault(quoted(at) + " is beyond the end of " + std::string(name),
-                 std::string(name) + ":65535");
+    return address_fault(quoted(at) + " is beyond the end of " + std::string(name),
+                         std::string(name) + ":65535");
   address.first = *first;
   if (dot == std::string_view::npos) {
     // Floating-point numbers are whole; a value may consist of several integers.
@@ -50,10 +50,11 @@ ParsedOrFault parse_address(std::string_view at) {
   }
   const std::string whole(at.substr(0, colon + 1 + dot));
   if (address.area != kInt16 && address.area != kInt32)
-    return fault(quoted(at) + " has no bits", whole);
+    return address_fault(quoted(at) + " has no bits", whole);
   if (!set_bit(address, whole_number(number.substr(dot + 1)), bits)) {
-    return fault("bit " + quoted(number.substr(dot + 1)) + " is not 0.." + std::to_string(bits - 1),
-                 whole + ".0");
+    return address_fault(
+        "bit " + quoted(number.substr(dot + 1)) + " is not 0.." + std::to_string(bits - 1),
+        whole + ".0");
   }
   return address;
 }

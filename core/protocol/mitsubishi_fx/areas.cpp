@@ -70,7 +70,7 @@ constexpr std::string_view kAllowed =
     "D100, D100.3, D8010, M14, M8001, X17 and Y5 (octal), S3, T5 and C5 (values), TS5, CS5 "
     "(contacts), TC5, CC5 (coils)";
 
-constexpr AddressFaults fault{kAllowed};
+constexpr AddressFaults address_fault{kAllowed};
 
 bool is_named(const DeviceRow& row, std::string_view letters) {
   return row.name == letters || (!row.other.empty() && row.other == letters);
@@ -100,29 +100,29 @@ ParsedOrFault parse_address(Commands commands, std::string_view at) {
     const std::string upper = upper_case(letters);
     const bool named =
         std::ranges::any_of(kRows, [&](const DeviceRow& row) { return is_named(row, upper); });
-    return fault("device " + quoted(letters) + " is unknown",
-                 named ? upper + std::string(at.substr(digits)) : "");
+    return address_fault("device " + quoted(letters) + " is unknown",
+                         named ? upper + std::string(at.substr(digits)) : "");
   }
   const auto which = whole_number(number, octal ? 8 : 10);
   if (!which)
-    return fault(quoted(number) + (octal ? " is no octal number" : " is no number"),
-                 std::string(letters) + "0");
+    return address_fault(quoted(number) + (octal ? " is no octal number" : " is no number"),
+                         std::string(letters) + "0");
   const auto& rows = reached_by(commands).rows;
   const auto row = std::find_if(rows.begin(), rows.end(), [&](const DeviceRow* each) {
     return is_named(*each, letters) && *which >= each->first &&
            *which - each->first < each->address_map(commands).items;
   });
   if (row == rows.end())
-    return fault(quoted(at) + " does not exist" +
-                 (commands == Commands::kExtended ? " in the extended map" : ""));
+    return address_fault(quoted(at) + " does not exist" +
+                         (commands == Commands::kExtended ? " in the extended map" : ""));
   ParsedAddress address{.area = static_cast<AreaIndex>(row - rows.begin()),
                         .first = *which - (*row)->first};
   if ((*row)->item_bits != 16) address.width_bits = (*row)->item_bits;
   if (dot == at.size()) return address;
   const std::string whole(at.substr(0, dot));
-  if ((*row)->item_bits == 1) return fault(quoted(whole) + " is a bit itself", whole);
+  if ((*row)->item_bits == 1) return address_fault(quoted(whole) + " is a bit itself", whole);
   if (!set_bit(address, whole_number(at.substr(dot + 1)), (*row)->item_bits))
-    return fault("bit " + quoted(at.substr(dot + 1)) + " does not exist", whole + ".0");
+    return address_fault("bit " + quoted(at.substr(dot + 1)) + " does not exist", whole + ".0");
   return address;
 }
 

@@ -12,27 +12,27 @@ namespace fieldcast::modbus {
 namespace {
 
 constexpr std::uint8_t kReadFifo = 24;
-constexpr PduSize kNone{}, kOne{1}, kFive{5}, kSeven{7}, kCounted{0, 1};
+constexpr PduSize kNone{}, kOne{1}, kFive{5}, kSeven{7}, kByteCounted{0, 1};
 
 constexpr auto kFunctions = [] {
   std::array<FunctionRow, 44> rows{};
-  rows[1] = {"read coils", kFive, kCounted, "coil", kMaxReadBits};
-  rows[2] = {"read discrete inputs", kFive, kCounted, "input", kMaxReadBits};
-  rows[3] = {"read holding registers", kFive, kCounted, "holding", kMaxReadRegisters};
-  rows[4] = {"read input registers", kFive, kCounted, "input-register", kMaxReadRegisters};
+  rows[1] = {"read coils", kFive, kByteCounted, "coil", kMaxReadBits};
+  rows[2] = {"read discrete inputs", kFive, kByteCounted, "input", kMaxReadBits};
+  rows[3] = {"read holding registers", kFive, kByteCounted, "holding", kMaxReadRegisters};
+  rows[4] = {"read input registers", kFive, kByteCounted, "input-register", kMaxReadRegisters};
   rows[5] = {"write single coil", kFive, kFive, "coil"};
   rows[6] = {"write single register", kFive, kFive};
   rows[7] = {"read exception status", kOne, {2}};
   rows[8] = {"diagnostics", kFive, kFive};  // its common sub-functions echo two bytes
   rows[11] = {"get comm event counter", kOne, kFive};
-  rows[12] = {"get comm event log", kOne, kCounted};
+  rows[12] = {"get comm event log", kOne, kByteCounted};
   rows[15] = {"write multiple coils", {0, 5}, kFive, "coil", kMaxWriteBits};
   rows[16] = {"write multiple registers", {0, 5}, kFive, "holding", kMaxWriteRegisters};
-  rows[17] = {"report server id", kOne, kCounted};
-  rows[20] = {"read file record", kCounted, kCounted};
-  rows[21] = {"write file record", kCounted, kCounted};
+  rows[17] = {"report server id", kOne, kByteCounted};
+  rows[20] = {"read file record", kByteCounted, kByteCounted};
+  rows[21] = {"write file record", kByteCounted, kByteCounted};
   rows[22] = {"mask write register", kSeven, kSeven};
-  rows[23] = {"read/write multiple registers", {0, 9}, kCounted};
+  rows[23] = {"read/write multiple registers", {0, 9}, kByteCounted};
   rows[kReadFifo] = {"read fifo queue", {3}, kNone};  // its response counts in two bytes
   rows[43] = {"encapsulated interface transport", {4}, kNone};
   return rows;
