@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
-
 #include "config/channel/channel_encoding.hpp"
 #include "config/channel/channel_keys.hpp"
 #include "config/channel/channel_limits.hpp"
@@ -193,11 +191,11 @@ void check_access(MapReader& map, Draft& draft) {
   auto& access = draft.spec.access;
   if (draft.spec.encoding.exponent_distance != 0 && access != Access::kReadOnly) {
     if (map.has("access")) {
-      map.fault("access",
-                fmt::format("a channel with '{}' cannot be written: its exponent belongs to "
-                            "the device",
-                            kExponentKey),
-                "read-only; to write, a second channel of the raw number");
+      map.fault(
+          "access",
+          fmt::format("a channel with '{}' cannot be written: its exponent belongs to the device",
+                      kExponentKey),
+          "read-only; to write, a second channel of the raw number");
     }
     access = Access::kReadOnly;
   }

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 
 #include "config/declaration/declared_frame.hpp"
 #include "config/document/suggest.hpp"

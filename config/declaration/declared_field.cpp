@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 #include "config/declaration/declared_frame.hpp"
 #include "config/document/common_forms.hpp"

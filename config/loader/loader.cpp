@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 #include "config/declaration/declaration.hpp"
 #include "config/document/limits.hpp"

@@ -55,7 +55,7 @@ void read_hosts(MapReader& map, std::string_view key, std::size_t most, int usua
     const std::string* text = scalar_of(*item, key, "HOST:PORT", map.faults());
     if (text == nullptr) continue;
     check_host_port(map, item->position, key, *text, usual_port);
-    if (std::find(target.begin(), target.end(), *text) != target.end())
+    if (std::ranges::find(target, *text) != target.end())
       map.faults().add(item->position, fmt::format("{} names '{}' twice", key, *text), "each once");
     target.push_back(*text);
   }
@@ -92,13 +92,11 @@ void read_security(MapReader& map, DdsSpec& spec) {
     if (spec.security && !spec.discovery_servers.empty()) {
       map.fault("security",
                 "security with a discovery server: Fast DDS 2.9 ends the program with it",
-                "one of them; without a discovery server members find each other by "
-                "multicast");
+                "one of them; without a discovery server members find each other by multicast");
     }
     if (spec.security && spec.domain > kMaxSecureDomain) {
       map.fault("domain",
-                fmt::format("security in domain {}: Cyclone DDS reads no document that "
-                            "names it",
+                fmt::format("security in domain {}: Cyclone DDS reads no document that names it",
                             spec.domain),
                 fmt::format("a domain 0 to {} with security", kMaxSecureDomain));
     }

@@ -161,13 +161,13 @@ void Timetable::align() {
   std::iota(order.begin(), order.end(), std::size_t{0});
   const auto slower_members = [&](std::size_t index) {
     const TimetableRequest& request = requests_[index];
-    return std::count_if(request.members.begin(), request.members.end(),
-                         [&](const auto& m) { return m.period > request.period; });
+    return std::ranges::count_if(request.members,
+                                 [&](const auto& m) { return m.period > request.period; });
   };
   std::vector<std::ptrdiff_t> slower(requests_.size());
   for (std::size_t index = 0; index < requests_.size(); ++index)
     slower[index] = slower_members(index);
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
     return std::tuple(requests_[a].period, slower[a]) < std::tuple(requests_[b].period, slower[b]);
   });
   std::vector<Duration> end(slots_);
@@ -220,7 +220,7 @@ void Timetable::settle(unsigned rounds) {
   due_.assign(requests_.size(), {});
   std::vector<std::size_t> order(requests_.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
     return requests_[a].period < requests_[b].period;
   });
   for (const std::size_t index : order) enter(index);

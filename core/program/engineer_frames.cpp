@@ -23,8 +23,8 @@ std::optional<std::string> unhex(std::string_view digits) {
 
 // Names are part of a line in the log and the audit trail.
 bool can_stand_in_a_line(std::string_view text) {
-  return !text.empty() && std::none_of(text.begin(), text.end(),
-                                       [](unsigned char c) { return c < 0x20 || c == 0x7F; });
+  return !text.empty() &&
+         std::ranges::none_of(text, [](unsigned char c) { return c < 0x20 || c == 0x7F; });
 }
 
 }  // namespace

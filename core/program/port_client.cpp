@@ -144,8 +144,7 @@ std::string PortClient::refusal(Reply reply) const {
   if (reply != Reply::kNotAllowed || rules_.user.empty()) return std::string(to_text(reply));
   return "the login of " + rules_.user +
          " is refused: a wrong password, another role than programmer, or too many wrong passwords "
-         "just before; 'fieldcast "
-         "audit' at the bridge says which";
+         "just before; 'fieldcast audit' at the bridge says which";
 }
 
 void PortClient::read_chunks(ByteView bytes, Actions& actions) {

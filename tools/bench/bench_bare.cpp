@@ -10,7 +10,6 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <string>
 #include <thread>
 
 #include "tools/bench/plant/bare.hpp"

@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
-#include <memory>
 #include <random>
 #include <string>
 #include <vector>
@@ -38,7 +37,7 @@ using Units = std::map<unsigned, std::vector<std::uint32_t>>;  // ascending addr
 Units units_of(const test::Map& map) {
   Units units;
   for (const test::MapRow& row : map) units[row.unit].push_back(row.address);
-  for (auto& [unit, addresses] : units) std::sort(addresses.begin(), addresses.end());
+  for (auto& [unit, addresses] : units) std::ranges::sort(addresses);
   return units;
 }
 
@@ -182,7 +181,7 @@ void run(const char* what, const SilenceRule& silence, bool goals) {
       {"115200 compressed, slowly changing", "goal: at most 0.45"}};
   for (const auto& [name, values] : ratios) {
     const auto goal = held.find(name);
-    const double worst = *std::max_element(values.begin(), values.end());
+    const double worst = *std::ranges::max_element(values);
     bench::print_figure(name, worst, "", goals && goal != held.end() ? goal->second : "");
   }
   std::puts("");

@@ -85,8 +85,7 @@ void measure(const std::vector<Line>& lines, const test::Map& map, double second
     const auto missed = report.deadline_misses - before.at(line.name()).report.deadline_misses;
     std::printf(
         "%6u baud, load %.2f, %zu channels, %.0f s: %8.0f refreshes, %llu missed; longest gap %.3f "
-        "of its refresh; "
-        "planned %.3f, measured %.3f%s\n",
+        "of its refresh; planned %.3f, measured %.3f%s\n",
         line.baud, line.load, map.size(), seconds, refreshed,
         static_cast<unsigned long long>(missed), tightest, report.planned_load,
         report.measured_load, causes_of(after.at(line.name()).causes).c_str());

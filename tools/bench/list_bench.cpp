@@ -70,7 +70,7 @@ Duration round_of(const Bus& bus, DeviceIndex device, Duration longest) {
     if (point.device == device && point.refresh <= longest) wanted.push_back(point.range);
   }
   if (wanted.empty()) return {};
-  std::sort(wanted.begin(), wanted.end(), sooner);
+  std::ranges::sort(wanted, sooner);
   const ListCost cost(bus.input.devices[device], bus.input.line, bus.input.silence);
   return test::best_requests(wanted, cost).cost;
 }

@@ -8,7 +8,6 @@
 #include <cstdlib>
 #include <functional>
 #include <random>
-#include <string>
 #include <vector>
 
 #include "core/codec/lzw.hpp"

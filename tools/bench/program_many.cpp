@@ -29,8 +29,7 @@ std::string buses_of(int devices) {
         "    defaults: {{ refresh: 200ms, timeout: 500ms }}\n"
         "    devices:\n"
         "      - {{ name: plc, address: 1, channels: [ {{ name: a, at: \"holding:0\", type: uint16 "
-        "}}, "
-        "{{ name: b, at: \"holding:1\", type: uint16 }} ] }}\n",
+        "}}, {{ name: b, at: \"holding:1\", type: uint16 }} ] }}\n",
         name_of(i));
   }
   return text;

@@ -159,7 +159,7 @@ void print_decision() {
       if (++decisions % kStep == 0) progress.step();
     }
     progress.clear();
-    std::sort(took.begin(), took.end());
+    std::ranges::sort(took);
     std::printf(
         "%6zu channels: build %6.1f ms, decision %5.2f us on average, %6.1f us in 999 of 1000\n",
         channels, std::chrono::duration<double, std::milli>(built - before).count(),

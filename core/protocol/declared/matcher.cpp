@@ -176,7 +176,7 @@ class Matcher {
       if (const auto said = told()) {
         size = *said;
       } else {
-        const auto end = std::find(rest().begin(), rest().end(), terminator(fields_[at_ + 1]));
+        const auto end = std::ranges::find(rest(), terminator(fields_[at_ + 1]));
         size = static_cast<std::size_t>(end - rest().begin());
         if (end == rest().end() && size <= field.text_size) {
           part();

@@ -1,7 +1,6 @@
 #include "core/protocol/dtc/message.hpp"
 
 #include <algorithm>
-#include <array>
 #include <string>
 
 #include "core/base/message_text.hpp"

@@ -108,7 +108,7 @@ ParsedOrFault parse_address(Commands commands, std::string_view at) {
     return address_fault(quoted(number) + (octal ? " is no octal number" : " is no number"),
                          std::string(letters) + "0");
   const auto& rows = reached_by(commands).rows;
-  const auto row = std::find_if(rows.begin(), rows.end(), [&](const DeviceRow* each) {
+  const auto row = std::ranges::find_if(rows, [&](const DeviceRow* each) {
     return is_named(*each, letters) && *which >= each->first &&
            *which - each->first < each->address_map(commands).items;
   });

@@ -124,7 +124,7 @@ class FxRead final : public FxExchange {
     if (refused) silence_ = Cause::kDeviceError;
     Step step = refused ? Step::need_rest(0) : Step::need_answer();
     // STX begins a frame at any time.
-    for (auto stx = std::find(all.begin(), all.end(), kStx); stx != all.end();) {
+    for (auto stx = std::ranges::find(all, kStx); stx != all.end();) {
       const auto next = std::find(stx + 1, all.end(), kStx);
       step = parse({stx, next});
       if (step.kind != Step::Kind::kNeedMore) break;
@@ -137,7 +137,7 @@ class FxRead final : public FxExchange {
   std::size_t frame_size() const { return kEnvelope + 2 * std::size_t{bytes_}; }
 
   Step parse(ByteView text) {
-    const auto etx = std::find(text.begin(), text.end(), kEtx);
+    const auto etx = std::ranges::find(text, kEtx);
     const std::size_t come = text.size();
     const auto size = static_cast<std::size_t>(etx - text.begin()) + 3;  // with ETX and sum
     if ((etx == text.end() && come < frame_size()) || (etx != text.end() && come < size)) {
@@ -201,7 +201,7 @@ class FxWrite final : public FxExchange {
   // The acknowledgement is one unprotected character: only turnaround noise may precede it.
   Step on_bytes(ByteView all, Bytes&) override {
     if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
-    const auto first = std::find_if_not(all.begin(), all.end(), is_turnaround);
+    const auto first = std::ranges::find_if_not(all, is_turnaround);
     if (first == all.end()) return Step::need_answer();
     if (*first == kAck) {
       reply_.resize(1);

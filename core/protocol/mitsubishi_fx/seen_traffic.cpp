@@ -101,7 +101,7 @@ std::vector<FrameField> explain(ByteView frame) {
     writer.remark(printable(frame), "no frame begins so: 02, or one of 05, 06, 15 alone");
     return writer.take();
   }
-  const auto etx = std::find(frame.begin(), frame.end(), kEtx);
+  const auto etx = std::ranges::find(frame, kEtx);
   if (etx == frame.end()) {
     writer.remark(printable(frame), "incomplete: 03 and the sum are missing");
     return writer.take();
@@ -125,7 +125,7 @@ std::vector<FrameField> explain(ByteView frame) {
 
 SeenRequest seen_request(ByteView bytes) {
   if (bytes.empty() || bytes[0] != kStx) return {};
-  const auto etx = std::find(bytes.begin(), bytes.end(), kEtx);
+  const auto etx = std::ranges::find(bytes, kEtx);
   const auto end = static_cast<std::size_t>(etx - bytes.begin());  // of the body
   if (bytes.size() < end + 3) return {};
   const ByteView body = bytes.subspan(1, end - 1);

@@ -12,8 +12,7 @@ namespace {
 constexpr std::uint32_t kLastAddress = 65535;
 constexpr std::string_view kAllowed =
     "coil:N, input:N, holding:N, holding:N.BIT, input-register:N with N 0..65535 (or 0x0..0xFFFF) "
-    "and BIT 0..15, or a reference "
-    "00001.., 10001.., 30001.., 40001.. (counted from 1)";
+    "and BIT 0..15, or a reference 00001.., 10001.., 30001.., 40001.. (counted from 1)";
 
 struct Word {
   std::string_view name;
@@ -77,8 +76,8 @@ std::string suggest_area(std::string_view area, std::string_view rest) {
 
 // "holding:100.5".
 ParsedOrFault parse_named(std::string_view area, std::string_view rest) {
-  const auto word = std::find_if(kWords.begin(), kWords.end(),
-                                 [&](const Word& candidate) { return candidate.name == area; });
+  const auto word =
+      std::ranges::find_if(kWords, [&](const Word& candidate) { return candidate.name == area; });
   if (word == kWords.end())
     return address_fault("area " + quoted(area) + " is unknown", suggest_area(area, rest));
 

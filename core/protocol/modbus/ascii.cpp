@@ -50,7 +50,7 @@ class AsciiSearch {
       : all_(all), unit_(header.unit), request_(request), scratch_(scratch) {}
 
   ParseResult run() {
-    auto colon = std::find(all_.begin(), all_.end(), kColon);
+    auto colon = std::ranges::find(all_, kColon);
     noise_ = cause_of_noise({all_.begin(), colon}) != Cause::kNoAnswer;
     while (colon != all_.end() && result_.pdu.empty()) {
       const auto next = std::find(colon + 1, all_.end(), kColon);
@@ -64,7 +64,7 @@ class AsciiSearch {
  private:
   // `text`: to the next colon, or to the end of the received bytes.
   void examine(ByteView text, bool open) {
-    const auto cr = std::find(text.begin(), text.end(), kCr);
+    const auto cr = std::ranges::find(text, kCr);
     const ByteView digits(text.begin(), cr);
     const auto bytes = spelt(digits, scratch_);
     if (!bytes || digits.size() > kMaxDigits) return spoil();

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <string>
 
 #include "core/codec/checksum.hpp"
@@ -98,7 +97,7 @@ void explain_ascii_end(ByteView frame, std::size_t end, bool too_long, FieldWrit
 std::vector<FrameField> explain_ascii(ByteView frame) {
   FieldWriter writer;
   if (frame.size() > kMaxExplained) frame = frame.first(kMaxExplained);
-  const auto cr = std::find(frame.begin(), frame.end(), '\r');
+  const auto cr = std::ranges::find(frame, '\r');
   // A colon restarts the frame at any time.
   const auto colon = std::find(std::make_reverse_iterator(cr), frame.rend(), ':').base();
   if (colon == frame.begin()) {
@@ -220,7 +219,7 @@ SeenRequest seen_rtu_request(ByteView bytes) {
 
 SeenRequest seen_ascii_request(ByteView bytes) {
   if (bytes.empty() || bytes[0] != ':') return {};
-  const auto cr = std::find(bytes.begin(), bytes.end(), '\r');
+  const auto cr = std::ranges::find(bytes, '\r');
   if (cr == bytes.end() || cr + 1 == bytes.end() || *(cr + 1) != '\n') return {};
   // Masters write upper-case digits; some devices do not.
   const auto frame = read_hex_bytes(ByteView(bytes.begin() + 1, cr));

@@ -124,8 +124,8 @@ ParsedOrFault parse_address(Mode mode, std::string_view at) {
                                              : " is reached by FINS only (option mode: fins)"));
   }
   const auto& [rows, areas] = reached_in(mode);
-  ParsedAddress address{
-      .area = static_cast<AreaIndex>(std::find(rows.begin(), rows.end(), &*row) - rows.begin())};
+  ParsedAddress address{.area =
+                            static_cast<AreaIndex>(std::ranges::find(rows, &*row) - rows.begin())};
   const Area& area = areas[address.area];
 
   const std::size_t dot = rest.find('.');

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "core/codec/digits.hpp"
 #include "core/protocol/omron_hostlink/hostlink.hpp"
@@ -238,7 +237,7 @@ class CModeWrite final : public CModeExchange {
   }
 
   Step take(ByteView all, Bytes& out) override {
-    const auto cr = std::find(all.begin(), all.end(), kCr);
+    const auto cr = std::ranges::find(all, kCr);
     if (open_ && cr != all.end() && std::find(all.begin(), cr, kAt) == cr) {
       out.clear();
       return send_next(kWriteLater, 0, out);

@@ -83,7 +83,7 @@ class HostLinkExplainer {
       writer_.remark("delimiter: go on with the next frame");
       return writer_.take();
     }
-    const auto at = std::find(frame_.begin(), frame_.end(), kAt);
+    const auto at = std::ranges::find(frame_, kAt);
     if (at != frame_.begin() && at != frame_.end()) {
       start_ = static_cast<std::size_t>(at - frame_.begin());
       writer_.add(0, start_, "ignored", printable(frame_.first(start_)));
@@ -96,7 +96,7 @@ class HostLinkExplainer {
  private:
   void body() {
     const ByteView own = frame_.subspan(start_);
-    const auto cr = std::find(own.begin(), own.end(), kCr);
+    const auto cr = std::ranges::find(own, kCr);
     auto end = static_cast<std::size_t>(cr - own.begin());  // later of the FCS
     const bool ended = cr != own.end();
     const bool last = end > 0 && own[end - 1] == kStar;

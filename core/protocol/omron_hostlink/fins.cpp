@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <string>
 
 #include "core/codec/digits.hpp"
 #include "core/protocol/omron_hostlink/hostlink.hpp"
@@ -251,7 +250,7 @@ class FinsExchange final : public Exchange {
   }
 
   static bool are_bits(ByteView items) {
-    return std::all_of(items.begin(), items.end(), [](auto item) { return item <= 1; });
+    return std::ranges::all_of(items, [](auto item) { return item <= 1; });
   }
 
   const FinsRoute route_;

@@ -79,7 +79,7 @@ class FreeportExchange final : public Exchange {
     if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
     Step step = Step::need_answer();
     silence_ = cause_of_noise(all);
-    for (auto q = std::find(all.begin(), all.end(), 'q');
+    for (auto q = std::ranges::find(all, 'q');
          q != all.end();) {  // a `q` begins a frame at any time
       const auto next = std::find(q + 1, all.end(), 'q');
       step = examine({q, next});
@@ -94,7 +94,7 @@ class FreeportExchange final : public Exchange {
 
  private:
   Step examine(ByteView text) {
-    const auto end = std::find(text.begin(), text.end(), 'Q');
+    const auto end = std::ranges::find(text, 'Q');
     if (end == text.end() && text.size() < kRequest) {
       silence_ = Cause::kTruncated;
       return Step::need_rest(

@@ -1,7 +1,6 @@
 #include "core/protocol/s7_ppi/telegram.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include "core/codec/checksum.hpp"
 

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <initializer_list>
 #include <stdexcept>
-#include <string>
 #include <string_view>
 
 #include "config/loader/loader.hpp"

@@ -11,7 +11,6 @@
 #include <cstring>
 #include <future>
 #include <mutex>
-#include <stdexcept>
 #include <thread>
 #include <utility>
 

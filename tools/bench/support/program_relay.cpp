@@ -125,8 +125,7 @@ FileDescriptor open_raw(const std::string& path) {
 void relay_bench(const RelayOptions& options) {
   ProgramBridge bridge(
       "  - { name: other, port: { serial: /nowhere }, protocol: modbus-rtu, devices: [ { name: d, "
-      "address: 1, allow: [raw-read] "
-      "} ] }\n");
+      "address: 1, allow: [raw-read] } ] }\n");
   FileDescriptor module = connect_to(bridge.modules(), 5);
   send_all(module.get(), Bytes{'1', '7', '\n'});
   FileDescriptor engineer = paired_client(bridge.engineers(), "17");

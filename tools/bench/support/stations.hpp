@@ -3,10 +3,8 @@
 
 #include <atomic>
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include "tools/bench/plant/plant.hpp"
 

@@ -42,12 +42,11 @@ void insert_samples(SqlConnection& connection, std::int64_t channel) {
   StepProgress progress("making samples", kDays);
   for (std::int64_t day = 0; day < kDays; ++day, progress.step()) {
     connection.execute(
-        "with recursive n(i) as (select 0 union all select i + 1 from n where i < 86399) "
-        "insert into samples (channel, published_at, sequence, acquired_at, quality, device_code, "
+        "with recursive n(i) as (select 0 union all select i + 1 from n where i < 86399) insert "
+        "into samples (channel, published_at, sequence, acquired_at, quality, device_code, "
         "value_kind, real_value) select $1, cast($2 as bigint) + i * cast(1000000000 as bigint), "
-        "i, "
-        "cast($3 as bigint) + i * cast(1000000000 as bigint), "
-        "case when i % 1000 = 0 then 3 else 0 end, 0, 3, 20 + (i % 997) * 0.01 from n",
+        "i, cast($3 as bigint) + i * cast(1000000000 as bigint), case when i % 1000 = 0 then 3 "
+        "else 0 end, 0, 3, 20 + (i % 997) * 0.01 from n",
         SqlRow{channel, kBegin.nanoseconds + day * kDay * kSecond,
                kBegin.nanoseconds + day * kDay * kSecond});
   }

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 #include "config/document/map_reader.hpp"
 #include "config/document/scalars.hpp"

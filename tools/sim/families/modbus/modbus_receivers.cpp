@@ -1,7 +1,5 @@
 #include "tools/sim/families/modbus/modbus_receivers.hpp"
 
-#include <optional>
-
 #include "core/codec/checksum.hpp"
 #include "tools/sim/device/device.hpp"
 
