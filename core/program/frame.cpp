@@ -155,8 +155,12 @@ void append_chunks(Bytes& out, ByteView bytes) {
   }
 }
 
-void append_heartbeat(Bytes& out) { append_u32(out, 0); }
-void append_stop(Bytes& out) { append_u32(out, kStopLength); }
+Bytes heartbeat_frame(bool by_length) {
+  return by_length ? Bytes(kHead) : control_frame(kHeartbeatCode);
+}
+Bytes stop_frame(bool by_length) {
+  return by_length ? Bytes(kHead, 0xFF) : control_frame(kStopCode);
+}
 
 void append_settings(Bytes& out, const LineSettings& settings) {
   append_u32(out, kSettingsLength);
