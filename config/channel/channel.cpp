@@ -81,7 +81,7 @@ bool is_number(const Encoding& encoding) {
 void read_text(MapReader& map, Draft& draft) {
   auto& encoding = draft.spec.encoding;
   TextForm form;
-  const bool said = map.read("text", form, TextFormRule{});
+  const bool given = map.read("text", form, TextFormRule{});
   if (!draft.typed || !draft.address) return;
   const std::uint16_t there = draft.address->text_characters;
   const bool number = is_number(encoding) && !is_bcd(encoding.type);
@@ -94,16 +94,16 @@ void read_text(MapReader& map, Draft& draft) {
   if (form.characters == 0) form.characters = there;
   if (form.number) encoding.string_bytes = form.characters;
   encoding.text_number = form.number;
-  if (said && form.characters == 0) {
+  if (given && form.characters == 0) {
     map.fault("text", "'text' does not say how many characters the number has", kTextNumberForms);
     draft.typed = false;
-  } else if (said && there != 0 && form.characters != there) {
+  } else if (given && there != 0 && form.characters != there) {
     map.fault("text",
               fmt::format("a number of {} characters at '{}', which is a text of {} characters",
                           form.characters, draft.spec.at, there),
               fmt::format("{} characters", there));
     draft.typed = false;
-  } else if (map.has("text") && !said) {
+  } else if (map.has("text") && !given) {
     draft.typed = false;  // a fault was already added
   }
 }

@@ -41,8 +41,8 @@ void Timetable::choose_length() {
   }
 }
 
-// Wire time of the due members and of member `besides`.
-Duration Timetable::read_cost(std::size_t index, Slots slot, std::size_t besides) const {
+// Wire time of the due members and of member `extra`.
+Duration Timetable::read_cost(std::size_t index, Slots slot, std::size_t extra) const {
   const TimetableRequest& request = requests_[index];
   const std::size_t words = words_for(request.members.size());
   const std::uint64_t* const due = due_[index].data() + slot * words;
@@ -51,7 +51,7 @@ Duration Timetable::read_cost(std::size_t index, Slots slot, std::size_t besides
   double sum = 0;
   for (std::size_t word = 0; word < words; ++word) {
     std::uint64_t left = due[word];
-    if (besides / 64 == word) left |= std::uint64_t{1} << besides % 64;
+    if (extra / 64 == word) left |= std::uint64_t{1} << extra % 64;
     for (; left != 0; left &= left - 1) {
       const TimetableMember& member =
           request.members[word * 64 + static_cast<std::size_t>(std::countr_zero(left))];

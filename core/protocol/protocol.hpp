@@ -114,6 +114,12 @@ struct ExchangeSize {
   std::uint32_t rounds = 1;  // number of device response times and line silences
   // Pauses required by the protocol (PPI between acknowledge and poll).
   Duration pauses{};
+
+  static ExchangeSize of(std::size_t request, std::size_t answer, std::uint32_t rounds = 1,
+                         Duration pauses = {}) {
+    return {static_cast<std::uint32_t>(request), static_cast<std::uint32_t>(answer), rounds,
+            pauses};
+  }
 };
 
 enum class Wait : std::uint8_t {
@@ -132,12 +138,12 @@ struct Step {
   Cause cause = Cause::kNone;     // for kFailed
   std::uint16_t device_code = 0;  // for kFailed with kDeviceError or kDeviceBusy
 
-  static Step send(std::uint32_t answer_characters) {
-    return {Kind::kSend, Wait::kAnswer, answer_characters};
+  static Step send(std::size_t answer_characters) {
+    return {Kind::kSend, Wait::kAnswer, static_cast<std::uint32_t>(answer_characters)};
   }
   static Step need_answer() { return {Kind::kNeedMore, Wait::kAnswer, 0}; }
-  static Step need_rest(std::uint32_t missing) {
-    return {Kind::kNeedMore, Wait::kRestOfFrame, missing};
+  static Step need_rest(std::size_t missing) {
+    return {Kind::kNeedMore, Wait::kRestOfFrame, static_cast<std::uint32_t>(missing)};
   }
   static Step pause_for(Duration time) { return {Kind::kNeedMore, Wait::kPause, 0, time}; }
   static Step done() { return {Kind::kDone}; }

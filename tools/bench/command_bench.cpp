@@ -28,7 +28,7 @@ std::string buses() {
 struct Results {
   std::mutex lock;
   std::condition_variable arrived;
-  std::map<std::uint64_t, Clock::time_point> asked;
+  std::map<std::uint64_t, Clock::time_point> sent;
   std::map<std::uint64_t, int> count;
   std::vector<double> milliseconds;
   int done = 0;
@@ -59,10 +59,10 @@ void run() {
     const std::lock_guard guard(results.lock);
     ++results.count[result.request_id];
     results.done += result.state == CommandState::kDone;
-    const auto asked = results.asked.find(result.request_id);
-    if (asked != results.asked.end())
+    const auto sent = results.sent.find(result.request_id);
+    if (sent != results.sent.end())
       results.milliseconds.push_back(
-          std::chrono::duration<double, std::milli>(now - asked->second).count());
+          std::chrono::duration<double, std::milli>(now - sent->second).count());
     results.arrived.notify_one();
   });
   const auto before = plant.buses().at("bus").report;
@@ -74,11 +74,11 @@ void run() {
     command.command.target = ChannelTarget{"r" + std::to_string(random() % kRegisters)};
     command.command.values = {Value{std::uint64_t{random() % 65536}}};
     std::unique_lock guard(results.lock);
-    const auto asked = Clock::now();
+    const auto sent = Clock::now();
     const auto id = plant.station().send(std::move(command));
     if (!id)
       throw std::runtime_error("a command could not be sent: " + std::string(to_text(id.error())));
-    results.asked[*id] = asked;
+    results.sent[*id] = sent;
     guard.unlock();
     // not synchronous with the blocks
     let_run(0.010 + 0.00002 * static_cast<double>(random() % 1000));

@@ -130,16 +130,16 @@ Round dtc_round(const Units& units, const Wire& wire, std::optional<Data> data) 
   for (const auto& [unit, addresses] : units) {
     for (const ReadRequest& request : dtc_requests(*protocol, addresses, wire)) {
       Registers registers(data.value_or(Data::kIdle));
-      Bytes asked;
-      (void)protocol->begin(request, {})->start(asked);
+      Bytes sent;
+      (void)protocol->begin(request, {})->start(sent);
       for (int round = 0; round < kRounds; ++round) {
         Bytes answer;
         dtc::append_packet(answer, answer_to(request, registers), data ? threshold : dtc::kNever);
-        sum.time += to_seconds(wire.time(asked.size() + answer.size())) / kRounds;
+        sum.time += to_seconds(wire.time(sent.size() + answer.size())) / kRounds;
         sum.answer_bytes += static_cast<double>(answer.size()) / kRounds;
         registers.next_round();
       }
-      sum.request_bytes += static_cast<double>(asked.size());
+      sum.request_bytes += static_cast<double>(sent.size());
       ++sum.requests;
     }
   }

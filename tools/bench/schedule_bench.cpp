@@ -145,7 +145,7 @@ void print_decision() {
     Instant now = wire.now();
     StepProgress progress(fmt::format("decisions of {} channels", channels), kDecisions / kStep);
     while (decisions < kDecisions) {
-      const Duration asked = processor_time();
+      const Duration began = processor_time();
       const Decision decision = scheduler->next(now);
       if (const auto* block = std::get_if<Block>(&decision)) {
         now += block->cost;
@@ -153,7 +153,7 @@ void print_decision() {
       } else {
         now = std::get<Rest>(decision).until;
       }
-      took.push_back(processor_time() - asked);
+      took.push_back(processor_time() - began);
       replan(*scheduler, now);  // runs on another thread in a bridge
       total += took.back();
       if (++decisions % kStep == 0) progress.step();

@@ -164,8 +164,7 @@ Step DeclaredExchange::start(Bytes& out) {
   append_frame(out, operation_.request, context_);
   silence_ = Cause::kNoAnswer;
   fallback_.reset();
-  return Step::send(
-      static_cast<std::uint32_t>(size_of(operation_.answer, context_.item_bits, context_.count)));
+  return Step::send(size_of(operation_.answer, context_.item_bits, context_.count));
 }
 
 Step DeclaredExchange::on_bytes(ByteView all, Bytes&) {
@@ -174,9 +173,7 @@ Step DeclaredExchange::on_bytes(ByteView all, Bytes&) {
   search.run();
   silence_ = search.cause();
   fallback_.reset();
-  if (!search.found)
-    return search.begun ? Step::need_rest(static_cast<std::uint32_t>(search.missing))
-                        : Step::need_answer();
+  if (!search.found) return search.begun ? Step::need_rest(search.missing) : Step::need_answer();
   Step step = Step::done();
   if (search.refusal) {
     const bool busy =
@@ -193,7 +190,7 @@ Step DeclaredExchange::on_bytes(ByteView all, Bytes&) {
   }
   if (!search.doubtful) return step;
   fallback_ = step;
-  return Step::need_rest(static_cast<std::uint32_t>(search.missing));
+  return Step::need_rest(search.missing);
 }
 
 Step DeclaredExchange::on_silence(Bytes&) {

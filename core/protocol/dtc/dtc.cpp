@@ -45,7 +45,7 @@ class DtcExchange final : public Exchange {
 
   Step start(Bytes& out) override {
     append_packet(out, sent_, link_.threshold);
-    return Step::send(static_cast<std::uint32_t>(kPacketHead + answer_size_));
+    return Step::send(kPacketHead + answer_size_);
   }
 
   Step on_bytes(ByteView all, Bytes&) override {
@@ -81,7 +81,7 @@ class DtcExchange final : public Exchange {
         open_ = true;
         // Otherwise the previous reason is more specific.
         if (!waited_out_) silence_ = Cause::kTruncated;
-        return Step::need_rest(static_cast<std::uint32_t>(parsed.size - bytes.size()));
+        return Step::need_rest(parsed.size - bytes.size());
       }
       if (parsed.kind == ParseResult::Kind::kNoise) {
         if (silence_ == Cause::kNoAnswer && !is_turnaround(bytes[0])) silence_ = Cause::kMalformed;
@@ -164,9 +164,7 @@ class DtcProtocol final : public Protocol {
   std::optional<ExchangeSize> size(const Request& request) const override {
     const auto sizes = message_sizes(request, link_.longest);
     if (!sizes) return std::nullopt;
-    return ExchangeSize{
-        .request_characters = static_cast<std::uint32_t>(kPacketHead + sizes->request),
-        .answer_characters = static_cast<std::uint32_t>(kPacketHead + sizes->answer)};
+    return ExchangeSize::of(kPacketHead + sizes->request, kPacketHead + sizes->answer);
   }
 
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext) const override {

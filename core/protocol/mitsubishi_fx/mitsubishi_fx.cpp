@@ -113,7 +113,7 @@ class FxRead final : public FxExchange {
     append_digits(out, row_.address_map(commands_).base + offset, 4);
     append_digits(out, bytes_, 2);
     append_end(out);
-    return Step::send(static_cast<std::uint32_t>(frame_size()));
+    return Step::send(frame_size());
   }
 
   Step on_bytes(ByteView all, Bytes&) override {
@@ -138,12 +138,11 @@ class FxRead final : public FxExchange {
 
   Step parse(ByteView text) {
     const auto etx = std::ranges::find(text, kEtx);
-    const std::size_t come = text.size();
+    const std::size_t present = text.size();
     const auto size = static_cast<std::size_t>(etx - text.begin()) + 3;  // with ETX and sum
-    if ((etx == text.end() && come < frame_size()) || (etx != text.end() && come < size)) {
+    if ((etx == text.end() && present < frame_size()) || (etx != text.end() && present < size)) {
       silence_ = Cause::kTruncated;
-      return Step::need_rest(
-          static_cast<std::uint32_t>(frame_size() > come ? frame_size() - come : 1));
+      return Step::need_rest(frame_size() > present ? frame_size() - present : 1);
     }
     if (etx == text.end()) return broken(Cause::kMalformed);
     const ByteView frame = text.first(size);
@@ -226,20 +225,16 @@ class FxProtocol final : public Protocol {
   }
 
   std::optional<ExchangeSize> size(const Request& request) const override {
-    const std::uint32_t longer = is_extended(commands_) ? 2 : 0;
+    const std::size_t longer = is_extended(commands_) ? 2 : 0;
     if (const auto* read = std::get_if<ReadRequest>(&request)) {
       if (read->ranges.size() != 1 || !fits(commands_, read->ranges[0], false)) return std::nullopt;
-      const std::uint32_t bytes = bytes_of(row_of(commands_, read->ranges[0]), read->ranges[0]);
-      return ExchangeSize{.request_characters = 11 + longer,
-                          .answer_characters = static_cast<std::uint32_t>(kEnvelope) + 2 * bytes};
+      const std::size_t bytes = bytes_of(row_of(commands_, read->ranges[0]), read->ranges[0]);
+      return ExchangeSize::of(11 + longer, kEnvelope + 2 * bytes);
     }
     const auto* write = std::get_if<WriteRequest>(&request);
     if (write == nullptr || !fits(commands_, *write)) return std::nullopt;
-    if (row_of(commands_, write->range).item_bits == 1)
-      return ExchangeSize{.request_characters = 9 + longer / 2, .answer_characters = 1};
-    return ExchangeSize{
-        .request_characters = 11 + longer + 2 * static_cast<std::uint32_t>(write->items.size()),
-        .answer_characters = 1};
+    if (row_of(commands_, write->range).item_bits == 1) return ExchangeSize::of(9 + longer / 2, 1);
+    return ExchangeSize::of(11 + longer + 2 * write->items.size(), 1);
   }
 
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext) const override {

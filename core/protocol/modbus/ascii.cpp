@@ -97,12 +97,12 @@ class AsciiSearch {
     result_.missing = 0;
   }
 
-  void begin(ByteView bytes, std::size_t came) {
+  void begin(ByteView bytes, std::size_t received) {
     const bool exception = bytes.size() > 1 && (bytes[1] & kExceptionFlag) != 0;
     // Characters after the colon.
     const std::size_t length = ascii_size(exception ? 2 : request_.answer_size()) - 1;
     result_.kind = ParseResult::Kind::kBegun;
-    result_.missing = static_cast<std::uint32_t>(came < length ? length - came : 1);
+    result_.missing = static_cast<std::uint32_t>(received < length ? length - received : 1);
     truncated_ = true;
   }
 

@@ -111,17 +111,17 @@ class PduExplainer {
   void counted_data(std::size_t at, bool bits) {
     if (!has(at, 1)) return writer_.add(pdu_.size(), 0, "byte count", "", "missing");
     const std::size_t count = pdu_[at];
-    const std::size_t came = pdu_.size() - at - 1;
+    const std::size_t present = pdu_.size() - at - 1;
     std::string fault;
-    if (count != came)
-      fault = number(came) + " bytes follow";
+    if (count != present)
+      fault = number(present) + " bytes follow";
     else if (count == 0)
       fault = "no data";
     else if (!bits && count % 2 != 0)
       fault = "registers have two bytes each";
     writer_.add(at, 1, "byte count", number(count), fault);
-    data(at + 1, std::min(count, came), bits);
-    trailing(at + 1 + std::min(count, came));
+    data(at + 1, std::min(count, present), bits);
+    trailing(at + 1 + std::min(count, present));
   }
 
   void data(std::size_t at, std::size_t size, bool bits) {
@@ -198,13 +198,13 @@ class PduExplainer {
 
   // Unused by Fieldcast: only a length fixed by the standard is checked.
   void other() {
-    const bool tells_length = answer_pdu_size(pdu_) != 0 || request_pdu_size(pdu_) != 0;
+    const bool has_length = answer_pdu_size(pdu_) != 0 || request_pdu_size(pdu_) != 0;
     const bool fits = pdu_.size() == answer_pdu_size(pdu_) ||
                       pdu_.size() == request_pdu_size(pdu_) || pdu_[0] == 8 || pdu_[0] == 43;
     const bool cut = pdu_[0] == 8 && pdu_.size() < 5;
     writer_.add(
         1, pdu_.size() - 1, "data", to_hex(pdu_.subspan(1)),
-        (tells_length && !fits) || cut ? "the length of neither a request nor a response" : "");
+        (has_length && !fits) || cut ? "the length of neither a request nor a response" : "");
   }
 
   const ByteView pdu_;

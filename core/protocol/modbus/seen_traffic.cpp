@@ -141,7 +141,7 @@ std::vector<FrameField> explain_tcp(ByteView frame) {
     return writer.take();
   }
   const std::size_t counted = read_u16(frame, 4);
-  const std::size_t came = frame.size() - 6;
+  const std::size_t present = frame.size() - 6;
   writer.add(0, 2, "transaction",
              to_hex(frame.first(2), '\0') + " = " + std::to_string(read_u16(frame)));
   writer.add(2, 2, "protocol", to_hex(frame.subspan(2, 2), '\0'),
@@ -149,17 +149,17 @@ std::vector<FrameField> explain_tcp(ByteView frame) {
   std::string fault;
   if (counted < 2 || counted > 254)
     fault = "must be 2..254";
-  else if (counted > came)
-    fault = "only " + std::to_string(came) + " bytes follow";
+  else if (counted > present)
+    fault = "only " + std::to_string(present) + " bytes follow";
   writer.add(4, 2, "length", std::to_string(counted), fault);
   writer.add(6, 1, "unit", unit_text(frame[6], false));
-  const std::size_t inside = std::clamp<std::size_t>(counted, 2, came);
+  const std::size_t inside = std::clamp<std::size_t>(counted, 2, present);
   FieldWriter inner(7, 1, 1);
   explain_pdu(frame.subspan(7, inside - 1), inner);
   writer.append(inner.take());
-  if (inside < came)
-    writer.add(6 + inside, came - inside, "surplus", to_hex(frame.subspan(6 + inside)),
-               surplus_text(came - inside));
+  if (inside < present)
+    writer.add(6 + inside, present - inside, "surplus", to_hex(frame.subspan(6 + inside)),
+               surplus_text(present - inside));
   return writer.take();
 }
 

@@ -72,8 +72,7 @@ class CModeExchange : public Exchange {
       if (parsed.kind == ParseResult::Kind::kNothing) return step;
       if (parsed.kind == ParseResult::Kind::kOpen) {
         silence_ = Cause::kTruncated;
-        return Step::need_rest(static_cast<std::uint32_t>(
-            expected > parsed.text.size() ? expected - parsed.text.size() : 1));
+        return Step::need_rest(expected > parsed.text.size() ? expected - parsed.text.size() : 1);
       }
       if (parsed.kind == ParseResult::Kind::kBroken) {
         silence_ = Cause::kChecksum;
@@ -161,8 +160,8 @@ class CModeRead final : public CModeExchange {
     if (parsed.kind == ParseResult::Kind::kFrame) return accept(parsed.text, parsed.last, out);
     silence_ = parsed.kind == ParseResult::Kind::kBroken ? Cause::kChecksum : Cause::kTruncated;
     const std::size_t whole = frame_size(kReadLater);
-    return Step::need_rest(static_cast<std::uint32_t>(
-        parsed.kind == ParseResult::Kind::kOpen ? whole - std::min(whole - 1, all.size()) : 0));
+    return Step::need_rest(
+        parsed.kind == ParseResult::Kind::kOpen ? whole - std::min(whole - 1, all.size()) : 0);
   }
 
   Step accept(ByteView text, bool last, Bytes& out) override {
@@ -261,20 +260,15 @@ ExchangeSize read_size(const Range& range) {
   const bool flags = row_of(range).flags;
   const std::uint32_t frames =
       frames_for(digits, flags ? kFlagsFirst : kReadFirst, flags ? kFlagsLater : kReadLater);
-  return {.request_characters =
-              static_cast<std::uint32_t>(kHeadSize) + first_size(range) + 4 + 4 + (frames - 1),
-          .answer_characters =
-              static_cast<std::uint32_t>(kHeadSize + kEndCodeSize) + digits + 3 * frames + 1,
-          .rounds = frames};
+  return ExchangeSize::of(kHeadSize + first_size(range) + 4 + 4 + (frames - 1),
+                          kHeadSize + kEndCodeSize + digits + 3 * frames + 1, frames);
 }
 
 ExchangeSize write_size(const Range& range) {
   const std::uint32_t digits = digits_of(range);
   const std::uint32_t frames = frames_for(digits, kWriteFirst, kWriteLater);
-  return {.request_characters =
-              static_cast<std::uint32_t>(kHeadSize) + first_size(range) + digits + 3 * frames + 1,
-          .answer_characters = 11 + (frames - 1),
-          .rounds = frames};
+  return ExchangeSize::of(kHeadSize + first_size(range) + digits + 3 * frames + 1,
+                          11 + (frames - 1), frames);
 }
 
 }  // namespace

@@ -106,7 +106,7 @@ class FinsExchange final : public Exchange {
     append_digits(out, route_.wait, 1);
     append_hex_bytes(out, message_);
     append_end(out, 0, true);
-    return Step::send(static_cast<std::uint32_t>(frame_size()));
+    return Step::send(frame_size());
   }
 
   Step on_bytes(ByteView all, Bytes&) override {
@@ -118,8 +118,8 @@ class FinsExchange final : public Exchange {
       if (parsed.kind == ParseResult::Kind::kNothing) return step;
       if (parsed.kind == ParseResult::Kind::kOpen) {
         silence_ = Cause::kTruncated;
-        return Step::need_rest(static_cast<std::uint32_t>(
-            frame_size() > parsed.text.size() ? frame_size() - parsed.text.size() : 1));
+        return Step::need_rest(frame_size() > parsed.text.size() ? frame_size() - parsed.text.size()
+                                                                 : 1);
       }
       if (parsed.kind == ParseResult::Kind::kBroken) {
         silence_ = Cause::kChecksum;
@@ -234,14 +234,14 @@ class FinsExchange final : public Exchange {
   // Each item repeats its area code.
   Step unpack_many(ByteView data) {
     Reply reply(ranges_.size());
-    ByteView asked = ByteView(message_).subspan(header_size(route_) + kCommandSize);
+    ByteView requested = ByteView(message_).subspan(header_size(route_) + kCommandSize);
     for (std::size_t r = 0; r < ranges_.size(); ++r) {
       const std::size_t size = item_bytes(ranges_[r]);
       for (std::uint32_t i = 0; i < ranges_[r].count; ++i) {
-        if (data[0] != asked[0]) return Step::need_answer();
+        if (data[0] != requested[0]) return Step::need_answer();
         append(reply[r].items, data.subspan(1, size));
         data = data.subspan(1 + size);
-        asked = asked.subspan(kItemSize);
+        requested = requested.subspan(kItemSize);
       }
       if (fins_row(ranges_[r]).flags && !are_bits(reply[r].items)) return Step::need_answer();
     }
@@ -270,11 +270,9 @@ std::optional<ExchangeSize> fins_size(const FinsRoute& route, const Request& req
   const bool long_request = head + sizes->request > kFinsRequestBytes;
   if (long_request || head + kCommandSize + kEndSize + sizes->answer > kFinsAnswerBytes)
     return std::nullopt;
-  return ExchangeSize{
-      .request_characters = static_cast<std::uint32_t>(kRequestFrame + 2 * (head + sizes->request)),
-      .answer_characters = static_cast<std::uint32_t>(
-          kAnswerFrame + 2 * (head + kCommandSize + kEndSize + sizes->answer)),
-      .pauses = std::chrono::milliseconds{10} * route.wait};
+  return ExchangeSize::of(kRequestFrame + 2 * (head + sizes->request),
+                          kAnswerFrame + 2 * (head + kCommandSize + kEndSize + sizes->answer), 1,
+                          std::chrono::milliseconds{10} * route.wait);
 }
 
 std::unique_ptr<Exchange> begin_fins(const FinsRoute& route, std::uint8_t sid,

@@ -97,8 +97,7 @@ class FreeportExchange final : public Exchange {
     const auto end = std::ranges::find(text, 'Q');
     if (end == text.end() && text.size() < kRequest) {
       silence_ = Cause::kTruncated;
-      return Step::need_rest(
-          static_cast<std::uint32_t>(text.size() < kAnswer ? kAnswer - text.size() : 1));
+      return Step::need_rest(text.size() < kAnswer ? kAnswer - text.size() : 1);
     }
     const ByteView frame =
         text.first(static_cast<std::size_t>(end - text.begin()) + (end != text.end() ? 1 : 0));
@@ -171,7 +170,7 @@ class FreeportProtocol final : public Protocol {
 
   std::optional<ExchangeSize> size(const Request& request) const override {
     if (!std::visit([](const auto& each) { return fits(each); }, request)) return std::nullopt;
-    return ExchangeSize{.request_characters = kRequest, .answer_characters = kAnswer};
+    return ExchangeSize::of(kRequest, kAnswer);
   }
 
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext) const override {

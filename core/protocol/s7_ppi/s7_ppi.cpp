@@ -70,7 +70,7 @@ class PpiExchange final : public Exchange {
         // A telegram that begins in noise hides the acknowledgement after it; a poll does no harm.
         acknowledged_ = polls_ == 0 && all.back() == kMarkAcknowledge;
         if (acknowledged_) return Step::pause_for(link_.poll_delay);
-        return Step::need_rest(static_cast<std::uint32_t>(telegram.size - (all.size() - at)));
+        return Step::need_rest(telegram.size - (all.size() - at));
       }
       step = take(telegram, step);
       if (step.kind != Step::Kind::kNeedMore) return step;
@@ -87,7 +87,7 @@ class PpiExchange final : public Exchange {
     silence_ = Cause::kNoAnswer;
     append_short(out, link_.station, link_.master, poll_);
     poll_ = poll_ == kOdd ? kEven : kOdd;
-    return Step::send(static_cast<std::uint32_t>(answer_size_));
+    return Step::send(answer_size_);
   }
 
   const Reply& reply() const override { return reply_; }
@@ -159,12 +159,8 @@ class PpiProtocol final : public Protocol {
   std::optional<ExchangeSize> size(const Request& request) const override {
     const auto unit = unit_sizes(request);
     if (!unit) return std::nullopt;
-    return ExchangeSize{
-        .request_characters =
-            static_cast<std::uint32_t>(unit->request + kLinkHead + kLongFrame + kShortSize),
-        .answer_characters = static_cast<std::uint32_t>(1 + unit->answer + kLinkHead + kLongFrame),
-        .rounds = 2,
-        .pauses = link_.poll_delay};
+    return ExchangeSize::of(unit->request + kLinkHead + kLongFrame + kShortSize,
+                            1 + unit->answer + kLinkHead + kLongFrame, 2, link_.poll_delay);
   }
 
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext context) const override {

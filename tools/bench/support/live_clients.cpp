@@ -67,8 +67,8 @@ class Client {
   // REQUIRES: the lock of all clients is held for the following members.
   LiveReceived received;
   double newest_ms = 0;
-  std::uint64_t values = 0;                            // since the connection
-  std::vector<std::pair<std::uint64_t, double>> came;  // values, and seconds since connect()
+  std::uint64_t values = 0;                               // since the connection
+  std::vector<std::pair<std::uint64_t, double>> arrived;  // values, and seconds since connect()
 
   std::mutex* lock = nullptr;
   [[nodiscard]] bool is_open() const { return open_; }
@@ -107,7 +107,7 @@ class Client {
     received.values += n;
     values += n;
     newest_ms = std::max(newest_ms, base);
-    if (came.size() < 64) came.emplace_back(values, seconds_since(begun_));
+    if (arrived.size() < 64) arrived.emplace_back(values, seconds_since(begun_));
     if (first) return;
     received.ages_ms.push_back(now - base);
     for (std::uint32_t i = 0; i < n; i += 16) {
@@ -177,7 +177,7 @@ double LiveClients::first_data(std::size_t client, std::uint64_t values, double 
   while (seconds_since(begin) < patience) {
     {
       const std::lock_guard guard(state_->lock);
-      for (const auto& [count, seconds] : state_->clients[client]->came) {
+      for (const auto& [count, seconds] : state_->clients[client]->arrived) {
         if (count >= values) return seconds;
       }
     }

@@ -97,17 +97,17 @@ void RtuReceiver::on_character(std::uint8_t character, Instant end, Reaction& re
   // Only other units send responses, and none to a broadcast.
   const bool others = received_[0] != 0 && received_[0] != unit_.address();
   const Fit as_answer = others ? fit(answer_length(received_), received_) : Fit::kNot;
-  const bool awaited = asked_.size() == 2 && received_.size() >= 2 && received_[0] == asked_[0] &&
-                       received_[1] == asked_[1];
+  const bool awaited = requested_.size() == 2 && received_.size() >= 2 &&
+                       received_[0] == requested_[0] && received_[1] == requested_[1];
   if (as_request == Fit::kWhole && !others) {
     answer(end, reaction);
     received_.clear();
-    asked_.clear();
+    requested_.clear();
   } else if (as_answer == Fit::kWhole && (awaited || as_request != Fit::kWhole)) {
     received_.clear();
-    asked_.clear();
+    requested_.clear();
   } else if (as_request == Fit::kWhole && !(awaited && as_answer == Fit::kOpen)) {
-    asked_.assign(received_.begin(), received_.begin() + 2);
+    requested_.assign(received_.begin(), received_.begin() + 2);
     received_.clear();
   } else if ((as_request == Fit::kNot && as_answer == Fit::kNot) ||
              received_.size() >= kMaxRtuFrame) {
@@ -167,15 +167,15 @@ void AsciiReceiver::answer(Instant now, Reaction& reaction) {
     return;
   }
   if (frame[0] != 0 && frame[0] != unit_.address()) return;
-  Bytes said{frame[0]};
-  append(said, unit_.execute(ByteView(frame).subspan(1, frame.size() - 2), now));
+  Bytes response{frame[0]};
+  append(response, unit_.execute(ByteView(frame).subspan(1, frame.size() - 2), now));
   if (frame[0] == 0) {
     ++unit_.statistics().broadcasts;
     return;
   }
-  said.push_back(lrc8(said));
+  response.push_back(lrc8(response));
   reaction.answer.push_back(':');
-  for (const std::uint8_t byte : said) append_hex(reaction.answer, byte, 2);
+  for (const std::uint8_t byte : response) append_hex(reaction.answer, byte, 2);
   reaction.answer.push_back('\r');
   reaction.answer.push_back('\n');
 }

@@ -27,7 +27,7 @@ class RtuReceiver : public GapReceiver {
   void answer(Instant now, Reaction& reaction);
   ModbusUnit& unit_;
   // unit and function of the last request to another unit, until its response; empty: none
-  Bytes asked_;
+  Bytes requested_;
 };
 
 class AsciiReceiver : public Receiver {
