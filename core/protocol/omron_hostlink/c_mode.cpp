@@ -20,7 +20,7 @@ std::uint32_t digits_of(const Range& range) {
   return row_of(range).flags ? range.count : range.count * kWordDigits;
 }
 
-bool fits(const Range& range, bool write) {
+bool fits_c_mode(const Range& range, bool write) {
   if (!fieldcast::fits(reached_in(Mode::kCMode).areas, range, write)) return false;
   // Limit of a bank with four digits.
   return !is_extended(row_of(range)) || range.first % kBankWords + range.count <= 10000;
@@ -277,12 +277,12 @@ std::optional<ExchangeSize> c_mode_size(const Request& request) {
   if (const auto* read = std::get_if<ReadRequest>(&request)) {
     if (read->ranges.size() != 1) return std::nullopt;
     const Range& range = read->ranges.front();
-    return fits(range, false) ? std::optional(read_size(range)) : std::nullopt;
+    return fits_c_mode(range, false) ? std::optional(read_size(range)) : std::nullopt;
   }
   const auto* write = std::get_if<WriteRequest>(&request);
   if (write == nullptr || write->bit) return std::nullopt;
   const Range& range = write->range;
-  if (!fits(range, true) ||
+  if (!fits_c_mode(range, true) ||
       write->items.size() != image_bytes(row_of(range).flags ? 1 : 16, range.count))
     return std::nullopt;
   return write_size(range);

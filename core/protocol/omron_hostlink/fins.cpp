@@ -26,7 +26,7 @@ std::size_t header_size(const FinsRoute& route) {
 }
 std::size_t item_bytes(const Range& range) { return fins_row(range).flags ? 1 : 2; }
 
-bool fits(const Range& range, bool write) {
+bool fits_fins(const Range& range, bool write) {
   const auto& areas = reached_in(Mode::kFins).areas;
   // Each bank of EM has its own area code.
   return fieldcast::fits(areas, range, write) &&
@@ -54,7 +54,7 @@ struct Sizes {
 std::optional<Sizes> sizes_of(const ReadRequest& read) {
   if (read.ranges.empty() || read.ranges.size() > kFinsItems) return std::nullopt;
   for (const Range& range : read.ranges) {
-    if (!fits(range, false)) return std::nullopt;
+    if (!fits_fins(range, false)) return std::nullopt;
   }
   if (read.ranges.size() == 1) {
     return Sizes{kCommandSize + kItemSize + kCountSize,
@@ -72,7 +72,7 @@ std::optional<Sizes> sizes_of(const ReadRequest& read) {
 }
 
 std::optional<Sizes> sizes_of(const WriteRequest& write) {
-  if (!fits(write.range, true) || write.items.size() != image_bytes(16, write.range.count))
+  if (!fits_fins(write.range, true) || write.items.size() != image_bytes(16, write.range.count))
     return std::nullopt;
   if (write.bit &&
       (write.range.count != 1 || *write.bit > 15 || fins_row(write.range).bit_code == 0))

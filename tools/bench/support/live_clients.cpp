@@ -109,7 +109,6 @@ class Client {
     newest_ms = std::max(newest_ms, base);
     if (arrived.size() < 64) arrived.emplace_back(values, seconds_since(begun_));
     if (first) return;
-    received.ages_ms.push_back(now - base);
     for (std::uint32_t i = 0; i < n; i += 16) {
       std::uint32_t age = 0;
       std::memcpy(&age, data + kHeader + std::size_t{12} * n + std::size_t{4} * i, sizeof age);
@@ -166,10 +165,6 @@ std::size_t LiveClients::connect() {
   const std::lock_guard guard(state_->lock);
   state_->clients.push_back(std::move(client));
   return state_->clients.size() - 1;
-}
-
-void LiveClients::disconnect(std::size_t client) {
-  state_->run([&] { state_->clients[client]->close(); });
 }
 
 double LiveClients::first_data(std::size_t client, std::uint64_t values, double patience) {

@@ -164,12 +164,6 @@ namespace {
 
 constexpr std::uint8_t kCode = 4;
 
-std::string frames(const std::vector<Bytes>& all) {
-  std::string text;
-  for (const Bytes& each : all) text += (text.empty() ? "" : " | ") + to_hex(each);
-  return text;
-}
-
 void refusals(const Subject& subject, const Requests& requests, CheckRows& rows) {
   CheckRow row{.check = "device errors", .where = "refusals"};
   const bool silent =

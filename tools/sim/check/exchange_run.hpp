@@ -47,6 +47,9 @@ struct RunOutcome {
   [[nodiscard]] std::string text() const;
 };
 
+// "01 02 | 03": frames in hexadecimal.
+[[nodiscard]] std::string frames(const std::vector<Bytes>& all);
+
 class LiveDevice {
  public:
   explicit LiveDevice(const Subject& subject, const BusFaults& faults = {});
