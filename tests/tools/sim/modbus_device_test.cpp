@@ -143,6 +143,12 @@ TEST(ModbusMemory, WrittenChannelsHoldAndOthersMove) {
   EXPECT_EQ(memory.read(ModbusArea::kHolding, 2, later), 500u);
 }
 
+TEST(ModbusMemory, ACoilHoldsNoNumber) {
+  ItemMemory memory(modbus_areas(), {.start = test::kBegin});
+  EXPECT_TRUE(memory.add_channel(*parse_modbus_address("coil:3"), {ValueType::kBool}, {}));
+  EXPECT_FALSE(memory.add_channel(*parse_modbus_address("coil:3"), {ValueType::kInt16}, {}));
+}
+
 TEST(ModbusMemory, BitsOfOneWordMoveApart) {
   ItemMemory memory(modbus_areas(), {.start = test::kBegin});
   Encoding flag;

@@ -25,7 +25,7 @@ std::optional<std::uint32_t> number(std::string_view text, std::uint32_t limit) 
 std::vector<ItemArea> modbus_areas() {
   std::vector<ItemArea> areas;
   for (std::size_t area = 0; area < kModbusAreaNames.size(); ++area)
-    areas.push_back({kModbusAreaNames[area], is_bits(area) ? 1u : 16u, kItems});
+    areas.push_back({kModbusAreaNames[area], is_bits(area) ? 1u : 16u, kItems, is_bits(area)});
   return areas;
 }
 
