@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
-
 #include "config/channel/channel_encoding.hpp"
 #include "config/channel/channel_keys.hpp"
 #include "config/channel/channel_limits.hpp"
@@ -28,8 +26,7 @@ void read_address(MapReader& map, const ChannelContext& context, Draft& draft) {
   if (context.protocol == nullptr) return;
   const auto parsed = context.protocol->parse_address(draft.spec.at);
   if (!parsed) {
-    map.faults().add(map.position_of("at"), parsed.error().what, parsed.error().allowed,
-                     parsed.error().suggestion);
+    map.fault("at", parsed.error().what, parsed.error().allowed, parsed.error().suggestion);
     return;
   }
   draft.address = *parsed;
@@ -44,12 +41,10 @@ void read_byte(MapReader& map, Draft& draft) {
   const bool wider = draft.area != nullptr && draft.area->item_bits > 16;
   const std::string& text = map.find("byte")->text;
   if (wider && (text == "low" || text == "high")) {
-    map.faults().add(map.position_of("byte"),
-                     fmt::format("'{}' at '{}', which is no word", text, draft.spec.at),
-                     byte_names(draft.area->item_bits));
+    map.fault("byte", fmt::format("'{}' at '{}', which is no word", text, draft.spec.at),
+              byte_names(draft.area->item_bits));
   }
-  if (map.has("bit"))
-    map.faults().add(map.position_of("byte"), "a bit and a byte of one item", "one of bit, byte");
+  if (map.has("bit")) map.fault("byte", "a bit and a byte of one item", "one of bit, byte");
 }
 
 void read_type(MapReader& map, Draft& draft) {
@@ -72,9 +67,8 @@ void read_type(MapReader& map, Draft& draft) {
   if (has_bit) encoding.bit = bit;
   if (!draft.address) return;
   if (has_bit && draft.address->bit) {
-    map.faults().add(map.position_of("bit"),
-                     fmt::format("the bit is named twice: '{}' has one already", draft.spec.at),
-                     "one of 'at', 'bit'");
+    map.fault("bit", fmt::format("the bit is named twice: '{}' has one already", draft.spec.at),
+              "one of 'at', 'bit'");
   }
   if (draft.address->bit) encoding.bit = draft.address->bit;
 }
@@ -87,33 +81,29 @@ bool is_number(const Encoding& encoding) {
 void read_text(MapReader& map, Draft& draft) {
   auto& encoding = draft.spec.encoding;
   TextForm form;
-  const bool said = map.read("text", form, TextFormRule{});
+  const bool given = map.read("text", form, TextFormRule{});
   if (!draft.typed || !draft.address) return;
   const std::uint16_t there = draft.address->text_characters;
   const bool number = is_number(encoding) && !is_bcd(encoding.type);
   if (map.has("text") && !number) {
-    map.faults().add(map.position_of("text"),
-                     fmt::format("'text' at a {}", fieldcast::to_text(encoding.type)),
-                     "a channel of an integer type, float32 or float64");
+    map.fault("text", fmt::format("'text' at a {}", fieldcast::to_text(encoding.type)),
+              "a channel of an integer type, float32 or float64");
     return;
   }
   if (!map.has("text") && number) form = {draft.address->text_number, there};
   if (form.characters == 0) form.characters = there;
   if (form.number) encoding.string_bytes = form.characters;
   encoding.text_number = form.number;
-  if (said && form.characters == 0) {
-    map.faults().add(map.position_of("text"),
-                     "'text' does not say how many characters the number has",
-                     std::string(kTextNumberForms));
+  if (given && form.characters == 0) {
+    map.fault("text", "'text' does not say how many characters the number has", kTextNumberForms);
     draft.typed = false;
-  } else if (said && there != 0 && form.characters != there) {
-    map.faults().add(
-        map.position_of("text"),
-        fmt::format("a number of {} characters at '{}', which is a text of {} characters",
-                    form.characters, draft.spec.at, there),
-        fmt::format("{} characters", there));
+  } else if (given && there != 0 && form.characters != there) {
+    map.fault("text",
+              fmt::format("a number of {} characters at '{}', which is a text of {} characters",
+                          form.characters, draft.spec.at, there),
+              fmt::format("{} characters", there));
     draft.typed = false;
-  } else if (map.has("text") && !said) {
+  } else if (map.has("text") && !given) {
     draft.typed = false;  // a fault was already added
   }
 }
@@ -135,19 +125,17 @@ void check_type(MapReader& map, Draft& draft) {
   const std::string type(fieldcast::to_text(encoding.type));
   const bool one_byte = !encoding.is_text() && width_bits(encoding) == 8;
   if (map.has("byte") && !one_byte) {
-    return map.faults().add(map.position_of("byte"), "'byte' with type " + type,
-                            "int8, uint8, bcd8");
+    return map.fault("byte", "'byte' with type " + type, "int8, uint8, bcd8");
   }
   if (map.has("bit") && one_byte) {
-    return map.faults().add(map.position_of("bit"),
-                            fmt::format("type {} with a bit of a word", type), "byte");
+    return map.fault("bit", fmt::format("type {} with a bit of a word", type), "byte");
   }
   const auto misfit = check_fit(draft.spec.at, *draft.address, *draft.area, encoding);
   if (!misfit) return;
   const std::string_view part = map.has("byte") ? "byte" : map.has("bit") ? "bit" : "at";
   const std::string_view own = map.has("type") ? "type" : "at";
-  map.faults().add(map.position_of(misfit->about == FitFault::About::kPart ? part : own),
-                   misfit->what, misfit->allowed, misfit->suggestion);
+  map.fault(misfit->about == FitFault::About::kPart ? part : own, misfit->what, misfit->allowed,
+            misfit->suggestion);
   draft.typed = false;  // prevents further faults for the same mistake
 }
 
@@ -162,23 +150,23 @@ void set_range(MapReader& map, const ChannelContext& context, Draft& draft) {
            item_count(draft.spec.encoding, area.item_bits)};
   const std::string count = std::to_string(range.count);
   if (range.first >= area.items || range.count > area.items - range.first) {
-    map.faults().add(map.position_of("at"),
-                     fmt::format("'{}' with {} items reaches beyond the area {}", draft.spec.at,
-                                 count, area.name),
-                     fmt::format("items 0 to {}", area.items - 1));
+    map.fault("at",
+              fmt::format("'{}' with {} items reaches beyond the area {}", draft.spec.at, count,
+                          area.name),
+              fmt::format("items 0 to {}", area.items - 1));
   }
   const std::uint32_t block =
       context.max_block == 0 ? area.max_read : std::min(area.max_read, context.max_block);
   const std::string allowed =
       fmt::format("at most {}{}", block, block < area.max_read ? " (max-block)" : "");
   if (distance != 0 && (range.count > block || !in_one_bank(area, range.first, range.end()))) {
-    map.faults().add(map.position_of(kExponentKey),
-                     fmt::format("'{}' and its exponent at '{}' need {} items in one read",
-                                 draft.spec.at, draft.spec.exponent_from, count),
-                     range.count > block ? allowed : "a register of the same bank");
+    map.fault(kExponentKey,
+              fmt::format("'{}' and its exponent at '{}' need {} items in one read", draft.spec.at,
+                          draft.spec.exponent_from, count),
+              range.count > block ? allowed : "a register of the same bank");
   } else if (range.count > block) {
-    map.faults().add(map.position_of(map.has("type") ? "type" : "at"),
-                     fmt::format("'{}' needs {} items in one read", draft.spec.at, count), allowed);
+    map.fault(map.has("type") ? "type" : "at",
+              fmt::format("'{}' needs {} items in one read", draft.spec.at, count), allowed);
   }
 }
 
@@ -193,8 +181,8 @@ void check_byte_write(MapReader& map, Draft& draft) {
   const auto why = why_no_byte_write(fmt::format("'{}'", draft.spec.at), *draft.area);
   if (!why) return;
   if (map.has("access")) {
-    map.faults().add(map.position_of("access"), *why,
-                     "read-only, the whole item, or on Modbus the option mask-write: true");
+    map.fault("access", *why,
+              "read-only, the whole item, or on Modbus the option mask-write: true");
   }
   access = Access::kReadOnly;
 }
@@ -203,46 +191,42 @@ void check_access(MapReader& map, Draft& draft) {
   auto& access = draft.spec.access;
   if (draft.spec.encoding.exponent_distance != 0 && access != Access::kReadOnly) {
     if (map.has("access")) {
-      map.faults().add(map.position_of("access"),
-                       fmt::format("a channel with '{}' cannot be written: its exponent belongs to "
-                                   "the device",
-                                   kExponentKey),
-                       "read-only; to write, a second channel of the raw number");
+      map.fault(
+          "access",
+          fmt::format("a channel with '{}' cannot be written: its exponent belongs to the device",
+                      kExponentKey),
+          "read-only; to write, a second channel of the raw number");
     }
     access = Access::kReadOnly;
   }
   if (draft.area != nullptr && !draft.area->writable && access != Access::kReadOnly) {
     if (map.has("access")) {
-      map.faults().add(map.position_of("access"),
-                       fmt::format("area {} cannot be written", draft.area->name), "read-only",
-                       "read-only");
+      map.fault("access", fmt::format("area {} cannot be written", draft.area->name), "read-only",
+                "read-only");
     }
     access = Access::kReadOnly;  // an inherited default only applies if it is possible
   }
   if (access == Access::kReadOnly && map.has("write")) {
-    map.faults().add(map.position_of("write"), "'write' at a channel that is read-only",
-                     "access: read-write, access: write-only");
+    map.fault("write", "'write' at a channel that is read-only",
+              "access: read-write, access: write-only");
   }
   check_byte_write(map, draft);
   if (draft.area != nullptr && access != Access::kReadOnly &&
       spec_items(draft) > draft.area->max_write) {
-    map.faults().add(
-        map.position_of("at"),
-        fmt::format("'{}' needs {} items in one write", draft.spec.at, spec_items(draft)),
-        fmt::format("at most {}", draft.area->max_write));
+    map.fault("at",
+              fmt::format("'{}' needs {} items in one write", draft.spec.at, spec_items(draft)),
+              fmt::format("at most {}", draft.area->max_write));
   }
   if (draft.spec.mode == Mode::kOnDemand && draft.spec.on_interest && map.has("mode") &&
       map.has("acquire")) {
-    map.faults().add(map.position_of("acquire"),
-                     "'acquire: on-interest' at a channel that is read by command only",
-                     "one of acquire: on-interest, mode: on-demand");
+    map.fault("acquire", "'acquire: on-interest' at a channel that is read by command only",
+              "one of acquire: on-interest, mode: on-demand");
   }
   if (access != Access::kWriteOnly) return;
   for (const std::string_view key : {"deadband", "limits"}) {
     if (map.has(key))
-      map.faults().add(map.position_of(key),
-                       fmt::format("'{}' at a channel that is write-only", key),
-                       "access: read-write");
+      map.fault(key, fmt::format("'{}' at a channel that is write-only", key),
+                "access: read-write");
   }
 }
 
@@ -251,36 +235,31 @@ void check_numbers(MapReader& map, Draft& draft) {
   const std::string type(fieldcast::to_text(spec.encoding.type));
   const bool number = is_number(spec.encoding);
   if (spec.encoding.scale == 0)
-    map.faults().add(map.position_of("scale"), "scale is 0",
-                     "any other number, with a decimal point: 0.1");
+    map.fault("scale", "scale is 0", "any other number, with a decimal point: 0.1");
   check_deadband(map, spec);
   if (draft.typed && number) check_write_span(map, spec);
   if (!draft.typed || number) return;
   for (const std::string_view key : {"scale", "offset", "limits"}) {
     if (map.has(key))
-      map.faults().add(map.position_of(key), fmt::format("'{}' at a {}", key, type),
-                       "a channel of a numeric type");
+      map.fault(key, fmt::format("'{}' at a {}", key, type), "a channel of a numeric type");
   }
   if (spec.deadband.value_or(0) != 0)
-    map.faults().add(map.position_of("deadband"), "a deadband other than 0 at a " + type,
-                     "0: every change");
-  if (spec.write_min || spec.write_max)
-    map.faults().add(map.position_of("write"), "write limits at a " + type, "interval");
+    map.fault("deadband", "a deadband other than 0 at a " + type, "0: every change");
+  if (spec.write_min || spec.write_max) map.fault("write", "write limits at a " + type, "interval");
 }
 
 void check_heartbeat(MapReader& map, const ChannelDefaults& inherited, ChannelSpec& spec) {
   if (!spec.deadband) {
     spec.heartbeat.reset();  // an inherited default only applies with a deadband
     if (map.has("heartbeat"))
-      map.faults().add(map.position_of("heartbeat"), "'heartbeat' without 'deadband'",
-                       "both, or neither");
+      map.fault("heartbeat", "'heartbeat' without 'deadband'", "both, or neither");
   } else if (spec.heartbeat && *spec.heartbeat < spec.refresh) {
     const bool own = map.has("heartbeat") || map.has("refresh");
     if (!own && inherited.spec.heartbeat) return;
-    map.faults().add(map.position_of(map.has("heartbeat") ? "heartbeat" : "refresh"),
-                     fmt::format("heartbeat {} is shorter than the refresh",
-                                 fieldcast::to_text(*spec.heartbeat)),
-                     fieldcast::to_text(spec.refresh) + " and above");
+    map.fault(map.has("heartbeat") ? "heartbeat" : "refresh",
+              fmt::format("heartbeat {} is shorter than the refresh",
+                          fieldcast::to_text(*spec.heartbeat)),
+              fieldcast::to_text(spec.refresh) + " and above");
   }
 }
 
@@ -301,9 +280,8 @@ ChannelSpec read_channel(const Node& node, const ChannelContext& context, FaultL
   const bool is_string = spec.encoding.type == ValueType::kString;
   if (is_string) spec.encoding.charset = draft.charset;
   if (map.has("encoding") && draft.typed && !is_string)
-    faults.add(map.position_of("encoding"),
-               fmt::format("'encoding' at a {}", fieldcast::to_text(spec.encoding.type)),
-               "a channel of type string(n)");
+    map.fault("encoding", fmt::format("'encoding' at a {}", fieldcast::to_text(spec.encoding.type)),
+              "a channel of type string(n)");
 
   check_type(map, draft);
   read_exponent(map, context.protocol, draft.address && draft.typed ? &*draft.address : nullptr,

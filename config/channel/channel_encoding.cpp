@@ -29,7 +29,7 @@ void read_exponent(MapReader& map, const Protocol* protocol, const ParsedAddress
   std::string at;
   if (!map.read(kExponentKey, at, TextRule{kMaxNameLength}) || value == nullptr) return;
   const auto fault = [&](const std::string& what, const std::string& allowed) {
-    map.faults().add(map.position_of(kExponentKey), what, allowed);
+    map.fault(kExponentKey, what, allowed);
   };
   const Area& area = protocol->areas()[value->area];
   if (!has_exponent_type(spec.encoding)) {
@@ -45,8 +45,8 @@ void read_exponent(MapReader& map, const Protocol* protocol, const ParsedAddress
   }
   const auto exponent = protocol->parse_address(at);
   if (!exponent) {
-    map.faults().add(map.position_of(kExponentKey), exponent.error().what, exponent.error().allowed,
-                     exponent.error().suggestion);
+    map.fault(kExponentKey, exponent.error().what, exponent.error().allowed,
+              exponent.error().suggestion);
     return;
   }
   if (exponent->area != value->area || exponent->bit) {

@@ -15,12 +15,9 @@ void read_allow(MapReader& map, DeviceDefaults& defaults) {
   const Node* node = map.find("allow");
   if (node == nullptr) return;
   static constexpr std::pair<std::string_view, int> kRights[] = {{"raw-read", 0}, {"raw-write", 1}};
-  if (node->kind != Kind::kList) {
-    map.faults().add(node->position, fmt::format("allow is {}", to_text(node->kind)),
-                     "a list of raw-read, raw-write",
-                     node->kind == Kind::kScalar ? '[' + node->text + ']' : "");
+  if (!is_list(*node, "allow", 0, kAnyCount, "a list of raw-read, raw-write", map.faults(),
+               as_list(*node)))
     return;
-  }
   defaults.spec.allow_raw_read = defaults.spec.allow_raw_write = false;
   for (const Node* item : node->items) {
     const auto right = ChoiceRule<int>{kRights}(*item, "allow", map.faults());
@@ -110,51 +107,33 @@ std::vector<ChannelRow> channel_fields() {
         .fallback = "needed",
         .text = "the address, in the PLC's own notation: holding:100, 40101, coil:3, VW100",
         .schema = R"({ "type": ["string", "number"] })"}},
-      by_channel({.name = "type",
-                  .fallback = "`bool` for a bit, else needed",
-                  .text = "see above; may be left out where the address is one bit"},
+      by_channel({"type", "`bool` for a bit, else needed",
+                  "see above; may be left out where the address is one bit"},
                  TypeRule{}),
-      channel_row({.name = "refresh",
-                   .fallback = "1s",
-                   .text = "the promise that a sample is never older",
-                   .flows_down = true},
+      channel_row({"refresh", "1s", "the promise that a sample is never older", kFlowsDown},
                   &ChannelSpec::refresh, DurationRule{kMinRefresh, kMaxRefresh}),
-      channel_row(
-          {.name = "mode",
-           .fallback = "scheduled",
-           .text = "`scheduled` reads in time for the refresh, then the wire rests; `intensive` "
+      channel_row({"mode", "scheduled",
+                   "`scheduled` reads in time for the refresh, then the wire rests; `intensive` "
                    "reads without pause, the oldest first; `on-demand` reads by command only",
-           .flows_down = true},
-          &ChannelSpec::mode, ChoiceRule<Mode>{kModes}),
-      channel_row({.name = "access",
-                   .fallback = "read-only",
-                   .text = "what commands may do",
-                   .flows_down = true},
-                  &ChannelSpec::access, ChoiceRule<Access>{kAccesses}),
-      channel_row({.name = "acquire",
-                   .fallback = "always",
-                   .text = "`on-interest` reads only while a station declares interest",
-                   .flows_down = true},
+                   true},
+                  &ChannelSpec::mode, ChoiceRule<Mode>{kModes}),
+      channel_row({"access", "read-only", "what commands may do", kFlowsDown}, &ChannelSpec::access,
+                  ChoiceRule<Access>{kAccesses}),
+      channel_row({"acquire", "always",
+                   "`on-interest` reads only while a station declares interest", kFlowsDown},
                   &ChannelSpec::on_interest, ChoiceRule<bool>{kAcquires}),
-      channel_row({.name = "priority",
-                   .fallback = "0",
-                   .text = "a higher one is kept fresh longer when the wire is too slow",
-                   .flows_down = true},
+      channel_row({"priority", "0", "a higher one is kept fresh longer when the wire is too slow",
+                   kFlowsDown},
                   &ChannelSpec::priority, WholeRule{-kMaxPriority, kMaxPriority}),
-      channel_row(
-          {.name = "elasticity",
-           .fallback = "1",
-           .text = "its share of the stretch when the wire is too slow, beside the others of its "
+      channel_row({"elasticity", "1",
+                   "its share of the stretch when the wire is too slow, beside the others of its "
                    "priority: with 2 its refresh grows by twice as much",
-           .flows_down = true},
-          &ChannelSpec::elasticity, NumberRule{kMinElasticity, kMaxElasticity}),
-      channel_row({.name = "unit", .fallback = "none"}, &ChannelSpec::unit, TextRule{kMaxUnit}),
-      channel_row({.name = "description", .fallback = "none"}, &ChannelSpec::description,
-                  TextRule{kMaxDescription}),
-      channel_row({.name = "scale", .fallback = "1", .text = "value = raw × scale + offset"},
-                  &Encoding::scale, NumberRule{}),
-      channel_row({.name = "offset", .fallback = "0", .text = "value = raw × scale + offset"},
-                  &Encoding::offset, NumberRule{}),
+                   true},
+                  &ChannelSpec::elasticity, NumberRule{kMinElasticity, kMaxElasticity}),
+      channel_row({"unit", "none"}, &ChannelSpec::unit, TextRule{kMaxUnit}),
+      channel_row({"description", "none"}, &ChannelSpec::description, TextRule{kMaxDescription}),
+      channel_row({"scale", "1", "value = raw × scale + offset"}, &Encoding::scale, NumberRule{}),
+      channel_row({"offset", "0", "value = raw × scale + offset"}, &Encoding::offset, NumberRule{}),
       {{.name = kExponentKey,
         .fallback = "none",
         .text = "the register that holds the decimal exponent of the value, as in SunSpec "
@@ -163,16 +142,12 @@ std::vector<ChannelRow> channel_fields() {
                 "integer and BCD types in 16-bit registers. One request reads the value, "
                 "the exponent and the registers between; the channel is read-only",
         .schema = R"({ "type": ["string", "number"] })"}},
-      channel_row(
-          {.name = "word-order",
-           .fallback = "the family's own",
-           .text = "of the 16-bit words of a wider value: `big-endian` has the high word first",
-           .flows_down = true},
-          &ChannelDefaults::word_order, ChoiceRule<WordOrder>{kWordOrders}),
-      channel_row({.name = "byte-order",
-                   .fallback = "big-endian; of texts the family's own",
-                   .text = "of the two bytes of each word",
-                   .flows_down = true},
+      channel_row({"word-order", "the family's own",
+                   "of the 16-bit words of a wider value: `big-endian` has the high word first",
+                   kFlowsDown},
+                  &ChannelDefaults::word_order, ChoiceRule<WordOrder>{kWordOrders}),
+      channel_row({"byte-order", "big-endian; of texts the family's own",
+                   "of the two bytes of each word", kFlowsDown},
                   &ChannelDefaults::byte_order, ChoiceRule<ByteOrder>{kByteOrders}),
       channel_row(
           {.name = "encoding",
@@ -184,23 +159,20 @@ std::vector<ChannelRow> channel_fields() {
                "fit into a sample: BAD_RANGE",
            .flows_down = true},
           &ChannelDefaults::charset, ChoiceRule<Charset>{kCharsets}),
-      by_channel({.name = "bit",
-                  .fallback = "none",
-                  .text = "of a word, for a bool; 0 is the least significant; another way to write "
-                          "`holding:100.5`"},
+      by_channel({"bit", "none",
+                  "of a word, for a bool; 0 is the least significant; another way to write "
+                  "`holding:100.5`"},
                  WholeRule{0, 63}),
-      by_channel({.name = "byte",
-                  .fallback = "none",
-                  .text = "of a wider item, with an 8-bit type: `low` or `high` of a word; of a "
-                          "wider one `0` (the least significant) to `7`"},
+      by_channel({"byte", "none",
+                  "of a wider item, with an 8-bit type: `low` or `high` of a word; of a "
+                  "wider one `0` (the least significant) to `7`"},
                  byte),
-      by_channel({.name = "text",
-                  .fallback = "none: the bytes are the number",
-                  .text = "the number stands as text of n characters: `decimal(7)`, "
-                          "`decimal-comma(7)`, `hex(4)` (the bits of the type), or a picture whose "
-                          "form a write keeps: `\"+000.00\"`, `\"000,0\"`. Read with sign, blanks "
-                          "and exponent; what spells no number of the type is BAD_RANGE. Where a "
-                          "declared place is a text, n may be left out"},
+      by_channel({"text", "none: the bytes are the number",
+                  "the number stands as text of n characters: `decimal(7)`, "
+                  "`decimal-comma(7)`, `hex(4)` (the bits of the type), or a picture whose "
+                  "form a write keeps: `\"+000.00\"`, `\"000,0\"`. Read with sign, blanks "
+                  "and exponent; what spells no number of the type is BAD_RANGE. Where a "
+                  "declared place is a text, n may be left out"},
                  TextFormRule{}),
       {{.name = "not-available",
         .fallback = "none",
@@ -216,13 +188,11 @@ std::vector<ChannelRow> channel_fields() {
                    .schema = R"({ "type": "number", "minimum": 0 })",
                    .form = "0 and above"},
                   &ChannelSpec::deadband, NumberRule{}),
-      channel_row(
-          {.name = "heartbeat",
-           .fallback = "the refresh",
-           .text = "with a deadband the value is published at the latest after this, which is at "
+      channel_row({"heartbeat", "the refresh",
+                   "with a deadband the value is published at the latest after this, which is at "
                    "least the refresh",
-           .flows_down = true},
-          &ChannelSpec::heartbeat, DurationRule{kMinRefresh, kMaxRefresh}),
+                   true},
+                  &ChannelSpec::heartbeat, DurationRule{kMinRefresh, kMaxRefresh}),
       {{.name = "limits",
         .fallback = "none",
         .text = "alarms, see below",
@@ -245,32 +215,26 @@ const Rows<Limits>& limit_rows() {
   static const Rows<Limits> rows(
       "limits", "'limits'",
       {
-          field<Limits>({.name = "low-low", .fallback = "none", .text = "below `low`"},
-                        &Limits::low_low, NumberRule{}),
-          field<Limits>({.name = "low", .fallback = "none", .text = "a value below it is an alarm"},
-                        &Limits::low, NumberRule{}),
-          field<Limits>(
-              {.name = "high", .fallback = "none", .text = "a value above it is an alarm"},
-              &Limits::high, NumberRule{}),
-          field<Limits>({.name = "high-high", .fallback = "none", .text = "above `high`"},
-                        &Limits::high_high, NumberRule{}),
-          field<Limits>({.name = "hysteresis",
-                         .fallback = "0",
-                         .text = "how far a value must be back inside until the alarm is clear",
-                         .schema = R"({ "type": "number", "minimum": 0 })",
-                         .form = "0 and above"},
-                        &Limits::hysteresis, NumberRule{}),
-          field<Limits>({.name = "delay",
-                         .fallback = "0ms",
-                         .text = "how long a value must be outside until the alarm is raised",
-                         .column = "alarm-delay"},
-                        &Limits::delay, DurationRule{Duration{}, kMaxAlarmDelay}),
-          field<Limits>(
-              {.name = "priority",
-               .fallback = "high for low-low and high-high, medium for low and high",
-               .text = "how soon somebody has to do something about the alarms of the channel",
-               .column = "alarm-priority"},
-              &Limits::priority, ChoiceRule<AlarmPriority>{kAlarmPriorities}),
+          field({"low-low", "none", "below `low`"}, &Limits::low_low, NumberRule{}),
+          field({"low", "none", "a value below it is an alarm"}, &Limits::low, NumberRule{}),
+          field({"high", "none", "a value above it is an alarm"}, &Limits::high, NumberRule{}),
+          field({"high-high", "none", "above `high`"}, &Limits::high_high, NumberRule{}),
+          field({.name = "hysteresis",
+                 .fallback = "0",
+                 .text = "how far a value must be back inside until the alarm is clear",
+                 .schema = R"({ "type": "number", "minimum": 0 })",
+                 .form = "0 and above"},
+                &Limits::hysteresis, NumberRule{}),
+          field({.name = "delay",
+                 .fallback = "0ms",
+                 .text = "how long a value must be outside until the alarm is raised",
+                 .column = "alarm-delay"},
+                &Limits::delay, DurationRule{Duration{}, kMaxAlarmDelay}),
+          field({.name = "priority",
+                 .fallback = "high for low-low and high-high, medium for low and high",
+                 .text = "how soon somebody has to do something about the alarms of the channel",
+                 .column = "alarm-priority"},
+                &Limits::priority, ChoiceRule<AlarmPriority>{kAlarmPriorities}),
       },
       "Alarms: low-low < low < high < high-high.");
   return rows;
@@ -280,21 +244,21 @@ const Rows<ChannelSpec>& write_rows() {
   static const Rows<ChannelSpec> rows(
       "write", "'write'",
       {
-          field<ChannelSpec>({.name = "min",
-                              .fallback = "none",
-                              .text = "the least value of a command",
-                              .column = "write-min"},
-                             &ChannelSpec::write_min, NumberRule{}),
-          field<ChannelSpec>({.name = "max",
-                              .fallback = "none",
-                              .text = "the greatest value of a command",
-                              .column = "write-max"},
-                             &ChannelSpec::write_max, NumberRule{}),
-          field<ChannelSpec>({.name = "interval",
-                              .fallback = "0ms: none",
-                              .text = "the least time between two commands",
-                              .column = "write-interval"},
-                             &ChannelSpec::write_interval, DurationRule{Duration{}, kMaxRefresh}),
+          field({.name = "min",
+                 .fallback = "none",
+                 .text = "the least value of a command",
+                 .column = "write-min"},
+                &ChannelSpec::write_min, NumberRule{}),
+          field({.name = "max",
+                 .fallback = "none",
+                 .text = "the greatest value of a command",
+                 .column = "write-max"},
+                &ChannelSpec::write_max, NumberRule{}),
+          field({.name = "interval",
+                 .fallback = "0ms: none",
+                 .text = "the least time between two commands",
+                 .column = "write-interval"},
+                &ChannelSpec::write_interval, DurationRule{Duration{}, kMaxRefresh}),
       },
       "What commands may write.");
   return rows;

@@ -35,13 +35,12 @@ std::optional<std::pair<double, double>> span_of(const Encoding& encoding) {
 
 // A value back inside one limit by the hysteresis must not exceed the opposite one.
 void check_hysteresis(MapReader& map, const Limits& limits) {
-  if (limits.hysteresis < 0)
-    map.faults().add(map.position_of("hysteresis"), "hysteresis is negative", "0 and above");
+  if (limits.hysteresis < 0) map.fault("hysteresis", "hysteresis is negative", "0 and above");
   const auto lower = limits.low ? limits.low : limits.low_low;
   const auto upper = limits.high ? limits.high : limits.high_high;
   if (lower && upper && limits.hysteresis >= *upper - *lower && *upper > *lower) {
-    map.faults().add(map.position_of("hysteresis"), "hysteresis is as wide as the limits are apart",
-                     "less than their distance");
+    map.fault("hysteresis", "hysteresis is as wide as the limits are apart",
+              "less than their distance");
   }
 }
 
@@ -62,17 +61,15 @@ void read_limits(MapReader& channel, ChannelSpec& spec) {
   for (const auto& [key, limit] : ladder) {
     if (!*limit) continue;
     if (bound != nullptr && **limit <= **bound) {
-      map.faults().add(map.position_of(key),
-                       fmt::format("limit '{}' is not above '{}'", key, below),
-                       "low-low < low < high < high-high");
+      map.fault(key, fmt::format("limit '{}' is not above '{}'", key, below),
+                "low-low < low < high < high-high");
     }
     below = key, bound = limit;
   }
   check_hysteresis(map, spec.limits);
   for (const std::string_view key : {"hysteresis", "delay", "priority"}) {
     if (bound == nullptr && map.has(key)) {
-      map.faults().add(map.position_of(key), fmt::format("'{}' without a limit", key),
-                       "low-low, low, high, high-high");
+      map.fault(key, fmt::format("'{}' without a limit", key), "low-low, low, high, high-high");
     }
   }
 }
@@ -83,7 +80,7 @@ void read_write(MapReader& channel, ChannelSpec& spec) {
   MapReader map(*node, write_rows(), channel.faults());
   write_rows().read(map, spec);
   if (spec.write_min && spec.write_max && *spec.write_min > *spec.write_max) {
-    map.faults().add(map.position_of("max"), "write max is below min", "min <= max");
+    map.fault("max", "write max is below min", "min <= max");
   }
 }
 
@@ -92,22 +89,20 @@ void check_write_span(MapReader& map, const ChannelSpec& spec) {
   if (!span || (spec.write_min.value_or(span->first) <= span->second &&
                 spec.write_max.value_or(span->second) >= span->first))
     return;
-  map.faults().add(
-      map.position_of("write"), "no value of this channel is within its write limits",
-      fmt::format("limits that overlap with {} to {}", fieldcast::to_text(Value{span->first}),
-                  fieldcast::to_text(Value{span->second})));
+  map.fault("write", "no value of this channel is within its write limits",
+            fmt::format("limits that overlap with {} to {}", fieldcast::to_text(Value{span->first}),
+                        fieldcast::to_text(Value{span->second})));
 }
 
 // A value held back by the deadband must not hide a change from one limit to the other.
 void check_deadband(MapReader& map, const ChannelSpec& spec) {
   if (!spec.deadband) return;
-  if (*spec.deadband < 0)
-    map.faults().add(map.position_of("deadband"), "deadband is negative", "0 and above");
+  if (*spec.deadband < 0) map.fault("deadband", "deadband is negative", "0 and above");
   const auto lower = spec.limits.low ? spec.limits.low : spec.limits.low_low;
   const auto upper = spec.limits.high ? spec.limits.high : spec.limits.high_high;
   if (lower && upper && *upper > *lower && *spec.deadband >= *upper - *lower) {
-    map.faults().add(map.position_of("deadband"), "deadband is as wide as the limits are apart",
-                     "less than their distance");
+    map.fault("deadband", "deadband is as wide as the limits are apart",
+              "less than their distance");
   }
 }
 

@@ -69,16 +69,9 @@ class DeclarationReader {
  private:
   const Node* list(std::string_view key, std::size_t most) {
     const Node* node = map_.require(key, "a list");
-    if (node == nullptr) return nullptr;
-    if (node->kind == Kind::kList && !node->items.empty() && node->items.size() <= most)
-      return node;
-    const bool is_list = node->kind == Kind::kList;
-    faults_.add(node->position,
-                fmt::format("{} is {}", key,
-                            is_list ? (node->items.empty() ? "empty" : "too long")
-                                    : std::string(to_text(node->kind))),
-                fmt::format("a list of 1 to {}", most));
-    return nullptr;
+    const bool good = node != nullptr &&
+                      is_list(*node, key, 1, most, fmt::format("a list of 1 to {}", most), faults_);
+    return good ? node : nullptr;
   }
 
   void read_addresses() {
@@ -91,7 +84,7 @@ class DeclarationReader {
                       "the highest address of a device");
     if (map.has("from") && map.has("to") &&
         declaration_.lowest_address > declaration_.highest_address)
-      faults_.add(map.position_of("to"), "addresses end below their beginning", "from <= to");
+      map.fault("to", "addresses end below their beginning", "from <= to");
   }
 
   void read_area(const Node& node) {
@@ -109,8 +102,8 @@ class DeclarationReader {
     map.read("origin", area.origin, WholeRule{0, kMaxItems});
     for (const auto* key : {"item", "items", "prefix", "base", "origin"}) {
       if (area.record && map.has(key))
-        faults_.add(map.position_of(key), fmt::format("'{}' has no meaning for a record", key),
-                    "the places of a record are the values of its response");
+        map.fault(key, fmt::format("'{}' has no meaning for a record", key),
+                  "the places of a record are the values of its response");
     }
     if (area.record) area.items = 0, area.item_bits = 16;
     declaration_.areas.push_back(std::move(area));
@@ -177,7 +170,7 @@ class DeclarationReader {
       range.read_required("from", operation.min_count, WholeRule{1, 65535}, "the fewest items");
       range.read_required("to", operation.max_count, WholeRule{1, 65535}, "the most items");
       if (range.has("from") && range.has("to") && operation.min_count > operation.max_count)
-        faults_.add(range.position_of("to"), "count ends below its beginning", "from <= to");
+        range.fault("to", "count ends below its beginning", "from <= to");
     }
     if (draft.good && declaration_.areas[operation.area].record)
       faults_.add(node->position, "'count' has no meaning for a record", "a record is read whole");
@@ -195,11 +188,7 @@ class DeclarationReader {
     if (const Node* codes = map.find("codes")) read_codes(*codes);
     const Node* busy = map.find("busy");
     if (busy == nullptr) return;
-    if (busy->kind != Kind::kList) {
-      faults_.add(busy->position, fmt::format("busy is {}", to_text(busy->kind)), "a list of codes",
-                  fmt::format("[{}]", busy->text));
-      return;
-    }
+    if (!is_list(*busy, "busy", 0, kAnyCount, "a list of codes", faults_, as_list(*busy))) return;
     for (const Node* item : busy->items) {
       if (const auto code = WholeRule{0, 65535}(*item, "busy", faults_))
         declaration_.busy.push_back(static_cast<std::uint16_t>(*code));

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 
 #include "config/declaration/declared_frame.hpp"
 #include "config/document/suggest.hpp"
@@ -172,7 +171,7 @@ class OperationCheck {
     for (std::size_t i = 0; i < frame.fields.size(); ++i) {
       const Field& field = frame.fields[i].field;
       if (!field.variable || !frame.fields[i].fits) continue;
-      const bool told =
+      const bool measured =
           std::any_of(frame.fields.begin(), frame.fields.begin() + static_cast<std::ptrdiff_t>(i),
                       [&](const DraftField& other) {
                         return other.field.kind == FieldKind::kLength && other.field.of.holds(i);
@@ -180,7 +179,7 @@ class OperationCheck {
       const bool ended = i + 1 < frame.fields.size() &&
                          frame.fields[i + 1].field.kind == FieldKind::kConstant &&
                          !frame.fields[i + 1].shares;
-      needs(told || ended, frame.fields[i].position,
+      needs(measured || ended, frame.fields[i].position,
             fmt::format("no length or mark shows where '{}' ends", field.name),
             "a constant behind it, or a length of it before it");
       if (std::ranges::count_if(frame.fields,
@@ -327,7 +326,8 @@ std::vector<std::string> marks_of(const DraftFrame& frame) {
   return all;
 }
 
-bool told_apart(const DraftFrame& refusal, const DraftOperation& draft, const DeclaredArea& area) {
+bool are_distinct(const DraftFrame& refusal, const DraftOperation& draft,
+                  const DeclaredArea& area) {
   const auto size = declared::size_of(refusal.frame(), 16, 0);
   const auto answer_size = [&](std::uint32_t count) {
     return declared::size_of(draft.answer.frame(), area.item_bits, count);
@@ -349,7 +349,7 @@ void check_refusal(const Declaration& declaration, const std::vector<DraftOperat
   if (!refusal.good) return;
   for (const auto& draft : operations) {
     if (!draft.good || !draft.answer.good) continue;
-    if (!told_apart(refusal, draft, declaration.areas[draft.operation.area]))
+    if (!are_distinct(refusal, draft, declaration.areas[draft.operation.area]))
       faults.add(refusal.position,
                  fmt::format("a refusal cannot be distinguished from a response of '{}'",
                              draft.operation.name),

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 #include "config/declaration/declared_frame.hpp"
 #include "config/document/common_forms.hpp"
@@ -124,8 +123,7 @@ class FieldReader {
       return;
     }
     if (map_.has("is"))
-      faults_.add(map_.position_of("is"), "a field is a constant and something else",
-                  "one of constant, is");
+      map_.fault("is", "a field is a constant and something else", "one of constant, is");
     if (constant->kind == Kind::kScalar && constant->quoted) {
       if (constant->text.empty() || constant->text.size() > 64)
         faults_.add(constant->position,
@@ -170,11 +168,10 @@ class FieldReader {
       faults_.add(draft_.position, "the width of a field is given twice",
                   "one of bytes, bits, digits, text");
     if (field.variable && field.text_size == 0 && !map_.has_or_means("text"))
-      faults_.add(map_.position_of("variable"), "only a text can be variable",
-                  "text: the most characters that it has");
+      map_.fault("variable", "only a text can be variable",
+                 "text: the most characters that it has");
     if (in_digits && field.word.notation == Notation::kBinary)
-      faults_.add(map_.position_of("digits"), "a binary field has no digits",
-                  "as: hex or as: decimal", "bytes");
+      map_.fault("digits", "a binary field has no digits", "as: hex or as: decimal", "bytes");
     if (!in_digits && field.word.notation == Notation::kDecimal && field.text.empty() &&
         field.text_size == 0)
       faults_.add(draft_.position, "a decimal field does not say how many digits it has",
@@ -197,8 +194,8 @@ class FieldReader {
     field.word.characters = static_cast<std::uint8_t>(digits);
     field.bits = static_cast<std::uint8_t>(field.word.notation == Notation::kHex ? 4 * digits : 64);
     if (field.word.notation == Notation::kHex && field.word.little_endian && digits % 2 != 0)
-      faults_.add(map_.position_of("digits"), "pairs of digits cannot be turned in an odd number",
-                  "an even number of digits");
+      map_.fault("digits", "pairs of digits cannot be turned in an odd number",
+                 "an even number of digits");
   }
 
   // text: 7, or a number written as text: decimal(7), "+000.00".
@@ -217,7 +214,7 @@ class FieldReader {
     if (form->characters == 0) {
       faults_.add(node->position,
                   fmt::format("text '{}' does not say how many characters it has", node->text),
-                  std::string(kTextNumberForms), node->text + "(7)");
+                  kTextNumberForms, node->text + "(7)");
       return;
     }
     draft_.field.text_size = form->characters;
@@ -251,7 +248,7 @@ class FieldReader {
     read_number("on", field.on);
     read_number("off", field.off);
     if (map_.has("on") && field.on == field.off)
-      faults_.add(map_.position_of("on"), "on and off are the same", "two numbers");
+      map_.fault("on", "on and off are the same", "two numbers");
     read_number("ok", field.number);
     read_number("fill", field.number);
     map_.read("signed", field.is_signed, FlagRule{});
@@ -295,10 +292,10 @@ class FieldReader {
       if (!map_.has(key) || std::ranges::find(kinds, draft_.field.kind) != kinds.end()) continue;
       std::vector<std::string_view> words;
       for (const auto kind : kinds) words.push_back(word_of(kind));
-      faults_.add(map_.position_of(key),
-                  fmt::format("'{}' has no meaning for a field that is {}", key,
-                              word_of(draft_.field.kind)),
-                  "it belongs to " + joined(words));
+      map_.fault(key,
+                 fmt::format("'{}' has no meaning for a field that is {}", key,
+                             word_of(draft_.field.kind)),
+                 "it belongs to " + joined(words));
     }
   }
 

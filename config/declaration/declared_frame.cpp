@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 
 #include "config/document/scalars.hpp"
@@ -183,16 +182,9 @@ DraftFrame read_frame(const Node& node, std::string_view what, const FieldDefaul
                       unsigned item_bits, FaultList& faults) {
   DraftFrame frame;
   frame.position = node.position;
-  if (node.kind != Kind::kList || node.items.empty() || node.items.size() > declared::kMaxFields) {
-    const bool list = node.kind == Kind::kList;
-    faults.add(node.position,
-               fmt::format("{} is {}", what,
-                           list ? (node.items.empty() ? "empty" : "too long")
-                                : std::string(to_text(node.kind))),
-               fmt::format("a list of 1 to {} fields", declared::kMaxFields));
-    frame.good = false;
-    return frame;
-  }
+  frame.good = is_list(node, what, 1, declared::kMaxFields,
+                       fmt::format("a list of 1 to {} fields", declared::kMaxFields), faults);
+  if (!frame.good) return frame;
   for (const Node* item : node.items) {
     frame.fields.push_back(read_field(*item, defaults, item_bits, faults));
     frame.good = frame.good && frame.fields.back().fits;

@@ -120,7 +120,7 @@ std::optional<TextForm> TextFormRule::operator()(const Node& node, std::string_v
     meant = closest(text->substr(0, text->find('(')), words);
   }
   faults.add(node.position, fmt::format("{} '{}' cannot be understood", key, *text),
-             std::string(kTextNumberForms), meant);
+             kTextNumberForms, meant);
   return std::nullopt;
 }
 

@@ -104,16 +104,17 @@ namespace {
 constexpr std::size_t kLongestShown = 400;  // of a text quoted in a fault
 
 // What a file says may hold line breaks and escape codes; a fault is one line for a terminal.
-void make_presentable(std::string& text) {
+std::string presentable(std::string_view given) {
+  std::string text(given);
   for (char& c : text) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
   }
-  if (text.size() <= kLongestShown) return;
+  if (text.size() <= kLongestShown) return text;
   std::size_t end = kLongestShown;
   // Whole characters only.
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
   text.resize(end);
-  text += "...";
+  return text + "...";
 }
 
 }  // namespace
@@ -133,17 +134,18 @@ std::string to_text(std::span<const Fault> faults) {
 
 bool FaultList::full() const { return entries_.size() > kMaxFaults; }
 
-void FaultList::add(const Position& position, std::string what, std::string allowed,
-                    std::string suggestion) {
+void FaultList::add(const Position& position, std::string_view what, std::string_view allowed,
+                    std::string_view suggestion) {
   if (full()) return;
-  make_presentable(what);
-  make_presentable(suggestion);
-  if (!known_.insert({position.source->order, position.line, position.column, what}).second) return;
-  if (entries_.size() == kMaxFaults)
-    what = "more faults follow; they are shown when these are corrected", allowed = suggestion = {};
-  entries_.push_back(
-      {position.source->order, Fault{position.source->file, position.line + 1, column_of(position),
-                                     std::move(what), std::move(allowed), std::move(suggestion)}});
+  const Source& source = *position.source;
+  Fault fault{source.file,       position.line + 1,    column_of(position),
+              presentable(what), std::string(allowed), presentable(suggestion)};
+  if (!known_.insert({source.order, position.line, position.column, fault.what}).second) return;
+  if (entries_.size() == kMaxFaults) {
+    fault.what = "more faults follow; they are shown when these are corrected";
+    fault.allowed = fault.suggestion = {};
+  }
+  entries_.push_back({source.order, std::move(fault)});
 }
 
 std::vector<Fault> FaultList::take() {

@@ -102,8 +102,8 @@ struct Document {
 class FaultList {
  public:
   // Ignores a duplicate: a template is read once for each device that uses it.
-  void add(const Position& position, std::string what, std::string allowed = {},
-           std::string suggestion = {});
+  void add(const Position& position, std::string_view what, std::string_view allowed = {},
+           std::string_view suggestion = {});
 
   [[nodiscard]] bool empty() const { return entries_.empty(); }
   [[nodiscard]] std::size_t size() const { return entries_.size(); }

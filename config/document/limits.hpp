@@ -34,9 +34,6 @@ inline constexpr std::size_t kMaxChannels = 100'000;  // of a bridge
 inline constexpr std::size_t kMaxInterfaces = 16;
 inline constexpr std::size_t kMaxServers = 8;  // discovery servers
 inline constexpr std::size_t kMaxSites = 16;   // of a station
-inline constexpr std::uint64_t kMinRate =
-    50'000;  // bytes per second: two messages of 32 000 in 1.3 s
-inline constexpr std::uint64_t kMaxRate = 1'000'000'000;
 inline constexpr std::size_t kMaxOptions = 32;      // of a device
 inline constexpr std::size_t kMaxNotAvailable = 8;  // values of a channel's `not-available`
 
@@ -48,14 +45,10 @@ inline constexpr std::size_t kMaxPartition = 256;
 
 // Store:
 inline constexpr std::size_t kMaxPatterns = 256;
-inline constexpr std::uint64_t kMinStoreBytes = 10'000'000;
-inline constexpr std::uint64_t kMaxStoreBytes = 1'000'000'000'000'000;
 inline constexpr Duration kMinKeep = std::chrono::hours{1};
 inline constexpr Duration kMaxKeep = std::chrono::hours{24 * 36'500};
 
 // Captures:
-inline constexpr std::uint64_t kMinCaptureBytes = 100'000;  // of one file
-inline constexpr std::uint64_t kMaxCaptureBytes = 1'000'000'000'000;
 inline constexpr std::uint32_t kMaxCaptureFiles = 10'000;
 
 // Times:

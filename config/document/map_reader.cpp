@@ -82,8 +82,7 @@ const Node* MapReader::find(std::string_view key) {
 const Node* MapReader::require(std::string_view key, std::string_view allowed) {
   const Node* value = find(key);
   if (value == nullptr && is_map() && !has_or_means(key)) {
-    faults_.add(node_.position, fmt::format("'{}' is missing in {}", key, table_.what),
-                std::string(allowed));
+    faults_.add(node_.position, fmt::format("'{}' is missing in {}", key, table_.what), allowed);
   }
   return value;
 }

@@ -72,6 +72,11 @@ class MapReader {
   [[nodiscard]] Position position_of(std::string_view key) const;
   [[nodiscard]] const Position& position() const { return node_.position; }
   [[nodiscard]] FaultList& faults() { return faults_; }
+  // Adds a fault at position_of(key).
+  void fault(std::string_view key, std::string_view what, std::string_view allowed = {},
+             std::string_view suggestion = {}) {
+    faults_.add(position_of(key), what, allowed, suggestion);
+  }
 
  private:
   template <typename Target, typename Rule>
@@ -99,6 +104,7 @@ class MapReader {
 // differ. Constant once made; any thread.
 
 inline constexpr std::string_view kNeeded = "needed";  // default of a required key
+inline constexpr bool kFlowsDown = true;               // see Key::flows_down
 
 struct Key {
   std::string_view name;
@@ -134,6 +140,12 @@ template <typename Owner, typename Access, typename Rule>
       map.read(name, std::invoke(access, owner), rule);
   };
   return {std::move(key), std::move(read)};
+}
+
+template <typename Owner, typename T, typename Rule>
+[[nodiscard]] Field<Owner> field(Key key, T Owner::*member, Rule rule) {
+  return field<Owner>(
+      std::move(key), [member](Owner& owner) -> T& { return owner.*member; }, rule);
 }
 
 struct RowTable : KeyTable {

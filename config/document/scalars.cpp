@@ -24,8 +24,23 @@ bool digit(char c) { return c >= '0' && c <= '9'; }
 const std::string* scalar_of(const Node& node, std::string_view key, std::string_view wanted,
                              FaultList& faults) {
   if (node.kind == Kind::kScalar) return &node.text;
-  faults.add(node.position, fmt::format("{} is {}", key, to_text(node.kind)), std::string(wanted));
+  faults.add(node.position, fmt::format("{} is {}", key, to_text(node.kind)), wanted);
   return nullptr;
+}
+
+bool is_list(const Node& node, std::string_view key, std::size_t least, std::size_t most,
+             std::string_view allowed, FaultList& faults, std::string_view suggestion) {
+  const bool list = node.kind == Kind::kList;
+  if (list && node.items.size() >= least && node.items.size() <= most) return true;
+  const std::string_view wrong = !list                ? to_text(node.kind)
+                                 : node.items.empty() ? "empty"
+                                                      : "too long";
+  faults.add(node.position, fmt::format("{} is {}", key, wrong), allowed, suggestion);
+  return false;
+}
+
+std::string as_list(const Node& node) {
+  return node.kind == Kind::kScalar ? fmt::format("[{}]", node.text) : std::string{};
 }
 
 std::optional<double> number_from(std::string_view text) {
@@ -172,7 +187,7 @@ std::optional<std::string> NameRule::operator()(const Node& node, std::string_vi
              quoted(key, *text) + (replaced        ? " holds other characters"
                                    : text->empty() ? " is empty"
                                                    : " is too long"),
-             std::string(kForm), empty ? "" : fitting.substr(0, kMaxNameLength));
+             kForm, empty ? "" : fitting.substr(0, kMaxNameLength));
   return std::nullopt;
 }
 
@@ -187,6 +202,28 @@ std::string WholeRule::schema() const {
          std::to_string(max) + " }";
 }
 std::string WholeRule::form() const { return fmt::format("{} to {}", min, max); }
+
+std::optional<std::int64_t> SizeRule::operator()(const Node& node, std::string_view key,
+                                                 FaultList& faults) const {
+  const std::string* text = scalar_of(node, key, allowed, faults);
+  if (text == nullptr) return std::nullopt;
+  for (const auto& [unit, worth] : units) {
+    if (!text->ends_with(unit)) continue;
+    const auto digits = std::string_view(*text).substr(0, text->size() - unit.size());
+    const auto number = fractions ? number_from(digits) : std::optional<double>(whole_from(digits));
+    if (!number || (!fractions && *number < 0)) continue;
+    const double size = *number * static_cast<double>(worth);
+    if (size >= static_cast<double>(min) && size <= static_cast<double>(max))
+      return static_cast<std::int64_t>(size);
+    faults.add(node.position, fmt::format("{} '{}' {}", key, *text, outside), allowed);
+    return std::nullopt;
+  }
+  faults.add(node.position, fmt::format("{} '{}' cannot be understood", key, *text), allowed);
+  return std::nullopt;
+}
+std::string SizeRule::schema() const {
+  return fmt::format(R"({{ "type": "string", "pattern": "^{}$" }})", pattern);
+}
 
 std::string NumberRule::schema() const {
   if (min == NumberRule{}.min) return R"({ "type": "number" })";

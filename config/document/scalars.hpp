@@ -3,6 +3,7 @@
 // the key's text describes it).
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <span>
@@ -20,6 +21,15 @@ namespace fieldcast::config {
 // The text of a scalar node; otherwise null with a fault. `wanted`: "a duration".
 [[nodiscard]] const std::string* scalar_of(const Node& node, std::string_view key,
                                            std::string_view wanted, FaultList& faults);
+
+// Returns true for a list of `least` to `most` items; otherwise false with a fault: "key is empty".
+[[nodiscard]] bool is_list(const Node& node, std::string_view key, std::size_t least,
+                           std::size_t most, std::string_view allowed, FaultList& faults,
+                           std::string_view suggestion = {});
+inline constexpr std::size_t kAnyCount = SIZE_MAX;
+
+// "[a]", the list that a single value probably means; empty for other nodes.
+[[nodiscard]] std::string as_list(const Node& node);
 
 // "2", "-0.5", "1e3"; finite.
 [[nodiscard]] std::optional<double> number_from(std::string_view text);
@@ -51,6 +61,20 @@ struct NumberRule {
   std::optional<double> operator()(const Node& node, std::string_view key, FaultList& faults) const;
   [[nodiscard]] std::string schema() const;
   [[nodiscard]] std::string form() const;
+};
+
+// A size or rate with a unit: "500kB/s", "10MB".
+struct SizeRule {
+  std::int64_t min, max;
+  std::string_view range, allowed;  // "10MB to 1000TB", "10MB to 1000TB, with MB, GB or TB"
+  std::string_view pattern;         // of the schema, without ^ and $
+  std::span<const std::pair<std::string_view, std::int64_t>> units;  // with their worth
+  bool fractions = false;
+  std::string_view outside = "is out of range";
+  std::optional<std::int64_t> operator()(const Node& node, std::string_view key,
+                                         FaultList& faults) const;
+  [[nodiscard]] std::string schema() const;
+  [[nodiscard]] std::string form() const { return std::string(range); }
 };
 
 struct FlagRule {  // true, false

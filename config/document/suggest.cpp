@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <utility>
 
 #include "core/base/message_text.hpp"
 #include "core/protocol/families/registry.hpp"

@@ -30,7 +30,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
 }
 
-bool says_something(std::string_view line) {
+bool has_content(std::string_view line) {
   const std::string_view content = trimmed(line);
   return !content.empty() && !content.starts_with('#') && content != "---";
 }
@@ -66,7 +66,7 @@ bool in_braces(std::string_view text, std::string_view key) {
 bool is_empty(std::string_view text) {
   text = without_mark(text);
   while (!text.empty()) {
-    if (says_something(next_line(text))) return false;
+    if (has_content(next_line(text))) return false;
   }
   return true;
 }
@@ -78,7 +78,7 @@ bool has_top_key(std::string_view text, std::initializer_list<std::string_view> 
   std::size_t indent = kNone;
   for (std::string_view rest = text; !rest.empty();) {
     const std::string_view line = next_line(rest);
-    if (!says_something(line)) continue;
+    if (!has_content(line)) continue;
     const auto begin = line.find_first_not_of(' ');
     if (indent == kNone) {
       indent = begin;
@@ -98,7 +98,7 @@ bool has_columns(std::string_view text) {
   if (text.find(kPrivate) != kNone) return false;
   while (!text.empty()) {
     std::string_view line = next_line(text);
-    if (!says_something(line)) continue;
+    if (!has_content(line)) continue;
     while (!line.empty()) {
       const auto end = std::min(line.find_first_of(",;\t"), line.size());
       std::string_view cell = trimmed(line.substr(0, end));

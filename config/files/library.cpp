@@ -16,7 +16,7 @@ constexpr std::string_view kChannelList = "channel list", kTemplate = "template"
                            kProtocol = "protocol";
 
 // Empty if the text may be of this kind; otherwise it is not parsed.
-std::string_view stranger_of(std::string_view text, std::string_view what) {
+std::string_view fault_of_kind(std::string_view text, std::string_view what) {
   if (is_empty(text)) return {};
   if (what == kChannelList) return has_columns(text) ? "" : kNoChannelList;
   if (what == kTemplate) return is_template(text) ? "" : kNoTemplate;
@@ -76,10 +76,10 @@ const Node* Library::keep(const std::string& path, std::string text, std::string
   const bool csv = what == kChannelList;
   Source source{path, std::move(text), documents_.size() + 1};
   const auto faults_before = faults_.size();
-  if (const std::string_view stranger = stranger_of(source.text, what); !stranger.empty()) {
+  if (const std::string_view wrong_kind = fault_of_kind(source.text, what); !wrong_kind.empty()) {
     auto unread = std::make_unique<Document>();
     unread->source = {path, {}, source.order};
-    faults_.add({&unread->source, 0, 0}, std::string(stranger));
+    faults_.add({&unread->source, 0, 0}, wrong_kind);
     return documents_.emplace(path, std::move(unread)).first->second->root;
   }
   auto document =

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 #include "config/declaration/declaration.hpp"
 #include "config/document/limits.hpp"
@@ -31,8 +30,8 @@ void read_metrics(MapReader& bridge, BridgeSpec& spec) {
   const bool engineers = program.engineers && program.engineers->listen == metrics.listen;
   const bool modules = program.modules && program.modules->listen == metrics.listen;
   if (metrics.listen.port == 0 || (!engineers && !modules)) return;
-  bridge.faults().add(
-      map.position_of("listen"),
+  map.fault(
+      "listen",
       fmt::format("metrics and {} listen at the same port", engineers ? "engineers" : "modules"),
       "a port of its own for each");
 }
@@ -56,13 +55,7 @@ void read_buses(MapReader& bridge, BridgeSpec& spec, LoadState& state) {
   auto& faults = state.faults;
   const Node* list = bridge.require("buses", "a list of buses");
   if (list == nullptr) return;
-  if (list->kind != Kind::kList || list->items.empty()) {
-    faults.add(
-        list->position,
-        "buses is " + (list->kind == Kind::kList ? "empty" : std::string(to_text(list->kind))),
-        "a list of buses");
-    return;
-  }
+  if (!is_list(*list, "buses", 1, kAnyCount, "a list of buses", faults)) return;
   UniqueNames names, paths;
   for (const Node* node : list->items) {
     if (spec.buses.size() == kMaxBuses) {

@@ -3,11 +3,9 @@
 // config/document/limits.hpp for size limits.
 #pragma once
 
-#include <memory>
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
-#include <utility>
 #include <vector>
 
 #include "config/document/fault.hpp"

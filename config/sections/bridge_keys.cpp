@@ -17,6 +17,26 @@ constexpr std::pair<std::string_view, LogLevel> kLevels[] = {{"error", LogLevel:
                                                              {"info", LogLevel::kInfo},
                                                              {"debug", LogLevel::kDebug}};
 
+constexpr std::pair<std::string_view, std::int64_t> kStoreUnits[] = {
+    {"MB", 1'000'000}, {"GB", 1'000'000'000}, {"TB", 1'000'000'000'000}};
+constexpr SizeRule kStoreSize{.min = 10'000'000,
+                              .max = 1'000'000'000'000'000,
+                              .range = "10MB to 1000TB",
+                              .allowed = "10MB to 1000TB, with MB, GB or TB",
+                              .pattern = "[0-9]+(MB|GB|TB)",
+                              .units = kStoreUnits};
+// The least rate sends two messages of 32 000 bytes in 1.3 s.
+constexpr std::pair<std::string_view, std::int64_t> kRateUnits[] = {{"kB/s", 1'000},
+                                                                    {"MB/s", 1'000'000}};
+constexpr SizeRule kRate{.min = 50'000,
+                         .max = 1'000'000'000,
+                         .range = "50kB/s to 1000MB/s",
+                         .allowed = "50kB/s to 1000MB/s, with kB/s or MB/s",
+                         .pattern = R"([0-9]+(\\.[0-9]+)?(kB|MB)/s)",
+                         .units = kRateUnits,
+                         .fractions = true,
+                         .outside = "is too small or too large"};
+
 // A reference to another map.
 std::string map_named(std::string_view name) {
   return R"({ "$ref": "#/$defs/)" + std::string(name) + R"(" })";
@@ -62,11 +82,11 @@ const Rows<BridgeSpec>& identity_rows() {
   static const Rows<BridgeSpec> rows(
       "identity", "'bridge'",
       {
-          field<BridgeSpec>({.name = "name",
-                             .fallback = "needed",
-                             .text = "the name that stations see",
-                             .example = "a name for the bridge"},
-                            &BridgeSpec::name, NameRule{}),
+          field({.name = "name",
+                 .fallback = "needed",
+                 .text = "the name that stations see",
+                 .example = "a name for the bridge"},
+                &BridgeSpec::name, NameRule{}),
           {{.name = "standby",
             .fallback = "it stands alone",
             .text = "bridges with the same channels that stand by for each other, see below",
@@ -80,16 +100,14 @@ const Rows<StandbySpec>& standby_rows() {
   static const Rows<StandbySpec> rows(
       "standby", "'standby'",
       {
-          field<StandbySpec>({.name = "group",
-                              .fallback = "needed",
-                              .text = "the name of the group, the same for all its bridges",
-                              .example = "a name for the group"},
-                             &StandbySpec::group, NameRule{}),
-          field<StandbySpec>(
-              {.name = "strength",
-               .fallback = "0",
-               .text = "the strongest member that is ready takes over when the master has left"},
-              &StandbySpec::strength, WholeRule{0, kMaxStrength}),
+          field({.name = "group",
+                 .fallback = "needed",
+                 .text = "the name of the group, the same for all its bridges",
+                 .example = "a name for the group"},
+                &StandbySpec::group, NameRule{}),
+          field({"strength", "0",
+                 "the strongest member that is ready takes over when the master has left"},
+                &StandbySpec::strength, WholeRule{0, kMaxStrength}),
       },
       "One bridge of the group serves the buses, and the others take over when it has left: "
       "[docs/redundancy.md](../docs/redundancy.md).");
@@ -100,8 +118,7 @@ const Rows<DdsSpec>& dds_rows() {
   static const Rows<DdsSpec> rows(
       "dds", "'dds'",
       {
-          field<DdsSpec>({.name = "domain", .fallback = "0"}, &DdsSpec::domain,
-                         WholeRule{0, kMaxDomain}),
+          field({"domain", "0"}, &DdsSpec::domain, WholeRule{0, kMaxDomain}),
           {{.name = "interfaces",
             .fallback = "[127.0.0.1]: this machine only",
             .text = "IPv4 addresses that DDS may use; 127.0.0.1 is always one of them",
@@ -125,33 +142,27 @@ const Rows<DdsSpec>& dds_rows() {
             .text = "a Fast DDS XML file, relative to this file; its participant profile "
                     "`fieldcast` is used",
             .schema = std::string(kPath)}},
-          field<DdsSpec>({.name = "partition",
-                          .fallback = "none",
-                          .text = "of all publishers and subscribers"},
-                         &DdsSpec::partition, TextRule{kMaxPartition}),
+          field({"partition", "none", "of all publishers and subscribers"}, &DdsSpec::partition,
+                TextRule{kMaxPartition}),
           {{.name = "security",
             .fallback = "needed off the loopback",
             .text = "the folder of a member, relative to this file, as `fieldcast secure add` "
                     "makes it; `none` where everybody in the network may read and command",
             .schema = std::string(kPath)}},
-          field<DdsSpec>({.name = "max-rate",
-                          .fallback = "no bound",
-                          .text = "how fast this program sends what it publishes, for all readers "
-                                  "together; discovery and acknowledgements come on top"},
-                         &DdsSpec::max_rate, RateRule{}),
-          field<DdsSpec>({.name = "max-participants",
-                          .fallback = "1024",
-                          .text = "participants of the domain that are accepted at a time; more "
-                                  "are refused and counted"},
-                         &DdsSpec::max_participants, WholeRule{2, 65'536}),
-          field<DdsSpec>({.name = "max-endpoints",
-                          .fallback = "8192",
-                          .text = "readers and writers that are accepted of one participant"},
-                         &DdsSpec::max_endpoints, WholeRule{64, 65'536}),
-          field<DdsSpec>({.name = "max-sample",
-                          .fallback = "1048576",
-                          .text = "bytes of the longest message that is accepted in fragments"},
-                         &DdsSpec::max_sample, WholeRule{65'536, 67'108'864}),
+          field({"max-rate", "no bound",
+                 "how fast this program sends what it publishes, for all readers "
+                 "together; discovery and acknowledgements come on top"},
+                &DdsSpec::max_rate, kRate),
+          field({"max-participants", "1024",
+                 "participants of the domain that are accepted at a time; more "
+                 "are refused and counted"},
+                &DdsSpec::max_participants, WholeRule{2, 65'536}),
+          field(
+              {"max-endpoints", "8192", "readers and writers that are accepted of one participant"},
+              &DdsSpec::max_endpoints, WholeRule{64, 65'536}),
+          field({"max-sample", "1048576",
+                 "bytes of the longest message that is accepted in fragments"},
+                &DdsSpec::max_sample, WholeRule{65'536, 67'108'864}),
       });
   return rows;
 }
@@ -160,11 +171,11 @@ const Rows<DdsSite>& site_rows() {
   static const Rows<DdsSite> rows(
       "site", "a site",
       {
-          field<DdsSite>({.name = "name",
-                          .fallback = std::string(kNeeded),
-                          .text = "stands before the names of its buses: `north:line-7`",
-                          .example = "a name for the site"},
-                         &DdsSite::name, NameRule{}),
+          field({.name = "name",
+                 .fallback = std::string(kNeeded),
+                 .text = "stands before the names of its buses: `north:line-7`",
+                 .example = "a name for the site"},
+                &DdsSite::name, NameRule{}),
           {{.name = "dds", .text = "as of the bridge", .schema = "{}"}},
       },
       "One of several sites that a station watches.");
@@ -172,9 +183,8 @@ const Rows<DdsSite>& site_rows() {
 }
 
 const Rows<LogSpec>& log_rows() {
-  static const Rows<LogSpec> rows("log", "'log'",
-                                  {field<LogSpec>({.name = "level", .fallback = "info"},
-                                                  &LogSpec::level, ChoiceRule<LogLevel>{kLevels})});
+  static const Rows<LogSpec> rows(
+      "log", "'log'", {field({"level", "info"}, &LogSpec::level, ChoiceRule<LogLevel>{kLevels})});
   return rows;
 }
 
@@ -197,24 +207,18 @@ const Rows<StoreSpec>& store_rows() {
                 "none",
             .schema = R"({ "type": "array", "maxItems": )" + std::to_string(kMaxPatterns) +
                       R"(, "items": { "type": "string", "minLength": 1 } })"}},
-          field<StoreSpec>({.name = "keep", .fallback = "30d", .text = "how long samples are kept"},
-                           &StoreSpec::keep, KeepRule{}),
-          field<StoreSpec>(
-              {.name = "keep-minutes",
-               .fallback = "365d",
-               .text = "how long least, largest and mean value of each minute are kept"},
-              &StoreSpec::keep_minutes, KeepRule{}),
-          field<StoreSpec>({.name = "keep-hours",
-                            .fallback = "3650d",
-                            .text = "how long the same of each hour are kept"},
-                           &StoreSpec::keep_hours, KeepRule{}),
-          field<StoreSpec>(
-              {.name = "max-size",
-               .fallback = "no bound",
-               .text =
-                   "of the file, or of the samples on a server: `2GB`; beyond it the oldest go, "
-                   "on a server whole days but the present one"},
-              &StoreSpec::max_bytes, StoreSizeRule{}),
+          field({"keep", "30d", "how long samples are kept"}, &StoreSpec::keep, KeepRule{}),
+          field({"keep-minutes", "365d",
+                 "how long least, largest and mean value of each minute are kept"},
+                &StoreSpec::keep_minutes, KeepRule{}),
+          field({"keep-hours", "3650d", "how long the same of each hour are kept"},
+                &StoreSpec::keep_hours, KeepRule{}),
+          field({.name = "max-size",
+                 .fallback = "no bound",
+                 .text =
+                     "of the file, or of the samples on a server: `2GB`; beyond it the oldest go, "
+                     "on a server whole days but the present one"},
+                &StoreSpec::max_bytes, kStoreSize),
       },
       "Keeps samples, users, alarms, device states and the audit.", {"path", "url"});
   return rows;
@@ -223,14 +227,13 @@ const Rows<StoreSpec>& store_rows() {
 const Rows<MetricsSpec>& metrics_rows() {
   static const Rows<MetricsSpec> rows(
       "metrics", "'metrics'",
-      {field<MetricsSpec>(
-          {.name = "listen",
-           .fallback = "needed",
-           .text = "`ADDRESS:PORT` of this machine. There is no login and no TLS: every client "
-                   "that reaches "
-                   "the address reads the figures, so choose one of the loopback where you can",
-           .example = "listen: 127.0.0.1:9464"},
-          &MetricsSpec::listen, ListenRule{9464})},
+      {field({.name = "listen",
+              .fallback = "needed",
+              .text = "`ADDRESS:PORT` of this machine. There is no login and no TLS: every client "
+                      "that reaches "
+                      "the address reads the figures, so choose one of the loopback where you can",
+              .example = "listen: 127.0.0.1:9464"},
+             &MetricsSpec::listen, ListenRule{9464})},
       "Serves `http://ADDRESS:PORT/metrics` as OpenMetrics text.");
   return rows;
 }

@@ -27,13 +27,7 @@ void read_devices(MapReader& bus, const DeviceContext& context, BusSpec& spec, L
   const Node* list = bus.require("devices", "a list of devices");
   if (list == nullptr) return;
   auto& faults = state.faults;
-  if (list->kind != Kind::kList || list->items.empty()) {
-    faults.add(
-        list->position,
-        "devices is " + (list->kind == Kind::kList ? "empty" : std::string(to_text(list->kind))),
-        "a list of devices");
-    return;
-  }
+  if (!is_list(*list, "devices", 1, kAnyCount, "a list of devices", faults)) return;
   UniqueNames names;
   for (const Node* node : list->items) {
     if (spec.devices.size() == kMaxDevices) {
@@ -67,8 +61,7 @@ std::optional<SilenceRule> SilenceReader::operator()(const Node& node, std::stri
   const std::string meant = number_from(*text)
                                 ? *text + 'c'
                                 : closest(*text, std::array<std::string_view, 1>{"standard"});
-  faults.add(node.position, fmt::format("{} '{}' is unknown", key, *text), std::string(kForms),
-             meant);
+  faults.add(node.position, fmt::format("{} '{}' is unknown", key, *text), kForms, meant);
   return std::nullopt;
 }
 
@@ -94,38 +87,6 @@ BusSpec read_bus(const Node& node, LoadState& state) {
   read_devices(map, context, spec, state);
   return spec;
 }
-
-namespace {
-
-constexpr std::pair<std::string_view, std::int64_t> kCaptureUnits[] = {
-    {"kB", 1'000}, {"MB", 1'000'000}, {"GB", 1'000'000'000}};
-constexpr std::string_view kCaptureSizes = "100kB to 1000GB, with kB, MB or GB";
-
-}  // namespace
-
-std::optional<std::int64_t> CaptureSizeRule::operator()(const Node& node, std::string_view key,
-                                                        FaultList& faults) const {
-  constexpr auto kMax = static_cast<std::int64_t>(kMaxCaptureBytes);
-  constexpr auto kMin = static_cast<std::int64_t>(kMinCaptureBytes);
-  const std::string* text = scalar_of(node, key, kCaptureSizes, faults);
-  if (text == nullptr) return std::nullopt;
-  for (const auto& [unit, worth] : kCaptureUnits) {
-    if (!text->ends_with(unit)) continue;
-    const auto number = whole_from(std::string_view(*text).substr(0, text->size() - unit.size()));
-    if (!number || *number < 0) continue;
-    if (*number <= kMax / worth && *number * worth >= kMin) return *number * worth;
-    faults.add(node.position, fmt::format("{} '{}' is out of range", key, *text),
-               std::string(kCaptureSizes));
-    return std::nullopt;
-  }
-  faults.add(node.position, fmt::format("{} '{}' cannot be understood", key, *text),
-             std::string(kCaptureSizes));
-  return std::nullopt;
-}
-std::string CaptureSizeRule::schema() const {
-  return R"({ "type": "string", "pattern": "^[0-9]+(kB|MB|GB)$" })";
-}
-std::string CaptureSizeRule::form() const { return "100kB to 1000GB"; }
 
 void read_capture(MapReader& bus, std::optional<CaptureSpec>& spec) {
   const Node* node = bus.find("capture");

@@ -19,14 +19,23 @@ constexpr std::pair<std::string_view, Planner> kPlanners[] = {{"cyclic", Planner
 constexpr std::pair<std::string_view, std::optional<bool>> kEchoes[] = {
     {"auto", std::nullopt}, {"true", true}, {"false", false}};
 
+constexpr std::pair<std::string_view, std::int64_t> kFileUnits[] = {
+    {"kB", 1'000}, {"MB", 1'000'000}, {"GB", 1'000'000'000}};
+constexpr SizeRule kFileSize{.min = 100'000,
+                             .max = 1'000'000'000'000,
+                             .range = "100kB to 1000GB",
+                             .allowed = "100kB to 1000GB, with kB, MB or GB",
+                             .pattern = "[0-9]+(kB|MB|GB)",
+                             .units = kFileUnits};
+
 std::vector<Field<BusSpec>> bus_fields() {
   return {
-      field<BusSpec>({.name = "name",
-                      .fallback = "needed",
-                      .text = "unique in the DDS domain: of two bridges with a bus of one name the "
-                              "later one does not serve it",
-                      .example = "a name for the bus"},
-                     &BusSpec::name, NameRule{}),
+      field({.name = "name",
+             .fallback = "needed",
+             .text = "unique in the DDS domain: of two bridges with a bus of one name the "
+                     "later one does not serve it",
+             .example = "a name for the bus"},
+            &BusSpec::name, NameRule{}),
       {{.name = "port",
         .fallback = "needed",
         .text = "see below",
@@ -35,13 +44,11 @@ std::vector<Field<BusSpec>> bus_fields() {
         .fallback = "needed, unless every device names its own",
         .text = protocol_names() + ", or the name of a [declared protocol](protocols/README.md)",
         .schema = R"({ "$ref": "#/$defs/protocol" })"}},
-      field<BusSpec>(
-          {.name = "planner",
-           .fallback = "cyclic",
-           .text = "how requests are formed: `cyclic` makes groups that are read in a "
-                   "cyclic schedule; `dynamic` reads the most urgent channel with its "
-                   "near neighbours, again and again, at most 20 blocks, and then those"},
-          &BusSpec::planner, ChoiceRule<Planner>{kPlanners}),
+      field({"planner", "cyclic",
+             "how requests are formed: `cyclic` makes groups that are read in a "
+             "cyclic schedule; `dynamic` reads the most urgent channel with its "
+             "near neighbours, again and again, at most 20 blocks, and then those"},
+            &BusSpec::planner, ChoiceRule<Planner>{kPlanners}),
       {{.name = "capture",
         .fallback = "only when somebody asks",
         .text = "keeps what passes on the wire, for Wireshark, see below",
@@ -50,10 +57,8 @@ std::vector<Field<BusSpec>> bus_fields() {
         .fallback = "none",
         .text = "every key marked ●, `silence`, `gap-allowance`",
         .schema = R"({ "$ref": "#/$defs/bus-defaults" })"}},
-      field<BusSpec>({.name = "echo",
-                      .fallback = "auto",
-                      .text = "the line gives back what is sent; `auto` finds out"},
-                     &BusSpec::echo, ChoiceRule<std::optional<bool>>{kEchoes}),
+      field({"echo", "auto", "the line gives back what is sent; `auto` finds out"}, &BusSpec::echo,
+            ChoiceRule<std::optional<bool>>{kEchoes}),
       {{.name = "devices",
         .fallback = "needed",
         .text = fmt::format("1 to {} devices", kMaxDevices),
@@ -73,15 +78,12 @@ std::vector<Field<BusDefaults>> bus_default_fields() {
   append_flowing(rows, first, devices);
   append_flowing(rows, last, devices);
   rows.push_back(field<BusDefaults>(
-      {.name = "silence",
-       .fallback = "standard: 3.5 characters, 1.75 ms above 19200 baud",
-       .text = "between a response and the next request: `standard`, characters as `3.5c`, or a "
-               "duration"},
+      {"silence", "standard: 3.5 characters, 1.75 ms above 19200 baud",
+       "between a response and the next request: `standard`, characters as `3.5c`, or a "
+       "duration"},
       [](BusDefaults& both) -> SilenceRule& { return both.bus.silence; }, SilenceReader{}));
   rows.push_back(field<BusDefaults>(
-      {.name = "gap-allowance",
-       .fallback = "20ms",
-       .text = "silence inside a response that ends it"},
+      {"gap-allowance", "20ms", "silence inside a response that ends it"},
       [](BusDefaults& both) -> Duration& { return both.bus.gap_allowance; },
       DurationRule{Duration{}, kMaxSilence}));
   return rows;
@@ -98,20 +100,16 @@ const Rows<CaptureSpec>& capture_rows() {
   static const Rows<CaptureSpec> rows(
       "capture", "'capture' of a bus",
       {
-          field<CaptureSpec>({.name = "folder",
-                              .fallback = "needed",
-                              .text = "an existing folder, relative to this file; the names of the "
-                                      "files are bus and time",
-                              .example = "an existing folder"},
-                             &CaptureSpec::folder, TextRule{kMaxPath}),
-          field<CaptureSpec>({.name = "file-size",
-                              .fallback = "10MB",
-                              .text = "of one file, then the next begins"},
-                             &CaptureSpec::file_bytes, CaptureSizeRule{}),
-          field<CaptureSpec>({.name = "files",
-                              .fallback = "10",
-                              .text = "how many are kept; beyond it the oldest goes"},
-                             &CaptureSpec::files, WholeRule{2, kMaxCaptureFiles}),
+          field({.name = "folder",
+                 .fallback = "needed",
+                 .text = "an existing folder, relative to this file; the names of the "
+                         "files are bus and time",
+                 .example = "an existing folder"},
+                &CaptureSpec::folder, TextRule{kMaxPath}),
+          field({"file-size", "10MB", "of one file, then the next begins"},
+                &CaptureSpec::file_bytes, kFileSize),
+          field({"files", "10", "how many are kept; beyond it the oldest goes"},
+                &CaptureSpec::files, WholeRule{2, kMaxCaptureFiles}),
       },
       "Files of a capture, one after the other: [docs/wireshark.md](../docs/wireshark.md).");
   return rows;
@@ -136,30 +134,16 @@ std::vector<DeviceRow> device_defaults() {
   std::vector<DeviceRow> rows;
   append_flowing(rows, channel_rows().fields(), &DeviceDefaults::channels);
   const std::vector<DeviceRow> own{
-      device_row({.name = "timeout",
-                  .fallback = "200ms",
-                  .text = "to the first byte of a response",
-                  .flows_down = true},
+      device_row({"timeout", "200ms", "to the first byte of a response", kFlowsDown},
                  &DeviceSpec::timeout, DurationRule{kMinTimeout, kMaxTimeout}),
-      device_row({.name = "retries",
-                  .fallback = "1",
-                  .text = "more tries of an exchange",
-                  .flows_down = true},
-                 &DeviceSpec::retries, WholeRule{0, kMaxRetries}),
-      device_row({.name = "pause",
-                  .fallback = "0ms",
-                  .text = "rest after each exchange with the device",
-                  .flows_down = true},
+      device_row({"retries", "1", "more tries of an exchange", kFlowsDown}, &DeviceSpec::retries,
+                 WholeRule{0, kMaxRetries}),
+      device_row({"pause", "0ms", "rest after each exchange with the device", kFlowsDown},
                  &DeviceSpec::pause, DurationRule{Duration{}, kMaxPause}),
-      device_row({.name = "max-block",
-                  .fallback = "the protocol's limit",
-                  .text = "items in one read, for weak devices",
-                  .flows_down = true},
-                 &DeviceSpec::max_block, WholeRule{1, 65535}),
-      device_row({.name = "max-gap",
-                  .fallback = "whatever pays",
-                  .text = "unwanted items that a read may bridge",
-                  .flows_down = true},
+      device_row(
+          {"max-block", "the protocol's limit", "items in one read, for weak devices", kFlowsDown},
+          &DeviceSpec::max_block, WholeRule{1, 65535}),
+      device_row({"max-gap", "whatever pays", "unwanted items that a read may bridge", kFlowsDown},
                  &DeviceSpec::max_gap, WholeRule{0, 65535}),
   };
   rows.insert(rows.end(), own.begin(), own.end());
@@ -201,12 +185,10 @@ std::vector<DeviceRow> device_fields() {
         .fallback = "needed",
         .text = "on the bus; the protocol narrows it",
         .schema = WholeRule{0, 65535}.schema()}},
-      device_row(
-          {.name = "number",
-           .fallback = "not programmed",
-           .text = "under which engineers ask for the device, to program it through its bus; the "
-                   "devices of a `dial-in` bus are reached by that number as it is"},
-          &DeviceSpec::number, DeviceNumberRule{}),
+      device_row({"number", "not programmed",
+                  "under which engineers ask for the device, to program it through its bus; the "
+                  "devices of a `dial-in` bus are reached by that number as it is"},
+                 &DeviceSpec::number, DeviceNumberRule{}),
       {{.name = "protocol",
         .fallback = "the bus's",
         .text = "another than the bus's",

@@ -16,16 +16,10 @@ namespace {
 void read_interfaces(MapReader& map, DdsSpec& spec) {
   const Node* node = map.find("interfaces");
   if (node == nullptr) return;
-  if (node->kind != Kind::kList || node->items.empty() || node->items.size() > kMaxInterfaces) {
-    const bool count = node->kind == Kind::kList;
-    map.faults().add(
-        node->position,
-        "interfaces is " + (count ? (node->items.empty() ? "empty" : "too long")
-                                  : std::string(to_text(node->kind))),
-        fmt::format("a list of 1 to {} IPv4 addresses", kMaxInterfaces),
-        node->kind == Kind::kScalar && is_ipv4(node->text) ? '[' + node->text + ']' : "");
+  if (!is_list(*node, "interfaces", 1, kMaxInterfaces,
+               fmt::format("a list of 1 to {} IPv4 addresses", kMaxInterfaces), map.faults(),
+               is_ipv4(node->text) ? as_list(*node) : ""))
     return;
-  }
   spec.interfaces.clear();
   for (const Node* item : node->items) {
     const std::string* text = scalar_of(*item, "interface", "an IPv4 address", map.faults());
@@ -54,21 +48,14 @@ void read_hosts(MapReader& map, std::string_view key, std::size_t most, int usua
                 std::vector<std::string>& target) {
   const Node* node = map.find(key);
   if (node == nullptr) return;
-  if (node->kind != Kind::kList || node->items.empty() || node->items.size() > most) {
-    const bool list = node->kind == Kind::kList;
-    map.faults().add(node->position,
-                     fmt::format("{} is {}", key,
-                                 list ? (node->items.empty() ? "empty" : "too long")
-                                      : std::string(to_text(node->kind))),
-                     fmt::format("a list of 1 to {} HOST:PORT", most),
-                     node->kind == Kind::kScalar ? '[' + node->text + ']' : "");
+  if (!is_list(*node, key, 1, most, fmt::format("a list of 1 to {} HOST:PORT", most), map.faults(),
+               as_list(*node)))
     return;
-  }
   for (const Node* item : node->items) {
     const std::string* text = scalar_of(*item, key, "HOST:PORT", map.faults());
     if (text == nullptr) continue;
     check_host_port(map, item->position, key, *text, usual_port);
-    if (std::find(target.begin(), target.end(), *text) != target.end())
+    if (std::ranges::find(target, *text) != target.end())
       map.faults().add(item->position, fmt::format("{} names '{}' twice", key, *text), "each once");
     target.push_back(*text);
   }
@@ -84,8 +71,8 @@ void read_servers(MapReader& map, DdsSpec& spec) {
   read_hosts(map, "discovery-servers", kMaxServers, kServerPort, several);
   if (several.empty()) return;
   if (!one.empty()) {
-    map.faults().add(map.position_of("discovery-server"),
-                     "'discovery-server' and 'discovery-servers' in one map", "one of them");
+    map.fault("discovery-server", "'discovery-server' and 'discovery-servers' in one map",
+              "one of them");
   }
   spec.discovery_servers = std::move(several);
 }
@@ -103,25 +90,23 @@ void read_security(MapReader& map, DdsSpec& spec) {
       spec.security = resolve(*map.find("security")->position.source, given);
     }
     if (spec.security && !spec.discovery_servers.empty()) {
-      map.faults().add(map.position_of("security"),
-                       "security with a discovery server: Fast DDS 2.9 ends the program with it",
-                       "one of them; without a discovery server members find each other by "
-                       "multicast");
+      map.fault("security",
+                "security with a discovery server: Fast DDS 2.9 ends the program with it",
+                "one of them; without a discovery server members find each other by multicast");
     }
     if (spec.security && spec.domain > kMaxSecureDomain) {
-      map.faults().add(map.position_of("domain"),
-                       fmt::format("security in domain {}: Cyclone DDS reads no document that "
-                                   "names it",
-                                   spec.domain),
-                       fmt::format("a domain 0 to {} with security", kMaxSecureDomain));
+      map.fault("domain",
+                fmt::format("security in domain {}: Cyclone DDS reads no document that names it",
+                            spec.domain),
+                fmt::format("a domain 0 to {} with security", kMaxSecureDomain));
     }
     return;
   }
   if (map.find("security") != nullptr) return;
   for (const std::string& address : spec.interfaces) {
     if (address.starts_with("127.") || !is_ipv4(address)) continue;
-    return map.faults().add(
-        map.position_of("interfaces"),
+    return map.fault(
+        "interfaces",
         fmt::format("DDS is open to the network at {}, and nothing is said about security",
                     address),
         fmt::format("security: {}", kSecurityForm));
@@ -129,33 +114,6 @@ void read_security(MapReader& map, DdsSpec& spec) {
 }
 
 }  // namespace
-
-std::optional<std::uint64_t> RateRule::operator()(const Node& node, std::string_view key,
-                                                  FaultList& faults) const {
-  static constexpr std::string_view kAllowed = "50kB/s to 1000MB/s, with kB/s or MB/s";
-  static constexpr std::pair<std::string_view, std::uint64_t> kUnits[] = {{"kB/s", 1'000},
-                                                                          {"MB/s", 1'000'000}};
-  const std::string* text = scalar_of(node, key, kAllowed, faults);
-  if (text == nullptr) return std::nullopt;
-  for (const auto& [unit, worth] : kUnits) {
-    if (!text->ends_with(unit)) continue;
-    const auto number = number_from(std::string_view(*text).substr(0, text->size() - unit.size()));
-    if (!number) continue;
-    const double rate = *number * static_cast<double>(worth);
-    if (rate >= static_cast<double>(kMinRate) && rate <= static_cast<double>(kMaxRate))
-      return static_cast<std::uint64_t>(rate);
-    faults.add(node.position, fmt::format("{} '{}' is too small or too large", key, *text),
-               std::string(kAllowed));
-    return std::nullopt;
-  }
-  faults.add(node.position, fmt::format("{} '{}' cannot be understood", key, *text),
-             std::string(kAllowed));
-  return std::nullopt;
-}
-std::string RateRule::schema() const {
-  return R"({ "type": "string", "pattern": "^[0-9]+(\\.[0-9]+)?(kB|MB)/s$" })";
-}
-std::string RateRule::form() const { return "50kB/s to 1000MB/s"; }
 
 void read_dds(MapReader& file, DdsSpec& spec, Library& library) {
   const Node* node = file.find("dds");
@@ -178,18 +136,13 @@ std::vector<DdsSite> read_sites(MapReader& file, Library& library) {
     return sites;
   }
   if (file.find("dds") != nullptr) {
-    file.faults().add(file.position_of("dds"), "'dds' and 'sites' in one map",
-                      "one of them: each site has a 'dds' of its own");
+    file.fault("dds", "'dds' and 'sites' in one map",
+               "one of them: each site has a 'dds' of its own");
   }
-  if (node->kind != Kind::kList || node->items.empty() || node->items.size() > kMaxSites) {
-    const bool list = node->kind == Kind::kList;
-    file.faults().add(
-        node->position,
-        fmt::format("sites is {}", list ? (node->items.empty() ? "empty" : "too long")
-                                        : std::string(to_text(node->kind))),
-        fmt::format("a list of 1 to {} sites, each {{ name: N, dds: {{ .. }} }}", kMaxSites));
+  if (!is_list(*node, "sites", 1, kMaxSites,
+               fmt::format("a list of 1 to {} sites, each {{ name: N, dds: {{ .. }} }}", kMaxSites),
+               file.faults()))
     return sites;
-  }
   UniqueNames names;
   for (const Node* item : node->items) {
     MapReader map(*item, site_rows(), file.faults());

@@ -2,9 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "config/document/map_reader.hpp"
@@ -12,14 +9,6 @@
 #include "core/model/spec.hpp"
 
 namespace fieldcast::config {
-
-// Bytes per second: "500kB/s", "2MB/s".
-struct RateRule {
-  std::optional<std::uint64_t> operator()(const Node& node, std::string_view key,
-                                          FaultList& faults) const;
-  [[nodiscard]] std::string schema() const;
-  [[nodiscard]] std::string form() const;
-};
 
 // Add faults; absent keys keep their defaults.
 void read_dds(MapReader& file, DdsSpec& spec, Library& library);

@@ -20,24 +20,15 @@ struct Draft {
   std::vector<const Node*> channels;  // those of the template first
 };
 
-struct AddressRule {
-  std::optional<std::int64_t> operator()(const Node& node, std::string_view key,
-                                         FaultList& faults) const {
-    return WholeRule{0, 65535}(node, key, faults);  // the protocol has its own limits
-  }
-};
-
 // A list, or the name of a file with one.
 void read_channel_nodes(MapReader& map, Draft& draft, LoadState& state) {
   const Node* node = map.find("channels");
   if (node == nullptr) return;
   if (node->kind == Kind::kScalar) node = state.library.channel_list(*node);
   if (node == nullptr) return;
-  if (node->kind != Kind::kList) {
-    state.faults.add(node->position, fmt::format("channels is {}", to_text(node->kind)),
-                     "a list of channels, or the name of a CSV file");
+  if (!is_list(*node, "channels", 0, kAnyCount, "a list of channels, or the name of a CSV file",
+               state.faults))
     return;
-  }
   draft.channels.insert(draft.channels.end(), node->items.begin(), node->items.end());
 }
 
@@ -46,13 +37,7 @@ void check_template_protocols(MapReader& map, const Node& naming, const std::str
                               LoadState& state) {
   const Node* node = map.find("protocols");
   if (node == nullptr) return;
-  if (node->kind != Kind::kList || node->items.empty()) {
-    map.faults().add(
-        node->position,
-        "protocols is " + (node->kind == Kind::kList ? "empty" : std::string(to_text(node->kind))),
-        "a list of protocols");
-    return;
-  }
+  if (!is_list(*node, "protocols", 1, kAnyCount, "a list of protocols", map.faults())) return;
   std::vector<std::string> names;
   for (const Node* item : node->items) {
     // A declaration is found relative to the configuration, not to the template.
@@ -131,7 +116,7 @@ DeviceSpec read_device(const Node& node, const DeviceContext& context, LoadState
   MapReader map(node, device_rows(), state.faults);
   Draft draft{context.defaults, {}};
   DeviceSpec& spec = draft.defaults.spec;
-  const bool has_address = map.read_required("address", spec.link.address, AddressRule{},
+  const bool has_address = map.read_required("address", spec.link.address, WholeRule{0, 65535},
                                              "the device's address on the bus");
 
   ProtocolChoice choice = context.protocol;

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <string>
-
 #include "config/channel/channel_keys.hpp"
 #include "config/declaration/declaration.hpp"
 #include "config/document/document.hpp"

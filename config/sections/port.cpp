@@ -85,7 +85,7 @@ struct FormatRule {
       if (std::string_view(" -/,.").find(c) != std::string_view::npos) continue;
       upper += c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
     }
-    faults.add(node.position, fmt::format("format '{}' is unknown", *text), std::string(kForm),
+    faults.add(node.position, fmt::format("format '{}' is unknown", *text), kForm,
                format_from(upper) ? upper : "");
     return std::nullopt;
   }
@@ -112,14 +112,11 @@ FenceSpec read_fence(MapReader& map, std::initializer_list<Fence> fits, std::str
   if (map.read("fence", kind, ChoiceRule<Fence>{kFences})) {
     fence.kind = kind;
     if (std::ranges::find(fits, kind) == fits.end()) {
-      map.faults().add(map.position_of("fence"),
-                       fmt::format("'fence: {}' does not fit this port", to_text(kind)),
-                       std::string(allowed));
+      map.fault("fence", fmt::format("'fence: {}' does not fit this port", to_text(kind)), allowed);
     }
   }
   const bool held = map.read("hold", fence.hold, hold_time());
-  if (held && !fence.is(Fence::kListen))
-    map.faults().add(map.position_of("hold"), "'hold' without 'fence: listen'");
+  if (held && !fence.is(Fence::kListen)) map.fault("hold", "'hold' without 'fence: listen'");
   return fence;
 }
 
@@ -129,9 +126,8 @@ PortSpec read_serial(MapReader& map, const LineFormat& factory) {
   port.line = factory;
   if (map.read("serial", port.path, TextRule{kMaxPath}) &&
       port.path.find('/') == std::string::npos) {
-    map.faults().add(map.position_of("serial"),
-                     fmt::format("'{}' is no path of a serial port", port.path),
-                     "a path such as /dev/ttyUSB0 or /dev/serial/by-id/..");
+    map.fault("serial", fmt::format("'{}' is no path of a serial port", port.path),
+              "a path such as /dev/ttyUSB0 or /dev/serial/by-id/..");
   }
   map.read("format", port.line, FormatRule{});
   map.read("baud", baud, BaudRule{});
@@ -141,8 +137,8 @@ PortSpec read_serial(MapReader& map, const LineFormat& factory) {
   map.read("exclusive", port.exclusive, FlagRule{});
   port.fence = read_fence(map, {Fence::kNone, Fence::kListen, Fence::kLock}, "listen, lock, none");
   if (port.fence.is(Fence::kLock) && !port.exclusive) {
-    map.faults().add(map.position_of("fence"), "'fence: lock' with 'exclusive: false'",
-                     "exclusive: true, which takes the lock");
+    map.fault("fence", "'fence: lock' with 'exclusive: false'",
+              "exclusive: true, which takes the lock");
   }
   return port;
 }
@@ -156,8 +152,8 @@ std::optional<LineFormat> read_far_line(MapReader& map, const LineFormat& factor
     return format;
   }
   if (has_format && !map.has("baud")) {
-    map.faults().add(map.position_of("format"), "'format' without 'baud'",
-                     "both for the line behind a serial server, none for a plain TCP device");
+    map.fault("format", "'format' without 'baud'",
+              "both for the line behind a serial server, none for a plain TCP device");
   }
   return std::nullopt;
 }
@@ -237,8 +233,7 @@ PortSpec read_type(const PortType& type, MapReader& map, const LineFormat& facto
     const bool names_a_type =
         std::ranges::find(port_types(), key, &PortType::key) != port_types().end();
     if (map.find(key) == nullptr || names_a_type) continue;
-    map.faults().add(map.position_of(key),
-                     fmt::format("'{}' has no meaning for a {} port", key, type.key));
+    map.fault(key, fmt::format("'{}' has no meaning for a {} port", key, type.key));
   }
   return type.read(map, factory);
 }
@@ -327,36 +322,22 @@ const RowTable& port_rows() {
           row({.name = "dial-in",
                .text = "device number of a module that dials in (`program`, `modules`)"},
               DeviceNumberRule{}),
-          row({.name = "baud",
-               .fallback = factory_bauds(),
-               .text = "with `tcp` or `dial-in`: of the line behind a serial server, so that its "
-                       "load can be planned; without it a plain TCP device"},
+          row({"baud", factory_bauds(),
+               "with `tcp` or `dial-in`: of the line behind a serial server, so that its "
+               "load can be planned; without it a plain TCP device"},
               BaudRule{}),
-          row({.name = "format",
-               .fallback = factory_formats(),
-               .text = "data bits, parity, stop bits: `8N1`, `7E2`"},
+          row({"format", factory_formats(), "data bits, parity, stop bits: `8N1`, `7E2`"},
               FormatRule{}),
-          row({.name = "rs485",
-               .fallback = "false",
-               .text = "the kernel switches the direction of the line"},
-              FlagRule{}),
-          row({.name = "low-latency",
-               .fallback = "true",
-               .text = "asks the driver not to hold bytes back"},
-              FlagRule{}),
-          row({.name = "exclusive", .fallback = "true", .text = "nobody else may open the port"},
-              FlagRule{}),
-          row({.name = "connect-timeout", .fallback = "3s", .text = "with `tcp`"},
-              connect_timeout()),
-          row({.name = "fence",
-               .fallback = "not said",
-               .text = "what keeps a second master off the wire (docs/redundancy.md): `listen` "
-                       "before sending; `lock` of a serial port, for bridges on one host; "
-                       "`one-client`: a serial server that takes one connection"},
+          row({"rs485", "false", "the kernel switches the direction of the line"}, FlagRule{}),
+          row({"low-latency", "true", "asks the driver not to hold bytes back"}, FlagRule{}),
+          row({"exclusive", "true", "nobody else may open the port"}, FlagRule{}),
+          row({"connect-timeout", "3s", "with `tcp`"}, connect_timeout()),
+          row({"fence", "not said",
+               "what keeps a second master off the wire (docs/redundancy.md): `listen` "
+               "before sending; `lock` of a serial port, for bridges on one host; "
+               "`one-client`: a serial server that takes one connection"},
               ChoiceRule<Fence>{kFences}),
-          row({.name = "hold",
-               .fallback = "100ms",
-               .text = "with `fence: listen`: the longest pause between two requests"},
+          row({"hold", "100ms", "with `fence: listen`: the longest pause between two requests"},
               hold_time()),
       },
       {}, type_keys());
@@ -372,9 +353,8 @@ PortSpec read_port(const Node& node, std::string_view protocol, FaultList& fault
     if (map.has(type.key)) named.push_back(&type);
   }
   if (named.size() > 1) {
-    faults.add(map.position_of(named[1]->key),
-               fmt::format("a port is both {} and {}", named[0]->key, named[1]->key),
-               "one of " + joined(type_keys()));
+    map.fault(named[1]->key, fmt::format("a port is both {} and {}", named[0]->key, named[1]->key),
+              "one of " + joined(type_keys()));
   }
   const bool means_one = std::ranges::any_of(
       port_types(), [&](const PortType& type) { return map.has_or_means(type.key); });

@@ -39,8 +39,7 @@ void read_modules(MapReader& program, ProgramSpec& spec, Library& library) {
   if (modules.registration.ask == RegistrationRule::Ask::kWords) return;
   for (const char* key : {"unit", "first", "words"}) {
     if (map.has(key))
-      map.faults().add(map.position_of(key), fmt::format("'{}' has no meaning for ask: text", key),
-                       "ask: words");
+      map.fault(key, fmt::format("'{}' has no meaning for ask: text", key), "ask: words");
   }
 }
 
@@ -98,8 +97,8 @@ void read_program(MapReader& bridge, ProgramSpec& spec, Library& library) {
   read_modules(map, spec, library);
   if (spec.engineers && spec.modules && spec.engineers->listen == spec.modules->listen &&
       spec.modules->listen.port != 0) {
-    bridge.faults().add(map.position_of("modules"), "modules and engineers listen at the same port",
-                        "a port of its own for each");
+    map.fault("modules", "modules and engineers listen at the same port",
+              "a port of its own for each");
   }
 }
 
@@ -132,15 +131,11 @@ void check_device_numbers(const Node& buses, const BridgeSpec& spec, FaultList& 
 
 namespace {
 
-void fault(MapReader& map, std::string_view key, std::string what, std::string allowed) {
-  map.faults().add(map.position_of(key), std::move(what), std::move(allowed));
-}
-
 // `needed`: the key that `key` depends on.
 void check_needed(MapReader& map, std::string_view key, std::string_view needed,
                   std::string_view allowed) {
   if (map.has(key) && !map.has(needed))
-    fault(map, key, fmt::format("'{}' without '{}'", key, needed), std::string(allowed));
+    map.fault(key, fmt::format("'{}' without '{}'", key, needed), allowed);
 }
 
 std::vector<std::string> numbers_of(const Node& node, std::string_view name, FaultList& faults) {
@@ -160,9 +155,9 @@ void read_subjects(MapReader& map, ModulesSpec& modules) {
   const Node* node = map.find("subjects");
   if (node == nullptr) return;
   if (node->kind != Kind::kMap) {
-    return fault(map, "subjects", "subjects is " + std::string(to_text(node->kind)),
-                 "common names of certificates and the numbers of their modules: { hut: 17, "
-                 "gateway: [18, 19] }");
+    return map.fault("subjects", "subjects is " + std::string(to_text(node->kind)),
+                     "common names of certificates and the numbers of their modules: { hut: 17, "
+                     "gateway: [18, 19] }");
   }
   for (const Node::Entry& entry : node->entries)
     modules.subjects[entry.key->text] = numbers_of(*entry.value, entry.key->text, map.faults());
@@ -172,19 +167,13 @@ void read_networks(MapReader& map, ModulesSpec& modules) {
   static constexpr std::string_view kForm = "addresses and networks: [10.0.7.0/24, 192.168.1.7]";
   const Node* node = map.find("from");
   if (node == nullptr) return;
-  if (node->kind != Kind::kList || node->items.empty() || node->items.size() > kMaxInterfaces) {
-    return fault(map, "from",
-                 "from is " + (node->kind != Kind::kList ? std::string(to_text(node->kind))
-                               : node->items.empty()     ? "empty"
-                                                         : "too long"),
-                 std::string(kForm));
-  }
+  if (!is_list(*node, "from", 1, kMaxInterfaces, kForm, map.faults())) return;
   for (const Node* item : node->items) {
     const std::string* text = scalar_of(*item, "from", kForm, map.faults());
     if (text == nullptr) continue;
     if (!access::Network::parse(*text))
       map.faults().add(item->position, fmt::format("'{}' is no address and no network", *text),
-                       std::string(kForm));
+                       kForm);
     modules.from.push_back(*text);
   }
 }
@@ -201,9 +190,9 @@ TlsSpec read_tls(MapReader& map, Library& library) {
   }
   const bool certificate = map.has("certificate"), key = map.has("key");
   if (certificate != key) {
-    fault(map, certificate ? "certificate" : "key",
-          certificate ? "'certificate' without 'key'" : "'key' without 'certificate'",
-          "both, as PEM files");
+    map.fault(certificate ? "certificate" : "key",
+              certificate ? "'certificate' without 'key'" : "'key' without 'certificate'",
+              "both, as PEM files");
   }
   if (!certificate && !key)
     check_needed(map, "authority", "certificate", "certificate and key of the bridge, for TLS");
@@ -216,27 +205,27 @@ void check_engineers(MapReader& map, EngineersSpec& engineers, bool users) {
   if (authority && !map.has("proof")) engineers.proof = LoginProof::kCertificate;
   const bool by_certificate = engineers.proof != LoginProof::kPassword;
   if (by_certificate && !authority)
-    fault(map, "proof", "certificates of engineers, and nobody signs them",
-          "authority: a PEM file with who signs them");
+    map.fault("proof", "certificates of engineers, and nobody signs them",
+              "authority: a PEM file with who signs them");
   if (!by_certificate && authority)
-    fault(map, "authority", "'authority' has no meaning for proof: password",
-          "proof: certificate, either or both");
+    map.fault("authority", "'authority' has no meaning for proof: password",
+              "proof: certificate, either or both");
   if (engineers.listen.host.empty()) return;
   const bool far = !on_loopback(engineers.listen);
   if (far && !map.has("certificate") && !map.has("key"))
-    fault(map, "listen", "engineers off the loopback without TLS",
-          "certificate and key, or an address 127.0.0.1");
+    map.fault("listen", "engineers off the loopback without TLS",
+              "certificate and key, or an address 127.0.0.1");
   // Without users, every holder of a certificate of the authority is an engineer.
   if (users || engineers.proof == LoginProof::kCertificate) return;
   static constexpr std::string_view kRemedy =
       "store: { path: FILE } and 'fieldcast user add NAME --role programmer'";
   if (far) {
-    fault(map, "listen",
-          "engineers off the loopback have to log in, and without a store there are no users",
-          fmt::format("{}, or an address 127.0.0.1", kRemedy));
+    map.fault("listen",
+              "engineers off the loopback have to log in, and without a store there are no users",
+              fmt::format("{}, or an address 127.0.0.1", kRemedy));
   } else if (engineers.login == LoginRule::kAlways || by_certificate) {
-    fault(map, engineers.login == LoginRule::kAlways ? "login" : "proof",
-          "a login needs users, and without a store there are none", std::string(kRemedy));
+    map.fault(engineers.login == LoginRule::kAlways ? "login" : "proof",
+              "a login needs users, and without a store there are none", kRemedy);
   }
 }
 
@@ -249,16 +238,16 @@ void read_module_access(MapReader& map, ModulesSpec& modules, Library& library) 
   if (map.read("secrets", path, TextRule{kMaxPath}))
     modules.secrets = library.check_file(*map.find("secrets"));
   if (map.has("secrets") && modules.registration.ask == program::RegistrationRule::Ask::kWords)
-    fault(map, "secrets", "a module that is asked for a text does not respond to a challenge",
-          "ask: text");
+    map.fault("secrets", "a module that is asked for a text does not respond to a challenge",
+              "ask: text");
   const bool held = map.has("authority") || map.has("secrets") || map.has("from");
   if (modules.without_security && held)
-    fault(map, "security", "security: none beside what modules have to show",
-          "one of them: security: none, or authority, secrets or from");
+    map.fault("security", "security: none beside what modules have to show",
+              "one of them: security: none, or authority, secrets or from");
   if (!held && !modules.without_security && !modules.listen.host.empty() &&
       !on_loopback(modules.listen)) {
-    fault(map, "listen", "modules off the loopback, and nothing is said about who may dial in",
-          "authority with certificate and key, secrets, from, or security: none");
+    map.fault("listen", "modules off the loopback, and nothing is said about who may dial in",
+              "authority with certificate and key, secrets, from, or security: none");
   }
 }
 

@@ -71,15 +71,14 @@ const Rows<EngineersSpec>& engineer_rows() {
   static const Rows<EngineersSpec> rows(
       "engineers", "'engineers'",
       {
-          field<EngineersSpec>(
-              {.name = "listen",
-               .fallback = "needed",
-               .text =
-                   "`ADDRESS:PORT` of this machine. Off the loopback `certificate`, `key` and a "
-                   "`store` are demanded: each engineer logs in as a user with the role "
-                   "programmer",
-               .example = "listen: 127.0.0.1:4950"},
-              &EngineersSpec::listen, ListenRule{4950}),
+          field({.name = "listen",
+                 .fallback = "needed",
+                 .text =
+                     "`ADDRESS:PORT` of this machine. Off the loopback `certificate`, `key` and a "
+                     "`store` are demanded: each engineer logs in as a user with the role "
+                     "programmer",
+                 .example = "listen: 127.0.0.1:4950"},
+                &EngineersSpec::listen, ListenRule{4950}),
           {file_key("certificate", "none: plain TCP on the loopback",
                     "a PEM file, relative to this file: TLS")},
           {file_key("key", "none", "its private key, a PEM file that others must not read")},
@@ -87,27 +86,20 @@ const Rows<EngineersSpec>& engineer_rows() {
                     "a PEM file with who signs the certificates of engineers; an engineer's "
                     "common name is the name of a user")},
           {file_key("revoked", "none", "a list (CRL) of certificates that are not good any more")},
-          field<EngineersSpec>(
-              {.name = "proof",
-               .fallback = "password; certificate where there is an `authority`",
-               .text = "what an engineer logs in with; `either` takes one of the two, `both` "
-                       "wants both, of the same user"},
-              &EngineersSpec::proof, ChoiceRule<LoginProof>{kProofs}),
-          field<EngineersSpec>(
-              {.name = "login",
-               .fallback = "off-loopback",
-               .text = "where engineers have to log in, which needs a `store`; with `always` "
-                       "everybody who "
-                       "connects from this machine logs in too. Without TLS the password crosses "
-                       "the loopback as it is"},
-              &EngineersSpec::login, ChoiceRule<LoginRule>{kLogins}),
-          field<EngineersSpec>(
-              {.name = "heartbeat", .fallback = "5s", .text = "three missed ones free the device"},
-              &EngineersSpec::heartbeat, DurationRule{kMinHeartbeat, kMaxHeartbeat}),
-          field<EngineersSpec>({.name = "idle",
-                                .fallback = "10min",
-                                .text = "so long without a program byte frees the device"},
-                               &EngineersSpec::idle, DurationRule{kMinIdle, kMaxIdle}),
+          field({"proof", "password; certificate where there is an `authority`",
+                 "what an engineer logs in with; `either` takes one of the two, `both` "
+                 "wants both, of the same user"},
+                &EngineersSpec::proof, ChoiceRule<LoginProof>{kProofs}),
+          field({"login", "off-loopback",
+                 "where engineers have to log in, which needs a `store`; with `always` "
+                 "everybody who "
+                 "connects from this machine logs in too. Without TLS the password crosses "
+                 "the loopback as it is"},
+                &EngineersSpec::login, ChoiceRule<LoginRule>{kLogins}),
+          field({"heartbeat", "5s", "three missed ones free the device"}, &EngineersSpec::heartbeat,
+                DurationRule{kMinHeartbeat, kMaxHeartbeat}),
+          field({"idle", "10min", "so long without a program byte frees the device"},
+                &EngineersSpec::idle, DurationRule{kMinIdle, kMaxIdle}),
       });
   return rows;
 }
@@ -116,36 +108,28 @@ const Rows<ModulesSpec>& module_rows() {
   static const Rows<ModulesSpec> rows(
       "modules", "'modules'",
       {
-          field<ModulesSpec>({.name = "listen",
-                              .fallback = "needed",
-                              .text = "`ADDRESS:PORT` of this machine. Off the loopback it has "
-                                      "to be said who may dial in: `authority`, `secrets`, "
-                                      "`from`, or `security: none`",
-                              .example = "listen: 127.0.0.1:4951"},
-                             &ModulesSpec::listen, ListenRule{4951}),
-          module_row(
-              {.name = "ask",
-               .fallback = "text",
-               .text = "how a module sends its device number: by the `text` that it sends on "
-                       "connecting, a line of its own or ended by silence; or in DM `words` of the "
-                       "PLC behind it, read with Host Link"},
-              &RegistrationRule::ask, ChoiceRule<RegistrationRule::Ask>{kAsks}),
-          module_row({.name = "prefix",
-                      .fallback = "none",
-                      .text = "of the text, before the number: `\"ID=\"`"},
+          field({.name = "listen",
+                 .fallback = "needed",
+                 .text = "`ADDRESS:PORT` of this machine. Off the loopback it has "
+                         "to be said who may dial in: `authority`, `secrets`, "
+                         "`from`, or `security: none`",
+                 .example = "listen: 127.0.0.1:4951"},
+                &ModulesSpec::listen, ListenRule{4951}),
+          module_row({"ask", "text",
+                      "how a module sends its device number: by the `text` that it sends on "
+                      "connecting, a line of its own or ended by silence; or in DM `words` of the "
+                      "PLC behind it, read with Host Link"},
+                     &RegistrationRule::ask, ChoiceRule<RegistrationRule::Ask>{kAsks}),
+          module_row({"prefix", "none", "of the text, before the number: `\"ID=\"`"},
                      &RegistrationRule::prefix, TextRule{kMaxPrefix}),
-          module_row(
-              {.name = "unit", .fallback = "0", .text = "with `ask: words`: the unit of Host Link"},
-              &RegistrationRule::unit, WholeRule{0, kLastUnit}),
-          module_row(
-              {.name = "first", .fallback = "0", .text = "with `ask: words`: the first DM word"},
-              &RegistrationRule::first, WholeRule{0, kLastDmWord}),
-          module_row({.name = "words",
-                      .fallback = "8",
-                      .text = "with `ask: words`: how many, two characters in each"},
+          module_row({"unit", "0", "with `ask: words`: the unit of Host Link"},
+                     &RegistrationRule::unit, WholeRule{0, kLastUnit}),
+          module_row({"first", "0", "with `ask: words`: the first DM word"},
+                     &RegistrationRule::first, WholeRule{0, kLastDmWord}),
+          module_row({"words", "8", "with `ask: words`: how many, two characters in each"},
                      &RegistrationRule::words, WholeRule{1, kMaxNumberWords}),
-          module_row({.name = "timeout", .fallback = "5s", .text = "for the number"},
-                     &RegistrationRule::timeout, DurationRule{kMinRegistration, kMaxTimeout}),
+          module_row({"timeout", "5s", "for the number"}, &RegistrationRule::timeout,
+                     DurationRule{kMinRegistration, kMaxTimeout}),
           {file_key("certificate", "none: plain TCP", "a PEM file, relative to this file: TLS")},
           {file_key("key", "none", "its private key, a PEM file that others must not read")},
           {file_key(
@@ -169,17 +153,13 @@ const Rows<ModulesSpec>& module_rows() {
             .schema = R"({ "type": "array", "minItems": 1, "maxItems": )" +
                       std::to_string(kMaxInterfaces) +
                       R"(, "items": { "type": "string", "minLength": 1 } })"}},
-          field<ModulesSpec>(
-              {.name = "second",
-               .fallback = "refuse",
-               .text = "what happens to a module with the number of one that is connected; "
-                       "`replace` lets it take its place"},
-              &ModulesSpec::second, ChoiceRule<SecondModule>{kSeconds}),
-          field<ModulesSpec>(
-              {.name = "security",
-               .fallback = "needed off the loopback, unless one of the above holds",
-               .text = "`none`: every client that reaches the port may claim to be any module"},
-              &ModulesSpec::without_security, ChoiceRule<bool>{kOpenly}),
+          field({"second", "refuse",
+                 "what happens to a module with the number of one that is connected; "
+                 "`replace` lets it take its place"},
+                &ModulesSpec::second, ChoiceRule<SecondModule>{kSeconds}),
+          field({"security", "needed off the loopback, unless one of the above holds",
+                 "`none`: every client that reaches the port may claim to be any module"},
+                &ModulesSpec::without_security, ChoiceRule<bool>{kOpenly}),
       });
   return rows;
 }

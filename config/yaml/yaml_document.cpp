@@ -13,17 +13,16 @@
 
 #include "config/document/document.hpp"
 #include "config/document/limits.hpp"
+#include "config/yaml/yaml_error.hpp"
 #include "config/yaml/yaml_scan.hpp"
-#include "config/yaml/yaml_trouble.hpp"
 
 namespace fieldcast::config {
 namespace {
 
 struct Abandoned {};  // thrown after a fault that ends the parsing
 
-void add(FaultList& faults, YamlTrouble trouble) {
-  faults.add(trouble.position, std::move(trouble.what), std::move(trouble.allowed),
-             std::move(trouble.suggestion));
+void add(FaultList& faults, const YamlError& error) {
+  faults.add(error.position, error.what, error.allowed, error.suggestion);
 }
 
 class Builder final : public YAML::EventHandler {

@@ -31,7 +31,7 @@ void FrameGatherer::take(CaptureRecord record, std::vector<CapturedFrame>& out) 
       give_request(out);
       give_answer(out);
       device_ = record.device;
-      asked_ = true;
+      in_flight_ = true;
       echo_ = record.bytes;
       request_ = CapturedFrame{record.at, Direction::kSent, device_, std::move(record.bytes),
                                std::move(record.text)};
@@ -41,14 +41,14 @@ void FrameGatherer::take(CaptureRecord record, std::vector<CapturedFrame>& out) 
     case CaptureRecord::Kind::kEnded:
       give_request(out);
       give_answer(out);
-      asked_ = false;
+      in_flight_ = false;
       return;
   }
 }
 
 void FrameGatherer::take_received(CaptureRecord record, std::vector<CapturedFrame>& out) {
   give_request(out);
-  if (answer_ && !asked_ && record.at.nanoseconds - answer_->at.nanoseconds > kQuiet.count())
+  if (answer_ && !in_flight_ && record.at.nanoseconds - answer_->at.nanoseconds > kQuiet.count())
     give_answer(out);
   if (!answer_) answer_ = CapturedFrame{record.at, Direction::kReceived, device_, {}, {}};
   answer_->at = record.at;
@@ -80,19 +80,19 @@ void FrameGatherer::remark(const std::string& text, std::vector<CapturedFrame>& 
   } else if (note_.size() < kMaxComment) {
     add_line(note_, text);
   }
-  asked_ = false;
+  in_flight_ = false;
 }
 
 void FrameGatherer::lost(std::uint64_t records, std::vector<CapturedFrame>& out) {
   flush(out);
-  asked_ = false;
+  in_flight_ = false;
   echo_.clear();
   add_line(note_, std::to_string(records) +
                       " pieces are missing before this frame: the capture was too slow for them");
 }
 
 void FrameGatherer::look(UtcTime now, std::vector<CapturedFrame>& out) {
-  if (asked_ || !answer_) return;
+  if (in_flight_ || !answer_) return;
   if (now.nanoseconds - answer_->at.nanoseconds > kQuiet.count()) give_answer(out);
 }
 

@@ -65,9 +65,9 @@ class FrameGatherer {
   std::optional<CapturedFrame> answer_;   // received part
   Bytes echo_;                            // last request, whose echo may precede the response
   std::size_t device_ = 0;
-  bool asked_ = false;  // an exchange is in flight
-  bool begun_ = false;  // an exchange has begun or ended
-  std::string note_;    // for the next frame
+  bool in_flight_ = false;  // an exchange is in flight
+  bool begun_ = false;      // an exchange has begun or ended
+  std::string note_;        // for the next frame
 };
 
 }  // namespace fieldcast

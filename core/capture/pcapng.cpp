@@ -1,7 +1,5 @@
 #include "core/capture/pcapng.hpp"
 
-#include <algorithm>
-
 namespace fieldcast {
 
 namespace {

@@ -79,8 +79,8 @@ void Reader::options(ByteView body, const Take& take) const {
 tl::expected<void, Fault> Reader::read_section() {
   const std::size_t known = block_.size();
   block_.resize(kAround);
-  const std::size_t came = source_(block_.data() + known, kAround - known);
-  if (came < kAround - known) return tl::unexpected(begun_ ? Fault::kCut : Fault::kNoCapture);
+  const std::size_t received = source_(block_.data() + known, kAround - known);
+  if (received < kAround - known) return tl::unexpected(begun_ ? Fault::kCut : Fault::kNoCapture);
   big_endian_ = false;
   const std::uint32_t magic = u32(block_, kHeader);
   if (magic != kByteOrderMagic && magic != kSwapped)
@@ -94,9 +94,9 @@ tl::expected<void, Fault> Reader::read_section() {
 tl::expected<std::optional<Reader::Block>, Fault> Reader::read_block() {
   offset_ = next_offset_;
   block_.resize(kHeader);
-  const std::size_t came = source_(block_.data(), kHeader);
-  if (came == 0 && begun_) return std::nullopt;
-  if (came < kHeader) return tl::unexpected(begun_ ? Fault::kCut : Fault::kNoCapture);
+  const std::size_t received = source_(block_.data(), kHeader);
+  if (received == 0 && begun_) return std::nullopt;
+  if (received < kHeader) return tl::unexpected(begun_ ? Fault::kCut : Fault::kNoCapture);
   const std::uint32_t type = u32(block_, 0);
   if (!begun_ && type != kSectionHeader)
     return tl::unexpected(is_old(type) ? Fault::kOldFormat : Fault::kNoCapture);

@@ -44,6 +44,19 @@ inline constexpr Crc16Tables kCrc16Tables{};
   return static_cast<std::uint16_t>(crc);
 }
 
+// Appends the CRC of the bytes from `start` on, low byte first.
+inline void append_crc16(Bytes& out, std::size_t start = 0) {
+  const std::uint16_t crc = crc16_modbus(ByteView(out).subspan(start));
+  out.push_back(static_cast<std::uint8_t>(crc));
+  out.push_back(static_cast<std::uint8_t>(crc >> 8));
+}
+
+// Returns true if the last two bytes are the CRC of the others. REQUIRES: at least two bytes.
+[[nodiscard]] constexpr bool ends_with_crc16(ByteView frame) {
+  const std::size_t end = frame.size() - 2;
+  return crc16_modbus(frame.first(end)) == (frame[end] | frame[end + 1] << 8);
+}
+
 // Sum of all bytes modulo 256 (PPI, FX).
 [[nodiscard]] constexpr std::uint8_t sum8(ByteView bytes) {
   unsigned sum = 0;

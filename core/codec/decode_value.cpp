@@ -117,7 +117,7 @@ tl::expected<Value, Cause> decode_value(const Encoding& encoding, unsigned item_
   if (encoding.type == ValueType::kBool) return decode_bool(encoding, item_bits, items);
   if (encoding.type == ValueType::kString) {
     const Bytes text = string_bytes_of(encoding, item_bits, items);
-    const std::string bytes(text.begin(), std::find(text.begin(), text.end(), std::uint8_t{0}));
+    const std::string bytes(text.begin(), std::ranges::find(text, std::uint8_t{0}));
     return Value{codec.to_utf8(encoding.charset, bytes)};
   }
   const auto bits = encoding.text_number
@@ -138,10 +138,9 @@ bool is_not_available(const Encoding& encoding, std::uint64_t bits) {
   };
   // The bits of a negative number may be wider than its type.
   const std::uint64_t mask = UINT64_MAX >> (64 - width_bits(Encoding{.type = encoding.type}));
-  return std::any_of(encoding.not_available.begin(), encoding.not_available.end(),
-                     [&](std::uint64_t pattern) {
-                       return ((pattern ^ bits) & mask) == 0 || (is_nan(pattern) && is_nan(bits));
-                     });
+  return std::ranges::any_of(encoding.not_available, [&](std::uint64_t pattern) {
+    return ((pattern ^ bits) & mask) == 0 || (is_nan(pattern) && is_nan(bits));
+  });
 }
 
 tl::expected<Value, Cause> value_of_bits(const Encoding& encoding, std::uint64_t bits,

@@ -134,9 +134,9 @@ tl::expected<Bytes, Cause> encode_bool(const Encoding& encoding, unsigned item_b
 
 tl::expected<Bytes, Cause> encode_string(const Encoding& encoding, unsigned item_bits,
                                          const Value& value, TextCodec& codec) {
-  const auto* said = std::get_if<std::string>(&value);
-  if (said == nullptr) return tl::unexpected(Cause::kWrongType);
-  const auto text = codec.from_utf8(encoding.charset, *said);
+  const auto* given = std::get_if<std::string>(&value);
+  if (given == nullptr) return tl::unexpected(Cause::kWrongType);
+  const auto text = codec.from_utf8(encoding.charset, *given);
   if (!text || text->size() > encoding.string_bytes) return tl::unexpected(Cause::kRange);
   return items_of_string(encoding, item_bits,
                          {reinterpret_cast<const std::uint8_t*>(text->data()), text->size()});

@@ -120,8 +120,8 @@ Parsed as_integer(ValueType type, const Value& value) {
 std::string_view to_text(ValueType type) { return kTypes[static_cast<std::size_t>(type)].name; }
 
 std::optional<ValueType> value_type_from(std::string_view text) {
-  const auto row = std::find_if(kTypes.begin(), kTypes.end(),
-                                [&](const TypeRow& candidate) { return candidate.name == text; });
+  const auto row = std::ranges::find_if(
+      kTypes, [&](const TypeRow& candidate) { return candidate.name == text; });
   if (row == kTypes.end()) return std::nullopt;
   return row->type;
 }

@@ -77,7 +77,7 @@ void PlanRunner::inherit(PointIndex point, Instant acquired) {
 }
 
 Decision PlanRunner::next(Instant now) {
-  seen_ = asked_ = now;
+  seen_ = decided_ = now;
   wake(now);
   Decision decision = std::visit(
       [&](auto& dispatcher) { return dispatcher.next(plan_, state_, now); }, dispatcher_);
@@ -167,7 +167,7 @@ void PlanRunner::postpone(PointState& point, Instant from) {
 
 void PlanRunner::acquired(const Block& block, Instant now) {
   seen_ = now;
-  state_.paces[block.device].read(now - asked_, block.cost - state_.wire.tails[block.device]);
+  state_.paces[block.device].read(now - decided_, block.cost - state_.wire.tails[block.device]);
   std::visit([&](const auto& dispatcher) { renew(block, now, dispatcher); }, dispatcher_);
   if (refusals_.searching()) settle_refusals(block);
   refresh_groups_of(block, now);

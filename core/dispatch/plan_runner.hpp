@@ -143,7 +143,7 @@ class PlanRunner {
   OverrunWatch watch_;
   bool begun_ = false;
   Instant table_began_{};
-  Instant asked_{};                  // time of the last block
+  Instant decided_{};                // time of the last block
   Instant seen_{};                   // the latest time passed
   std::vector<GroupIndex> changed_;  // the plan is amended for them when the wire is free
   std::optional<std::vector<OrderIndex>> remembered_;

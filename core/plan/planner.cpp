@@ -187,11 +187,11 @@ class PlanMaker {
     std::vector<Timetable> others;
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       others = make_timetable();
-      double asked_for = 0;
+      double requested = 0;
       for (GroupIndex index = 0; index < plan_.groups.size(); ++index) {
-        if (!plan_.table->request(index).members.empty()) asked_for += load_of_group(index, true);
+        if (!plan_.table->request(index).members.empty()) requested += load_of_group(index, true);
       }
-      if (asked_for > 0) plan_.fit = plan_.table->load() / asked_for;
+      if (requested > 0) plan_.fit = plan_.table->load() / requested;
       const double needed = plan_.table->load() * basis_.overrun;
       if (needed <= kMost) break;
       factor *= 1.002 * needed / kMost;

@@ -41,8 +41,8 @@ void Timetable::choose_length() {
   }
 }
 
-// Wire time of the due members and of member `besides`.
-Duration Timetable::read_cost(std::size_t index, Slots slot, std::size_t besides) const {
+// Wire time of the due members and of member `extra`.
+Duration Timetable::read_cost(std::size_t index, Slots slot, std::size_t extra) const {
   const TimetableRequest& request = requests_[index];
   const std::size_t words = words_for(request.members.size());
   const std::uint64_t* const due = due_[index].data() + slot * words;
@@ -51,7 +51,7 @@ Duration Timetable::read_cost(std::size_t index, Slots slot, std::size_t besides
   double sum = 0;
   for (std::size_t word = 0; word < words; ++word) {
     std::uint64_t left = due[word];
-    if (besides / 64 == word) left |= std::uint64_t{1} << besides % 64;
+    if (extra / 64 == word) left |= std::uint64_t{1} << extra % 64;
     for (; left != 0; left &= left - 1) {
       const TimetableMember& member =
           request.members[word * 64 + static_cast<std::size_t>(std::countr_zero(left))];
@@ -161,13 +161,13 @@ void Timetable::align() {
   std::iota(order.begin(), order.end(), std::size_t{0});
   const auto slower_members = [&](std::size_t index) {
     const TimetableRequest& request = requests_[index];
-    return std::count_if(request.members.begin(), request.members.end(),
-                         [&](const auto& m) { return m.period > request.period; });
+    return std::ranges::count_if(request.members,
+                                 [&](const auto& m) { return m.period > request.period; });
   };
   std::vector<std::ptrdiff_t> slower(requests_.size());
   for (std::size_t index = 0; index < requests_.size(); ++index)
     slower[index] = slower_members(index);
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
     return std::tuple(requests_[a].period, slower[a]) < std::tuple(requests_[b].period, slower[b]);
   });
   std::vector<Duration> end(slots_);
@@ -220,7 +220,7 @@ void Timetable::settle(unsigned rounds) {
   due_.assign(requests_.size(), {});
   std::vector<std::size_t> order(requests_.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
     return requests_[a].period < requests_[b].period;
   });
   for (const std::size_t index : order) enter(index);

@@ -84,7 +84,7 @@ class Timetable {
     return cost_[index * slots_ + slot];
   }
   [[nodiscard]] Duration read_cost(std::size_t index, Slots slot,
-                                   std::size_t besides = kNobody) const;
+                                   std::size_t extra = kNobody) const;
   void mark(std::size_t index, std::size_t member, Slots slot, bool due);
   void set_cost(std::size_t index, Slots slot, Duration cost);
   [[nodiscard]] double strain(std::size_t index, Slots slot, Duration cost) const;

@@ -60,13 +60,7 @@ void Engineer::handle(const ClientGone& event, Instant now, Actions& actions) {
 
 void Engineer::handle(const LoginChecked& event, Instant now, Actions& actions) {
   if (state_ != State::kLogin) return;
-  if (!event.allowed) {
-    actions.push_back(Remark{Remark::Kind::kLoginFailed, event.reason});
-    reply(Reply::kNotAllowed, actions);
-    state_ = State::kOver;
-    actions.push_back(HangUp{});
-    return;
-  }
+  if (!event.allowed) return refuse_login(event.reason, actions);
   actions.push_back(Remark{Remark::Kind::kLogin, "logged in"});
   logged_in_ = true;
   state_ = State::kHandshake;
@@ -193,13 +187,7 @@ bool Engineer::give_up_client_half(Instant now, Actions& actions) {
 
 void Engineer::send_heartbeat(Instant now, Actions& actions) {
   heartbeat_at_ = now + rules_.heartbeat;
-  Bytes out;
-  if (by_length_) {
-    append_heartbeat(out);
-  } else {
-    out = control_frame(kHeartbeatCode);
-  }
-  actions.push_back(ToClient{std::move(out)});
+  actions.push_back(ToClient{heartbeat_frame(by_length_)});
 }
 
 void Engineer::reply(Reply reply, Actions& actions) {
@@ -216,19 +204,27 @@ void Engineer::refuse(Reply why, const std::string& reason, Instant now, Actions
   read_frames(now, actions);
 }
 
-// `tell`: notifies the client. With markers the connection stays open for another request.
-void Engineer::end_pairing(const std::string& reason, bool tell, Instant now, Actions& actions) {
+// `notify`: the client receives the end. With markers the connection stays open for another
+// request.
+void Engineer::end_pairing(const std::string& reason, bool notify, Instant now, Actions& actions) {
   actions.push_back(FreeDevice{});
   actions.push_back(Remark{Remark::Kind::kEnded, reason});
-  if (tell) {
+  if (notify) {
     Bytes out;
-    if (by_length_) append_stop(out);
+    if (by_length_) out = stop_frame(true);
     append(out, control_frame(to_code(Reply::kLost)));
     actions.push_back(ToClient{std::move(out)});
   }
   state_ = State::kHandshake;
   handshake_until_ = now + rules_.handshake;
   if (!by_length_) return;
+  state_ = State::kOver;
+  actions.push_back(HangUp{});
+}
+
+void Engineer::refuse_login(const std::string& reason, Actions& actions) {
+  actions.push_back(Remark{Remark::Kind::kLoginFailed, reason});
+  reply(Reply::kNotAllowed, actions);
   state_ = State::kOver;
   actions.push_back(HangUp{});
 }

@@ -145,7 +145,8 @@ class Engineer {
   void send_heartbeat(Instant now, Actions& actions);
   void reply(Reply reply, Actions& actions);
   void refuse(Reply why, const std::string& reason, Instant now, Actions& actions);
-  void end_pairing(const std::string& reason, bool tell, Instant now, Actions& actions);
+  void end_pairing(const std::string& reason, bool notify, Instant now, Actions& actions);
+  void refuse_login(const std::string& reason, Actions& actions);
   void close(const std::string& reason, Actions& actions);
   [[nodiscard]] Instant next_wake() const;
   [[nodiscard]] Instant silence_limit() const;

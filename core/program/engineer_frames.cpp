@@ -23,8 +23,8 @@ std::optional<std::string> unhex(std::string_view digits) {
 
 // Names are part of a line in the log and the audit trail.
 bool can_stand_in_a_line(std::string_view text) {
-  return !text.empty() && std::none_of(text.begin(), text.end(),
-                                       [](unsigned char c) { return c < 0x20 || c == 0x7F; });
+  return !text.empty() &&
+         std::ranges::none_of(text, [](unsigned char c) { return c < 0x20 || c == 0x7F; });
 }
 
 }  // namespace
@@ -66,20 +66,14 @@ void Engineer::take_frame(MarkerFrame frame, Instant now, Actions& actions) {
 void Engineer::handshake_code(const std::string& code, Instant now, Actions& actions) {
   if (code == kHeartbeatCode || code == kStopCode) return;  // of a previous pairing
   // Program bytes sent before the client received the loss of the device.
-  if (code.ends_with('\r')) { return broken({FrameFault::kNoise, code.size()}, actions); }
+  if (code.ends_with('\r')) return broken({FrameFault::kNoise, code.size()}, actions);
   if (code.starts_with(kLoginCode) && code.find(':') != code.npos) return login(code, actions);
   by_length_ = code.starts_with(kLengthCode);
   const std::string number = by_length_ ? code.substr(kLengthCode.size()) : code;
   if (!is_device_number(number))
     return refuse(Reply::kNotOnline, "what is asked for is no device number", now, actions);
-  if (rules_.login_needed && !logged_in_) {
-    actions.push_back(
-        Remark{Remark::Kind::kLoginFailed, "device " + number + " was asked for without a login"});
-    reply(Reply::kNotAllowed, actions);
-    state_ = State::kOver;
-    actions.push_back(HangUp{});
-    return;
-  }
+  if (rules_.login_needed && !logged_in_)
+    return refuse_login("device " + number + " was asked for without a login", actions);
   state_ = State::kTaking;
   actions.push_back(TakeDevice{number});
 }
@@ -88,13 +82,8 @@ void Engineer::login(std::string_view code, Actions& actions) {
   const auto colon = code.find(':');
   const auto user = unhex(code.substr(kLoginCode.size(), colon - kLoginCode.size()));
   const auto password = unhex(code.substr(colon + 1));
-  if (!user || !can_stand_in_a_line(*user) || !password) {
-    actions.push_back(Remark{Remark::Kind::kLoginFailed, "a login that cannot be read"});
-    reply(Reply::kNotAllowed, actions);
-    state_ = State::kOver;
-    actions.push_back(HangUp{});
-    return;
-  }
+  if (!user || !can_stand_in_a_line(*user) || !password)
+    return refuse_login("a login that cannot be read", actions);
   state_ = State::kLogin;
   actions.push_back(CheckLogin{*user, *password});
 }

@@ -70,8 +70,7 @@ std::string_view to_text(FrameFault fault) {
       return "half an instruction whose rest did not come within 2 s, dropped";
     case FrameFault::kAmbiguous:
       return "an instruction that begins like a control frame and a second one, dropped; framing "
-             "by "
-             "length carries it";
+             "by length carries it";
     case FrameFault::kBadLength: return "a length that no client sends";
     case FrameFault::kBadLine: return "line settings that no client sends";
   }
@@ -91,8 +90,7 @@ bool is_device_number(std::string_view text) {
   const auto fits = [&](char c) {
     return is_digit(c) || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
   };
-  if (text.empty() || text.size() > kMaxDeviceNumber ||
-      !std::all_of(text.begin(), text.end(), fits))
+  if (text.empty() || text.size() > kMaxDeviceNumber || !std::ranges::all_of(text, fits))
     return false;
   if (text == kStopCode || text == kHeartbeatCode || text.starts_with(kLengthCode)) return false;
   if (text.size() == 4 && text.starts_with("000") && is_digit(text[3])) return false;
@@ -157,8 +155,12 @@ void append_chunks(Bytes& out, ByteView bytes) {
   }
 }
 
-void append_heartbeat(Bytes& out) { append_u32(out, 0); }
-void append_stop(Bytes& out) { append_u32(out, kStopLength); }
+Bytes heartbeat_frame(bool by_length) {
+  return by_length ? Bytes(kHead) : control_frame(kHeartbeatCode);
+}
+Bytes stop_frame(bool by_length) {
+  return by_length ? Bytes(kHead, 0xFF) : control_frame(kStopCode);
+}
 
 void append_settings(Bytes& out, const LineSettings& settings) {
   append_u32(out, kSettingsLength);

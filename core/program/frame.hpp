@@ -15,7 +15,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <string_view>
 #include <variant>
 
@@ -131,8 +130,9 @@ class LengthReader {
 };
 
 void append_chunks(Bytes& out, ByteView bytes);
-void append_heartbeat(Bytes& out);
-void append_stop(Bytes& out);
+// A heartbeat or a stop in either framing.
+[[nodiscard]] Bytes heartbeat_frame(bool by_length);
+[[nodiscard]] Bytes stop_frame(bool by_length);
 void append_settings(Bytes& out, const LineSettings& settings);
 
 }  // namespace fieldcast::program

@@ -139,7 +139,7 @@ bool looks_like_control(std::string_view instruction, Sender sender) {
 std::vector<BrokenFrame> MarkerWriter::write(ByteView bytes, Bytes& out) {
   std::vector<BrokenFrame> broken;
   while (!bytes.empty()) {
-    const auto end = std::find(bytes.begin(), bytes.end(), kCr);
+    const auto end = std::ranges::find(bytes, kCr);
     const bool whole = end != bytes.end();
     const auto count = static_cast<std::size_t>(end - bytes.begin()) + (whole ? 1 : 0);
     if (skipped_ > 0 || instruction_.size() + count > kMaxInstruction) {

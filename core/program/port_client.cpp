@@ -95,8 +95,7 @@ void PortClient::take_frame(MarkerFrame frame, Instant now, Actions& actions) {
       return finish(PortEnd::Kind::kProtocol, "the peer is not a Fieldcast bridge", actions);
     actions.push_back(Dropped{std::string(to_text(lost->fault))});
   } else if (auto* instruction = std::get_if<Instruction>(&frame)) {
-    from_device_ += instruction->bytes.size();
-    actions.push_back(ToProgram{std::move(instruction->bytes)});
+    pass_to_program(std::move(instruction->bytes), actions);
   } else {
     code(std::get<ControlCode>(frame).code, now, actions);
   }
@@ -144,8 +143,7 @@ std::string PortClient::refusal(Reply reply) const {
   if (reply != Reply::kNotAllowed || rules_.user.empty()) return std::string(to_text(reply));
   return "the login of " + rules_.user +
          " is refused: a wrong password, another role than programmer, or too many wrong passwords "
-         "just before; 'fieldcast "
-         "audit' at the bridge says which";
+         "just before; 'fieldcast audit' at the bridge says which";
 }
 
 void PortClient::read_chunks(ByteView bytes, Actions& actions) {
@@ -161,19 +159,20 @@ void PortClient::read_chunks(ByteView bytes, Actions& actions) {
       send_heartbeat(actions);
       continue;
     }
-    if (!program.empty()) {
-      from_device_ += program.size();
-      actions.push_back(ToProgram{std::exchange(program, {})});
-    }
+    pass_to_program(std::exchange(program, {}), actions);
     if (std::holds_alternative<Stop>(*frame)) {
       finish(PortEnd::Kind::kDeviceLost, std::string(to_text(Reply::kLost)), actions);
     } else {
       finish(PortEnd::Kind::kProtocol, "the bridge's stream makes no sense", actions);
     }
   }
-  if (program.empty()) return;
-  from_device_ += program.size();
-  actions.push_back(ToProgram{std::move(program)});
+  pass_to_program(std::move(program), actions);
+}
+
+void PortClient::pass_to_program(Bytes bytes, Actions& actions) {
+  if (bytes.empty()) return;
+  from_device_ += bytes.size();
+  actions.push_back(ToProgram{std::move(bytes)});
 }
 
 void PortClient::send_program(ByteView bytes, Instant now, Actions& actions) {
@@ -191,15 +190,7 @@ void PortClient::send_program(ByteView bytes, Instant now, Actions& actions) {
 }
 
 void PortClient::stop(Actions& actions) {
-  if (paired()) {
-    Bytes out;
-    if (rules_.by_length) {
-      append_stop(out);
-    } else {
-      out = control_frame(kStopCode);
-    }
-    actions.push_back(ToBridge{std::move(out)});
-  }
+  if (paired()) actions.push_back(ToBridge{stop_frame(rules_.by_length)});
   finish(PortEnd::Kind::kStopped, "stopped", actions);
 }
 
@@ -234,13 +225,7 @@ void PortClient::timer(Instant now, Actions& actions) {
 }
 
 void PortClient::send_heartbeat(Actions& actions) const {
-  Bytes out;
-  if (rules_.by_length) {
-    append_heartbeat(out);
-  } else {
-    out = control_frame(kHeartbeatCode);
-  }
-  actions.push_back(ToBridge{std::move(out)});
+  actions.push_back(ToBridge{heartbeat_frame(rules_.by_length)});
 }
 
 void PortClient::finish(PortEnd::Kind kind, std::string text, Actions& actions,

@@ -90,6 +90,7 @@ class PortClient {
   void read_frames(Instant now, Actions& actions);
   void take_frame(MarkerFrame frame, Instant now, Actions& actions);
   void read_chunks(ByteView bytes, Actions& actions);
+  void pass_to_program(Bytes bytes, Actions& actions);
   void code(const std::string& code, Instant now, Actions& actions);
   void set_line(LineSettings settings, Actions& actions) const;
   [[nodiscard]] std::string refusal(Reply reply) const;  // human-readable

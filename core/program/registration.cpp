@@ -24,6 +24,8 @@ std::string printable(std::string_view text) {
   return out;
 }
 
+Registration::Outcome failed(std::string fault) { return {{}, {}, std::move(fault), kNever}; }
+
 }  // namespace
 
 Registration::Registration(const RegistrationRule& rule, Challenge challenge)
@@ -85,7 +87,7 @@ Registration::Outcome Registration::follow(const Step& step, Bytes out, Instant 
 Registration::Outcome Registration::on_bytes(ByteView bytes, Instant now) {
   if (protocol_) {
     if (received_.size() + bytes.size() > kMaxText)
-      return {{}, {}, "more bytes arrived than a response to the request for the number", kNever};
+      return failed("more bytes arrived than a response to the request for the number");
     append(received_, bytes);
     Bytes out;
     const Step step = exchange_->on_bytes(received_, out);
@@ -103,10 +105,7 @@ Registration::Outcome Registration::on_bytes(ByteView bytes, Instant now) {
   const auto end = begin == text.npos ? text.npos : text.find_first_of("\r\n", begin);
   if (end != text.npos) return number_or_fault(text.substr(begin, end - begin));
   if (text.size() > kMaxText)
-    return {{},
-            {},
-            "a registration text of more than " + std::to_string(kMaxText) + " characters",
-            kNever};
+    return failed("a registration text of more than " + std::to_string(kMaxText) + " characters");
   silence_ = now + kTextEnds;
   return {{}, {}, {}, std::min(silence_, deadline_)};
 }
@@ -114,13 +113,9 @@ Registration::Outcome Registration::on_bytes(ByteView bytes, Instant now) {
 Registration::Outcome Registration::on_timer(Instant now) {
   const bool text_ended = !protocol_ && !received_.empty() && now >= silence_;
   if (text_ended) return number_or_fault(as_text(received_));
-  if (now >= deadline_) {
-    return {
-        {},
-        {},
-        protocol_ ? "the PLC did not send its number in time" : "no registration text came in time",
-        kNever};
-  }
+  if (now >= deadline_)
+    return failed(protocol_ ? "the PLC did not send its number in time"
+                            : "no registration text came in time");
   if (protocol_ && now >= silence_) {
     Bytes out;
     const Step step = exchange_->on_silence(out);
@@ -130,22 +125,16 @@ Registration::Outcome Registration::on_timer(Instant now) {
 }
 
 Registration::Outcome Registration::refused(Cause cause, std::uint16_t code) {
-  return {{},
-          {},
-          "the PLC refuses to send its number: " + std::string(fieldcast::to_text(cause)) + ' ' +
-              std::to_string(code),
-          kNever};
+  return failed("the PLC refuses to send its number: " + std::string(fieldcast::to_text(cause)) +
+                ' ' + std::to_string(code));
 }
 
 Registration::Outcome Registration::number_or_fault(std::string_view text) const {
   std::string_view number = trimmed(text);
   if (!rule_.prefix.empty()) {
     if (!number.starts_with(rule_.prefix)) {
-      return {{},
-              {},
-              "the registration text '" + printable(number) + "' does not begin with '" +
-                  rule_.prefix + "'",
-              kNever};
+      return failed("the registration text '" + printable(number) + "' does not begin with '" +
+                    rule_.prefix + "'");
     }
     number = trimmed(number.substr(rule_.prefix.size()));
   }
@@ -155,17 +144,15 @@ Registration::Outcome Registration::number_or_fault(std::string_view text) const
     answer = trimmed(number.substr(blank));
     number = number.substr(0, blank);
   }
-  if (!is_device_number(number))
-    return {{}, {}, "'" + printable(number) + "' is no device number", kNever};
+  if (!is_device_number(number)) return failed("'" + printable(number) + "' is no device number");
   return challenge_.text.empty() ? Outcome{{}, std::string(number), {}, kNever}
                                  : proven(number, answer);
 }
 
 Registration::Outcome Registration::proven(std::string_view number, std::string_view answer) const {
   const std::string module = "module " + std::string(number);
-  if (answer.empty()) return {{}, {}, module + " does not respond to the challenge", kNever};
-  if (!challenge_.fits(number, answer))
-    return {{}, {}, module + " does not know its secret", kNever};
+  if (answer.empty()) return failed(module + " does not respond to the challenge");
+  if (!challenge_.fits(number, answer)) return failed(module + " does not know its secret");
   return {{}, std::string(number), {}, kNever};
 }
 

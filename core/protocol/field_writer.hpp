@@ -12,6 +12,18 @@
 
 namespace fieldcast {
 
+// Characters of a frame for a text: others than ASCII as "<0D>".
+[[nodiscard]] inline std::string printable(ByteView characters) {
+  std::string text;
+  for (const std::uint8_t c : characters) {
+    if (c >= 0x20 && c < 0x7F)
+      text += static_cast<char>(c);
+    else
+      text += "<" + to_hex({&c, 1}) + ">";
+  }
+  return text;
+}
+
 class FieldWriter {
  public:
   // `base`: offset of decoded byte 0; `stride`: characters per byte (1 binary, 2 hexadecimal).

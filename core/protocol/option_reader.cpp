@@ -21,7 +21,7 @@ OptionReader::OptionReader(const DeviceLink& link, const Traits& traits,
                            std::span<const std::string_view> names)
     : link_(link) {
   for (const auto& [name, value] : link.options) {
-    if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+    if (std::ranges::find(names, name) != names.end()) continue;
     const std::string_view near = near_miss(name, names);
     std::string what = "option '" + name + "' is unknown to " + std::string(traits.name);
     if (!near.empty()) what += "; did you mean '" + std::string(near) + "'?";
@@ -53,7 +53,7 @@ std::size_t OptionReader::choice(std::string_view name,
                                  std::size_t otherwise) {
   const std::string* text = text_of(name);
   if (text == nullptr) return otherwise;
-  const auto found = std::find(choices.begin(), choices.end(), *text);
+  const auto found = std::ranges::find(choices, *text);
   if (found != choices.end()) return static_cast<std::size_t>(found - choices.begin());
   const std::span<const std::string_view> words(choices.begin(), choices.size());
   const std::string_view near = near_miss(*text, words);

@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "core/protocol/protocol.hpp"
 
@@ -32,10 +33,29 @@ namespace fieldcast {
   return upper;
 }
 
+using ParsedOrFault = tl::expected<ParsedAddress, AddressFault>;
+
+// Makes the faults of one notation.
+struct AddressFaults {
+  std::string_view allowed;
+  ParsedOrFault operator()(std::string what, std::string suggestion = {}) const {
+    return tl::unexpected(
+        AddressFault{std::move(what), std::string(allowed), std::move(suggestion)});
+  }
+};
+
+// Makes the address that of one bit of its item. Returns false if there is no such bit.
+[[nodiscard]] inline bool set_bit(ParsedAddress& address, std::optional<std::uint32_t> bit,
+                                  unsigned bits) {
+  if (!bit || *bit >= bits) return false;
+  address.bit = static_cast<std::uint8_t>(*bit);
+  address.width_bits = 1;
+  return true;
+}
+
 // Removes a suggestion that is not a valid address.
 template <typename Parse>
-[[nodiscard]] tl::expected<ParsedAddress, AddressFault> parse_with_suggestion(std::string_view at,
-                                                                              const Parse& parse) {
+[[nodiscard]] ParsedOrFault parse_with_suggestion(std::string_view at, const Parse& parse) {
   auto parsed = parse(at);
   if (!parsed && !parsed.error().suggestion.empty() && !parse(parsed.error().suggestion))
     parsed.error().suggestion.clear();

@@ -67,6 +67,14 @@ struct Range {
   friend bool operator==(const Range&, const Range&) = default;
 };
 
+// Whether the area has these items, and one read or one write may contain them.
+[[nodiscard]] constexpr bool fits(std::span<const Area> areas, const Range& range, bool write) {
+  if (range.area >= areas.size()) return false;
+  const Area& area = areas[range.area];
+  return range.count >= 1 && range.count <= (write ? area.max_write : area.max_read) &&
+         range.first < area.items && range.count <= area.items - range.first;
+}
+
 // Canonical image: bit items and 8-bit items use one byte each, wider ones are big-endian.
 [[nodiscard]] constexpr std::size_t image_bytes(unsigned item_bits, std::uint32_t count) {
   return item_bits <= 8 ? count : count * (item_bits / 8);
@@ -106,6 +114,12 @@ struct ExchangeSize {
   std::uint32_t rounds = 1;  // number of device response times and line silences
   // Pauses required by the protocol (PPI between acknowledge and poll).
   Duration pauses{};
+
+  static ExchangeSize of(std::size_t request, std::size_t answer, std::uint32_t rounds = 1,
+                         Duration pauses = {}) {
+    return {static_cast<std::uint32_t>(request), static_cast<std::uint32_t>(answer), rounds,
+            pauses};
+  }
 };
 
 enum class Wait : std::uint8_t {
@@ -124,12 +138,12 @@ struct Step {
   Cause cause = Cause::kNone;     // for kFailed
   std::uint16_t device_code = 0;  // for kFailed with kDeviceError or kDeviceBusy
 
-  static Step send(std::uint32_t answer_characters) {
-    return {Kind::kSend, Wait::kAnswer, answer_characters};
+  static Step send(std::size_t answer_characters) {
+    return {Kind::kSend, Wait::kAnswer, static_cast<std::uint32_t>(answer_characters)};
   }
   static Step need_answer() { return {Kind::kNeedMore, Wait::kAnswer, 0}; }
-  static Step need_rest(std::uint32_t missing) {
-    return {Kind::kNeedMore, Wait::kRestOfFrame, missing};
+  static Step need_rest(std::size_t missing) {
+    return {Kind::kNeedMore, Wait::kRestOfFrame, static_cast<std::uint32_t>(missing)};
   }
   static Step pause_for(Duration time) { return {Kind::kNeedMore, Wait::kPause, 0, time}; }
   static Step done() { return {Kind::kDone}; }

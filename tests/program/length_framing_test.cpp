@@ -36,8 +36,8 @@ Read read_all(ByteView stream, std::size_t piece) {
 TEST(LengthFraming, IsAsTheChapterSays) {
   Bytes out;
   append_chunks(out, Bytes{0xAB, 0xCD});
-  append_heartbeat(out);
-  append_stop(out);
+  append(out, heartbeat_frame(true));
+  append(out, stop_frame(true));
   EXPECT_EQ(to_hex(out), "00 00 00 02 AB CD 00 00 00 00 FF FF FF FF");
 }
 
@@ -46,11 +46,11 @@ TEST(LengthFraming, EverySplitGivesTheSame) {
   std::mt19937 random(3);
   for (auto& byte : program) byte = static_cast<std::uint8_t>(random());
   Bytes stream;
-  append_heartbeat(stream);
+  append(stream, heartbeat_frame(true));
   append_settings(stream, {115200, 2, 7, Parity::kEven});
   append_chunks(stream, program);
-  append_heartbeat(stream);
-  append_stop(stream);
+  append(stream, heartbeat_frame(true));
+  append(stream, stop_frame(true));
   for (std::size_t piece = 1; piece <= stream.size(); ++piece) {
     const Read read = read_all(stream, piece);
     ASSERT_EQ(read.program, program) << piece;

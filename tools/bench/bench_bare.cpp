@@ -10,17 +10,14 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
-#include <exception>
-#include <string>
 #include <thread>
 
 #include "tools/bench/plant/bare.hpp"
+#include "tools/bench/support/arguments.hpp"
+#include "tools/bench/support/figures.hpp"
 
 namespace fieldcast::bench {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kReport{20};
 
@@ -59,23 +56,16 @@ void read(unsigned domain, BareData data) {
 
 int main(int argc, char** argv) {
   using namespace fieldcast::bench;
-  if (argc < 4) return 2;
+  const Arguments arguments(argc, argv);
+  const bool reads = arguments.text_at(2) == "read";
+  if (arguments.size() != (reads ? 3 : 6)) return 2;
   std::signal(SIGTERM, [](int) { stopped = true; });
-  try {
-    const auto domain = static_cast<unsigned>(std::atoi(argv[1]));
-    const BareData data = std::string(argv[2]) == "blocks" ? BareData::kBlocks : BareData::kSamples;
-    if (std::string(argv[3]) == "read") {
-      read(domain, data);
-    } else if (argc == 7) {
-      BareWriter writer(domain, data, static_cast<std::size_t>(std::atoi(argv[4])));
-      write(writer, static_cast<std::size_t>(std::atoi(argv[5])),
-            std::chrono::microseconds(std::atoi(argv[6])));
-    } else {
-      return 2;
-    }
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "bench_bare: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+  return run_bench("bench_bare", [&] {
+    const auto domain = arguments.number_at(0, 0u);
+    const auto data = arguments.text_at(1) == "blocks" ? BareData::kBlocks : BareData::kSamples;
+    if (reads) return read(domain, data);
+    BareWriter writer(domain, data, arguments.number_at(3, std::size_t{}));
+    write(writer, arguments.number_at(4, std::size_t{}),
+          std::chrono::microseconds(arguments.number_at(5, 0)));
+  });
 }

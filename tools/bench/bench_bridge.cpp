@@ -6,14 +6,13 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
-#include <exception>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "bridge/base/clock.hpp"
 #include "bridge/dds/endpoints/dds_link.hpp"
+#include "tools/bench/support/arguments.hpp"
 
 namespace fieldcast::bench {
 namespace {
@@ -35,7 +34,7 @@ BusSpec bus_of(const std::string& name, std::size_t channels) {
   return bus;
 }
 
-int run(unsigned domain, int buses, std::size_t channels) {
+void run(unsigned domain, int buses, std::size_t channels) {
   DdsSpec dds;
   dds.domain = domain;
   DdsLink link(dds, "bench",
@@ -74,20 +73,18 @@ int run(unsigned domain, int buses, std::size_t channels) {
     if (round == 1) std::printf("published\n");
     std::fflush(stdout);
   }
-  return 0;
 }
 
 }  // namespace
 }  // namespace fieldcast::bench
 
 int main(int argc, char** argv) {
-  if (argc < 4) return 2;
-  std::signal(SIGTERM, [](int) { fieldcast::bench::stopped = true; });
-  try {
-    return fieldcast::bench::run(static_cast<unsigned>(std::atoi(argv[1])), std::atoi(argv[2]),
-                                 static_cast<std::size_t>(std::atoi(argv[3])));
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "bench_bridge: %s\n", error.what());
-    return 1;
-  }
+  using namespace fieldcast::bench;
+  const Arguments arguments(argc, argv);
+  if (arguments.size() < 3) return 2;
+  std::signal(SIGTERM, [](int) { stopped = true; });
+  return run_bench("bench_bridge", [&] {
+    run(arguments.number_at(0, 0u), arguments.number_at(1, 0),
+        arguments.number_at(2, std::size_t{}));
+  });
 }

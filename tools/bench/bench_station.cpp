@@ -4,18 +4,18 @@
 //
 // Each line: samples received, samples missing by sequence, channels with a value, channels of the
 // catalogue, blocks missing.
+#include <fmt/format.h>
+
 #include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
-#include <exception>
 #include <string>
 #include <thread>
 #include <unordered_map>
 
 #include "bridge/station/station.hpp"
+#include "tools/bench/support/arguments.hpp"
 #include "tools/bench/support/lossy_receive.hpp"
 
 namespace fieldcast::bench {
@@ -27,11 +27,11 @@ std::atomic<bool> stopped = false;
 class Count {
  public:
   void add(const StationSample& sample) {
-    path_ = sample.bus;
-    path_ += '/';
-    path_ += sample.device;
-    path_ += '/';
-    path_ += sample.channel;
+    path_.assign(sample.bus)
+        .append(1, '/')
+        .append(sample.device)
+        .append(1, '/')
+        .append(sample.channel);
     std::uint64_t& last = last_[path_];
     if (last == 0) ++channels;
     // A restarted bus counts from 1 again.
@@ -46,7 +46,7 @@ class Count {
   std::unordered_map<std::string, std::uint64_t> last_;
 };
 
-int run(unsigned domain, bool one_by_one) {
+void run(unsigned domain, bool one_by_one) {
   Count count;
   DdsSpec dds;
   dds.domain = domain;
@@ -55,29 +55,23 @@ int run(unsigned domain, bool one_by_one) {
   station.subscribe_samples([&](const StationSample& sample) { count.add(sample); }, {},
                             {.deadline = {}, .on_deadline_missed = {}, .one_by_one = one_by_one});
   while (!stopped) {
-    std::printf("%llu %llu %llu %llu %llu\n", static_cast<unsigned long long>(count.samples),
-                static_cast<unsigned long long>(count.missing),
-                static_cast<unsigned long long>(count.channels),
-                static_cast<unsigned long long>(count.listed),
-                static_cast<unsigned long long>(station.block_counters().missing));
+    fmt::print("{} {} {} {} {}\n", count.samples, count.missing, count.channels, count.listed,
+               station.block_counters().missing);
     std::fflush(stdout);
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  return 0;
 }
 
 }  // namespace
 }  // namespace fieldcast::bench
 
 int main(int argc, char** argv) {
-  if (argc < 2) return 2;
-  std::signal(SIGTERM, [](int) { fieldcast::bench::stopped = true; });
-  try {
-    if (argc > 3) fieldcast::bench::lose(std::atof(argv[3]));
-    return fieldcast::bench::run(static_cast<unsigned>(std::atoi(argv[1])),
-                                 argc > 2 && std::strcmp(argv[2], "one-by-one") == 0);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "bench_station: %s\n", error.what());
-    return 1;
-  }
+  using namespace fieldcast::bench;
+  const Arguments arguments(argc, argv);
+  if (arguments.size() < 1) return 2;
+  std::signal(SIGTERM, [](int) { stopped = true; });
+  return run_bench("bench_station", [&] {
+    lose(arguments.number_at(2, 0.0));
+    run(arguments.number_at(0, 0u), arguments.text_at(1) == "one-by-one");
+  });
 }

@@ -3,13 +3,12 @@
 // and without. The figure is the ratio with / without of each bus's wire share.
 //
 // usage: capture_bench [TURNS]     of 21 s each (4)
-#include <cstdio>
-#include <cstdlib>
 #include <memory>
 #include <stdexcept>
 #include <string>
 
 #include "tools/bench/plant/plant.hpp"
+#include "tools/bench/support/arguments.hpp"
 #include "tools/bench/support/figures.hpp"
 
 namespace fieldcast::bench {
@@ -24,10 +23,8 @@ std::string name_of_bus(int bus) { return "bus-" + std::to_string(bus); }
 std::string captured_buses() {
   std::string text;
   for (int bus = 0; bus < kBuses; ++bus)
-    text += "  - name: " + name_of_bus(bus) + "\n    port: { serial: {dir}/" + name_of_bus(bus) +
-            ", baud: 19200, format: 8E1 }\n    protocol: modbus-rtu\n"
-            "    defaults: { refresh: 1s, mode: intensive, silence: 3.5c }\n    devices:\n" +
-            scattered_devices(kUnits, kRegisters, "      ", static_cast<unsigned>(42 + bus));
+    text += serial_bus(name_of_bus(bus), 19200, "refresh: 1s, mode: intensive, silence: 3.5c",
+                       scattered_devices(kUnits, kRegisters, static_cast<unsigned>(42 + bus)));
   return text;
 }
 
@@ -58,10 +55,6 @@ std::vector<std::unique_ptr<Process>> capture_all(const Plant& plant, int turn) 
 void run_captures(int turns) {
   Plant plant(captured_buses());
   plant.start_simulator();
-  for (int bus = 0; bus < kBuses; ++bus) {
-    if (!wait_for_path(plant.link(name_of_bus(bus)), 10))
-      throw std::runtime_error("the simulator made no link");
-  }
   plant.listen();
   plant.start_bridge();
   plant.wait_until_seen(kBuses * kUnits * kRegisters, 30);
@@ -83,8 +76,8 @@ void run_captures(int turns) {
     plain += share / all;
     captured += with[bus] / all;
   }
-  print_figure("share of its wire, mean, no capture", plain, "", "");
-  print_figure("share of its wire, mean, every bus captured", captured, "", "");
+  print_figure("share of its wire, mean, no capture", plain);
+  print_figure("share of its wire, mean, every bus captured", captured);
   print_figure("with / without, mean", captured / plain, "", "goal >= 0.998");
   print_figure("with / without, least bus", least, "", "goal >= 0.998");
 }
@@ -93,11 +86,6 @@ void run_captures(int turns) {
 }  // namespace fieldcast::bench
 
 int main(int argc, char** argv) {
-  try {
-    fieldcast::bench::run_captures(argc > 1 ? std::atoi(argv[1]) : 4);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "capture_bench: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+  using namespace fieldcast::bench;
+  return run_bench("capture_bench", [&] { run_captures(Arguments(argc, argv).number_at(0, 4)); });
 }

@@ -2,8 +2,6 @@
 // reaches the device once; compares the time to a result with the time of one block.
 #include <chrono>
 #include <condition_variable>
-#include <cstdio>
-#include <exception>
 #include <fstream>
 #include <map>
 #include <mutex>
@@ -12,27 +10,25 @@
 #include <string>
 
 #include "tools/bench/plant/plant.hpp"
+#include "tools/bench/support/arguments.hpp"
 #include "tools/bench/support/figures.hpp"
 
 namespace fieldcast::bench {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 constexpr int kWrites = 1000;
 constexpr int kDevices = 3;
 constexpr int kRegisters = 100;
 
 std::string buses() {
-  return "  - name: bus\n    port: { serial: {dir}/bus, baud: 115200, format: 8E1 }\n    protocol: "
-         "modbus-rtu\n"
-         "    defaults: { refresh: 1s, mode: intensive, silence: 3.5c }\n    devices:\n" +
-         scattered_devices(kDevices, kRegisters, "      ", 5);
+  return serial_bus("bus", 115200, "refresh: 1s, mode: intensive, silence: 3.5c",
+                    scattered_devices(kDevices, kRegisters, 5));
 }
 
 struct Results {
   std::mutex lock;
   std::condition_variable arrived;
-  std::map<std::uint64_t, Clock::time_point> asked;
+  std::map<std::uint64_t, Clock::time_point> sent;
   std::map<std::uint64_t, int> count;
   std::vector<double> milliseconds;
   int done = 0;
@@ -52,7 +48,6 @@ void run() {
   Plant plant(buses());
   const std::string report = plant.folder().path() + "/report.json";
   plant.start_simulator({"--report", report});
-  if (!wait_for_path(plant.link("bus"), 10)) throw std::runtime_error("the simulator made no link");
   plant.listen();
   plant.start_bridge();
   plant.wait_until_seen(kDevices * kRegisters, 20);
@@ -64,10 +59,10 @@ void run() {
     const std::lock_guard guard(results.lock);
     ++results.count[result.request_id];
     results.done += result.state == CommandState::kDone;
-    const auto asked = results.asked.find(result.request_id);
-    if (asked != results.asked.end())
+    const auto sent = results.sent.find(result.request_id);
+    if (sent != results.sent.end())
       results.milliseconds.push_back(
-          std::chrono::duration<double, std::milli>(now - asked->second).count());
+          std::chrono::duration<double, std::milli>(now - sent->second).count());
     results.arrived.notify_one();
   });
   const auto before = plant.buses().at("bus").report;
@@ -79,11 +74,11 @@ void run() {
     command.command.target = ChannelTarget{"r" + std::to_string(random() % kRegisters)};
     command.command.values = {Value{std::uint64_t{random() % 65536}}};
     std::unique_lock guard(results.lock);
-    const auto asked = Clock::now();
+    const auto sent = Clock::now();
     const auto id = plant.station().send(std::move(command));
     if (!id)
       throw std::runtime_error("a command could not be sent: " + std::string(to_text(id.error())));
-    results.asked[*id] = asked;
+    results.sent[*id] = sent;
     guard.unlock();
     // not synchronous with the blocks
     let_run(0.010 + 0.00002 * static_cast<double>(random() % 1000));
@@ -93,7 +88,7 @@ void run() {
                            [&] { return results.count.size() >= kWrites; });
   guard.unlock();
   let_run(1.5);  // waits for duplicate results and the final status
-  const double wall = std::chrono::duration<double>(Clock::now() - began).count();
+  const double wall = seconds_since(began);
   const auto after = plant.buses().at("bus").report;
   plant.stop_bridge();
   plant.stop_simulator();
@@ -103,28 +98,19 @@ void run() {
   for (const auto& [id, count] : results.count) total += count;
   const double reads = static_cast<double>(after.exchanges - before.exchanges) - kWrites;
   const double block_ms = 1000 * wall / std::max(1.0, reads);
-  print_figure("commands sent", kWrites, "", "");
+  print_figure("commands sent", kWrites);
   print_figure("results", total, "", "goal 1000");
   print_figure("results 'done'", results.done, "", "goal 1000");
-  print_figure("writes executed by the devices", static_cast<double>(executed_writes(report)), "",
-               "goal 1000");
-  print_figure("time of one block at full load", block_ms, "ms", "");
+  print_figure("writes executed by the devices", executed_writes(report), "", "goal 1000");
+  print_figure("time of one block at full load", block_ms, "ms");
   print_figure("time to result, median", quantile(results.milliseconds, 0.5), "ms",
                "goal < two block times");
   print_figure("time to result, median, in block times",
                quantile(results.milliseconds, 0.5) / block_ms, "", "goal < 2");
-  print_figure("time to result, 99th percentile", quantile(results.milliseconds, 0.99), "ms", "");
+  print_figure("time to result, 99th percentile", quantile(results.milliseconds, 0.99), "ms");
 }
 
 }  // namespace
 }  // namespace fieldcast::bench
 
-int main() {
-  try {
-    fieldcast::bench::run();
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "command_bench: %s\n", error.what());
-    return 1;
-  }
-  return 0;
-}
+int main() { return fieldcast::bench::run_bench("command_bench", fieldcast::bench::run); }

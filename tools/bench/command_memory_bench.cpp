@@ -10,15 +10,17 @@
 #include <condition_variable>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <iostream>
 #include <mutex>
 #include <stdexcept>
 #include <string>
 
+#include "bridge/base/clock.hpp"
 #include "bridge/dds/endpoints/dds_link.hpp"
 #include "bridge/station/station.hpp"
 #include "tools/bench/plant/plant.hpp"
+#include "tools/bench/support/arguments.hpp"
+#include "tools/bench/support/figures.hpp"
 #include "tools/progress/progress_line.hpp"
 
 namespace fieldcast::bench {
@@ -29,18 +31,12 @@ constexpr std::chrono::seconds kWait{30};  // for one result; reached only on a 
 constexpr const char* kBus = "bus";
 constexpr const char* kAsBridge = "--bridge";  // starts the bridge process; followed by the domain
 
-UtcMapping both_clocks() {
-  const auto steady = std::chrono::steady_clock::now().time_since_epoch();
-  const auto utc = std::chrono::system_clock::now().time_since_epoch();
-  return {Instant{steady}, {std::chrono::duration_cast<std::chrono::nanoseconds>(utc).count()}};
-}
-
 CommandResult done(const Command& command) {
   CommandResult result;
   result.requester = command.requester;
   result.request_id = command.request_id;
   result.state = CommandState::kDone;
-  result.received = result.started = result.completed = both_clocks().instant;
+  result.received = result.started = result.completed = read_clocks().instant;
   return result;
 }
 
@@ -54,9 +50,11 @@ void run_bridge(const DdsSpec& spec) {
   DdsLink* self = nullptr;
   DdsLink link(
       spec, "bench",
-      {.clock = both_clocks,
-       .on_command = [&](const std::string& bus, const Command& command,
-                         const std::string&) { self->complete(bus, done(command), both_clocks()); },
+      {.clock = read_clocks,
+       .on_command =
+           [&](const std::string& bus, const Command& command, const std::string&) {
+             self->complete(bus, done(command), read_clocks());
+           },
        .on_interest = [](const Interest&) {},
        .on_problem =
            [](const std::string& text) { std::fprintf(stderr, "bridge: %s\n", text.c_str()); },
@@ -91,7 +89,7 @@ void run_station(const DdsSpec& spec, std::uint64_t commands, const Process& bri
   };
   std::printf("%12s %12s %16s %16s\n", "commands", "seconds", "station, MB", "bridge, MB");
   ProgressLine progress(std::cerr);
-  const auto began = std::chrono::steady_clock::now();
+  const auto began = Clock::now();
   const std::uint64_t tenth = std::max<std::uint64_t>(1, commands / 10);
   for (std::uint64_t sent = 1; sent <= commands; ++sent) {
     StationCommand command;
@@ -109,36 +107,26 @@ void run_station(const DdsSpec& spec, std::uint64_t commands, const Process& bri
     if (sent % tenth != 0 && sent != commands) continue;
     await(sent);
     progress.clear();
-    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - began;
     std::printf("%12llu %12.1f %16.1f %16.1f\n", static_cast<unsigned long long>(sent),
-                seconds.count(), resident_mb(getpid()), bridge.resident_mb());
+                seconds_since(began), resident_mb(getpid()), bridge.resident_mb());
     std::fflush(stdout);
   }
 }
 
-void run(int argc, char** argv) {
+void run(const Arguments& arguments) {
   DdsSpec spec;
-  if (argc == 3 && std::string(argv[1]) == kAsBridge) {
-    spec.domain = static_cast<std::uint32_t>(std::strtoul(argv[2], nullptr, 10));
-    return run_bridge(spec);
-  }
-  const std::uint64_t commands = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 200'000;
-  spec.domain = own_domain();
+  spec.domain = arguments.number(kAsBridge, own_domain());
+  if (arguments.has(kAsBridge)) return run_bridge(spec);
   const ScratchFolder scratch;
   const Process bridge("command_memory_bench", {kAsBridge, std::to_string(spec.domain)},
                        scratch.path() + "/bridge.log");
-  run_station(spec, commands, bridge);
+  run_station(spec, arguments.number_at(0, std::uint64_t{200'000}), bridge);
 }
 
 }  // namespace
 }  // namespace fieldcast::bench
 
 int main(int argc, char** argv) {
-  try {
-    fieldcast::bench::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "command_memory_bench: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+  using namespace fieldcast::bench;
+  return run_bench("command_memory_bench", [&] { run(Arguments(argc, argv)); });
 }

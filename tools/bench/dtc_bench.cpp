@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
-#include <memory>
 #include <random>
 #include <string>
 #include <vector>
@@ -38,7 +37,7 @@ using Units = std::map<unsigned, std::vector<std::uint32_t>>;  // ascending addr
 Units units_of(const test::Map& map) {
   Units units;
   for (const test::MapRow& row : map) units[row.unit].push_back(row.address);
-  for (auto& [unit, addresses] : units) std::sort(addresses.begin(), addresses.end());
+  for (auto& [unit, addresses] : units) std::ranges::sort(addresses);
   return units;
 }
 
@@ -112,9 +111,7 @@ Bytes answer_to(const ReadRequest& request, Registers& registers) {
     for (std::uint32_t address = range.first; address < range.end(); ++address)
       append_u16(message, registers.read(address));
   }
-  const std::uint16_t crc = crc16_modbus(message);
-  message.push_back(static_cast<std::uint8_t>(crc));
-  message.push_back(static_cast<std::uint8_t>(crc >> 8));
+  append_crc16(message);
   return message;
 }
 
@@ -133,16 +130,16 @@ Round dtc_round(const Units& units, const Wire& wire, std::optional<Data> data) 
   for (const auto& [unit, addresses] : units) {
     for (const ReadRequest& request : dtc_requests(*protocol, addresses, wire)) {
       Registers registers(data.value_or(Data::kIdle));
-      Bytes asked;
-      (void)protocol->begin(request, {})->start(asked);
+      Bytes sent;
+      (void)protocol->begin(request, {})->start(sent);
       for (int round = 0; round < kRounds; ++round) {
         Bytes answer;
         dtc::append_packet(answer, answer_to(request, registers), data ? threshold : dtc::kNever);
-        sum.time += to_seconds(wire.time(asked.size() + answer.size())) / kRounds;
+        sum.time += to_seconds(wire.time(sent.size() + answer.size())) / kRounds;
         sum.answer_bytes += static_cast<double>(answer.size()) / kRounds;
         registers.next_round();
       }
-      sum.request_bytes += static_cast<double>(asked.size());
+      sum.request_bytes += static_cast<double>(sent.size());
       ++sum.requests;
     }
   }
@@ -184,8 +181,8 @@ void run(const char* what, const SilenceRule& silence, bool goals) {
       {"115200 compressed, slowly changing", "goal: at most 0.45"}};
   for (const auto& [name, values] : ratios) {
     const auto goal = held.find(name);
-    const double worst = *std::max_element(values.begin(), values.end());
-    bench::print_figure(name.c_str(), worst, "", goals && goal != held.end() ? goal->second : "");
+    const double worst = *std::ranges::max_element(values);
+    bench::print_figure(name, worst, "", goals && goal != held.end() ? goal->second : "");
   }
   std::puts("");
 }

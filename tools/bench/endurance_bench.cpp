@@ -6,15 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
-#include <exception>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "tests/plan/maps.hpp"
 #include "tools/bench/plant/plant.hpp"
+#include "tools/bench/support/arguments.hpp"
 #include "tools/bench/support/figures.hpp"
 
 namespace fieldcast::bench {
@@ -35,26 +33,22 @@ struct Line {
 std::string bus_of(const Line& line, const test::Map& map,
                    std::map<std::string, double>& refreshes) {
   const double stretch = test::least_load(map, line.baud, kAnswerTime) / line.load;
-  std::string text =
-      "  - name: " + line.name() + "\n    port: { serial: {dir}/" + line.name() +
-      ", baud: " + std::to_string(line.baud) +
-      ", format: 8E1 }\n    protocol: modbus-rtu\n    defaults: { silence: 3.5c }\n" +
-      "    devices:\n";
+  std::string devices;
   unsigned unit = 0;
   for (const test::MapRow& row : map) {  // sorted by unit
     if (row.unit != unit) {
       unit = row.unit;
-      text += "      - name: unit-" + std::to_string(unit) +
-              "\n        address: " + std::to_string(unit) + "\n        channels:\n";
+      devices += "      - name: unit-" + std::to_string(unit) +
+                 "\n        address: " + std::to_string(unit) + "\n        channels:\n";
     }
     const long long refresh = static_cast<long long>(row.refresh * stretch * 1e6);
-    text += "          - { name: r" + std::to_string(row.address) +
-            ", at: \"holding:" + std::to_string(row.address) +
-            "\", type: uint16, refresh: " + std::to_string(refresh) + "us }\n";
+    devices += "          - { name: r" + std::to_string(row.address) +
+               ", at: \"holding:" + std::to_string(row.address) +
+               "\", type: uint16, refresh: " + std::to_string(refresh) + "us }\n";
     refreshes[line.name() + "/unit-" + std::to_string(unit) + "/r" + std::to_string(row.address)] =
         static_cast<double>(refresh) * 1e-6;
   }
-  return text;
+  return serial_bus(line.name(), line.baud, "silence: 3.5c", devices);
 }
 
 std::string causes_of(const CauseCounts& causes) {
@@ -70,10 +64,6 @@ void measure(const std::vector<Line>& lines, const test::Map& map, double second
   for (const Line& line : lines) buses += bus_of(line, map, refreshes);
   Plant plant(buses);
   plant.start_simulator();
-  for (const Line& line : lines) {
-    if (!wait_for_path(plant.link(line.name()), 10))
-      throw std::runtime_error("the simulator made no link");
-  }
   plant.listen();
   plant.start_bridge();
   plant.wait_until_seen(refreshes.size(), 60);
@@ -95,8 +85,7 @@ void measure(const std::vector<Line>& lines, const test::Map& map, double second
     const auto missed = report.deadline_misses - before.at(line.name()).report.deadline_misses;
     std::printf(
         "%6u baud, load %.2f, %zu channels, %.0f s: %8.0f refreshes, %llu missed; longest gap %.3f "
-        "of its refresh; "
-        "planned %.3f, measured %.3f%s\n",
+        "of its refresh; planned %.3f, measured %.3f%s\n",
         line.baud, line.load, map.size(), seconds, refreshed,
         static_cast<unsigned long long>(missed), tightest, report.planned_load,
         report.measured_load, causes_of(after.at(line.name()).causes).c_str());
@@ -109,19 +98,12 @@ void measure(const std::vector<Line>& lines, const test::Map& map, double second
 
 int main(int argc, char** argv) {
   using namespace fieldcast::bench;
-  try {
-    const double seconds = seconds_from(argc, argv, 60);
-    std::string number = "11";
-    bool one_by_one = false;
-    std::uint32_t baud = 0;
-    double load = 0;
-    for (int i = 1; i < argc; ++i) {
-      if (std::strcmp(argv[i], "--map") == 0 && i + 1 < argc) number = argv[i + 1];
-      if (std::strcmp(argv[i], "--baud") == 0 && i + 1 < argc)
-        baud = static_cast<std::uint32_t>(std::atoi(argv[i + 1]));
-      if (std::strcmp(argv[i], "--load") == 0 && i + 1 < argc) load = std::atof(argv[i + 1]);
-      one_by_one = one_by_one || std::strcmp(argv[i], "--one-by-one") == 0;
-    }
+  return run_bench("endurance_bench", [&] {
+    const Arguments arguments(argc, argv);
+    const double seconds = arguments.number("--seconds", 60.0);
+    const std::string number = arguments.text("--map", "11");
+    const auto baud = arguments.number("--baud", 0u);
+    const double load = arguments.number("--load", 0.0);
     fieldcast::test::Map map =
         fieldcast::test::read_map(std::string(FIELDCAST_MAPS) + "/map" + number + ".csv");
     std::ranges::stable_sort(map, {}, &fieldcast::test::MapRow::unit);
@@ -131,14 +113,10 @@ int main(int argc, char** argv) {
     });
     if (lines.empty())
       throw std::runtime_error("no such line: --baud is 19200 or 115200, --load 0.5 or 0.6");
-    if (one_by_one) {
+    if (arguments.has("--one-by-one")) {
       for (const Line& line : lines) measure({line}, map, seconds);
     } else {
       measure(lines, map, seconds);
     }
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "endurance_bench: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+  });
 }

@@ -8,13 +8,14 @@
 
 #include "bridge/dds/guard/datagram_guard.hpp"
 #include "tests/bridge/dds/transport/rtps_datagrams.hpp"
+#include "tools/bench/support/arguments.hpp"
 #include "tools/bench/support/figures.hpp"
 
 namespace {
 
 using namespace fieldcast;
+using bench::Clock;
 using testing::Datagram;
-using Clock = std::chrono::steady_clock;
 
 // The minimum of the rounds, because other processes share the machine.
 double nanoseconds_of(const std::vector<Datagram>& datagrams, double seconds) {
@@ -55,7 +56,7 @@ std::vector<Datagram> of_senders(Make make) {
 
 int main(int argc, char** argv) {
   using namespace testing;  // NOLINT(google-build-using-namespace): parts of datagrams
-  const double seconds = argc > 1 ? std::strtod(argv[1], nullptr) : 0.3;
+  const double seconds = bench::Arguments(argc, argv).number_at(0, 0.3);
   const auto measure = [&](const char* what, auto make) {
     bench::print_figure(what, nanoseconds_of(of_senders(make), seconds), "ns", "<= 1000");
   };

@@ -7,15 +7,13 @@
 // Default of --buses: 8, 16 and 64 of 1 000 channels. Each way joins N times (2): blocks, samples,
 // cyclone-blocks, cyclone-samples.
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
-#include <cstdlib>
-#include <exception>
 #include <iostream>
 #include <string>
 #include <vector>
 
 #include "tools/bench/plant/plant.hpp"
+#include "tools/bench/support/arguments.hpp"
 #include "tools/bench/support/figures.hpp"
 #include "tools/bench/support/stations.hpp"
 #include "tools/progress/progress_line.hpp"
@@ -24,26 +22,11 @@ namespace fieldcast::bench {
 namespace {
 
 struct Options {
-  std::vector<int> buses = {8, 16, 64};
   int channels = 1000;  // of each bus
   int joins = 2;
   std::string way;       // empty: all
   double patience = 30;  // seconds
 };
-
-Options options_from(int argc, char** argv) {
-  Options options;
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    const char* const value = i + 1 < argc ? argv[i + 1] : "";
-    if (word == "--buses") options.buses = {std::atoi(value)};
-    if (word == "--channels") options.channels = std::atoi(value);
-    if (word == "--joins") options.joins = std::atoi(value);
-    if (word == "--way") options.way = value;
-    if (word == "--patience") options.patience = std::atof(value);
-  }
-  return options;
-}
 
 struct Way {
   const char* name;
@@ -77,18 +60,15 @@ class Course {
 void join(const Options& options, const ScratchFolder& folder, unsigned domain, int buses,
           const Way& way, const std::string& name, const Process& bridge, Course& course) {
   const auto all = static_cast<std::uint64_t>(buses) * static_cast<std::uint64_t>(options.channels);
-  const auto begun = std::chrono::steady_clock::now();
-  const auto passed = [&] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-  };
+  const auto begun = Clock::now();
   const double cpu = bridge.cpu_seconds();
   const StationProcess station(folder, domain, name, way.one_by_one, 0, way.program);
   double listed = 0, complete = 0;
   Received received;
-  while (passed() < options.patience) {
+  while (seconds_since(begun) < options.patience) {
     received = station.received();
-    if (listed == 0 && received.listed >= all) listed = passed();
-    if (complete == 0 && received.channels >= all) complete = passed();
+    if (listed == 0 && received.listed >= all) listed = seconds_since(begun);
+    if (complete == 0 && received.channels >= all) complete = seconds_since(begun);
     if (listed > 0 && complete > 0) break;
     course.show(static_cast<double>(received.listed + received.channels) /
                 static_cast<double>(2 * all));
@@ -102,8 +82,8 @@ void join(const Options& options, const ScratchFolder& folder, unsigned domain, 
   print_figure("  start of the process to the whole catalogue", listed, "s", "0: never");
   print_figure("  start of the process to every last value", complete, "s",
                "goal < 1 with 16 000, < 3 with 64 000");
-  print_figure("  processor time of the station until then", station.cpu_seconds(), "s", "");
-  print_figure("  processor time of the bridge until then", bridge.cpu_seconds() - cpu, "s", "");
+  print_figure("  processor time of the station until then", station.cpu_seconds(), "s");
+  print_figure("  processor time of the bridge until then", bridge.cpu_seconds() - cpu, "s");
 }
 
 void measure(const Options& options, int buses) {
@@ -136,12 +116,14 @@ void measure(const Options& options, int buses) {
 
 int main(int argc, char** argv) {
   using namespace fieldcast::bench;
-  try {
-    const Options options = options_from(argc, argv);
-    for (const int buses : options.buses) measure(options, buses);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "join_bench: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+  return run_bench("join_bench", [&] {
+    const Arguments arguments(argc, argv);
+    const Options options{.channels = arguments.number("--channels", 1000),
+                          .joins = arguments.number("--joins", 2),
+                          .way = arguments.text("--way"),
+                          .patience = arguments.number("--patience", 30.0)};
+    const int buses = arguments.number("--buses", 0);
+    for (const int each : buses > 0 ? std::vector{buses} : std::vector{8, 16, 64})
+      measure(options, each);
+  });
 }

@@ -8,6 +8,7 @@
 //
 // usage: latency_bench [--seconds N]
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <poll.h>
 #include <pty.h>
 #include <termios.h>
@@ -15,8 +16,6 @@
 
 #include <atomic>
 #include <chrono>
-#include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <optional>
 #include <stdexcept>
@@ -29,12 +28,11 @@
 #include "core/codec/checksum.hpp"
 #include "tools/bench/plant/bare.hpp"
 #include "tools/bench/plant/plant.hpp"
+#include "tools/bench/support/arguments.hpp"
 #include "tools/bench/support/figures.hpp"
 
 namespace fieldcast::bench {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 // A unit that responds to every read after 2 ms; all registers contain the response's number.
 class CountingDevice {
@@ -81,9 +79,7 @@ class CountingDevice {
       request.clear();
       ++number;
       for (unsigned i = 0; i < count; ++i) append_u16(answer, number);
-      const std::uint16_t crc = crc16_modbus(answer);
-      answer.push_back(static_cast<std::uint8_t>(crc));
-      answer.push_back(static_cast<std::uint8_t>(crc >> 8));
+      append_crc16(answer);
       std::this_thread::sleep_for(
           std::chrono::milliseconds(2));  // simulated response time, not a wait
       handed_over_[number] = Clock::now();
@@ -100,16 +96,22 @@ class CountingDevice {
 };
 
 std::string configuration(const std::string& link, unsigned domain, int channels) {
-  std::string text =
-      "bridge: latency\ndds: { domain: " + std::to_string(domain) +
-      ", interfaces: [127.0.0.1] }\nbuses:\n  - name: bus\n    port: { serial: " + link +
-      ", baud: 115200, format: 8N1 }\n    protocol: modbus-rtu\n    defaults: { refresh: 100ms, "
-      "mode: intensive }\n" +
-      "    devices:\n      - name: unit\n        address: 1\n        channels:\n";
+  std::string list;
   for (int i = 0; i < channels; ++i)
-    text += "          - { name: c" + std::to_string(i) + ", at: \"holding:" + std::to_string(i) +
-            "\", type: uint16 }\n";
-  return text;
+    list += fmt::format("          - {{ name: c{0}, at: \"holding:{0}\", type: uint16 }}\n", i);
+  return fmt::format(
+      "bridge: latency\n"
+      "dds: {{ domain: {}, interfaces: [127.0.0.1] }}\n"
+      "buses:\n"
+      "  - name: bus\n"
+      "    port: {{ serial: {}, baud: 115200, format: 8N1 }}\n"
+      "    protocol: modbus-rtu\n"
+      "    defaults: {{ refresh: 100ms, mode: intensive }}\n"
+      "    devices:\n"
+      "      - name: unit\n"
+      "        address: 1\n"
+      "        channels:\n{}",
+      domain, link, list);
 }
 
 using Figures = BlockTimes::Figures;
@@ -166,17 +168,17 @@ Figures bare_times(BareData data, int channels, double seconds, double blocks_a_
 
 void print_times(const char* what, const Figures& figures) {
   std::printf("  %s, %zu blocks\n", what, figures.blocks);
-  print_figure("    to the first callback, median", figures.first, "ms", "");
-  print_figure("    to the first callback, 99th percentile", figures.first_p99, "ms", "");
-  print_figure("    to the last callback, median", figures.last, "ms", "");
-  print_figure("    to the last callback, 99th percentile", figures.last_p99, "ms", "");
+  print_figure("    to the first callback, median", figures.first, "ms");
+  print_figure("    to the first callback, 99th percentile", figures.first_p99, "ms");
+  print_figure("    to the last callback, median", figures.last, "ms");
+  print_figure("    to the last callback, 99th percentile", figures.last_p99, "ms");
 }
 
 void print_ratio(const char* what, const Figures& figures, const Figures& other,
                  const char* goal_median = "", const char* goal_p99 = "") {
   const std::string text = std::string("    last callback, of ") + what;
-  print_figure((text + ", median").c_str(), figures.last / other.last, "", goal_median);
-  print_figure((text + ", p99").c_str(), figures.last_p99 / other.last_p99, "", goal_p99);
+  print_figure(text + ", median", figures.last / other.last, "", goal_median);
+  print_figure(text + ", p99", figures.last_p99 / other.last_p99, "", goal_p99);
 }
 
 void measure(double seconds) {
@@ -203,13 +205,7 @@ void measure(double seconds) {
 }  // namespace fieldcast::bench
 
 int main(int argc, char** argv) {
-  const double seconds =
-      argc > 2 && std::strcmp(argv[1], "--seconds") == 0 ? std::atof(argv[2]) : 5;
-  try {
-    fieldcast::bench::measure(seconds);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "latency_bench: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+  using namespace fieldcast::bench;
+  return run_bench("latency_bench",
+                   [&] { measure(Arguments(argc, argv).number("--seconds", 5.0)); });
 }

@@ -16,6 +16,7 @@
 #include "tests/dispatch/virtual_wire.hpp"
 #include "tests/plan/best_requests.hpp"
 #include "tests/plan/maps.hpp"
+#include "tools/bench/support/arguments.hpp"
 #include "tools/bench/support/engine_agreement.hpp"
 #include "tools/progress/progress_line.hpp"
 
@@ -69,7 +70,7 @@ Duration round_of(const Bus& bus, DeviceIndex device, Duration longest) {
     if (point.device == device && point.refresh <= longest) wanted.push_back(point.range);
   }
   if (wanted.empty()) return {};
-  std::sort(wanted.begin(), wanted.end(), sooner);
+  std::ranges::sort(wanted, sooner);
   const ListCost cost(bus.input.devices[device], bus.input.line, bus.input.silence);
   return test::best_requests(wanted, cost).cost;
 }
@@ -149,11 +150,9 @@ void print_sustained(const Family& family, const test::Map& map, const char* nam
 }  // namespace
 
 int main(int argc, char** argv) {
+  const bench::Arguments arguments(argc, argv);
   const auto wanted = [&](std::string_view name) {
-    for (int i = 1; i < argc; ++i) {
-      if (name == argv[i]) return true;
-    }
-    return argc == 1;
+    return arguments.size() == 0 || arguments.has(name);
   };
   const char* const names[] = {"map11", "map12", "map13", "map14"};
   const auto each = [&](const char* what, std::size_t steps, const auto& print) {

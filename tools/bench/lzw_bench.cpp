@@ -8,19 +8,19 @@
 #include <cstdlib>
 #include <functional>
 #include <random>
-#include <string>
 #include <vector>
 
 #include "core/codec/lzw.hpp"
 #include "core/protocol/dtc/packet.hpp"
 #include "tests/core/lzw_reference.hpp"
+#include "tools/bench/support/arguments.hpp"
 #include "tools/bench/support/figures.hpp"
 #include "tools/progress/progress_line.hpp"
 
 namespace {
 
 using namespace fieldcast;
-using Clock = std::chrono::steady_clock;
+using bench::Clock;
 
 enum class Kind { kIdle, kSlow, kRandom };
 constexpr const char* kNames[] = {"idle (few values, mostly zero)", "slowly changing registers",
@@ -56,8 +56,7 @@ double rate(std::size_t bytes, const Course& course, const std::function<void()>
   do {
     const auto start = Clock::now();
     work();
-    const std::chrono::duration<double> spent = Clock::now() - start;
-    best = std::max(best, static_cast<double>(bytes) / spent.count() / 1e6);
+    best = std::max(best, static_cast<double>(bytes) / bench::seconds_since(start) / 1e6);
   } while (Clock::now() < end);
   course.progress.step();
   return best;
@@ -110,15 +109,15 @@ void compare(Kind kind, std::size_t length, const Course& course) {
               kNames[static_cast<int>(kind)], length,
               static_cast<double>(packed) / static_cast<double>(plain));
   bench::print_figure("  trie encoder", trie, "MB/s", "goal: above 50");
-  bench::print_figure("  std::map of strings", strings, "MB/s", "");
+  bench::print_figure("  std::map of strings", strings, "MB/s");
   bench::print_figure("  trie / strings", trie / strings, "times", "goal: at least 5");
-  bench::print_figure("  decoder", back, "MB/s", "");
+  bench::print_figure("  decoder", back, "MB/s");
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const double seconds = argc > 1 ? std::atof(argv[1]) : 0.3;
+  const double seconds = bench::Arguments(argc, argv).number_at(0, 0.3);
   constexpr std::size_t kMeasurements = 3 * 3 * 3;  // kinds, lengths, and what is timed
   StepProgress progress("measuring", kMeasurements);
   const Course course{seconds, progress};

@@ -1,8 +1,8 @@
 // Measures program transmission: `exchange`, `relay` of random bytes, `many` pairings.
 #include <CLI/CLI.hpp>
 #include <csignal>
-#include <cstdio>
 
+#include "tools/bench/support/arguments.hpp"
 #include "tools/bench/support/program_net.hpp"
 
 int main(int argc, char** argv) {
@@ -31,13 +31,9 @@ int main(int argc, char** argv) {
   many_command->add_option("--pairings", many.pairings)->capture_default_str();
   many_command->add_option("--seconds", many.seconds)->capture_default_str();
   CLI11_PARSE(app, argc, argv);
-  try {
+  return run_bench("program_bench", [&] {
     if (exchange_command->parsed()) exchange_bench(exchange);
     if (relay_command->parsed()) relay_bench(relay);
     if (many_command->parsed()) many_bench(many);
-    return 0;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "program_bench: %s\n", error.what());
-    return 1;
-  }
+  });
 }

@@ -1,4 +1,5 @@
 // Many dialled-in modules on one bridge; half of them are programmed while it polls the others.
+#include <fmt/format.h>
 #include <poll.h>
 #include <sys/socket.h>
 
@@ -21,12 +22,15 @@ std::string name_of(int device) { return "m" + std::to_string(100 + device); }
 std::string buses_of(int devices) {
   std::string text;
   for (int i = 0; i < devices; ++i) {
-    text += "  - name: " + name_of(i) + "\n    port: { dial-in: " + name_of(i) +
-            " }\n    protocol: modbus-rtu\n    defaults: { refresh: 200ms, timeout: 500ms }\n    "
-            "devices:\n      - { name: plc, "
-            "address: 1, "
-            "channels: [ { name: a, at: \"holding:0\", type: uint16 }, { name: b, at: "
-            "\"holding:1\", type: uint16 } ] }\n";
+    text += fmt::format(
+        "  - name: {0}\n"
+        "    port: {{ dial-in: {0} }}\n"
+        "    protocol: modbus-rtu\n"
+        "    defaults: {{ refresh: 200ms, timeout: 500ms }}\n"
+        "    devices:\n"
+        "      - {{ name: plc, address: 1, channels: [ {{ name: a, at: \"holding:0\", type: uint16 "
+        "}}, {{ name: b, at: \"holding:1\", type: uint16 }} ] }}\n",
+        name_of(i));
   }
   return text;
 }
@@ -64,9 +68,7 @@ class Modules {
         } else if (bytes.size() >= 8 && bytes[1] == 3) {
           Bytes answer{bytes[0], 3, static_cast<std::uint8_t>(2 * bytes[5])};
           for (int i = 0; i < bytes[5]; ++i) append_u16(answer, static_cast<std::uint16_t>(i));
-          const std::uint16_t sum = crc16_modbus(answer);
-          answer.push_back(static_cast<std::uint8_t>(sum));
-          answer.push_back(static_cast<std::uint8_t>(sum >> 8));
+          append_crc16(answer);
           send_all(one.fd, answer);
         }
       }
@@ -134,9 +136,9 @@ void many_bench(const ManyOptions& options) {
   };
   while (!all_good() && seconds_since(start) < 60)
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  print_figure("modules whose data is collected", static_cast<double>(good.size()), "",
+  print_figure("modules whose data is collected", good.size(), "",
                std::to_string(options.devices).c_str());
-  print_figure("after", seconds_since(start), "s", "");
+  print_figure("after", seconds_since(start), "s");
 
   std::vector<FileDescriptor> clients;
   for (int i = 0; i < options.pairings; ++i)
@@ -174,18 +176,18 @@ void many_bench(const ManyOptions& options) {
     }
   }
   const int collecting = options.devices - options.pairings;
-  print_figure("simultaneous pairings", static_cast<double>(clients.size()), "",
+  print_figure("simultaneous pairings", clients.size(), "",
                std::to_string(options.pairings).c_str());
   print_figure("program bytes, all pairings, both ways",
-               2 * 512 * static_cast<double>(rounds) / took / 1e6, "MB/s", "");
+               2 * 512 * static_cast<double>(rounds) / took / 1e6, "MB/s");
   print_figure("samples of each collected channel",
                static_cast<double>(others) / took / (2.0 * collecting), "/s",
                ">= 5 (refresh 200 ms)");
-  print_figure("refreshes missed by collected buses", static_cast<double>(others_missed), "", "0");
-  print_figure("good samples of leased buses", static_cast<double>(leased), "", "0");
-  print_figure("bridge: processor", (bridge.process().cpu_seconds() - cpu) / took * 100, "% of one",
-               "");
-  print_figure("bridge: memory", bridge.process().resident_mb(), "MB", "");
+  print_figure("refreshes missed by collected buses", others_missed, "", "0");
+  print_figure("good samples of leased buses", leased, "", "0");
+  print_figure("bridge: processor", (bridge.process().cpu_seconds() - cpu) / took * 100,
+               "% of one");
+  print_figure("bridge: memory", bridge.process().resident_mb(), "MB");
 }
 
 }  // namespace fieldcast::bench

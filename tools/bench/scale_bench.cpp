@@ -14,9 +14,6 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
-#include <exception>
 #include <map>
 #include <memory>
 #include <string>
@@ -24,6 +21,7 @@
 
 #include "tools/bench/plant/bare.hpp"
 #include "tools/bench/plant/plant.hpp"
+#include "tools/bench/support/arguments.hpp"
 #include "tools/bench/support/figures.hpp"
 #include "tools/bench/support/stations.hpp"
 
@@ -31,44 +29,23 @@ namespace fieldcast::bench {
 namespace {
 
 struct Options {
-  double seconds = 10;
-  std::vector<int> buses = {1, 16, 32};
-  int channels = 300;  // of each bus
-  int run = 0;         // 0: scattered
-  bool one_by_one = false;
-  int scrape = 0;   // rounds; 0: off
-  double loss = 0;  // share of the datagrams that do not reach a station
-  std::string bridge = "fieldcast-bridge";
+  double seconds;
+  int channels;  // of each bus
+  int run;       // 0: scattered
+  bool one_by_one;
+  int scrape;   // rounds; 0: off
+  double loss;  // share of the datagrams that do not reach a station
+  std::string bridge;
 };
-
-Options options_from(int argc, char** argv) {
-  Options options;
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    const char* const value = i + 1 < argc ? argv[i + 1] : "";
-    if (word == "--seconds") options.seconds = std::atof(value);
-    if (word == "--buses") options.buses = {std::atoi(value)};
-    if (word == "--channels") options.channels = std::atoi(value);
-    if (word == "--run") options.run = std::atoi(value);
-    if (word == "--scrape") options.scrape = std::atoi(value);
-    if (word == "--one-by-one") options.one_by_one = true;
-    if (word == "--loss") options.loss = std::atof(value);
-    if (word == "--bridge") options.bridge = value;
-  }
-  return options;
-}
 
 std::string buses(int count, const Options& options) {
   constexpr int kDevices = 2;
+  const int registers = options.channels / kDevices;
   std::string text;
   for (int b = 1; b <= count; ++b) {
-    const std::string name = "bus-" + std::to_string(b);
-    text += "  - name: " + name + "\n    port: { serial: {dir}/" + name +
-            ", baud: 19200, format: 8E1 }\n    protocol: modbus-rtu\n" +
-            "    defaults: { refresh: 2s, mode: intensive }\n    devices:\n" +
-            (options.run == 0
-                 ? scattered_devices(kDevices, options.channels / kDevices, "      ", 7)
-                 : packed_devices(kDevices, options.channels / kDevices, "      ", options.run));
+    text += serial_bus("bus-" + std::to_string(b), 19200, "refresh: 2s, mode: intensive",
+                       options.run == 0 ? scattered_devices(kDevices, registers, 7)
+                                        : packed_devices(kDevices, registers, options.run));
   }
   return text;
 }
@@ -115,10 +92,10 @@ class Measurement {
                     (done(after).exchanges - done(before).exchanges) / options_.seconds,
                     1000 * spent / samples, 0};
     std::printf("%s\n", what);
-    print_figure("  samples published a second", samples / options_.seconds, "1/s", "");
-    print_figure("  processor of the bridge", spent / options_.seconds, "cores", "");
-    print_figure("  processor time of the bridge for 1 000 samples", figures.bridge, "s", "");
-    print_figure("  resident memory of the bridge", plant_.bridge().resident_mb(), "MB", "");
+    print_figure("  samples published a second", samples / options_.seconds, "1/s");
+    print_figure("  processor of the bridge", spent / options_.seconds, "cores");
+    print_figure("  processor time of the bridge for 1 000 samples", figures.bridge, "s");
+    print_figure("  resident memory of the bridge", plant_.bridge().resident_mb(), "MB");
     print_shares(after);
     for (std::size_t i = 0; i < stations.size(); ++i) {
       const Received now = stations[i]->received();
@@ -127,16 +104,13 @@ class Measurement {
       const double station = stations[i]->cpu_seconds() - station_cpu[i];
       print_figure("  received, of what was published (by sequence)", got / (got + missing), "",
                    "goal >= 0.995");
-      print_figure("  received, of what the bridge counted", got / samples, "", "");
-      print_figure("  processor time of the station for 1 000 samples", 1000 * station / got, "s",
-                   "");
+      print_figure("  received, of what the bridge counted", got / samples);
+      print_figure("  processor time of the station for 1 000 samples", 1000 * station / got, "s");
       print_figure("  datagrams dropped at its sockets",
-                   static_cast<double>(dropped_datagrams(stations[i]->id()) - station_drops[i]), "",
-                   "");
+                   dropped_datagrams(stations[i]->id()) - station_drops[i]);
       if (i == 0) figures.station = 1000 * station / got;
     }
-    print_figure("  datagrams dropped on this machine",
-                 static_cast<double>(dropped_datagrams() - drops), "", "");
+    print_figure("  datagrams dropped on this machine", dropped_datagrams() - drops);
     return figures;
   }
 
@@ -149,7 +123,7 @@ class Measurement {
     }
     const double mean = sum / static_cast<double>(after.size());
     if (alone_ == 0) alone_ = mean;
-    print_figure("  share of its wire, least bus", lowest, "", "");
+    print_figure("  share of its wire, least bus", lowest);
     print_figure("  share of its wire, mean, of that without stations", mean / alone_, "",
                  "goal >= 0.995");
   }
@@ -166,8 +140,6 @@ struct Compared {
 Compared measure_plant(const Options& options, int count) {
   Plant plant(buses(count, options));
   plant.start_simulator();
-  if (!wait_for_path(plant.link("bus-" + std::to_string(count)), 10))
-    throw std::runtime_error("the simulator made no links");
   plant.start_bridge(options.bridge);
   plant.listen_to_status();
   let_run(12);  // the measured load covers the last ten seconds
@@ -216,16 +188,15 @@ void compare_with_bare(const Options& options, std::size_t channels, const Compa
     const double reader = 1000 * (after.reader - before.reader) / received;
     std::printf("bare writer and reader, %s of %zu channels\n",
                 data == BareData::kBlocks ? "messages" : "keyed samples, bursts", load.rows);
-    print_figure("  samples written a second", written / options.seconds, "1/s", "");
-    print_figure("  received, of what was written", received / written, "", "");
-    print_figure("  processor time of the writer for 1 000 samples", writer, "s", "");
-    print_figure("  processor time of the reader for 1 000 samples", reader, "s", "");
-    print_figure("  the bridge's, of the bare writer's", bridge.bridge / writer, "", "");
+    print_figure("  samples written a second", written / options.seconds, "1/s");
+    print_figure("  received, of what was written", received / written);
+    print_figure("  processor time of the writer for 1 000 samples", writer, "s");
+    print_figure("  processor time of the reader for 1 000 samples", reader, "s");
+    print_figure("  the bridge's, of the bare writer's", bridge.bridge / writer);
     print_figure("  what one station adds to it, of the bare writer's",
-                 (bridge.bridge - plant.alone.bridge) / writer, "", "");
-    print_figure("  the station's, of the bare reader's", bridge.station / reader, "", "");
-    print_figure("  datagrams dropped on this machine",
-                 static_cast<double>(dropped_datagrams() - drops), "", "");
+                 (bridge.bridge - plant.alone.bridge) / writer);
+    print_figure("  the station's, of the bare reader's", bridge.station / reader);
+    print_figure("  datagrams dropped on this machine", dropped_datagrams() - drops);
   }
 }
 
@@ -243,23 +214,21 @@ void print_scrapes(const std::map<std::string, Shares>& shares, int rounds, cons
     most = std::max(most, bus.with / bus.without);
   }
   const double all = rounds * static_cast<double>(shares.size());
-  print_figure("  share of its wire, mean, no scrapes", sum.without / all, "", "");
-  print_figure("  share of its wire, mean, a scrape each second", sum.with / all, "", "");
+  print_figure("  share of its wire, mean, no scrapes", sum.without / all);
+  print_figure("  share of its wire, mean, a scrape each second", sum.with / all);
   print_figure("  with scrapes / without, mean", sum.with / sum.without, "", "goal >= 0.998");
   print_figure("  with scrapes / without, least bus", least, "", "goal >= 0.998");
-  print_figure("  with scrapes / without, most", most, "", "");
-  print_figure("  scrapes served in the last round", static_cast<double>(last.scrapes()), "", "");
-  print_figure("  bytes of one", static_cast<double>(last.bytes()), "B", "");
+  print_figure("  with scrapes / without, most", most);
+  print_figure("  scrapes served in the last round", last.scrapes());
+  print_figure("  bytes of one", last.bytes(), "B");
 }
 
 void measure_scrapes(const Options& options, int count) {
   constexpr double kWindow = 10.5;  // the measured load covers the last ten seconds
-  const std::uint16_t port = free_tcp_port();
+  const std::uint16_t port = free_port();
   Plant plant(buses(count, options), {},
               "metrics: { listen: 127.0.0.1:" + std::to_string(port) + " }\n");
   plant.start_simulator();
-  if (!wait_for_path(plant.link("bus-" + std::to_string(count)), 10))
-    throw std::runtime_error("the simulator made no links");
   plant.start_bridge(options.bridge);
   plant.listen_to_status();
   let_run(3);
@@ -287,12 +256,17 @@ void measure(const Options& options, int count) {
 
 int main(int argc, char** argv) {
   using namespace fieldcast::bench;
-  try {
-    const Options options = options_from(argc, argv);
-    for (const int count : options.buses) measure(options, count);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "scale_bench: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+  return run_bench("scale_bench", [&] {
+    const Arguments arguments(argc, argv);
+    const Options options{.seconds = arguments.number("--seconds", 10.0),
+                          .channels = arguments.number("--channels", 300),
+                          .run = arguments.number("--run", 0),
+                          .one_by_one = arguments.has("--one-by-one"),
+                          .scrape = arguments.number("--scrape", 0),
+                          .loss = arguments.number("--loss", 0.0),
+                          .bridge = arguments.text("--bridge", "fieldcast-bridge")};
+    const int buses = arguments.number("--buses", 0);
+    for (const int count : buses > 0 ? std::vector{buses} : std::vector{1, 16, 32})
+      measure(options, count);
+  });
 }

@@ -12,7 +12,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <map>
 #include <memory>
 #include <random>
@@ -27,6 +26,7 @@
 #include "core/schedule/prediction.hpp"
 #include "tests/dispatch/virtual_wire.hpp"
 #include "tests/plan/maps.hpp"
+#include "tools/bench/support/arguments.hpp"
 #include "tools/bench/support/engine_agreement.hpp"
 #include "tools/progress/progress_line.hpp"
 
@@ -65,12 +65,11 @@ void print_sustained() {
       "sustained load, share of the least any master needs, 30 min without a missed refresh, 19200 "
       "baud;\n"
       "at most: what the tighter bound leaves possible (tests/plan/maps.hpp)");
-  std::printf("%-10s %6s", "map", "delay");
+  fmt::print("{:10} {:>6}", "map", "delay");
   const Planner planners[] = {Planner::kCyclic, Planner::kDynamicBlocks, Planner::kFastestMember,
                               Planner::kOnePerChannel};
-  for (const Planner planner : planners)
-    std::printf(" %15s", std::string(to_text(planner)).c_str());
-  std::printf(" %12s %15s\n", "at most", "cyclic of that");
+  for (const Planner planner : planners) fmt::print(" {:>15}", to_text(planner));
+  fmt::print(" {:>12} {:>15}\n", "at most", "cyclic of that");
   double sum[4] = {}, most_sum = 0, share_sum = 0;
   StepProgress progress("sustained load", 4 * 2 * 4 * bench::trials_below(1.0));
   for (const int number : {11, 12, 13, 14}) {
@@ -90,17 +89,17 @@ void print_sustained() {
       most_sum += most / 8;
       share_sum += cyclic / most / 8;
       progress.clear();
-      std::printf("%s %12.3f %15.3f\n", row.c_str(), most, cyclic / most);
+      fmt::print("{} {:12.3f} {:15.3f}\n", row, most, cyclic / most);
       std::fflush(stdout);
     }
   }
-  std::printf("%-17s", "average");
-  for (const double load : sum) std::printf(" %15.3f", load);
-  std::printf(" %12.3f %15.3f\n\n", most_sum, share_sum);
+  fmt::print("{:17}", "average");
+  for (const double load : sum) fmt::print(" {:15.3f}", load);
+  fmt::print(" {:12.3f} {:15.3f}\n\n", most_sum, share_sum);
 }
 
 void print_spent() {
-  std::puts("wire time in scheduled mode at half the bound's load, against the plan's own");
+  fmt::print("wire time in scheduled mode at half the bound's load, against the plan's own\n");
   StepProgress progress("spent wire time", 8);
   for (const int number : {11, 12, 13, 14}) {
     const test::Map map =
@@ -110,12 +109,12 @@ void print_spent() {
           run(map, Planner::kCyclic, delay, test::least_load(map, kBaud, delay) / 0.5, 30min);
       progress.step();
       progress.clear();
-      std::printf("map%-7d %4.0fms  planned %.3f  spent %.3f  ratio %.3f  missed %llu\n", number,
-                  to_seconds(delay) * 1e3, spent.planned, spent.load, spent.load / spent.planned,
-                  static_cast<unsigned long long>(spent.missed));
+      fmt::print("map{:<7} {:4.0f}ms  planned {:.3f}  spent {:.3f}  ratio {:.3f}  missed {}\n",
+                 number, to_seconds(delay) * 1e3, spent.planned, spent.load,
+                 spent.load / spent.planned, spent.missed);
     }
   }
-  std::puts("");
+  fmt::print("\n");
 }
 
 // Of this thread, so that other processes do not count.
@@ -127,8 +126,9 @@ Duration processor_time() {
 
 void print_decision() {
   constexpr std::uint64_t kDecisions = 50'000, kStep = 1000;
-  std::puts(
-      "cost of a decision (next and acquired) and of building, random maps at a load of about 0.5");
+  fmt::print(
+      "cost of a decision (next and acquired) and of building, random maps at a load of about "
+      "0.5\n");
   for (const std::size_t channels : {300u, 1000u, 10'000u}) {
     const test::Map map = test::random_map(5, channels, 30);
     const ScheduleInput input =
@@ -145,7 +145,7 @@ void print_decision() {
     Instant now = wire.now();
     StepProgress progress(fmt::format("decisions of {} channels", channels), kDecisions / kStep);
     while (decisions < kDecisions) {
-      const Duration asked = processor_time();
+      const Duration began = processor_time();
       const Decision decision = scheduler->next(now);
       if (const auto* block = std::get_if<Block>(&decision)) {
         now += block->cost;
@@ -153,20 +153,20 @@ void print_decision() {
       } else {
         now = std::get<Rest>(decision).until;
       }
-      took.push_back(processor_time() - asked);
+      took.push_back(processor_time() - began);
       replan(*scheduler, now);  // runs on another thread in a bridge
       total += took.back();
       if (++decisions % kStep == 0) progress.step();
     }
     progress.clear();
-    std::sort(took.begin(), took.end());
+    std::ranges::sort(took);
     std::printf(
         "%6zu channels: build %6.1f ms, decision %5.2f us on average, %6.1f us in 999 of 1000\n",
         channels, std::chrono::duration<double, std::milli>(built - before).count(),
         to_seconds(total) * 1e6 / static_cast<double>(decisions),
         to_seconds(took[took.size() * 999 / 1000]) * 1e6);
   }
-  std::puts("");
+  fmt::print("\n");
 }
 
 void print_intensive() {
@@ -197,9 +197,10 @@ void print_intensive() {
     longest = std::max(longest, wire.seen(point).longest);
     shortest = std::min(shortest, wire.seen(point).shortest);
   }
-  std::printf("refreshes a second %.0f, the loop %.0f, ratio %.4f; longest gap / shortest %.3f\n\n",
-              refreshes / 60, 300 / to_seconds(loop), refreshes / 60 / (300 / to_seconds(loop)),
-              to_seconds(longest) / to_seconds(shortest));
+  fmt::print(
+      "refreshes a second {:.0f}, the loop {:.0f}, ratio {:.4f}; longest gap / shortest {:.3f}\n\n",
+      refreshes / 60, 300 / to_seconds(loop), refreshes / 60 / (300 / to_seconds(loop)),
+      to_seconds(longest) / to_seconds(shortest));
 }
 
 // Two to six units, up to four protocols, refreshes from 100 ms to 10 s, and a planned load from a
@@ -282,38 +283,32 @@ void print_mixed(std::uint64_t first) {
     farthest = std::max(farthest, std::abs(wire.load() / prediction.load - 1));
     if (wire.missed() == 0) continue;
     progress.clear();
-    std::printf("  seed %llu: planned %.3f, %llu misses in %.0f s\n",
-                static_cast<unsigned long long>(seed), prediction.planned_load,
-                static_cast<unsigned long long>(wire.missed()),
-                to_seconds(10 * prediction.horizon));
+    fmt::print("  seed {}: planned {:.3f}, {} misses in {:.0f} s\n", seed, prediction.planned_load,
+               wire.missed(), to_seconds(10 * prediction.horizon));
   }
   progress.clear();
-  std::puts("planned load   buses  feasible  of these with a miss   reads       misses");
+  fmt::print("planned load   buses  feasible  of these with a miss   reads       misses\n");
   for (const auto& [tenth, row] : rows)
-    std::printf("%.1f to %.1f %11d %9d %21d %9llu %10llu\n", tenth / 10.0, (tenth + 1) / 10.0,
-                row.buses, row.feasible, row.missing, static_cast<unsigned long long>(row.reads),
-                static_cast<unsigned long long>(row.missed));
-  std::printf("the measured load is at most %.1f %% away from the predicted one\n\n",
-              100 * farthest);
+    fmt::print("{:.1f} to {:.1f} {:11} {:9} {:21} {:9} {:10}\n", tenth / 10.0, (tenth + 1) / 10.0,
+               row.buses, row.feasible, row.missing, row.reads, row.missed);
+  fmt::print("the measured load is at most {:.1f} % away from the predicted one\n\n",
+             100 * farthest);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  const bench::Arguments arguments(argc, argv);
   const auto wanted = [&](std::string_view name) {
-    for (int i = 1; i < argc; ++i) {
-      if (name == argv[i]) return true;
-    }
-    return argc == 1;
+    return arguments.size() == 0 || arguments.has(name);
   };
   if (wanted("intensive")) print_intensive();
   if (wanted("decision")) print_decision();
   if (wanted("spent")) print_spent();
-  if (wanted("mixed")) print_mixed(argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1);
+  if (wanted("mixed")) print_mixed(arguments.number_at(1, std::uint64_t{1}));
   if (wanted("sustained")) print_sustained();
-  const auto number = [&](int at, unsigned otherwise) {
-    return argc > at ? static_cast<unsigned>(std::strtoul(argv[at], nullptr, 10)) : otherwise;
-  };
-  if (wanted("agree")) bench::print_agreement(number(2, 1), number(3, 100));
-  if (wanted("engine")) bench::print_engine(number(2, 101), number(3, 10));
+  if (wanted("agree"))
+    bench::print_agreement(arguments.number_at(1, 1u), arguments.number_at(2, 100u));
+  if (wanted("engine"))
+    bench::print_engine(arguments.number_at(1, 101u), arguments.number_at(2, 10u));
 }

@@ -8,13 +8,12 @@
 // stops reading, 60; 0 skips this part. --hours: instead, runs the model and its clients for this
 // many hours of virtual time, without sockets and DDS.
 #include <cstdio>
-#include <cstdlib>
-#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <string>
 
 #include "tools/bench/plant/plant.hpp"
+#include "tools/bench/support/arguments.hpp"
 #include "tools/bench/support/figures.hpp"
 #include "tools/bench/support/live_clients.hpp"
 #include "tools/bench/support/live_hours.hpp"
@@ -25,23 +24,9 @@ namespace {
 constexpr int kBuses = 10;
 
 struct Options {
-  int channels = 10'000;
-  double seconds = 8;
-  double stopped = 60;
-  double hours = 0;
+  int channels;
+  double seconds, stopped;
 };
-
-Options options_from(int argc, char** argv) {
-  Options options;
-  for (int i = 1; i + 1 < argc; ++i) {
-    const std::string word = argv[i];
-    if (word == "--channels") options.channels = std::atoi(argv[i + 1]);
-    if (word == "--seconds") options.seconds = std::atof(argv[i + 1]);
-    if (word == "--stopped") options.stopped = std::atof(argv[i + 1]);
-    if (word == "--hours") options.hours = std::atof(argv[i + 1]);
-  }
-  return options;
-}
 
 void print_goal(const char* what, double value, const char* unit, double goal) {
   std::printf("%-58s %12.4g %-10s goal < %g: ratio %.2f%s\n", what, value, unit, goal, value / goal,
@@ -96,14 +81,12 @@ class StationBench {
   void wait_until_complete() {
     if (!wait_for_text(log(), "served at", 20))
       throw std::runtime_error("the station did not start; see " + log());
-    const auto begin = std::chrono::steady_clock::now();
+    const auto begin = Clock::now();
     LiveClients clients(port_);
     const std::size_t client = clients.connect();
     if (clients.first_data(client, all(), 60) == 0)
       throw std::runtime_error("not all channels came");
-    print_figure("start of the station to every value at a page",
-                 std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(),
-                 "s", "");
+    print_figure("start of the station to every value at a page", seconds_since(begin), "s");
   }
 
   void with_clients(std::size_t count) {
@@ -135,9 +118,9 @@ class StationBench {
       values += static_cast<double>(received.values);
     }
     const double each = static_cast<double>(count) * seconds;
-    print_figure("  values of each client", values / each, "1/s", "");
-    print_figure("  frames of each client", frames / each, "1/s", "");
-    print_figure("  bytes of each client", bytes / each / 1e3, "kB/s", "");
+    print_figure("  values of each client", values / each, "1/s");
+    print_figure("  frames of each client", frames / each, "1/s");
+    print_figure("  bytes of each client", bytes / each / 1e3, "kB/s");
     print_goal("  acquired to received, p50", quantile(ages, 0.5), "ms", 50);
     print_goal("  acquired to received, p99", quantile(ages, 0.99), "ms", 100);
   }
@@ -146,7 +129,7 @@ class StationBench {
     LiveClients clients(port_);
     const Fetched catalogue = fetch(port_, "/api/catalogue");
     if (catalogue.status == 200) {
-      print_figure("catalogue by HTTP", static_cast<double>(catalogue.bytes) / 1e3, "kB", "");
+      print_figure("catalogue by HTTP", static_cast<double>(catalogue.bytes) / 1e3, "kB");
       print_goal("catalogue by HTTP", catalogue.seconds, "s", 0.5);
     }
     const std::size_t client = clients.connect();
@@ -168,18 +151,18 @@ class StationBench {
     print_goal("  memory that the station took meanwhile", station_.resident_mb() - before, "MB",
                1);
     print_received(clients, stopped, options_.stopped);
-    const auto begin = std::chrono::steady_clock::now();
+    const auto begin = Clock::now();
     clients.resume(stopped);
     double current = 0;
     while (current < 10) {
-      current = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      current = seconds_since(begin);
       if (!clients.is_open(stopped)) throw std::runtime_error("the station closed the client");
       if (clients.age(stopped) < 0.2) break;
       let_run(0.005);
     }
     print_goal("  until it is current again", current, "s", 1);
     print_figure("  bytes that it still had to read",
-                 static_cast<double>(clients.received(stopped).bytes) / 1e6, "MB", "");
+                 static_cast<double>(clients.received(stopped).bytes) / 1e6, "MB");
   }
 
   const Options options_;
@@ -195,16 +178,13 @@ class StationBench {
 
 int main(int argc, char** argv) {
   using namespace fieldcast::bench;
-  const Options options = options_from(argc, argv);
-  try {
-    if (options.hours > 0) {
-      run_hours(options.hours);
-    } else {
-      StationBench(options).run();
-    }
-    return 0;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "station_bench: %s\n", error.what());
-    return 1;
-  }
+  const Arguments arguments(argc, argv);
+  const double hours = arguments.number("--hours", 0.0);
+  return run_bench("station_bench", [&] {
+    if (hours > 0) return run_hours(hours);
+    StationBench({.channels = arguments.number("--channels", 10'000),
+                  .seconds = arguments.number("--seconds", 8.0),
+                  .stopped = arguments.number("--stopped", 60.0)})
+        .run();
+  });
 }

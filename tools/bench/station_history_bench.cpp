@@ -6,13 +6,11 @@
 //
 // --file: keeps the store with the 30 days in this file, for tests with a real station; without it
 // the store is removed. --seconds: of recording, 20.
-#include <sys/resource.h>
-
 #include <cstdio>
-#include <cstdlib>
 #include <thread>
 
 #include "tools/bench/plant/plant.hpp"
+#include "tools/bench/support/arguments.hpp"
 #include "tools/bench/support/figures.hpp"
 #include "tools/bench/support/store_history.hpp"
 #include "tools/progress/progress_line.hpp"
@@ -22,33 +20,21 @@
 namespace fieldcast::bench {
 namespace {
 
-using std::chrono::steady_clock;
-
 // See store_history.cpp.
 constexpr UtcTime kHistoryBegin{1'699'920'000'000'000'000};
 constexpr UtcTime kHistoryEnd{kHistoryBegin.nanoseconds + 30 * 86'400'000'000'000};
 
-double processor_seconds() {
-  rusage usage{};
-  ::getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& time) {
-    return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) * 1e-6;
-  };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
-
 double best_milliseconds(const auto& work) {
   double best = 1e9;
   for (int run = 0; run < 5; ++run) {
-    const auto began = steady_clock::now();
+    const auto began = Clock::now();
     work();
-    best = std::min(best,
-                    std::chrono::duration<double, std::milli>(steady_clock::now() - began).count());
+    best = std::min(best, 1e3 * seconds_since(began));
   }
   return best;
 }
 
-void ask_history(const std::string& file) {
+void measure_history(const std::string& file) {
   std::printf("30 days of samples once a second, as the response of 1 000 points\n");
   fill_thirty_days(StoreAddress(file));
   const auto connection = open_store(StoreAddress(file), IfMissing::kFail);
@@ -64,7 +50,7 @@ void ask_history(const std::string& file) {
     });
     std::printf("  %d channel(s)\n", channels);
     print_figure("    from the question to the JSON", time, "ms", channels == 1 ? "below 100" : "");
-    print_figure("    the JSON", static_cast<double>(bytes) / 1e3, "kB", "");
+    print_figure("    the JSON", static_cast<double>(bytes) / 1e3, "kB");
   }
 }
 
@@ -88,8 +74,8 @@ void record(const std::string& file, double seconds) {
                        .channel = channel.channel,
                        .quality = Quality::kGood});
   }
-  const double before = processor_seconds();
-  const auto began = steady_clock::now();
+  const double before = process_seconds();
+  const auto began = Clock::now();
   double handing = 0;
   std::uint64_t sequence = 0;
   const int bursts = kBursts * static_cast<int>(seconds);
@@ -100,7 +86,7 @@ void record(const std::string& file, double seconds) {
     if (first == 0) ++sequence;
     const auto now = std::chrono::system_clock::now().time_since_epoch();
     const UtcTime utc{std::chrono::duration_cast<std::chrono::nanoseconds>(now).count()};
-    const auto start = steady_clock::now();
+    const auto start = Clock::now();
     for (int i = first; i < first + kChannels / kBursts; ++i) {
       StationSample& sample = samples[static_cast<std::size_t>(i)];
       sample.sequence = sequence;
@@ -108,17 +94,17 @@ void record(const std::string& file, double seconds) {
       sample.value = static_cast<double>(burst);
       recorder.on_sample(sample, utc);
     }
-    handing += std::chrono::duration<double>(steady_clock::now() - start).count();
+    handing += seconds_since(start);
     progress.step();
   }
   progress.clear();
   (void)store.flush(std::chrono::seconds{60});
-  const double wall = std::chrono::duration<double>(steady_clock::now() - began).count();
+  const double wall = seconds_since(began);
   const auto recorded = static_cast<double>(recorder.counters().recorded);
-  print_figure("  recorded", recorded / wall, "samples/s", "");
-  print_figure("  dropped", static_cast<double>(store.counters().dropped), "samples", "0");
-  print_figure("  processor, of one core", (processor_seconds() - before) / wall, "", "");
-  print_figure("  handing one over", 1e6 * handing / recorded, "us", "");
+  print_figure("  recorded", recorded / wall, "samples/s");
+  print_figure("  dropped", store.counters().dropped, "samples", "0");
+  print_figure("  processor, of one core", (process_seconds() - before) / wall);
+  print_figure("  handing one over", 1e6 * handing / recorded, "us");
 }
 
 }  // namespace
@@ -126,20 +112,10 @@ void record(const std::string& file, double seconds) {
 
 int main(int argc, char** argv) {
   using namespace fieldcast::bench;
-  std::string file;
-  double seconds = 20;
-  for (int i = 1; i + 1 < argc; ++i) {
-    const std::string word = argv[i];
-    if (word == "--file") file = argv[i + 1];
-    if (word == "--seconds") seconds = std::atof(argv[i + 1]);
-  }
-  try {
+  return run_bench("station_history_bench", [&] {
+    const Arguments arguments(argc, argv);
     const ScratchFolder folder;
-    ask_history(file.empty() ? folder.path() + "/history.db" : file);
-    record(folder.path() + "/recorded.db", seconds);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "station_history_bench: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+    measure_history(arguments.text("--file", folder.path() + "/history.db"));
+    record(folder.path() + "/recorded.db", arguments.number("--seconds", 20.0));
+  });
 }

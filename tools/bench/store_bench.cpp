@@ -5,20 +5,19 @@
 // usage: store_bench [--seconds N] [--url postgresql://..]
 //                    [--only killed | throughput | history | saturated]
 #include <sys/prctl.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <set>
 
 #include "bridge/base/clock.hpp"
 #include "bridge/store/store.hpp"
 #include "tools/bench/plant/plant.hpp"
+#include "tools/bench/support/arguments.hpp"
 #include "tools/bench/support/figures.hpp"
 #include "tools/bench/support/store_history.hpp"
 
@@ -62,40 +61,30 @@ struct Costs {
 Costs acquire(Store::Intake* intake, double seconds, Duration ahead) {
   prctl(PR_SET_TIMERSLACK, 1000UL);
   Costs costs;
-  auto next = std::chrono::steady_clock::now();
+  auto next = Clock::now();
   const auto answers = static_cast<std::uint64_t>(seconds * kAnswers);
   for (std::uint64_t answer = 0; answer < answers; ++answer) {
     next += kPeriod;
     std::this_thread::sleep_until(next);
-    const auto began = std::chrono::steady_clock::now();
+    const auto began = Clock::now();
     const UtcMapping mapping = read_clocks();
     const auto samples = block(answer, mapping.instant);
-    const auto made = std::chrono::steady_clock::now();
+    const auto made = Clock::now();
     if (intake) intake->put(samples, mapping, {mapping.utc.nanoseconds + ahead.count()});
     costs.lateness.push_back(std::chrono::duration<double, std::micro>(began - next).count());
-    costs.put.push_back(
-        std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - made).count());
+    costs.put.push_back(std::chrono::duration<double, std::micro>(Clock::now() - made).count());
   }
   return costs;
 }
 
-double cpu_of_process() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& time) {
-    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-  };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
-
 void print_costs(const char* what, Costs& costs) {
   std::printf("%s\n", what);
-  print_figure("  a response is late by, median", quantile(costs.lateness, 0.5), "us", "");
-  print_figure("  a response is late by, p99", quantile(costs.lateness, 0.99), "us", "");
-  print_figure("  a response is late by, most", quantile(costs.lateness, 1.0), "us", "");
-  print_figure("  handing 100 samples over, median", quantile(costs.put, 0.5), "us", "");
-  print_figure("  handing 100 samples over, p99", quantile(costs.put, 0.99), "us", "");
-  print_figure("  handing 100 samples over, most", quantile(costs.put, 1.0), "us", "");
+  for (const auto& [name, values] : {std::pair{"  a response is late by", &costs.lateness},
+                                     std::pair{"  handing 100 samples over", &costs.put}}) {
+    print_figure(std::string(name) + ", median", quantile(*values, 0.5), "us");
+    print_figure(std::string(name) + ", p99", quantile(*values, 0.99), "us");
+    print_figure(std::string(name) + ", most", quantile(*values, 1.0), "us");
+  }
 }
 
 struct Stored {
@@ -105,20 +94,19 @@ struct Stored {
 // Published now, or `ahead` of now.
 Stored store_for(const std::string& address, double seconds, Duration ahead) {
   StoreSpec spec{address};
-  const double cpu = cpu_of_process();
+  const double cpu = process_seconds();
   Store store(spec);
   const auto intake = store.intake(bus());
   Stored result{acquire(intake.get(), seconds, ahead)};
   const auto counters = store.counters();
   const bool flushed = store.flush(std::chrono::seconds{30});
-  result.processor = (cpu_of_process() - cpu) / seconds;
+  result.processor = (process_seconds() - cpu) / seconds;
   const double put = seconds * kAnswers * kBlock;
   print_figure("  samples stored of those put", static_cast<double>(store.counters().stored) / put,
                "", flushed ? "goal 1" : "not flushed");
-  print_figure("  samples dropped", static_cast<double>(store.counters().dropped), "", "goal 0");
-  print_figure("  samples still waiting at the end", static_cast<double>(counters.waiting), "",
-               "below 200 000");
-  print_figure("  processor of the process", result.processor, "cores", "");
+  print_figure("  samples dropped", store.counters().dropped, "", "goal 0");
+  print_figure("  samples still waiting at the end", counters.waiting, "", "below 200 000");
+  print_figure("  processor of the process", result.processor, "cores");
   return result;
 }
 
@@ -139,35 +127,30 @@ void throughput(const std::string& address, double seconds) {
   std::printf("20 000 samples a second, with the store\n");
   Stored with = store_for(address, seconds, {});
   print_costs("  what it costs acquisition", with.costs);
-  print_figure("  samples in the minutes that were written", counted_by_tiers(address), "", "");
+  print_figure("  samples in the minutes that were written", counted_by_tiers(address));
   print_figure("  p99 of the lateness, with / without",
-               quantile(with.costs.lateness, 0.99) / quantile(without.lateness, 0.99), "", "");
+               quantile(with.costs.lateness, 0.99) / quantile(without.lateness, 0.99));
   if (!StoreAddress(address).is_server()) {
     print_figure(
         "  file for one sample",
         static_cast<double>(std::filesystem::file_size(address)) / (seconds * kAnswers * kBlock),
-        "bytes", "");
+        "bytes");
   }
   // Minutes in the future are not finished, so none is written.
   std::printf("the same without writing minutes\n");
   const Stored untiered = store_for(address, seconds, std::chrono::hours{48});
-  print_figure("  processor, with minutes / without", with.processor / untiered.processor, "", "");
+  print_figure("  processor, with minutes / without", with.processor / untiered.processor);
   print_figure("  p99 of the lateness, with minutes / without",
-               quantile(with.costs.lateness, 0.99) / quantile(untiered.costs.lateness, 0.99), "",
-               "");
+               quantile(with.costs.lateness, 0.99) / quantile(untiered.costs.lateness, 0.99));
 }
 
 constexpr int kBuses = 8;
 
 std::string buses(bool stored) {
   std::string text;
-  for (int b = 1; b <= kBuses; ++b) {
-    const std::string name = "bus-" + std::to_string(b);
-    text += "  - name: " + name + "\n    port: { serial: {dir}/" + name +
-            ", baud: 115200, format: 8N1 }\n    protocol: modbus-rtu\n" +
-            "    defaults: { refresh: 2s, mode: intensive }\n    devices:\n" +
-            scattered_devices(2, 100, "      ", 7);
-  }
+  for (int b = 1; b <= kBuses; ++b)
+    text += serial_bus("bus-" + std::to_string(b), 115200, "refresh: 2s, mode: intensive",
+                       scattered_devices(2, 100, 7), "8N1");
   return stored ? text + "store: { path: {dir}/store.db }\n" : text;
 }
 
@@ -178,8 +161,6 @@ struct Acquired {
 Acquired saturate(bool stored, double seconds) {
   Plant plant(buses(stored));
   plant.start_simulator();
-  if (!wait_for_path(plant.link("bus-" + std::to_string(kBuses)), 10))
-    throw std::runtime_error("the simulator made no links");
   plant.start_bridge();
   plant.listen_to_status();
   let_run(12);  // the measured load covers the last ten seconds
@@ -203,25 +184,25 @@ void saturated(double seconds) {
   const Acquired without = saturate(false, seconds);
   const Acquired with = saturate(true, seconds);
   std::printf("8 saturated buses at 115200 baud, the bridge without and with a store\n");
-  print_figure("  samples a second, without", without.samples_a_second, "1/s", "");
-  print_figure("  samples a second, with", with.samples_a_second, "1/s", "");
+  print_figure("  samples a second, without", without.samples_a_second, "1/s");
+  print_figure("  samples a second, with", with.samples_a_second, "1/s");
   print_figure("  with / without", with.samples_a_second / without.samples_a_second, "", "goal 1");
-  print_figure("  share of its wire, least bus, without", without.wire, "", "");
-  print_figure("  share of its wire, least bus, with", with.wire, "", "");
-  print_figure("  processor of the bridge, without", without.processor, "cores", "");
-  print_figure("  processor of the bridge, with", with.processor, "cores", "");
+  print_figure("  share of its wire, least bus, without", without.wire);
+  print_figure("  share of its wire, least bus, with", with.wire);
+  print_figure("  processor of the bridge, without", without.processor, "cores");
+  print_figure("  processor of the bridge, with", with.processor, "cores");
 }
 
-[[noreturn]] void store_and_tell(const std::string& address, int tell) {
+[[noreturn]] void store_and_report(const std::string& address, int report_to) {
   Store store(StoreSpec{address});
   const auto intake = store.intake(bus());
-  auto next = std::chrono::steady_clock::now();
+  auto next = Clock::now();
   for (std::uint64_t answer = 0;; ++answer) {
     std::this_thread::sleep_until(next += kPeriod);
     const UtcMapping mapping = read_clocks();
     intake->put(block(answer, mapping.instant), mapping, mapping.utc);
     const std::uint64_t stored = store.counters().stored;
-    if (::write(tell, &stored, sizeof stored) != sizeof stored) ::_exit(1);
+    if (::write(report_to, &stored, sizeof stored) != sizeof stored) ::_exit(1);
   }
 }
 
@@ -230,12 +211,11 @@ void killed(const std::string& address, double seconds) {
   if (::pipe(ends) != 0) throw std::runtime_error("no pipe");
   const pid_t child = ::fork();
   if (child < 0) throw std::runtime_error("no child");
-  if (child == 0) store_and_tell(address, ends[1]);
+  if (child == 0) store_and_report(address, ends[1]);
   ::close(ends[1]);
   std::uint64_t reported = 0, now = 0;
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
-  while (std::chrono::steady_clock::now() < end && ::read(ends[0], &now, sizeof now) == sizeof now)
-    reported = now;
+  const auto end = Clock::now() + std::chrono::duration<double>(seconds);
+  while (Clock::now() < end && ::read(ends[0], &now, sizeof now) == sizeof now) reported = now;
   ::kill(child, SIGKILL);
   while (::read(ends[0], &now, sizeof now) == sizeof now) reported = now;
   ::waitpid(child, nullptr, 0);
@@ -252,16 +232,9 @@ void killed(const std::string& address, double seconds) {
         return true;
       });
   std::printf("a process that stores 20 000 samples a second, killed (SIGKILL)\n");
-  print_figure("  samples reported stored", static_cast<double>(reported), "", "");
-  print_figure("  samples found afterwards", static_cast<double>(found), "", "");
-  print_figure("  reported and lost", static_cast<double>(reported - first.size()), "", "goal 0");
-}
-
-std::string option(const char* name, int argc, char** argv) {
-  for (int i = 1; i + 1 < argc; ++i) {
-    if (std::strcmp(argv[i], name) == 0) return argv[i + 1];
-  }
-  return {};
+  print_figure("  samples reported stored", reported);
+  print_figure("  samples found afterwards", found);
+  print_figure("  reported and lost", reported - first.size(), "", "goal 0");
 }
 
 }  // namespace
@@ -269,10 +242,10 @@ std::string option(const char* name, int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using namespace fieldcast::bench;
-  try {
-    const double seconds = seconds_from(argc, argv, 60);
-    const std::string url = option("--url", argc, argv);
-    const std::string only = option("--only", argc, argv);
+  return run_bench("store_bench", [&] {
+    const Arguments arguments(argc, argv);
+    const double seconds = arguments.number("--seconds", 60.0);
+    const std::string url = arguments.text("--url"), only = arguments.text("--only");
     const auto wanted = [&](const char* part) { return only.empty() || only == part; };
     const ScratchFolder folder;
     const auto address = [&](const char* file) {
@@ -282,9 +255,5 @@ int main(int argc, char** argv) {
     if (wanted("throughput")) throughput(address("store.db"), seconds);
     if (wanted("history")) read_thirty_days(fieldcast::StoreAddress(address("history.db")));
     if (wanted("saturated") && url.empty()) saturated(seconds / 4);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "store_bench: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+  });
 }

@@ -2,25 +2,28 @@
 // values. Asserts nothing; tests/bus/late_test.cpp is the short version.
 //
 //     storm_bench [EXCHANGES] [PROTOCOL]     of each protocol, default a million
+#include <fmt/format.h>
+
 #include <cstdio>
-#include <cstdlib>
 #include <iostream>
 #include <string>
 
 #include "tests/bus/late_storm.hpp"
+#include "tools/bench/support/arguments.hpp"
 #include "tools/progress/progress_line.hpp"
 
 using namespace fieldcast;
 using namespace std::chrono_literals;
 
-int main(int count, char** arguments) {
-  const std::uint64_t exchanges = count > 1 ? std::strtoull(arguments[1], nullptr, 10) : 1'000'000;
-  const std::string only = count > 2 ? arguments[2] : "";
+int main(int argc, char** argv) {
+  const bench::Arguments given(argc, argv);
+  const auto exchanges = given.number_at(0, std::uint64_t{1'000'000});
+  const std::string only = given.text_at(1);
   constexpr std::uint64_t kRun = 20'000;  // then changes the delay and the seed
   constexpr Duration kLate[] = {80ms, 150ms, 205ms, 250ms, 320ms, 450ms, 560ms};
-  std::printf("timeout 200 ms; 5 %% of the responses late by 80 to 560 ms, 2 %% doubled\n");
-  std::printf("%-24s %10s %9s %9s %12s %9s %6s\n", "protocol", "exchanges", "late", "doubled",
-              "good values", "commands", "wrong");
+  fmt::print("timeout 200 ms; 5 % of the responses late by 80 to 560 ms, 2 % doubled\n");
+  fmt::print("{:24} {:>10} {:>9} {:>9} {:>12} {:>9} {:>6}\n", "protocol", "exchanges", "late",
+             "doubled", "good values", "commands", "wrong");
   test::LateStorm::Counts all;
   for (const test::StormKind& kind : test::storm_kinds()) {
     if (!only.empty() && kind.name.find(only) == std::string::npos) continue;
@@ -44,24 +47,17 @@ int main(int count, char** arguments) {
       sum.good += counts.good;
       sum.commands += counts.commands;
       sum.wrong += counts.wrong;
-      if (!counts.first_wrong.empty())
-        std::printf("  seed %llu: %s\n", static_cast<unsigned long long>(run) + 1,
-                    counts.first_wrong.c_str());
+      if (!counts.first_wrong.empty()) fmt::print("  seed {}: {}\n", run + 1, counts.first_wrong);
     }
     progress.clear();
-    std::printf(
-        "%-24s %10llu %9llu %9llu %12llu %9llu %6llu\n", kind.name.c_str(),
-        static_cast<unsigned long long>(sum.exchanges), static_cast<unsigned long long>(sum.late),
-        static_cast<unsigned long long>(sum.doubled), static_cast<unsigned long long>(sum.good),
-        static_cast<unsigned long long>(sum.commands), static_cast<unsigned long long>(sum.wrong));
+    fmt::print("{:24} {:10} {:9} {:9} {:12} {:9} {:6}\n", kind.name, sum.exchanges, sum.late,
+               sum.doubled, sum.good, sum.commands, sum.wrong);
     std::fflush(stdout);
     all.exchanges += sum.exchanges;
     all.late += sum.late;
     all.wrong += sum.wrong;
   }
-  std::printf("%llu exchanges, %llu late responses, %llu wrong good values\n",
-              static_cast<unsigned long long>(all.exchanges),
-              static_cast<unsigned long long>(all.late),
-              static_cast<unsigned long long>(all.wrong));
+  fmt::print("{} exchanges, {} late responses, {} wrong good values\n", all.exchanges, all.late,
+             all.wrong);
   return all.wrong == 0 ? 0 : 1;
 }

@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <cstdio>
 #include <ctime>
 #include <stdexcept>
 #include <string>
@@ -21,21 +20,19 @@
 #include "core/plan/layout/partition.hpp"
 #include "core/protocol/families/registry.hpp"
 #include "tools/bench/plant/plant.hpp"
+#include "tools/bench/support/arguments.hpp"
 #include "tools/bench/support/figures.hpp"
 
 namespace fieldcast::bench {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 constexpr int kUnits = 3;
 constexpr int kRegisters = 100;
 constexpr auto kAnswerTime = std::chrono::milliseconds(2);
 
 std::string buses() {
-  return "  - name: bus\n    port: { serial: {dir}/bus, baud: 115200, format: 8E1 }\n    protocol: "
-         "modbus-rtu\n"
-         "    defaults: { refresh: 1s, mode: intensive, silence: 3.5c }\n    devices:\n" +
-         scattered_devices(kUnits, kRegisters, "      ", 42);
+  return serial_bus("bus", 115200, "refresh: 1s, mode: intensive, silence: 3.5c",
+                    scattered_devices(kUnits, kRegisters, 42));
 }
 
 struct BareRead {
@@ -67,9 +64,7 @@ BarePlan optimal_plan(const BusSpec& bus) {
       Bytes request{static_cast<std::uint8_t>(device.link.address), 3};
       append_u16(request, static_cast<std::uint16_t>(range.first));
       append_u16(request, static_cast<std::uint16_t>(range.count));
-      const std::uint16_t crc = crc16_modbus(request);
-      request.push_back(static_cast<std::uint8_t>(crc));
-      request.push_back(static_cast<std::uint8_t>(crc >> 8));
+      append_crc16(request);
       plan.reads.push_back({std::move(request), 5 + 2 * range.count, slice.end - slice.begin});
     }
   }
@@ -110,7 +105,7 @@ double bare_loop(const BarePlan& plan, const std::string& path, Duration silence
       clock_nanosleep(CLOCK_MONOTONIC, 0, &rest, nullptr);
     }
   }
-  const double wall = std::chrono::duration<double>(Clock::now() - start).count();
+  const double wall = seconds_since(start);
   close(line);
   return static_cast<double>(refreshes) / wall;
 }
@@ -129,10 +124,8 @@ BridgeFigures bridge_figures(Plant& plant, double seconds) {
   const auto start = Clock::now();
   let_run(seconds);
   const auto seen = plant.seen();
-  const double wall = std::chrono::duration<double>(Clock::now() - start).count();
-  double longest = 0;
-  double shortest = 1e18;
-  double samples = 0;
+  const double wall = seconds_since(start);
+  double longest = 0, shortest = 1e18, samples = 0;
   for (const auto& [name, channel] : seen) {
     samples += static_cast<double>(channel.samples);
     longest = std::max(longest, static_cast<double>(channel.longest_gap));
@@ -151,12 +144,9 @@ void run(double seconds) {
   const BusSpec& bus = loaded->buses.front();
   const BarePlan plan = optimal_plan(bus);
   plant.start_simulator();
-  if (!wait_for_path(plant.link("bus"), 10)) throw std::runtime_error("the simulator made no link");
   const double theory = kUnits * kRegisters / to_seconds(plan.theory);
   // Alternating, so that other load affects both alike.
-  double bare = 0;
-  double bridged = 0;
-  double evenness = 0;
+  double bare = 0, bridged = 0, evenness = 0;
   for (int turn = 0; turn < 2; ++turn) {
     bare +=
         bare_loop(plan, plant.link("bus"), silence_of(bus.silence, line_of(bus.port)), seconds) / 2;
@@ -168,12 +158,12 @@ void run(double seconds) {
   }
   std::printf("%d registers, %zu reads in the optimal partition\n", kUnits * kRegisters,
               plan.reads.size());
-  print_figure("theory, channel refreshes a second", theory, "1/s", "");
-  print_figure("bare blocking loop", bare, "1/s", "");
+  print_figure("theory, channel refreshes a second", theory, "1/s");
+  print_figure("bare blocking loop", bare, "1/s");
   print_figure("bare loop / theory", bare / theory, "", "about 0.95");
-  print_figure("bridge, samples at a station", bridged, "1/s", "");
+  print_figure("bridge, samples at a station", bridged, "1/s");
   print_figure("bridge / bare loop", bridged / bare, "", "goal >= 0.98");
-  print_figure("bridge / theory", bridged / theory, "", "");
+  print_figure("bridge / theory", bridged / theory);
   print_figure("longest gap of any channel / shortest", evenness, "", "goal <= 1.3");
 }
 
@@ -181,11 +171,6 @@ void run(double seconds) {
 }  // namespace fieldcast::bench
 
 int main(int argc, char** argv) {
-  try {
-    fieldcast::bench::run(fieldcast::bench::seconds_from(argc, argv, 10));
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "wire_bench: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+  using namespace fieldcast::bench;
+  return run_bench("wire_bench", [&] { run(Arguments(argc, argv).number("--seconds", 10.0)); });
 }

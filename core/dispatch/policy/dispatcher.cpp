@@ -119,7 +119,7 @@ void DynamicBlocksDispatcher::fill(const ReadPlan& plan, DispatchState& state, I
     due.remove(group);
   }
   for (const auto& [key, group] : taken) due.put(group, key);
-  std::reverse(batch_.begin(), batch_.end());
+  std::ranges::reverse(batch_);
 }
 
 Decision EarliestDueDispatcher::next(const ReadPlan& plan, DispatchState& state, Instant now) {

@@ -71,7 +71,7 @@ void move_packs(const ScheduleInput& input, Layout& layout) {
 std::vector<PointIndex> ordered(std::span<const Point> points) {
   std::vector<PointIndex> order(points.size());
   std::iota(order.begin(), order.end(), PointIndex{0});
-  std::sort(order.begin(), order.end(), [&](PointIndex a, PointIndex b) {
+  std::ranges::sort(order, [&](PointIndex a, PointIndex b) {
     const Point &p = points[a], &q = points[b];
     return std::tuple(p.device, p.range.area, p.range.first, p.range.end(), a) <
            std::tuple(q.device, q.range.area, q.range.first, q.range.end(), b);

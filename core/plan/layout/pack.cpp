@@ -144,7 +144,7 @@ std::vector<std::vector<PointIndex>> make_packs(std::span<const Point> points,
     std::vector<Piece> of_area = pieces_of(points, area, cost);
     std::move(of_area.begin(), of_area.end(), std::back_inserter(pieces));
   }
-  std::stable_sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) {
+  std::ranges::stable_sort(pieces, [](const Piece& a, const Piece& b) {
     return std::tuple(a.fastest, a.range.area, a.range.first) <
            std::tuple(b.fastest, b.range.area, b.range.first);
   });
@@ -157,7 +157,7 @@ std::vector<std::vector<PointIndex>> make_packs(std::span<const Point> points,
   }
   if (!pieces.empty()) packs.push_back(average.finish());
   for (auto& pack : packs) {
-    std::sort(pack.begin(), pack.end(), [&](PointIndex a, PointIndex b) {
+    std::ranges::sort(pack, [&](PointIndex a, PointIndex b) {
       const Range &p = points[a].range, &q = points[b].range;
       return std::tuple(p.area, p.first, p.end(), a) < std::tuple(q.area, q.first, q.end(), b);
     });

@@ -40,7 +40,7 @@ std::vector<Slice> optimal_partition(std::span<const Wanted> wanted, const ReadC
   std::vector<Slice> slices;
   for (auto end = static_cast<std::uint32_t>(n); end > 0; end = from[end])
     slices.push_back({from[end], end});
-  std::reverse(slices.begin(), slices.end());
+  std::ranges::reverse(slices);
   return slices;
 }
 
@@ -107,7 +107,7 @@ std::vector<Slice> partition_by_pace(std::span<const Wanted> points, std::span<c
                                      const ReadCost& cost) {
   if (points.empty()) return {};
   const auto size = static_cast<std::uint32_t>(points.size());
-  const double fastest = *std::max_element(rates.begin(), rates.end());
+  const double fastest = *std::ranges::max_element(rates);
   // Adjacent points with the same rate always stay together.
   std::vector<std::uint32_t> runs;
   for (std::uint32_t i = 0; i < size; ++i) {
@@ -130,7 +130,7 @@ std::vector<Slice> partition_by_pace(std::span<const Wanted> points, std::span<c
   std::vector<Slice> slices;
   for (std::uint32_t end = count; end > 0; end = from[end])
     slices.push_back({runs[from[end]], runs[end]});
-  std::reverse(slices.begin(), slices.end());
+  std::ranges::reverse(slices);
   return slices;
 }
 

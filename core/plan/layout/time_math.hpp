@@ -1,8 +1,6 @@
 // Time arithmetic for planning and dispatching. Pure functions.
 #pragma once
 
-#include <limits>
-
 #include "core/base/time.hpp"
 
 namespace fieldcast {

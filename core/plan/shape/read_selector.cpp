@@ -92,8 +92,8 @@ void ListShaper::take(std::span<const PointState> points, const ListCost& cost, 
       // Not all of them fit: selects the most urgent ones.
       mark(0, marked, 0);
       marked = 0;
-      std::sort(candidates_.begin(), candidates_.end(),
-                [](const Candidate& a, const Candidate& b) { return a.due < b.due; });
+      std::ranges::sort(candidates_,
+                        [](const Candidate& a, const Candidate& b) { return a.due < b.due; });
       sorted = true;
     }
     attempt = (fits + fails) / 2;

@@ -10,8 +10,6 @@ namespace fieldcast::declared {
 
 namespace {
 
-using Parsed = tl::expected<ParsedAddress, AddressFault>;
-
 std::string spelt(std::uint32_t number, int base) {
   char text[16];
   const auto [end, error] = std::to_chars(text, text + sizeof text, number, base);
@@ -39,7 +37,7 @@ class Parser {
   Parser(const Declaration& declaration, std::string_view at, bool guesses = true)
       : declaration_(declaration), at_(at), guesses_(guesses) {}
 
-  Parsed run() const {
+  ParsedOrFault run() const {
     for (std::size_t i = 0; i < declaration_.areas.size(); ++i) {
       const DeclaredArea& area = declaration_.areas[i];
       const auto index = static_cast<AreaIndex>(i);
@@ -63,17 +61,17 @@ class Parser {
     const auto digits = at_.substr(area.prefix.size());
     return whole_number(digits.substr(0, digits.find('.')), area.base).has_value();
   }
-  Parsed fault(std::string what, std::string suggestion = {}) const {
-    return tl::unexpected(
-        AddressFault{std::move(what), allowed(declaration_), std::move(suggestion)});
+  ParsedOrFault fault(std::string what, std::string suggestion = {}) const {
+    return AddressFaults{allowed(declaration_)}(std::move(what), std::move(suggestion));
   }
 
   // Leaves a longer place name, such as "input.2" against "input", to the other places.
-  std::optional<Parsed> in_place(AreaIndex area, const Place& place, std::string_view rest) const {
+  std::optional<ParsedOrFault> in_place(AreaIndex area, const Place& place,
+                                        std::string_view rest) const {
     ParsedAddress address{.area = area, .first = place.first};
     address.text_characters = place.characters;
     address.text_number = place.text_number;
-    if (place.bits == 0) return rest.empty() ? std::optional<Parsed>(address) : std::nullopt;
+    if (place.bits == 0) return rest.empty() ? std::optional<ParsedOrFault>(address) : std::nullopt;
     address.width_bits = 16u * place.items;
     address.value_bits = place.bits;
     address.value_signed = place.is_signed;
@@ -91,7 +89,7 @@ class Parser {
     return address;
   }
 
-  Parsed numbered(AreaIndex index, const DeclaredArea& area, std::string_view rest) const {
+  ParsedOrFault numbered(AreaIndex index, const DeclaredArea& area, std::string_view rest) const {
     const auto dot = rest.find('.');
     const auto number = whole_number(rest.substr(0, dot), area.base);
     const std::uint32_t last = area.origin + area.items - 1;
@@ -105,18 +103,15 @@ class Parser {
     const std::string without(at_.substr(0, area.prefix.size() + dot));
     if (area.item_bits == 1)
       return fault("a " + area.name + " is a bit itself and has no bits", without);
-    const auto bit = whole_number(rest.substr(dot + 1), 10);
-    if (!bit || *bit >= area.item_bits) {
+    if (!set_bit(address, whole_number(rest.substr(dot + 1)), area.item_bits)) {
       return fault("bit " + quoted(rest.substr(dot + 1)) + " is not 0.." +
                        std::to_string(area.item_bits - 1),
                    without + ".0");
     }
-    address.bit = static_cast<std::uint8_t>(*bit);
-    address.width_bits = 1;
     return address;
   }
 
-  Parsed unknown() const {
+  ParsedOrFault unknown() const {
     const std::string what = quoted(at_) + " is no address";
     if (!guesses_) return fault(what);
     const auto digits = std::min(at_.find_first_of("0123456789."), at_.size());
@@ -143,7 +138,7 @@ class Parser {
 
 }  // namespace
 
-Parsed parse_address(const Declaration& declaration, std::string_view at) {
+ParsedOrFault parse_address(const Declaration& declaration, std::string_view at) {
   return Parser(declaration, at).run();
 }
 

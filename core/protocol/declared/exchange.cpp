@@ -2,14 +2,13 @@
 
 #include <algorithm>
 
+#include "core/protocol/received.hpp"
+
 namespace fieldcast::declared {
 namespace {
 
 // This wait need not cover the whole rest of a frame, as each received byte restarts it.
 constexpr std::size_t kDoubtfulWait = 8;
-
-// Spurious character of an RS-485 driver that changes its direction.
-bool is_turnaround(std::uint8_t byte) { return byte == 0x00 || byte == 0xFF; }
 
 // Limited because each received byte searches all bytes again.
 std::size_t most_received(const Declaration& declaration) {
@@ -165,8 +164,7 @@ Step DeclaredExchange::start(Bytes& out) {
   append_frame(out, operation_.request, context_);
   silence_ = Cause::kNoAnswer;
   fallback_.reset();
-  return Step::send(
-      static_cast<std::uint32_t>(size_of(operation_.answer, context_.item_bits, context_.count)));
+  return Step::send(size_of(operation_.answer, context_.item_bits, context_.count));
 }
 
 Step DeclaredExchange::on_bytes(ByteView all, Bytes&) {
@@ -175,9 +173,7 @@ Step DeclaredExchange::on_bytes(ByteView all, Bytes&) {
   search.run();
   silence_ = search.cause();
   fallback_.reset();
-  if (!search.found)
-    return search.begun ? Step::need_rest(static_cast<std::uint32_t>(search.missing))
-                        : Step::need_answer();
+  if (!search.found) return search.begun ? Step::need_rest(search.missing) : Step::need_answer();
   Step step = Step::done();
   if (search.refusal) {
     const bool busy =
@@ -194,7 +190,7 @@ Step DeclaredExchange::on_bytes(ByteView all, Bytes&) {
   }
   if (!search.doubtful) return step;
   fallback_ = step;
-  return Step::need_rest(static_cast<std::uint32_t>(search.missing));
+  return Step::need_rest(search.missing);
 }
 
 Step DeclaredExchange::on_silence(Bytes&) {

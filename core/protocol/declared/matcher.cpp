@@ -125,20 +125,20 @@ class Matcher {
       return true;
     }
     if (left < 0 || left > static_cast<std::int64_t>(kMaxFrame)) return false;
-    told_ = static_cast<std::size_t>(left) * (doubled(*elastic, field) ? 2 : 1);
+    given_size_ = static_cast<std::size_t>(left) * (doubled(*elastic, field) ? 2 : 1);
     return true;
   }
   static bool doubled(const Field& counted, const Field& length) {
     return counted.word.notation == Notation::kHex && counted.text.empty() &&
            counted.text_size == 0 && !length.in_characters;
   }
-  std::optional<std::size_t> told() const {
-    return told_ && elastic_at_ == at_ ? told_ : std::nullopt;
+  std::optional<std::size_t> given_size() const {
+    return given_size_ && elastic_at_ == at_ ? given_size_ : std::nullopt;
   }
 
   bool items(const Field& field) {
     const std::size_t expected = items_size(field, context_.item_bits, context_.count);
-    const std::size_t size = told().value_or(expected);
+    const std::size_t size = given_size().value_or(expected);
     if (size == 0 || size > kMaxFrame) return none();
     result_.mismatch |= size != expected;
     if (lacks(size)) {
@@ -173,10 +173,10 @@ class Matcher {
   bool text_value(const Field& field) {
     std::size_t size = field.text_size;
     if (field.variable) {
-      if (const auto said = told()) {
-        size = *said;
+      if (const auto stated = given_size()) {
+        size = *stated;
       } else {
-        const auto end = std::find(rest().begin(), rest().end(), terminator(fields_[at_ + 1]));
+        const auto end = std::ranges::find(rest(), terminator(fields_[at_ + 1]));
         size = static_cast<std::size_t>(end - rest().begin());
         if (end == rest().end() && size <= field.text_size) {
           part();
@@ -217,9 +217,9 @@ class Matcher {
   void check(const Field& field) {
     result_.checked = true;
     const std::size_t at = starts_[static_cast<std::size_t>(&field - fields_.data())];
-    const auto said = read_word(bytes_.subspan(at, field.word.characters), field.word);
+    const auto stated = read_word(bytes_.subspan(at, field.word.characters), field.word);
     result_.bad_check |=
-        said != check_of(field.check, field.bits, covered(frame_, field, bytes_, starts_));
+        stated != check_of(field.check, field.bits, covered(frame_, field, bytes_, starts_));
   }
 
   const std::vector<Field>& fields_;
@@ -229,10 +229,10 @@ class Matcher {
   Bytes record_;
   MatchResult result_;
   std::array<std::size_t, kMaxFields + 1> starts_{};
-  std::size_t at_ = 0;               // index of the field
-  std::size_t offset_ = 0;           // of its first character
-  std::uint64_t word_ = 0;           // contains the field
-  std::optional<std::size_t> told_;  // characters of the field, from its length field
+  std::size_t at_ = 0;                     // index of the field
+  std::size_t offset_ = 0;                 // of its first character
+  std::uint64_t word_ = 0;                 // contains the field
+  std::optional<std::size_t> given_size_;  // characters of the field, from its length field
   std::size_t elastic_at_ = 0;
 };
 

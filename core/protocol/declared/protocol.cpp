@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 
 #include "core/protocol/declared/declaration.hpp"
 #include "core/protocol/declared/exchange.hpp"

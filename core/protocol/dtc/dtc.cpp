@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <array>
 
+#include "core/codec/checksum.hpp"
 #include "core/codec/lzw.hpp"
 #include "core/protocol/dtc/message.hpp"
 #include "core/protocol/dtc/packet.hpp"
 #include "core/protocol/option_reader.hpp"
 #include "core/protocol/protocol_entry.hpp"
+#include "core/protocol/received.hpp"
 
 namespace fieldcast::dtc {
 namespace {
@@ -43,7 +45,7 @@ class DtcExchange final : public Exchange {
 
   Step start(Bytes& out) override {
     append_packet(out, sent_, link_.threshold);
-    return Step::send(static_cast<std::uint32_t>(kPacketHead + answer_size_));
+    return Step::send(kPacketHead + answer_size_);
   }
 
   Step on_bytes(ByteView all, Bytes&) override {
@@ -79,11 +81,10 @@ class DtcExchange final : public Exchange {
         open_ = true;
         // Otherwise the previous reason is more specific.
         if (!waited_out_) silence_ = Cause::kTruncated;
-        return Step::need_rest(static_cast<std::uint32_t>(parsed.size - bytes.size()));
+        return Step::need_rest(parsed.size - bytes.size());
       }
       if (parsed.kind == ParseResult::Kind::kNoise) {
-        if (silence_ == Cause::kNoAnswer && bytes[0] != 0x00 && bytes[0] != 0xFF)
-          silence_ = Cause::kMalformed;
+        if (silence_ == Cause::kNoAnswer && !is_turnaround(bytes[0])) silence_ = Cause::kMalformed;
         ++judged_;
         continue;
       }
@@ -102,7 +103,7 @@ class DtcExchange final : public Exchange {
         return broken(Cause::kMalformed, 1);
       message = expanded;
     }
-    if (!crc_is_right(message)) return broken(Cause::kChecksum, 1);
+    if (!ends_with_crc16(message)) return broken(Cause::kChecksum, 1);
     const std::uint8_t command = sent_[1];
     const bool ours = message[0] == link_.address && (message[1] & ~kRefused) == command;
     // A foreign message, or an echo.
@@ -163,9 +164,7 @@ class DtcProtocol final : public Protocol {
   std::optional<ExchangeSize> size(const Request& request) const override {
     const auto sizes = message_sizes(request, link_.longest);
     if (!sizes) return std::nullopt;
-    return ExchangeSize{
-        .request_characters = static_cast<std::uint32_t>(kPacketHead + sizes->request),
-        .answer_characters = static_cast<std::uint32_t>(kPacketHead + sizes->answer)};
+    return ExchangeSize::of(kPacketHead + sizes->request, kPacketHead + sizes->answer);
   }
 
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext) const override {

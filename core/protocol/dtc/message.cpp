@@ -1,12 +1,12 @@
 #include "core/protocol/dtc/message.hpp"
 
 #include <algorithm>
-#include <array>
 #include <string>
 
 #include "core/base/message_text.hpp"
 #include "core/codec/checksum.hpp"
 #include "core/protocol/option_reader.hpp"
+#include "core/protocol/received.hpp"
 
 namespace fieldcast::dtc {
 
@@ -16,23 +16,19 @@ constexpr std::string_view kAllowed =
     "bit:N, int16:N, int32:N, float32:N, float64:N with N 0..65535, or int16:N.BIT, int32:N.BIT "
     "for a bit of an integer";
 
-using Parsed = tl::expected<ParsedAddress, AddressFault>;
+constexpr AddressFaults address_fault{kAllowed};
 
-Parsed fault(std::string what, std::string suggestion = {}) {
-  return tl::unexpected(
-      AddressFault{std::move(what), std::string(kAllowed), std::move(suggestion)});
-}
 }  // namespace
 
-Parsed parse_address(std::string_view at) {
+ParsedOrFault parse_address(std::string_view at) {
   const std::size_t colon = at.find(':');
   const std::string_view name = at.substr(0, colon);
   const auto found = std::ranges::find(kTypeNames, name);
   if (colon == std::string_view::npos || found == kTypeNames.end()) {
     const std::string_view near = near_miss(name, kTypeNames);
     const std::string rest(colon == std::string_view::npos ? ":0" : at.substr(colon));
-    return fault("type " + quoted(name) + " is unknown",
-                 near.empty() || rest.size() > 16 ? "" : std::string(near) + rest);
+    return address_fault("type " + quoted(name) + " is unknown",
+                         near.empty() || rest.size() > 16 ? "" : std::string(near) + rest);
   }
   ParsedAddress address{.area = static_cast<AreaIndex>(found - kTypeNames.begin())};
   const unsigned bits = kTypeBits[address.area];
@@ -40,10 +36,10 @@ Parsed parse_address(std::string_view at) {
   const std::size_t dot = number.find('.');
   const auto first = whole_number(number.substr(0, dot));
   if (!first)
-    return fault(quoted(number.substr(0, dot)) + " is no number", std::string(name) + ":0");
+    return address_fault(quoted(number.substr(0, dot)) + " is no number", std::string(name) + ":0");
   if (*first >= kVariables)
-    return fault(quoted(at) + " is beyond the end of " + std::string(name),
-                 std::string(name) + ":65535");
+    return address_fault(quoted(at) + " is beyond the end of " + std::string(name),
+                         std::string(name) + ":65535");
   address.first = *first;
   if (dot == std::string_view::npos) {
     // Floating-point numbers are whole; a value may consist of several integers.
@@ -53,14 +49,12 @@ Parsed parse_address(std::string_view at) {
   }
   const std::string whole(at.substr(0, colon + 1 + dot));
   if (address.area != kInt16 && address.area != kInt32)
-    return fault(quoted(at) + " has no bits", whole);
-  const auto bit = whole_number(number.substr(dot + 1));
-  if (!bit || *bit >= bits) {
-    return fault("bit " + quoted(number.substr(dot + 1)) + " is not 0.." + std::to_string(bits - 1),
-                 whole + ".0");
+    return address_fault(quoted(at) + " has no bits", whole);
+  if (!set_bit(address, whole_number(number.substr(dot + 1)), bits)) {
+    return address_fault(
+        "bit " + quoted(number.substr(dot + 1)) + " is not 0.." + std::to_string(bits - 1),
+        whole + ".0");
   }
-  address.bit = static_cast<std::uint8_t>(*bit);
-  address.width_bits = 1;
   return address;
 }
 
@@ -77,19 +71,8 @@ void append_group(Bytes& out, const Range& range) {
   append_u16(out, static_cast<std::uint16_t>(range.count));
 }
 
-// Packs bits of one byte each, as in protocol.hpp, into eight per byte.
-void append_bits(Bytes& out, ByteView bits) {
-  for (std::size_t i = 0; i < bits.size(); ++i) {
-    if (i % 8 == 0) out.push_back(0);
-    out.back() = static_cast<std::uint8_t>(out.back() | (bits[i] != 0 ? 1u : 0u) << i % 8);
-  }
-}
-
 Bytes image_of(const Range& range, ByteView data) {
-  if (range.area != kBit) return {data.begin(), data.end()};
-  Bytes bits(range.count);
-  for (std::size_t i = 0; i < bits.size(); ++i) bits[i] = data[i / 8] >> i % 8 & 1u;
-  return bits;
+  return range.area == kBit ? unpack_bits(data, range.count) : Bytes(data.begin(), data.end());
 }
 
 }  // namespace
@@ -128,15 +111,8 @@ Bytes message_of(std::uint8_t address, const Request& request) {
   } else {
     for (const Range& range : std::get<ReadRequest>(request).ranges) append_group(message, range);
   }
-  const std::uint16_t crc = crc16_modbus(message);
-  message.push_back(static_cast<std::uint8_t>(crc));
-  message.push_back(static_cast<std::uint8_t>(crc >> 8));
+  append_crc16(message);
   return message;
-}
-
-bool crc_is_right(ByteView message) {
-  const std::size_t end = message.size() - kCrcBytes;
-  return crc16_modbus(message.first(end)) == (message[end] | message[end + 1] << 8);
 }
 
 Reply reply_of(const Request& request, ByteView data) {

@@ -51,9 +51,6 @@ struct MessageSizes {
 // REQUIRES: message_sizes(request) holds a value.
 [[nodiscard]] Bytes message_of(std::uint8_t address, const Request& request);
 
-// REQUIRES: message.size() > kCrcBytes.
-[[nodiscard]] bool crc_is_right(ByteView message);
-
 // REQUIRES: `data` has the size given by message_sizes().answer.
 [[nodiscard]] Reply reply_of(const Request& request, ByteView data);
 

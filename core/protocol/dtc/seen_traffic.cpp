@@ -46,10 +46,11 @@ void explain_message(FieldWriter& writer, ByteView message) {
     writer.add(kMessageHead, rest.size(), "data", to_hex(rest));
   }
   const std::size_t end = message.size() - kCrcBytes;
-  const std::uint16_t right = crc16_modbus(message.first(end));
-  const Bytes bytes{static_cast<std::uint8_t>(right), static_cast<std::uint8_t>(right >> 8)};
-  writer.add(end, kCrcBytes, "CRC", to_hex(message.last(kCrcBytes)),
-             crc_is_right(message) ? "" : "should be " + to_hex(bytes));
+  Bytes right(message.begin(), message.end() - kCrcBytes);
+  append_crc16(right);
+  writer.add(
+      end, kCrcBytes, "CRC", to_hex(message.last(kCrcBytes)),
+      ends_with_crc16(message) ? "" : "should be " + to_hex(ByteView(right).last(kCrcBytes)));
 }
 
 // Returns the size of the packet, or of all bytes if there is none.
@@ -106,7 +107,7 @@ SeenRequest seen_request(ByteView bytes) {
     if (!lzw_decode(parsed.content, parsed.original, expanded)) return {};
     message = expanded;
   }
-  if (message.size() < kMinMessage || message[1] > kWrite || !crc_is_right(message)) return {};
+  if (message.size() < kMinMessage || message[1] > kWrite || !ends_with_crc16(message)) return {};
   const bool write = message[1] == kWrite;
   const ByteView rest = message.subspan(kMessageHead, message.size() - kMessageHead - kCrcBytes);
   if (!all_groups(rest, write)) return {};

@@ -31,8 +31,8 @@ std::span<const ProtocolEntry> protocols() {
 
 const ProtocolEntry* find_protocol(std::string_view name) {
   const auto all = protocols();
-  const auto found = std::find_if(all.begin(), all.end(),
-                                  [&](const ProtocolEntry& entry) { return entry.name == name; });
+  const auto found =
+      std::ranges::find_if(all, [&](const ProtocolEntry& entry) { return entry.name == name; });
   return found == all.end() ? nullptr : &*found;
 }
 

@@ -1,7 +1,6 @@
 #include "core/protocol/mitsubishi_fx/areas.hpp"
 
 #include <algorithm>
-#include <array>
 #include <string>
 
 #include "core/protocol/option_reader.hpp"
@@ -12,62 +11,24 @@ namespace {
 // Bits are stored eight per byte from the base; words have two bytes, 32-bit counters four. Entries
 // of the extended map on which the sources disagree are empty (contacts and coils of timers and
 // counters, 32-bit counters).
-constexpr std::array kRows{
-    DeviceRow{.name = "D", .classic = {8000, 0x1000, {}}, .extended = {8000, 0x4000, {}}},
-    DeviceRow{
-        .name = "D", .first = 8000, .classic = {256, 0x0E00, {}}, .extended = {512, 0x8000, {}}},
-    DeviceRow{.name = "T",
-              .other = "TN",
-              .type = ValueType::kInt16,
-              .classic = {256, 0x0800, {}},
-              .extended = {320, 0x1000, {}}},
-    DeviceRow{.name = "C",
-              .other = "CN",
-              .type = ValueType::kInt16,
-              .classic = {200, 0x0A00, {}},
-              .extended = {200, 0x0A00, {}}},
-    DeviceRow{.name = "C",
-              .other = "CN",
-              .item_bits = 32,
-              .first = 200,
-              .type = ValueType::kInt32,
-              .classic = {56, 0x0C00, {}}},
-    DeviceRow{.name = "M",
-              .item_bits = 1,
-              .classic = {1536, 0x0100, 0x0800},
-              .extended = {7680, 0x8800, 0x4000}},
-    DeviceRow{.name = "M",
-              .item_bits = 1,
-              .first = 8000,
-              .classic = {256, 0x01E0, 0x0F00},
-              .extended = {512, 0x8C00, 0x6000}},
-    DeviceRow{.name = "X",
-              .item_bits = 1,
-              .octal = true,
-              .classic = {256, 0x0080, {}},
-              .extended = {256, 0x8CA0, {}}},
-    DeviceRow{.name = "Y",
-              .item_bits = 1,
-              .octal = true,
-              .classic = {256, 0x00A0, 0x0500},
-              .extended = {256, 0x8BC0, 0x5E00}},
-    DeviceRow{.name = "S",
-              .item_bits = 1,
-              .classic = {1000, 0x0000, 0x0000},
-              .extended = {4096, 0x8CE0, 0x6700}},
-    DeviceRow{.name = "TS", .item_bits = 1, .classic = {256, 0x00C0, {}}},
-    DeviceRow{.name = "TC", .item_bits = 1, .classic = {256, 0x02C0, {}}},
-    DeviceRow{.name = "CS", .item_bits = 1, .classic = {256, 0x01C0, {}}},
-    DeviceRow{.name = "CC", .item_bits = 1, .classic = {256, 0x03C0, {}}},
+constexpr auto kInt16 = ValueType::kInt16, kInt32 = ValueType::kInt32;
+// Name, second spelling, bits, first number, octal, type; items, base and force of both maps.
+constexpr DeviceRow kRows[] = {
+    {"D", "", 16, 0, false, {}, {8000, 0x1000, {}}, {8000, 0x4000, {}}},
+    {"D", "", 16, 8000, false, {}, {256, 0x0E00, {}}, {512, 0x8000, {}}},
+    {"T", "TN", 16, 0, false, kInt16, {256, 0x0800, {}}, {320, 0x1000, {}}},
+    {"C", "CN", 16, 0, false, kInt16, {200, 0x0A00, {}}, {200, 0x0A00, {}}},
+    {"C", "CN", 32, 200, false, kInt32, {56, 0x0C00, {}}, {}},
+    {"M", "", 1, 0, false, {}, {1536, 0x0100, 0x0800}, {7680, 0x8800, 0x4000}},
+    {"M", "", 1, 8000, false, {}, {256, 0x01E0, 0x0F00}, {512, 0x8C00, 0x6000}},
+    {"X", "", 1, 0, true, {}, {256, 0x0080, {}}, {256, 0x8CA0, {}}},
+    {"Y", "", 1, 0, true, {}, {256, 0x00A0, 0x0500}, {256, 0x8BC0, 0x5E00}},
+    {"S", "", 1, 0, false, {}, {1000, 0x0000, 0x0000}, {4096, 0x8CE0, 0x6700}},
+    {"TS", "", 1, 0, false, {}, {256, 0x00C0, {}}, {}},
+    {"TC", "", 1, 0, false, {}, {256, 0x02C0, {}}, {}},
+    {"CS", "", 1, 0, false, {}, {256, 0x01C0, {}}, {}},
+    {"CC", "", 1, 0, false, {}, {256, 0x03C0, {}}, {}},
 };
-
-std::vector<const DeviceRow*> rows_reached(Commands commands) {
-  std::vector<const DeviceRow*> rows;
-  for (const DeviceRow& row : kRows) {
-    if (row.address_map(commands).items != 0) rows.push_back(&row);
-  }
-  return rows;
-}
 
 // The first number distinguishes two areas of the same name.
 std::string_view area_name(const DeviceRow& row) {
@@ -75,9 +36,11 @@ std::string_view area_name(const DeviceRow& row) {
   return row.first == 200 ? "C200" : row.name;
 }
 
-std::vector<Area> areas_reached(Commands commands) {
-  std::vector<Area> areas;
-  for (const DeviceRow* row : rows_of(commands)) {
+Reached find_reached(Commands commands) {
+  Reached reached;
+  for (const DeviceRow& each : kRows) {
+    const DeviceRow* row = &each;
+    if (row->address_map(commands).items == 0) continue;
     const bool bits = row->item_bits == 1;
     const auto in_frame = static_cast<std::uint16_t>(kMaxBytes * 8 / row->item_bits);
     Area area{.name = area_name(*row),
@@ -97,40 +60,31 @@ std::vector<Area> areas_reached(Commands commands) {
       area.word_order = WordOrder::kLittleEndian;
       area.text_order = ByteOrder::kLittleEndian;
     }
-    areas.push_back(area);
+    reached.rows.push_back(row);
+    reached.areas.push_back(area);
   }
-  return areas;
+  return reached;
 }
 
 constexpr std::string_view kAllowed =
     "D100, D100.3, D8010, M14, M8001, X17 and Y5 (octal), S3, T5 and C5 (values), TS5, CS5 "
     "(contacts), TC5, CC5 (coils)";
 
-using Parsed = tl::expected<ParsedAddress, AddressFault>;
+constexpr AddressFaults address_fault{kAllowed};
 
-Parsed fault(std::string what, std::string suggestion = {}) {
-  return tl::unexpected(
-      AddressFault{std::move(what), std::string(kAllowed), std::move(suggestion)});
-}
 bool is_named(const DeviceRow& row, std::string_view letters) {
   return row.name == letters || (!row.other.empty() && row.other == letters);
 }
 
 }  // namespace
 
-const std::vector<const DeviceRow*>& rows_of(Commands commands) {
-  static const std::vector<const DeviceRow*> classic = rows_reached(Commands::kClassic);
-  static const std::vector<const DeviceRow*> extended = rows_reached(Commands::kExtended);
+const Reached& reached_by(Commands commands) {
+  static const Reached classic = find_reached(Commands::kClassic);
+  static const Reached extended = find_reached(Commands::kExtended);
   return commands == Commands::kClassic ? classic : extended;
 }
 
-const std::vector<Area>& areas_of(Commands commands) {
-  static const std::vector<Area> classic = areas_reached(Commands::kClassic);
-  static const std::vector<Area> extended = areas_reached(Commands::kExtended);
-  return commands == Commands::kClassic ? classic : extended;
-}
-
-tl::expected<ParsedAddress, AddressFault> parse_address(Commands commands, std::string_view at) {
+ParsedOrFault parse_address(Commands commands, std::string_view at) {
   const std::size_t digits = std::min(at.find_first_of("0123456789"), at.size());
   const std::string_view letters = at.substr(0, digits);
   const std::size_t dot = std::min(at.find('.'), at.size());
@@ -144,34 +98,31 @@ tl::expected<ParsedAddress, AddressFault> parse_address(Commands commands, std::
   }
   if (!known) {
     const std::string upper = upper_case(letters);
-    const bool named = std::any_of(kRows.begin(), kRows.end(),
-                                   [&](const DeviceRow& row) { return is_named(row, upper); });
-    return fault("device " + quoted(letters) + " is unknown",
-                 named ? upper + std::string(at.substr(digits)) : "");
+    const bool named =
+        std::ranges::any_of(kRows, [&](const DeviceRow& row) { return is_named(row, upper); });
+    return address_fault("device " + quoted(letters) + " is unknown",
+                         named ? upper + std::string(at.substr(digits)) : "");
   }
   const auto which = whole_number(number, octal ? 8 : 10);
   if (!which)
-    return fault(quoted(number) + (octal ? " is no octal number" : " is no number"),
-                 std::string(letters) + "0");
-  const auto& rows = rows_of(commands);
-  const auto row = std::find_if(rows.begin(), rows.end(), [&](const DeviceRow* each) {
+    return address_fault(quoted(number) + (octal ? " is no octal number" : " is no number"),
+                         std::string(letters) + "0");
+  const auto& rows = reached_by(commands).rows;
+  const auto row = std::ranges::find_if(rows, [&](const DeviceRow* each) {
     return is_named(*each, letters) && *which >= each->first &&
            *which - each->first < each->address_map(commands).items;
   });
   if (row == rows.end())
-    return fault(quoted(at) + " does not exist" +
-                 (commands == Commands::kExtended ? " in the extended map" : ""));
+    return address_fault(quoted(at) + " does not exist" +
+                         (commands == Commands::kExtended ? " in the extended map" : ""));
   ParsedAddress address{.area = static_cast<AreaIndex>(row - rows.begin()),
                         .first = *which - (*row)->first};
   if ((*row)->item_bits != 16) address.width_bits = (*row)->item_bits;
   if (dot == at.size()) return address;
   const std::string whole(at.substr(0, dot));
-  if ((*row)->item_bits == 1) return fault(quoted(whole) + " is a bit itself", whole);
-  const auto bit = whole_number(at.substr(dot + 1));
-  if (!bit || *bit >= (*row)->item_bits)
-    return fault("bit " + quoted(at.substr(dot + 1)) + " does not exist", whole + ".0");
-  address.bit = static_cast<std::uint8_t>(*bit);
-  address.width_bits = 1;
+  if ((*row)->item_bits == 1) return address_fault(quoted(whole) + " is a bit itself", whole);
+  if (!set_bit(address, whole_number(at.substr(dot + 1)), (*row)->item_bits))
+    return address_fault("bit " + quoted(at.substr(dot + 1)) + " does not exist", whole + ".0");
   return address;
 }
 

@@ -33,9 +33,12 @@ struct DeviceRow {
 inline constexpr std::uint32_t kMaxBytes = 64;  // in one frame
 inline constexpr std::uint8_t kStx = 0x02, kEtx = 0x03, kEnq = 0x05, kAck = 0x06, kNak = 0x15;
 
-// Areas of one address map, in the order of Protocol::areas().
-[[nodiscard]] const std::vector<const DeviceRow*>& rows_of(Commands commands);
-[[nodiscard]] const std::vector<Area>& areas_of(Commands commands);
+// What one set of commands reaches, in the order of Protocol::areas().
+struct Reached {
+  std::vector<const DeviceRow*> rows;
+  std::vector<Area> areas;
+};
+[[nodiscard]] const Reached& reached_by(Commands commands);
 
 // "D100", "D100.3", "D8010", "T5" (value), "TS5" (contact), "TC5" (coil), "C5", "C200", "M14",
 // "M8001", "X17", "Y5" (octal), "S3".

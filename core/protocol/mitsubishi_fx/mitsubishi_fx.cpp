@@ -20,6 +20,7 @@
 #include "core/protocol/mitsubishi_fx/areas.hpp"
 #include "core/protocol/option_reader.hpp"
 #include "core/protocol/protocol_entry.hpp"
+#include "core/protocol/received.hpp"
 
 namespace fieldcast::mitsubishi_fx {
 namespace {
@@ -35,7 +36,7 @@ constexpr Traits kTraits{
     .identity = ResponseIdentity::kNone};
 
 const DeviceRow& row_of(Commands commands, const Range& range) {
-  return *rows_of(commands)[range.area];
+  return *reached_by(commands).rows[range.area];
 }
 bool is_extended(Commands commands) { return commands == Commands::kExtended; }
 
@@ -46,12 +47,8 @@ std::uint32_t bytes_of(const DeviceRow& row, const Range& range) {
 }
 
 bool fits(Commands commands, const Range& range, bool write) {
-  const auto& areas = areas_of(commands);
-  if (range.area >= areas.size()) return false;
-  const Area& area = areas[range.area];
-  if (range.count == 0 || range.count > (write ? area.max_write : area.max_read)) return false;
-  if (range.first >= area.items || range.count > area.items - range.first) return false;
-  return bytes_of(row_of(commands, range), range) <= kMaxBytes;
+  return fieldcast::fits(reached_by(commands).areas, range, write) &&
+         bytes_of(row_of(commands, range), range) <= kMaxBytes;
 }
 
 bool fits(Commands commands, const WriteRequest& write) {
@@ -80,12 +77,27 @@ void append_end(Bytes& out) {
   append_digits(out, sum8(ByteView(out).subspan(1)), 2);
 }
 
-bool is_noise_only(ByteView bytes) {
-  return std::all_of(bytes.begin(), bytes.end(),
-                     [](auto byte) { return byte == 0x00 || byte == 0xFF; });
-}
+// Sends a refused request once more.
+class FxExchange : public Exchange {
+ public:
+  Step on_silence(Bytes& out) final {
+    if (silence_ != Cause::kDeviceError) return Step::failed(silence_);
+    if (sent_twice_) return Step::failed(silence_, kNak);
+    sent_twice_ = true;
+    silence_ = Cause::kNoAnswer;  // until bytes of this request arrive
+    return start(out);
+  }
+  const Reply& reply() const final { return reply_; }
 
-class FxRead final : public Exchange {
+ protected:
+  Reply reply_;
+  Cause silence_ = Cause::kNoAnswer;
+
+ private:
+  bool sent_twice_ = false;
+};
+
+class FxRead final : public FxExchange {
  public:
   FxRead(Commands commands, const Range& range)
       : commands_(commands),
@@ -101,18 +113,18 @@ class FxRead final : public Exchange {
     append_digits(out, row_.address_map(commands_).base + offset, 4);
     append_digits(out, bytes_, 2);
     append_end(out);
-    return Step::send(static_cast<std::uint32_t>(frame_size()));
+    return Step::send(frame_size());
   }
 
   Step on_bytes(ByteView all, Bytes&) override {
     if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
-    silence_ = is_noise_only(all) ? Cause::kNoAnswer : Cause::kMalformed;
+    silence_ = cause_of_noise(all);
     // A refusal is one unprotected character: it only counts alone.
     const bool refused = all.size() == 1 && all[0] == kNak;
     if (refused) silence_ = Cause::kDeviceError;
     Step step = refused ? Step::need_rest(0) : Step::need_answer();
     // STX begins a frame at any time.
-    for (auto stx = std::find(all.begin(), all.end(), kStx); stx != all.end();) {
+    for (auto stx = std::ranges::find(all, kStx); stx != all.end();) {
       const auto next = std::find(stx + 1, all.end(), kStx);
       step = parse({stx, next});
       if (step.kind != Step::Kind::kNeedMore) break;
@@ -121,26 +133,16 @@ class FxRead final : public Exchange {
     return step;
   }
 
-  Step on_silence(Bytes& out) override {
-    if (silence_ != Cause::kDeviceError) return Step::failed(silence_);
-    if (asked_again_) return Step::failed(silence_, kNak);
-    asked_again_ = true;
-    silence_ = Cause::kNoAnswer;  // until bytes of this request arrive
-    return start(out);
-  }
-  const Reply& reply() const override { return reply_; }
-
  private:
   std::size_t frame_size() const { return kEnvelope + 2 * std::size_t{bytes_}; }
 
   Step parse(ByteView text) {
-    const auto etx = std::find(text.begin(), text.end(), kEtx);
-    const std::size_t come = text.size();
+    const auto etx = std::ranges::find(text, kEtx);
+    const std::size_t present = text.size();
     const auto size = static_cast<std::size_t>(etx - text.begin()) + 3;  // with ETX and sum
-    if ((etx == text.end() && come < frame_size()) || (etx != text.end() && come < size)) {
+    if ((etx == text.end() && present < frame_size()) || (etx != text.end() && present < size)) {
       silence_ = Cause::kTruncated;
-      return Step::need_rest(
-          static_cast<std::uint32_t>(frame_size() > come ? frame_size() - come : 1));
+      return Step::need_rest(frame_size() > present ? frame_size() - present : 1);
     }
     if (etx == text.end()) return broken(Cause::kMalformed);
     const ByteView frame = text.first(size);
@@ -154,12 +156,7 @@ class FxRead final : public Exchange {
 
   Bytes items_of(const Bytes& data) const {
     if (row_.item_bits != 1) return turned(data, row_.item_bits / 8);
-    Bytes items(range_.count);
-    for (std::uint32_t i = 0; i < range_.count; ++i) {
-      const std::uint32_t bit = range_.first % 8 + i;
-      items[i] = static_cast<std::uint8_t>(data[bit / 8] >> bit % 8 & 1);
-    }
-    return items;
+    return unpack_bits(data, range_.count, range_.first % 8);
   }
 
   Step broken(Cause cause) {
@@ -171,12 +168,9 @@ class FxRead final : public Exchange {
   const DeviceRow& row_;
   const Range range_;
   const std::uint32_t bytes_;
-  Reply reply_;
-  Cause silence_ = Cause::kNoAnswer;
-  bool asked_again_ = false;
 };
 
-class FxWrite final : public Exchange {
+class FxWrite final : public FxExchange {
  public:
   FxWrite(Commands commands, const WriteRequest& write) {
     const DeviceRow& row = row_of(commands, write.range);
@@ -206,8 +200,7 @@ class FxWrite final : public Exchange {
   // The acknowledgement is one unprotected character: only turnaround noise may precede it.
   Step on_bytes(ByteView all, Bytes&) override {
     if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
-    const auto first = std::find_if(all.begin(), all.end(),
-                                    [](auto byte) { return byte != 0x00 && byte != 0xFF; });
+    const auto first = std::ranges::find_if_not(all, is_turnaround);
     if (first == all.end()) return Step::need_answer();
     if (*first == kAck) {
       reply_.resize(1);
@@ -217,47 +210,31 @@ class FxWrite final : public Exchange {
     return Step::need_rest(0);
   }
 
-  Step on_silence(Bytes& out) override {
-    if (silence_ != Cause::kDeviceError) return Step::failed(silence_);
-    if (asked_again_) return Step::failed(silence_, kNak);
-    asked_again_ = true;
-    silence_ = Cause::kNoAnswer;  // until bytes of this request arrive
-    return start(out);
-  }
-  const Reply& reply() const override { return reply_; }
-
  private:
   Bytes request_;
-  Reply reply_;
-  Cause silence_ = Cause::kNoAnswer;
-  bool asked_again_ = false;
 };
 
 class FxProtocol final : public Protocol {
  public:
   explicit FxProtocol(Commands commands) : commands_(commands) {}
   const Traits& traits() const override { return kTraits; }
-  std::span<const Area> areas() const override { return areas_of(commands_); }
+  std::span<const Area> areas() const override { return reached_by(commands_).areas; }
   tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override {
     return parse_with_suggestion(
         at, [&](std::string_view text) { return mitsubishi_fx::parse_address(commands_, text); });
   }
 
   std::optional<ExchangeSize> size(const Request& request) const override {
-    const std::uint32_t longer = is_extended(commands_) ? 2 : 0;
+    const std::size_t longer = is_extended(commands_) ? 2 : 0;
     if (const auto* read = std::get_if<ReadRequest>(&request)) {
       if (read->ranges.size() != 1 || !fits(commands_, read->ranges[0], false)) return std::nullopt;
-      const std::uint32_t bytes = bytes_of(row_of(commands_, read->ranges[0]), read->ranges[0]);
-      return ExchangeSize{.request_characters = 11 + longer,
-                          .answer_characters = static_cast<std::uint32_t>(kEnvelope) + 2 * bytes};
+      const std::size_t bytes = bytes_of(row_of(commands_, read->ranges[0]), read->ranges[0]);
+      return ExchangeSize::of(11 + longer, kEnvelope + 2 * bytes);
     }
     const auto* write = std::get_if<WriteRequest>(&request);
     if (write == nullptr || !fits(commands_, *write)) return std::nullopt;
-    if (row_of(commands_, write->range).item_bits == 1)
-      return ExchangeSize{.request_characters = 9 + longer / 2, .answer_characters = 1};
-    return ExchangeSize{
-        .request_characters = 11 + longer + 2 * static_cast<std::uint32_t>(write->items.size()),
-        .answer_characters = 1};
+    if (row_of(commands_, write->range).item_bits == 1) return ExchangeSize::of(9 + longer / 2, 1);
+    return ExchangeSize::of(11 + longer + 2 * write->items.size(), 1);
   }
 
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext) const override {

@@ -12,8 +12,7 @@ namespace {
 constexpr std::uint32_t kLastAddress = 65535;
 constexpr std::string_view kAllowed =
     "coil:N, input:N, holding:N, holding:N.BIT, input-register:N with N 0..65535 (or 0x0..0xFFFF) "
-    "and BIT 0..15, or a reference "
-    "00001.., 10001.., 30001.., 40001.. (counted from 1)";
+    "and BIT 0..15, or a reference 00001.., 10001.., 30001.., 40001.. (counted from 1)";
 
 struct Word {
   std::string_view name;
@@ -37,8 +36,6 @@ constexpr std::array kHabits{Word{"coils", Table::kCoil},
 std::string_view name_of(Table table) { return areas(false)[static_cast<std::size_t>(table)].name; }
 bool holds_bits(Table table) { return table == Table::kCoil || table == Table::kInput; }
 
-using Parsed = tl::expected<ParsedAddress, AddressFault>;
-
 // "46h", "46H", "0x46", "$46": hexadecimal notation of data sheets and other programs.
 std::optional<std::string> as_hexadecimal(std::string_view text) {
   const bool marked = text.starts_with("0x") || text.starts_with("0X");
@@ -52,10 +49,7 @@ std::optional<std::string> as_hexadecimal(std::string_view text) {
   return "0x" + std::string(digits);
 }
 
-Parsed fault(std::string what, std::string suggestion = {}) {
-  return tl::unexpected(
-      AddressFault{std::move(what), std::string(kAllowed), std::move(suggestion)});
-}
+constexpr AddressFaults address_fault{kAllowed};
 
 std::optional<std::uint32_t> number(std::string_view text) {
   const bool hex = text.starts_with("0x") || text.starts_with("0X");
@@ -81,38 +75,40 @@ std::string suggest_area(std::string_view area, std::string_view rest) {
 }
 
 // "holding:100.5".
-Parsed parse_named(std::string_view area, std::string_view rest) {
-  const auto word = std::find_if(kWords.begin(), kWords.end(),
-                                 [&](const Word& candidate) { return candidate.name == area; });
+ParsedOrFault parse_named(std::string_view area, std::string_view rest) {
+  const auto word =
+      std::ranges::find_if(kWords, [&](const Word& candidate) { return candidate.name == area; });
   if (word == kWords.end())
-    return fault("area " + quoted(area) + " is unknown", suggest_area(area, rest));
+    return address_fault("area " + quoted(area) + " is unknown", suggest_area(area, rest));
 
   const std::size_t dot = rest.find('.');
   const auto first = number(rest.substr(0, dot));
   const std::string prefix = std::string(word->name) + ":";
   if (!first)
-    return fault(quoted(rest.substr(0, dot)) + " is no number",
-                 prefix + as_hexadecimal(rest.substr(0, dot)).value_or("0"));
+    return address_fault(quoted(rest.substr(0, dot)) + " is no number",
+                         prefix + as_hexadecimal(rest.substr(0, dot)).value_or("0"));
   if (*first > kLastAddress)
-    return fault("address " + quoted(rest.substr(0, dot)) + " is beyond 65535", prefix + "65535");
+    return address_fault("address " + quoted(rest.substr(0, dot)) + " is beyond 65535",
+                         prefix + "65535");
   if (dot == std::string_view::npos) return address(word->table, *first);
 
   const std::string whole = prefix + std::string(rest.substr(0, dot));
   if (holds_bits(word->table))
-    return fault("a " + std::string(word->name) + " is a bit itself and has no bits", whole);
+    return address_fault("a " + std::string(word->name) + " is a bit itself and has no bits",
+                         whole);
   const auto bit = number(rest.substr(dot + 1));
   if (!bit || *bit > 15)
-    return fault("bit " + quoted(rest.substr(dot + 1)) + " is not 0..15", whole + ".0");
+    return address_fault("bit " + quoted(rest.substr(dot + 1)) + " is not 0..15", whole + ".0");
   return address(word->table, *first, static_cast<std::uint8_t>(*bit));
 }
 
 // "40101": the first digit is the table, the others count from 1. A bit may follow a dot.
-Parsed parse_reference(std::string_view at) {
+ParsedOrFault parse_reference(std::string_view at) {
   const std::size_t dot = at.find('.');
   const std::string_view digits = at.substr(0, dot);
   if (digits.size() != 5 && digits.size() != 6) {
     std::string near = digits.size() < 5 ? "holding:" + std::string(digits) : std::string{};
-    return fault("reference " + quoted(digits) + " has not 5 or 6 digits", std::move(near));
+    return address_fault("reference " + quoted(digits) + " has not 5 or 6 digits", std::move(near));
   }
   Table table{};
   switch (digits.front()) {
@@ -120,20 +116,22 @@ Parsed parse_reference(std::string_view at) {
     case '1': table = Table::kInput; break;
     case '3': table = Table::kInputRegister; break;
     case '4': table = Table::kHolding; break;
-    default: return fault("reference " + quoted(digits) + " does not begin with 0, 1, 3 or 4");
+    default:
+      return address_fault("reference " + quoted(digits) + " does not begin with 0, 1, 3 or 4");
   }
   const std::uint32_t counted = *number(digits.substr(1));
   if (counted == 0)
-    return fault("references count from 1", std::string(digits.substr(0, digits.size() - 1)) + "1");
+    return address_fault("references count from 1",
+                         std::string(digits.substr(0, digits.size() - 1)) + "1");
   if (counted > kLastAddress + 1)
-    return fault("reference " + quoted(digits) + " is beyond " + digits.front() + "65536");
+    return address_fault("reference " + quoted(digits) + " is beyond " + digits.front() + "65536");
   if (dot == std::string_view::npos) return address(table, counted - 1);
   return parse_named(name_of(table), std::to_string(counted - 1) + std::string(at.substr(dot)));
 }
 
 }  // namespace
 
-tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) {
+ParsedOrFault parse_address(std::string_view at) {
   if (const std::size_t colon = at.find(':'); colon != std::string_view::npos) {
     return parse_named(at.substr(0, colon), at.substr(colon + 1));
   }
@@ -142,27 +140,28 @@ tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) {
   if (!number_part.empty() && (number_part.size() == at.size() || at[number_part.size()] == '.'))
     return parse_reference(at);
   if (const auto hex = as_hexadecimal(at))
-    return fault(quoted(at) + " names no area", "holding:" + *hex);
+    return address_fault(quoted(at) + " names no area", "holding:" + *hex);
   // "4x0071" is a reference with an x; "%MW70" and "%M3" are words and bits of IEC 61131.
   if (at.size() > 2 && (at[1] == 'x' || at[1] == 'X') && at[0] > '0' && at[0] < '5') {
     const auto counted = whole_number(at.substr(2));
     std::string counted_text = std::to_string(counted.value_or(0));
     if (counted_text.size() < 4) counted_text.insert(0, 4 - counted_text.size(), '0');
-    return fault(quoted(at) + " is no address", at[0] + counted_text);
+    return address_fault(quoted(at) + " is no address", at[0] + counted_text);
   }
   for (const Word& word : {Word{"%MW", Table::kHolding}, Word{"%IW", Table::kInputRegister},
                            Word{"%M", Table::kCoil}, Word{"%I", Table::kInput}}) {
     if (at.starts_with(word.name))
-      return fault(quoted(at) + " is no address", std::string(name_of(word.table)) + ":" +
-                                                      std::string(at.substr(word.name.size())));
+      return address_fault(
+          quoted(at) + " is no address",
+          std::string(name_of(word.table)) + ":" + std::string(at.substr(word.name.size())));
   }
   // "holding100": the colon is missing.
   const std::size_t first_digit = at.find_first_of("0123456789");
   if (first_digit != std::string_view::npos && first_digit > 0) {
     const std::string near = suggest_area(at.substr(0, first_digit), at.substr(first_digit));
-    return fault(quoted(at) + " is no address", near);
+    return address_fault(quoted(at) + " is no address", near);
   }
-  return fault(quoted(at) + " is no address");
+  return address_fault(quoted(at) + " is no address");
 }
 
 }  // namespace fieldcast::modbus

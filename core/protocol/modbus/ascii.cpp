@@ -4,6 +4,7 @@
 
 #include "core/codec/checksum.hpp"
 #include "core/protocol/modbus/framing.hpp"
+#include "core/protocol/received.hpp"
 
 namespace fieldcast::modbus {
 namespace {
@@ -49,10 +50,8 @@ class AsciiSearch {
       : all_(all), unit_(header.unit), request_(request), scratch_(scratch) {}
 
   ParseResult run() {
-    auto colon = std::find(all_.begin(), all_.end(), kColon);
-    if (colon != all_.begin())
-      noise_ =
-          std::any_of(all_.begin(), colon, [](auto byte) { return byte != 0x00 && byte != 0xFF; });
+    auto colon = std::ranges::find(all_, kColon);
+    noise_ = cause_of_noise({all_.begin(), colon}) != Cause::kNoAnswer;
     while (colon != all_.end() && result_.pdu.empty()) {
       const auto next = std::find(colon + 1, all_.end(), kColon);
       examine({colon + 1, next}, next == all_.end());
@@ -65,7 +64,7 @@ class AsciiSearch {
  private:
   // `text`: to the next colon, or to the end of the received bytes.
   void examine(ByteView text, bool open) {
-    const auto cr = std::find(text.begin(), text.end(), kCr);
+    const auto cr = std::ranges::find(text, kCr);
     const ByteView digits(text.begin(), cr);
     const auto bytes = spelt(digits, scratch_);
     if (!bytes || digits.size() > kMaxDigits) return spoil();
@@ -98,12 +97,12 @@ class AsciiSearch {
     result_.missing = 0;
   }
 
-  void begin(ByteView bytes, std::size_t came) {
+  void begin(ByteView bytes, std::size_t received) {
     const bool exception = bytes.size() > 1 && (bytes[1] & kExceptionFlag) != 0;
     // Characters after the colon.
     const std::size_t length = ascii_size(exception ? 2 : request_.answer_size()) - 1;
     result_.kind = ParseResult::Kind::kBegun;
-    result_.missing = static_cast<std::uint32_t>(came < length ? length - came : 1);
+    result_.missing = static_cast<std::uint32_t>(received < length ? length - received : 1);
     truncated_ = true;
   }
 

@@ -17,26 +17,6 @@ std::string hex8(std::uint8_t value) { return to_hex({&value, 1}, '\0'); }
 std::string number(std::size_t value) { return std::to_string(value); }
 
 bool reads_bits(std::uint8_t function) { return function == 1 || function == 2; }
-bool reads_registers(std::uint8_t function) { return function == 3 || function == 4; }
-
-std::string_view table_name(std::uint8_t function) {
-  switch (function) {
-    case 1:
-    case 5:
-    case 15: return "coil";
-    case 2: return "input";
-    case 4: return "input-register";
-    default: return "holding";
-  }
-}
-
-// 0 if there is no limit.
-std::size_t quantity_limit(std::uint8_t function) {
-  if (reads_bits(function)) return kMaxReadBits;
-  if (reads_registers(function)) return kMaxReadRegisters;
-  if (function == 15) return kMaxWriteBits;
-  return function == 16 ? kMaxWriteRegisters : 0;
-}
 
 class PduExplainer {
  public:
@@ -80,7 +60,8 @@ class PduExplainer {
 
   void address(std::size_t at, const std::string& name) {
     const std::string where =
-        has(at, 2) ? std::string(table_name(pdu_[0])) + ":" + number(read_u16(pdu_, at)) : "";
+        has(at, 2) ? std::string(row_of_function(pdu_[0]).area) + ":" + number(read_u16(pdu_, at))
+                   : "";
     word(at, name, where);
   }
 
@@ -113,7 +94,7 @@ class PduExplainer {
   // A request has 5 bytes; a response contains its own length.
   void read() {
     const bool request_fits =
-        pdu_.size() == 5 && quantity_fault(3, quantity_limit(pdu_[0])).empty();
+        pdu_.size() == 5 && quantity_fault(3, row_of_function(pdu_[0]).most).empty();
     const bool answer_fits = has(1, 1) && pdu_.size() == 2u + pdu_[1] && pdu_[1] != 0 &&
                              (reads_bits(pdu_[0]) || pdu_[1] % 2 == 0);
     if (request_fits && answer_fits)
@@ -122,7 +103,7 @@ class PduExplainer {
       writer_.remark(request_fits || (!answer_fits && pdu_.size() == 5) ? "request" : "response");
     if (request_fits || (!answer_fits && pdu_.size() == 5)) {
       address(1, "first");
-      return word(3, "quantity", {}, quantity_fault(3, quantity_limit(pdu_[0])));
+      return word(3, "quantity", {}, quantity_fault(3, row_of_function(pdu_[0]).most));
     }
     counted_data(1, reads_bits(pdu_[0]));
   }
@@ -130,17 +111,17 @@ class PduExplainer {
   void counted_data(std::size_t at, bool bits) {
     if (!has(at, 1)) return writer_.add(pdu_.size(), 0, "byte count", "", "missing");
     const std::size_t count = pdu_[at];
-    const std::size_t came = pdu_.size() - at - 1;
+    const std::size_t present = pdu_.size() - at - 1;
     std::string fault;
-    if (count != came)
-      fault = number(came) + " bytes follow";
+    if (count != present)
+      fault = number(present) + " bytes follow";
     else if (count == 0)
       fault = "no data";
     else if (!bits && count % 2 != 0)
       fault = "registers have two bytes each";
     writer_.add(at, 1, "byte count", number(count), fault);
-    data(at + 1, std::min(count, came), bits);
-    trailing(at + 1 + std::min(count, came));
+    data(at + 1, std::min(count, present), bits);
+    trailing(at + 1 + std::min(count, present));
   }
 
   void data(std::size_t at, std::size_t size, bool bits) {
@@ -179,7 +160,7 @@ class PduExplainer {
     const bool answer = pdu_.size() <= 5;
     writer_.remark(answer ? "response" : "request");
     address(1, "first");
-    word(3, "quantity", {}, quantity_fault(3, quantity_limit(pdu_[0])));
+    word(3, "quantity", {}, quantity_fault(3, row_of_function(pdu_[0]).most));
     if (answer) return;
     const std::size_t quantity = read_u16(pdu_, 3);
     const std::size_t needed = bits ? (quantity + 7) / 8 : quantity * 2;
@@ -217,13 +198,13 @@ class PduExplainer {
 
   // Unused by Fieldcast: only a length fixed by the standard is checked.
   void other() {
-    const bool tells_length = answer_pdu_size(pdu_) != 0 || request_pdu_size(pdu_) != 0;
+    const bool has_length = answer_pdu_size(pdu_) != 0 || request_pdu_size(pdu_) != 0;
     const bool fits = pdu_.size() == answer_pdu_size(pdu_) ||
                       pdu_.size() == request_pdu_size(pdu_) || pdu_[0] == 8 || pdu_[0] == 43;
     const bool cut = pdu_[0] == 8 && pdu_.size() < 5;
     writer_.add(
         1, pdu_.size() - 1, "data", to_hex(pdu_.subspan(1)),
-        (tells_length && !fits) || cut ? "the length of neither a request nor a response" : "");
+        (has_length && !fits) || cut ? "the length of neither a request nor a response" : "");
   }
 
   const ByteView pdu_;

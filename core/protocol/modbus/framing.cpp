@@ -8,7 +8,7 @@ Step ModbusExchange::start(Bytes& out) {
   framing_.wrap(header_, request_.pdu(), out);
   silence_ = Cause::kNoAnswer;
   fallback_.clear();
-  return Step::send(static_cast<std::uint32_t>(framing_.size(request_.answer_size())));
+  return Step::send(framing_.size(request_.answer_size()));
 }
 
 Step ModbusExchange::on_bytes(ByteView all, Bytes&) {

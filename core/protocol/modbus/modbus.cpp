@@ -52,9 +52,7 @@ class ModbusProtocol final : public Protocol {
   std::optional<ExchangeSize> size(const Request& request) const override {
     const auto pdu = pdu_sizes(request, options_);
     if (!pdu) return std::nullopt;
-    return ExchangeSize{
-        .request_characters = static_cast<std::uint32_t>(framing_.size(pdu->request)),
-        .answer_characters = static_cast<std::uint32_t>(framing_.size(pdu->answer))};
+    return ExchangeSize::of(framing_.size(pdu->request), framing_.size(pdu->answer));
   }
 
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext context) const override {

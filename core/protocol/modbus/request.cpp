@@ -1,35 +1,53 @@
 #include "core/protocol/modbus/request.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 
 #include "core/protocol/modbus/areas.hpp"
+#include "core/protocol/received.hpp"
 
 namespace fieldcast::modbus {
 
-std::string_view function_text(std::uint8_t function) {
-  switch (function) {
-    case 1: return "read coils";
-    case 2: return "read discrete inputs";
-    case 3: return "read holding registers";
-    case 4: return "read input registers";
-    case 5: return "write single coil";
-    case 6: return "write single register";
-    case 7: return "read exception status";
-    case 8: return "diagnostics";
-    case 11: return "get comm event counter";
-    case 12: return "get comm event log";
-    case 15: return "write multiple coils";
-    case 16: return "write multiple registers";
-    case 17: return "report server id";
-    case 20: return "read file record";
-    case 21: return "write file record";
-    case 22: return "mask write register";
-    case 23: return "read/write multiple registers";
-    case 24: return "read fifo queue";
-    case 43: return "encapsulated interface transport";
-    default: return "unknown function";
-  }
+namespace {
+
+constexpr std::uint8_t kReadFifo = 24;
+constexpr PduSize kNone{}, kOne{1}, kFive{5}, kSeven{7}, kByteCounted{0, 1};
+
+constexpr auto kFunctions = [] {
+  std::array<FunctionRow, 44> rows{};
+  rows[1] = {"read coils", kFive, kByteCounted, "coil", kMaxReadBits};
+  rows[2] = {"read discrete inputs", kFive, kByteCounted, "input", kMaxReadBits};
+  rows[3] = {"read holding registers", kFive, kByteCounted, "holding", kMaxReadRegisters};
+  rows[4] = {"read input registers", kFive, kByteCounted, "input-register", kMaxReadRegisters};
+  rows[5] = {"write single coil", kFive, kFive, "coil"};
+  rows[6] = {"write single register", kFive, kFive};
+  rows[7] = {"read exception status", kOne, {2}};
+  rows[8] = {"diagnostics", kFive, kFive};  // its common sub-functions echo two bytes
+  rows[11] = {"get comm event counter", kOne, kFive};
+  rows[12] = {"get comm event log", kOne, kByteCounted};
+  rows[15] = {"write multiple coils", {0, 5}, kFive, "coil", kMaxWriteBits};
+  rows[16] = {"write multiple registers", {0, 5}, kFive, "holding", kMaxWriteRegisters};
+  rows[17] = {"report server id", kOne, kByteCounted};
+  rows[20] = {"read file record", kByteCounted, kByteCounted};
+  rows[21] = {"write file record", kByteCounted, kByteCounted};
+  rows[22] = {"mask write register", kSeven, kSeven};
+  rows[23] = {"read/write multiple registers", {0, 9}, kByteCounted};
+  rows[kReadFifo] = {"read fifo queue", {3}, kNone};  // its response counts in two bytes
+  rows[43] = {"encapsulated interface transport", {4}, kNone};
+  return rows;
+}();
+
+std::size_t size_in(ByteView pdu, const PduSize& size) {
+  if (size.count_at == 0) return size.fixed;
+  const std::size_t head = size.count_at + std::size_t{1};
+  return pdu.size() < head ? head : head + pdu[size.count_at];
+}
+
+}  // namespace
+
+const FunctionRow& row_of_function(std::uint8_t function) {
+  return kFunctions[function < kFunctions.size() ? function : 0];
 }
 
 std::string_view exception_text(std::uint8_t code) {
@@ -37,66 +55,18 @@ std::string_view exception_text(std::uint8_t code) {
   return text.empty() ? "unknown exception" : text;
 }
 
-namespace {
-
-// Function, then a byte that counts the rest.
-std::size_t counted(ByteView pdu) { return pdu.size() < 2 ? 2 : std::size_t{2} + pdu[1]; }
-
-}  // namespace
-
 std::size_t answer_pdu_size(ByteView pdu) {
   if (pdu.empty()) return 0;
   if ((pdu[0] & kExceptionFlag) != 0) {
     const auto refused = static_cast<std::uint8_t>(pdu[0] & ~kExceptionFlag);
     return answer_pdu_size({&refused, 1}) != 0 ? 2 : 0;
   }
-  switch (pdu[0]) {
-    case 1:
-    case 2:
-    case 3:
-    case 4:
-    case 12:
-    case 17:
-    case 20:
-    case 21:
-    case 23: return counted(pdu);
-    case 7: return 2;
-    case 5:
-    case 6:
-    case 8:  // its common sub-functions echo two bytes
-    case 11:
-    case 15:
-    case 16: return 5;
-    case 22: return 7;
-    case 24: return pdu.size() < 3 ? 3 : std::size_t{3} + read_u16(pdu, 1);
-    default: return 0;
-  }
+  if (pdu[0] == kReadFifo) return pdu.size() < 3 ? 3 : std::size_t{3} + read_u16(pdu, 1);
+  return size_in(pdu, row_of_function(pdu[0]).answer);
 }
 
 std::size_t request_pdu_size(ByteView pdu) {
-  if (pdu.empty()) return 0;
-  switch (pdu[0]) {
-    case 1:
-    case 2:
-    case 3:
-    case 4:
-    case 5:
-    case 6:
-    case 8: return 5;
-    case 7:
-    case 11:
-    case 12:
-    case 17: return 1;
-    case 15:
-    case 16: return pdu.size() < 6 ? 6 : std::size_t{6} + pdu[5];
-    case 20:
-    case 21: return counted(pdu);
-    case 22: return 7;
-    case 23: return pdu.size() < 10 ? 10 : std::size_t{10} + pdu[9];
-    case 24: return 3;
-    case 43: return 4;
-    default: return 0;
-  }
+  return pdu.empty() ? 0 : size_in(pdu, row_of_function(pdu[0]).request);
 }
 
 namespace {
@@ -140,23 +110,6 @@ Function function_of(const Range& read) { return static_cast<Function>(read.area
 void append_range(Bytes& pdu, const Range& range) {
   append_u16(pdu, static_cast<std::uint16_t>(range.first));
   append_u16(pdu, static_cast<std::uint16_t>(range.count));
-}
-
-// The first item is the least significant bit of the first byte; unused bits are 0.
-void append_bits(Bytes& pdu, ByteView items) {
-  for (std::size_t at = 0; at < items.size(); at += 8) {
-    unsigned byte = 0;
-    for (std::size_t i = at; i < std::min(at + 8, items.size()); ++i)
-      byte |= (items[i] != 0 ? 1u : 0u) << (i - at);
-    pdu.push_back(static_cast<std::uint8_t>(byte));
-  }
-}
-
-Bytes unpack_bits(ByteView packed, std::size_t count) {
-  Bytes items(count);
-  for (std::size_t i = 0; i < count; ++i)
-    items[i] = static_cast<std::uint8_t>(packed[i / 8] >> i % 8 & 1);
-  return items;
 }
 
 void append_write(Bytes& pdu, Function function, const WriteRequest& write) {

@@ -28,8 +28,22 @@ enum class Function : std::uint8_t {
 inline constexpr std::uint8_t kExceptionFlag = 0x80;
 inline constexpr std::size_t kMaxPdu = 253;
 
+// Size of a PDU: fixed, or up to a byte that counts the rest.
+struct PduSize {
+  std::uint8_t fixed = 0;     // 0: unknown, or counted
+  std::uint8_t count_at = 0;  // 0: none
+};
+struct FunctionRow {
+  std::string_view text = "unknown function";
+  PduSize request, answer;
+  std::string_view area = "holding";  // of its addresses
+  std::uint16_t most = 0;             // items in its first quantity; 0: no limit
+};
+[[nodiscard]] const FunctionRow& row_of_function(std::uint8_t function);
 // "read coils"; "unknown function".
-[[nodiscard]] std::string_view function_text(std::uint8_t function);
+[[nodiscard]] inline std::string_view function_text(std::uint8_t function) {
+  return row_of_function(function).text;
+}
 
 // Modbus Application Protocol V1.1b3, 7. A device fails (04) while it carries out a request, 05
 // says that it carries it out, and behind a gateway (0B) it may have: only its response was lost.

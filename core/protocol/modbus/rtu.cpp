@@ -4,6 +4,7 @@
 
 #include "core/codec/checksum.hpp"
 #include "core/protocol/modbus/framing.hpp"
+#include "core/protocol/received.hpp"
 
 namespace fieldcast::modbus {
 namespace {
@@ -19,18 +20,8 @@ void wrap_rtu(const Header& header, ByteView pdu, Bytes& out) {
   const std::size_t start = out.size();
   out.push_back(header.unit);
   append(out, pdu);
-  const std::uint16_t crc = crc16_modbus(ByteView(out).subspan(start));
-  out.push_back(static_cast<std::uint8_t>(crc));
-  out.push_back(static_cast<std::uint8_t>(crc >> 8));
+  append_crc16(out, start);
 }
-
-bool crc_is_right(ByteView frame) {
-  const std::size_t end = frame.size() - 2;
-  return crc16_modbus(frame.first(end)) == (frame[end] | frame[end + 1] << 8);
-}
-
-// Spurious character of an RS-485 driver that changes its direction.
-bool is_turnaround(std::uint8_t byte) { return byte == 0x00 || byte == 0xFF; }
 
 class RtuSearch {
  public:
@@ -59,10 +50,10 @@ class RtuSearch {
     if (!mine && !other) return slide();
     const std::size_t length = length_of(bytes, mine);
     if (length == 0) return slide();
-    if (bytes.size() >= length && crc_is_right(bytes.first(length)))
+    if (bytes.size() >= length && ends_with_crc16(bytes.first(length)))
       return whole(bytes.first(length), mine);
     // A wrong byte count in an otherwise valid frame.
-    if (mine && bytes.size() >= expected_ && crc_is_right(bytes.first(expected_)))
+    if (mine && bytes.size() >= expected_ && ends_with_crc16(bytes.first(expected_)))
       return skip(expected_, mismatch_);
     if (bytes.size() < length) {
       if (mine || at_boundary_) begin(bytes, length, mine);

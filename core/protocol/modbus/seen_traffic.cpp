@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <string>
 
 #include "core/codec/checksum.hpp"
@@ -24,10 +23,7 @@ Bytes crc_bytes(ByteView bytes) {
   const std::uint16_t crc = crc16_modbus(bytes);
   return {static_cast<std::uint8_t>(crc), static_cast<std::uint8_t>(crc >> 8)};
 }
-bool has_right_crc(ByteView frame) {
-  return frame.size() >= 4 &&
-         std::ranges::equal(crc_bytes(frame.first(frame.size() - 2)), frame.last(2));
-}
+bool has_right_crc(ByteView frame) { return frame.size() >= 4 && ends_with_crc16(frame); }
 
 // All bytes, or the length given by the fields if a valid CRC confirms it.
 std::size_t first_frame(ByteView bytes) {
@@ -101,7 +97,7 @@ void explain_ascii_end(ByteView frame, std::size_t end, bool too_long, FieldWrit
 std::vector<FrameField> explain_ascii(ByteView frame) {
   FieldWriter writer;
   if (frame.size() > kMaxExplained) frame = frame.first(kMaxExplained);
-  const auto cr = std::find(frame.begin(), frame.end(), '\r');
+  const auto cr = std::ranges::find(frame, '\r');
   // A colon restarts the frame at any time.
   const auto colon = std::find(std::make_reverse_iterator(cr), frame.rend(), ':').base();
   if (colon == frame.begin()) {
@@ -145,7 +141,7 @@ std::vector<FrameField> explain_tcp(ByteView frame) {
     return writer.take();
   }
   const std::size_t counted = read_u16(frame, 4);
-  const std::size_t came = frame.size() - 6;
+  const std::size_t present = frame.size() - 6;
   writer.add(0, 2, "transaction",
              to_hex(frame.first(2), '\0') + " = " + std::to_string(read_u16(frame)));
   writer.add(2, 2, "protocol", to_hex(frame.subspan(2, 2), '\0'),
@@ -153,17 +149,17 @@ std::vector<FrameField> explain_tcp(ByteView frame) {
   std::string fault;
   if (counted < 2 || counted > 254)
     fault = "must be 2..254";
-  else if (counted > came)
-    fault = "only " + std::to_string(came) + " bytes follow";
+  else if (counted > present)
+    fault = "only " + std::to_string(present) + " bytes follow";
   writer.add(4, 2, "length", std::to_string(counted), fault);
   writer.add(6, 1, "unit", unit_text(frame[6], false));
-  const std::size_t inside = std::clamp<std::size_t>(counted, 2, came);
+  const std::size_t inside = std::clamp<std::size_t>(counted, 2, present);
   FieldWriter inner(7, 1, 1);
   explain_pdu(frame.subspan(7, inside - 1), inner);
   writer.append(inner.take());
-  if (inside < came)
-    writer.add(6 + inside, came - inside, "surplus", to_hex(frame.subspan(6 + inside)),
-               surplus_text(came - inside));
+  if (inside < present)
+    writer.add(6 + inside, present - inside, "surplus", to_hex(frame.subspan(6 + inside)),
+               surplus_text(present - inside));
   return writer.take();
 }
 
@@ -187,9 +183,9 @@ bool counts_bytes_of_registers(ByteView pdu, std::size_t quantity_at, std::size_
 bool fields_fit(ByteView pdu) {
   switch (pdu[0]) {
     case 1:
-    case 2: return within(read_u16(pdu, 3), kMaxReadBits);
+    case 2:
     case 3:
-    case 4: return within(read_u16(pdu, 3), kMaxReadRegisters);
+    case 4: return within(read_u16(pdu, 3), row_of_function(pdu[0]).most);
     case 5: return pdu[4] == 0 && (pdu[3] == 0 || pdu[3] == 0xFF);
     case 6:
     case 22: return true;
@@ -217,14 +213,13 @@ SeenRequest seen_rtu_request(ByteView bytes) {
   if (pdu_size == 0 || size > kMaxRtuFrame || size > bytes.size()) return {};
   const ByteView pdu = bytes.subspan(1, pdu_size);
   if (!fields_fit(pdu)) return {};
-  const std::uint16_t crc = crc16_modbus(bytes.first(size - 2));
-  if (crc != (bytes[size - 2] | bytes[size - 1] << 8)) return {};
+  if (!ends_with_crc16(bytes.first(size))) return {};
   return {size, differs_from_answers(pdu)};
 }
 
 SeenRequest seen_ascii_request(ByteView bytes) {
   if (bytes.empty() || bytes[0] != ':') return {};
-  const auto cr = std::find(bytes.begin(), bytes.end(), '\r');
+  const auto cr = std::ranges::find(bytes, '\r');
   if (cr == bytes.end() || cr + 1 == bytes.end() || *(cr + 1) != '\n') return {};
   // Masters write upper-case digits; some devices do not.
   const auto frame = read_hex_bytes(ByteView(bytes.begin() + 1, cr));

@@ -1,7 +1,6 @@
 #include "core/protocol/omron_hostlink/areas.hpp"
 
 #include <algorithm>
-#include <array>
 #include <optional>
 #include <string>
 
@@ -12,94 +11,34 @@
 namespace fieldcast::omron {
 namespace {
 
-constexpr std::array kRows{
-    AreaRow{.name = "CIO",
-            .other = "IR",
-            .letter = 'R',
-            .c_items = 10000,
-            .word_code = 0xB0,
-            .bit_code = 0x30,
-            .fins_items = 6144},
-    AreaRow{.name = "W", .other = "WR", .word_code = 0xB1, .bit_code = 0x31, .fins_items = 512},
-    AreaRow{.name = "LR", .other = "L", .letter = 'L', .c_items = 200},
-    AreaRow{.name = "HR",
-            .other = "H",
-            .letter = 'H',
-            .c_items = 1536,
-            .word_code = 0xB2,
-            .bit_code = 0x32,
-            .fins_items = 1536},
-    AreaRow{.name = "AR",
-            .other = "A",
-            .letter = 'J',
-            .c_items = 960,
-            .word_code = 0xB3,
-            .bit_code = 0x33,
-            .fins_items = 960},
-    AreaRow{.name = "DM",
-            .other = "D",
-            .letter = 'D',
-            .c_items = 10000,
-            .word_code = 0x82,
-            .bit_code = 0x02,
-            .fins_items = 32768},
-    AreaRow{.name = "EM",
-            .other = "E",
-            .letter = 'E',
-            .c_items = kBankWords * 10,
-            .word_code = 0xA0,
-            .bit_code = 0x20,
-            .fins_items = kBankWords * kBanks},
-    AreaRow{.name = "T",
-            .other = "TIM",
-            .letter = 'C',
-            .c_items = 2048,
-            .word_code = 0x89,
-            .fins_items = 4096,
-            .c_type = ValueType::kBcd16},
-    AreaRow{.name = "C",
-            .other = "CNT",
-            .letter = 'C',
-            .c_items = 2048,
-            .word_code = 0x89,
-            .fins_items = 4096,
-            .c_offset = 2048,
-            .fins_offset = 0x8000,
-            .c_type = ValueType::kBcd16},
-    AreaRow{.name = "TF",
-            .other = "TIMF",
-            .letter = 'G',
-            .c_items = 2048,
-            .bit_code = 0x09,
-            .fins_items = 4096,
-            .flags = true},
-    AreaRow{.name = "CF",
-            .other = "CNTF",
-            .letter = 'G',
-            .c_items = 2048,
-            .bit_code = 0x09,
-            .fins_items = 4096,
-            .c_offset = 2048,
-            .fins_offset = 0x8000,
-            .flags = true},
+constexpr auto kBcd = ValueType::kBcd16;
+constexpr std::uint32_t kEmC = kBankWords * 10, kEmFins = kBankWords * kBanks;
+// Name, second spelling, C-mode letter and items; FINS word code, bit code and items; C-mode and
+// FINS number of the first item; flags; type in C-mode.
+constexpr AreaRow kRows[] = {
+    {"CIO", "IR", 'R', 10000, 0xB0, 0x30, 6144, 0, 0, false, {}},
+    {"W", "WR", 0, 0, 0xB1, 0x31, 512, 0, 0, false, {}},
+    {"LR", "L", 'L', 200, 0, 0, 0, 0, 0, false, {}},
+    {"HR", "H", 'H', 1536, 0xB2, 0x32, 1536, 0, 0, false, {}},
+    {"AR", "A", 'J', 960, 0xB3, 0x33, 960, 0, 0, false, {}},
+    {"DM", "D", 'D', 10000, 0x82, 0x02, 32768, 0, 0, false, {}},
+    {"EM", "E", 'E', kEmC, 0xA0, 0x20, kEmFins, 0, 0, false, {}},
+    {"T", "TIM", 'C', 2048, 0x89, 0, 4096, 0, 0, false, kBcd},
+    {"C", "CNT", 'C', 2048, 0x89, 0, 4096, 2048, 0x8000, false, kBcd},
+    {"TF", "TIMF", 'G', 2048, 0, 0x09, 4096, 0, 0, true, {}},
+    {"CF", "CNTF", 'G', 2048, 0, 0x09, 4096, 2048, 0x8000, true, {}},
 };
 
 bool is_reached(const AreaRow& row, Mode mode) {
   return (mode == Mode::kFins ? row.fins_items : row.c_items) != 0;
 }
 
-std::vector<const AreaRow*> rows_reached(Mode mode) {
-  std::vector<const AreaRow*> rows;
-  for (const AreaRow& row : kRows) {
-    if (is_reached(row, mode)) rows.push_back(&row);
-  }
-  return rows;
-}
-
-std::vector<Area> areas_reached(Mode mode) {
+Reached find_reached(Mode mode) {
   const bool fins = mode == Mode::kFins;
-  std::vector<Area> areas;
-  for (const AreaRow* row : rows_of(mode)) {
+  Reached reached;
+  for (const AreaRow& each : kRows) {
+    const AreaRow* row = &each;
+    if (!is_reached(each, mode)) continue;
     Area area{.name = row->name,
               .item_bits = row->flags ? 1u : 16u,
               .type = fins ? std::nullopt : row->c_type,
@@ -114,28 +53,22 @@ std::vector<Area> areas_reached(Mode mode) {
     // The lower address holds the lower word of a double word (CS/CJ instructions manual, W340,
     // 2-1); the high byte holds the first character of a text.
     if (!row->flags) area.word_order = WordOrder::kLittleEndian;
-    areas.push_back(area);
+    reached.rows.push_back(row);
+    reached.areas.push_back(area);
   }
-  return areas;
+  return reached;
 }
 
-constexpr std::string_view kAllowedC =
-    "CIO12, CIO12.03, LR7, HR10, AR3, DM100, E1_100, T5, C5 (present values), TF5, CF5 (flags)";
-constexpr std::string_view kAllowedFins =
-    "CIO12, CIO12.03, W5.07, HR10, AR3, DM100, E1_100, T5, C5 (present values), TF5, CF5 (flags)";
-
-using Parsed = tl::expected<ParsedAddress, AddressFault>;
-
-Parsed fault(Mode mode, std::string what, std::string suggestion = {}) {
-  return tl::unexpected(AddressFault{std::move(what),
-                                     std::string(mode == Mode::kFins ? kAllowedFins : kAllowedC),
-                                     std::move(suggestion)});
-}
+constexpr AddressFaults kFaults[] = {
+    {"CIO12, CIO12.03, LR7, HR10, AR3, DM100, E1_100, T5, C5 (present values), TF5, CF5 (flags)"},
+    {"CIO12, CIO12.03, W5.07, HR10, AR3, DM100, E1_100, T5, C5 (present values), TF5, CF5 "
+     "(flags)"}};
 
 std::string suggest(Mode mode, std::string_view letters, std::string_view rest) {
   const std::string upper = upper_case(letters);
   std::vector<std::string_view> names;
-  for (const AreaRow* row : rows_of(mode)) names.insert(names.end(), {row->name, row->other});
+  for (const AreaRow* row : reached_in(mode).rows)
+    names.insert(names.end(), {row->name, row->other});
   const std::string_view near = near_miss(upper, names);
   if (near.empty() || near == "EM" || near == "E") return {};
   return std::string(near) + std::string(rest);
@@ -158,15 +91,9 @@ std::optional<std::uint32_t> banked(std::string_view text) {
 
 bool is_extended(const AreaRow& row) { return row.letter == 'E'; }
 
-const std::vector<const AreaRow*>& rows_of(Mode mode) {
-  static const std::vector<const AreaRow*> c = rows_reached(Mode::kCMode);
-  static const std::vector<const AreaRow*> fins = rows_reached(Mode::kFins);
-  return mode == Mode::kFins ? fins : c;
-}
-
-const std::vector<Area>& areas_of(Mode mode) {
-  static const std::vector<Area> c = areas_reached(Mode::kCMode);
-  static const std::vector<Area> fins = areas_reached(Mode::kFins);
+const Reached& reached_in(Mode mode) {
+  static const Reached c = find_reached(Mode::kCMode);
+  static const Reached fins = find_reached(Mode::kFins);
   return mode == Mode::kFins ? fins : c;
 }
 
@@ -182,45 +109,42 @@ std::pair<std::string_view, std::string_view> split_area(std::string_view at) {
 
 }  // namespace
 
-tl::expected<ParsedAddress, AddressFault> parse_address(Mode mode, std::string_view at) {
+ParsedOrFault parse_address(Mode mode, std::string_view at) {
+  const AddressFaults& fault = kFaults[mode == Mode::kFins];
   const auto [letters, rest] = split_area(at);
   const auto named = [letters = letters](const AreaRow& row) {
     return row.name == letters || row.other == letters;
   };
-  const auto row = std::find_if(kRows.begin(), kRows.end(), named);
-  if (row == kRows.end())
-    return fault(mode, "area " + quoted(letters) + " is unknown", suggest(mode, letters, rest));
+  const auto row = std::ranges::find_if(kRows, named);
+  if (row == std::end(kRows))
+    return fault("area " + quoted(letters) + " is unknown", suggest(mode, letters, rest));
   const std::string name(row->name);
   if (!is_reached(*row, mode)) {
-    return fault(mode,
-                 name + (mode == Mode::kFins ? " is not reached by FINS"
+    return fault(name + (mode == Mode::kFins ? " is not reached by FINS"
                                              : " is reached by FINS only (option mode: fins)"));
   }
-  const auto& rows = rows_of(mode);
-  ParsedAddress address{
-      .area = static_cast<AreaIndex>(std::find(rows.begin(), rows.end(), &*row) - rows.begin())};
-  const Area& area = areas_of(mode)[address.area];
+  const auto& [rows, areas] = reached_in(mode);
+  ParsedAddress address{.area =
+                            static_cast<AreaIndex>(std::ranges::find(rows, &*row) - rows.begin())};
+  const Area& area = areas[address.area];
 
   const std::size_t dot = rest.find('.');
   const auto first =
       is_extended(*row) ? banked(rest.substr(0, dot)) : whole_number(rest.substr(0, dot));
   if (!first)
-    return fault(mode, quoted(rest.substr(0, dot)) + " is no place in " + name,
+    return fault(quoted(rest.substr(0, dot)) + " is no place in " + name,
                  name + (is_extended(*row) ? "0_0" : "0"));
   const bool past_digits = mode == Mode::kCMode && is_extended(*row) && *first % kBankWords > 9999;
   if (*first >= area.items || past_digits)
-    return fault(mode, quoted(at) + " is beyond the end of " + name);
+    return fault(quoted(at) + " is beyond the end of " + name);
   address.first = *first;
   if (row->flags) address.width_bits = 1;
   if (dot == std::string_view::npos) return address;
 
   const std::string whole = std::string(at.substr(0, at.find('.')));
-  if (row->flags) return fault(mode, "a flag has no bits", whole);
-  const auto bit = whole_number(rest.substr(dot + 1));
-  if (!bit || *bit > 15)
-    return fault(mode, "bit " + quoted(rest.substr(dot + 1)) + " is not 00..15", whole + ".00");
-  address.bit = static_cast<std::uint8_t>(*bit);
-  address.width_bits = 1;
+  if (row->flags) return fault("a flag has no bits", whole);
+  if (!set_bit(address, whole_number(rest.substr(dot + 1)), 16))
+    return fault("bit " + quoted(rest.substr(dot + 1)) + " is not 00..15", whole + ".00");
   return address;
 }
 

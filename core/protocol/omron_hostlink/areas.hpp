@@ -34,9 +34,12 @@ inline constexpr std::uint32_t kBanks = 13;         // 0 to C
 // Returns true for EM, whose word and bit codes contain the bank.
 [[nodiscard]] bool is_extended(const AreaRow& row);
 
-// Areas of one command set, in the order of Protocol::areas().
-[[nodiscard]] const std::vector<const AreaRow*>& rows_of(Mode mode);
-[[nodiscard]] const std::vector<Area>& areas_of(Mode mode);
+// What one command set reaches, in the order of Protocol::areas().
+struct Reached {
+  std::vector<const AreaRow*> rows;
+  std::vector<Area> areas;
+};
+[[nodiscard]] const Reached& reached_in(Mode mode);
 
 // "DM100", "CIO12.03", "W5", "HR10", "AR3", "LR7", "T5", "C5", "TF5", "E1_100".
 [[nodiscard]] tl::expected<ParsedAddress, AddressFault> parse_address(Mode mode,

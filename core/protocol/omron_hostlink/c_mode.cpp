@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "core/codec/digits.hpp"
 #include "core/protocol/omron_hostlink/hostlink.hpp"
+#include "core/protocol/received.hpp"
 
 namespace fieldcast::omron {
 namespace {
@@ -15,19 +15,15 @@ constexpr std::size_t kMaxReceived = 1024;  // since the last send: eight frames
 constexpr std::uint16_t kNotSupported = 0x16;
 constexpr std::uint32_t kWordDigits = 4;
 
-const AreaRow& row_of(const Range& range) { return *rows_of(Mode::kCMode)[range.area]; }
+const AreaRow& row_of(const Range& range) { return *reached_in(Mode::kCMode).rows[range.area]; }
 std::uint32_t digits_of(const Range& range) {
   return row_of(range).flags ? range.count : range.count * kWordDigits;
 }
 
-bool fits(const Range& range, std::uint32_t limit) {
-  const auto& areas = areas_of(Mode::kCMode);
-  if (range.area >= areas.size() || range.count == 0 || range.count > limit) return false;
-  if (range.first >= areas[range.area].items || range.count > areas[range.area].items - range.first)
-    return false;
-  if (!is_extended(row_of(range))) return true;
-  const std::uint32_t word = range.first % kBankWords;  // limit of a bank with four digits
-  return word + range.count <= 10000;
+bool fits_c_mode(const Range& range, bool write) {
+  if (!fieldcast::fits(reached_in(Mode::kCMode).areas, range, write)) return false;
+  // Limit of a bank with four digits.
+  return !is_extended(row_of(range)) || range.first % kBankWords + range.count <= 10000;
 }
 
 // Number of frames for the data characters.
@@ -69,17 +65,14 @@ class CModeExchange : public Exchange {
 
   // `expected`: characters of the whole expected frame.
   Step search(ByteView all, std::size_t expected, Bytes& out) {
-    silence_ = std::any_of(all.begin(), all.end(), [](auto c) { return c != 0x00 && c != 0xFF; })
-                   ? Cause::kMalformed
-                   : Cause::kNoAnswer;
+    silence_ = cause_of_noise(all);
     Step step = Step::need_answer();
     for (;;) {
       const ParseResult parsed = first_frame(all);
       if (parsed.kind == ParseResult::Kind::kNothing) return step;
       if (parsed.kind == ParseResult::Kind::kOpen) {
         silence_ = Cause::kTruncated;
-        return Step::need_rest(static_cast<std::uint32_t>(
-            expected > parsed.text.size() ? expected - parsed.text.size() : 1));
+        return Step::need_rest(expected > parsed.text.size() ? expected - parsed.text.size() : 1);
       }
       if (parsed.kind == ParseResult::Kind::kBroken) {
         silence_ = Cause::kChecksum;
@@ -167,8 +160,8 @@ class CModeRead final : public CModeExchange {
     if (parsed.kind == ParseResult::Kind::kFrame) return accept(parsed.text, parsed.last, out);
     silence_ = parsed.kind == ParseResult::Kind::kBroken ? Cause::kChecksum : Cause::kTruncated;
     const std::size_t whole = frame_size(kReadLater);
-    return Step::need_rest(static_cast<std::uint32_t>(
-        parsed.kind == ParseResult::Kind::kOpen ? whole - std::min(whole - 1, all.size()) : 0));
+    return Step::need_rest(
+        parsed.kind == ParseResult::Kind::kOpen ? whole - std::min(whole - 1, all.size()) : 0);
   }
 
   Step accept(ByteView text, bool last, Bytes& out) override {
@@ -243,7 +236,7 @@ class CModeWrite final : public CModeExchange {
   }
 
   Step take(ByteView all, Bytes& out) override {
-    const auto cr = std::find(all.begin(), all.end(), kCr);
+    const auto cr = std::ranges::find(all, kCr);
     if (open_ && cr != all.end() && std::find(all.begin(), cr, kAt) == cr) {
       out.clear();
       return send_next(kWriteLater, 0, out);
@@ -267,20 +260,15 @@ ExchangeSize read_size(const Range& range) {
   const bool flags = row_of(range).flags;
   const std::uint32_t frames =
       frames_for(digits, flags ? kFlagsFirst : kReadFirst, flags ? kFlagsLater : kReadLater);
-  return {.request_characters =
-              static_cast<std::uint32_t>(kHeadSize) + first_size(range) + 4 + 4 + (frames - 1),
-          .answer_characters =
-              static_cast<std::uint32_t>(kHeadSize + kEndCodeSize) + digits + 3 * frames + 1,
-          .rounds = frames};
+  return ExchangeSize::of(kHeadSize + first_size(range) + 4 + 4 + (frames - 1),
+                          kHeadSize + kEndCodeSize + digits + 3 * frames + 1, frames);
 }
 
 ExchangeSize write_size(const Range& range) {
   const std::uint32_t digits = digits_of(range);
   const std::uint32_t frames = frames_for(digits, kWriteFirst, kWriteLater);
-  return {.request_characters =
-              static_cast<std::uint32_t>(kHeadSize) + first_size(range) + digits + 3 * frames + 1,
-          .answer_characters = 11 + (frames - 1),
-          .rounds = frames};
+  return ExchangeSize::of(kHeadSize + first_size(range) + digits + 3 * frames + 1,
+                          11 + (frames - 1), frames);
 }
 
 }  // namespace
@@ -289,18 +277,13 @@ std::optional<ExchangeSize> c_mode_size(const Request& request) {
   if (const auto* read = std::get_if<ReadRequest>(&request)) {
     if (read->ranges.size() != 1) return std::nullopt;
     const Range& range = read->ranges.front();
-    if (range.area >= areas_of(Mode::kCMode).size() ||
-        !fits(range, areas_of(Mode::kCMode)[range.area].max_read))
-      return std::nullopt;
-    return read_size(range);
+    return fits_c_mode(range, false) ? std::optional(read_size(range)) : std::nullopt;
   }
   const auto* write = std::get_if<WriteRequest>(&request);
   if (write == nullptr || write->bit) return std::nullopt;
   const Range& range = write->range;
-  if (range.area >= areas_of(Mode::kCMode).size() ||
-      !fits(range, areas_of(Mode::kCMode)[range.area].max_write))
-    return std::nullopt;
-  if (write->items.size() != image_bytes(row_of(range).flags ? 1 : 16, range.count))
+  if (!fits_c_mode(range, true) ||
+      write->items.size() != image_bytes(row_of(range).flags ? 1 : 16, range.count))
     return std::nullopt;
   return write_size(range);
 }

@@ -1,6 +1,6 @@
 #include <algorithm>
-#include <array>
 #include <string>
+#include <utility>
 
 #include "core/codec/checksum.hpp"
 #include "core/codec/digits.hpp"
@@ -15,58 +15,60 @@ namespace {
 constexpr std::size_t kMaxExplained = 4096;
 constexpr std::size_t kMaxCMode = 131;
 
-std::string text_of(ByteView characters) {
-  std::string text;
-  for (const std::uint8_t c : characters) {
-    if (c >= 0x20 && c < 0x7F)
-      text += static_cast<char>(c);
-    else
-      text += "<" + to_hex({&c, 1}) + ">";
-  }
-  return text;
-}
+using Named = std::pair<std::string_view, std::string_view>;
+constexpr Named kHeaders[] = {{"RR", "read CIO"},
+                              {"RL", "read LR"},
+                              {"RH", "read HR"},
+                              {"RJ", "read AR"},
+                              {"RD", "read DM"},
+                              {"RE", "read EM"},
+                              {"RC", "read timer/counter present values"},
+                              {"RG", "read timer/counter flags"},
+                              {"WR", "write CIO"},
+                              {"WL", "write LR"},
+                              {"WH", "write HR"},
+                              {"WJ", "write AR"},
+                              {"WD", "write DM"},
+                              {"WE", "write EM"},
+                              {"WC", "write timer/counter present values"},
+                              {"WG", "write timer/counter flags"},
+                              {"R#", "read a set value by its timer or counter"},
+                              {"R$", "read a set value"},
+                              {"R%", "read a set value, with its operand"},
+                              {"W#", "change a set value by its timer or counter"},
+                              {"W$", "change a set value"},
+                              {"W%", "change a set value, with its operand"},
+                              {"RP", "program read"},
+                              {"WP", "program write"},
+                              {"MI", "make the I/O table"},
+                              {"MS", "status read"},
+                              {"SC", "set mode"},
+                              {"MM", "model read"},
+                              {"TS", "echo test"},
+                              {"KS", "force set"},
+                              {"KR", "force reset"},
+                              {"KC", "cancel forced bits"},
+                              {"MF", "error read"},
+                              {"QQ", "register areas and read them"},
+                              {"XZ", "abort"},
+                              {"IC", "undefined command"},
+                              {"FA", "FINS"}};
 
-struct HeaderRow {
-  std::string_view header;
-  std::string_view text;
-};
-constexpr std::array kHeaders{HeaderRow{"RR", "read CIO"},
-                              HeaderRow{"RL", "read LR"},
-                              HeaderRow{"RH", "read HR"},
-                              HeaderRow{"RJ", "read AR"},
-                              HeaderRow{"RD", "read DM"},
-                              HeaderRow{"RE", "read EM"},
-                              HeaderRow{"RC", "read timer/counter present values"},
-                              HeaderRow{"RG", "read timer/counter flags"},
-                              HeaderRow{"WR", "write CIO"},
-                              HeaderRow{"WL", "write LR"},
-                              HeaderRow{"WH", "write HR"},
-                              HeaderRow{"WJ", "write AR"},
-                              HeaderRow{"WD", "write DM"},
-                              HeaderRow{"WE", "write EM"},
-                              HeaderRow{"WC", "write timer/counter present values"},
-                              HeaderRow{"WG", "write timer/counter flags"},
-                              HeaderRow{"R#", "read a set value by its timer or counter"},
-                              HeaderRow{"R$", "read a set value"},
-                              HeaderRow{"R%", "read a set value, with its operand"},
-                              HeaderRow{"W#", "change a set value by its timer or counter"},
-                              HeaderRow{"W$", "change a set value"},
-                              HeaderRow{"W%", "change a set value, with its operand"},
-                              HeaderRow{"RP", "program read"},
-                              HeaderRow{"WP", "program write"},
-                              HeaderRow{"MI", "make the I/O table"},
-                              HeaderRow{"MS", "status read"},
-                              HeaderRow{"SC", "set mode"},
-                              HeaderRow{"MM", "model read"},
-                              HeaderRow{"TS", "echo test"},
-                              HeaderRow{"KS", "force set"},
-                              HeaderRow{"KR", "force reset"},
-                              HeaderRow{"KC", "cancel forced bits"},
-                              HeaderRow{"MF", "error read"},
-                              HeaderRow{"QQ", "register areas and read them"},
-                              HeaderRow{"XZ", "abort"},
-                              HeaderRow{"IC", "undefined command"},
-                              HeaderRow{"FA", "FINS"}};
+using FinsCommand = std::pair<std::uint16_t, std::string_view>;
+constexpr FinsCommand kFinsCommands[] = {{0x0101, "memory area read"},
+                                         {0x0102, "memory area write"},
+                                         {0x0103, "memory area fill"},
+                                         {0x0104, "multiple memory area read"},
+                                         {0x0105, "memory area transfer"},
+                                         {0x0306, "program area read"},
+                                         {0x0307, "program area write"},
+                                         {0x0308, "program area clear"},
+                                         {0x0401, "run"},
+                                         {0x0402, "stop"},
+                                         {0x0501, "CPU unit data read"},
+                                         {0x0601, "CPU unit status read"},
+                                         {0x0620, "cycle time read"},
+                                         {0x0701, "clock read"}};
 
 class HostLinkExplainer {
  public:
@@ -81,10 +83,10 @@ class HostLinkExplainer {
       writer_.remark("delimiter: go on with the next frame");
       return writer_.take();
     }
-    const auto at = std::find(frame_.begin(), frame_.end(), kAt);
+    const auto at = std::ranges::find(frame_, kAt);
     if (at != frame_.begin() && at != frame_.end()) {
       start_ = static_cast<std::size_t>(at - frame_.begin());
-      writer_.add(0, start_, "ignored", text_of(frame_.first(start_)));
+      writer_.add(0, start_, "ignored", printable(frame_.first(start_)));
     }
     marked_ = at != frame_.end();
     body();
@@ -94,25 +96,25 @@ class HostLinkExplainer {
  private:
   void body() {
     const ByteView own = frame_.subspan(start_);
-    const auto cr = std::find(own.begin(), own.end(), kCr);
+    const auto cr = std::ranges::find(own, kCr);
     auto end = static_cast<std::size_t>(cr - own.begin());  // later of the FCS
     const bool ended = cr != own.end();
     const bool last = end > 0 && own[end - 1] == kStar;
     if (last) --end;
     if (end < kFcsSize + (marked_ ? kHeadSize : 1))
-      return writer_.remark(text_of(own), "too short for a frame");
+      return writer_.remark(printable(own), "too short for a frame");
     const ByteView text = own.first(end - kFcsSize);
     if (marked_)
       head(text);
     else
-      add(0, text.size(), "data", "of a later frame: " + text_of(text), digits_fault(text));
+      add(0, text.size(), "data", "of a later frame: " + printable(text), digits_fault(text));
     const ByteView fcs = own.subspan(end - kFcsSize, kFcsSize);
     Bytes right;
     append_digits(right, xor8(text), 2);
-    add(end - kFcsSize, kFcsSize, "FCS", text_of(fcs),
+    add(end - kFcsSize, kFcsSize, "FCS", printable(fcs),
         std::ranges::equal(fcs, right)
             ? ""
-            : "FCS is " + text_of(fcs) + ", should be " + text_of(right));
+            : "FCS is " + printable(fcs) + ", should be " + printable(right));
     add(end, own.size() - end, "end", last ? "the last frame" : "more frames follow",
         ended ? "" : "CR is missing");
     const auto size = static_cast<std::size_t>(cr - own.begin()) + 1;
@@ -137,12 +139,11 @@ class HostLinkExplainer {
   void head(ByteView text) {
     const ByteView unit = text.subspan(1, 2);
     const auto number = read_digits(unit, 10);
-    add(1, 2, "unit", text_of(unit), number && *number <= 31 ? "" : "must be 00..31 in decimal");
+    add(1, 2, "unit", printable(unit), number && *number <= 31 ? "" : "must be 00..31 in decimal");
     const std::string header(text.begin() + 3, text.begin() + kHeadSize);
-    const auto row = std::find_if(kHeaders.begin(), kHeaders.end(),
-                                  [&](const HeaderRow& each) { return each.header == header; });
-    add(3, 2, "header", header + (row != kHeaders.end() ? " " + std::string(row->text) : ""),
-        row != kHeaders.end() ? "" : "no command");
+    const auto row = std::ranges::find(kHeaders, header, &Named::first);
+    add(3, 2, "header", header + (row != std::end(kHeaders) ? " " + std::string(row->second) : ""),
+        row != std::end(kHeaders) ? "" : "no command");
     const ByteView rest = text.subspan(kHeadSize);
     is_fins_ = header == "FA";
     const bool of_area = std::string_view("RLHJDECG").find(header[1]) != std::string_view::npos;
@@ -153,17 +154,17 @@ class HostLinkExplainer {
     else if (header[0] == 'W' && of_area)
       write(rest, header[1]);
     else if (!rest.empty())
-      add(kHeadSize, rest.size(), "text", text_of(rest));
+      add(kHeadSize, rest.size(), "text", printable(rest));
   }
 
   void end_code(ByteView rest) {
-    const auto code = read_digits(rest.first(std::min<std::size_t>(2, rest.size())));
-    const bool known = rest.size() >= 2 && code &&
-                       end_code_text(static_cast<std::uint16_t>(*code)) != "unknown end code";
-    add(kHeadSize, std::min<std::size_t>(2, rest.size()), "end code",
-        text_of(rest.first(std::min<std::size_t>(2, rest.size()))) +
-            (code ? " " + std::string(end_code_text(static_cast<std::uint16_t>(*code))) : ""),
-        known ? "" : "no end code");
+    const ByteView digits = rest.first(std::min<std::size_t>(2, rest.size()));
+    const auto code = read_digits(digits);
+    const std::string_view text =
+        code ? end_code_text(static_cast<std::uint16_t>(*code)) : std::string_view{};
+    const bool known = rest.size() >= 2 && code && text != "unknown end code";
+    add(kHeadSize, digits.size(), "end code",
+        printable(digits) + (code ? " " : "") + std::string(text), known ? "" : "no end code");
   }
 
   // A request has eight decimal digits (ten for EM); a response has an end code, then words or
@@ -179,14 +180,14 @@ class HostLinkExplainer {
       return data(rest.subspan(2), kHeadSize + 2, flags);
     }
     writer_.remark("request", request ? "" : "the length of neither a request nor a response");
-    if (!request) return add(kHeadSize, rest.size(), "text", text_of(rest));
-    if (letter == 'E') add(kHeadSize, 2, "bank", text_of(rest.first(2)));
+    if (!request) return add(kHeadSize, rest.size(), "text", printable(rest));
+    if (letter == 'E') add(kHeadSize, 2, "bank", printable(rest.first(2)));
     decimal(rest.subspan(address_size - 4, 4), kHeadSize + address_size - 4, "first");
     decimal(rest.subspan(address_size, 4), kHeadSize + address_size, "count");
   }
 
   void decimal(ByteView digits, std::size_t at, const char* name) {
-    add(at, digits.size(), name, text_of(digits), read_digits(digits, 10) ? "" : "not decimal");
+    add(at, digits.size(), name, printable(digits), read_digits(digits, 10) ? "" : "not decimal");
   }
 
   void write(ByteView rest, char letter) {
@@ -197,8 +198,8 @@ class HostLinkExplainer {
     const std::size_t address_size = letter == 'E' ? 6 : 4;
     writer_.remark("request");
     if (rest.size() <= address_size)
-      return add(kHeadSize, rest.size(), "text", text_of(rest), "too short");
-    if (letter == 'E') add(kHeadSize, 2, "bank", text_of(rest.first(2)));
+      return add(kHeadSize, rest.size(), "text", printable(rest), "too short");
+    if (letter == 'E') add(kHeadSize, 2, "bank", printable(rest.first(2)));
     decimal(rest.subspan(address_size - 4, 4), kHeadSize + address_size - 4, "first");
     data(rest.subspan(address_size), kHeadSize + address_size, letter == 'G');
   }
@@ -207,8 +208,9 @@ class HostLinkExplainer {
     if (digits.empty()) return;
     std::string words;
     for (std::size_t i = 0; i < digits.size(); i += flags ? 1 : 4) {
-      words += (words.empty() ? "" : " ") +
-               text_of(digits.subspan(i, std::min<std::size_t>(flags ? 1 : 4, digits.size() - i)));
+      words +=
+          (words.empty() ? "" : " ") +
+          printable(digits.subspan(i, std::min<std::size_t>(flags ? 1 : 4, digits.size() - i)));
     }
     std::string fault = digits_fault(digits);
     if (fault.empty() && !flags && digits.size() % 4 != 0) fault = "words have four digits each";
@@ -221,13 +223,13 @@ class HostLinkExplainer {
     writer_.remark(request ? "request" : "response");
     if (rest.empty()) return writer_.remark("", "nothing behind FA");
     if (request)
-      add(kHeadSize, 1, "wait", text_of(rest.first(1)) + " * 10 ms", digits_fault(rest.first(1)));
+      add(kHeadSize, 1, "wait", printable(rest.first(1)) + " * 10 ms", digits_fault(rest.first(1)));
     else
       end_code(rest);
     const std::size_t skip = request ? 1 : 2;
     const auto bytes = read_hex_bytes(rest.subspan(skip));
     if (!bytes)
-      return add(kHeadSize + skip, rest.size() - skip, "message", text_of(rest.subspan(skip)),
+      return add(kHeadSize + skip, rest.size() - skip, "message", printable(rest.subspan(skip)),
                  "not upper-case hexadecimal digits");
     if (bytes->empty()) {
       if (request) writer_.remark("", "the FINS message is missing");
@@ -267,23 +269,8 @@ class HostLinkExplainer {
     const std::uint8_t bytes[]{static_cast<std::uint8_t>(command >> 8),
                                static_cast<std::uint8_t>(command)};
     std::string text = to_hex(bytes, '\0');
-    switch (command) {
-      case 0x0101: return text + " memory area read";
-      case 0x0102: return text + " memory area write";
-      case 0x0103: return text + " memory area fill";
-      case 0x0104: return text + " multiple memory area read";
-      case 0x0105: return text + " memory area transfer";
-      case 0x0306: return text + " program area read";
-      case 0x0307: return text + " program area write";
-      case 0x0308: return text + " program area clear";
-      case 0x0401: return text + " run";
-      case 0x0402: return text + " stop";
-      case 0x0501: return text + " CPU unit data read";
-      case 0x0601: return text + " CPU unit status read";
-      case 0x0620: return text + " cycle time read";
-      case 0x0701: return text + " clock read";
-      default: return text;
-    }
+    const auto row = std::ranges::find(kFinsCommands, command, &FinsCommand::first);
+    return row == std::end(kFinsCommands) ? text : text + " " + std::string(row->second);
   }
 
   const ByteView frame_;

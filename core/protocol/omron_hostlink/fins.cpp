@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <string>
 
 #include "core/codec/digits.hpp"
 #include "core/protocol/omron_hostlink/hostlink.hpp"
+#include "core/protocol/received.hpp"
 
 namespace fieldcast::omron {
 namespace {
@@ -20,21 +20,17 @@ constexpr std::uint8_t kGatewayCount = 0x02;
 constexpr std::size_t kRequestFrame = kHeadSize + 1 + kFcsSize + 2;
 constexpr std::size_t kAnswerFrame = kHeadSize + kEndCodeSize + kFcsSize + 2;
 
-const AreaRow& fins_row(const Range& range) { return *rows_of(Mode::kFins)[range.area]; }
+const AreaRow& fins_row(const Range& range) { return *reached_in(Mode::kFins).rows[range.area]; }
 std::size_t header_size(const FinsRoute& route) {
   return route.relayed ? kRelayedHeader : kDirectHeader;
 }
 std::size_t item_bytes(const Range& range) { return fins_row(range).flags ? 1 : 2; }
 
-bool fits(const Range& range, bool write) {
-  const auto& areas = areas_of(Mode::kFins);
-  if (range.area >= areas.size()) return false;
-  const Area& area = areas[range.area];
-  if (range.count == 0 || range.count > (write ? area.max_write : area.max_read)) return false;
-  if (range.first >= area.items || range.count > area.items - range.first) return false;
+bool fits_fins(const Range& range, bool write) {
+  const auto& areas = reached_in(Mode::kFins).areas;
   // Each bank of EM has its own area code.
-  return !is_extended(fins_row(range)) ||
-         range.first / kBankWords == (range.end() - 1) / kBankWords;
+  return fieldcast::fits(areas, range, write) &&
+         in_one_bank(areas[range.area], range.first, range.end());
 }
 
 void append_address(Bytes& out, const Range& range, std::optional<std::uint8_t> bit = {}) {
@@ -58,7 +54,7 @@ struct Sizes {
 std::optional<Sizes> sizes_of(const ReadRequest& read) {
   if (read.ranges.empty() || read.ranges.size() > kFinsItems) return std::nullopt;
   for (const Range& range : read.ranges) {
-    if (!fits(range, false)) return std::nullopt;
+    if (!fits_fins(range, false)) return std::nullopt;
   }
   if (read.ranges.size() == 1) {
     return Sizes{kCommandSize + kItemSize + kCountSize,
@@ -76,7 +72,7 @@ std::optional<Sizes> sizes_of(const ReadRequest& read) {
 }
 
 std::optional<Sizes> sizes_of(const WriteRequest& write) {
-  if (!fits(write.range, true) || write.items.size() != image_bytes(16, write.range.count))
+  if (!fits_fins(write.range, true) || write.items.size() != image_bytes(16, write.range.count))
     return std::nullopt;
   if (write.bit &&
       (write.range.count != 1 || *write.bit > 15 || fins_row(write.range).bit_code == 0))
@@ -110,22 +106,20 @@ class FinsExchange final : public Exchange {
     append_digits(out, route_.wait, 1);
     append_hex_bytes(out, message_);
     append_end(out, 0, true);
-    return Step::send(static_cast<std::uint32_t>(frame_size()));
+    return Step::send(frame_size());
   }
 
   Step on_bytes(ByteView all, Bytes&) override {
     if (all.size() > kMaxFinsReceived) return Step::failed(Cause::kOverlong);
-    silence_ = std::any_of(all.begin(), all.end(), [](auto c) { return c != 0x00 && c != 0xFF; })
-                   ? Cause::kMalformed
-                   : Cause::kNoAnswer;
+    silence_ = cause_of_noise(all);
     Step step = Step::need_answer();
     for (;;) {
       const ParseResult parsed = first_frame(all);
       if (parsed.kind == ParseResult::Kind::kNothing) return step;
       if (parsed.kind == ParseResult::Kind::kOpen) {
         silence_ = Cause::kTruncated;
-        return Step::need_rest(static_cast<std::uint32_t>(
-            frame_size() > parsed.text.size() ? frame_size() - parsed.text.size() : 1));
+        return Step::need_rest(frame_size() > parsed.text.size() ? frame_size() - parsed.text.size()
+                                                                 : 1);
       }
       if (parsed.kind == ParseResult::Kind::kBroken) {
         silence_ = Cause::kChecksum;
@@ -240,14 +234,14 @@ class FinsExchange final : public Exchange {
   // Each item repeats its area code.
   Step unpack_many(ByteView data) {
     Reply reply(ranges_.size());
-    ByteView asked = ByteView(message_).subspan(header_size(route_) + kCommandSize);
+    ByteView requested = ByteView(message_).subspan(header_size(route_) + kCommandSize);
     for (std::size_t r = 0; r < ranges_.size(); ++r) {
       const std::size_t size = item_bytes(ranges_[r]);
       for (std::uint32_t i = 0; i < ranges_[r].count; ++i) {
-        if (data[0] != asked[0]) return Step::need_answer();
+        if (data[0] != requested[0]) return Step::need_answer();
         append(reply[r].items, data.subspan(1, size));
         data = data.subspan(1 + size);
-        asked = asked.subspan(kItemSize);
+        requested = requested.subspan(kItemSize);
       }
       if (fins_row(ranges_[r]).flags && !are_bits(reply[r].items)) return Step::need_answer();
     }
@@ -256,7 +250,7 @@ class FinsExchange final : public Exchange {
   }
 
   static bool are_bits(ByteView items) {
-    return std::all_of(items.begin(), items.end(), [](auto item) { return item <= 1; });
+    return std::ranges::all_of(items, [](auto item) { return item <= 1; });
   }
 
   const FinsRoute route_;
@@ -276,11 +270,9 @@ std::optional<ExchangeSize> fins_size(const FinsRoute& route, const Request& req
   const bool long_request = head + sizes->request > kFinsRequestBytes;
   if (long_request || head + kCommandSize + kEndSize + sizes->answer > kFinsAnswerBytes)
     return std::nullopt;
-  return ExchangeSize{
-      .request_characters = static_cast<std::uint32_t>(kRequestFrame + 2 * (head + sizes->request)),
-      .answer_characters = static_cast<std::uint32_t>(
-          kAnswerFrame + 2 * (head + kCommandSize + kEndSize + sizes->answer)),
-      .pauses = std::chrono::milliseconds{10} * route.wait};
+  return ExchangeSize::of(kRequestFrame + 2 * (head + sizes->request),
+                          kAnswerFrame + 2 * (head + kCommandSize + kEndSize + sizes->answer), 1,
+                          std::chrono::milliseconds{10} * route.wait);
 }
 
 std::unique_ptr<Exchange> begin_fins(const FinsRoute& route, std::uint8_t sid,

@@ -35,7 +35,7 @@ void append_end(Bytes& out, std::size_t start, bool last) {
 }
 
 ParseResult first_frame(ByteView bytes) {
-  const auto at = std::find(bytes.begin(), bytes.end(), kAt);
+  const auto at = std::ranges::find(bytes, kAt);
   if (at == bytes.end()) return {};
   const auto cr = std::find(at, bytes.end(), kCr);
   const auto start =
@@ -46,7 +46,7 @@ ParseResult first_frame(ByteView bytes) {
 
 ParseResult later_frame(ByteView bytes) {
   if (bytes.empty()) return {};
-  const auto cr = std::find(bytes.begin(), bytes.end(), kCr);
+  const auto cr = std::ranges::find(bytes, kCr);
   if (cr == bytes.end()) return {.kind = ParseResult::Kind::kOpen, .text = bytes};
   return judged({bytes.begin(), cr}, static_cast<std::size_t>(cr - bytes.begin()) + 1);
 }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <string_view>
+#include <tuple>
 
 #include "core/codec/digits.hpp"
 #include "core/protocol/omron_hostlink/c_mode.hpp"
@@ -33,7 +34,7 @@ class CModeProtocol final : public Protocol {
  public:
   explicit CModeProtocol(std::uint16_t unit) : unit_(unit) {}
   const Traits& traits() const override { return kCModeTraits; }
-  std::span<const Area> areas() const override { return areas_of(Mode::kCMode); }
+  std::span<const Area> areas() const override { return reached_in(Mode::kCMode).areas; }
   tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override {
     return parse_with_suggestion(
         at, [](std::string_view text) { return omron::parse_address(Mode::kCMode, text); });
@@ -57,7 +58,7 @@ class FinsProtocol final : public Protocol {
  public:
   explicit FinsProtocol(const FinsRoute& route) : route_(route) {}
   const Traits& traits() const override { return kFinsTraits; }
-  std::span<const Area> areas() const override { return areas_of(Mode::kFins); }
+  std::span<const Area> areas() const override { return reached_in(Mode::kFins).areas; }
   tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override {
     return parse_with_suggestion(
         at, [](std::string_view text) { return omron::parse_address(Mode::kFins, text); });
@@ -79,18 +80,16 @@ tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link
   OptionReader reader(link, kCModeTraits, kOptions);
   const bool fins = reader.choice("mode", {"c-mode", "fins"}) == 1;
   FinsRoute route{.host_unit = link.address};
-  route.wait = static_cast<std::uint8_t>(reader.number("wait", 0, 15, 0));
-  route.network = static_cast<std::uint8_t>(reader.number("network", 0, 127, 0));
-  route.node = static_cast<std::uint8_t>(reader.number("node", 0, 254, 0));
-  route.unit = static_cast<std::uint8_t>(reader.number("unit", 0, 254, 0));
+  for (const auto& [name, highest, field] :
+       {std::tuple{"wait", 15u, &route.wait}, std::tuple{"network", 127u, &route.network},
+        std::tuple{"node", 254u, &route.node}, std::tuple{"unit", 254u, &route.unit}})
+    *field = static_cast<std::uint8_t>(reader.number(name, 0, highest, 0));
   route.relayed = link.options.contains("network") || link.options.contains("node");
   if (reader.fault()) return tl::unexpected(*reader.fault());
   if (fins) return std::make_unique<FinsProtocol>(route);
-  for (const std::string_view name : {"wait", "network", "node", "unit"}) {
-    if (link.options.contains(std::string(name))) {
-      return tl::unexpected(OptionFault{
-          std::string(name), "'" + std::string(name) + "' belongs to FINS", "with mode: fins"});
-    }
+  for (const std::string name : {"wait", "network", "node", "unit"}) {
+    if (link.options.contains(name))
+      return tl::unexpected(OptionFault{name, "'" + name + "' belongs to FINS", "with mode: fins"});
   }
   return std::make_unique<CModeProtocol>(link.address);
 }

@@ -20,6 +20,7 @@
 #include "core/codec/value_codec.hpp"
 #include "core/protocol/option_reader.hpp"
 #include "core/protocol/protocol_entry.hpp"
+#include "core/protocol/received.hpp"
 
 namespace fieldcast::s7_freeport {
 namespace {
@@ -77,10 +78,8 @@ class FreeportExchange final : public Exchange {
   Step on_bytes(ByteView all, Bytes&) override {
     if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
     Step step = Step::need_answer();
-    silence_ = std::any_of(all.begin(), all.end(), [](auto c) { return c != 0x00 && c != 0xFF; })
-                   ? Cause::kMalformed
-                   : Cause::kNoAnswer;
-    for (auto q = std::find(all.begin(), all.end(), 'q');
+    silence_ = cause_of_noise(all);
+    for (auto q = std::ranges::find(all, 'q');
          q != all.end();) {  // a `q` begins a frame at any time
       const auto next = std::find(q + 1, all.end(), 'q');
       step = examine({q, next});
@@ -95,11 +94,10 @@ class FreeportExchange final : public Exchange {
 
  private:
   Step examine(ByteView text) {
-    const auto end = std::find(text.begin(), text.end(), 'Q');
+    const auto end = std::ranges::find(text, 'Q');
     if (end == text.end() && text.size() < kRequest) {
       silence_ = Cause::kTruncated;
-      return Step::need_rest(
-          static_cast<std::uint32_t>(text.size() < kAnswer ? kAnswer - text.size() : 1));
+      return Step::need_rest(text.size() < kAnswer ? kAnswer - text.size() : 1);
     }
     const ByteView frame =
         text.first(static_cast<std::size_t>(end - text.begin()) + (end != text.end() ? 1 : 0));
@@ -172,7 +170,7 @@ class FreeportProtocol final : public Protocol {
 
   std::optional<ExchangeSize> size(const Request& request) const override {
     if (!std::visit([](const auto& each) { return fits(each); }, request)) return std::nullopt;
-    return ExchangeSize{.request_characters = kRequest, .answer_characters = kAnswer};
+    return ExchangeSize::of(kRequest, kAnswer);
   }
 
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext) const override {
@@ -197,10 +195,7 @@ class FreeportProtocol final : public Protocol {
   }
 
  private:
-  static bool fits(const Range& range) {
-    return range.area == 0 && range.count >= 1 && range.first < kBytes &&
-           range.count <= kBytes - range.first;
-  }
+  static bool fits(const Range& range) { return fieldcast::fits(kAreas, range, true); }
   static bool fits(const WriteRequest& write) {
     return fits(write.range) && write.items.size() == write.range.count &&
            (!write.bit || (write.range.count == 1 && *write.bit < 8));

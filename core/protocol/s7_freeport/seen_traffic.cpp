@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 
 #include "core/codec/checksum.hpp"
 #include "core/codec/digits.hpp"

@@ -13,12 +13,8 @@ constexpr std::string_view kAllowed =
     "VB100, VW100, VD100, V100.3 and likewise M, I, Q, S, SM; AIW4, AQW0 (even numbers); T37, C5, "
     "HC0";
 
-using Parsed = tl::expected<ParsedAddress, AddressFault>;
+constexpr AddressFaults address_fault{kAllowed};
 
-Parsed fault(std::string what, std::string suggestion = {}) {
-  return tl::unexpected(
-      AddressFault{std::move(what), std::string(kAllowed), std::move(suggestion)});
-}
 struct Named {
   AreaIndex area;
   unsigned width = 0;  // bits for B, W or D; 0: a bit or a number follows
@@ -56,44 +52,42 @@ std::string suggestion(std::string_view letters, std::string_view rest) {
 
 }  // namespace
 
-tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) {
+ParsedOrFault parse_address(std::string_view at) {
   const std::size_t digits = std::min(at.find_first_of("0123456789"), at.size());
   const std::string_view letters = at.substr(0, digits);
   const auto name = named(letters);
   if (!name)
-    return fault("area " + quoted(letters) + " is unknown", suggestion(letters, at.substr(digits)));
+    return address_fault("area " + quoted(letters) + " is unknown",
+                         suggestion(letters, at.substr(digits)));
   const Area& area = kAreas[name->area];
   const AreaCode& code = kCodes[name->area];
   const std::size_t dot = at.find('.');
   const std::string_view number =
       at.substr(digits, dot == std::string_view::npos ? dot : dot - digits);
   const auto first = whole_number(number);
-  if (!first) return fault(quoted(number) + " is no number");
+  if (!first) return address_fault(quoted(number) + " is no number");
   ParsedAddress address{.area = name->area, .first = *first};
   if (area.item_bits == 16 && !code.counted) {
     if (*first % 2 != 0)
-      return fault(quoted(at) + ": words have even numbers",
-                   std::string(letters) + std::to_string(*first - 1));
+      return address_fault(quoted(at) + ": words have even numbers",
+                           std::string(letters) + std::to_string(*first - 1));
     address.first /= 2;
   }
   if (address.first >= area.items)
-    return fault(quoted(at) + " is beyond the end of " + std::string(area.name));
+    return address_fault(quoted(at) + " is beyond the end of " + std::string(area.name));
   if (dot == std::string_view::npos) {
     if (name->width == 0 && !code.counted) {
-      return fault(quoted(at) + " says neither a bit nor a width",
-                   std::string(letters) + "B" + std::string(number));
+      return address_fault(quoted(at) + " says neither a bit nor a width",
+                           std::string(letters) + "B" + std::string(number));
     }
     if (!code.counted) address.width_bits = name->width;
     return address;
   }
   if (name->width != 0 || code.counted)
-    return fault(quoted(at) + " has no bits", std::string(at.substr(0, dot)));
-  const auto bit = whole_number(at.substr(dot + 1));
-  if (!bit || *bit > 7)
-    return fault("bit " + quoted(at.substr(dot + 1)) + " is not 0..7",
-                 std::string(at.substr(0, dot)) + ".0");
-  address.bit = static_cast<std::uint8_t>(*bit);
-  address.width_bits = 1;
+    return address_fault(quoted(at) + " has no bits", std::string(at.substr(0, dot)));
+  if (!set_bit(address, whole_number(at.substr(dot + 1)), 8))
+    return address_fault("bit " + quoted(at.substr(dot + 1)) + " is not 0..7",
+                         std::string(at.substr(0, dot)) + ".0");
   return address;
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string_view>
 
 #include "core/protocol/protocol.hpp"
 
@@ -19,71 +20,40 @@ inline constexpr std::uint16_t kMaxRead = 222, kMaxWrite = 212;
 
 enum : AreaIndex { kV, kM, kI, kQ, kS, kSM, kAI, kAQ, kT, kC, kHC, kAreaCount };
 
-// Sizes of the largest CPU (226); a smaller one refuses the rest.
-inline constexpr std::array<Area, kAreaCount> kAreas{{
-    {.name = "V",
-     .item_bits = 8,
-     .items = 10240,
-     .writable = true,
-     .max_read = kMaxRead,
-     .max_write = kMaxWrite,
-     .bit_write = true},
-    {.name = "M",
-     .item_bits = 8,
-     .items = 32,
-     .writable = true,
-     .max_read = 32,
-     .max_write = 32,
-     .bit_write = true},
-    // Only forcing writes it.
-    {.name = "I", .item_bits = 8, .items = 16, .max_read = 16, .max_write = 0},
-    {.name = "Q",
-     .item_bits = 8,
-     .items = 16,
-     .writable = true,
-     .max_read = 16,
-     .max_write = 16,
-     .bit_write = true},
-    {.name = "S", .item_bits = 8, .items = 32, .max_read = 32, .max_write = 0},
-    {.name = "SM",
-     .item_bits = 8,
-     .items = 550,
-     .writable = true,
-     .max_read = kMaxRead,
-     .max_write = kMaxWrite,
-     .bit_write = true},
-    {.name = "AI",
-     .item_bits = 16,
-     .type = ValueType::kInt16,
-     .items = 32,
-     .max_read = 32,
-     .max_write = 0},
-    {.name = "AQ",
-     .item_bits = 16,
-     .type = ValueType::kInt16,
-     .items = 32,
-     .writable = true,
-     .max_read = 32,
-     .max_write = 32},
-    {.name = "T",
-     .item_bits = 32,
-     .type = ValueType::kInt32,
-     .items = 256,
-     .max_read = kMaxRead / 5,
-     .max_write = 0},
-    {.name = "C",
-     .item_bits = 16,
-     .type = ValueType::kInt16,
-     .items = 256,
-     .max_read = kMaxRead / 3,
-     .max_write = 0},
-    {.name = "HC",
-     .item_bits = 32,
-     .type = ValueType::kInt32,
-     .items = 6,
-     .max_read = 6,
-     .max_write = 0},
-}};
+constexpr Area bytes(std::string_view name, std::uint32_t items, std::uint16_t max_read,
+                     bool writable) {
+  const std::uint16_t max_write = max_read < kMaxWrite ? max_read : kMaxWrite;
+  return {.name = name,
+          .item_bits = 8,
+          .items = items,
+          .writable = writable,
+          .max_read = max_read,
+          .max_write = writable ? max_write : std::uint16_t{0},
+          .bit_write = writable};
+}
+constexpr Area numbers(std::string_view name, ValueType type, std::uint32_t items,
+                       std::uint16_t max_read, bool writable = false) {
+  return {.name = name,
+          .item_bits = type == ValueType::kInt32 ? 32u : 16u,
+          .type = type,
+          .items = items,
+          .writable = writable,
+          .max_read = max_read,
+          .max_write = writable ? max_read : std::uint16_t{0}};
+}
+// Sizes of the largest CPU (226); a smaller one refuses the rest. Only forcing writes I.
+inline constexpr std::array<Area, kAreaCount> kAreas{
+    bytes("V", 10240, kMaxRead, true),
+    bytes("M", 32, 32, true),
+    bytes("I", 16, 16, false),
+    bytes("Q", 16, 16, true),
+    bytes("S", 32, 32, false),
+    bytes("SM", 550, kMaxRead, true),
+    numbers("AI", ValueType::kInt16, 32, 32),
+    numbers("AQ", ValueType::kInt16, 32, 32, true),
+    numbers("T", ValueType::kInt32, 256, kMaxRead / 5),
+    numbers("C", ValueType::kInt16, 256, kMaxRead / 3),
+    numbers("HC", ValueType::kInt32, 6, 6)};
 inline constexpr std::array<AreaCode, kAreaCount> kCodes{{
     {.code = 0x84},
     {.code = 0x83},

@@ -14,6 +14,7 @@
 
 #include "core/protocol/option_reader.hpp"
 #include "core/protocol/protocol_entry.hpp"
+#include "core/protocol/received.hpp"
 #include "core/protocol/s7_ppi/areas.hpp"
 #include "core/protocol/s7_ppi/telegram.hpp"
 
@@ -59,9 +60,7 @@ class PpiExchange final : public Exchange {
 
   Step on_bytes(ByteView all, Bytes&) override {
     if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
-    silence_ = std::any_of(all.begin(), all.end(), [](auto c) { return c != 0x00 && c != 0xFF; })
-                   ? Cause::kMalformed
-                   : Cause::kNoAnswer;
+    silence_ = cause_of_noise(all);
     acknowledged_ = false;
     Step step = Step::need_answer();
     for (std::size_t at = 0; at < all.size();) {
@@ -71,7 +70,7 @@ class PpiExchange final : public Exchange {
         // A telegram that begins in noise hides the acknowledgement after it; a poll does no harm.
         acknowledged_ = polls_ == 0 && all.back() == kMarkAcknowledge;
         if (acknowledged_) return Step::pause_for(link_.poll_delay);
-        return Step::need_rest(static_cast<std::uint32_t>(telegram.size - (all.size() - at)));
+        return Step::need_rest(telegram.size - (all.size() - at));
       }
       step = take(telegram, step);
       if (step.kind != Step::Kind::kNeedMore) return step;
@@ -88,7 +87,7 @@ class PpiExchange final : public Exchange {
     silence_ = Cause::kNoAnswer;
     append_short(out, link_.station, link_.master, poll_);
     poll_ = poll_ == kOdd ? kEven : kOdd;
-    return Step::send(static_cast<std::uint32_t>(answer_size_));
+    return Step::send(answer_size_);
   }
 
   const Reply& reply() const override { return reply_; }
@@ -160,12 +159,8 @@ class PpiProtocol final : public Protocol {
   std::optional<ExchangeSize> size(const Request& request) const override {
     const auto unit = unit_sizes(request);
     if (!unit) return std::nullopt;
-    return ExchangeSize{
-        .request_characters =
-            static_cast<std::uint32_t>(unit->request + kLinkHead + kLongFrame + kShortSize),
-        .answer_characters = static_cast<std::uint32_t>(1 + unit->answer + kLinkHead + kLongFrame),
-        .rounds = 2,
-        .pauses = link_.poll_delay};
+    return ExchangeSize::of(unit->request + kLinkHead + kLongFrame + kShortSize,
+                            1 + unit->answer + kLinkHead + kLongFrame, 2, link_.poll_delay);
   }
 
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext context) const override {

@@ -1,7 +1,6 @@
 #include "core/protocol/s7_ppi/telegram.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include "core/codec/checksum.hpp"
 
@@ -84,12 +83,6 @@ constexpr std::uint8_t kRead = 0x04, kWrite = 0x05, kGood = 0xFF;
 constexpr std::size_t kJobHead = 10, kAckHead = 12, kItem = 12, kDataHead = 4, kMaxPdu = 240;
 constexpr std::uint8_t kBits = 0x03, kBytesInBits = 0x04, kOctets = 0x09;  // TS of data
 
-bool fits(const Range& range, std::uint32_t limit) {
-  if (range.area >= kAreaCount || range.count == 0 || range.count > limit) return false;
-  return range.first < kAreas[range.area].items &&
-         range.count <= kAreas[range.area].items - range.first;
-}
-
 std::size_t data_size(const Range& range) {
   return std::size_t{range.count} * kCodes[range.area].item_size;
 }
@@ -99,7 +92,7 @@ std::optional<UnitSizes> sizes_of(const ReadRequest& read) {
   if (read.ranges.empty() || read.ranges.size() > kMaxItems) return std::nullopt;
   UnitSizes sizes{kJobHead + 2 + kItem * read.ranges.size(), kAckHead + 2};
   for (const Range& range : read.ranges) {
-    if (range.area >= kAreaCount || !fits(range, kAreas[range.area].max_read)) return std::nullopt;
+    if (!fits(kAreas, range, false)) return std::nullopt;
     const bool last = &range == &read.ranges.back();
     sizes.answer += kDataHead + (last ? data_size(range) : even(data_size(range)));
   }
@@ -109,7 +102,7 @@ std::optional<UnitSizes> sizes_of(const ReadRequest& read) {
 
 std::optional<UnitSizes> sizes_of(const WriteRequest& write) {
   const Range& range = write.range;
-  if (range.area >= kAreaCount || !fits(range, kAreas[range.area].max_write)) return std::nullopt;
+  if (!fits(kAreas, range, true)) return std::nullopt;
   if (write.items.size() != image_bytes(kAreas[range.area].item_bits, range.count))
     return std::nullopt;
   if (write.bit && (!kAreas[range.area].bit_write || range.count != 1 || *write.bit > 7))

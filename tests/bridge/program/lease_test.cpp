@@ -74,7 +74,7 @@ TEST_F(Lease, TheLastBytesOfASlowLineArriveBeforeTheBusReadsAgain) {
   const Bytes program(96 * 1024, 'p');
   Bytes sent;
   program::append_chunks(sent, program);
-  program::append_stop(sent);
+  append(sent, program::stop_frame(true));
   client.send(sent);
   ASSERT_TRUE(audited("stopped by the engineer"));
   std::size_t received = 0;

@@ -2,6 +2,7 @@
 
 #include "core/codec/checksum.hpp"
 #include "tests/tools/sim/listen.hpp"
+#include "tests/tools/sim/modbus_unit_with_memory.hpp"
 #include "tools/sim/families/modbus/modbus_receivers.hpp"
 
 namespace fieldcast::sim {
@@ -22,12 +23,12 @@ Bytes said(ModbusUnit& unit, const Bytes& frame) {
 TEST(ModbusAddressText, ReadsNamesAndReferenceNumbers) {
   const auto holding = parse_modbus_address("holding:107.3");
   ASSERT_TRUE(holding);
-  EXPECT_EQ(holding->area, ModbusArea::kHolding);
+  EXPECT_EQ(holding->area, std::size_t{ModbusArea::kHolding});
   EXPECT_EQ(holding->first, 107);
   EXPECT_EQ(holding->bit, 3);
   EXPECT_EQ(parse_modbus_address("40108")->first, 107);
-  EXPECT_EQ(parse_modbus_address("00001")->area, ModbusArea::kCoil);
-  EXPECT_EQ(parse_modbus_address("10001")->area, ModbusArea::kInput);
+  EXPECT_EQ(parse_modbus_address("00001")->area, std::size_t{ModbusArea::kCoil});
+  EXPECT_EQ(parse_modbus_address("10001")->area, std::size_t{ModbusArea::kInput});
   EXPECT_EQ(parse_modbus_address("365536")->first, 65535);
   for (const char* wrong : {"", "holding", "holding:", "holding:65536", "holding:1.16", "40000",
                             "50001", "4001", "465537", "coil:-1", "4x001"}) {
@@ -36,7 +37,7 @@ TEST(ModbusAddressText, ReadsNamesAndReferenceNumbers) {
 }
 
 TEST(RtuReceiver, WrongChecksumGetsSilenceAndIsCounted) {
-  ModbusUnit unit(1, test::kBegin);
+  ModbusUnitWithMemory unit(1);
   Bytes frame = rtu({1, 6, 0, 5, 0, 9});
   for (std::size_t bit = 0; bit < frame.size() * 8; ++bit) {
     Bytes broken = frame;
@@ -48,14 +49,14 @@ TEST(RtuReceiver, WrongChecksumGetsSilenceAndIsCounted) {
 }
 
 TEST(RtuReceiver, BroadcastIsExecutedWithoutAnswer) {
-  ModbusUnit unit(7, test::kBegin);
+  ModbusUnitWithMemory unit(7);
   EXPECT_TRUE(said(unit, rtu({0, 6, 0, 5, 0x12, 0x34})).empty());
-  EXPECT_EQ(unit.memory().read(ModbusArea::kHolding, 5, 1, test::kBegin)[0], 0x1234);
+  EXPECT_EQ(unit.memory.read(ModbusArea::kHolding, 5, test::kBegin), 0x1234);
   EXPECT_EQ(unit.statistics().broadcasts, 1u);
 }
 
 TEST(RtuReceiver, AfterABrokenFrameOnlySilenceHelps) {
-  ModbusUnit unit(1, test::kBegin);
+  ModbusUnitWithMemory unit(1);
   RtuReceiver receiver(unit, test::kLine, false);
   Bytes broken = rtu({1, 3, 0, 0, 0, 1});
   broken[3] = 9;
@@ -68,7 +69,7 @@ TEST(RtuReceiver, AfterABrokenFrameOnlySilenceHelps) {
 }
 
 TEST(RtuReceiver, ForeignAnswerThatHoldsARequestForUsIsNotExecuted) {
-  ModbusUnit unit(1, test::kBegin);
+  ModbusUnitWithMemory unit(1);
   RtuReceiver receiver(unit, test::kLine, false);
   Bytes answer{2, 3, 8};
   append(answer, rtu({1, 6, 0, 1, 0, 1}));
@@ -78,7 +79,7 @@ TEST(RtuReceiver, ForeignAnswerThatHoldsARequestForUsIsNotExecuted) {
 
 // Its first eight bytes are a whole request: 01 03 04 03 80 01 with the checksum FA14.
 TEST(RtuReceiver, ForeignAnswerThatBeginsLikeARequestDoesNotHideTheNextOne) {
-  ModbusUnit unit(3, test::kBegin);
+  ModbusUnitWithMemory unit(3);
   RtuReceiver receiver(unit, test::kLine, false);
   const Bytes answer{0x01, 0x03, 0x04, 0x03, 0x80, 0x01, 0x14, 0xFA, 0x00};
   ASSERT_EQ(rtu({0x01, 0x03, 0x04, 0x03, 0x80, 0x01, 0x14}), answer);
@@ -94,7 +95,7 @@ TEST(RtuReceiver, ForeignAnswerThatBeginsLikeARequestDoesNotHideTheNextOne) {
 TEST(RtuReceiver, HeldBackHalfOfAFrameIsAFrameOnAStream) {
   const Bytes request = rtu({1, 3, 0, 0, 0, 1});
   for (const bool stream : {false, true}) {
-    ModbusUnit unit(1, test::kBegin);
+    ModbusUnitWithMemory unit(1);
     RtuReceiver receiver(unit, test::kLine, stream);
     EXPECT_TRUE(
         test::listen(receiver, ByteView(request).first(3), test::kBegin, false).answer.empty());
@@ -104,8 +105,7 @@ TEST(RtuReceiver, HeldBackHalfOfAFrameIsAFrameOnAStream) {
 }
 
 TEST(ModbusUnit, ChecksInTheOrderOfTheStandard) {
-  ModbusUnit unit(1, test::kBegin);
-  unit.refuse({{"holding", 107, 109, 2}, {"coil", 0, 0, 6}});
+  ModbusUnitWithMemory unit(1, {.refused = {{"holding", 107, 109, 2}, {"coil", 0, 0, 6}}});
   const auto code = [&](const Bytes& pdu) { return unit.execute(pdu, test::kBegin).at(1); };
   EXPECT_EQ(code({0x03, 0, 107, 0, 0}), 3);      // the quantity is checked first
   EXPECT_EQ(code({0x03, 0, 106, 0, 2}), 2);      // touches 107
@@ -119,11 +119,10 @@ TEST(ModbusUnit, ChecksInTheOrderOfTheStandard) {
 }
 
 TEST(ModbusUnit, OnlyConfiguredAddressesExistWhenSo) {
-  ModbusUnit unit(1, test::kBegin);
-  unit.refuse_unconfigured();
+  ModbusUnitWithMemory unit(1, {.only_configured = true});
   Encoding real;
   real.type = ValueType::kFloat32;
-  ASSERT_TRUE(unit.memory().add_channel(*parse_modbus_address("holding:10"), real, Waveform{}));
+  ASSERT_TRUE(unit.memory.add_channel(*parse_modbus_address("holding:10"), real, Waveform{}));
   const auto refused = [&](std::uint8_t first, std::uint8_t count) {
     return unit.execute(Bytes{3, 0, first, 0, count}, test::kBegin)[0] != 3;
   };
@@ -134,18 +133,24 @@ TEST(ModbusUnit, OnlyConfiguredAddressesExistWhenSo) {
 }
 
 TEST(ModbusMemory, WrittenChannelsHoldAndOthersMove) {
-  ModbusMemory memory(test::kBegin);
+  ItemMemory memory(modbus_areas(), {.start = test::kBegin});
   const Waveform wave{Shape::kRamp, 0, 1000, std::chrono::seconds{10}, 0};
   ASSERT_TRUE(memory.add_channel(*parse_modbus_address("holding:1"), {}, wave));
   ASSERT_TRUE(memory.add_channel(*parse_modbus_address("holding:2"), {}, wave));
-  memory.write(ModbusArea::kHolding, 1, {4711});
-  const auto later =
-      memory.read(ModbusArea::kHolding, 1, 2, test::kBegin + std::chrono::seconds{5});
-  EXPECT_EQ(later, (std::vector<std::uint16_t>{4711, 500}));
+  memory.write(ModbusArea::kHolding, 1, 4711);
+  const Instant later = test::kBegin + std::chrono::seconds{5};
+  EXPECT_EQ(memory.read(ModbusArea::kHolding, 1, later), 4711u);
+  EXPECT_EQ(memory.read(ModbusArea::kHolding, 2, later), 500u);
+}
+
+TEST(ModbusMemory, ACoilHoldsNoNumber) {
+  ItemMemory memory(modbus_areas(), {.start = test::kBegin});
+  EXPECT_TRUE(memory.add_channel(*parse_modbus_address("coil:3"), {ValueType::kBool}, {}));
+  EXPECT_FALSE(memory.add_channel(*parse_modbus_address("coil:3"), {ValueType::kInt16}, {}));
 }
 
 TEST(ModbusMemory, BitsOfOneWordMoveApart) {
-  ModbusMemory memory(test::kBegin);
+  ItemMemory memory(modbus_areas(), {.start = test::kBegin});
   Encoding flag;
   flag.type = ValueType::kBool;
   const Waveform square{Shape::kSquare, 0, 1, std::chrono::seconds{2}, 0};
@@ -153,12 +158,12 @@ TEST(ModbusMemory, BitsOfOneWordMoveApart) {
   ASSERT_TRUE(memory.add_channel(*parse_modbus_address("holding:5.0"), flag, square));
   ASSERT_TRUE(memory.add_channel(*parse_modbus_address("holding:5.15"), flag, slower));
   const auto word = [&](int seconds) {
-    return memory.read(ModbusArea::kHolding, 5, 1, test::kBegin + std::chrono::seconds{seconds})[0];
+    return memory.read(ModbusArea::kHolding, 5, test::kBegin + std::chrono::seconds{seconds});
   };
-  EXPECT_EQ(word(0), 0);
-  EXPECT_EQ(word(1), 1);
-  EXPECT_EQ(word(2), 0x8000);
-  EXPECT_EQ(word(3), 0x8001);
+  EXPECT_EQ(word(0), 0u);
+  EXPECT_EQ(word(1), 1u);
+  EXPECT_EQ(word(2), 0x8000u);
+  EXPECT_EQ(word(3), 0x8001u);
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "tests/tools/sim/listen.hpp"
+#include "tests/tools/sim/modbus_unit_with_memory.hpp"
 #include "tools/sim/families/modbus/modbus_receivers.hpp"
 
 namespace fieldcast::sim {
@@ -53,23 +53,23 @@ std::vector<std::uint16_t> bits(ByteView bytes, std::size_t count) {
 }
 
 // Fills the memory so that the device must give the vector's response.
-void prepare(ModbusUnit& unit, ByteView request, ByteView answer) {
+void prepare(ModbusUnitWithMemory& unit, ByteView request, ByteView answer) {
   const std::uint8_t function = request[1];
-  ModbusMemory& memory = unit.memory();
+  const auto preset = [&](std::size_t area, std::uint32_t first,
+                          const std::vector<std::uint16_t>& values) {
+    for (const std::uint16_t value : values) unit.memory.write(area, first++, value);
+  };
   const auto first = [&] { return read_u16(request, 2); };
   switch (function) {
     case 0x01:
-      return memory.preset(ModbusArea::kCoil, first(),
-                           bits(answer.subspan(3), read_u16(request, 4)));
+      return preset(ModbusArea::kCoil, first(), bits(answer.subspan(3), read_u16(request, 4)));
     case 0x02:
-      return memory.preset(ModbusArea::kInput, first(),
-                           bits(answer.subspan(3), read_u16(request, 4)));
-    case 0x03: return memory.preset(ModbusArea::kHolding, first(), registers(answer.subspan(3)));
-    case 0x04:
-      return memory.preset(ModbusArea::kInputRegister, first(), registers(answer.subspan(3)));
-    case 0x07: return memory.preset(ModbusArea::kCoil, 0, bits(answer.subspan(2), 8));
-    case 0x16: return memory.preset(ModbusArea::kHolding, first(), {0x0012});
-    case 0x17: return memory.preset(ModbusArea::kHolding, first(), registers(answer.subspan(3)));
+      return preset(ModbusArea::kInput, first(), bits(answer.subspan(3), read_u16(request, 4)));
+    case 0x03: return preset(ModbusArea::kHolding, first(), registers(answer.subspan(3)));
+    case 0x04: return preset(ModbusArea::kInputRegister, first(), registers(answer.subspan(3)));
+    case 0x07: return preset(ModbusArea::kCoil, 0, bits(answer.subspan(2), 8));
+    case 0x16: return preset(ModbusArea::kHolding, first(), {0x0012});
+    case 0x17: return preset(ModbusArea::kHolding, first(), registers(answer.subspan(3)));
     case 0x2B: {
       std::vector<std::string> objects;
       for (std::size_t at = 8; at + 1 < answer.size(); at += 2u + answer[at + 1]) {
@@ -83,11 +83,12 @@ void prepare(ModbusUnit& unit, ByteView request, ByteView answer) {
 }
 
 // Refuses the range of the vector's exception, unless the request itself is wrong.
-void prepare_exception(ModbusUnit& unit, std::uint8_t code) {
-  std::vector<RefusedRange> ranges;
-  if (code == 3) return;
-  for (const auto area : kModbusAreaNames) ranges.push_back({std::string(area), 0, 65535, code});
-  unit.refuse(ranges);
+DeviceSetup refusing(std::uint8_t code) {
+  DeviceSetup setup;
+  if (code == 3) return setup;
+  for (const auto area : kModbusAreaNames)
+    setup.refused.push_back({std::string(area), 0, 65535, code});
+  return setup;
 }
 
 // The device has no file records or FIFO queues.
@@ -102,12 +103,9 @@ TEST(ModbusVectors, DeviceAnswersAsPrinted) {
     SCOPED_TRACE(vector.name);
     const Bytes request = content(vector, vector.request),
                 answer = content(vector, vector.response);
-    ModbusUnit unit(request[0], test::kBegin);
-    if (vector.kind == "ok") {
-      prepare(unit, request, answer);
-    } else {
-      prepare_exception(unit, answer[2]);
-    }
+    const bool ok = vector.kind == "ok";
+    ModbusUnitWithMemory unit(request[0], ok ? DeviceSetup{} : refusing(answer[2]));
+    if (ok) prepare(unit, request, answer);
     const Bytes said = test::listen(*receiver_for(vector, unit), vector.request).answer;
     if (vector.framing != "tcp" && request[0] == 0) {
       EXPECT_TRUE(said.empty()) << "a broadcast has no response";
@@ -124,24 +122,30 @@ TEST(ModbusVectors, DeviceAnswersAsPrinted) {
 }
 
 TEST(ModbusVectors, WritesLandInMemory) {
-  const auto holding = [](ModbusUnit& unit, std::uint32_t first, std::uint32_t count) {
-    return unit.memory().read(ModbusArea::kHolding, first, count, test::kBegin);
+  const auto items = [](ModbusUnitWithMemory& unit, std::size_t area, std::uint32_t first,
+                        std::uint32_t count) {
+    std::vector<std::uint64_t> all;
+    for (std::uint32_t i = 0; i < count; ++i)
+      all.push_back(unit.memory.read(area, first + i, test::kBegin));
+    return all;
   };
   const auto written = [](ModbusUnit& unit, const char* request) {
     RtuReceiver receiver(unit, test::kLine, false);
     return test::listen(receiver, *from_hex(request)).answer;
   };
-  ModbusUnit unit(0x2A, test::kBegin), seventeen(0x11, test::kBegin);
+  ModbusUnitWithMemory unit(0x2A), seventeen(0x11);
   EXPECT_FALSE(written(unit, "2A06001012348363").empty());
-  EXPECT_EQ(holding(unit, 0x10, 1), (std::vector<std::uint16_t>{0x1234}));
+  EXPECT_EQ(items(unit, ModbusArea::kHolding, 0x10, 1), (std::vector<std::uint64_t>{0x1234}));
   EXPECT_FALSE(written(unit, "2A100010000204123456780773").empty());
-  EXPECT_EQ(holding(unit, 0x10, 2), (std::vector<std::uint16_t>{0x1234, 0x5678}));
+  EXPECT_EQ(items(unit, ModbusArea::kHolding, 0x10, 2),
+            (std::vector<std::uint64_t>{0x1234, 0x5678}));
   EXPECT_FALSE(written(unit, "2A0F0010000A021234002E").empty());
-  EXPECT_EQ(unit.memory().read(ModbusArea::kCoil, 0x10, 16, test::kBegin),
-            (std::vector<std::uint16_t>{0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+  EXPECT_EQ(items(unit, ModbusArea::kCoil, 0x10, 16),
+            (std::vector<std::uint64_t>{0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
                                         0}));  // bits beyond the tenth are ignored
   EXPECT_FALSE(written(seventeen, "111700030006000E00030600FF00FF00FF4B54").empty());
-  EXPECT_EQ(holding(seventeen, 14, 3), (std::vector<std::uint16_t>{0xFF, 0xFF, 0xFF}));
+  EXPECT_EQ(items(seventeen, ModbusArea::kHolding, 14, 3),
+            (std::vector<std::uint64_t>{0xFF, 0xFF, 0xFF}));
   EXPECT_EQ(unit.statistics().writes.at("holding:16"), 2u);
   EXPECT_EQ(unit.statistics().writes.at("holding:17"), 1u);
 }
@@ -176,7 +180,7 @@ TEST(ModbusVectors, MalformedRequestsDoNoHarm) {
                               ? found->response
                               : found->request;  // requests are printed on both sides
     const bool tcp = found->framing == "tcp";
-    ModbusUnit unit(tcp ? stream[6] : 0x11, test::kBegin);
+    ModbusUnitWithMemory unit(tcp ? stream[6] : std::uint8_t{0x11});
     const Reaction reaction = test::listen(*receiver_for(*found, unit), stream);
     EXPECT_EQ(reaction.hang_up, row.expected == Malformed::kHangUp);
     EXPECT_TRUE(unit.statistics().writes.empty());
@@ -192,8 +196,8 @@ TEST(ModbusVectors, MalformedRequestsDoNoHarm) {
 
 TEST(ModbusVectors, TwoSlavesBackToBack) {
   const Bytes stream = *from_hex("02030000000184390203021234F133010300000001840A");
-  ModbusUnit unit(1, test::kBegin);
-  unit.memory().preset(ModbusArea::kHolding, 0, {0});
+  ModbusUnitWithMemory unit(1);
+  unit.memory.write(ModbusArea::kHolding, 0, 0);
   RtuReceiver receiver(unit, test::kLine, false);
   EXPECT_EQ(to_hex(test::listen(receiver, stream, test::kBegin, false).answer, '\0'),
             "0103020000B844");

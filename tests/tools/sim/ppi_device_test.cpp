@@ -53,7 +53,7 @@ TEST(PpiDeviceVectors, AnswersAsPrinted) {
     SCOPED_TRACE(vector.name);
     PpiDevice device(test::device_setup(2));
     if (vector.master[0][4 + 3 + 10] == 0x04)
-      prepare(device.unit().memory(), vector.master[0], vector.slave[1]);
+      prepare(device.memory(), vector.master[0], vector.slave[1]);
     for (std::size_t round = 0; round < vector.master.size(); ++round) {
       EXPECT_EQ(to_hex(said(device, vector.master[round])), to_hex(vector.slave[round])) << round;
     }
@@ -68,7 +68,7 @@ TEST(PpiDeviceVectors, WritesLandInMemory) {
     requests[vector.name] = vector.request;
   PpiDevice device(test::device_setup(2));
   const auto item = [&](std::size_t area, std::uint32_t at) {
-    return device.unit().memory().read(area, at, test::kBegin);
+    return device.memory().read(area, at, test::kBegin);
   };
   EXPECT_EQ(to_hex(said(device, requests.at("write_qb0_ff"))), "E5");
   EXPECT_EQ(item(3, 0), 0xFFu);

@@ -93,8 +93,8 @@ class Side {
 }  // namespace
 
 struct BareWriter::State {
-  State(unsigned domain, BareData asked, std::size_t count)
-      : side(domain, asked), data(asked), channels(count), writer(side.writer()) {
+  State(unsigned domain, BareData wanted, std::size_t count)
+      : side(domain, wanted), data(wanted), channels(count), writer(side.writer()) {
     block.bus() = "bare";
     sample.bus() = "bare";
     sample.device() = "unit";

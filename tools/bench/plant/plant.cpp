@@ -1,7 +1,10 @@
 #include "tools/bench/plant/plant.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <spawn.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -9,15 +12,16 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <random>
 #include <sstream>
 #include <stdexcept>
+#include <string_view>
 #include <thread>
 
+#include "bridge/base/file_descriptor.hpp"
 #include "tools/progress/progress_line.hpp"
 
 extern char** environ;
@@ -74,8 +78,7 @@ double Process::cpu_seconds() const {
   std::string skipped;
   // proc(5): state is the third field, utime the 14th.
   for (int i = 0; i < 11; ++i) fields >> skipped;
-  double user = 0;
-  double system = 0;
+  double user = 0, system = 0;
   fields >> user >> system;
   return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
 }
@@ -88,6 +91,28 @@ double resident_mb(pid_t process) {
     if (line.rfind("VmRSS:", 0) == 0) return std::stod(line.substr(6)) / 1024;
   }
   return 0;
+}
+
+double process_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+std::uint16_t free_port() {
+  constexpr unsigned kLowest = 20000, kCount = 12000;
+  static unsigned next = static_cast<unsigned>(getpid()) * 7;
+  for (unsigned i = 0; i < kCount; ++i) {
+    const auto port = static_cast<std::uint16_t>(kLowest + next++ % kCount);
+    const FileDescriptor fd(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    const sockaddr_in address = loopback(port);
+    if (::bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0)
+      return port;
+  }
+  throw std::runtime_error("every port from 20000 to 31999 is in use");
 }
 
 ScratchFolder::ScratchFolder() {
@@ -150,10 +175,6 @@ bool wait_for_text(const std::string& path, const std::string& text, double seco
 
 unsigned own_domain() { return 100 + static_cast<unsigned>(getpid()) % 100; }
 
-}  // namespace fieldcast::bench
-
-namespace fieldcast::bench {
-
 namespace {
 
 std::string replaced(std::string text, const std::string& what, const std::string& with) {
@@ -170,6 +191,11 @@ Plant::Plant(const std::string& buses, const std::string& faults, const std::str
       folder_.write("bridge.yaml", "bridge: bench\ndds: { domain: " + std::to_string(dds_.domain) +
                                        ", interfaces: [127.0.0.1] }\n" + more + "buses:\n" +
                                        replaced(buses, "{dir}", folder_.path()));
+  constexpr std::string_view kLink = "serial: {dir}/";
+  for (std::size_t at = 0; (at = buses.find(kLink, at)) != std::string::npos;) {
+    at += kLink.size();
+    links_.push_back(link(buses.substr(at, buses.find(',', at) - at)));
+  }
   if (!faults.empty()) faults_ = folder_.write("faults.yaml", faults);
 }
 
@@ -178,6 +204,9 @@ void Plant::start_simulator(const std::vector<std::string>& more) {
   if (!faults_.empty()) arguments.insert(arguments.end(), {"--faults", faults_});
   arguments.insert(arguments.end(), more.begin(), more.end());
   simulator_ = std::make_unique<Process>("fieldcast-sim", arguments, folder_.path() + "/sim.log");
+  for (const std::string& path : links_) {
+    if (!wait_for_path(path, 10)) throw std::runtime_error("the simulator made no link " + path);
+  }
 }
 
 void Plant::start_bridge(const std::string& program) {
@@ -229,21 +258,6 @@ void Plant::forget_samples() {
   for (auto& [name, seen] : seen_) seen = Seen{.last_acquired = seen.last_acquired};
 }
 
-std::map<std::string, Seen> Plant::seen() const {
-  const std::lock_guard guard(lock_);
-  return seen_;
-}
-
-std::map<std::string, StationBusStatus> Plant::buses() const {
-  const std::lock_guard guard(lock_);
-  return buses_;
-}
-
-std::map<std::string, StationDeviceStatus> Plant::devices() const {
-  const std::lock_guard guard(lock_);
-  return devices_;
-}
-
 void Plant::wait_until_seen(std::size_t channels, double seconds) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
   std::size_t good = 0;
@@ -272,49 +286,46 @@ void let_run(double seconds) {
   }
 }
 
-double seconds_from(int argc, char** argv, double by_default) {
-  for (int i = 1; i + 1 < argc; ++i) {
-    if (std::strcmp(argv[i], "--seconds") == 0) return std::atof(argv[i + 1]);
-  }
-  return by_default;
-}
-
 namespace {
 
 // `first` is the address of register 0, `step(r)` the distance from register r to r + 1.
-template <class First, class Step>
-std::string devices_of(int devices, int registers, const std::string& indent, First first,
-                       Step step) {
+std::string devices_of(int devices, int registers, const auto& first, const auto& step) {
   std::string text;
   for (int d = 1; d <= devices; ++d) {
-    const std::string name = "unit-" + std::to_string(d);
-    text += indent + "- name: " + name + "\n" + indent + "  address: " + std::to_string(d) + "\n" +
-            indent + "  channels:\n";
+    text += fmt::format("      - name: unit-{0}\n        address: {0}\n        channels:\n", d);
     unsigned long address = first();
-    for (int r = 0; r < registers; ++r) {
-      text += indent + "    - { name: r" + std::to_string(r) +
-              ", at: \"holding:" + std::to_string(address) +
-              "\", type: uint16, access: read-write }\n";
-      address += step(r);
-    }
+    for (int r = 0; r < registers; address += step(r), ++r)
+      text += fmt::format(
+          "          - {{ name: r{}, at: \"holding:{}\", type: uint16, access: read-write }}\n", r,
+          address);
   }
   return text;
 }
 
 }  // namespace
 
-std::string scattered_devices(int devices, int registers, const std::string& indent,
-                              unsigned seed) {
+std::string serial_bus(const std::string& name, unsigned baud, const std::string& defaults,
+                       const std::string& devices, const char* format) {
+  return fmt::format(
+      "  - name: {0}\n"
+      "    port: {{ serial: {{dir}}/{0}, baud: {1}, format: {2} }}\n"
+      "    protocol: modbus-rtu\n"
+      "    defaults: {{ {3} }}\n"
+      "    devices:\n{4}",
+      name, baud, format, defaults, devices);
+}
+
+std::string scattered_devices(int devices, int registers, unsigned seed) {
   std::mt19937 random(seed);
   // Mostly close addresses, sometimes a gap that no read should include.
   return devices_of(
-      devices, registers, indent, [&] { return random() % 50; },
+      devices, registers, [&] { return random() % 50; },
       [&](int) { return random() % 20 == 0 ? 30 + random() % 100 : 1 + random() % 4; });
 }
 
-std::string packed_devices(int devices, int registers, const std::string& indent, int run) {
+std::string packed_devices(int devices, int registers, int run) {
   return devices_of(
-      devices, registers, indent, [] { return 0UL; },
+      devices, registers, [] { return 0UL; },
       [run](int r) { return (r + 1) % run == 0 ? 201UL : 1UL; });
 }
 

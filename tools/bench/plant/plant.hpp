@@ -8,13 +8,15 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "bridge/station/station.hpp"
 
 namespace fieldcast::bench {
+
+// A port below the kernel's ephemeral ones. Throws std::runtime_error if all are in use.
+[[nodiscard]] std::uint16_t free_port();
 
 inline sockaddr_in loopback(std::uint16_t port) {
   sockaddr_in address{};
@@ -24,10 +26,9 @@ inline sockaddr_in loopback(std::uint16_t port) {
   return address;
 }
 
-// A child process of a bench: starts it, measures it and always stops it by its id.
-
 [[nodiscard]] bool has_program(const std::string& program);
 
+// A child process of a bench: starts it, measures it and always stops it by its id.
 class Process {
  public:
   // Starts `program` from this executable's directory. Throws std::runtime_error.
@@ -48,6 +49,8 @@ class Process {
 
 // 0 if the process has ended.
 [[nodiscard]] double resident_mb(pid_t process);
+// Processor time of this process, user and system.
+[[nodiscard]] double process_seconds();
 
 // A temporary directory that is removed when this process ends, also by a signal.
 class ScratchFolder {
@@ -87,6 +90,7 @@ class Plant {
   // `buses`: YAML list below `buses:`, with {dir} for serial links. `more`: further lines.
   Plant(const std::string& buses, const std::string& faults = {}, const std::string& more = {});
 
+  // Waits for the serial links of all buses. Throws std::runtime_error if one does not appear.
   void start_simulator(const std::vector<std::string>& more = {});
   void start_bridge(const std::string& program = "fieldcast-bridge");
   void stop_bridge() { bridge_.reset(); }
@@ -104,17 +108,24 @@ class Plant {
   [[nodiscard]] Station& station() { return *station_; }
 
   void forget_samples();                                   // starts a new measurement
-  [[nodiscard]] std::map<std::string, Seen> seen() const;  // by bus/device/channel
-  [[nodiscard]] std::map<std::string, StationBusStatus> buses() const;
-  [[nodiscard]] std::map<std::string, StationDeviceStatus> devices() const;  // by bus/device
+  [[nodiscard]] auto seen() const { return copy(seen_); }  // by bus/device/channel
+  [[nodiscard]] auto buses() const { return copy(buses_); }
+  [[nodiscard]] auto devices() const { return copy(devices_); }  // by bus/device
   // Throws with the missing channels after `seconds`.
   void wait_until_seen(std::size_t channels, double seconds);
 
  private:
+  template <class Value>
+  Value copy(const Value& value) const {
+    const std::lock_guard guard(lock_);
+    return value;
+  }
+
   ScratchFolder folder_;
   DdsSpec dds_;
   std::string config_;
   std::string faults_;
+  std::vector<std::string> links_;  // of all buses
   bool listening_ = false;
   std::unique_ptr<Process> simulator_;
   std::unique_ptr<Process> bridge_;
@@ -128,14 +139,13 @@ class Plant {
 // Waits in real time, the only wait in benches. Shows the remaining time on a terminal.
 void let_run(double seconds);
 
-// --seconds N of the command line, or the default.
-[[nodiscard]] double seconds_from(int argc, char** argv, double by_default);
-
-// YAML for `devices:` with scattered holding registers (about every third one), by seed.
-[[nodiscard]] std::string scattered_devices(int devices, int registers, const std::string& indent,
-                                            unsigned seed);
+// YAML of one Modbus RTU bus on the serial link {dir}/NAME. `defaults`: content of its map.
+[[nodiscard]] std::string serial_bus(const std::string& name, unsigned baud,
+                                     const std::string& defaults, const std::string& devices,
+                                     const char* format = "8E1");
+// YAML below `devices:` with scattered holding registers (about every third one), by seed.
+[[nodiscard]] std::string scattered_devices(int devices, int registers, unsigned seed);
 // With contiguous registers in runs of `run`, each of which one request reads.
-[[nodiscard]] std::string packed_devices(int devices, int registers, const std::string& indent,
-                                         int run);
+[[nodiscard]] std::string packed_devices(int devices, int registers, int run);
 
 }  // namespace fieldcast::bench

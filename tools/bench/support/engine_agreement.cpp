@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <initializer_list>
 #include <stdexcept>
-#include <string>
 #include <string_view>
 
 #include "config/loader/loader.hpp"
@@ -93,8 +91,8 @@ void print_agreement(std::uint64_t first_seed, unsigned maps) {
       "%u random maps of %zu registers at 0.30 to 0.69 of the bound: plan, and 20 minutes of the "
       "engine\n",
       maps, kChannels);
-  const auto tell = [](StepProgress& progress, const char* of, std::uint64_t seed,
-                       Duration answer) {
+  const auto report = [](StepProgress& progress, const char* of, std::uint64_t seed,
+                         Duration answer) {
     progress.clear();
     std::printf("  %s, seed %llu, responses after %.0f ms: called feasible, and missed\n", of,
                 static_cast<unsigned long long>(seed), to_seconds(answer) * 1e3);
@@ -107,7 +105,7 @@ void print_agreement(std::uint64_t first_seed, unsigned maps) {
       const test::Map map = test::random_map(seed, kChannels);
       const double share = 0.30 + 0.01 * static_cast<double>(seed * 7 % 40);
       if (!all.add(load(map, bound(map, answer) / share), answer))
-        tell(maps_done, "modbus", seed, answer);
+        report(maps_done, "modbus", seed, answer);
     }
     maps_done.clear();
     all.print(("modbus, " + to_text(answer)).c_str());
@@ -125,7 +123,7 @@ void print_agreement(std::uint64_t first_seed, unsigned maps) {
       for (const Duration answer : kAnswers) {
         const double stretch = stretch_of(map, notation, seed, answer);
         if (!all.add(load(map, stretch, notation), answer))
-          tell(others_done, notation.protocol, seed, answer);
+          report(others_done, notation.protocol, seed, answer);
         others_done.step();
       }
     }

@@ -1,3 +1,4 @@
+// Printing and statistics of benches.
 #pragma once
 
 #include <algorithm>
@@ -6,6 +7,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <mutex>
+#include <string>
 #include <unordered_map>
 #include <vector>
 
@@ -14,22 +16,27 @@ namespace fieldcast::bench {
 // The q-quantile (0..1) of the values; 0 if there are none.
 inline double quantile(std::vector<double> values, double q) {
   if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
+  std::ranges::sort(values);
   return values[std::min(values.size() - 1,
                          static_cast<std::size_t>(q * static_cast<double>(values.size())))];
 }
 
-inline void print_figure(const char* what, double value, const char* unit, const char* goal) {
-  std::printf("%-58s %12.4g %-10s %s\n", what, value, unit, goal);
+template <class Number>
+void print_figure(const std::string& what, Number value, const char* unit = "",
+                  const std::string& goal = {}) {
+  std::printf("%-58s %12.4g %-10s %s\n", what.c_str(), static_cast<double>(value), unit,
+              goal.c_str());
   std::fflush(stdout);
 }
 
-// Measures the delay of the first and last sample of each block. add() runs on one thread.
+using Clock = std::chrono::steady_clock;
+[[nodiscard]] inline double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
+// Measures the delay of the first and last sample of each block. add() runs on one thread.
 class BlockTimes {
  public:
-  using Clock = std::chrono::steady_clock;
-
   struct Figures {  // milliseconds
     std::size_t blocks = 0;
     double first = 0, first_p99 = 0;  // delay of a block's first callback: median, 99th percentile

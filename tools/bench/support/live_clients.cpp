@@ -11,9 +11,10 @@
 #include <cstring>
 #include <future>
 #include <mutex>
-#include <stdexcept>
 #include <thread>
 #include <utility>
+
+#include "tools/bench/support/figures.hpp"
 
 namespace fieldcast::bench {
 namespace {
@@ -24,7 +25,6 @@ namespace http = boost::beast::http;
 namespace websocket = boost::beast::websocket;
 using asio::ip::tcp;
 using boost::system::error_code;
-using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kHeader = 16;  // bytes of a frame before its columns
 
@@ -36,10 +36,6 @@ double now_ms() {
 tcp::endpoint server(std::uint16_t port) { return {asio::ip::address_v4::loopback(), port}; }
 
 std::string host_of(std::uint16_t port) { return "127.0.0.1:" + std::to_string(port); }
-
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 class Client {
  public:
@@ -71,8 +67,8 @@ class Client {
   // REQUIRES: the lock of all clients is held for the following members.
   LiveReceived received;
   double newest_ms = 0;
-  std::uint64_t values = 0;                            // since the connection
-  std::vector<std::pair<std::uint64_t, double>> came;  // values, and seconds since connect()
+  std::uint64_t values = 0;                               // since the connection
+  std::vector<std::pair<std::uint64_t, double>> arrived;  // values, and seconds since connect()
 
   std::mutex* lock = nullptr;
   [[nodiscard]] bool is_open() const { return open_; }
@@ -111,9 +107,8 @@ class Client {
     received.values += n;
     values += n;
     newest_ms = std::max(newest_ms, base);
-    if (came.size() < 64) came.emplace_back(values, seconds_since(begun_));
+    if (arrived.size() < 64) arrived.emplace_back(values, seconds_since(begun_));
     if (first) return;
-    received.ages_ms.push_back(now - base);
     for (std::uint32_t i = 0; i < n; i += 16) {
       std::uint32_t age = 0;
       std::memcpy(&age, data + kHeader + std::size_t{12} * n + std::size_t{4} * i, sizeof age);
@@ -172,16 +167,12 @@ std::size_t LiveClients::connect() {
   return state_->clients.size() - 1;
 }
 
-void LiveClients::disconnect(std::size_t client) {
-  state_->run([&] { state_->clients[client]->close(); });
-}
-
 double LiveClients::first_data(std::size_t client, std::uint64_t values, double patience) {
   const auto begin = Clock::now();
   while (seconds_since(begin) < patience) {
     {
       const std::lock_guard guard(state_->lock);
-      for (const auto& [count, seconds] : state_->clients[client]->came) {
+      for (const auto& [count, seconds] : state_->clients[client]->arrived) {
         if (count >= values) return seconds;
       }
     }
@@ -229,12 +220,6 @@ Fetched fetch(std::uint16_t port, const std::string& path) {
   parser.body_limit(64u << 20u);
   http::read(socket, buffer, parser);
   return {parser.get().body().size(), seconds_since(begin), parser.get().result_int()};
-}
-
-std::uint16_t free_port() {
-  asio::io_context io;
-  tcp::acceptor acceptor(io, server(0));
-  return acceptor.local_endpoint().port();
 }
 
 }  // namespace fieldcast::bench

@@ -11,7 +11,6 @@ namespace fieldcast::bench {
 
 struct LiveReceived {
   std::uint64_t frames = 0, values = 0, bytes = 0, texts = 0;
-  std::vector<double> ages_ms;    // ages of the newest value of each frame on arrival
   std::vector<double> spread_ms;  // sampled ages of all values, without the first frame
 };
 
@@ -24,7 +23,6 @@ class LiveClients {
 
   // Returns the index of the connected client. Throws std::runtime_error.
   std::size_t connect();
-  void disconnect(std::size_t client);
   // Seconds from connect() until this many values arrived; 0 after `patience` seconds.
   [[nodiscard]] double first_data(std::size_t client, std::uint64_t values, double patience);
   void stop_reading(std::size_t client);
@@ -47,7 +45,5 @@ struct Fetched {
   unsigned status = 0;
 };
 [[nodiscard]] Fetched fetch(std::uint16_t port, const std::string& path);
-
-[[nodiscard]] std::uint16_t free_port();
 
 }  // namespace fieldcast::bench

@@ -53,11 +53,11 @@ extern "C" {
 ssize_t recvmsg(int socket, msghdr* message, int flags) {
   using Receive = ssize_t (*)(int, msghdr*, int);
   static const auto receive = reinterpret_cast<Receive>(dlsym(RTLD_NEXT, "recvmsg"));
-  const msghdr asked = *message;
+  const msghdr original = *message;
   while (true) {
     const ssize_t size = receive(socket, message, flags);
     if (!fieldcast::bench::is_lost(socket, size)) return size;
-    *message = asked;
+    *message = original;
   }
 }
 
@@ -65,11 +65,11 @@ ssize_t recvfrom(int socket, void* buffer, std::size_t room, int flags, sockaddr
                  socklen_t* from_size) {
   using Receive = ssize_t (*)(int, void*, std::size_t, int, sockaddr*, socklen_t*);
   static const auto receive = reinterpret_cast<Receive>(dlsym(RTLD_NEXT, "recvfrom"));
-  const socklen_t asked = from_size == nullptr ? 0 : *from_size;
+  const socklen_t original = from_size == nullptr ? 0 : *from_size;
   while (true) {
     const ssize_t size = receive(socket, buffer, room, flags, from, from_size);
     if (!fieldcast::bench::is_lost(socket, size)) return size;
-    if (from_size != nullptr) *from_size = asked;
+    if (from_size != nullptr) *from_size = original;
   }
 }
 }

@@ -28,17 +28,6 @@ std::string as_string(const Bytes& bytes) { return {bytes.begin(), bytes.end()};
 
 }  // namespace
 
-std::uint16_t free_port() {
-  const FileDescriptor fd(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  sockaddr_in address = loopback(0);
-  socklen_t size = sizeof address;
-  if (::bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), size) != 0 ||
-      ::getsockname(fd.get(), reinterpret_cast<sockaddr*>(&address), &size) != 0) {
-    throw std::runtime_error("no free port");
-  }
-  return ntohs(address.sin_port);
-}
-
 FileDescriptor connect_to(std::uint16_t port, double patience) {
   const auto start = Clock::now();
   const sockaddr_in address = loopback(port);
@@ -193,10 +182,7 @@ class DelayingProxy {
       : delay_(delay / 2),
         listener_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)),
         port_(free_port()) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(port_);
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const sockaddr_in address = loopback(port_);
     const int on = 1;
     ::setsockopt(listener_.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
     if (::bind(listener_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
@@ -292,9 +278,9 @@ void exchange_bench(const ExchangeOptions& options) {
   const double took = through(options);
   beside.join();
   const double ideal = alone + options.delay_ms / 1000;
-  print_figure("exchange directly over a terminal pair", alone * 1e3, "ms", "");
-  print_figure("exchange through port, network, bridge and module", took * 1e3, "ms", "");
-  print_figure("delay added to each round trip", options.delay_ms, "ms", "");
+  print_figure("exchange directly over a terminal pair", alone * 1e3, "ms");
+  print_figure("exchange through port, network, bridge and module", took * 1e3, "ms");
+  print_figure("delay added to each round trip", options.delay_ms, "ms");
   print_figure("rate against what request and response allow", 100 * ideal / took, "%",
                options.delay_ms > 0 ? ">= 95" : ">= 97");
 }

@@ -1,7 +1,6 @@
 // Loopback sockets, a bridge in its own process and length-prefixed frames for program_bench.
 #pragma once
 
-#include <chrono>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -9,15 +8,9 @@
 #include "bridge/base/file_descriptor.hpp"
 #include "core/base/bytes.hpp"
 #include "tools/bench/plant/plant.hpp"
+#include "tools/bench/support/figures.hpp"
 
 namespace fieldcast::bench {
-
-using Clock = std::chrono::steady_clock;
-[[nodiscard]] inline double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-[[nodiscard]] std::uint16_t free_port();
 
 // Throws std::runtime_error. Within the patience, retries until a server listens.
 [[nodiscard]] FileDescriptor connect_to(std::uint16_t port, double patience = 0);

@@ -125,8 +125,7 @@ FileDescriptor open_raw(const std::string& path) {
 void relay_bench(const RelayOptions& options) {
   ProgramBridge bridge(
       "  - { name: other, port: { serial: /nowhere }, protocol: modbus-rtu, devices: [ { name: d, "
-      "address: 1, allow: [raw-read] "
-      "} ] }\n");
+      "address: 1, allow: [raw-read] } ] }\n");
   FileDescriptor module = connect_to(bridge.modules(), 5);
   send_all(module.get(), Bytes{'1', '7', '\n'});
   FileDescriptor engineer = paired_client(bridge.engineers(), "17");
@@ -171,12 +170,12 @@ void relay_bench(const RelayOptions& options) {
   progress.clear();
   for (std::thread& thread : threads) thread.join();
   const double took = seconds_since(start);
-  print_figure("bytes to the device that came right", static_cast<double>(down.load()), "",
+  print_figure("bytes to the device that came right", down.load(), "",
                std::to_string(total).c_str());
-  print_figure("bytes from the device that came right", static_cast<double>(up.load()), "",
+  print_figure("bytes from the device that came right", up.load(), "",
                std::to_string(total).c_str());
-  print_figure("rate in each direction", static_cast<double>(total) / took / 1e6, "MB/s", "");
-  print_figure("bridge: memory after a second", early, "MB", "");
+  print_figure("rate in each direction", static_cast<double>(total) / took / 1e6, "MB/s");
+  print_figure("bridge: memory after a second", early, "MB");
   print_figure("bridge: highest memory", highest, "MB", "constant");
   if (port) print_figure("fieldcast-port: highest memory", port_highest, "MB", "constant");
 }

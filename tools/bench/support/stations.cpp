@@ -9,7 +9,6 @@
 #include <iterator>
 #include <set>
 #include <sstream>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -37,19 +36,6 @@ std::string scrape(std::uint16_t port) {
 }
 
 }  // namespace
-
-std::uint16_t free_tcp_port() {
-  constexpr unsigned kLowest = 20000, kCount = 12000;  // below the kernel's ephemeral ports
-  for (unsigned i = 0; i < kCount; ++i) {
-    const auto port =
-        static_cast<std::uint16_t>(kLowest + (static_cast<unsigned>(::getpid()) * 7 + i) % kCount);
-    const FileDescriptor fd(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-    const sockaddr_in address = loopback(port);
-    if (::bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0)
-      return port;
-  }
-  throw std::runtime_error("every port from 20000 to 31999 is taken");
-}
 
 Scraper::Scraper(std::uint16_t port) : port_(port), thread_([this] { run(); }) {}
 
@@ -107,10 +93,10 @@ std::uint64_t dropped_datagrams() {
 
 std::uint64_t dropped_datagrams(pid_t process) {
   std::set<std::string> sockets;  // their inodes
-  std::error_code gone;           // files may close while they are listed
+  std::error_code ignored;        // files may close while they are listed
   const std::string of_process = "/proc/" + std::to_string(process);
-  for (const auto& file : std::filesystem::directory_iterator(of_process + "/fd", gone)) {
-    const std::string target = std::filesystem::read_symlink(file.path(), gone).string();
+  for (const auto& file : std::filesystem::directory_iterator(of_process + "/fd", ignored)) {
+    const std::string target = std::filesystem::read_symlink(file.path(), ignored).string();
     if (target.starts_with("socket:[")) sockets.insert(target.substr(8, target.size() - 9));
   }
   std::ifstream file(of_process + "/net/udp");

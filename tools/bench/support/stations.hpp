@@ -3,17 +3,12 @@
 
 #include <atomic>
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include "tools/bench/plant/plant.hpp"
 
 namespace fieldcast::bench {
-
-// Throws if there is no free port.
-[[nodiscard]] std::uint16_t free_tcp_port();
 
 class Scraper {
  public:

@@ -25,9 +25,9 @@ constexpr UtcTime kEnd{kBegin.nanoseconds + kDays * kDay * kSecond};
 constexpr std::uint32_t kPoints = 1000;
 
 double seconds_of(const auto& work) {
-  const auto began = std::chrono::steady_clock::now();
+  const auto began = Clock::now();
   work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  return seconds_since(began);
 }
 
 // The best of several runs, because other processes share the machine.
@@ -42,12 +42,11 @@ void insert_samples(SqlConnection& connection, std::int64_t channel) {
   StepProgress progress("making samples", kDays);
   for (std::int64_t day = 0; day < kDays; ++day, progress.step()) {
     connection.execute(
-        "with recursive n(i) as (select 0 union all select i + 1 from n where i < 86399) "
-        "insert into samples (channel, published_at, sequence, acquired_at, quality, device_code, "
+        "with recursive n(i) as (select 0 union all select i + 1 from n where i < 86399) insert "
+        "into samples (channel, published_at, sequence, acquired_at, quality, device_code, "
         "value_kind, real_value) select $1, cast($2 as bigint) + i * cast(1000000000 as bigint), "
-        "i, "
-        "cast($3 as bigint) + i * cast(1000000000 as bigint), "
-        "case when i % 1000 = 0 then 3 else 0 end, 0, 3, 20 + (i % 997) * 0.01 from n",
+        "i, cast($3 as bigint) + i * cast(1000000000 as bigint), case when i % 1000 = 0 then 3 "
+        "else 0 end, 0, 3, 20 + (i % 997) * 0.01 from n",
         SqlRow{channel, kBegin.nanoseconds + day * kDay * kSecond,
                kBegin.nanoseconds + day * kDay * kSecond});
   }
@@ -87,8 +86,8 @@ void fill_thirty_days(const StoreAddress& address) {
     ids.push_back(samples.channel_id("history", "device", "c" + std::to_string(i), "", "float64"));
   }
   const double made = seconds_of([&] { insert_samples(*connection, ids[0]); });
-  print_figure("  samples of one channel", static_cast<double>(kDays * kDay), "", "");
-  print_figure("  making them", made, "s", "");
+  print_figure("  samples of one channel", kDays * kDay);
+  print_figure("  making them", made, "s");
   connection->execute("insert into untiered values ($1, 0)", SqlRow{ids[0]});
   TierWriter tiers;
   double longest = 0;
@@ -99,8 +98,8 @@ void fill_thirty_days(const StoreAddress& address) {
     for (; more; progress.step())
       longest = std::max(longest, seconds_of([&] { more = tiers.step(*connection, kEnd); }));
   });
-  print_figure("  their tiers, as for a store of an older version", tiered, "s", "");
-  print_figure("  the longest step of it", 1e3 * longest, "ms", "");
+  print_figure("  their tiers, as for a store of an older version", tiered, "s");
+  print_figure("  the longest step of it", 1e3 * longest, "ms");
   StepProgress progress("copying tiers", ids.size());
   for (std::size_t i = 1; i < ids.size(); ++i, progress.step())
     copy_tiers(*connection, ids[0], ids[i]);
@@ -118,19 +117,19 @@ void read_thirty_days(const StoreAddress& address) {
   const std::vector<StoredChannel> one(channels.begin(), channels.begin() + 1);
   Read seen;
   const double single = best_of(5, [&] { seen = read(address, one, every); });
-  print_figure("  points of one channel", static_cast<double>(seen.points), "", "up to 1 000");
+  print_figure("  points of one channel", seen.points, "", "up to 1 000");
   print_figure("  one channel, from minutes", 1e3 * single, "ms", "below 100");
   const double all = best_of(3, [&] { seen = read(address, channels, every); });
-  print_figure("  points of 100 channels", static_cast<double>(seen.points), "", "");
+  print_figure("  points of 100 channels", seen.points);
   print_figure("  100 channels, from minutes", all, "s", "below 5");
   // No tier fits this width, which is a second less.
   const double raw = best_of(2, [&] { seen = read(address, one, every - 1s); });
-  print_figure("  one channel, from its samples", 1e3 * raw, "ms", "");
+  print_figure("  one channel, from its samples", 1e3 * raw, "ms");
   const double day = best_of(3, [&] { seen = read(address, channels, 24h); });
-  print_figure("  100 channels by the day, from hours", 1e3 * day, "ms", "");
+  print_figure("  100 channels by the day, from hours", 1e3 * day, "ms");
   if (!address.is_server()) {
     print_figure("  the file",
-                 static_cast<double>(std::filesystem::file_size(address.text())) / 1e6, "MB", "");
+                 static_cast<double>(std::filesystem::file_size(address.text())) / 1e6, "MB");
   }
 }
 

@@ -1,8 +1,6 @@
 // Fills a store with 30 days of one-second samples and measures reading them as 1 000 points.
 #pragma once
 
-#include <string>
-
 #include "bridge/store/sql/sql.hpp"
 
 namespace fieldcast::bench {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 #include "config/document/map_reader.hpp"
 #include "config/document/scalars.hpp"
@@ -96,7 +95,7 @@ void read_silence(const Node& node, DeviceFaults& device, FaultList& faults) {
     map.read("from", window.from, kMoment);
     map.read("to", window.to, kMoment);
     if (window.to <= window.from)
-      faults.add(map.position_of("to"), "the silence ends before it begins", "a 'to' after 'from'");
+      map.fault("to", "the silence ends before it begins", "a 'to' after 'from'");
     device.silence.push_back(window);
   });
 }
@@ -127,13 +126,12 @@ void read_exceptions(const Node& node, DeviceFaults& device,
     map.read("to", range.to, kItem);
     map.read("code", range.code, WholeRule{1, 255});
     if (range.to < range.from)
-      faults.add(map.position_of("to"), "the range ends before it begins",
-                 "a 'to' not below 'from'");
+      map.fault("to", "the range ends before it begins", "a 'to' not below 'from'");
     const bool known =
         areas.empty() || range.area.empty() || std::ranges::find(areas, range.area) != areas.end();
     if (!known) {
-      faults.add(map.position_of("area"), fmt::format("area '{}' is unknown", range.area),
-                 config::joined(areas), config::closest(range.area, areas));
+      map.fault("area", fmt::format("area '{}' is unknown", range.area), config::joined(areas),
+                config::closest(range.area, areas));
     }
     device.refused.push_back(range);
   });

@@ -112,11 +112,11 @@ class SerialBus : public PluggedBus {
       port_->forget_exclusive_use();
       next_care_ = now + 1s;
     }
-    said_.clear();
-    line_->advance(now, said_);
+    sent_.clear();
+    line_->advance(now, sent_);
     // A full terminal has no reader; a line does not wait for its receivers.
-    if (!said_.empty()) [[maybe_unused]]
-      const ssize_t count = ::write(port_->fd(), said_.data(), said_.size());
+    if (!sent_.empty()) [[maybe_unused]]
+      const ssize_t count = ::write(port_->fd(), sent_.data(), sent_.size());
     return std::min(line_->next_due(), next_care_);
   }
 
@@ -124,7 +124,7 @@ class SerialBus : public PluggedBus {
   std::string path_;
   std::optional<PtyPort> port_;  // empty while unplugged
   std::unique_ptr<BusLine> line_;
-  Bytes said_;
+  Bytes sent_;
   Instant next_care_ = kLongAgo;
 };
 
@@ -179,12 +179,12 @@ class TcpBus : public PluggedBus {
     for (auto at = connections_.begin(); at != connections_.end();) {
       const auto current = at++;
       Connection& connection = current->second;
-      said_.clear();
-      connection.line->advance(now, said_);
-      const auto size = static_cast<ssize_t>(said_.size());
+      sent_.clear();
+      connection.line->advance(now, sent_);
+      const auto size = static_cast<ssize_t>(sent_.size());
       // A peer that does not read a few hundred bytes is not a master.
       const bool taken =
-          said_.empty() || ::send(current->first, said_.data(), said_.size(), MSG_NOSIGNAL) == size;
+          sent_.empty() || ::send(current->first, sent_.data(), sent_.size(), MSG_NOSIGNAL) == size;
       if (!taken || connection.line->hung_up()) {
         close(current);
       } else {
@@ -203,7 +203,7 @@ class TcpBus : public PluggedBus {
   TcpPortSpec spec_;
   FileDescriptor listener_;
   std::map<int, Connection> connections_;
-  Bytes said_;
+  Bytes sent_;
 };
 
 }  // namespace

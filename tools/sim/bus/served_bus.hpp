@@ -2,11 +2,8 @@
 // and BusLines, not the SimBus. Driven by the thread of the plant loop.
 #pragma once
 
-#include <map>
 #include <memory>
-#include <optional>
 #include <string>
-#include <vector>
 
 #include "bridge/base/file_descriptor.hpp"
 #include "tools/sim/bus/sim_bus.hpp"

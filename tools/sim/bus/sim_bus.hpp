@@ -3,7 +3,6 @@
 // bytes and instants in, bytes and instants out. Single-threaded.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>

@@ -98,11 +98,10 @@ Instant Wire::sends_until(Sender sender) const {
 }
 
 bool Wire::sending(Sender sender, Instant at) const {
-  return std::any_of(transmissions_.begin(), transmissions_.end(),
-                     [&](const Transmission& transmission) {
-                       return transmission.sender == sender && transmission.start < at &&
-                              end_of(transmission, transmission.characters.size()) >= at;
-                     });
+  return std::ranges::any_of(transmissions_, [&](const Transmission& transmission) {
+    return transmission.sender == sender && transmission.start < at &&
+           end_of(transmission, transmission.characters.size()) >= at;
+  });
 }
 
 Passed Wire::pass_queued() {

@@ -99,11 +99,6 @@ class ValueCheck {
   RunOutcome ask(const Request& request) {
     return live_.run(requests_.protocol().begin(request, {++sequence_}));
   }
-  static std::string frames(const RunOutcome& outcome) {
-    std::string text;
-    for (const Bytes& sent : outcome.sent) text += (text.empty() ? "" : " | ") + to_hex(sent);
-    return text;
-  }
 
   void typed(AreaIndex area, const TypedValues& type) {
     if (bits(area) == 1 && type.encoding.type != ValueType::kBool) return;
@@ -143,7 +138,7 @@ class ValueCheck {
     right ? rows_[read_].pass()
           : rows_[read_].fail(fmt::format("{} from {}, held {}: {}", what, slot.range.first,
                                           to_hex(image), outcome.text()),
-                              frames(outcome));
+                              frames(outcome.sent));
   }
 
   void write(const Slot& slot, const Bytes& image, const std::string& what) {
@@ -168,7 +163,8 @@ class ValueCheck {
       }
       if (!outcome.done)
         return rows_[write_].fail(
-            fmt::format("{} to {}: {}", what, slot.range.first, outcome.text()), frames(outcome));
+            fmt::format("{} to {}: {}", what, slot.range.first, outcome.text()),
+            frames(outcome.sent));
     }
     const auto held = Requests::peek(live_.device(), name(slot.range.area), slot, live_.now());
     const RunOutcome back = ask(ReadRequest{{slot.range}});
@@ -178,58 +174,60 @@ class ValueCheck {
           : rows_[write_].fail(fmt::format("{} to {} of {}: the device holds {}, read back {}",
                                            what, slot.range.first, to_hex(image),
                                            held ? to_hex(*held) : "nothing", back.text()),
-                               frames(back));
+                               frames(back.sent));
+  }
+
+  // The last item of an area, of which bits or bytes are written.
+  Slot last_item(AreaIndex area) const {
+    const Area& row = requests_.protocol().areas()[area];
+    return {{area, row.items - 1, 1}, row.item_bits};
+  }
+
+  // Writes a part of an item; the device must then hold `after`.
+  void part(const Slot& slot, const WriteRequest& request, const Bytes& after,
+            const std::string& what) {
+    const RunOutcome outcome = ask(request);
+    const auto held = Requests::peek(live_.device(), name(slot.range.area), slot, live_.now());
+    outcome.done&& held == after
+        ? rows_[write_].pass()
+        : rows_[write_].fail(fmt::format("{}: {}, the device holds {}", what, outcome.text(),
+                                         held ? to_hex(*held) : "nothing"),
+                             frames(outcome.sent));
   }
 
   void bit(AreaIndex area) {
     const Area& row = requests_.protocol().areas()[area];
     if (!row.bit_write || row.item_bits == 1) return;
-    const Slot slot{{area, row.items - 1, 1}, row.item_bits};
+    const Slot slot = last_item(area);
     for (unsigned at = 0; at < row.item_bits; ++at) {
       for (const bool on : {true, false}) {
         Bytes image = Requests::contents(slot, random_);
         if (!Requests::poke(live_.device(), name(area), slot, image)) return;
-        WriteRequest request{.range = slot.range,
-                             .items = Bytes(image.size(), on ? 0xFF : 0x00),
-                             .bit = static_cast<std::uint8_t>(at)};
+        const WriteRequest request{.range = slot.range,
+                                   .items = Bytes(image.size(), on ? 0xFF : 0x00),
+                                   .bit = static_cast<std::uint8_t>(at)};
         if (!requests_.allows(request)) return;
-        if (requests_.protocol()
-                .areas()[area]
-                .window) {  // the protocol stores what it wrote: start from there
-          if (!ask(WriteRequest{.range = slot.range, .items = image}).done) return;
-        }
-        const RunOutcome outcome = ask(request);
+        // With a window the protocol stores what it wrote: start from there.
+        if (row.window && !ask(WriteRequest{.range = slot.range, .items = image}).done) return;
         merge_bit(image, at, on);
-        const auto held = Requests::peek(live_.device(), name(area), slot, live_.now());
-        outcome.done&& held == image
-            ? rows_[write_].pass()
-            : rows_[write_].fail(fmt::format("bit {}: {}, the device holds {}", at, outcome.text(),
-                                             held ? to_hex(*held) : "nothing"),
-                                 frames(outcome));
+        part(slot, request, image, fmt::format("bit {}", at));
       }
     }
   }
 
   void byte(AreaIndex area) {
-    const Area& row = requests_.protocol().areas()[area];
-    if (!row.byte_write) return;
-    const Slot slot{{area, row.items - 1, 1}, row.item_bits};
-    for (unsigned at = 0; at < row.item_bits; at += 8) {
+    if (!requests_.protocol().areas()[area].byte_write) return;
+    const Slot slot = last_item(area);
+    for (unsigned at = 0; at < slot.item_bits; at += 8) {
       Bytes image = Requests::contents(slot, random_);
       if (!Requests::poke(live_.device(), name(area), slot, image)) return;
       const auto own = static_cast<std::uint8_t>(random_());
-      WriteRequest request{.range = slot.range,
-                           .items = Bytes(image.size(), own),
-                           .bit = static_cast<std::uint8_t>(at),
-                           .bits = 8};
-      const RunOutcome outcome = ask(request);
+      const WriteRequest request{.range = slot.range,
+                                 .items = Bytes(image.size(), own),
+                                 .bit = static_cast<std::uint8_t>(at),
+                                 .bits = 8};
       image[image.size() - 1 - at / 8] = own;
-      const auto held = Requests::peek(live_.device(), name(area), slot, live_.now());
-      outcome.done&& held == image
-          ? rows_[write_].pass()
-          : rows_[write_].fail(fmt::format("byte {}: {}, the device holds {}", at / 8,
-                                           outcome.text(), held ? to_hex(*held) : "nothing"),
-                               frames(outcome));
+      part(slot, request, image, fmt::format("byte {}", at / 8));
     }
   }
 
@@ -259,7 +257,7 @@ class ValueCheck {
         right = outcome.reply[i].items == expected[i];
       right ? row.pass()
             : row.fail(fmt::format("{} ranges: {}", expected.size(), outcome.text()),
-                       frames(outcome));
+                       frames(outcome.sent));
     }
   }
 

@@ -138,6 +138,12 @@ std::string RunOutcome::text() const {
   return text;
 }
 
+std::string frames(const std::vector<Bytes>& all) {
+  std::string text;
+  for (const Bytes& each : all) text += (text.empty() ? "" : " | ") + to_hex(each);
+  return text;
+}
+
 LiveDevice::LiveDevice(const Subject& subject, const BusFaults& faults)
     : line_format_(subject.line()) {
   auto bus = SimBus::make(bus_of(subject), faults, 1, now_);

@@ -40,12 +40,15 @@ struct RunOutcome {
   std::vector<Bytes> sent;
   std::vector<Bytes> answers;
   // True for a value or a device error: a disturbed response must not become one of these.
-  [[nodiscard]] bool says_something() const {
+  [[nodiscard]] bool is_definite() const {
     return done || cause == Cause::kDeviceError || cause == Cause::kDeviceBusy;
   }
   [[nodiscard]] bool same_as(const RunOutcome& other) const;
   [[nodiscard]] std::string text() const;
 };
+
+// "01 02 | 03": frames in hexadecimal.
+[[nodiscard]] std::string frames(const std::vector<Bytes>& all);
 
 class LiveDevice {
  public:

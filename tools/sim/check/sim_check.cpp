@@ -13,7 +13,7 @@
 namespace fieldcast::sim {
 
 CheckRows sim_check(const Subject& subject, const std::function<void(double share)>& on_share) {
-  constexpr std::array kParts{check_values, check_notation, check_answers, check_troubles,
+  constexpr std::array kParts{check_values, check_notation, check_answers, check_faults,
                               check_late};
   CheckRows rows;
   for (std::size_t i = 0; i < kParts.size(); ++i) {
@@ -94,7 +94,7 @@ class ResponseCheck {
       answers.resize(round + 1);
       answers[round].resize(size);
       const RunOutcome outcome = run(example, answers);
-      judge(*cuts_, example, outcome, !outcome.says_something(),
+      judge(*cuts_, example, outcome, !outcome.is_definite(),
             fmt::format("cut to {}{}", size, in_round), answers[round]);
     }
   }
@@ -106,7 +106,7 @@ class ResponseCheck {
       auto answers = example.clean.answers;
       answers[round][bit / 8] ^= static_cast<std::uint8_t>(1u << bit % 8);
       const RunOutcome outcome = run(example, answers);
-      const bool right = !outcome.says_something() || outcome.same_as(example.clean);
+      const bool right = !outcome.is_definite() || outcome.same_as(example.clean);
       unseen_ += right ? 0 : 1;
       judge(*flips_, example, outcome, right || !subject_.checked,
             fmt::format("bit {} of byte {}{} flipped", bit % 8, bit / 8, in_round), answers[round]);
@@ -119,7 +119,7 @@ class ResponseCheck {
     for (std::uint8_t& byte : noise) byte = static_cast<std::uint8_t>(random_());
     answers.front().insert(answers.front().begin(), noise.begin(), noise.end());
     const RunOutcome outcome = run(example, answers);
-    const bool right = !outcome.says_something() || outcome.same_as(example.clean);
+    const bool right = !outcome.is_definite() || outcome.same_as(example.clean);
     judge(*noise_, example, outcome, right || !subject_.checked, "behind " + to_hex(noise),
           answers.front());
   }

@@ -43,7 +43,7 @@ void check_values(const Subject& subject, CheckRows& rows);
 void check_notation(const Subject& subject, CheckRows& rows);
 // Splits, truncations, flipped bits, leading noise.
 void check_answers(const Subject& subject, CheckRows& rows);
-void check_troubles(const Subject& subject, CheckRows& rows);
+void check_faults(const Subject& subject, CheckRows& rows);
 void check_late(const Subject& subject, CheckRows& rows);
 
 }  // namespace fieldcast::sim

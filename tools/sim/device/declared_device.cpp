@@ -17,39 +17,23 @@ using declared::Operation;
 // For missing items, if the declaration defines this code.
 constexpr std::uint8_t kAddressCode = 2;
 
-class DeclaredReceiver : public Receiver {
+class DeclaredReceiver : public GapReceiver {
  public:
   // Three characters: less than the pause of any master before its next request.
   DeclaredReceiver(DeclaredDevice& device, const LineFormat& line, bool stream)
-      : device_(device),
-        character_(line.characters(1)),
-        gap_(stream ? Duration{100'000'000} : line.characters(3)) {}
+      : GapReceiver(line, stream ? kStreamGap : line.characters(3)), device_(device) {}
 
   void on_character(std::uint8_t character, Instant end, Reaction& reaction) override {
-    if (silence_due() != kNever && end - character_ >= silence_due())
-      on_silence(silence_due(), reaction);
-    last_ = end;
+    heard(end, reaction);
     if (lost_) return;
     received_.push_back(character);
-    const auto received = device_.take(received_, end, reaction.answer);
-    lost_ = received == DeclaredDevice::Taken::kNothing ||
-            (received == DeclaredDevice::Taken::kDone && reaction.answer.empty());
-    if (received != DeclaredDevice::Taken::kMore) received_.clear();
-  }
-  Instant silence_due() const override {
-    return received_.empty() && !lost_ ? kNever : last_ + gap_;
-  }
-  void on_silence(Instant, Reaction&) override {
-    received_.clear();
-    lost_ = false;
+    const auto taken = device_.take(received_, end, reaction.answer);
+    if (taken == DeclaredDevice::Taken::kMore) return;
+    ready(taken == DeclaredDevice::Taken::kNothing || reaction.answer.empty());
   }
 
  private:
   DeclaredDevice& device_;
-  Duration character_, gap_;
-  Bytes received_;
-  bool lost_ = false;
-  Instant last_ = kLongAgo;
 };
 
 std::vector<ItemArea> areas_of(const declared::Declaration& declaration) {

@@ -107,9 +107,9 @@ class ParseRun {
     for (std::size_t i = 0; i < fields_.size(); ++i) {
       const Field& field = fields_[i];
       if (field.kind != FieldKind::kChecksum) continue;
-      const auto said = number_of(bytes_.subspan(starts_[i], field.word.characters), field.word);
-      received_.bad_check |= said != check_of(field.check, field.bits,
-                                              summed(operation_.request, field, bytes_, starts_));
+      const auto stated = number_of(bytes_.subspan(starts_[i], field.word.characters), field.word);
+      received_.bad_check |= stated != check_of(field.check, field.bits,
+                                                summed(operation_.request, field, bytes_, starts_));
     }
     return std::move(received_);
   }
@@ -119,19 +119,19 @@ class ParseRun {
   ByteView rest() const { return bytes_.subspan(offset_); }
 
   Fit mark(const Field& field) {
-    const std::size_t come = std::min(rest().size(), field.text.size());
-    if (!std::equal(field.text.begin(), field.text.begin() + static_cast<std::ptrdiff_t>(come),
+    const std::size_t present = std::min(rest().size(), field.text.size());
+    if (!std::equal(field.text.begin(), field.text.begin() + static_cast<std::ptrdiff_t>(present),
                     rest().begin(),
                     [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; }))
       return Fit::kNo;
-    offset_ += come;
-    return come == field.text.size() ? Fit::kWhole : Fit::kMore;
+    offset_ += present;
+    return present == field.text.size() ? Fit::kWhole : Fit::kMore;
   }
 
   Fit text(const Field& field) {
     std::size_t size = field.text_size;
-    if (field.variable && told_) {
-      size = std::min<std::size_t>(size, *told_);
+    if (field.variable && given_size_) {
+      size = std::min<std::size_t>(size, *given_size_);
     } else if (field.variable) {
       const Field& next = fields_[at_ + 1];
       const std::uint8_t end = next.text.empty() ? characters_of(next.number, next.word)[0]
@@ -149,12 +149,12 @@ class ParseRun {
 
   Fit items(const Field& field) {
     std::size_t size = items_size(field, item_bits_, received_.text.count);
-    if (told_ && !counted_) {
-      size = *told_;
+    if (given_size_ && !counted_) {
+      size = *given_size_;
       received_.text.count =
           size / field.word.characters * (item_bits_ == 1 && field.packed ? 8 : 1);
-    } else if (told_) {
-      received_.contradicts |= *told_ != size;
+    } else if (given_size_) {
+      received_.contradicts |= *given_size_ != size;
     }
     if (size > declared::kMaxFrame) return Fit::kNo;
     if (rest().size() < size) return Fit::kMore;
@@ -192,20 +192,20 @@ class ParseRun {
   bool take(const Field& field, std::uint64_t number) {
     const std::uint64_t meant =
         (number - static_cast<std::uint64_t>(field.plus)) & mask(field.bits);
-    DeclaredText& said = received_.text;
+    DeclaredText& stated = received_.text;
     switch (field.kind) {
       case FieldKind::kConstant: return number == (field.number & mask(field.bits));
       case FieldKind::kCommand: return meant == (operation_.command & mask(field.bits));
-      case FieldKind::kAddress: said.address = meant; return true;
-      case FieldKind::kFirst: said.first = meant / field.times; return meant % field.times == 0;
+      case FieldKind::kAddress: stated.address = meant; return true;
+      case FieldKind::kFirst: stated.first = meant / field.times; return meant % field.times == 0;
       case FieldKind::kCount:
-        said.count = meant / field.times;
+        stated.count = meant / field.times;
         counted_ = true;
-        return meant % field.times == 0 && said.count >= operation_.min_count &&
-               said.count <= operation_.max_count;
-      case FieldKind::kSequence: said.sequence = number; return true;
+        return meant % field.times == 0 && stated.count >= operation_.min_count &&
+               stated.count <= operation_.max_count;
+      case FieldKind::kSequence: stated.sequence = number; return true;
       case FieldKind::kLength: length(field, number); return true;
-      case FieldKind::kValue: said.numbers[&field] = number; return true;
+      case FieldKind::kValue: stated.numbers[&field] = number; return true;
       default: return true;
     }
   }
@@ -231,7 +231,8 @@ class ParseRun {
       received_.contradicts |= left != 0;
       return;
     }
-    told_ = static_cast<std::size_t>(left) * (in_digits(*open) && !field.in_characters ? 2 : 1);
+    given_size_ =
+        static_cast<std::size_t>(left) * (in_digits(*open) && !field.in_characters ? 2 : 1);
   }
 
   const declared::Operation& operation_;
@@ -242,7 +243,7 @@ class ParseRun {
   Starts starts_;  // up to the current field
   std::size_t at_ = 0, offset_ = 0;
   std::uint64_t word_ = 0;
-  std::optional<std::size_t> told_;
+  std::optional<std::size_t> given_size_;
   bool counted_ = false;
 };
 

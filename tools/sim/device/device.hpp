@@ -14,7 +14,6 @@
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
-#include <utility>
 #include <vector>
 
 #include "core/base/bytes.hpp"
@@ -52,6 +51,38 @@ class Receiver {
   [[nodiscard]] virtual Instant silence_due() const { return kNever; }
   // The line was silent until `now`, which is not before silence_due().
   virtual void on_silence([[maybe_unused]] Instant now, [[maybe_unused]] Reaction& reaction) {}
+};
+
+// A receiver that a silence on the line makes ready for the next frame. A derived on_character()
+// begins with heard().
+class GapReceiver : public Receiver {
+ public:
+  static constexpr Duration kStreamGap = std::chrono::milliseconds{100};  // parts arrive separately
+
+  GapReceiver(const LineFormat& line, Duration gap) : character_(line.characters(1)), gap_(gap) {}
+  [[nodiscard]] Instant silence_due() const override {
+    return received_.empty() && !lost_ ? kNever : last_ + gap_;
+  }
+  void on_silence(Instant, Reaction&) override { ready(false); }
+
+ protected:
+  void heard(Instant end, Reaction& reaction) {
+    if (silence_due() != kNever && end - character_ >= silence_due())
+      on_silence(silence_due(), reaction);
+    last_ = end;
+  }
+  // `lost`: ignores the line until a silence.
+  void ready(bool lost) {
+    received_.clear();
+    lost_ = lost;
+  }
+
+  Bytes received_;
+  bool lost_ = false;
+
+ private:
+  Duration character_, gap_;
+  Instant last_ = kLongAgo;
 };
 
 class SimDevice {

@@ -60,6 +60,7 @@ bool ItemMemory::add_channel(const ItemAddress& at, const Encoding& encoding,
   const std::uint32_t count = items_for(encoding, area.bits);
   if (at.first >= area.items || count > area.items - at.first) return false;
   if (area.bits == 1 && (encoding.is_text() || at.bit)) return false;
+  if (area.only_bools && encoding.type != ValueType::kBool) return false;
   ItemAddress address = at;
   if (!address.bit && area.bits > 1) address.bit = encoding.bit;
   const bool part = encoding.type == ValueType::kBool || (is_byte(encoding) && area.bits > 8);

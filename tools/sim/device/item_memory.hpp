@@ -1,9 +1,12 @@
 // Memory of a simulated device as numbered items of several areas. Owned by one device.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,6 +23,7 @@ struct ItemArea {
   std::string_view name;
   unsigned bits = 16;  // of one item: 1, 8, 16, 32 or 64
   std::uint32_t items = 65536;
+  bool only_bools = false;  // of bits: no number lies in bits that follow each other
 };
 
 struct ItemAddress {
@@ -103,5 +107,21 @@ class MemoryDevice : public SimDevice {
   ItemMemory memory_;
   DeviceStatistics statistics_;
 };
+
+// Makes a device with the channels of `setup`. Fails for an address above `highest`, or an invalid
+// channel address.
+template <class Device, class Parse>
+[[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_memory_device(
+    const DeviceSetup& setup, unsigned highest, const Parse& parse,
+    std::string_view what = "address") {
+  if (setup.spec.link.address > highest) {
+    return tl::unexpected(fmt::format("{}: {} {} is not 0..{}", setup.spec.name, what,
+                                      setup.spec.link.address, highest));
+  }
+  auto device = std::make_unique<Device>(setup);
+  if (auto added = device->memory().add_channels(setup, parse); !added)
+    return tl::unexpected(added.error());
+  return device;
+}
 
 }  // namespace fieldcast::sim

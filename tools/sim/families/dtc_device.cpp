@@ -100,51 +100,27 @@ std::size_t size_of(std::uint8_t type, std::size_t count) {
   return (count * kDtcBits[type] + 7) / 8;
 }
 
-bool crc_holds(ByteView message) {
-  const std::uint16_t crc = crc16_modbus(message.first(message.size() - 2));
-  return message[message.size() - 2] == (crc & 0xFFu) && message[message.size() - 1] == crc >> 8;
-}
-
 // After a packet without a valid flag the receiver waits for silence.
-class DtcReceiver : public Receiver {
+class DtcReceiver : public GapReceiver {
  public:
   DtcReceiver(DtcDevice& device, const LineFormat& line, bool stream)
-      : device_(device),
-        character_(line.characters(1)),
-        gap_(stream ? Duration{100'000'000} : line.characters(3.5)) {}
+      : GapReceiver(line, stream ? kStreamGap : line.characters(3.5)), device_(device) {}
 
   void on_character(std::uint8_t character, Instant end, Reaction& reaction) override {
-    if (silence_due() != kNever && end - character_ >= silence_due())
-      on_silence(silence_due(), reaction);
-    last_ = end;
+    heard(end, reaction);
     if (lost_) return;
-    bytes_.push_back(character);
-    if (bytes_[0] > 1) return lose();
-    if (bytes_.size() < kHead) return;
-    const std::size_t length = read_u16(bytes_, 1);
-    if (length < 3 || length > kMostBytes) return lose();
-    if (bytes_.size() < kHead + length) return;
-    if (!device_.take(bytes_[0] == 1, ByteView(bytes_).subspan(kHead), end, reaction.answer))
-      return lose();
-    bytes_.clear();
-  }
-  Instant silence_due() const override { return bytes_.empty() && !lost_ ? kNever : last_ + gap_; }
-  void on_silence(Instant, Reaction&) override {
-    bytes_.clear();
-    lost_ = false;
+    received_.push_back(character);
+    if (received_[0] > 1) return ready(true);
+    if (received_.size() < kHead) return;
+    const std::size_t length = read_u16(received_, 1);
+    if (length < 3 || length > kMostBytes) return ready(true);
+    if (received_.size() < kHead + length) return;
+    ready(
+        !device_.take(received_[0] == 1, ByteView(received_).subspan(kHead), end, reaction.answer));
   }
 
  private:
-  void lose() {
-    bytes_.clear();
-    lost_ = true;
-  }
-
   DtcDevice& device_;
-  Duration character_, gap_;
-  Bytes bytes_;
-  bool lost_ = false;
-  Instant last_ = kLongAgo;
 };
 
 // Returns false if the option is not a number up to `highest`.
@@ -202,7 +178,7 @@ bool DtcDevice::take(bool compressed, ByteView body, Instant now, Bytes& answer)
     const std::size_t length = read_u16(body);
     message = length <= kMostBytes ? dtc_expand(body.subspan(2), length) : std::nullopt;
   }
-  if (!message || message->size() < kLeastMessage || !crc_holds(*message)) {
+  if (!message || message->size() < kLeastMessage || !ends_with_crc16(*message)) {
     ++statistics_.bad_frames;
     return false;
   }
@@ -281,9 +257,7 @@ void DtcDevice::append_values(const Group& group, Instant now, Bytes& out) const
 }
 
 Bytes DtcDevice::packet(Bytes message) const {
-  const std::uint16_t crc = crc16_modbus(message);
-  message.push_back(static_cast<std::uint8_t>(crc));
-  message.push_back(static_cast<std::uint8_t>(crc >> 8));
+  append_crc16(message);
   Bytes packet{0}, body = message;
   if (message.size() >= threshold_) {
     Bytes smaller;
@@ -298,20 +272,13 @@ Bytes DtcDevice::packet(Bytes message) const {
 
 tl::expected<std::unique_ptr<SimDevice>, std::string> make_dtc_device(const DeviceSetup& setup) {
   const DeviceSpec& spec = setup.spec;
-  if (spec.link.address > 255) {
-    return tl::unexpected(
-        fmt::format("{}: address {} is not 0..255", spec.name, spec.link.address));
-  }
   std::size_t ignored = 0;
   for (const auto& [option, highest] :
        {std::pair{"max-message", kMostBytes}, std::pair{"threshold", std::size_t{65535}}}) {
     if (!read_option(spec.link, option, highest, ignored))
       return tl::unexpected(fmt::format("{}: option {} is no such number", spec.name, option));
   }
-  auto device = std::make_unique<DtcDevice>(setup);
-  if (auto added = device->memory().add_channels(setup, parse_dtc_address); !added)
-    return tl::unexpected(added.error());
-  return device;
+  return make_memory_device<DtcDevice>(setup, 255, parse_dtc_address);
 }
 
 }  // namespace fieldcast::sim

@@ -139,14 +139,7 @@ Bytes FreeportDevice::store(ByteView data, std::uint32_t length) {
 
 tl::expected<std::unique_ptr<SimDevice>, std::string> make_freeport_device(
     const DeviceSetup& setup) {
-  if (setup.spec.link.address > 255) {
-    return tl::unexpected(
-        fmt::format("{}: address {} is not 0..255", setup.spec.name, setup.spec.link.address));
-  }
-  auto device = std::make_unique<FreeportDevice>(setup);
-  if (auto added = device->memory().add_channels(setup, parse_window); !added)
-    return tl::unexpected(added.error());
-  return device;
+  return make_memory_device<FreeportDevice>(setup, 255, parse_window);
 }
 
 }  // namespace fieldcast::sim

@@ -244,10 +244,7 @@ Bytes FxDevice::force(bool extended, ByteView range, bool on) {
 }
 
 tl::expected<std::unique_ptr<SimDevice>, std::string> make_fx_device(const DeviceSetup& setup) {
-  auto device = std::make_unique<FxDevice>(setup);
-  if (auto added = device->memory().add_channels(setup, parse_fx_address); !added)
-    return tl::unexpected(added.error());
-  return device;
+  return make_memory_device<FxDevice>(setup, UINT16_MAX, parse_fx_address);
 }
 
 }  // namespace fieldcast::sim

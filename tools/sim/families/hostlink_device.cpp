@@ -74,7 +74,7 @@ std::unique_ptr<Receiver> HostLinkDevice::open_receiver() {
 }
 
 void HostLinkDevice::forget_transfer() {
-  to_come_.clear();
+  later_frames_.clear();
   writing_.clear();
 }
 
@@ -89,9 +89,9 @@ Bytes HostLinkDevice::answer(std::string_view header, std::string_view end_code,
 void HostLinkDevice::take(ByteView line, Instant now, Reaction& reaction) {
   if (!line.empty() && line[0] == '@') return take_command(line, now, reaction);
   if (!writing_.empty()) return take_write_part(line, reaction);
-  if (to_come_.empty()) return;
-  reaction.answer = to_come_.front();  // any line counts as the delimiter
-  to_come_.pop_front();
+  if (later_frames_.empty()) return;
+  reaction.answer = later_frames_.front();  // any line counts as the delimiter
+  later_frames_.pop_front();
 }
 
 void HostLinkDevice::take_command(ByteView line, Instant now, Reaction& reaction) {
@@ -101,9 +101,9 @@ void HostLinkDevice::take_command(ByteView line, Instant now, Reaction& reaction
   if (unit != unit_) return forget_transfer();
   const std::string header(line.begin() + 3, line.begin() + 5);
   const bool abort = header == "XZ";
-  if (!to_come_.empty() && !abort) {  // any other command counts as a delimiter
-    reaction.answer = to_come_.front();
-    to_come_.pop_front();
+  if (!later_frames_.empty() && !abort) {  // any other command counts as a delimiter
+    reaction.answer = later_frames_.front();
+    later_frames_.pop_front();
     return;
   }
   forget_transfer();
@@ -178,9 +178,9 @@ Bytes HostLinkDevice::read(const Command& command, Instant now) {
   const std::size_t digits = address_digits(letter);
   if (command.text.size() != digits + 4) return answer(command.header, "14");
   const std::string_view text = command.text;
-  const auto asked = number_in(text.substr(digits), 10);
-  if (!asked || (*asked == 0 && letter != 'D')) return answer(command.header, "15");
-  const auto count = static_cast<std::uint32_t>(*asked == 0 ? 10000 : *asked);
+  const auto requested = number_in(text.substr(digits), 10);
+  if (!requested || (*requested == 0 && letter != 'D')) return answer(command.header, "15");
+  const auto count = static_cast<std::uint32_t>(*requested == 0 ? 10000 : *requested);
   const auto address = address_of(letter, text.substr(0, digits), count);
   if (!address) return answer(command.header, address.error());
   const bool flags = letter == 'G';
@@ -192,7 +192,7 @@ Bytes HostLinkDevice::read(const Command& command, Instant now) {
   const Bytes first = framed(head + data.substr(0, taken), taken == data.size());
   while (taken < data.size()) {
     const std::size_t size = std::min(data.size() - taken, flags ? kFlagsLater : kReadLater);
-    to_come_.push_back(framed(data.substr(taken, size), taken + size == data.size()));
+    later_frames_.push_back(framed(data.substr(taken, size), taken + size == data.size()));
     taken += size;
   }
   ++statistics_.answers;
@@ -257,24 +257,17 @@ Bytes HostLinkDevice::fins(const Command& command, Instant now, Duration& pause)
   const auto message =
       command.text.empty() ? std::nullopt : bytes_in(view(command.text).subspan(1));
   if (!command.last || !wait || !message) return answer(command.header, "14");
-  const Bytes said = fins_.execute(*message, now);
-  if (said.empty()) return answer(command.header, "14");
+  const Bytes response = fins_.execute(*message, now);
+  if (response.empty()) return answer(command.header, "14");
   pause = std::chrono::milliseconds{10} * static_cast<int>(*wait);
   Bytes digits;
-  for (const std::uint8_t byte : said) append_hex(digits, byte, 2);
+  for (const std::uint8_t byte : response) append_hex(digits, byte, 2);
   return answer(command.header, "00", std::string(digits.begin(), digits.end()));
 }
 
 tl::expected<std::unique_ptr<SimDevice>, std::string> make_hostlink_device(
     const DeviceSetup& setup) {
-  if (setup.spec.link.address > 31) {
-    return tl::unexpected(
-        fmt::format("{}: unit {} is not 0..31", setup.spec.name, setup.spec.link.address));
-  }
-  auto device = std::make_unique<HostLinkDevice>(setup);
-  if (auto added = device->memory().add_channels(setup, parse_omron_address); !added)
-    return tl::unexpected(added.error());
-  return device;
+  return make_memory_device<HostLinkDevice>(setup, 31, parse_omron_address, "unit");
 }
 
 }  // namespace fieldcast::sim

@@ -51,11 +51,11 @@ class HostLinkDevice : public MemoryDevice {
 
   const unsigned unit_;
   FinsUnit fins_;
-  unsigned mode_ = 2;          // set by SC: 0 PROGRAM, 2 MONITOR, 3 RUN
-  std::deque<Bytes> to_come_;  // frames of a reply that wait for a delimiter
-  std::string writing_;        // header of the unfinished write
-  std::string write_address_;  // first item of the write, as digits
-  std::string write_data_;     // received so far
+  unsigned mode_ = 2;               // set by SC: 0 PROGRAM, 2 MONITOR, 3 RUN
+  std::deque<Bytes> later_frames_;  // frames of a reply that wait for a delimiter
+  std::string writing_;             // header of the unfinished write
+  std::string write_address_;       // first item of the write, as digits
+  std::string write_data_;          // received so far
 };
 
 // Fails for a unit outside 0..31 or an invalid channel address.

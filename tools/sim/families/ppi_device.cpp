@@ -1,7 +1,5 @@
 #include "tools/sim/families/ppi_device.hpp"
 
-#include <fmt/format.h>
-
 #include "core/codec/checksum.hpp"
 
 namespace fieldcast::sim {
@@ -13,24 +11,19 @@ constexpr std::size_t kLeastCounted = 3, kMostCounted = 249, kShortSize = 6, kTo
 
 // Telegrams are recognized by their length, because data can contain any start byte. Drops invalid
 // bytes up to the next possible start, and all bytes after a silence.
-class PpiReceiver : public Receiver {
+class PpiReceiver : public GapReceiver {
  public:
   PpiReceiver(PpiDevice& device, const LineFormat& line, bool stream)
-      : device_(device),
-        character_(line.characters(1)),
-        gap_(stream ? Duration{100'000'000} : line.characters(3.5)) {}
+      : GapReceiver(line, stream ? kStreamGap : line.characters(3.5)), device_(device) {}
 
   void on_character(std::uint8_t character, Instant end, Reaction& reaction) override {
-    if (silence_due() != kNever && end - character_ >= silence_due()) received_.clear();
-    last_ = end;
+    heard(end, reaction);
     received_.push_back(character);
     for (std::size_t size = 1; size != 0 && !received_.empty();) {
       size = whole(end, reaction);
       received_.erase(received_.begin(), received_.begin() + static_cast<std::ptrdiff_t>(size));
     }
   }
-  Instant silence_due() const override { return received_.empty() ? kNever : last_ + gap_; }
-  void on_silence(Instant, Reaction&) override { received_.clear(); }
 
  private:
   // Returns the number of consumed bytes, or 0 if the telegram is incomplete.
@@ -61,9 +54,6 @@ class PpiReceiver : public Receiver {
   }
 
   PpiDevice& device_;
-  Duration character_, gap_;
-  Bytes received_;
-  Instant last_ = kLongAgo;
 };
 
 Bytes long_telegram(std::uint8_t to, std::uint8_t from, ByteView unit) {
@@ -85,10 +75,11 @@ Bytes short_telegram(std::uint8_t to, std::uint8_t from, std::uint8_t control) {
 }  // namespace
 
 PpiDevice::PpiDevice(const DeviceSetup& setup)
-    : station_(static_cast<std::uint8_t>(setup.spec.link.address)),
+    : MemoryDevice({ppi_areas(), setup}),
+      station_(static_cast<std::uint8_t>(setup.spec.link.address)),
       line_(setup.line),
       stream_(setup.stream),
-      unit_(setup) {}
+      unit_(memory_, statistics_) {}
 
 std::unique_ptr<Receiver> PpiDevice::open_receiver() {
   return std::make_unique<PpiReceiver>(*this, line_, stream_);
@@ -121,14 +112,7 @@ Bytes PpiDevice::take_short(std::uint8_t to, std::uint8_t from, std::uint8_t con
 }
 
 tl::expected<std::unique_ptr<SimDevice>, std::string> make_ppi_device(const DeviceSetup& setup) {
-  if (setup.spec.link.address > 126) {
-    return tl::unexpected(
-        fmt::format("{}: address {} is not 0..126", setup.spec.name, setup.spec.link.address));
-  }
-  auto device = std::make_unique<PpiDevice>(setup);
-  if (auto added = device->unit().memory().add_channels(setup, parse_ppi_address); !added)
-    return tl::unexpected(added.error());
-  return device;
+  return make_memory_device<PpiDevice>(setup, 126, parse_ppi_address);
 }
 
 }  // namespace fieldcast::sim

@@ -16,20 +16,11 @@
 
 namespace fieldcast::sim {
 
-class PpiDevice : public SimDevice {
+class PpiDevice : public MemoryDevice {
  public:
   explicit PpiDevice(const DeviceSetup& setup);
 
   [[nodiscard]] std::unique_ptr<Receiver> open_receiver() override;
-  [[nodiscard]] const DeviceStatistics& statistics() const override { return unit_.statistics(); }
-  [[nodiscard]] std::optional<std::uint64_t> peek(std::string_view area, std::uint32_t item,
-                                                  Instant now) override {
-    return unit_.memory().peek(area, item, now);
-  }
-  bool poke(std::string_view area, std::uint32_t item, std::uint64_t bits) override {
-    return unit_.memory().poke(area, item, bits);
-  }
-  [[nodiscard]] PpiUnit& unit() { return unit_; }
 
   // `telegram`: from destination to last unit byte. Returns an empty response to stay silent.
   [[nodiscard]] Bytes take_long(ByteView telegram, Instant now);

@@ -40,7 +40,8 @@ inline constexpr std::array<PpiArea, 11> kPpiAreas{{
 // "VB100", "VW100", "VD204", "V10.3", "SMB28", "AIW4", "T37".
 [[nodiscard]] std::optional<ItemAddress> parse_ppi_address(std::string_view at);
 
-// A simulated S7-200 on the level of S7 messages: a job in, an acknowledgement with data out.
+// A simulated S7-200 on the level of S7 messages: a job in, an acknowledgement with data out. Does not
+// own the memory.
 //
 //     job    32 01 0000 reference(2) parameters(2) data(2) ..
 //            the parameters: 04|05 n, then items of 12 bytes
@@ -48,10 +49,8 @@ inline constexpr std::array<PpiArea, 11> kPpiAreas{{
 
 class PpiUnit {
  public:
-  explicit PpiUnit(const DeviceSetup& setup) : memory_(ppi_areas(), setup) {}
-
-  [[nodiscard]] ItemMemory& memory() { return memory_; }
-  [[nodiscard]] const DeviceStatistics& statistics() const { return statistics_; }
+  PpiUnit(ItemMemory& memory, DeviceStatistics& statistics)
+      : memory_(memory), statistics_(statistics) {}
 
   // Responds to a job of any content; empty if its lengths contradict each other.
   [[nodiscard]] Bytes execute(ByteView job, Instant now);
@@ -73,8 +72,8 @@ class PpiUnit {
   [[nodiscard]] Bytes refuse(ByteView reference, std::uint16_t error);
   std::uint8_t counted(std::uint8_t fault);
 
-  ItemMemory memory_;
-  DeviceStatistics statistics_;
+  ItemMemory& memory_;
+  DeviceStatistics& statistics_;
 };
 
 }  // namespace fieldcast::sim

@@ -8,7 +8,8 @@
 #include "tools/sim/families/freeport_device.hpp"
 #include "tools/sim/families/fx_device.hpp"
 #include "tools/sim/families/hostlink_device.hpp"
-#include "tools/sim/families/modbus/modbus_memory.hpp"
+#include "tools/sim/families/modbus/modbus_device.hpp"
+#include "tools/sim/families/modbus/modbus_unit.hpp"
 #include "tools/sim/families/ppi_device.hpp"
 
 namespace fieldcast::sim {

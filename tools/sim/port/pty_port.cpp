@@ -11,7 +11,6 @@
 #include <cerrno>
 #include <climits>
 #include <cstddef>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 

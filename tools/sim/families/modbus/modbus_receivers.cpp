@@ -1,7 +1,5 @@
 #include "tools/sim/families/modbus/modbus_receivers.hpp"
 
-#include <optional>
-
 #include "core/codec/checksum.hpp"
 #include "tools/sim/device/device.hpp"
 
@@ -71,11 +69,7 @@ Length answer_length(ByteView frame) {
   }
 }
 
-bool crc_holds(ByteView frame) {
-  if (frame.size() < 4) return false;
-  const std::uint16_t crc = crc16_modbus(frame.first(frame.size() - 2));
-  return frame[frame.size() - 2] == (crc & 0xFFu) && frame[frame.size() - 1] == crc >> 8;
-}
+bool crc_holds(ByteView frame) { return frame.size() >= 4 && ends_with_crc16(frame); }
 
 // Whether the frame ends with the last received character.
 enum class Fit : std::uint8_t { kWhole, kOpen, kNot };
@@ -90,70 +84,60 @@ Fit fit(Length length, ByteView frame) {
 
 // Modbus over Serial Line V1.02, 2.5.1.1: 3.5 characters up to 19200 baud, 1.750 ms above.
 RtuReceiver::RtuReceiver(ModbusUnit& unit, const LineFormat& line, bool stream)
-    : unit_(unit),
-      character_(line.characters(1)),
-      gap_(stream              ? Duration{100'000'000}
-           : line.baud > 19200 ? Duration{1'750'000}
-                               : Duration{static_cast<std::int64_t>(3.5 * 11 * 1e9 / line.baud)}) {}
-
-Instant RtuReceiver::silence_due() const {
-  return frame_.empty() && !lost_ ? kNever : last_ + gap_;
-}
+    : GapReceiver(line, stream              ? kStreamGap
+                        : line.baud > 19200 ? Duration{1'750'000}
+                                            : from_seconds(3.5 * 11 / line.baud)),
+      unit_(unit) {}
 
 void RtuReceiver::on_character(std::uint8_t character, Instant end, Reaction& reaction) {
-  if (silence_due() != kNever && end - character_ >= silence_due())
-    on_silence(silence_due(), reaction);
-  last_ = end;
+  heard(end, reaction);
   if (lost_) return;
-  frame_.push_back(character);
-  const Fit as_request = fit(request_length(frame_), frame_);
+  received_.push_back(character);
+  const Fit as_request = fit(request_length(received_), received_);
   // Only other units send responses, and none to a broadcast.
-  const bool others = frame_[0] != 0 && frame_[0] != unit_.address();
-  const Fit as_answer = others ? fit(answer_length(frame_), frame_) : Fit::kNot;
-  const bool awaited =
-      asked_.size() == 2 && frame_.size() >= 2 && frame_[0] == asked_[0] && frame_[1] == asked_[1];
+  const bool others = received_[0] != 0 && received_[0] != unit_.address();
+  const Fit as_answer = others ? fit(answer_length(received_), received_) : Fit::kNot;
+  const bool awaited = requested_.size() == 2 && received_.size() >= 2 &&
+                       received_[0] == requested_[0] && received_[1] == requested_[1];
   if (as_request == Fit::kWhole && !others) {
     answer(end, reaction);
-    frame_.clear();
-    asked_.clear();
+    received_.clear();
+    requested_.clear();
   } else if (as_answer == Fit::kWhole && (awaited || as_request != Fit::kWhole)) {
-    frame_.clear();
-    asked_.clear();
+    received_.clear();
+    requested_.clear();
   } else if (as_request == Fit::kWhole && !(awaited && as_answer == Fit::kOpen)) {
-    asked_.assign(frame_.begin(), frame_.begin() + 2);
-    frame_.clear();
-  } else if ((as_request == Fit::kNot && as_answer == Fit::kNot) || frame_.size() >= kMaxRtuFrame) {
+    requested_.assign(received_.begin(), received_.begin() + 2);
+    received_.clear();
+  } else if ((as_request == Fit::kNot && as_answer == Fit::kNot) ||
+             received_.size() >= kMaxRtuFrame) {
     ++unit_.statistics().bad_frames;
-    frame_.clear();
-    lost_ = true;
+    ready(true);
   }
 }
 
 // Ends a frame whose function does not determine its length.
 void RtuReceiver::on_silence(Instant now, Reaction& reaction) {
-  if (!frame_.empty()) {
-    const bool mine = frame_[0] == 0 || frame_[0] == unit_.address();
-    if (!crc_holds(frame_)) {
+  if (!received_.empty()) {
+    const bool mine = received_[0] == 0 || received_[0] == unit_.address();
+    if (!crc_holds(received_)) {
       ++unit_.statistics().bad_frames;
     } else if (mine) {
       answer(now, reaction);
     }
   }
-  frame_.clear();
-  lost_ = false;
+  ready(false);
 }
 
 void RtuReceiver::answer(Instant now, Reaction& reaction) {
-  const Bytes pdu = unit_.execute(ByteView(frame_).subspan(1, frame_.size() - 3), now);
-  if (frame_[0] == 0) {
+  const Bytes pdu = unit_.execute(ByteView(received_).subspan(1, received_.size() - 3), now);
+  if (received_[0] == 0) {
     ++unit_.statistics().broadcasts;
     return;
   }
   reaction.answer.push_back(unit_.address());
   append(reaction.answer, pdu);
-  const std::uint16_t crc = crc16_modbus(reaction.answer);
-  reaction.answer.push_back(static_cast<std::uint8_t>(crc));
-  reaction.answer.push_back(static_cast<std::uint8_t>(crc >> 8));
+  append_crc16(reaction.answer);
 }
 
 void AsciiReceiver::on_character(std::uint8_t character, Instant end, Reaction& reaction) {
@@ -183,15 +167,15 @@ void AsciiReceiver::answer(Instant now, Reaction& reaction) {
     return;
   }
   if (frame[0] != 0 && frame[0] != unit_.address()) return;
-  Bytes said{frame[0]};
-  append(said, unit_.execute(ByteView(frame).subspan(1, frame.size() - 2), now));
+  Bytes response{frame[0]};
+  append(response, unit_.execute(ByteView(frame).subspan(1, frame.size() - 2), now));
   if (frame[0] == 0) {
     ++unit_.statistics().broadcasts;
     return;
   }
-  said.push_back(lrc8(said));
+  response.push_back(lrc8(response));
   reaction.answer.push_back(':');
-  for (const std::uint8_t byte : said) append_hex(reaction.answer, byte, 2);
+  for (const std::uint8_t byte : response) append_hex(reaction.answer, byte, 2);
   reaction.answer.push_back('\r');
   reaction.answer.push_back('\n');
 }

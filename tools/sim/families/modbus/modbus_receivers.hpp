@@ -17,22 +17,17 @@ namespace fieldcast::sim {
 
 // A silence of 3.5 characters ends an invalid frame or one of unknown length; on a `stream` 100 ms,
 // because the network may delay part of a frame.
-class RtuReceiver : public Receiver {
+class RtuReceiver : public GapReceiver {
  public:
   RtuReceiver(ModbusUnit& unit, const LineFormat& line, bool stream);
   void on_character(std::uint8_t character, Instant end, Reaction& reaction) override;
-  [[nodiscard]] Instant silence_due() const override;
   void on_silence(Instant now, Reaction& reaction) override;
 
  private:
   void answer(Instant now, Reaction& reaction);
   ModbusUnit& unit_;
-  Duration character_, gap_;
-  Bytes frame_;
   // unit and function of the last request to another unit, until its response; empty: none
-  Bytes asked_;
-  bool lost_ = false;  // ignores an invalid frame until a silence
-  Instant last_ = kLongAgo;
+  Bytes requested_;
 };
 
 class AsciiReceiver : public Receiver {

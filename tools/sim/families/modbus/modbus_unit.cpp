@@ -3,60 +3,82 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
 
 namespace fieldcast::sim {
+
 namespace {
 
-void append_registers(Bytes& out, const std::vector<std::uint16_t>& values) {
-  for (const std::uint16_t value : values) append_u16(out, value);
-}
+constexpr std::uint32_t kItems = 65536;  // of each area
 
-std::vector<std::uint16_t> registers_from(ByteView bytes) {
-  std::vector<std::uint16_t> values;
-  for (std::size_t i = 0; i + 1 < bytes.size(); i += 2) values.push_back(read_u16(bytes, i));
-  return values;
-}
+bool is_bits(std::size_t area) { return area == ModbusArea::kCoil || area == ModbusArea::kInput; }
 
-std::string function_name(std::uint8_t function) {
-  char text[4];
-  std::snprintf(text, sizeof text, "%02X", unsigned{function});
-  return text;
+// Decimal, or hexadecimal with the prefix 0x.
+std::optional<std::uint32_t> number(std::string_view text, std::uint32_t limit) {
+  const bool hex = text.starts_with("0x") || text.starts_with("0X");
+  const auto value = address_number(hex ? text.substr(2) : text, hex ? 16 : 10);
+  if (!value || *value > limit) return std::nullopt;
+  return static_cast<std::uint32_t>(*value);
 }
 
 }  // namespace
 
-Bytes ModbusUnit::exception(std::uint8_t function, std::uint8_t code) {
+std::vector<ItemArea> modbus_areas() {
+  std::vector<ItemArea> areas;
+  for (std::size_t area = 0; area < kModbusAreaNames.size(); ++area)
+    areas.push_back({kModbusAreaNames[area], is_bits(area) ? 1u : 16u, kItems, is_bits(area)});
+  return areas;
+}
+
+std::optional<ItemAddress> parse_modbus_address(std::string_view at) {
+  ItemAddress address;
+  if (const auto dot = at.rfind('.'); dot != std::string_view::npos) {
+    const auto bit = number(at.substr(dot + 1), 15);
+    if (!bit) return std::nullopt;
+    address.bit = static_cast<std::uint8_t>(*bit);
+    at = at.substr(0, dot);
+  }
+  if (const auto colon = at.find(':'); colon != std::string_view::npos) {
+    const std::string_view word = at.substr(0, colon);
+    const auto name =
+        std::ranges::find(kModbusAreaNames, word == "discrete-input" ? "input" : word);
+    const auto first = number(at.substr(colon + 1), kItems - 1);
+    if (name == kModbusAreaNames.end() || !first) return std::nullopt;
+    address.area = static_cast<std::size_t>(name - kModbusAreaNames.begin());
+    address.first = *first;
+    return address;
+  }
+  // Classic reference numbers: area digit, then a number from 1; six digits for all 65536 items.
+  if (at.size() != 5 && at.size() != 6) return std::nullopt;
+  const auto rest = number(at.substr(1), kItems);
+  address.area = std::string_view("0143").find(at[0]);  // in the order of ModbusArea
+  if (!rest || *rest == 0 || address.area == std::string_view::npos) return std::nullopt;
+  address.first = *rest - 1;
+  return address;
+}
+
+Bytes ModbusUnit::exception(ByteView pdu, std::uint8_t code) {
   ++statistics_.exceptions[code];
-  return {static_cast<std::uint8_t>(function | 0x80u), code};
+  return {static_cast<std::uint8_t>(pdu[0] | 0x80u), code};
 }
 
-std::uint8_t ModbusUnit::refusal(ModbusArea area, std::uint32_t first, std::uint32_t count) const {
-  if (first + count > ModbusMemory::kItems)
-    return static_cast<std::uint8_t>(ModbusException::kAddress);
-  for (const RefusedRange& range : refused_) {
-    if (range.area == to_text(area) && range.from < first + count && range.to >= first)
-      return range.code;
-  }
-  for (std::uint32_t i = 0; only_configured_ && i < count; ++i) {
-    if (!memory_.configured(area, first + i))
-      return static_cast<std::uint8_t>(ModbusException::kAddress);
-  }
-  return 0;
+Bytes ModbusUnit::registers(std::uint8_t function, const Items& items, Instant now) const {
+  Bytes answer{function, static_cast<std::uint8_t>(2 * items.count)};
+  for (std::uint32_t i = 0; i < items.count; ++i) append_u16(answer, value(items, i, now));
+  return answer;
 }
 
-void ModbusUnit::store(ModbusArea area, std::uint32_t first,
-                       const std::vector<std::uint16_t>& values) {
-  memory_.write(area, first, values);
+void ModbusUnit::store(const Items& items, ByteView data) {
   ++statistics_.write_requests;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    ++statistics_.writes[fmt::format("{}:{}", to_text(area), first + i)];
+  for (std::uint32_t i = 0; i < items.count; ++i) {
+    const std::uint64_t item =
+        is_bits(items.area) ? data[i / 8] >> i % 8 & 1u : std::uint64_t{read_u16(data, 2 * i)};
+    memory_.write(items.area, items.first + i, item, statistics_);
   }
 }
 
 Bytes ModbusUnit::execute(ByteView pdu, Instant now) {
   if (pdu.empty()) return {};
-  ++statistics_.requests[function_name(pdu[0])];
+  ++statistics_.requests[fmt::format("{:02X}", pdu[0])];
   Bytes answer = dispatch(pdu, now);
   ++statistics_.answers;
   return answer;
@@ -64,155 +86,124 @@ Bytes ModbusUnit::execute(ByteView pdu, Instant now) {
 
 Bytes ModbusUnit::dispatch(ByteView pdu, Instant now) {
   switch (pdu[0]) {
-    case 0x01: return read_bits(ModbusArea::kCoil, pdu, now);
-    case 0x02: return read_bits(ModbusArea::kInput, pdu, now);
-    case 0x03: return read_registers(ModbusArea::kHolding, pdu, now);
-    case 0x04: return read_registers(ModbusArea::kInputRegister, pdu, now);
+    case 0x01: return read(ModbusArea::kCoil, pdu, now);
+    case 0x02: return read(ModbusArea::kInput, pdu, now);
+    case 0x03: return read(ModbusArea::kHolding, pdu, now);
+    case 0x04: return read(ModbusArea::kInputRegister, pdu, now);
     case 0x05: return write_coil(pdu);
     case 0x06: return write_register(pdu);
     case 0x07: return exception_status(pdu, now);
     case 0x08: return diagnostics(pdu);
-    case 0x0F: return write_coils(pdu);
-    case 0x10: return write_registers(pdu);
+    case 0x0F: return write_many(ModbusArea::kCoil, pdu);
+    case 0x10: return write_many(ModbusArea::kHolding, pdu);
     case 0x16: return mask_write(pdu, now);
     case 0x17: return write_read(pdu, now);
     case 0x2B: return identification(pdu);
-    default: return exception(pdu[0], ModbusException::kFunction);
+    default: return exception(pdu, kFunction);
   }
 }
 
-// 01/02 first(2) quantity(2) -> function, byte count, bits from the least significant
-Bytes ModbusUnit::read_bits(ModbusArea area, ByteView pdu, Instant now) {
-  if (pdu.size() != 5) return exception(pdu[0], ModbusException::kValue);
-  const std::uint32_t first = read_u16(pdu, 1), quantity = read_u16(pdu, 3);
-  if (quantity < 1 || quantity > 2000) return exception(pdu[0], ModbusException::kValue);
-  if (const auto code = refusal(area, first, quantity)) return exception(pdu[0], code);
-  Bytes answer(2 + (quantity + 7) / 8);
+// 01..04 first(2) quantity(2) -> function, byte count, registers or bits from the least significant
+Bytes ModbusUnit::read(std::size_t area, ByteView pdu, Instant now) {
+  if (pdu.size() != 5) return exception(pdu, kValue);
+  const Items items{area, read_u16(pdu, 1), read_u16(pdu, 3)};
+  if (items.count < 1 || items.count > (is_bits(area) ? 2000u : 125u))
+    return exception(pdu, kValue);
+  if (const auto code = refusal(items)) return exception(pdu, code);
+  if (!is_bits(area)) return registers(pdu[0], items, now);
+  Bytes answer(2 + (items.count + 7) / 8);
   answer[0] = pdu[0];
   answer[1] = static_cast<std::uint8_t>(answer.size() - 2);
-  const auto bits = memory_.read(area, first, quantity, now);
-  for (std::size_t i = 0; i < bits.size(); ++i) {
-    if (bits[i] != 0)
-      answer[2 + i / 8] = static_cast<std::uint8_t>(answer[2 + i / 8] | 1u << (i % 8));
+  for (std::uint32_t i = 0; i < items.count; ++i) {
+    std::uint8_t& byte = answer[2 + i / 8];
+    byte = static_cast<std::uint8_t>(byte | (value(items, i, now) != 0 ? 1u : 0u) << i % 8);
   }
-  return answer;
-}
-
-// 03/04 first(2) quantity(2) -> function, byte count, registers
-Bytes ModbusUnit::read_registers(ModbusArea area, ByteView pdu, Instant now) {
-  if (pdu.size() != 5) return exception(pdu[0], ModbusException::kValue);
-  const std::uint32_t first = read_u16(pdu, 1), quantity = read_u16(pdu, 3);
-  if (quantity < 1 || quantity > 125) return exception(pdu[0], ModbusException::kValue);
-  if (const auto code = refusal(area, first, quantity)) return exception(pdu[0], code);
-  Bytes answer{pdu[0], static_cast<std::uint8_t>(2 * quantity)};
-  append_registers(answer, memory_.read(area, first, quantity, now));
   return answer;
 }
 
 // 05 address(2) 0000|FF00 -> the request
 Bytes ModbusUnit::write_coil(ByteView pdu) {
-  if (pdu.size() != 5) return exception(pdu[0], ModbusException::kValue);
-  const std::uint16_t address = read_u16(pdu, 1), value = read_u16(pdu, 3);
-  if (value != 0x0000 && value != 0xFF00) return exception(pdu[0], ModbusException::kValue);
-  if (const auto code = refusal(ModbusArea::kCoil, address, 1)) return exception(pdu[0], code);
-  store(ModbusArea::kCoil, address, {static_cast<std::uint16_t>(value != 0 ? 1 : 0)});
+  if (pdu.size() != 5) return exception(pdu, kValue);
+  const Items items{ModbusArea::kCoil, read_u16(pdu, 1)};
+  const std::uint16_t wanted = read_u16(pdu, 3);
+  if (wanted != 0x0000 && wanted != 0xFF00) return exception(pdu, kValue);
+  if (const auto code = refusal(items)) return exception(pdu, code);
+  store(items, Bytes{static_cast<std::uint8_t>(wanted != 0 ? 1 : 0)});
   return {pdu.begin(), pdu.end()};
 }
 
 // 06 address(2) value(2) -> the request
 Bytes ModbusUnit::write_register(ByteView pdu) {
-  if (pdu.size() != 5) return exception(pdu[0], ModbusException::kValue);
-  const std::uint16_t address = read_u16(pdu, 1);
-  if (const auto code = refusal(ModbusArea::kHolding, address, 1)) return exception(pdu[0], code);
-  store(ModbusArea::kHolding, address, {read_u16(pdu, 3)});
+  if (pdu.size() != 5) return exception(pdu, kValue);
+  const Items items{ModbusArea::kHolding, read_u16(pdu, 1)};
+  if (const auto code = refusal(items)) return exception(pdu, code);
+  store(items, pdu.subspan(3));
   return {pdu.begin(), pdu.end()};
 }
 
-// 0F first(2) quantity(2) bytes(1) bits.. -> function, first, quantity
-Bytes ModbusUnit::write_coils(ByteView pdu) {
-  if (pdu.size() < 6) return exception(pdu[0], ModbusException::kValue);
-  const std::uint32_t first = read_u16(pdu, 1), quantity = read_u16(pdu, 3), bytes = pdu[5];
-  if (quantity < 1 || quantity > 1968 || bytes != (quantity + 7) / 8 || pdu.size() != 6 + bytes) {
-    return exception(pdu[0], ModbusException::kValue);
-  }
-  if (const auto code = refusal(ModbusArea::kCoil, first, quantity)) return exception(pdu[0], code);
-  std::vector<std::uint16_t> bits(quantity);
-  for (std::size_t i = 0; i < bits.size(); ++i) bits[i] = pdu[6 + i / 8] >> (i % 8) & 1u;
-  store(ModbusArea::kCoil, first, bits);
-  return {pdu.begin(), pdu.begin() + 5};
-}
-
-// 10 first(2) quantity(2) bytes(1) registers.. -> function, first, quantity
-Bytes ModbusUnit::write_registers(ByteView pdu) {
-  if (pdu.size() < 6) return exception(pdu[0], ModbusException::kValue);
-  const std::uint32_t first = read_u16(pdu, 1), quantity = read_u16(pdu, 3), bytes = pdu[5];
-  if (quantity < 1 || quantity > 123 || bytes != 2 * quantity || pdu.size() != 6 + bytes) {
-    return exception(pdu[0], ModbusException::kValue);
-  }
-  if (const auto code = refusal(ModbusArea::kHolding, first, quantity))
-    return exception(pdu[0], code);
-  store(ModbusArea::kHolding, first, registers_from(pdu.subspan(6)));
+// 0F|10 first(2) quantity(2) bytes(1) bits or registers.. -> function, first, quantity
+Bytes ModbusUnit::write_many(std::size_t area, ByteView pdu) {
+  if (pdu.size() < 6) return exception(pdu, kValue);
+  const Items items{area, read_u16(pdu, 1), read_u16(pdu, 3)};
+  const std::uint32_t bytes = is_bits(area) ? (items.count + 7) / 8 : 2 * items.count;
+  if (items.count < 1 || items.count > (is_bits(area) ? 1968u : 123u) || pdu[5] != bytes ||
+      pdu.size() != 6 + bytes)
+    return exception(pdu, kValue);
+  if (const auto code = refusal(items)) return exception(pdu, code);
+  store(items, pdu.subspan(6));
   return {pdu.begin(), pdu.begin() + 5};
 }
 
 // 16 address(2) and(2) or(2) -> the request; new = (old AND and) OR (or AND NOT and)
 Bytes ModbusUnit::mask_write(ByteView pdu, Instant now) {
-  if (pdu.size() != 7) return exception(pdu[0], ModbusException::kValue);
-  const std::uint16_t address = read_u16(pdu, 1), keep = read_u16(pdu, 3), set = read_u16(pdu, 5);
-  if (const auto code = refusal(ModbusArea::kHolding, address, 1)) return exception(pdu[0], code);
-  const std::uint16_t old = memory_.read(ModbusArea::kHolding, address, 1, now)[0];
-  store(ModbusArea::kHolding, address, {static_cast<std::uint16_t>((old & keep) | (set & ~keep))});
+  if (pdu.size() != 7) return exception(pdu, kValue);
+  const Items items{ModbusArea::kHolding, read_u16(pdu, 1)};
+  const std::uint16_t keep = read_u16(pdu, 3), set = read_u16(pdu, 5);
+  if (const auto code = refusal(items)) return exception(pdu, code);
+  Bytes masked;
+  append_u16(masked, static_cast<std::uint16_t>((value(items, 0, now) & keep) | (set & ~keep)));
+  store(items, masked);
   return {pdu.begin(), pdu.end()};
 }
 
 // 17 read first(2) quantity(2), write first(2) quantity(2) bytes(1) registers.. -> as 03
 Bytes ModbusUnit::write_read(ByteView pdu, Instant now) {
-  if (pdu.size() < 10) return exception(pdu[0], ModbusException::kValue);
-  const std::uint32_t read_first = read_u16(pdu, 1), read_quantity = read_u16(pdu, 3);
-  const std::uint32_t write_first = read_u16(pdu, 5), write_quantity = read_u16(pdu, 7),
-                      bytes = pdu[9];
-  if (read_quantity < 1 || read_quantity > 125 || write_quantity < 1 || write_quantity > 121 ||
-      bytes != 2 * write_quantity || pdu.size() != 10 + bytes) {
-    return exception(pdu[0], ModbusException::kValue);
+  if (pdu.size() < 10) return exception(pdu, kValue);
+  const Items wanted{ModbusArea::kHolding, read_u16(pdu, 1), read_u16(pdu, 3)};
+  const Items written{ModbusArea::kHolding, read_u16(pdu, 5), read_u16(pdu, 7)};
+  if (wanted.count < 1 || wanted.count > 125 || written.count < 1 || written.count > 121 ||
+      pdu[9] != 2 * written.count || pdu.size() != 10 + std::size_t{pdu[9]})
+    return exception(pdu, kValue);
+  for (const Items& items : {wanted, written}) {
+    if (const auto code = refusal(items)) return exception(pdu, code);
   }
-  if (const auto code = refusal(ModbusArea::kHolding, read_first, read_quantity))
-    return exception(pdu[0], code);
-  if (const auto code = refusal(ModbusArea::kHolding, write_first, write_quantity))
-    return exception(pdu[0], code);
-  store(ModbusArea::kHolding, write_first, registers_from(pdu.subspan(10)));
-  Bytes answer{pdu[0], static_cast<std::uint8_t>(2 * read_quantity)};
-  append_registers(answer, memory_.read(ModbusArea::kHolding, read_first, read_quantity, now));
-  return answer;
+  store(written, pdu.subspan(10));
+  return registers(pdu[0], wanted, now);
 }
 
 // 07 -> eight bits; here the first eight coils, as in Modicon controllers
 Bytes ModbusUnit::exception_status(ByteView pdu, Instant now) {
-  if (pdu.size() != 1) return exception(pdu[0], ModbusException::kValue);
-  const auto coils = memory_.read(ModbusArea::kCoil, 0, 8, now);
+  if (pdu.size() != 1) return exception(pdu, kValue);
   unsigned status = 0;
-  for (std::size_t i = 0; i < coils.size(); ++i) status |= (coils[i] != 0 ? 1u : 0u) << i;
+  for (std::uint32_t i = 0; i < 8; ++i)
+    status |= (value({ModbusArea::kCoil}, i, now) != 0 ? 1u : 0u) << i;
   return {pdu[0], static_cast<std::uint8_t>(status)};
 }
 
 // 08 0000 data.. -> the request; other sub-functions are not supported
 Bytes ModbusUnit::diagnostics(ByteView pdu) {
-  if (pdu.size() < 3 || read_u16(pdu, 1) != 0) return exception(pdu[0], ModbusException::kFunction);
-  if (pdu.size() < 5) return exception(pdu[0], ModbusException::kValue);
+  if (pdu.size() < 3 || read_u16(pdu, 1) != 0) return exception(pdu, kFunction);
+  if (pdu.size() < 5) return exception(pdu, kValue);
   return {pdu.begin(), pdu.end()};
 }
 
 // 2B 0E 01 00: basic identification as a stream (V1.1b3, 6.21); other codes are not supported
 Bytes ModbusUnit::identification(ByteView pdu) {
-  if (pdu.size() < 2 || pdu[1] != 0x0E) return exception(pdu[0], ModbusException::kFunction);
-  if (pdu.size() != 4 || pdu[2] != 0x01) return exception(pdu[0], ModbusException::kValue);
-  if (pdu[3] >= identification_.size()) return exception(pdu[0], ModbusException::kAddress);
-  Bytes answer{0x2B,
-               0x0E,
-               0x01,
-               0x01,
-               0x00,
-               0x00,
-               static_cast<std::uint8_t>(identification_.size() - pdu[3])};
+  if (pdu.size() < 2 || pdu[1] != 0x0E) return exception(pdu, kFunction);
+  if (pdu.size() != 4 || pdu[2] != 0x01) return exception(pdu, kValue);
+  if (pdu[3] >= identification_.size()) return exception(pdu, kAddress);
+  const auto left = static_cast<std::uint8_t>(identification_.size() - pdu[3]);
+  Bytes answer{0x2B, 0x0E, 0x01, 0x01, 0x00, 0x00, left};
   for (std::size_t id = pdu[3]; id < identification_.size(); ++id) {
     const std::string& text = identification_[id];
     answer.push_back(static_cast<std::uint8_t>(id));

@@ -1,30 +1,34 @@
 // A simulated Modbus device on the level of PDUs. Implemented from the Application Protocol V1.1b3
-// only, independent of the bridge's Modbus.
+// only, independent of the bridge's Modbus. Does not own the device's memory.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
-#include "tools/sim/device/device.hpp"
-#include "tools/sim/families/modbus/modbus_memory.hpp"
+#include "tools/sim/device/item_memory.hpp"
 
 namespace fieldcast::sim {
 
 inline constexpr std::size_t kMaxPdu = 253;  // V1.1b3, 4.1
 
-enum class ModbusException : std::uint8_t { kFunction = 1, kAddress = 2, kValue = 3 };
+struct ModbusArea {
+  enum : std::size_t { kCoil, kInput, kHolding, kInputRegister };
+};
+inline constexpr std::array<std::string_view, 4> kModbusAreaNames{"coil", "input", "holding",
+                                                                  "input-register"};
+[[nodiscard]] std::vector<ItemArea> modbus_areas();
+
+// "holding:107", "holding:107.3", "40108"; independent of the bridge's parser.
+[[nodiscard]] std::optional<ItemAddress> parse_modbus_address(std::string_view at);
 
 class ModbusUnit {
  public:
-  ModbusUnit(std::uint8_t address, Instant start) : address_(address), memory_(start) {}
+  ModbusUnit(std::uint8_t address, ItemMemory& memory, DeviceStatistics& statistics)
+      : address_(address), memory_(memory), statistics_(statistics) {}
 
   [[nodiscard]] std::uint8_t address() const { return address_; }
-  [[nodiscard]] ModbusMemory& memory() { return memory_; }
   [[nodiscard]] DeviceStatistics& statistics() { return statistics_; }
-  [[nodiscard]] const DeviceStatistics& statistics() const { return statistics_; }
-
-  void refuse(std::vector<RefusedRange> ranges) { refused_ = std::move(ranges); }
-  void refuse_unconfigured() { only_configured_ = true; }
   // Objects of function 43/14: vendor, product code, revision; each at most 64 characters.
   void identify_as(std::vector<std::string> objects) { identification_ = std::move(objects); }
 
@@ -32,32 +36,37 @@ class ModbusUnit {
   [[nodiscard]] Bytes execute(ByteView pdu, Instant now);
 
  private:
+  enum Exception : std::uint8_t { kFunction = 1, kAddress, kValue };
+  struct Items {
+    std::size_t area = 0;
+    std::uint32_t first = 0, count = 1;
+  };
   [[nodiscard]] Bytes dispatch(ByteView pdu, Instant now);
-  [[nodiscard]] Bytes read_bits(ModbusArea area, ByteView pdu, Instant now);
-  [[nodiscard]] Bytes read_registers(ModbusArea area, ByteView pdu, Instant now);
+  [[nodiscard]] Bytes read(std::size_t area, ByteView pdu, Instant now);
   [[nodiscard]] Bytes write_coil(ByteView pdu);
   [[nodiscard]] Bytes write_register(ByteView pdu);
-  [[nodiscard]] Bytes write_coils(ByteView pdu);
-  [[nodiscard]] Bytes write_registers(ByteView pdu);
+  [[nodiscard]] Bytes write_many(std::size_t area, ByteView pdu);
   [[nodiscard]] Bytes mask_write(ByteView pdu, Instant now);
   [[nodiscard]] Bytes write_read(ByteView pdu, Instant now);
   [[nodiscard]] Bytes exception_status(ByteView pdu, Instant now);
   [[nodiscard]] Bytes diagnostics(ByteView pdu);
   [[nodiscard]] Bytes identification(ByteView pdu);
 
-  [[nodiscard]] Bytes exception(std::uint8_t function, std::uint8_t code);
-  [[nodiscard]] Bytes exception(std::uint8_t function, ModbusException code) {
-    return exception(function, static_cast<std::uint8_t>(code));
+  Bytes exception(ByteView pdu, std::uint8_t code);
+  // The code that refuses the items, or 0.
+  [[nodiscard]] std::uint8_t refusal(const Items& items) const {
+    return memory_.refusal(items.area, items.first, items.count, kAddress);
   }
-  [[nodiscard]] std::uint8_t refusal(ModbusArea area, std::uint32_t first,
-                                     std::uint32_t count) const;
-  void store(ModbusArea area, std::uint32_t first, const std::vector<std::uint16_t>& values);
+  [[nodiscard]] std::uint16_t value(const Items& items, std::uint32_t index, Instant now) const {
+    return static_cast<std::uint16_t>(memory_.read(items.area, items.first + index, now));
+  }
+  [[nodiscard]] Bytes registers(std::uint8_t function, const Items& items, Instant now) const;
+  // `data`: packed bits or registers.
+  void store(const Items& items, ByteView data);
 
-  std::uint8_t address_;
-  ModbusMemory memory_;
-  DeviceStatistics statistics_;
-  std::vector<RefusedRange> refused_;
-  bool only_configured_ = false;
+  const std::uint8_t address_;
+  ItemMemory& memory_;
+  DeviceStatistics& statistics_;
   std::vector<std::string> identification_{"Fieldcast", "simulated device", "1.0"};
 };
 

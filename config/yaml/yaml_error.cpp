@@ -1,4 +1,4 @@
-#include "config/yaml/yaml_trouble.hpp"
+#include "config/yaml/yaml_error.hpp"
 
 #include <fmt/format.h>
 
@@ -99,7 +99,7 @@ struct Case {
   }
 };
 
-using Found = std::optional<YamlTrouble>;
+using Found = std::optional<YamlError>;
 
 Found open_quote(const Case& c) {
   const auto& quote = c.scan.quote;
@@ -111,16 +111,16 @@ Found open_quote(const Case& c) {
       line.text.substr(std::min<std::size_t>(quote->begin.column + 1, line.text.size()));
   const auto meant = trimmed(rest.substr(0, rest.find_first_of(",}]")));
   const std::string sign(1, quote->sign);
-  return YamlTrouble{quote->begin, "the quote that opens here does not close on its line",
-                     fmt::format("another {} at the end of the text", sign),
-                     meant.empty() ? "" : fmt::format("{}{}{}", sign, meant, sign)};
+  return YamlError{quote->begin, "the quote that opens here does not close on its line",
+                   fmt::format("another {} at the end of the text", sign),
+                   meant.empty() ? "" : fmt::format("{}{}{}", sign, meant, sign)};
 }
 
 Found tab(const Case& c) {
   const auto text = c.line().text;
   const auto first = text.find_first_not_of(' ');
   if (first == kNone || text[first] != '\t') return {};
-  return YamlTrouble{c.position(c.line(), first), "a tab in the indentation", "spaces", ""};
+  return YamlError{c.position(c.line(), first), "a tab in the indentation", "spaces"};
 }
 
 // To a comma or a bracket inside brackets, else to the end of the line.
@@ -137,7 +137,7 @@ Found sign_that_begins_no_value(const Case& c) {
   const bool comma = c.misplaced() && c.line().text[at] == ',';
   if (!alias && !dash && !comma && !c.says("unknown token")) return {};
   const std::string sign(1, c.line().text[at]);
-  return YamlTrouble{
+  return YamlError{
       c.position(c.line(), at),
       dash ? "'-' begins an item of a list, which has a line of its own"
            : "a value cannot begin with " + (sign == "'" ? "\"'\"" : fmt::format("'{}'", sign)),
@@ -149,13 +149,12 @@ Found bracket_closed_by_another(const Case& c) {
   if (!mismatch || mismatch->closing.position.line > c.stopped.line) return {};
   const std::string closing(1, mismatch->closing.sign);
   if (!mismatch->open)
-    return YamlTrouble{mismatch->closing.position, fmt::format("'{}' closes nothing", closing), "",
-                       ""};
+    return YamlError{mismatch->closing.position, fmt::format("'{}' closes nothing", closing), ""};
   const std::string open(1, mismatch->open->sign), own = open == "[" ? "]" : "}";
-  return YamlTrouble{mismatch->open->position,
-                     fmt::format("this '{}' is not closed before the '{}' in {}", open, closing,
-                                 line_text(mismatch->closing.position.line)),
-                     fmt::format("'{}' at the end of its values", own), ""};
+  return YamlError{mismatch->open->position,
+                   fmt::format("this '{}' is not closed before the '{}' in {}", open, closing,
+                               line_text(mismatch->closing.position.line)),
+                   fmt::format("'{}' at the end of its values", own)};
 }
 
 Found bracket_never_closed(const Case& c) {
@@ -170,8 +169,8 @@ Found bracket_never_closed(const Case& c) {
   for (auto bracket = c.scan.open.rbegin(); bracket != c.scan.open.rend(); ++bracket) {
     if (!never(*bracket)) continue;
     const char sign = bracket->sign;
-    return YamlTrouble{bracket->position, fmt::format("this '{}' is never closed", sign),
-                       fmt::format("'{}' at the end of its values", sign == '[' ? ']' : '}'), ""};
+    return YamlError{bracket->position, fmt::format("this '{}' is never closed", sign),
+                     fmt::format("'{}' at the end of its values", sign == '[' ? ']' : '}')};
   }
   return {};
 }
@@ -187,10 +186,9 @@ Found text_behind_quote(const Case& c) {
       !trimmed(text.substr(between, c.stopped.column - between)).empty())
     return {};
   const bool apostrophe = quote->sign == '\'';
-  return YamlTrouble{c.stopped, "text behind the closing quote",
-                     apostrophe ? "quotes around the whole text; '' is a quote inside of '...'"
-                                : "quotes around the whole text; \\\" is a quote inside of \"...\"",
-                     ""};
+  return YamlError{c.stopped, "text behind the closing quote",
+                   apostrophe ? "quotes around the whole text; '' is a quote inside of '...'"
+                              : "quotes around the whole text; \\\" is a quote inside of \"...\""};
 }
 
 // Either the value above is not "key: value", or the indentation of this line is wrong.
@@ -200,28 +198,28 @@ Found key_inside_the_value_above(const Case& c) {
   if (above == nullptr || !c.scan.open.empty()) return {};
   const auto colon = above->text.find(':', above->content);
   if (above->colon == kNone && colon != kNone) {
-    return YamlTrouble{
+    return YamlError{
         c.position(*above, colon), "no space behind the ':'", "key: value",
         fmt::format("{}: {}", above->text.substr(above->content, colon - above->content),
                     trimmed(above->text.substr(colon + 1)))};
   }
   if (above->colon == kNone)
-    return YamlTrouble{c.position(*above, above->content),
-                       fmt::format("'{}' has no ':'", above->key()), "key: value", ""};
+    return YamlError{c.position(*above, above->content),
+                     fmt::format("'{}' has no ':'", above->key()), "key: value"};
   if (!above->has_value() || c.line().content <= above->content) return {};
   // "name: a" and deeper "at: b": the first one may lack its "- ".
   std::string allowed = spaces_text(above->content) + " before it";
   if (!above->item && !c.line().item && c.line().content == above->content + 2)
     allowed = fmt::format("'- ' before '{}' in {}, or {}", above->key(),
                           line_text(c.number_of(*above)), allowed);
-  return YamlTrouble{
+  return YamlError{
       c.position(c.line(), c.line().content),
       c.line().item
           ? fmt::format("an item of a list below '{}' in {}, which has a value already",
                         above->key(), line_text(c.number_of(*above)))
           : fmt::format("'{}' is indented deeper than '{}' in {}, which has a value already",
                         c.line().key(), above->key(), line_text(c.number_of(*above))),
-      std::move(allowed), ""};
+      std::move(allowed)};
 }
 
 Found colon_inside_a_value(const Case& c) {
@@ -236,8 +234,8 @@ Found colon_inside_a_value(const Case& c) {
   }
   const auto first = find_colon(text, begin);
   if (first == kNone || first >= at) return {};
-  return YamlTrouble{c.stopped, "a second ':' in a value", "a text with ': ' inside in quotes",
-                     in_quotes(value_from(c, first + 1))};
+  return YamlError{c.stopped, "a second ':' in a value", "a text with ': ' inside in quotes",
+                   in_quotes(value_from(c, first + 1))};
 }
 
 struct Level {
@@ -289,17 +287,17 @@ Found wrong_indentation(const Case& c) {
   if (!line.item && lost_dash) fitting = "'- ' before it, or " + fitting;
   const std::string name = line.item ? "this item" : fmt::format("'{}'", line.key());
   if (!line.item && beside_list)
-    return YamlTrouble{c.position(line, line.indent),
-                       name + " stands under the '-' of a list, where only another '-' can stand",
-                       fitting, ""};
+    return YamlError{c.position(line, line.indent),
+                     name + " stands under the '-' of a list, where only another '-' can stand",
+                     fitting};
   if (fitting.empty())
-    return YamlTrouble{c.position(line, line.indent),
-                       line.item ? "an item of a list among keys" : name + " among items of a list",
-                       line.item ? "'- ' below a key without a value" : "'- '", ""};
-  return YamlTrouble{
+    return YamlError{c.position(line, line.indent),
+                     line.item ? "an item of a list among keys" : name + " among items of a list",
+                     line.item ? "'- ' below a key without a value" : "'- '"};
+  return YamlError{
       c.position(line, line.indent),
       fmt::format("{} is indented by {}, which fits nothing above", name, spaces_text(line.indent)),
-      fitting, ""};
+      fitting};
 }
 
 Found wrong_escape(const Case& c) {
@@ -316,16 +314,14 @@ Found wrong_escape(const Case& c) {
                                     : sign == "U" ? "eight"
                                                   : "";
     if (!digits.empty() && c.says("scanning hex number"))
-      return YamlTrouble{
-          c.position(line, at),
-          fmt::format("'\\{}' without {} hexadecimal digits behind it", sign, digits),
-          sign == "x"   ? "\\x02"
-          : sign == "u" ? "\\u0002"
-                        : "\\U00000002",
-          ""};
-    return YamlTrouble{c.position(line, at),
-                       fmt::format("'{}' means nothing in \"...\"", line.text.substr(at, 2)),
-                       "\\\\ for a backslash, or '...', which has no such signs", ""};
+      return YamlError{c.position(line, at),
+                       fmt::format("'\\{}' without {} hexadecimal digits behind it", sign, digits),
+                       sign == "x"   ? "\\x02"
+                       : sign == "u" ? "\\u0002"
+                                     : "\\U00000002"};
+    return YamlError{c.position(line, at),
+                     fmt::format("'{}' means nothing in \"...\"", line.text.substr(at, 2)),
+                     "\\\\ for a backslash, or '...', which has no such signs"};
   }
   return {};
 }
@@ -341,7 +337,7 @@ constexpr std::array kWords{
     Words{"illegal map key", "no key can stand here", "each key on a line of its own"},
     Words{"illegal map value", "a ':' where no key stands before it", "key: value"},
     Words{"multiple anchors", "a value with two names", "one &NAME"},
-    Words{"illegal EOF", "the text ends inside of a value", ""},
+    Words{"illegal EOF", "the text ends inside of a value"},
     Words{"directive", "a line that begins with '%'", "none; texts that begin so in quotes"},
     Words{"end of map flow not found", "neither ',' nor '}' behind a value", "{ key: value, .. }"},
     Words{"end of sequence flow not found", "neither ',' nor ']' behind a value", "[ value, .. ]"},
@@ -350,12 +346,12 @@ constexpr std::array kWords{
     Words{"end of sequence not found", "no item of a list can stand here", "'- ' below the others"},
 };
 
-YamlTrouble in_words(const Case& c) {
+YamlError in_words(const Case& c) {
   for (const Words& words : kWords) {
     if (c.says(words.parsers))
-      return {c.stopped, std::string(words.ours), std::string(words.allowed), ""};
+      return {c.stopped, std::string(words.ours), std::string(words.allowed)};
   }
-  return {c.stopped, fmt::format("this is no YAML ({})", c.message), "", ""};
+  return {c.stopped, fmt::format("this is no YAML ({})", c.message)};
 }
 
 std::vector<Line> lines_to(std::string_view text, std::uint32_t last) {
@@ -383,8 +379,8 @@ constexpr Found (*kMatchers[])(const Case&) = {open_quote,
 
 }  // namespace
 
-YamlTrouble explain_yaml_error(const Source& source, const Position& stopped,
-                               std::string_view message) {
+YamlError explain_yaml_error(const Source& source, const Position& stopped,
+                             std::string_view message) {
   const Case c{source, stopped, message, scan_yaml(source, stopped),
                lines_to(source.text, stopped.line)};
   for (const auto matcher : kMatchers) {
@@ -393,17 +389,17 @@ YamlTrouble explain_yaml_error(const Source& source, const Position& stopped,
   return in_words(c);
 }
 
-YamlTrouble explain_second_document(const Source& source, const Position& position) {
+YamlError explain_second_document(const Source& source, const Position& position) {
   const auto lines = lines_to(source.text, position.line);
   const auto first = std::ranges::find_if_not(lines, &Line::blank);
   const Line& here = lines.back();
   const std::string one = "one document in a file, no '---' after the first";
   if (here.blank() || here.text.starts_with("---") || first->indent == 0)
-    return {position, "a second document begins", one, ""};
+    return {position, "a second document begins", one};
   return {position,
           fmt::format("'{}' is indented less than '{}', with which the file begins", here.key(),
                       first->key()),
-          spaces_text(here.indent) + " before every key of the first level", ""};
+          spaces_text(here.indent) + " before every key of the first level"};
 }
 
 }  // namespace fieldcast::config

@@ -164,12 +164,6 @@ namespace {
 
 constexpr std::uint8_t kCode = 4;
 
-std::string frames(const std::vector<Bytes>& all) {
-  std::string text;
-  for (const Bytes& each : all) text += (text.empty() ? "" : " | ") + to_hex(each);
-  return text;
-}
-
 void refusals(const Subject& subject, const Requests& requests, CheckRows& rows) {
   CheckRow row{.check = "device errors", .where = "refusals"};
   const bool silent =
@@ -214,7 +208,7 @@ void silence(const Subject& subject, const Requests& requests, CheckRows& rows) 
 }
 
 // Responses of a neighbour; with sequence numbers also of the previous request.
-void strangers(const Subject& subject, const Requests& requests, CheckRows& rows) {
+void foreign_responses(const Subject& subject, const Requests& requests, CheckRows& rows) {
   CheckRow row{.check = "wrong station", .where = "responses"};
   CheckRow old{.check = "late response", .where = "of the request before"};
   const ResponseIdentity identity = requests.protocol().traits().identity;
@@ -225,24 +219,24 @@ void strangers(const Subject& subject, const Requests& requests, CheckRows& rows
     old.note = "responses carry no sequence: the engine keeps requests apart";
   const std::optional<Subject> neighbour = subject.neighbour();
   if (!neighbour) row.note = "one address: there is no other station";
-  const Subject& other_one = neighbour ? *neighbour : subject;
-  const auto other = other_one.protocol();
-  LiveDevice there(other_one), here(subject);
+  const Subject& other_subject = neighbour ? *neighbour : subject;
+  const auto other = other_subject.protocol();
+  LiveDevice there(other_subject), here(subject);
   std::uint16_t sequence = 0;
   for (const NamedRequest& example : requests.examples()) {
     ++sequence;
-    const auto tell = [&](CheckRow& into, const RunOutcome& answered) {
+    const auto check_replay = [&](CheckRow& into, const RunOutcome& answered) {
       const RunOutcome outcome = replay(requests.protocol().begin(example.request, {sequence}),
                                         subject.line(), answered.answers);
-      outcome.says_something()
+      outcome.is_definite()
           ? into.fail(fmt::format("{}: {}", example.name, outcome.text()), frames(answered.answers))
           : into.pass();
     };
     if (identity != ResponseIdentity::kNone && neighbour)
-      tell(row, there.run(other->begin(example.request, {sequence})));
+      check_replay(row, there.run(other->begin(example.request, {sequence})));
     if (identity == ResponseIdentity::kSequence) {
-      tell(old, here.run(requests.protocol().begin(example.request,
-                                                   {static_cast<std::uint16_t>(sequence + 1)})));
+      check_replay(old, here.run(requests.protocol().begin(
+                            example.request, {static_cast<std::uint16_t>(sequence + 1)})));
     }
   }
   rows.push_back(std::move(row));
@@ -251,11 +245,11 @@ void strangers(const Subject& subject, const Requests& requests, CheckRows& rows
 
 }  // namespace
 
-void check_troubles(const Subject& subject, CheckRows& rows) {
+void check_faults(const Subject& subject, CheckRows& rows) {
   const Requests requests(subject);
   refusals(subject, requests, rows);
   silence(subject, requests, rows);
-  strangers(subject, requests, rows);
+  foreign_responses(subject, requests, rows);
 }
 
 }  // namespace fieldcast::sim

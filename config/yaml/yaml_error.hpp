@@ -9,7 +9,7 @@
 
 namespace fieldcast::config {
 
-struct YamlTrouble {
+struct YamlError {
   Position position;       // of the cause
   std::string what;        // "a value cannot begin with '%'"
   std::string allowed;     // "a text in quotes"; may be empty
@@ -17,10 +17,10 @@ struct YamlTrouble {
 };
 
 // `stopped` and `message`: from the parser.
-[[nodiscard]] YamlTrouble explain_yaml_error(const Source& source, const Position& stopped,
-                                             std::string_view message);
+[[nodiscard]] YamlError explain_yaml_error(const Source& source, const Position& stopped,
+                                           std::string_view message);
 
 // A second document began without "---", because the first one ended early.
-[[nodiscard]] YamlTrouble explain_second_document(const Source& source, const Position& position);
+[[nodiscard]] YamlError explain_second_document(const Source& source, const Position& position);
 
 }  // namespace fieldcast::config
