@@ -128,14 +128,8 @@ Outcome refused_here(const ChannelPath& path, bool write, Cause cause, std::stri
   return outcome;
 }
 
-ExitCode exit_code_of(const Outcome& outcome) {
-  switch (outcome.state) {
-    case Outcome::State::kResult: break;
-    case Outcome::State::kRefusedHere: return ExitCode::kRejected;
-    case Outcome::State::kNoResult: return ExitCode::kNoAnswer;
-    case Outcome::State::kNotSent: return ExitCode::kUsage;
-  }
-  switch (outcome.result.state) {
+ExitCode exit_code_of(CommandState state) {
+  switch (state) {
     case CommandState::kDone:
     case CommandState::kVerified: return ExitCode::kOk;
     case CommandState::kRejected: return ExitCode::kRejected;
@@ -143,6 +137,16 @@ ExitCode exit_code_of(const Outcome& outcome) {
     case CommandState::kExpired: return ExitCode::kExpired;
   }
   return ExitCode::kTrouble;
+}
+
+ExitCode exit_code_of(const Outcome& outcome) {
+  switch (outcome.state) {
+    case Outcome::State::kResult: break;
+    case Outcome::State::kRefusedHere: return ExitCode::kRejected;
+    case Outcome::State::kNoResult: return ExitCode::kNoAnswer;
+    case Outcome::State::kNotSent: return ExitCode::kUsage;
+  }
+  return exit_code_of(outcome.result.state);
 }
 
 std::string outcome_line(const Outcome& outcome) {
