@@ -12,35 +12,11 @@ namespace {
 
 constexpr char kAfterSite = ':';  // not allowed in names of sites and buses
 
-// Makes a handler and its `gone` handler run one at a time across sites.
-template <class Handler, class Gone>
-void share_turn(Handler& handler, Gone& gone, bool several) {
-  if (!several) return;
-  const auto mutex = std::make_shared<std::mutex>();
-  handler = [mutex, inner = std::move(handler)](const auto& message) {
-    const std::lock_guard lock(*mutex);
-    inner(message);
-  };
-  if (!gone) return;
-  gone = [mutex, inner = std::move(gone)](const auto&... message) {
-    const std::lock_guard lock(*mutex);
-    inner(message...);
-  };
-}
-
 Station::OnGone gone_at_site(const Station::OnGone& gone, const std::string& prefix) {
   if (!gone || prefix.empty()) return gone;
   return [gone, prefix](const std::string& bus, const std::string& device,
                         const std::string& channel) { gone(prefix + bus, device, channel); };
 }
-
-constexpr auto kNameBus = [](auto& message, const std::string& prefix) {
-  message.bus.insert(0, prefix);
-};
-constexpr auto kNameBusAndBridge = [](auto& message, const std::string& prefix) {
-  message.bus.insert(0, prefix);
-  message.bridge.insert(0, prefix);
-};
 
 }  // namespace
 
@@ -80,109 +56,43 @@ Sites::Sites(const std::vector<DdsSite>& sites, const std::string& name) {
 
 Sites::~Sites() = default;
 
-template <class Message, class Name>
-auto Sites::at_site(const Site& site, const std::function<void(const Message&)>& handler,
-                    Name name) {
-  if (!handler || site.prefix.empty()) return handler;
-  return std::function<void(const Message&)>(
-      [handler, name, prefix = site.prefix](const Message& message) {
-        Message named = message;
-        name(named, prefix);
-        handler(named);
-      });
-}
-
-template <class Message, class Name, class Subscribe>
-void Sites::subscribe_all(std::function<void(const Message&)> handler,
-                          std::function<void(const Message&)> gone, Name name,
-                          Subscribe subscribe) {
-  share_turn(handler, gone, sites_.size() > 1);
-  for (const Site& site : sites_)
-    subscribe(*site.station, at_site(site, handler, name), at_site(site, gone, name));
-}
-
 void Sites::subscribe_samples(Station::OnSample on_sample, Station::OnGone gone) {
-  share_turn(on_sample, gone, sites_.size() > 1);
+  share_turn(on_sample, gone);
   for (const Site& site : sites_) {
-    site.station->subscribe_samples(at_site<StationSample>(site, on_sample, kNameBus),
-                                    gone_at_site(gone, site.prefix));
+    site.station->subscribe_samples(at_site(site, on_sample), gone_at_site(gone, site.prefix));
   }
 }
 
 void Sites::subscribe_channels(std::function<void(const StationChannel&)> on_channel,
                                Station::OnGone gone) {
-  share_turn(on_channel, gone, sites_.size() > 1);
+  share_turn(on_channel, gone);
   for (const Site& site : sites_) {
-    site.station->subscribe_channels(at_site<StationChannel>(site, on_channel, kNameBusAndBridge),
-                                     gone_at_site(gone, site.prefix));
+    site.station->subscribe_channels(at_site(site, on_channel), gone_at_site(gone, site.prefix));
   }
 }
 
 void Sites::subscribe_bus_status(std::function<void(const StationBusStatus&)> on_status,
                                  std::function<void(const StationBusStatus&)> gone) {
-  subscribe_all<StationBusStatus>(std::move(on_status), std::move(gone), kNameBusAndBridge,
-                                  [](Station& station, auto status, auto last) {
-                                    station.subscribe_bus_status(std::move(status),
-                                                                 std::move(last));
-                                  });
-}
-
-void Sites::subscribe_device_status(std::function<void(const StationDeviceStatus&)> on_status,
-                                    std::function<void(const StationDeviceStatus&)> gone) {
-  subscribe_all<StationDeviceStatus>(std::move(on_status), std::move(gone), kNameBus,
-                                     [](Station& station, auto status, auto last) {
-                                       station.subscribe_device_status(std::move(status),
-                                                                       std::move(last));
-                                     });
+  subscribe_all(std::move(on_status), std::move(gone),
+                [](Station& station, auto status, auto last) {
+                  station.subscribe_bus_status(std::move(status), std::move(last));
+                });
 }
 
 void Sites::subscribe_bridges(std::function<void(const StationBridge&)> on_bridge,
                               std::function<void(const StationBridge&)> gone) {
-  const auto name = [](StationBridge& bridge, const std::string& prefix) {
-    bridge.bridge.insert(0, prefix);
-    for (StationBridge::Bus& each : bridge.buses) each.bus.insert(0, prefix);
-  };
-  subscribe_all<StationBridge>(std::move(on_bridge), std::move(gone), name,
-                               [](Station& station, auto bridge, auto last) {
-                                 station.subscribe_bridges(std::move(bridge), std::move(last));
-                               });
-}
-
-void Sites::subscribe_program_sessions(
-    std::function<void(const ProgramSessionReport&)> on_session) {
-  subscribe_all<ProgramSessionReport>(std::move(on_session), {}, kNameBus,
-                                      [](Station& station, auto session, auto) {
-                                        station.subscribe_program_sessions(std::move(session));
-                                      });
+  subscribe_all(std::move(on_bridge), std::move(gone),
+                [](Station& station, auto bridge, auto last) {
+                  station.subscribe_bridges(std::move(bridge), std::move(last));
+                });
 }
 
 void Sites::subscribe_read_plans(std::function<void(const StationReadPlan&)> on_plan,
                                  std::function<void(const std::string& bus)> gone) {
-  share_turn(on_plan, gone, sites_.size() > 1);
-  const auto name = [](std::string& bus, const std::string& prefix) { bus.insert(0, prefix); };
+  share_turn(on_plan, gone);
   for (const Site& site : sites_) {
-    site.station->subscribe_read_plans(at_site<StationReadPlan>(site, on_plan, kNameBus),
-                                       at_site<std::string>(site, gone, name));
+    site.station->subscribe_read_plans(at_site(site, on_plan), at_site(site, gone));
   }
-}
-
-void Sites::subscribe_alarms(std::function<void(const StationAlarm&)> on_alarm,
-                             std::function<void(const StationAlarm&)> gone) {
-  subscribe_all<StationAlarm>(std::move(on_alarm), std::move(gone), kNameBus,
-                              [](Station& station, auto alarm, auto last) {
-                                station.subscribe_alarms(std::move(alarm), std::move(last));
-                              });
-}
-
-void Sites::subscribe_alarm_status(std::function<void(const StationAlarmStatus&)> on_status,
-                                   std::function<void(const StationAlarmStatus&)> gone) {
-  const auto name = [](StationAlarmStatus& status, const std::string& prefix) {
-    status.alarm.bus.insert(0, prefix);
-  };
-  subscribe_all<StationAlarmStatus>(
-      std::move(on_status), std::move(gone), name, [](Station& station, auto status, auto last) {
-        station.subscribe_alarm_status(std::move(status), std::move(last));
-      });
 }
 
 Station::BlockCounters Sites::block_counters() const {
@@ -280,9 +190,8 @@ StationOutcome Sites::write(std::string_view path, Value value, bool verify) {
 
 void Sites::on_result(std::function<void(const StationResult&)> handler) {
   std::function<void(const StationResult&)> none;
-  share_turn(handler, none, sites_.size() > 1);
-  for (const Site& site : sites_)
-    site.station->on_result(at_site<StationResult>(site, handler, kNameBus));
+  share_turn(handler, none);
+  for (const Site& site : sites_) site.station->on_result(at_site(site, handler));
 }
 
 std::vector<std::string> Sites::missing_servers() const {

@@ -37,19 +37,31 @@ class Sites {
   void subscribe_samples(Station::OnSample on_sample, Station::OnGone gone = {});
   void subscribe_channels(std::function<void(const StationChannel&)> on_channel,
                           Station::OnGone gone = {});
+  template <class Value>
+  void subscribe(std::function<void(const Value&)> on_value,
+                 std::function<void(const Value& last)> gone = {}) {
+    share_turn(on_value, gone);
+    for (const Site& site : sites_)
+      site.station->subscribe(at_site(site, on_value), at_site(site, gone));
+  }
   void subscribe_bus_status(std::function<void(const StationBusStatus&)> on_status,
                             std::function<void(const StationBusStatus& last)> gone = {});
   void subscribe_device_status(std::function<void(const StationDeviceStatus&)> on_status,
-                               std::function<void(const StationDeviceStatus& last)> gone = {});
+                               std::function<void(const StationDeviceStatus& last)> gone = {}) {
+    subscribe(std::move(on_status), std::move(gone));
+  }
   void subscribe_bridges(std::function<void(const StationBridge&)> on_bridge,
                          std::function<void(const StationBridge& last)> gone = {});
-  void subscribe_program_sessions(std::function<void(const ProgramSessionReport&)> on_session);
   void subscribe_read_plans(std::function<void(const StationReadPlan&)> on_plan,
                             std::function<void(const std::string& bus)> gone = {});
   void subscribe_alarms(std::function<void(const StationAlarm&)> on_alarm,
-                        std::function<void(const StationAlarm& last)> gone = {});
+                        std::function<void(const StationAlarm& last)> gone = {}) {
+    subscribe(std::move(on_alarm), std::move(gone));
+  }
   void subscribe_alarm_status(std::function<void(const StationAlarmStatus&)> on_status,
-                              std::function<void(const StationAlarmStatus& last)> gone = {});
+                              std::function<void(const StationAlarmStatus& last)> gone = {}) {
+    subscribe(std::move(on_status), std::move(gone));
+  }
   [[nodiscard]] Station::BlockCounters block_counters() const;
 
   // True if it is possible at one site at least.
@@ -86,14 +98,51 @@ class Sites {
   };
   // Returns the site that a bus names, and removes the prefix from the name. Null if there is none.
   [[nodiscard]] Station* take_site(std::string& bus);
-  // Makes the handler of one site from a handler of all sites; `name(message, prefix)` adds the
-  // prefix.
-  template <class Message, class Name>
-  auto at_site(const Site& site, const std::function<void(const Message&)>& handler, Name name);
+  // Adds the prefix of a site to the names in a value.
+  template <class Value>
+  static void add_prefix(Value& value, const std::string& prefix) {
+    if constexpr (requires { value.bus; }) value.bus.insert(0, prefix);
+    if constexpr (requires { value.bridge; }) value.bridge.insert(0, prefix);
+    if constexpr (requires { value.alarm.bus; }) value.alarm.bus.insert(0, prefix);
+    if constexpr (requires { value.buses; }) {
+      for (auto& each : value.buses) each.bus.insert(0, prefix);
+    }
+  }
+  static void add_prefix(std::string& bus, const std::string& prefix) { bus.insert(0, prefix); }
+  // Makes the handler of one site from a handler of all sites.
+  template <class Value>
+  static std::function<void(const Value&)> at_site(
+      const Site& site, const std::function<void(const Value&)>& handler) {
+    if (!handler || site.prefix.empty()) return handler;
+    return [handler, prefix = site.prefix](const Value& value) {
+      Value named = value;
+      add_prefix(named, prefix);
+      handler(named);
+    };
+  }
+  // Makes a handler and its `gone` handler run one at a time across sites.
+  template <class Handler, class Gone>
+  void share_turn(Handler& handler, Gone& gone) const {
+    if (sites_.size() == 1) return;
+    const auto mutex = std::make_shared<std::mutex>();
+    handler = [mutex, inner = std::move(handler)](const auto& message) {
+      const std::lock_guard lock(*mutex);
+      inner(message);
+    };
+    if (!gone) return;
+    gone = [mutex, inner = std::move(gone)](const auto&... message) {
+      const std::lock_guard lock(*mutex);
+      inner(message...);
+    };
+  }
   // Calls `subscribe` for every site.
-  template <class Message, class Name, class Subscribe>
-  void subscribe_all(std::function<void(const Message&)> handler,
-                     std::function<void(const Message&)> gone, Name name, Subscribe subscribe);
+  template <class Value, class Subscribe>
+  void subscribe_all(std::function<void(const Value&)> handler,
+                     std::function<void(const Value&)> gone, Subscribe subscribe) {
+    share_turn(handler, gone);
+    for (const Site& site : sites_)
+      subscribe(*site.station, at_site(site, handler), at_site(site, gone));
+  }
 
   std::vector<Site> sites_;
   std::mutex reserving_;

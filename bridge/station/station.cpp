@@ -2,7 +2,11 @@
 
 #include <atomic>
 #include <chrono>
+#include <map>
+#include <memory>
 #include <mutex>
+#include <typeindex>
+#include <utility>
 
 #include "bridge/base/check.hpp"
 #include "bridge/dds/topics/conversion.hpp"
@@ -53,11 +57,8 @@ struct Station::State {
   bool has_channels = false, has_samples = false;
   ClockOffsets clocks;  // used by the subscription
   std::unique_ptr<Subscription<idl::BusStatusPubSubType>> buses;
-  std::unique_ptr<Subscription<idl::DeviceStatusPubSubType>> devices;
   std::unique_ptr<Subscription<idl::BridgePubSubType>> bridges;
-  std::unique_ptr<Subscription<idl::ProgramSessionPubSubType>> sessions;
-  std::unique_ptr<Subscription<idl::AlarmPubSubType>> alarms;
-  std::unique_ptr<Subscription<idl::AlarmStatusPubSubType>> alarm_status;
+  std::map<std::type_index, std::shared_ptr<void>> reports;  // subscriptions, by their values
   PlanParts plan_parts;
   std::unique_ptr<Subscription<idl::ReadPlanPubSubType>> plans;
   dds::DataWriter* interests = nullptr;
@@ -155,19 +156,29 @@ void Station::subscribe_bus_status(std::function<void(const StationBusStatus&)> 
       state_->domain, kBusStatusTopic, std::move(handlers));
 }
 
-void Station::subscribe_device_status(std::function<void(const StationDeviceStatus&)> on_status,
-                                      std::function<void(const StationDeviceStatus&)> gone) {
-  FIELDCAST_CHECK(!state_->devices);
-  Subscription<idl::DeviceStatusPubSubType>::Handlers handlers;
-  handlers.sample = [on_status = std::move(on_status)](const idl::DeviceStatus& status) {
-    on_status(from_idl(status));
-  };
-  if (gone)
-    handlers.gone = [gone = std::move(gone)](const idl::DeviceStatus& last) {
-      gone(from_idl(last));
-    };
-  state_->devices = std::make_unique<Subscription<idl::DeviceStatusPubSubType>>(
-      state_->domain, kDeviceStatusTopic, std::move(handlers));
+void Station::subscribe(const std::type_info& type, OnAny on_value, OnAny gone) {
+  bool found = false;
+  for_each_report([&]<class Generated>(const Report<Generated>& topic) {
+    using Message = typename Generated::type;
+    if constexpr (HasValue<Message>) {
+      if (type != typeid(ValueOf<Message>)) return;
+      const auto convert = [](OnAny handler) -> std::function<void(const Message&)> {
+        if (!handler) return {};
+        return [inner = std::move(handler)](const Message& message) {
+          if (const auto value = value_of(message)) inner(&*value);
+        };
+      };
+      typename Subscription<Generated>::Handlers handlers;
+      handlers.sample = convert(std::move(on_value));
+      handlers.gone = convert(std::move(gone));
+      const auto [made, is_new] = state_->reports.try_emplace(type);
+      FIELDCAST_CHECK(is_new);
+      made->second =
+          std::make_shared<Subscription<Generated>>(state_->domain, topic, std::move(handlers));
+      found = true;
+    }
+  });
+  FIELDCAST_CHECK(found);
 }
 
 void Station::subscribe_bridges(std::function<void(const StationBridge&)> on_bridge,
@@ -185,17 +196,6 @@ void Station::subscribe_bridges(std::function<void(const StationBridge&)> on_bri
       state_->domain, kBridgeTopic, std::move(handlers));
 }
 
-void Station::subscribe_program_sessions(
-    std::function<void(const ProgramSessionReport&)> on_session) {
-  FIELDCAST_CHECK(!state_->sessions);
-  Subscription<idl::ProgramSessionPubSubType>::Handlers handlers;
-  handlers.sample = [on_session = std::move(on_session)](const idl::ProgramSession& session) {
-    on_session(from_idl(session));
-  };
-  state_->sessions = std::make_unique<Subscription<idl::ProgramSessionPubSubType>>(
-      state_->domain, kProgramSessionTopic, std::move(handlers));
-}
-
 void Station::subscribe_read_plans(std::function<void(const StationReadPlan&)> on_plan,
                                    std::function<void(const std::string& bus)> gone) {
   FIELDCAST_CHECK(!state_->plans);
@@ -211,38 +211,6 @@ void Station::subscribe_read_plans(std::function<void(const StationReadPlan&)> o
   };
   state_->plans = std::make_unique<Subscription<idl::ReadPlanPubSubType>>(
       state_->domain, kReadPlanTopic, std::move(handlers));
-}
-
-void Station::subscribe_alarms(std::function<void(const StationAlarm&)> on_alarm,
-                               std::function<void(const StationAlarm&)> gone) {
-  FIELDCAST_CHECK(!state_->alarms);
-  Subscription<idl::AlarmPubSubType>::Handlers handlers;
-  handlers.sample = [on_alarm = std::move(on_alarm)](const idl::Alarm& alarm) {
-    if (const auto known = from_idl(alarm)) on_alarm(*known);
-  };
-  if (gone) {
-    handlers.gone = [gone = std::move(gone)](const idl::Alarm& last) {
-      if (const auto known = from_idl(last)) gone(*known);
-    };
-  }
-  state_->alarms = std::make_unique<Subscription<idl::AlarmPubSubType>>(state_->domain, kAlarmTopic,
-                                                                        std::move(handlers));
-}
-
-void Station::subscribe_alarm_status(std::function<void(const StationAlarmStatus&)> on_status,
-                                     std::function<void(const StationAlarmStatus&)> gone) {
-  FIELDCAST_CHECK(!state_->alarm_status);
-  Subscription<idl::AlarmStatusPubSubType>::Handlers handlers;
-  handlers.sample = [on_status = std::move(on_status)](const idl::AlarmStatus& status) {
-    if (const auto known = from_idl(status)) on_status(*known);
-  };
-  if (gone) {
-    handlers.gone = [gone = std::move(gone)](const idl::AlarmStatus& last) {
-      if (const auto known = from_idl(last)) gone(*known);
-    };
-  }
-  state_->alarm_status = std::make_unique<Subscription<idl::AlarmStatusPubSubType>>(
-      state_->domain, kAlarmStatusTopic, std::move(handlers));
 }
 
 bool Station::may_command() const { return state_->may_write(kCommandTopic.name); }

@@ -125,7 +125,7 @@ void LiveDomain::State::listen() {
                                   to_inbox(&DomainInbox::on_device_gone));
   station.subscribe_read_plans(to_inbox(&DomainInbox::on_read_plan),
                                to_inbox(&DomainInbox::on_read_plan_gone));
-  station.subscribe_program_sessions(to_inbox(&DomainInbox::on_session));
+  station.subscribe<ProgramSessionReport>(to_inbox(&DomainInbox::on_session));
   station.subscribe_alarms(both(&DomainInbox::on_alarm, tap.alarm),
                            to_inbox(&DomainInbox::on_alarm_gone));
   station.subscribe_alarm_status(both(&DomainInbox::on_alarm_status, tap.alarm_status),
