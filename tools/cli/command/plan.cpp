@@ -23,12 +23,8 @@ namespace fieldcast::cli {
 ExitCode doctor(const DoctorOptions& options, const Streams& to) {
   std::optional<BridgeSpec> spec;
   if (!options.config.empty()) {
-    auto loaded = config::load_file(options.config);
-    if (!loaded) {
-      to.err << config::to_text(loaded.error()) << '\n';
-      return ExitCode::kUsage;
-    }
-    spec = *std::move(loaded);
+    spec = load_configuration(options.config, to.err);
+    if (!spec) return ExitCode::kUsage;
   }
   MachineFacts facts = gather_facts(options.root, spec ? &*spec : nullptr);
   if (!options.config.empty() && options.root == "/")  // compares clocks in its domain
@@ -117,11 +113,8 @@ ExitCode simulate_all(const BridgeSpec& spec, const PlanOptions& options, const 
 ExitCode plan(const PlanOptions& options, const Streams& to) {
   config::LoadOptions load = config::default_options();
   load.refuse_hopeless = false;  // this command explains how to fix such a bus
-  const auto loaded = config::load_file(options.config, load);
-  if (!loaded) {
-    to.err << config::to_text(loaded.error()) << '\n';
-    return ExitCode::kUsage;
-  }
+  const auto loaded = load_configuration(options.config, to.err, load);
+  if (!loaded) return ExitCode::kUsage;
   if (options.simulate > Duration::zero()) return simulate_all(*loaded, options, to);
   auto verdict = ExitCode::kOk;
   bool first = true;

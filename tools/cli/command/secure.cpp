@@ -1,6 +1,7 @@
 #include "tools/cli/command/secure.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -20,9 +21,7 @@ using security::MemberCheck;
 using security::MemberState;
 
 std::string buses_text(const security::Member& member) {
-  std::string text;
-  for (const std::string& bus : member.buses) text += (text.empty() ? "" : ", ") + bus;
-  return text;
+  return fmt::format("{}", fmt::join(member.buses, ", "));
 }
 
 std::string shell_word(const std::string& text) {

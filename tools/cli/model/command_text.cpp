@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <charconv>
-#include <cstdio>
 
 #include "core/codec/value_codec.hpp"
 #include "tools/cli/model/address_notation.hpp"
@@ -35,11 +33,8 @@ std::string_view state_text(const Outcome& outcome) {
 }
 
 std::string took_text(const StationResult& result) {
-  std::array<char, 32> buffer{};
-  const auto milliseconds =
-      static_cast<double>(result.completed_at.nanoseconds - result.received_at.nanoseconds) / 1e6;
-  std::snprintf(buffer.data(), buffer.size(), "%.1f ms", milliseconds);
-  return buffer.data();
+  const auto took = result.completed_at.nanoseconds - result.received_at.nanoseconds;
+  return fmt::format("{:.1f} ms", static_cast<double>(took) / 1e6);
 }
 
 }  // namespace

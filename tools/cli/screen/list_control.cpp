@@ -48,6 +48,15 @@ FrameLine full_line(std::vector<Span> spans, std::size_t columns, bool inverse) 
   return line;
 }
 
+FrameLine title_line(Span title, const std::string& clock, std::size_t columns) {
+  std::vector<Span> spans{std::move(title)};
+  if (const std::size_t used = columns_of(spans.front().text) + clock.size(); used + 2 <= columns) {
+    spans.push_back({std::string(columns - used, ' ')});
+    spans.push_back({clock, Tone::kFaint});
+  }
+  return full_line(std::move(spans), columns);
+}
+
 std::string fitting_pieces(std::span<const std::string> pieces, std::size_t columns) {
   std::string line;
   for (const std::string& piece : pieces) {

@@ -115,4 +115,7 @@ class ListControl {
 // Joins as many pieces as fit; truncates the first one if necessary.
 [[nodiscard]] std::string fitting_pieces(std::span<const std::string> pieces, std::size_t columns);
 
+// The clock, "12:34:56Z", is at the right if it fits.
+[[nodiscard]] FrameLine title_line(Span title, const std::string& clock, std::size_t columns);
+
 }  // namespace fieldcast::cli

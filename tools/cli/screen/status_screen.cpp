@@ -181,14 +181,8 @@ FrameLine StatusScreen::title(const Moment& moment, std::size_t columns) const {
       std::string(by_name_ ? "sort: name" : "sort: bad first"),
       control_.filter.text().empty() ? std::string{} : "filter: " + shown(control_.filter.text()),
   };
-  const std::string text = fitting_pieces(pieces, columns);
-  std::vector<Span> spans{{text, well ? Tone::kTitle : Tone::kWarning}};
-  const std::string clock = clock_text(moment.utc);
-  if (columns_of(text) + clock.size() + 2 <= columns) {
-    spans.push_back({std::string(columns - columns_of(text) - clock.size(), ' ')});
-    spans.push_back({clock, Tone::kFaint});
-  }
-  return full_line(std::move(spans), columns);
+  return title_line({fitting_pieces(pieces, columns), well ? Tone::kTitle : Tone::kWarning},
+                    clock_text(moment.utc), columns);
 }
 
 FrameLine StatusScreen::row_line(const ListRow& row, std::size_t columns) const {

@@ -57,15 +57,6 @@ std::vector<FieldColumn> fields_for(std::size_t columns) {
   return fields;
 }
 
-// Warns above twice the refresh, because the bridge itself may have stopped.
-Tone tone_of_age(const StationSample& sample, const StationChannel* about, UtcTime now) {
-  if (about == nullptr || about->refresh == Duration{} || sample.acquired_at.nanoseconds == 0)
-    return Tone::kFaint;
-  return now.nanoseconds - sample.acquired_at.nanoseconds > 2 * about->refresh.count()
-             ? Tone::kWarning
-             : Tone::kPlain;
-}
-
 std::string_view mark_of(const WatchModel::Row& row) {
   switch (rank_of(row)) {
     case Rank::kBad: return "B";
@@ -74,10 +65,6 @@ std::string_view mark_of(const WatchModel::Row& row) {
     case Rank::kGood: return "G";
   }
   return "?";
-}
-
-std::string rate_cell(double rate) {
-  return rate < 10 ? fmt::format("{:.1f}/s", rate) : fmt::format("{:.0f}/s", rate);
 }
 
 Span cell_of(const FieldColumn& column, const ChannelEntry& entry, const StationChannel* about,
@@ -99,11 +86,11 @@ Span cell_of(const FieldColumn& column, const ChannelEntry& entry, const Station
     case Field::kMark:
       return {std::string(mark_of(row)), row.gone ? Tone::kBad : tone_of(sample.quality)};
     case Field::kAge:
-      return {age_text(sample.acquired_at, moment.utc), tone_of_age(sample, about, moment.utc)};
+      return {age_text(sample.acquired_at, moment.utc), age_tone(sample, about, moment.utc)};
     case Field::kRefresh:
       return {about == nullptr || about->refresh == Duration{} ? "-" : to_text(about->refresh),
               Tone::kFaint};
-    case Field::kRate: return {rate_cell(row.rate.rate(moment.now)), Tone::kFaint};
+    case Field::kRate: return {rate_text(row.rate.rate(moment.now)), Tone::kFaint};
   }
   return {};
 }

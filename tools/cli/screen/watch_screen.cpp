@@ -182,15 +182,8 @@ FrameLine WatchScreen::title(const Moment& moment, std::size_t columns) const {
       rate < 10 ? fmt::format("{:.1f} samples/s", rate) : fmt::format("{:.0f} samples/s", rate),
       shown(model_.pattern().text()),
   };
-  std::string text = fitting_pieces(pieces, columns);
-  // The clock is at the right, without the date: "12:34:56Z".
-  const std::string clock = clock_text(moment.utc);
-  std::vector<Span> spans{{text, sums_.bad == 0 ? Tone::kTitle : Tone::kBad}};
-  if (columns_of(text) + clock.size() + 2 <= columns) {
-    spans.push_back({std::string(columns - columns_of(text) - clock.size(), ' ')});
-    spans.push_back({clock, Tone::kFaint});
-  }
-  return full_line(std::move(spans), columns);
+  return title_line({fitting_pieces(pieces, columns), sums_.bad == 0 ? Tone::kTitle : Tone::kBad},
+                    clock_text(moment.utc), columns);
 }
 
 FrameLine WatchScreen::state_line(std::size_t list_rows, std::size_t columns) {

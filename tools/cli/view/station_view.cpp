@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <tuple>
 
 #include "tools/cli/model/sample_text.hpp"
@@ -199,21 +197,6 @@ Json session_json(const ProgramSessionReport& session) {
 }
 
 namespace {
-
-std::string rate_text(double rate) {
-  std::array<char, 32> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), rate < 10 ? "%.1f/s" : "%.0f/s", rate);
-  return buffer.data();
-}
-
-// Warns above twice the refresh, because the bridge itself may have stopped.
-Tone age_tone(const StationSample& sample, const StationChannel* about, UtcTime now) {
-  if (about == nullptr || about->refresh == Duration{} || sample.acquired_at.nanoseconds == 0)
-    return Tone::kFaint;
-  return now.nanoseconds - sample.acquired_at.nanoseconds > 2 * about->refresh.count()
-             ? Tone::kWarning
-             : Tone::kPlain;
-}
 
 std::vector<Cell> cells_of(const ChannelPath& path, const WatchModel::Row& row,
                            const StationChannel* about, Instant now, UtcTime utc) {

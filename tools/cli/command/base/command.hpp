@@ -1,4 +1,4 @@
-// A subcommand of `fieldcast`: one file with its options, its function and its row, and one entry in
+// A subcommand of `fieldcast`: one file with its options, its function and its row, and its name in
 // registry.cpp. Help, completion and manual pages are made from the row. Main thread.
 #pragma once
 

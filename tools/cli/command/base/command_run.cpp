@@ -29,19 +29,24 @@ CommandRun::CommandRun(DomainView& domain, const Connection& connection, Options
   domain_.subscribe_status();
 }
 
-Errand channel_write(const ChannelPath& path, Value value, WriteDetails details) {
+Errand errand_for(const ChannelPath& path, Operation operation, Target target,
+                  const std::string& named) {
   Errand errand;
   errand.command.bus = path.bus;
-  auto& command = errand.command.command;
-  command.device = path.device;
-  command.target = ChannelTarget{path.channel};
-  command.operation = Operation::kWrite;
-  command.values = {value};
-  command.verify = details.verify;
+  errand.command.command.device = path.device;
+  errand.command.command.target = std::move(target);
+  errand.command.command.operation = operation;
   errand.outcome.bus = path.bus;
   errand.outcome.device = path.device;
-  errand.outcome.target = path.channel;
-  errand.outcome.write = true;
+  errand.outcome.target = named;
+  errand.outcome.write = operation == Operation::kWrite;
+  return errand;
+}
+
+Errand channel_write(const ChannelPath& path, Value value, WriteDetails details) {
+  Errand errand = errand_for(path, Operation::kWrite, ChannelTarget{path.channel}, path.channel);
+  errand.command.command.values = {value};
+  errand.command.command.verify = details.verify;
   errand.outcome.wanted = {std::move(value)};
   errand.outcome.type = std::move(details.type);
   errand.outcome.unit = std::move(details.unit);
@@ -179,9 +184,8 @@ ExitCode CommandRun::execute(std::vector<Errand> errands) {
       outcome.result.reason =
           domain_.interrupted()
               ? "interrupted; whether it was executed is not known"
-              : fmt::format("no result within {}; whether it was executed is not known{}",
-                            to_text(options_.timeout + kResultGrace),
-                            held_remark(connection_, errands[entry->second.errand].command.bus));
+              : no_result_text(connection_, errands[entry->second.errand].command.bus,
+                               options_.timeout + kResultGrace);
       finish(errands[entry->second.errand]);
       entry = waiting.erase(entry);
     }
@@ -236,6 +240,14 @@ std::optional<ExitCode> no_reports(std::string_view command, const DomainView& d
   }
   if (const std::string silent = listening.silent_text(); !silent.empty())
     err << "fieldcast " << command << ": " << silent << '\n';
+  return std::nullopt;
+}
+
+std::optional<BridgeSpec> load_configuration(const std::string& path, std::ostream& err,
+                                             const config::LoadOptions& options) {
+  auto loaded = config::load_file(path, options);
+  if (loaded) return *std::move(loaded);
+  err << config::to_text(loaded.error()) << '\n';
   return std::nullopt;
 }
 

@@ -1,4 +1,4 @@
-// Sends commands and waits for their results, for `write` and `acquire`; what rows of commands share.
+// Sends commands and waits for their results, for `write` and `acquire`. Steps of other commands.
 #pragma once
 
 #include <functional>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bridge/store/sql/sql.hpp"
+#include "config/loader/loader.hpp"
 #include "tools/cli/command/base/command.hpp"
 #include "tools/cli/domain/connection.hpp"
 #include "tools/cli/domain/domain_view.hpp"
@@ -25,6 +26,10 @@ struct Errand {
   Outcome outcome;
   [[nodiscard]] bool to_be_sent() const { return outcome.state == Outcome::State::kResult; }
 };
+
+// A command for `target` of the device of `path`, not sent yet; its text is `named` in the outcome.
+[[nodiscard]] Errand errand_for(const ChannelPath& path, Operation operation, Target target,
+                                const std::string& named);
 
 struct WriteDetails {
   std::string type, unit;  // of the channel
@@ -75,7 +80,7 @@ class CommandRun {
   Catalogue catalogue_;
 };
 
-// Rows of commands that share their beginning. Each creates the Interrupt before DDS starts threads.
+// How commands begin. Each function creates the Interrupt before DDS starts threads.
 
 template <typename Options>
 using DomainFunction = ExitCode (*)(const Options& options, const Connection& connection,
@@ -126,12 +131,17 @@ using OnReport = std::function<bool(const DomainEvent& event, const Listening& l
                                         std::optional<Duration> time, const Streams& to,
                                         const OnReport& on_event);
 
-// After receive_reports(): returns the exit code if there is nothing to show, and prints the reason;
-// prints the sites without a bridge. `any`: a bridge has reported.
+// After receive_reports(): prints the sites without a bridge. If there is nothing to show, prints
+// the reason and returns the exit code. `any`: a bridge has reported.
 [[nodiscard]] std::optional<ExitCode> no_reports(std::string_view command, const DomainView& domain,
                                                  const Connection& connection,
                                                  const Listening& listening, bool any,
                                                  std::ostream& err);
+
+// Prints the faults of the file to `err`.
+[[nodiscard]] std::optional<BridgeSpec> load_configuration(
+    const std::string& path, std::ostream& err,
+    const config::LoadOptions& options = config::default_options());
 
 // Opens the store for `command`. Returns kUsage if the source is invalid. Throws StoreError.
 [[nodiscard]] ExitCode in_store(const StoreSource& source, std::ostream& err, IfMissing missing,

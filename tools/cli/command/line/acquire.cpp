@@ -9,16 +9,9 @@
 namespace fieldcast::cli {
 namespace {
 
-Errand errand_of(const ChannelPath& path, Target target, std::string text, std::string type,
+Errand errand_of(const ChannelPath& path, Target target, const std::string& text, std::string type,
                  std::string unit) {
-  Errand errand;
-  errand.command.bus = path.bus;
-  errand.command.command.device = path.device;
-  errand.command.command.target = std::move(target);
-  errand.command.command.operation = Operation::kAcquire;
-  errand.outcome.bus = path.bus;
-  errand.outcome.device = path.device;
-  errand.outcome.target = std::move(text);
+  Errand errand = errand_for(path, Operation::kAcquire, std::move(target), text);
   errand.outcome.type = std::move(type);
   errand.outcome.unit = std::move(unit);
   return errand;

@@ -9,7 +9,6 @@
 #include <ostream>
 
 #include "bridge/base/file_descriptor.hpp"
-#include "config/loader/loader.hpp"
 #include "core/base/bytes.hpp"
 #include "core/base/json.hpp"
 #include "core/capture/trace_text.hpp"
@@ -64,14 +63,6 @@ ExitCode inspect_hex(const NamedProtocol& protocol, const std::string& hex,
     print(to.out, inspect_lines(name, *frame, fields, to.wide_screen()));
   }
   return count_faults(fields) == 0 ? ExitCode::kOk : ExitCode::kFound;
-}
-
-// Prints the faults to `err`.
-std::optional<BridgeSpec> load_configuration(const std::string& path, std::ostream& err) {
-  auto loaded = config::load_file(path);
-  if (loaded) return *std::move(loaded);
-  err << config::to_text(loaded.error()) << '\n';
-  return std::nullopt;
 }
 
 FrameReport::Options report_options(const InspectOptions& options,

@@ -61,12 +61,9 @@ ExitCode write_channels(const WriteOptions& options, const Connection& connectio
 tl::expected<Errand, std::string> address_errand(const WriteOptions& options,
                                                  const ChannelPath& device,
                                                  const AddressType& type) {
-  Errand errand;
-  errand.command.bus = device.bus;
+  Errand errand =
+      errand_for(device, Operation::kWrite, AddressTarget{options.at, type.encoding}, options.at);
   auto& command = errand.command.command;
-  command.device = device.device;
-  command.target = AddressTarget{options.at, type.encoding};
-  command.operation = Operation::kWrite;
   command.verify = options.verify;
   for (auto word = options.words.begin() + 1; word != options.words.end(); ++word) {
     const auto value = value_from_text(type.encoding, *word);
@@ -74,8 +71,8 @@ tl::expected<Errand, std::string> address_errand(const WriteOptions& options,
     command.values.push_back(*value);
   }
   command.count = static_cast<std::uint32_t>(command.values.size());
-  errand.outcome = {Outcome::State::kResult, device.bus, device.device, options.at, true,
-                    command.values,          {},         type.text,     {}};
+  errand.outcome.wanted = command.values;
+  errand.outcome.type = type.text;
   return errand;
 }
 
