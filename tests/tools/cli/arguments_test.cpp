@@ -199,6 +199,18 @@ TEST(Arguments, HelpIsNoFault) {
   }
 }
 
+TEST(Arguments, EachCommandHasHelpAndRefusesAnUnknownOption) {
+  ASSERT_GT(commands().size(), 20u);
+  for (const CommandRow& row : commands()) {
+    const std::string name(row.name);
+    const auto help = parse({name.c_str(), "--help"});
+    ASSERT_FALSE(help) << name;
+    EXPECT_EQ(help.error().code, ExitCode::kOk) << name;
+    EXPECT_THAT(help.error().text, HasSubstr(std::string(row.summary.substr(0, 20))));
+    EXPECT_EQ(parse({name.c_str(), "--no-such-option"}).error().code, ExitCode::kUsage) << name;
+  }
+}
+
 TEST(Arguments, FaultsSayWhatIsWrong) {
   const std::vector<std::pair<std::vector<const char*>, const char*>> faults{
       {{}, "subcommand"},

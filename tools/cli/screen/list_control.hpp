@@ -110,6 +110,12 @@ class ListControl {
   std::vector<BarPlace> bar_;
 };
 
+// The letter, or the function key of this number (-1: none).
+[[nodiscard]] inline bool is_key(const Key& key, std::string_view letter, int function) {
+  return (key.kind == Key::Kind::kText && key.text == letter) ||
+         (key.kind == Key::Kind::kFunction && key.number == function);
+}
+
 [[nodiscard]] FrameLine full_line(std::vector<Span> spans, std::size_t columns,
                                   bool inverse = false);
 // Joins as many pieces as fit; truncates the first one if necessary.

@@ -74,10 +74,7 @@ Intent WatchScreen::on_key(const Key& given, const Moment& moment) {
 }
 
 bool WatchScreen::on_own_key(const Key& key) {
-  const auto is = [&](std::string_view letter, int function) {
-    return (key.kind == Key::Kind::kText && key.text == letter) ||
-           (key.kind == Key::Kind::kFunction && key.number == function);
-  };
+  const auto is = [&](const char* letter, int function) { return is_key(key, letter, function); };
   if (const auto column = control_.head_click(key)) {
     const auto order = order_at(*column, columns_);
     if (!order) return false;
