@@ -1,4 +1,5 @@
 // Publishing of samples, results and reports.
+#include "bridge/base/check.hpp"
 #include "bridge/dds/endpoints/dds_link.hpp"
 #include "bridge/dds/endpoints/dds_link_state.hpp"
 #include "bridge/dds/guard/datagram_guard.hpp"
@@ -104,6 +105,7 @@ void DdsLink::report(std::string_view name, const PlanReport& plan, UtcTime sinc
 }
 
 void DdsLink::report(const std::type_info& type, const void* value) {
+  bool found = false;
   for_each_report([&]<class Generated>(const Report<Generated>&) {
     using Message = typename Generated::type;
     if constexpr (IsReported<Message>) {
@@ -111,8 +113,10 @@ void DdsLink::report(const std::type_info& type, const void* value) {
       Message out;
       to_idl(*static_cast<const ValueOf<Message>*>(value), out);
       state_->reports.write(out);
+      found = true;
     }
   });
+  FIELDCAST_CHECK(found);
 }
 
 void DdsLink::report(std::string_view name, const AlarmChange& change, const UtcMapping& mapping) {

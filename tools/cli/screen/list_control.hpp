@@ -93,6 +93,7 @@ class ListControl {
  private:
   Took on_filter_key(const Key& key);
   Took on_help_key(const Key& key);
+  Took on_list_key(const Key& key);
   Took on_letter(std::string_view letter);
   Took on_click(const Key& key);
   void move(std::ptrdiff_t by) { list.move(by); }
