@@ -295,7 +295,7 @@ Subscription Station::read_plans(const std::function<void(const ReadPlan&)>& on_
 
 Subscription Station::programming_sessions(
     const std::function<void(const ProgrammingSession&)>& on_session) {
-  return state_->add_all(state_->sessions, &fieldcast::Station::subscribe_program_sessions,
+  return state_->add_all(state_->sessions, &fieldcast::Station::subscribe<ProgramSessionReport>,
                          on_session);
 }
 

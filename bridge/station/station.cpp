@@ -314,21 +314,28 @@ void Station::subscribe_bus_status(std::function<void(const StationBusStatus&)> 
                     [](Site&, const idl::BusStatus& last) { return from_idl(last); });
 }
 
-void Station::subscribe_device_status(std::function<void(const StationDeviceStatus&)> on_status,
-                                      std::function<void(const StationDeviceStatus&)> gone) {
-  state_->subscribe(kDeviceStatusTopic, std::move(on_status), std::move(gone));
+void Station::subscribe(const std::type_info& type, OnAny on_value, OnAny gone) {
+  bool found = false;
+  for_each_report([&]<class Generated>(const Report<Generated>& topic) {
+    using Message = typename Generated::type;
+    if constexpr (HasValue<Message>) {
+      using Value = ValueOf<Message>;
+      if (found || type != typeid(Value)) return;
+      const auto typed = [](OnAny handler) -> std::function<void(const Value&)> {
+        if (!handler) return {};
+        return [inner = std::move(handler)](const Value& value) { inner(&value); };
+      };
+      state_->subscribe<Value>(topic, typed(std::move(on_value)), typed(std::move(gone)));
+      found = true;
+    }
+  });
+  FIELDCAST_CHECK(found);
 }
 
 void Station::subscribe_bridges(std::function<void(const StationBridge&)> on_bridge,
                                 std::function<void(const StationBridge&)> gone) {
   const auto convert = [](Site&, const idl::Bridge& bridge) { return station_bridge(bridge); };
   state_->subscribe(kBridgeTopic, std::move(on_bridge), std::move(gone), convert, convert);
-}
-
-void Station::subscribe_program_sessions(
-    std::function<void(const ProgramSessionReport&)> on_session,
-    std::function<void(const ProgramSessionReport&)> gone) {
-  state_->subscribe(kProgramSessionTopic, std::move(on_session), std::move(gone));
 }
 
 void Station::subscribe_read_plans(std::function<void(const StationReadPlan&)> on_plan,
@@ -347,16 +354,6 @@ void Station::subscribe_read_plans(std::function<void(const StationReadPlan&)> o
     if (gone) gone(last.bus);
   };
   state_->subscribe(kReadPlanTopic, std::move(on_plan), std::move(on_gone), whole, last_bus);
-}
-
-void Station::subscribe_alarms(std::function<void(const StationAlarm&)> on_alarm,
-                               std::function<void(const StationAlarm&)> gone) {
-  state_->subscribe(kAlarmTopic, std::move(on_alarm), std::move(gone));
-}
-
-void Station::subscribe_alarm_status(std::function<void(const StationAlarmStatus&)> on_status,
-                                     std::function<void(const StationAlarmStatus&)> gone) {
-  state_->subscribe(kAlarmStatusTopic, std::move(on_status), std::move(gone));
 }
 
 bool Station::may_command() const {

@@ -17,6 +17,8 @@
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
+#include <typeinfo>
+#include <utility>
 #include <vector>
 
 #include "bridge/dds/library/library.hpp"
@@ -98,22 +100,33 @@ class Station {
   void subscribe_channels(std::function<void(const StationChannel&)> on_channel, OnGone gone = {});
   void subscribe_bus_status(std::function<void(const StationBusStatus&)> on_status,
                             std::function<void(const StationBusStatus& last)> gone = {});
+  // Receives the values of a topic that is a Report (bridge/dds/topics/topics.hpp). REQUIRES: a
+  // topic has values of this type.
+  template <class Value>
+  void subscribe(std::function<void(const Value&)> on_value,
+                 std::function<void(const Value& last)> gone = {}) {
+    subscribe(typeid(Value), any_value(std::move(on_value)), any_value(std::move(gone)));
+  }
   void subscribe_device_status(std::function<void(const StationDeviceStatus&)> on_status,
-                               std::function<void(const StationDeviceStatus& last)> gone = {});
+                               std::function<void(const StationDeviceStatus& last)> gone = {}) {
+    subscribe(std::move(on_status), std::move(gone));
+  }
   // The bridges of the domain. A bridge that crashes is reported as removed when its lease expires.
   void subscribe_bridges(std::function<void(const StationBridge&)> on_bridge,
                          std::function<void(const StationBridge& last)> gone = {});
-  void subscribe_program_sessions(std::function<void(const ProgramSessionReport&)> on_session,
-                                  std::function<void(const ProgramSessionReport& last)> gone = {});
   // Reports the whole plan whenever a new plan is in force.
   void subscribe_read_plans(std::function<void(const StationReadPlan&)> on_plan,
                             const std::function<void(const std::string& bus)>& gone = {});
   void subscribe_alarms(std::function<void(const StationAlarm&)> on_alarm,
-                        std::function<void(const StationAlarm& last)> gone = {});
+                        std::function<void(const StationAlarm& last)> gone = {}) {
+    subscribe(std::move(on_alarm), std::move(gone));
+  }
   // Actions of users on alarms, in addition to the alarms themselves: acknowledged, shelved,
   // suppressed.
   void subscribe_alarm_status(std::function<void(const StationAlarmStatus&)> on_status,
-                              std::function<void(const StationAlarmStatus& last)> gone = {});
+                              std::function<void(const StationAlarmStatus& last)> gone = {}) {
+    subscribe(std::move(on_status), std::move(gone));
+  }
 
   // Rights of this station by DDS Security in addition to reading, at one site at least. Without
   // DDS Security, everything is allowed.
@@ -165,6 +178,16 @@ class Station {
   [[nodiscard]] const std::string& requester() const;
 
  private:
+  using OnAny = std::function<void(const void* value)>;
+  template <class Value>
+  static OnAny any_value(std::function<void(const Value&)> handler) {
+    if (!handler) return {};
+    return [inner = std::move(handler)](const void* value) {
+      inner(*static_cast<const Value*>(value));
+    };
+  }
+  void subscribe(const std::type_info& type, OnAny on_value, OnAny gone);
+
   struct Site;
   struct State;
   std::unique_ptr<State> state_;

@@ -48,7 +48,7 @@ TEST_F(BridgeTest, WhileADeviceIsProgrammedItsBusRestsAndTheOthersGoOn) {
   ModbusDevice a(first), b(second);
   Reports<ProgramSessionReport> sessions;
   Receiver receiver(spec.dds);
-  receiver.station.subscribe_program_sessions(
+  receiver.station.subscribe<ProgramSessionReport>(
       [&](const ProgramSessionReport& session) { sessions.add(session); });
   const auto session_becomes = [&](ProgramSessionState state) {
     return sessions.newest(

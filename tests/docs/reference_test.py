@@ -92,6 +92,22 @@ class ExitCodes(unittest.TestCase):
             self.assertEqual(re.findall(r"\bk\w+ = (\d+)", read(header)), listed, header)
 
 
+class Commands(unittest.TestCase):
+    def test_each_has_one_row_and_is_shown_on_a_page(self):
+        rows, pages = [], ""
+        for path, _, names in os.walk(os.path.join(SOURCE_DIR, "tools/cli/command")):
+            for name in names:
+                text = read(os.path.relpath(os.path.join(path, name), SOURCE_DIR))
+                rows += re.findall(r'\bcommand_row\(\s*"([\w-]+)"', text)
+        registered = re.findall(r"(\w+)_command\(\)", read("tools/cli/command/registry.cpp").split("std::array")[1])
+        self.assertGreater(len(rows), 20)
+        self.assertEqual(sorted(rows), sorted(name.replace("_", "-") for name in registered))
+        for path, _, names in os.walk(os.path.join(SOURCE_DIR, "docs")):
+            for name in names:
+                pages += read(os.path.relpath(os.path.join(path, name), SOURCE_DIR)) if name.endswith(".md") else ""
+        self.assertEqual([name for name in rows if f"fieldcast {name}" not in pages], [])
+
+
 class Picture(unittest.TestCase):
     def test_shows_the_columns_of_watch(self):
         table = re.search(r"TextTable table\((.*?)\);", read("tools/cli/view/station_view.cpp").split(" watch_lines(")[1], re.DOTALL).group(1)

@@ -23,8 +23,8 @@ void run_one(ByteView data) {
   for (const bool json : {false, true}) {
     std::istringstream in(hex);
     std::ostringstream out, err;
-    const auto code =
-        cli::inspect({.protocol = names[data[0] % names.size()], .json = json}, in, out, err, {});
+    const auto code = cli::inspect({.protocol = names[data[0] % names.size()], .json = json},
+                                   cli::Streams{in, out, err});
     const bool refused = code == cli::ExitCode::kUsage;
     if (refused != out.str().empty() || refused == err.str().empty()) std::abort();
     // No control character of a frame may reach the terminal.

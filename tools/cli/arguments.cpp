@@ -19,7 +19,7 @@ constexpr const char* kExitCodes =
 // Suggests the nearest command; the library would only report that a command is required.
 std::optional<NoCommand> unknown_command(std::string_view word) {
   std::vector<std::string> names;
-  for (const CommandEntry& entry : commands()) names.emplace_back(entry.name);
+  for (const CommandRow& entry : commands()) names.emplace_back(entry.name);
   if (word.empty() || word.front() == '-' || std::ranges::find(names, word) != names.end())
     return std::nullopt;
   std::string text = fmt::format("fieldcast: '{}' is no command; ", printable(word));
@@ -42,7 +42,7 @@ tl::expected<std::unique_ptr<Command>, NoCommand> parse_arguments(int argc,
                    "fieldcast-bridge serves.");
   line.set_footer(kExitCodes);
   std::vector<std::unique_ptr<Command>> all;
-  for (const CommandEntry& entry : commands()) {
+  for (const CommandRow& entry : commands()) {
     all.push_back(entry.make());
     all.back()->describe(line.command(std::string(entry.name), std::string(entry.summary)));
   }
@@ -51,7 +51,7 @@ tl::expected<std::unique_ptr<Command>, NoCommand> parse_arguments(int argc,
                                     (ended->fault ? "fieldcast: " : "") + ended->text});
   }
   const std::string_view given = argv[1];  // a valid command, otherwise parsing has ended above
-  const auto entry = std::ranges::find(commands(), given, &CommandEntry::name);
+  const auto entry = std::ranges::find(commands(), given, &CommandRow::name);
   return std::move(all[static_cast<std::size_t>(entry - commands().begin())]);
 }
 

@@ -43,15 +43,10 @@ DdsLink::State::State(const DdsSpec& spec, const std::string& name, Handlers giv
       domain(spec, std::string(kBridgeParticipant) + name, &writers),
       block_bytes(stays_on_this_machine(spec) ? BlockWriter::kBytesOnLoopback
                                               : BlockWriter::kBytesOnNetworks),
-      results(domain, "fieldcast-bridge " + name, handlers.clock, handlers.on_problem) {
-  const std::string label = "fieldcast-bridge " + name;
-  catalogue_blocks = domain.writer(kCatalogueBlockTopic, label);
-  bus_status = domain.writer(kBusStatusTopic, label);
-  alarms = domain.writer(kAlarmTopic, label);
-  alarm_status = domain.writer(kAlarmStatusTopic, label);
-  plans = domain.writer(kReadPlanTopic, label);
-  device_status = domain.writer(kDeviceStatusTopic, label);
-  sessions = domain.writer(kProgramSessionTopic, label);
+      label("fieldcast-bridge " + name),
+      results(domain, label, handlers.clock, handlers.on_problem),
+      catalogue_blocks(domain.writer(kCatalogueBlockTopic, label)),
+      reports(domain, label) {
   interests = std::make_unique<InterestReceiver>(domain, handlers.on_interest, handlers.on_problem);
   if (handlers.bridges.received)
     presence = std::make_unique<BridgeAnnouncement>(domain, writers, label, handlers.bridges,
@@ -145,13 +140,11 @@ void DdsLink::State::dispose(LinkedBus& bus, Duration linger, Duration limit) {
   bus.samples.dispose(linger, limit);
   if (std::chrono::steady_clock::now() - begun >= limit) return;
   bus.catalogue.dispose_channels();
-  for (auto& [name, status] : bus.devices)
-    device_status->unregister_instance(&status, dds::HANDLE_NIL);
-  for (auto& [key, alarm] : bus.alarms) alarms->unregister_instance(&alarm, dds::HANDLE_NIL);
-  for (auto& [key, status] : bus.alarm_status)
-    alarm_status->unregister_instance(&status, dds::HANDLE_NIL);
-  for (idl::ReadPlan& part : bus.plan) plans->unregister_instance(&part, dds::HANDLE_NIL);
-  if (bus.reported) bus_status->unregister_instance(&bus.status, dds::HANDLE_NIL);
+  for (auto& [name, status] : bus.devices) reports.unregister(status);
+  for (auto& [key, alarm] : bus.alarms) reports.unregister(alarm);
+  for (auto& [key, status] : bus.alarm_status) reports.unregister(status);
+  for (idl::ReadPlan& part : bus.plan) reports.unregister(part);
+  if (bus.reported) reports.unregister(bus.status);
 }
 
 DdsLink::DdsLink(const DdsSpec& spec, const std::string& bridge_name, Handlers handlers)
@@ -232,9 +225,9 @@ void DdsLink::publish_again(std::string_view name) {
   LinkedBus* bus = state_->find(name);
   if (bus == nullptr) return;
   (void)bus->catalogue.publish();
-  for (auto& [key, alarm] : bus->alarms) state_->alarms->write(&alarm);
-  for (auto& [key, status] : bus->alarm_status) state_->alarm_status->write(&status);
-  for (idl::ReadPlan& part : bus->plan) state_->plans->write(&part);
+  for (auto& [key, alarm] : bus->alarms) state_->reports.write(alarm);
+  for (auto& [key, status] : bus->alarm_status) state_->reports.write(status);
+  for (idl::ReadPlan& part : bus->plan) state_->reports.write(part);
 }
 
 void DdsLink::remove_bus(std::string_view name, Duration linger, Duration limit) {

@@ -16,6 +16,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <typeinfo>
 #include <vector>
 
 #include "bridge/dds/library/library.hpp"
@@ -149,9 +150,12 @@ class DdsLink {
   // Publishes the plan that is now in force. One caller for a bus.
   void report(std::string_view bus, const PlanReport& plan, UtcTime since);
 
-  // Publishes the state of a programming session: begun, more bytes, ended. Any thread. One
-  // instance for each device; at most as many as the bridge has devices.
-  void report(const ProgramSessionReport& session);
+  // Publishes the value of a Report (topics.hpp) that belongs to no bus of the link. Any thread.
+  // The topic limits the number of instances.
+  template <class Value>
+  void report(const Value& value) {
+    report(typeid(value), &value);
+  }
   // Publishes that an alarm was raised or cleared. Its instance remains, active or clear, until the
   // bus is removed. One caller for a bus.
   void report(std::string_view bus, const AlarmChange& change, const UtcMapping& mapping);
@@ -178,6 +182,8 @@ class DdsLink {
 
  private:
   struct State;
+  void report(const std::type_info& type, const void* value);
+  struct State2;
   std::unique_ptr<State> state_;
 };
 

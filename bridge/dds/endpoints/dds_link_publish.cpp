@@ -1,4 +1,5 @@
 // Publishing of samples, results and reports.
+#include "bridge/base/check.hpp"
 #include "bridge/dds/endpoints/dds_link.hpp"
 #include "bridge/dds/endpoints/dds_link_state.hpp"
 #include "bridge/dds/guard/datagram_guard.hpp"
@@ -49,6 +50,12 @@ void DdsLink::complete(std::string_view bus, const CommandResult& result,
 
 namespace {
 
+// A message with all content in its value; others need the bus too.
+template <class Message>
+concept IsReported = HasValue<Message> && requires(const ValueOf<Message>& value, Message& out) {
+  to_idl(value, out);
+};
+
 // Refused datagrams concern the whole bridge: the status of its first bus carries them.
 void add_refused_datagrams(std::vector<idl::CauseCount>& causes) {
   const RtpsFaultCounts counts = refused_datagrams();
@@ -71,7 +78,7 @@ void DdsLink::report(std::string_view name, const BusReport& report, UtcTime at)
   bus->status.dds_deadline_misses(bus->samples.counters().deadline_misses);
   bus->reported = true;
   bus->samples.tidy(state_->handlers.clock().instant);
-  state_->bus_status->write(&bus->status);
+  state_->reports.write(bus->status);
 }
 
 void DdsLink::report(std::string_view name, std::string_view device, const DeviceReport& report,
@@ -81,7 +88,7 @@ void DdsLink::report(std::string_view name, std::string_view device, const Devic
   if (bus == nullptr) return;
   idl::DeviceStatus& status = bus->devices[std::string(device)];
   to_idl(name, device, report, at, status);
-  state_->device_status->write(&status);
+  state_->reports.write(status);
 }
 
 void DdsLink::report(std::string_view name, const PlanReport& plan, UtcTime since) {
@@ -91,16 +98,25 @@ void DdsLink::report(std::string_view name, const PlanReport& plan, UtcTime sinc
   const std::uint64_t number = bus->plan.empty() ? static_cast<std::uint64_t>(since.nanoseconds)
                                                  : bus->plan.front().number() + 1;
   std::vector<idl::ReadPlan> parts = to_idl(name, plan, number, since);
-  for (idl::ReadPlan& part : parts) state_->plans->write(&part);
+  for (idl::ReadPlan& part : parts) state_->reports.write(part);
   for (std::size_t i = parts.size(); i < bus->plan.size(); ++i)
-    state_->plans->unregister_instance(&bus->plan[i], dds::HANDLE_NIL);
+    state_->reports.unregister(bus->plan[i]);
   bus->plan = std::move(parts);
 }
 
-void DdsLink::report(const ProgramSessionReport& session) {
-  idl::ProgramSession out;
-  to_idl(session, out);
-  state_->sessions->write(&out);
+void DdsLink::report(const std::type_info& type, const void* value) {
+  bool found = false;
+  for_each_report([&]<class Generated>(const Report<Generated>&) {
+    using Message = typename Generated::type;
+    if constexpr (IsReported<Message>) {
+      if (type != typeid(ValueOf<Message>)) return;
+      Message out;
+      to_idl(*static_cast<const ValueOf<Message>*>(value), out);
+      state_->reports.write(out);
+      found = true;
+    }
+  });
+  FIELDCAST_CHECK(found);
 }
 
 void DdsLink::report(std::string_view name, const AlarmChange& change, const UtcMapping& mapping) {
@@ -113,7 +129,7 @@ void DdsLink::report(std::string_view name, const AlarmChange& change, const Utc
   alarm.device() = channel.device();
   alarm.channel() = channel.channel();
   to_idl(change, mapping, alarm);
-  state_->alarms->write(&alarm);
+  state_->reports.write(alarm);
 }
 
 void DdsLink::report(const AlarmKey& alarm, const AlarmStatus& status) {
@@ -122,15 +138,14 @@ void DdsLink::report(const AlarmKey& alarm, const AlarmStatus& status) {
   if (bus == nullptr) return;
   idl::AlarmStatus& out = bus->alarm_status[alarm];
   to_idl(alarm, status, out);
-  state_->alarm_status->write(&out);
+  state_->reports.write(out);
 }
 
 void DdsLink::forget(const AlarmKey& alarm) {
   const std::shared_lock lock(state_->mutex);
   LinkedBus* bus = state_->find(alarm.bus);
   if (bus == nullptr) return;
-  if (auto gone = bus->alarm_status.extract(alarm))
-    state_->alarm_status->unregister_instance(&gone.mapped(), dds::HANDLE_NIL);
+  if (auto gone = bus->alarm_status.extract(alarm)) state_->reports.unregister(gone.mapped());
 }
 
 std::vector<std::string> DdsLink::missing_servers() const {

@@ -9,6 +9,7 @@
 #include <set>
 #include <shared_mutex>
 #include <string>
+#include <typeindex>
 #include <utility>
 #include <vector>
 
@@ -38,6 +39,27 @@ struct LinkedBus {
   std::vector<idl::ReadPlan> plan;  // its parts, as published
   bool reported = false;
   bool write_failed = false;
+};
+
+// One writer for each Report of topics.hpp, which all buses share.
+class ReportWriters {
+ public:
+  ReportWriters(Domain& domain, const std::string& label) {
+    for_each_report([&]<class Generated>(const Report<Generated>& topic) {
+      writers_[typeid(typename Generated::type)] = domain.writer(topic, label);
+    });
+  }
+  template <class Message>
+  void write(Message& message) const {
+    writers_.at(typeid(Message))->write(&message);
+  }
+  template <class Message>
+  void unregister(Message& message) const {
+    writers_.at(typeid(Message))->unregister_instance(&message, dds::HANDLE_NIL);
+  }
+
+ private:
+  std::map<std::type_index, dds::DataWriter*> writers_;
 };
 
 struct DdsLink::State {
@@ -76,14 +98,10 @@ struct DdsLink::State {
   RequestWriters writers;
   Domain domain;
   const std::size_t block_bytes;
+  const std::string label;
   ResultSender results;
-  dds::DataWriter* catalogue_blocks = nullptr;
-  dds::DataWriter* bus_status = nullptr;
-  dds::DataWriter* device_status = nullptr;
-  dds::DataWriter* sessions = nullptr;
-  dds::DataWriter* alarms = nullptr;
-  dds::DataWriter* alarm_status = nullptr;
-  dds::DataWriter* plans = nullptr;
+  dds::DataWriter* const catalogue_blocks;
+  const ReportWriters reports;
   std::unique_ptr<InterestReceiver> interests;
   Receivers receivers;  // set by listen_for_commands()
   // Receivers for members restricted to a bus, by bus.

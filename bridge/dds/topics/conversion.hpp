@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
+#include <utility>
 
 #include "bridge/dds/topics/conversion_enums.hpp"
 #include "bridge/dds/topics/topic_values.hpp"
@@ -115,6 +116,19 @@ void to_idl(const AlarmKey& alarm, const AlarmStatus& status, idl::AlarmStatus& 
 void to_idl(const BridgeClaims& claims, idl::Bridge& out);
 [[nodiscard]] BridgeClaims from_idl(const idl::Bridge& bridge);
 [[nodiscard]] StationBridge station_bridge(const idl::Bridge& bridge);
+
+// The value of a message; empty if from_idl() rejects the message.
+template <class Message>
+[[nodiscard]] auto value_of(const Message& message) -> decltype(std::optional(from_idl(message))) {
+  return std::optional(from_idl(message));
+}
+// The type of value_of().
+template <class Message>
+using ValueOf = typename decltype(value_of(std::declval<const Message&>()))::value_type;
+template <class Message>
+concept HasValue = requires(const Message& message) {
+  value_of(message);
+};
 
 // The first `limit` bytes of a UTF-8 text, fewer if that would cut a character; ends before a NUL.
 [[nodiscard]] std::string cut_text(std::string_view text, std::size_t limit);

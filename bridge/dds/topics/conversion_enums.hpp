@@ -1,5 +1,5 @@
 // Converts enumerators between core and the topics by name, never by number, which may differ. The
-// switches have no default, so that the compiler reports a missing enumerator.
+// switches have no default, so that the compiler reports an enumerator of core that has no name.
 #pragma once
 
 #include <optional>

@@ -10,6 +10,7 @@
 #include <fastdds/dds/subscriber/qos/DataReaderQos.hpp>
 #include <optional>
 #include <string>
+#include <tuple>
 
 #include "bridge/dds/library/fastdds.hpp"
 #include "core/base/time.hpp"
@@ -108,12 +109,25 @@ struct TopicRow {
 template <class GeneratedType>
 struct Topic : TopicRow {
   using Generated = GeneratedType;  // by fastddsgen
+  using Message = typename Generated::type;
+  static constexpr bool kIsReport = false;
+};
+// The last state of each instance, for late joiners too. DdsLink creates one writer for all buses,
+// and Station::subscribe() receives the values to which from_idl() converts the messages.
+template <class GeneratedType>
+struct Report : Topic<GeneratedType> {
+  static constexpr bool kIsReport = true;
 };
 
 // ---- the table
 
 inline constexpr auto kStays = Durability::kTransientLocal;  // late joiners get it
 inline constexpr auto kPasses = Durability::kVolatile;
+
+template <class Generated>
+constexpr Report<Generated> report(const char* name, std::int32_t instances) {
+  return {{{name, kStays, last_of(instances), last_of(instances)}}};
+}
 
 // With a DEADLINE for each refresh. A channel that moves to another writer is unregistered at the
 // old one, and its instance remains.
@@ -122,18 +136,17 @@ inline constexpr Topic<idl::SamplePubSubType> kSampleTopic{
      Unregister::kLetsGo}};
 inline constexpr Topic<idl::ChannelPubSubType> kChannelTopic{
     {"fieldcast/Channel", kStays, last_of(kChannelsPerCatalogueWriter), last_of(kMaxChannels)}};
-inline constexpr Topic<idl::BusStatusPubSubType> kBusStatusTopic{
-    {"fieldcast/BusStatus", kStays, last_of(kMaxDevices), last_of(kMaxDevices)}};
-inline constexpr Topic<idl::DeviceStatusPubSubType> kDeviceStatusTopic{
-    {"fieldcast/DeviceStatus", kStays, last_of(kMaxDevices), last_of(kMaxDevices)}};
-inline constexpr Topic<idl::ProgramSessionPubSubType> kProgramSessionTopic{
-    {"fieldcast/ProgramSession", kStays, last_of(kMaxDevices), last_of(kMaxDevices)}};
-inline constexpr Topic<idl::ReadPlanPubSubType> kReadPlanTopic{
-    {"fieldcast/ReadPlan", kStays, last_of(kMaxChannels / 16), last_of(kMaxChannels / 16)}};
-inline constexpr Topic<idl::AlarmPubSubType> kAlarmTopic{
-    {"fieldcast/Alarm", kStays, last_of(kMaxAlarms), last_of(kMaxAlarms)}};
-inline constexpr Topic<idl::AlarmStatusPubSubType> kAlarmStatusTopic{
-    {"fieldcast/AlarmStatus", kStays, last_of(kMaxAlarms), last_of(kMaxAlarms)}};
+inline constexpr auto kBusStatusTopic =
+    report<idl::BusStatusPubSubType>("fieldcast/BusStatus", kMaxDevices);
+inline constexpr auto kDeviceStatusTopic =
+    report<idl::DeviceStatusPubSubType>("fieldcast/DeviceStatus", kMaxDevices);
+inline constexpr auto kProgramSessionTopic =
+    report<idl::ProgramSessionPubSubType>("fieldcast/ProgramSession", kMaxDevices);
+inline constexpr auto kReadPlanTopic =
+    report<idl::ReadPlanPubSubType>("fieldcast/ReadPlan", kMaxChannels / 16);
+inline constexpr auto kAlarmTopic = report<idl::AlarmPubSubType>("fieldcast/Alarm", kMaxAlarms);
+inline constexpr auto kAlarmStatusTopic =
+    report<idl::AlarmStatusPubSubType>("fieldcast/AlarmStatus", kMaxAlarms);
 // One writer for each bus. A slow reader loses the oldest blocks, and delays no other.
 inline constexpr Topic<idl::SampleBlockPubSubType> kSampleBlockTopic{
     {"fieldcast/SampleBlock", kPasses, last_of(1, kBlocksKept), last_of(1, kBlocksTaken),
@@ -178,12 +191,25 @@ inline constexpr Topic<idl::StandbyNotePubSubType> kStandbyNoteTopic{
 inline constexpr Topic<idl::StandbyRequestPubSubType> kStandbyRequestTopic{
     {"fieldcast/StandbyRequest", kPasses, last_of(1), last_of(kMaxStandbyMembers)}};
 
-inline constexpr std::array<const TopicRow*, 19> kTopics{
+inline constexpr std::tuple kTopicTable{
     &kSampleBlockTopic, &kSnapshotRequestTopic, &kCatalogueBlockTopic, &kSampleTopic,
     &kChannelTopic,     &kBusStatusTopic,       &kDeviceStatusTopic,   &kProgramSessionTopic,
     &kReadPlanTopic,    &kAlarmTopic,           &kAlarmStatusTopic,    &kAlarmActionTopic,
     &kCommandTopic,     &kCommandResultTopic,   &kInterestTopic,       &kBridgeTopic,
     &kStandbyTopic,     &kStandbyNoteTopic,     &kStandbyRequestTopic};
+
+inline constexpr auto kTopics = std::apply(
+    [](const auto*... row) { return std::array<const TopicRow*, sizeof...(row)>{row...}; },
+    kTopicTable);
+
+// Calls `visit` with the row of each Report.
+template <class Visit>
+void for_each_report(Visit visit) {
+  const auto visit_report = [&]<class Row>(const Row& row) {
+    if constexpr (Row::kIsReport) visit(row);
+  };
+  std::apply([&](const auto*... row) { (visit_report(*row), ...); }, kTopicTable);
+}
 
 // "fieldcast::Sample" for "fieldcast/Sample".
 [[nodiscard]] std::string type_name(const TopicRow& topic);

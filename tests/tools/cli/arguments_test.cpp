@@ -141,25 +141,25 @@ TEST(Arguments, ATimeThatIsNoneOrEndsBeforeItBeginsIsRefused) {
 TEST(Arguments, TokensHaveAnEnd) {
   const auto added = parse({"token", "add", "wall", "--days", "30", "--store", "x.db"});
   const auto& token = options_of<TokenOptions>(added);
-  EXPECT_EQ(token.action, TokenOptions::Action::kAdd);
+  EXPECT_EQ(token.action, AccessAction::kAdd);
   EXPECT_EQ(token.name, "wall");
   EXPECT_EQ(token.days, 30u);
   EXPECT_EQ(parse({"token", "add", "wall"}).error().code, ExitCode::kUsage);
   EXPECT_EQ(parse({"token", "add", "wall", "--days", "0"}).error().code, ExitCode::kUsage);
   EXPECT_EQ(options_of<TokenOptions>(parse({"token", "remove", "wall"})).action,
-            TokenOptions::Action::kRemove);
+            AccessAction::kRemove);
 }
 
 TEST(Arguments, UsersAreAddedWithARoleAndNeverWithAPassword) {
   const auto added = parse(
       {"user", "add", "ann", "--role", "programmer", "--password-file", "-", "--store", "x.db"});
   const auto& user = options_of<UserOptions>(added);
-  EXPECT_EQ(user.action, UserOptions::Action::kAdd);
+  EXPECT_EQ(user.action, AccessAction::kAdd);
   EXPECT_EQ(user.name, "ann");
   EXPECT_EQ(user.role, Role::kProgrammer);
   EXPECT_EQ(options_of<UserOptions>(parse({"user", "add", "bob"})).role, Role::kViewer);
   EXPECT_EQ(options_of<UserOptions>(parse({"user", "remove", "ann"})).action,
-            UserOptions::Action::kRemove);
+            AccessAction::kRemove);
   EXPECT_EQ(parse({"user", "add", "eve", "--password", "x"}).error().code, ExitCode::kUsage);
   EXPECT_THAT(parse({"user", "add", "eve", "--role", "root"}).error().text,
               HasSubstr("viewer, operator or programmer"));
@@ -196,6 +196,18 @@ TEST(Arguments, HelpIsNoFault) {
     ASSERT_FALSE(parsed);
     EXPECT_EQ(parsed.error().code, ExitCode::kOk);
     EXPECT_THAT(parsed.error().text, HasSubstr("fieldcast"));
+  }
+}
+
+TEST(Arguments, EachCommandHasHelpAndRefusesAnUnknownOption) {
+  ASSERT_GT(commands().size(), 20u);
+  for (const CommandRow& row : commands()) {
+    const std::string name(row.name);
+    const auto help = parse({name.c_str(), "--help"});
+    ASSERT_FALSE(help) << name;
+    EXPECT_EQ(help.error().code, ExitCode::kOk) << name;
+    EXPECT_THAT(help.error().text, HasSubstr(std::string(row.summary.substr(0, 20))));
+    EXPECT_EQ(parse({name.c_str(), "--no-such-option"}).error().code, ExitCode::kUsage) << name;
   }
 }
 

@@ -79,21 +79,16 @@ struct DirectTest : testing::Test {
             .format = "8N1",
             .timeout = std::chrono::milliseconds{200}};
   }
-  Ended read(ReadOptions options) {
+  template <typename Run, typename Options>
+  Ended run(Run command, const Options& options) {
+    std::istringstream in;
     std::ostringstream out, err;
-    const auto code = cli::read(options, interrupt, out, err, {});
+    const auto code = command(options, interrupt, Streams{in, out, err});
     return {code, out.str(), err.str()};
   }
-  Ended poke(PokeOptions options) {
-    std::ostringstream out, err;
-    const auto code = cli::poke(options, interrupt, out, err);
-    return {code, out.str(), err.str()};
-  }
-  Ended scan(ScanOptions options) {
-    std::ostringstream out, err;
-    const auto code = cli::scan(options, interrupt, out, err, {});
-    return {code, out.str(), err.str()};
-  }
+  Ended read(ReadOptions options) { return run(cli::read, options); }
+  Ended poke(PokeOptions options) { return run(cli::poke, options); }
+  Ended scan(ScanOptions options) { return run(cli::scan, options); }
 
   test::Pty pty;
   test::ModbusDevice device{pty};

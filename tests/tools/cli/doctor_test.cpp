@@ -178,8 +178,9 @@ struct Said {
   std::string out, err;
 };
 Said doctor(const DoctorOptions& options) {
+  std::istringstream in;
   std::ostringstream out, err;
-  const ExitCode code = cli::doctor(options, out, err, {});
+  const ExitCode code = cli::doctor(options, Streams{in, out, err});
   return {code, out.str(), err.str()};
 }
 

@@ -51,8 +51,9 @@ class HistoryTest : public testing::Test {
     [[nodiscard]] std::ptrdiff_t lines() const { return std::ranges::count(out, '\n'); }
   };
   Printed run() const {
+    std::istringstream in;
     std::ostringstream out, err;
-    const ExitCode code = history(options_, out, err);
+    const ExitCode code = history(options_, Streams{in, out, err});
     return {code, out.str(), err.str()};
   }
   void remove_samples() {

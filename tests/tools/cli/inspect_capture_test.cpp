@@ -68,7 +68,7 @@ class InspectCapture : public testing::Test {
   static Inspected run(const InspectOptions& options, const std::string& input = {}) {
     std::istringstream in(input);
     std::ostringstream out, err;
-    const auto code = inspect(options, in, out, err, {});
+    const auto code = inspect(options, Streams{in, out, err});
     return {code, out.str(), err.str()};
   }
   std::string file(const Bytes& bytes) {

@@ -23,7 +23,7 @@ Inspected run(InspectOptions options, const std::string& input = {}) {
   std::istringstream in(input);
   std::ostringstream out;
   std::ostringstream err;
-  const auto code = inspect(options, in, out, err, {});
+  const auto code = inspect(options, Streams{in, out, err});
   return {code, out.str(), err.str()};
 }
 

@@ -26,8 +26,9 @@ class SecureTest : public testing::Test {
   ExitCode run(SecureOptions::Action action, security::Member member = {}, UtcTime now = kToday) {
     SecureOptions options{.action = action, .folder = folder_, .member = std::move(member)};
     options.json = json_;
+    std::istringstream in;
     std::ostringstream out, err;
-    const ExitCode code = secure(options, now, out, err);
+    const ExitCode code = secure(options, now, Streams{in, out, err});
     out_ = out.str();
     err_ = err.str();
     return code;

@@ -1,16 +1,20 @@
-#include "tools/cli/command/module.hpp"
-
+// `fieldcast module`: connects a serial line of this machine to a bridge as a dialling module.
 #include <fcntl.h>
 #include <fmt/format.h>
 
 #include <boost/asio/signal_set.hpp>
 #include <csignal>
+#include <memory>
 #include <ostream>
+#include <string>
+#include <tl/expected.hpp>
 
 #include "bridge/base/file_descriptor.hpp"
 #include "bridge/port/serial_line.hpp"
 #include "bridge/process/secret.hpp"
+#include "bridge/program/module/module_client.hpp"
 #include "config/sections/port.hpp"
+#include "core/model/port_spec.hpp"
 #include "core/program/frame.hpp"
 #include "tools/cli/command/base/command.hpp"
 
@@ -19,6 +23,12 @@ namespace {
 
 using Wrong = tl::unexpected<std::string>;
 
+struct ModuleArguments {
+  std::string server, number, prefix, line, format, authorities, certificate, key, secret_file;
+  std::uint32_t baud = 19200;
+  bool tls = false;
+};
+
 tl::expected<FileDescriptor, std::string> open_line(const SerialPortSpec& spec) {
   FileDescriptor line(::open(spec.path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!line.valid()) return Wrong(spec.path + ": " + errno_text(errno));
@@ -26,8 +36,6 @@ tl::expected<FileDescriptor, std::string> open_line(const SerialPortSpec& spec) 
     return Wrong(spec.path + ": " + set.error());
   return line;
 }
-
-}  // namespace
 
 tl::expected<program::ModuleOptions, std::string> options_of(const ModuleArguments& given) {
   program::ModuleOptions options;
@@ -67,17 +75,18 @@ tl::expected<SerialPortSpec, std::string> serial_line_of(const ModuleArguments& 
   return line;
 }
 
-ExitCode module(const ModuleArguments& given, std::ostream& out, std::ostream& err) {
+// Runs until SIGINT or SIGTERM.
+ExitCode module(const ModuleArguments& given, const Streams& to) {
   auto options = options_of(given);
   const auto line = serial_line_of(given);
   if (!options || !line) {
-    err << (options ? line.error() : options.error()) << '\n';
+    to.err << (options ? line.error() : options.error()) << '\n';
     return ExitCode::kUsage;
   }
   boost::asio::io_context io{1};
   const auto client = std::make_shared<program::ModuleClient>(
       io, *std::move(options), [&] { return open_line(*line); },
-      [&](const std::string& text) { out << given.number << ": " << text << std::endl; });
+      [&](const std::string& text) { to.out << given.number << ": " << text << std::endl; });
   boost::asio::signal_set signals(io, SIGINT, SIGTERM);
   signals.async_wait([&](boost::system::error_code fault, int) {
     if (!fault) client->stop();
@@ -87,36 +96,28 @@ ExitCode module(const ModuleArguments& given, std::ostream& out, std::ostream& e
   return ExitCode::kOk;
 }
 
-namespace {
-
-class ModuleCommand final : public CommandWith<ModuleArguments> {
- public:
-  void describe(CommandLine& line) override {
-    line.text("--server", options_.server, "HOST:PORT where the bridge listens for modules")
-        .required();
-    line.text("--number", options_.number, "The number that it sends").required();
-    line.text("--line", options_.line, "The serial line, such as /dev/ttyUSB0").required();
-    line.number("--baud", options_.baud, 300, 4'000'000, "Of the line").show_default();
-    line.text("--format", options_.format, "Of the line: 8N1, 7E2, .. (8N1)");
-    line.text("--prefix", options_.prefix, "Before the number, as the bridge's `prefix` has it");
-    line.flag("--tls", options_.tls, "The bridge speaks TLS");
-    line.text("--ca", options_.authorities,
-              "PEM file with who signs the bridge's certificate (the system's)");
-    line.text("--certificate", options_.certificate, "PEM file with the module's certificate");
-    line.text("--key", options_.key, "Its private key; nobody else may read it");
-    line.text("--secret-file", options_.secret_file,
-              "The secret is its first line; nobody else may read it");
-  }
-  ExitCode run(const Streams& streams) override {
-    return module(options_, streams.out, streams.err);
-  }
-};
+void describe_module(CommandLine& line, ModuleArguments& given) {
+  line.text("--server", given.server, "HOST:PORT where the bridge listens for modules").required();
+  line.text("--number", given.number, "The number that it sends").required();
+  line.text("--line", given.line, "The serial line, such as /dev/ttyUSB0").required();
+  line.number("--baud", given.baud, 300, 4'000'000, "Of the line").show_default();
+  line.text("--format", given.format, "Of the line: 8N1, 7E2, .. (8N1)");
+  line.text("--prefix", given.prefix, "Before the number, as the bridge's `prefix` has it");
+  line.flag("--tls", given.tls, "The bridge speaks TLS");
+  line.text("--ca", given.authorities,
+            "PEM file with who signs the bridge's certificate (the system's)");
+  line.text("--certificate", given.certificate, "PEM file with the module's certificate");
+  line.text("--key", given.key, "Its private key; nobody else may read it");
+  line.text("--secret-file", given.secret_file,
+            "The secret is its first line; nobody else may read it");
+}
 
 }  // namespace
 
-CommandEntry module_command() {
-  return {"module", "Dial in at a bridge with a serial line of this machine",
-          make_command<ModuleCommand>};
+CommandRow module_command();
+CommandRow module_command() {
+  return command_row("module", "Dial in at a bridge with a serial line of this machine",
+                     describe_module, module);
 }
 
 }  // namespace fieldcast::cli

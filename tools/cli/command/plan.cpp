@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "config/loader/loader.hpp"
-#include "tools/cli/command/base/command.hpp"
+#include "tools/cli/command/base/command_run.hpp"
 #include "tools/cli/doctor/findings.hpp"
 #include "tools/cli/doctor/gather.hpp"
 #include "tools/cli/model/bus_plan.hpp"
@@ -20,55 +20,44 @@
 
 namespace fieldcast::cli {
 
-ExitCode doctor(const DoctorOptions& options, std::ostream& out, std::ostream& err,
-                const Screen& screen) {
+ExitCode doctor(const DoctorOptions& options, const Streams& to) {
   std::optional<BridgeSpec> spec;
   if (!options.config.empty()) {
-    auto loaded = config::load_file(options.config);
-    if (!loaded) {
-      err << config::to_text(loaded.error()) << '\n';
-      return ExitCode::kUsage;
-    }
-    spec = *std::move(loaded);
+    spec = load_configuration(options.config, to.err);
+    if (!spec) return ExitCode::kUsage;
   }
   MachineFacts facts = gather_facts(options.root, spec ? &*spec : nullptr);
-  if (options.listens)
+  if (!options.config.empty() && options.root == "/")  // compares clocks in its domain
     gather_clocks({.config = options.config, .security = options.security}, facts);
   const auto findings = findings_of(facts);
   if (options.json) {
-    for (const Finding& finding : findings) out << finding_json(finding).text() << '\n';
+    for (const Finding& finding : findings) to.out << finding_json(finding).text() << '\n';
   } else {
-    for (const auto& line : doctor_lines(findings, screen)) out << line << '\n';
+    print(to.out, doctor_lines(findings, to.wide_screen()));
   }
-  out.flush();
+  to.out.flush();
   return worst_of(findings) == Severity::kPrevents ? ExitCode::kFound : ExitCode::kOk;
 }
 
 namespace {
 
-class DoctorCommand final : public CommandWith<DoctorOptions> {
- public:
-  void describe(CommandLine& line) override {
-    line.text("CONFIG", options_.config, "The configuration file; without it the machine alone")
-        .existing_file();
-    line.flag("--json", options_.json, "JSON lines");
-    line.text("--root", options_.root,
-              "Look at /proc, /sys, /run and the ports below this folder (/)");
-    line.text("--security", options_.security,
-              "Join the domain of CONFIG as the member whose folder this is, to compare clocks");
-  }
-  ExitCode run(const Streams& streams) override {
-    options_.listens = !options_.config.empty() && options_.root == "/";
-    return doctor(options_, streams.out, streams.err, streams.wide_screen());
-  }
-};
+void describe_doctor(CommandLine& line, DoctorOptions& options) {
+  line.text("CONFIG", options.config, "The configuration file; without it the machine alone")
+      .existing_file();
+  line.flag("--json", options.json, "JSON lines");
+  line.text("--root", options.root,
+            "Look at /proc, /sys, /run and the ports below this folder (/)");
+  line.text("--security", options.security,
+            "Join the domain of CONFIG as the member whose folder this is, to compare clocks");
+}
 
 }  // namespace
 
-CommandEntry doctor_command();
-CommandEntry doctor_command() {
-  return {"doctor", "What of this machine is in Fieldcast's way, and the remedy; needs no bridge",
-          make_command<DoctorCommand>};
+CommandRow doctor_command();
+CommandRow doctor_command() {
+  return command_row("doctor",
+                     "What of this machine is in Fieldcast's way, and the remedy; needs no bridge",
+                     describe_doctor, doctor);
 }
 
 namespace {
@@ -81,13 +70,12 @@ void tell_speed(const BusSimulation& simulation, Duration took, std::ostream& er
       << " times as fast as the wire\n";
 }
 
-ExitCode simulate_all(const BridgeSpec& spec, const PlanOptions& options, std::ostream& out,
-                      std::ostream& err, const Screen& screen) {
+ExitCode simulate_all(const BridgeSpec& spec, const PlanOptions& options, const Streams& to) {
   sim::Faults faults;
   if (!options.faults.empty()) {
     auto loaded = sim::load_faults(options.faults, spec);
     if (!loaded) {
-      err << config::to_text(loaded.error()) << '\n';
+      to.err << config::to_text(loaded.error()) << '\n';
       return ExitCode::kUsage;
     }
     faults = *std::move(loaded);
@@ -97,7 +85,7 @@ ExitCode simulate_all(const BridgeSpec& spec, const PlanOptions& options, std::o
   for (const auto& bus : spec.buses) {
     const auto plan = make_plan(bus, options.answer_time);
     const auto began = std::chrono::steady_clock::now();
-    ProgressLine progress(err);
+    ProgressLine progress(to.err);
     const auto show = [&](double share) {
       progress.show([&](Duration elapsed) {
         return progress_text("simulating " + bus.name, share, elapsed);
@@ -109,76 +97,65 @@ ExitCode simulate_all(const BridgeSpec& spec, const PlanOptions& options, std::o
     const Duration took = std::chrono::steady_clock::now() - began;
     if (simulation.bus.deadline_misses != 0) verdict = ExitCode::kFound;
     if (options.json) {
-      out << simulation_json(simulation).text() << '\n';
+      to.out << simulation_json(simulation).text() << '\n';
     } else {
-      if (!std::exchange(first, false)) out << '\n';
-      for (const auto& line : simulation_lines(simulation, screen)) out << line << '\n';
+      if (!std::exchange(first, false)) to.out << '\n';
+      print(to.out, simulation_lines(simulation, to.wide_screen()));
     }
-    out.flush();
-    tell_speed(simulation, took, err);
+    to.out.flush();
+    tell_speed(simulation, took, to.err);
   }
   return verdict;
 }
 
 }  // namespace
 
-ExitCode plan(const PlanOptions& options, std::ostream& out, std::ostream& err,
-              const Screen& screen) {
+ExitCode plan(const PlanOptions& options, const Streams& to) {
   config::LoadOptions load = config::default_options();
   load.refuse_hopeless = false;  // this command explains how to fix such a bus
-  const auto loaded = config::load_file(options.config, load);
-  if (!loaded) {
-    err << config::to_text(loaded.error()) << '\n';
-    return ExitCode::kUsage;
-  }
-  if (options.simulate > Duration::zero()) return simulate_all(*loaded, options, out, err, screen);
+  const auto loaded = load_configuration(options.config, to.err, load);
+  if (!loaded) return ExitCode::kUsage;
+  if (options.simulate > Duration::zero()) return simulate_all(*loaded, options, to);
   auto verdict = ExitCode::kOk;
   bool first = true;
   for (const auto& bus : loaded->buses) {
     const auto plan = make_plan(bus, options.answer_time);
     if (!plan.prediction.feasible) verdict = ExitCode::kFound;
     if (options.json) {
-      out << plan_json(plan).text() << '\n';
+      to.out << plan_json(plan).text() << '\n';
       continue;
     }
-    if (!std::exchange(first, false)) out << '\n';
-    for (const auto& line : plan_lines(plan, screen)) out << line << '\n';
+    if (!std::exchange(first, false)) to.out << '\n';
+    print(to.out, plan_lines(plan, to.wide_screen()));
   }
-  out.flush();
+  to.out.flush();
   return verdict;
 }
 
 namespace {
 
-class PlanCommand final : public CommandWith<PlanOptions> {
- public:
-  void describe(CommandLine& line) override {
-    line.text("CONFIG", options_.config, "The configuration file").required().existing_file();
-    line.duration("--answer", options_.answer_time, Duration{},
-                  "The assumed time of each device before it responds (5ms)");
-    line.duration(
-        "--simulate", options_.simulate, CommandLine::kShortest,
-        "Run the whole engine in virtual time for so long (1h) against simulated devices");
-    line.number("--seed", options_.seed, "Of the simulation: one seed repeats it to the letter (1)")
-        .needs("--simulate");
-    line.text("--faults", options_.faults,
-              "What goes wrong in the simulated plant: a file as fieldcast-sim takes it")
-        .existing_file()
-        .needs("--simulate");
-    line.flag("--json", options_.json, "JSON lines");
-  }
-  ExitCode run(const Streams& streams) override {
-    const EndAtOnce end;
-    return plan(options_, streams.out, streams.err, streams.wide_screen());
-  }
-};
+void describe_plan(CommandLine& line, PlanOptions& options) {
+  line.text("CONFIG", options.config, "The configuration file").required().existing_file();
+  line.duration("--answer", options.answer_time, Duration{},
+                "The assumed time of each device before it responds (5ms)");
+  line.duration("--simulate", options.simulate, CommandLine::kShortest,
+                "Run the whole engine in virtual time for so long (1h) against simulated devices");
+  line.number("--seed", options.seed, "Of the simulation: one seed repeats it to the letter (1)")
+      .needs("--simulate");
+  line.text("--faults", options.faults,
+            "What goes wrong in the simulated plant: a file as fieldcast-sim takes it")
+      .existing_file()
+      .needs("--simulate");
+  line.flag("--json", options.json, "JSON lines");
+}
 
 }  // namespace
 
-CommandEntry plan_command();
-CommandEntry plan_command() {
-  return {"plan", "Predict blocks, load and gaps of every bus of a configuration; needs no bridge",
-          make_command<PlanCommand>};
+CommandRow plan_command();
+CommandRow plan_command() {
+  return command_row(
+      "plan", "Predict blocks, load and gaps of every bus of a configuration; needs no bridge",
+      describe_plan, ends_at_once(plan));
 }
 
 }  // namespace fieldcast::cli

@@ -1,25 +1,22 @@
 // `fieldcast doctor [CONFIG]`: finds problems of this machine, without a bridge and DDS.
 #pragma once
 
-#include <iosfwd>
 #include <string>
 
 #include "core/schedule/bus_schedule.hpp"
-#include "tools/cli/text/output.hpp"
+#include "tools/cli/command/base/command.hpp"
 
 namespace fieldcast::cli {
 
 struct DoctorOptions {
   std::string config;      // empty: checks only the machine
-  std::string root = "/";  // root of the file system
+  std::string root = "/";  // root of the file system; "/": also joins the domain of `config`
   bool json = false;
-  bool listens = false;  // in the domain of the configuration
   std::string security;  // the folder of a member, to join with; empty: that of the configuration
 };
 
 // Returns kFound if part of the configuration cannot run, kUsage if the file has faults.
-[[nodiscard]] ExitCode doctor(const DoctorOptions& options, std::ostream& out, std::ostream& err,
-                              const Screen& screen);
+[[nodiscard]] ExitCode doctor(const DoctorOptions& options, const Streams& to);
 
 // `fieldcast plan CONFIG`: calculates the bus load; with --simulate runs the whole engine in
 // virtual time. Needs no DDS.
@@ -34,7 +31,6 @@ struct PlanOptions {
 };
 
 // Returns kFound if a bus cannot keep its refresh times, kUsage if a file has faults.
-[[nodiscard]] ExitCode plan(const PlanOptions& options, std::ostream& out, std::ostream& err,
-                            const Screen& screen);
+[[nodiscard]] ExitCode plan(const PlanOptions& options, const Streams& to);
 
 }  // namespace fieldcast::cli

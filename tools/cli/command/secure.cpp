@@ -1,6 +1,7 @@
 #include "tools/cli/command/secure.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -9,7 +10,7 @@
 
 #include "bridge/security/member_folder.hpp"
 #include "core/base/json.hpp"
-#include "tools/cli/command/base/command.hpp"
+#include "tools/cli/command/base/command_options.hpp"
 #include "tools/cli/terminal/interrupt.hpp"
 
 namespace fieldcast::cli {
@@ -20,9 +21,7 @@ using security::MemberCheck;
 using security::MemberState;
 
 std::string buses_text(const security::Member& member) {
-  std::string text;
-  for (const std::string& bus : member.buses) text += (text.empty() ? "" : ", ") + bus;
-  return text;
+  return fmt::format("{}", fmt::join(member.buses, ", "));
 }
 
 std::string shell_word(const std::string& text) {
@@ -67,17 +66,17 @@ ExitCode renew(const SecureOptions& options, UtcTime now, std::ostream& out) {
 
 // Prints the faults of single members; the other members were processed.
 ExitCode end_with(const std::vector<std::string>& faults, std::ostream& err) {
-  for (const std::string& fault : faults) err << fault << '\n';
+  print(err, faults);
   return faults.empty() ? ExitCode::kOk : ExitCode::kFound;
 }
 
-ExitCode revoke(const SecureOptions& options, UtcTime now, std::ostream& out, std::ostream& err) {
+ExitCode revoke(const SecureOptions& options, UtcTime now, const Streams& to) {
   const auto faults = Authority(options.folder).revoke(options.member.name, now);
-  out << fmt::format(
+  to.out << fmt::format(
       "{} is revoked. Copy {}/{} into the folder of every other member, bridges first; a program "
       "refuses {} within a second, also one that runs.\n",
       options.member.name, options.folder, security::kRevoked, options.member.name);
-  return end_with(faults, err);
+  return end_with(faults, to.err);
 }
 
 Json state_json(const MemberState& state) {
@@ -90,25 +89,26 @@ Json state_json(const MemberState& state) {
           {"revoked", state.revoked}};
 }
 
-ExitCode show(const SecureOptions& options, UtcTime now, std::ostream& out, std::ostream& err) {
+ExitCode show(const SecureOptions& options, UtcTime now, const Streams& to) {
   const security::MemberList all = Authority(options.folder).members();
   for (const MemberState& state : all.members) {
     if (options.json) {
-      out << state_json(state).text() << '\n';
+      to.out << state_json(state).text() << '\n';
       continue;
     }
     const std::string end = security::date_text(state.certificate.not_after);
     const bool ended = state.certificate.not_after <= now;
-    out << fmt::format("{:<24} {:<17} {:<24} {}\n", state.member.name, to_text(state.member.role),
-                       state.member.buses.empty() ? "every bus" : buses_text(state.member),
-                       state.revoked ? "revoked"
-                       : ended       ? "ended on " + end
-                                     : "until " + end);
+    to.out << fmt::format("{:<24} {:<17} {:<24} {}\n", state.member.name,
+                          to_text(state.member.role),
+                          state.member.buses.empty() ? "every bus" : buses_text(state.member),
+                          state.revoked ? "revoked"
+                          : ended       ? "ended on " + end
+                                        : "until " + end);
   }
   if (all.members.empty() && all.faults.empty() && !options.json)
-    out << fmt::format("no members yet; fieldcast secure add bridge NAME --authority {}\n",
-                       shell_word(options.folder));
-  return end_with(all.faults, err);
+    to.out << fmt::format("no members yet; fieldcast secure add bridge NAME --authority {}\n",
+                          shell_word(options.folder));
+  return end_with(all.faults, to.err);
 }
 
 MemberCheck check_authority(const std::string& folder, UtcTime now, std::ostream& out) {
@@ -140,100 +140,93 @@ ExitCode check(const SecureOptions& options, UtcTime now, std::ostream& out) {
 
 }  // namespace
 
-ExitCode secure(const SecureOptions& options, UtcTime now, std::ostream& out, std::ostream& err) {
+ExitCode secure(const SecureOptions& options, UtcTime now, const Streams& to) {
   try {
     switch (options.action) {
-      case SecureOptions::Action::kInit: return init(options, now, out);
-      case SecureOptions::Action::kAdd: return add(options, now, out);
-      case SecureOptions::Action::kRenew: return renew(options, now, out);
-      case SecureOptions::Action::kRevoke: return revoke(options, now, out, err);
-      case SecureOptions::Action::kShow: return show(options, now, out, err);
-      case SecureOptions::Action::kCheck: return check(options, now, out);
+      case SecureOptions::Action::kInit: return init(options, now, to.out);
+      case SecureOptions::Action::kAdd: return add(options, now, to.out);
+      case SecureOptions::Action::kRenew: return renew(options, now, to.out);
+      case SecureOptions::Action::kRevoke: return revoke(options, now, to);
+      case SecureOptions::Action::kShow: return show(options, now, to);
+      case SecureOptions::Action::kCheck: return check(options, now, to.out);
     }
-  } catch (const security::SecurityError& error) { err << error.what() << '\n'; }
+  } catch (const security::SecurityError& error) { to.err << error.what() << '\n'; }
   return ExitCode::kRejected;
 }
 
 namespace {
 
-class SecureCommand final : public CommandWith<SecureOptions> {
- public:
-  void describe(CommandLine& line) override {
-    CommandLine& init = line.command("init", "Make an authority in a new folder");
-    init.text("DIR", options_.folder, "The folder that is made").required();
-    init.value(
-        "--protect", [this](const std::string& text) { return read_protection(text); },
-        "encrypt: nobody outside reads or changes anything; sign: nobody changes it (encrypt)");
-    CommandLine& add = line.command("add", "Make the identity and the permissions of a member");
-    add.value(
-           "ROLE", [this](const std::string& text) { return read_role(text); }, roles_text())
-        .required();
-    add.text("NAME", options_.member.name, "Of the member: letters, digits, '-' and '_'")
-        .required();
-    add.texts("--bus", options_.member.buses,
-              "A plant commands the buses that match this pattern only; may be repeated");
-    CommandLine& renew = line.command("renew", "Make a new certificate and key for a member");
-    CommandLine& revoke = line.command("revoke", "Shut a member out");
-    for (CommandLine* one : {&renew, &revoke})
-      one->text("NAME", options_.member.name, "Of the member").required();
-    for (CommandLine* one : {&add, &renew}) {
-      one->duration("--valid", options_.life, security::kDay,
-                    "How long the certificate is good: 365d");
-    }
-    CommandLine& show = line.command("show", "List the members");
-    show.flag("--json", options_.json, "JSON lines");
-    for (CommandLine* one : {&add, &renew, &revoke, &show})
-      one->text("--authority", options_.folder, "The folder of the authority").show_default();
-    CommandLine& check =
-        line.command("check", "Say what is wrong with a folder, and what ends within 30 days");
-    check.text("DIR", options_.folder, "Of a member or of the authority").show_default();
-    describe_action(init, SecureOptions::Action::kInit);
-    describe_action(add, SecureOptions::Action::kAdd);
-    describe_action(renew, SecureOptions::Action::kRenew);
-    describe_action(revoke, SecureOptions::Action::kRevoke);
-    describe_action(show, SecureOptions::Action::kShow);
-    describe_action(check, SecureOptions::Action::kCheck);
-  }
-  ExitCode run(const Streams& streams) override {
-    // Delays signals for a fraction of a second, so that no key directory is left incomplete.
-    const Interrupt interrupt;
-    return secure(options_, utc_now(), streams.out, streams.err);
-  }
+std::string roles_text() {
+  std::string text;
+  for (const auto& row : security::roles())
+    text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", row.word, row.text);
+  return text;
+}
 
- private:
-  void describe_action(CommandLine& line, SecureOptions::Action action) {
-    line.when_given([this, action]() -> std::optional<CommandLine::Fault> {
-      options_.action = action;
-      return std::nullopt;
-    });
+std::optional<std::string> read_role(const std::string& text, security::MemberRole& target) {
+  const auto role = security::member_role_from(text);
+  if (!role) return fmt::format("'{}' is unknown; {}", printable(text), roles_text());
+  target = *role;
+  return std::nullopt;
+}
+
+std::optional<std::string> read_protection(const std::string& text, security::Protection& target) {
+  if (text != "encrypt" && text != "sign")
+    return fmt::format("'{}' is unknown; encrypt or sign", printable(text));
+  target = text == "sign" ? security::Protection::kSign : security::Protection::kEncrypt;
+  return std::nullopt;
+}
+
+void describe_secure(CommandLine& line, SecureOptions& options) {
+  CommandLine& init = line.command("init", "Make an authority in a new folder");
+  init.text("DIR", options.folder, "The folder that is made").required();
+  init.value(
+      "--protect",
+      [&options](const std::string& text) { return read_protection(text, options.protection); },
+      "encrypt: nobody outside reads or changes anything; sign: nobody changes it (encrypt)");
+  CommandLine& add = line.command("add", "Make the identity and the permissions of a member");
+  add.value(
+         "ROLE",
+         [&options](const std::string& text) { return read_role(text, options.member.role); },
+         roles_text())
+      .required();
+  add.text("NAME", options.member.name, "Of the member: letters, digits, '-' and '_'").required();
+  add.texts("--bus", options.member.buses,
+            "A plant commands the buses that match this pattern only; may be repeated");
+  CommandLine& renew = line.command("renew", "Make a new certificate and key for a member");
+  CommandLine& revoke = line.command("revoke", "Shut a member out");
+  for (CommandLine* one : {&renew, &revoke})
+    one->text("NAME", options.member.name, "Of the member").required();
+  for (CommandLine* one : {&add, &renew}) {
+    one->duration("--valid", options.life, security::kDay,
+                  "How long the certificate is good: 365d");
   }
-  static std::string roles_text() {
-    std::string text;
-    for (const auto& row : security::roles())
-      text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", row.word, row.text);
-    return text;
-  }
-  std::optional<std::string> read_role(const std::string& text) {
-    const auto role = security::member_role_from(text);
-    if (!role) return fmt::format("'{}' is unknown; {}", printable(text), roles_text());
-    options_.member.role = *role;
-    return std::nullopt;
-  }
-  std::optional<std::string> read_protection(const std::string& text) {
-    if (text != "encrypt" && text != "sign")
-      return fmt::format("'{}' is unknown; encrypt or sign", printable(text));
-    options_.protection =
-        text == "sign" ? security::Protection::kSign : security::Protection::kEncrypt;
-    return std::nullopt;
-  }
-};
+  CommandLine& show = line.command("show", "List the members");
+  show.flag("--json", options.json, "JSON lines");
+  for (CommandLine* one : {&add, &renew, &revoke, &show})
+    one->text("--authority", options.folder, "The folder of the authority").show_default();
+  CommandLine& check =
+      line.command("check", "Say what is wrong with a folder, and what ends within 30 days");
+  check.text("DIR", options.folder, "Of a member or of the authority").show_default();
+  set_when_given(init, options.action, SecureOptions::Action::kInit);
+  set_when_given(add, options.action, SecureOptions::Action::kAdd);
+  set_when_given(renew, options.action, SecureOptions::Action::kRenew);
+  set_when_given(revoke, options.action, SecureOptions::Action::kRevoke);
+  set_when_given(show, options.action, SecureOptions::Action::kShow);
+  set_when_given(check, options.action, SecureOptions::Action::kCheck);
+}
 
 }  // namespace
 
-CommandEntry secure_command();
-CommandEntry secure_command() {
-  return {"secure", "Make identities and permissions for DDS Security; needs no bridge",
-          make_command<SecureCommand>};
+CommandRow secure_command();
+CommandRow secure_command() {
+  return command_row("secure", "Make identities and permissions for DDS Security; needs no bridge",
+                     describe_secure, [](const SecureOptions& options, const Streams& to) {
+                       // Delays signals for a fraction of a second, so that no key directory is
+                       // left incomplete.
+                       const Interrupt interrupt;
+                       return secure(options, utc_now(), to);
+                     });
 }
 
 }  // namespace fieldcast::cli

@@ -1,12 +1,11 @@
 // `fieldcast secure init|add|renew|revoke|show|check`: manages the files for DDS Security.
 #pragma once
 
-#include <iosfwd>
 #include <string>
 
 #include "bridge/security/authority.hpp"
 #include "core/base/time.hpp"
-#include "tools/cli/text/output.hpp"
+#include "tools/cli/command/base/command.hpp"
 
 namespace fieldcast::cli {
 
@@ -22,7 +21,6 @@ struct SecureOptions {
 
 // kRejected if a directory or name exists or is missing unexpectedly; kFound if kCheck finds a
 // fault, or if files of one of several members fail.
-[[nodiscard]] ExitCode secure(const SecureOptions& options, UtcTime now, std::ostream& out,
-                              std::ostream& err);
+[[nodiscard]] ExitCode secure(const SecureOptions& options, UtcTime now, const Streams& to);
 
 }  // namespace fieldcast::cli

@@ -54,7 +54,7 @@ struct ClockFacts {
   UtcTime here;      // this machine's clock when the bridge was heard last
 };
 
-// Of what cannot be found out nothing is said.
+// Facts that cannot be read have no finding.
 struct MachineFacts {
   std::uint64_t receive_buffer_asked = 0;             // requested by each of our sockets, bytes
   std::optional<std::uint64_t> receive_buffer_limit;  // net.core.rmem_max, bytes

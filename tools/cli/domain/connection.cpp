@@ -1,6 +1,7 @@
 #include "tools/cli/domain/connection.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <fstream>
@@ -101,9 +102,8 @@ std::string held_remark(const Connection& connection, std::string_view bus) {
         std::ranges::any_of(member->buses,
                             [&](const auto& one) { return glob_matches(one, there); }))
       continue;
-    std::string buses;
-    for (const std::string& one : member->buses) buses += (buses.empty() ? "" : ", ") + one;
-    return fmt::format("; {} {} may command {} only", to_text(member->role), member->name, buses);
+    return fmt::format("; {} {} may command {} only", to_text(member->role), member->name,
+                       fmt::join(member->buses, ", "));
   }
   return {};
 }
@@ -111,6 +111,11 @@ std::string held_remark(const Connection& connection, std::string_view bus) {
 std::string not_served_text(const Connection& connection, std::string_view bus) {
   return fmt::format("no bridge that serves {} was found in {} within {}; it was not sent{}", bus,
                      domain_text(connection), to_text(kBridgeWait), held_remark(connection, bus));
+}
+
+std::string no_result_text(const Connection& connection, std::string_view bus, Duration limit) {
+  return fmt::format("no result within {}; whether it was executed is not known{}", to_text(limit),
+                     held_remark(connection, bus));
 }
 
 std::string domain_text(const Connection& connection) {
@@ -121,10 +126,7 @@ std::string domain_text(const Connection& connection) {
     return text;
   }
   const DdsSpec& spec = connection.sites.front().dds;
-  std::string text = fmt::format("DDS domain {} on ", spec.domain);
-  for (std::size_t i = 0; i < spec.interfaces.size(); ++i)
-    text += (i == 0 ? "" : ", ") + spec.interfaces[i];
-  return text;
+  return fmt::format("DDS domain {} on {}", spec.domain, fmt::join(spec.interfaces, ", "));
 }
 
 namespace {

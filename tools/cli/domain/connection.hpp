@@ -49,6 +49,10 @@ struct Connection {
 // For a command: no bridge of the bus was found within kBridgeWait.
 [[nodiscard]] std::string not_served_text(const Connection& connection, std::string_view bus);
 
+// For a command that was sent, but has no result within `limit`.
+[[nodiscard]] std::string no_result_text(const Connection& connection, std::string_view bus,
+                                         Duration limit);
+
 // "DDS domain 0 on 127.0.0.1", "the sites north, south"
 [[nodiscard]] std::string domain_text(const Connection& connection);
 

@@ -47,52 +47,32 @@ DomainView::DomainView(const Connection& connection, Interrupt& interrupt)
 
 DomainView::~DomainView() { interrupt_.on_raise({}); }
 
-void DomainView::subscribe_channels() {
-  station_.subscribe_channels([this](const StationChannel& channel) { inbox_.put_newest(channel); },
-                              [this](const auto& bus, const auto& device, const auto& channel) {
-                                inbox_.put_newest(ChannelGone{{bus, device, channel}});
-                              });
-}
+void DomainView::subscribe_channels() { station_.subscribe_channels(put(), put_gone()); }
 
-void DomainView::subscribe_samples() {
-  station_.subscribe_samples([this](const StationSample& sample) { inbox_.put_newest(sample); },
-                             [this](const auto& bus, const auto& device, const auto& channel) {
-                               inbox_.put_newest(ChannelGone{{bus, device, channel}});
-                             });
-}
+void DomainView::subscribe_samples() { station_.subscribe_samples(put(), put_gone()); }
 
 void DomainView::subscribe_status() {
   station_.subscribe_bus_status(
-      [this](const StationBusStatus& status) { inbox_.put_newest(status); },
-      [this](const StationBusStatus& last) { inbox_.put_newest(BusGone{last.bus}); });
-  station_.subscribe_device_status(
-      [this](const StationDeviceStatus& status) { inbox_.put_newest(status); },
-      [this](const StationDeviceStatus& last) {
-        inbox_.put_newest(DeviceGone{last.bus, last.device});
-      });
+      put(), [this](const StationBusStatus& last) { inbox_.put_newest(BusGone{last.bus}); });
+  station_.subscribe_device_status(put(), [this](const StationDeviceStatus& last) {
+    inbox_.put_newest(DeviceGone{last.bus, last.device});
+  });
   station_.subscribe_bridges(
-      [this](const StationBridge& bridge) { inbox_.put_newest(bridge); },
-      [this](const StationBridge& last) { inbox_.put_newest(BridgeGone{last.bridge}); });
+      put(), [this](const StationBridge& last) { inbox_.put_newest(BridgeGone{last.bridge}); });
 }
 
 void DomainView::subscribe_alarms() {
   station_.subscribe_alarms(
-      [this](const StationAlarm& alarm) { inbox_.put_newest(alarm); },
-      [this](const StationAlarm& last) { inbox_.put_newest(AlarmGone{last}); });
+      put(), [this](const StationAlarm& last) { inbox_.put_newest(AlarmGone{last}); });
   station_.subscribe_alarm_status(
-      [this](const StationAlarmStatus& status) { inbox_.put_newest(status); },
-      [this](const StationAlarmStatus& last) { inbox_.put_newest(AlarmStatusGone{last}); });
+      put(), [this](const StationAlarmStatus& last) { inbox_.put_newest(AlarmStatusGone{last}); });
 }
 
-void DomainView::subscribe_results() {
-  station_.on_result([this](const StationResult& result) { inbox_.put_newest(result); });
-}
+void DomainView::subscribe_results() { station_.on_result(put()); }
 
 void DomainView::subscribe_program_sessions() {
-  station_.subscribe_bus_status(
-      [this](const StationBusStatus& status) { inbox_.put_newest(status); });
-  station_.subscribe_program_sessions(
-      [this](const ProgramSessionReport& session) { inbox_.put_newest(session); });
+  station_.subscribe_bus_status(put());
+  station_.subscribe<ProgramSessionReport>(put());
 }
 
 Listening::Listening(const Connection& connection, Instant began)

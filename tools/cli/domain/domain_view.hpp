@@ -79,6 +79,16 @@ class DomainView {
   [[nodiscard]] bool interrupted() const { return interrupt_.raised(); }
 
  private:
+  // Callbacks that put their event in the inbox.
+  auto put() {
+    return [this](const auto& event) { inbox_.put_newest(event); };
+  }
+  auto put_gone() {
+    return [this](const auto& bus, const auto& device, const auto& channel) {
+      inbox_.put_newest(ChannelGone{{bus, device, channel}});
+    };
+  }
+
   Interrupt& interrupt_;
   // Before the station, because its threads write here until it is destroyed.
   BoundedQueue<DomainEvent> inbox_{kMaxWaiting};

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cstdio>
+#include <charconv>
 
 #include "core/codec/value_codec.hpp"
 #include "tools/cli/model/address_notation.hpp"
@@ -34,11 +34,8 @@ std::string_view state_text(const Outcome& outcome) {
 }
 
 std::string took_text(const StationResult& result) {
-  std::array<char, 32> buffer{};
-  const auto milliseconds =
-      static_cast<double>(result.completed_at.nanoseconds - result.received_at.nanoseconds) / 1e6;
-  std::snprintf(buffer.data(), buffer.size(), "%.1f ms", milliseconds);
-  return buffer.data();
+  const auto took = result.completed_at.nanoseconds - result.received_at.nanoseconds;
+  return fmt::format("{:.1f} ms", static_cast<double>(took) / 1e6);
 }
 
 }  // namespace
@@ -113,14 +110,8 @@ Outcome refused_here(const ChannelPath& path, bool write, Cause cause, std::stri
   return outcome;
 }
 
-ExitCode exit_code_of(const Outcome& outcome) {
-  switch (outcome.state) {
-    case Outcome::State::kResult: break;
-    case Outcome::State::kRefusedHere: return ExitCode::kRejected;
-    case Outcome::State::kNoResult: return ExitCode::kNoAnswer;
-    case Outcome::State::kNotSent: return ExitCode::kUsage;
-  }
-  switch (outcome.result.state) {
+ExitCode exit_code_of(CommandState state) {
+  switch (state) {
     case CommandState::kDone:
     case CommandState::kVerified: return ExitCode::kOk;
     case CommandState::kRejected: return ExitCode::kRejected;
@@ -128,6 +119,16 @@ ExitCode exit_code_of(const Outcome& outcome) {
     case CommandState::kExpired: return ExitCode::kExpired;
   }
   return ExitCode::kTrouble;
+}
+
+ExitCode exit_code_of(const Outcome& outcome) {
+  switch (outcome.state) {
+    case Outcome::State::kResult: break;
+    case Outcome::State::kRefusedHere: return ExitCode::kRejected;
+    case Outcome::State::kNoResult: return ExitCode::kNoAnswer;
+    case Outcome::State::kNotSent: return ExitCode::kUsage;
+  }
+  return exit_code_of(outcome.result.state);
 }
 
 std::string outcome_line(const Outcome& outcome) {

@@ -48,6 +48,7 @@ struct Outcome {
 [[nodiscard]] Outcome refused_here(const ChannelPath& path, bool write, Cause cause,
                                    std::string reason);
 
+[[nodiscard]] ExitCode exit_code_of(CommandState state);
 [[nodiscard]] ExitCode exit_code_of(const Outcome& outcome);
 
 // "press-shop/press-1/running = true: verified (read back true) in 12 ms".

@@ -4,9 +4,8 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <chrono>
-#include <cstdio>
+#include <cstdint>
 #include <cstdlib>
 #include <ctime>
 #include <optional>
@@ -20,10 +19,16 @@ namespace fieldcast::cli {
 
 namespace {
 
-std::string tenths(double number, const char* unit) {
-  std::array<char, 32> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), number < 10 ? "%.2f %s" : "%.0f %s", number, unit);
-  return buffer.data();
+std::string short_text(double number, const char* unit) {
+  return number < 10 ? fmt::format("{:.2f} {}", number, unit)
+                     : fmt::format("{:.0f} {}", number, unit);
+}
+
+// "2026-11-21T03:04:05.678"
+std::string stamp_text(const std::tm& time, std::int64_t milliseconds) {
+  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}", time.tm_year + 1900,
+                     time.tm_mon + 1, time.tm_mday, time.tm_hour, time.tm_min, time.tm_sec,
+                     milliseconds);
 }
 
 }  // namespace
@@ -44,6 +49,18 @@ std::string value_text(const Value& value, std::string_view type) {
   const auto* number = std::get_if<double>(&value);
   if (number == nullptr) return to_text(value);
   return type == "float32" ? float32_text(*number) : number_text(*number);
+}
+
+std::string rate_text(double rate) {
+  return rate < 10 ? fmt::format("{:.1f}/s", rate) : fmt::format("{:.0f}/s", rate);
+}
+
+Tone age_tone(const StationSample& sample, const StationChannel* about, UtcTime now) {
+  if (about == nullptr || about->refresh == Duration{} || sample.acquired_at.nanoseconds == 0)
+    return Tone::kFaint;
+  return now.nanoseconds - sample.acquired_at.nanoseconds > 2 * about->refresh.count()
+             ? Tone::kWarning
+             : Tone::kPlain;
 }
 
 Tone tone_of(Quality quality) {
@@ -68,27 +85,19 @@ std::string age_text(UtcTime then, UtcTime now) {
   if (then.nanoseconds == 0) return "-";
   const double seconds =
       std::max(0.0, static_cast<double>(now.nanoseconds - then.nanoseconds) / 1e9);
-  if (seconds < 60) return tenths(seconds, "s");
-  if (seconds < 3600) return tenths(seconds / 60, "min");
-  return tenths(seconds / 3600, "h");
+  if (seconds < 60) return short_text(seconds, "s");
+  if (seconds < 3600) return short_text(seconds / 60, "min");
+  return short_text(seconds / 3600, "h");
 }
 
 std::string utc_text(UtcTime time) {
   if (time.nanoseconds == 0) return "-";
-  namespace chrono = std::chrono;
-  const chrono::sys_time<chrono::milliseconds> at{
-      chrono::milliseconds{time.nanoseconds / 1'000'000}};
-  const auto day = chrono::floor<chrono::days>(at);
-  const chrono::year_month_day date{day};
-  const chrono::hh_mm_ss clock{at - day};
-  std::array<char, 40> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), "%04d-%02u-%02uT%02d:%02d:%02d.%03dZ",
-                static_cast<int>(date.year()), static_cast<unsigned>(date.month()),
-                static_cast<unsigned>(date.day()), static_cast<int>(clock.hours().count()),
-                static_cast<int>(clock.minutes().count()),
-                static_cast<int>(clock.seconds().count()),
-                static_cast<int>(clock.subseconds().count()));
-  return buffer.data();
+  const std::chrono::milliseconds all{time.nanoseconds / 1'000'000};
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(all);
+  const std::time_t second = seconds.count();
+  std::tm utc{};
+  ::gmtime_r(&second, &utc);
+  return stamp_text(utc, (all - seconds).count()) + 'Z';
 }
 
 std::string clock_text(UtcTime time) {
@@ -108,56 +117,58 @@ std::string sample_line(const StationSample& sample, const StationChannel* about
 
 namespace {
 
-std::optional<int> take_number(std::string_view& text, std::size_t digits) {
-  if (text.size() < digits || text.substr(0, digits).find_first_not_of("0123456789") != text.npos)
-    return std::nullopt;
-  int number = 0;
-  std::from_chars(text.data(), text.data() + digits, number);
-  text.remove_prefix(digits);
-  return number;
-}
-
 bool take(std::string_view& text, std::string_view any_of) {
   if (text.empty() || any_of.find(text.front()) == any_of.npos) return false;
   text.remove_prefix(1);
   return true;
 }
 
+// Takes a text of this form, in which 0 is any digit: "0000-00-00". Returns its numbers.
+std::optional<std::array<int, 3>> take_form(std::string_view& text, std::string_view form) {
+  if (text.size() < form.size()) return std::nullopt;
+  std::array<int, 3> numbers{};
+  std::size_t number = 0;
+  for (std::size_t i = 0; i < form.size(); ++i) {
+    const bool digit = text[i] >= '0' && text[i] <= '9';
+    if (form[i] == '0' ? !digit : text[i] != form[i]) return std::nullopt;
+    if (digit)
+      numbers[number] = 10 * numbers[number] + (text[i] - '0');
+    else
+      ++number;
+  }
+  text.remove_prefix(form.size());
+  return numbers;
+}
+
 std::optional<Duration> take_date(std::string_view& text) {
   namespace chrono = std::chrono;
-  const auto year = take_number(text, 4);
-  if (!year || !take(text, "-")) return std::nullopt;
-  const auto month = take_number(text, 2);
-  if (!month || !take(text, "-")) return std::nullopt;
-  const auto day = take_number(text, 2);
-  if (!day) return std::nullopt;
-  const chrono::year_month_day date{chrono::year{*year},
-                                    chrono::month{static_cast<unsigned>(*month)},
-                                    chrono::day{static_cast<unsigned>(*day)}};
+  const auto date = take_form(text, "0000-00-00");
+  if (!date) return std::nullopt;
+  const auto [year, month, day] = *date;
+  const chrono::year_month_day at{chrono::year{year}, chrono::month{static_cast<unsigned>(month)},
+                                  chrono::day{static_cast<unsigned>(day)}};
   // limits of 64-bit nanoseconds
-  if (!date.ok() || *year < 1970 || *year > 2261) return std::nullopt;
-  return Duration{chrono::sys_days{date}.time_since_epoch()};
+  if (!at.ok() || year < 1970 || year > 2261) return std::nullopt;
+  return Duration{chrono::sys_days{at}.time_since_epoch()};
 }
 
 // "10:30", "10:30:05", "10:30:05.25"
 std::optional<Duration> take_clock(std::string_view& text) {
-  const auto hour = take_number(text, 2);
-  if (!hour || *hour > 23 || !take(text, ":")) return std::nullopt;
-  const auto minute = take_number(text, 2);
-  if (!minute || *minute > 59) return std::nullopt;
-  Duration clock = std::chrono::hours{*hour} + std::chrono::minutes{*minute};
-  if (!take(text, ":")) return clock;
-  const auto second = take_number(text, 2);
-  if (!second || *second > 59) return std::nullopt;
-  clock += std::chrono::seconds{*second};
-  if (!take(text, ".")) return clock;
+  const bool with_seconds = text.size() > 5 && text[5] == ':';
+  const auto clock = take_form(text, with_seconds ? "00:00:00" : "00:00");
+  if (!clock) return std::nullopt;
+  const auto [hour, minute, second] = *clock;
+  if (hour > 23 || minute > 59 || second > 59) return std::nullopt;
+  Duration time =
+      std::chrono::hours{hour} + std::chrono::minutes{minute} + std::chrono::seconds{second};
+  if (!with_seconds || !take(text, ".")) return time;
+  if (text.empty() || text.front() < '0' || text.front() > '9') return std::nullopt;
   std::int64_t worth = 100'000'000;
-  bool any = false;
-  for (; !text.empty() && text.front() >= '0' && text.front() <= '9'; worth /= 10, any = true) {
-    clock += Duration{worth * (text.front() - '0')};
+  for (; !text.empty() && text.front() >= '0' && text.front() <= '9'; worth /= 10) {
+    time += Duration{worth * (text.front() - '0')};
     text.remove_prefix(1);
   }
-  return any ? std::optional(clock) : std::nullopt;
+  return time;
 }
 
 std::optional<UtcTime> time_from(std::string_view text) {
@@ -183,10 +194,8 @@ std::string local_text(UtcTime time) {
   std::tm local{};
   if (::localtime_r(&second, &local) == nullptr) return utc_text(time);
   const auto minutes = local.tm_gmtoff / 60;
-  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}{}{:02}:{:02}", local.tm_year + 1900,
-                     local.tm_mon + 1, local.tm_mday, local.tm_hour, local.tm_min, local.tm_sec,
-                     time.nanoseconds / 1'000'000 % 1000, minutes < 0 ? '-' : '+',
-                     std::abs(minutes) / 60, std::abs(minutes) % 60);
+  return fmt::format("{}{}{:02}:{:02}", stamp_text(local, time.nanoseconds / 1'000'000 % 1000),
+                     minutes < 0 ? '-' : '+', std::abs(minutes) / 60, std::abs(minutes) % 60);
 }
 
 }  // namespace

@@ -30,6 +30,12 @@ namespace fieldcast::cli {
 // "0.12 s", "48 s", "3 min", "2 h"; "-" if unset. A future time counts as now.
 [[nodiscard]] std::string age_text(UtcTime then, UtcTime now);
 
+// Warns above twice the refresh, because the bridge itself may have stopped. `about` may be null.
+[[nodiscard]] Tone age_tone(const StationSample& sample, const StationChannel* about, UtcTime now);
+
+// "1.5/s", "12/s"
+[[nodiscard]] std::string rate_text(double rate);
+
 // "2026-11-21T03:04:05.678Z"; "-" if unset.
 [[nodiscard]] std::string utc_text(UtcTime time);
 

@@ -48,6 +48,15 @@ FrameLine full_line(std::vector<Span> spans, std::size_t columns, bool inverse) 
   return line;
 }
 
+FrameLine title_line(Span title, const std::string& clock, std::size_t columns) {
+  std::vector<Span> spans{std::move(title)};
+  if (const std::size_t used = columns_of(spans.front().text) + clock.size(); used + 2 <= columns) {
+    spans.push_back({std::string(columns - used, ' ')});
+    spans.push_back({clock, Tone::kFaint});
+  }
+  return full_line(std::move(spans), columns);
+}
+
 std::string fitting_pieces(std::span<const std::string> pieces, std::size_t columns) {
   std::string line;
   for (const std::string& piece : pieces) {
@@ -66,6 +75,10 @@ ListControl::Took ListControl::on_key(const Key& key) {
   if (mode == Mode::kFilter) {
     if (const Took took = on_filter_key(key); took != Took::kNothing) return took;
   }
+  return on_list_key(key);
+}
+
+ListControl::Took ListControl::on_list_key(const Key& key) {
   const auto page = static_cast<std::ptrdiff_t>(std::max<std::size_t>(2, layout_.list_rows) - 1);
   switch (key.kind) {
     case Key::Kind::kUp: move(-1); return Took::kKey;
@@ -95,30 +108,25 @@ ListControl::Took ListControl::on_key(const Key& key) {
 }
 
 ListControl::Took ListControl::on_letter(std::string_view letter) {
-  if (letter == "q") return Took::kQuit;
-  if (letter == "?" || letter == "h")
-    mode = Mode::kHelp;
-  else if (letter == "/")
-    mode = Mode::kFilter;
-  else if (letter == "k")
-    move(-1);
-  else if (letter == "j")
-    move(1);
-  else if (letter == "g")
-    list.select(0);
-  else if (letter == "G")
-    list.select(list.rows().size());
-  else if (letter == " ")
-    toggle_fold();
-  else if (letter == "-")
-    fold_to_left();
-  else if (letter == "+")
-    unfold_to_right();
-  else if (letter == "d")
+  struct Letter {
+    std::string_view letter;
+    Key::Kind kind;  // of the key that has the same effect
+    int number = 0;  // of a function key
+  };
+  using Kind = Key::Kind;
+  constexpr Letter kLetters[] = {
+      {"q", Kind::kFunction, 10}, {"?", Kind::kFunction, 1}, {"h", Kind::kFunction, 1},
+      {"/", Kind::kFunction, 3},  {"k", Kind::kUp},          {"j", Kind::kDown},
+      {"g", Kind::kHome},         {"G", Kind::kEnd},         {" ", Kind::kEnter},
+      {"-", Kind::kLeft},         {"+", Kind::kRight},
+  };
+  if (letter == "d") {
     details = !details;
-  else
-    return Took::kNothing;
-  return Took::kKey;
+    return Took::kKey;
+  }
+  const auto* same = std::ranges::find(kLetters, letter, &Letter::letter);
+  if (same == std::end(kLetters)) return Took::kNothing;
+  return on_list_key({.kind = same->kind, .number = same->number});
 }
 
 ListControl::Took ListControl::on_filter_key(const Key& key) {

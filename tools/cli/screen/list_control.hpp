@@ -93,6 +93,7 @@ class ListControl {
  private:
   Took on_filter_key(const Key& key);
   Took on_help_key(const Key& key);
+  Took on_list_key(const Key& key);
   Took on_letter(std::string_view letter);
   Took on_click(const Key& key);
   void move(std::ptrdiff_t by) { list.move(by); }
@@ -110,9 +111,18 @@ class ListControl {
   std::vector<BarPlace> bar_;
 };
 
+// The letter, or the function key of this number (-1: none).
+[[nodiscard]] inline bool is_key(const Key& key, std::string_view letter, int function) {
+  return (key.kind == Key::Kind::kText && key.text == letter) ||
+         (key.kind == Key::Kind::kFunction && key.number == function);
+}
+
 [[nodiscard]] FrameLine full_line(std::vector<Span> spans, std::size_t columns,
                                   bool inverse = false);
 // Joins as many pieces as fit; truncates the first one if necessary.
 [[nodiscard]] std::string fitting_pieces(std::span<const std::string> pieces, std::size_t columns);
+
+// The clock, "12:34:56Z", is at the right if it fits.
+[[nodiscard]] FrameLine title_line(Span title, const std::string& clock, std::size_t columns);
 
 }  // namespace fieldcast::cli

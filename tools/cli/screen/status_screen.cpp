@@ -144,18 +144,15 @@ void StatusScreen::rebuild(const Moment& moment) {
 bool StatusScreen::on_key(const Key& given, const Moment& moment) {
   const Key key = control_.bar_key(given).value_or(given);
   const bool in_list = control_.mode == ListControl::Mode::kList;
-  const auto is = [&](std::string_view letter, int function) {
-    return in_list && ((key.kind == Key::Kind::kText && key.text == letter) ||
-                       (key.kind == Key::Kind::kFunction && key.number == function));
-  };
+  const bool sorts = in_list && is_key(key, "s", 6), hides = in_list && is_key(key, "b", -1);
   auto took = ListControl::Took::kKey;
-  if (is("s", 6))
+  if (sorts)
     by_name_ = !by_name_;
-  else if (is("b", -1))
+  else if (hides)
     bad_only_ = !bad_only_;
   else
     took = control_.on_key(key);
-  if (control_.stale || is("s", 6) || is("b", -1)) rebuild(moment);
+  if (control_.stale || sorts || hides) rebuild(moment);
   return took != ListControl::Took::kQuit;
 }
 
@@ -181,14 +178,8 @@ FrameLine StatusScreen::title(const Moment& moment, std::size_t columns) const {
       std::string(by_name_ ? "sort: name" : "sort: bad first"),
       control_.filter.text().empty() ? std::string{} : "filter: " + shown(control_.filter.text()),
   };
-  const std::string text = fitting_pieces(pieces, columns);
-  std::vector<Span> spans{{text, well ? Tone::kTitle : Tone::kWarning}};
-  const std::string clock = clock_text(moment.utc);
-  if (columns_of(text) + clock.size() + 2 <= columns) {
-    spans.push_back({std::string(columns - columns_of(text) - clock.size(), ' ')});
-    spans.push_back({clock, Tone::kFaint});
-  }
-  return full_line(std::move(spans), columns);
+  return title_line({fitting_pieces(pieces, columns), well ? Tone::kTitle : Tone::kWarning},
+                    clock_text(moment.utc), columns);
 }
 
 FrameLine StatusScreen::row_line(const ListRow& row, std::size_t columns) const {

@@ -10,13 +10,15 @@
 #include "tools/cli/screen/status_rows.hpp"
 #include "tools/cli/screen/watch_screen.hpp"
 #include "tools/cli/text/cell_text.hpp"
+#include "tools/cli/view/station_view.hpp"
 #include "tools/cli/view/status/status_words.hpp"
 
 namespace fieldcast::cli {
 
 namespace {
 
-enum class Field : unsigned char { kName, kValue, kUnit, kQuality, kMark, kAge, kRefresh, kRate };
+// The columns of ChannelCells, and one more.
+enum class Field : unsigned char { kName, kValue, kUnit, kQuality, kAge, kRefresh, kRate, kMark };
 
 struct FieldColumn {
   Field field;
@@ -57,15 +59,6 @@ std::vector<FieldColumn> fields_for(std::size_t columns) {
   return fields;
 }
 
-// Warns above twice the refresh, because the bridge itself may have stopped.
-Tone tone_of_age(const StationSample& sample, const StationChannel* about, UtcTime now) {
-  if (about == nullptr || about->refresh == Duration{} || sample.acquired_at.nanoseconds == 0)
-    return Tone::kFaint;
-  return now.nanoseconds - sample.acquired_at.nanoseconds > 2 * about->refresh.count()
-             ? Tone::kWarning
-             : Tone::kPlain;
-}
-
 std::string_view mark_of(const WatchModel::Row& row) {
   switch (rank_of(row)) {
     case Rank::kBad: return "B";
@@ -76,36 +69,15 @@ std::string_view mark_of(const WatchModel::Row& row) {
   return "?";
 }
 
-std::string rate_cell(double rate) {
-  return rate < 10 ? fmt::format("{:.1f}/s", rate) : fmt::format("{:.0f}/s", rate);
-}
-
-Span cell_of(const FieldColumn& column, const ChannelEntry& entry, const StationChannel* about,
-             bool grouped, const Moment& moment, std::size_t columns) {
+Span cell_of(const FieldColumn& column, const ChannelEntry& entry, const ChannelCells& cells,
+             bool grouped, std::size_t columns) {
   const auto& [path, row] = entry;
-  const StationSample& sample = row.sample;
-  switch (column.field) {
-    case Field::kName:
-      return {grouped ? std::string(columns < 44 ? 2 : 4, ' ') + path.channel : path.text()};
-    case Field::kValue:
-      return {sample.acquired_at.nanoseconds == 0
-                  ? "-"
-                  : value_text(sample.value, about != nullptr ? about->type : std::string{}),
-              Tone::kTitle};
-    case Field::kUnit: return {about != nullptr ? about->unit : ""};
-    case Field::kQuality:
-      return row.gone ? Span{"GONE", Tone::kBad}
-                      : Span{quality_text(sample, about), tone_of(sample.quality)};
-    case Field::kMark:
-      return {std::string(mark_of(row)), row.gone ? Tone::kBad : tone_of(sample.quality)};
-    case Field::kAge:
-      return {age_text(sample.acquired_at, moment.utc), tone_of_age(sample, about, moment.utc)};
-    case Field::kRefresh:
-      return {about == nullptr || about->refresh == Duration{} ? "-" : to_text(about->refresh),
-              Tone::kFaint};
-    case Field::kRate: return {rate_cell(row.rate.rate(moment.now)), Tone::kFaint};
-  }
-  return {};
+  if (column.field == Field::kName && grouped)
+    return {std::string(columns < 44 ? 2 : 4, ' ') + path.channel};
+  if (column.field == Field::kMark)
+    return {std::string(mark_of(row)), row.gone ? Tone::kBad : tone_of(row.sample.quality)};
+  const Cell& cell = cells[static_cast<std::size_t>(column.field)];
+  return {cell.text, cell.tone};
 }
 
 }  // namespace
@@ -121,10 +93,12 @@ FrameLine channel_heads(std::size_t columns) {
 
 FrameLine channel_line(const ListRow& row, const StationChannel* about, bool grouped,
                        const Moment& moment, std::size_t columns) {
+  const ChannelEntry& entry = entry_of(row);
+  const ChannelCells cells = channel_cells(entry.first, entry.second, about, moment);
   std::vector<Span> spans;
   for (const FieldColumn& one : fields_for(columns)) {
     if (!spans.empty()) spans.push_back({" "});
-    Span cell = cell_of(one, entry_of(row), about, grouped, moment, columns);
+    Span cell = cell_of(one, entry, cells, grouped, columns);
     cell.text = fitted(shown(cell.text), one.width, one.align);
     spans.push_back(std::move(cell));
   }

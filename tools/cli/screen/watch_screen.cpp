@@ -74,10 +74,7 @@ Intent WatchScreen::on_key(const Key& given, const Moment& moment) {
 }
 
 bool WatchScreen::on_own_key(const Key& key) {
-  const auto is = [&](std::string_view letter, int function) {
-    return (key.kind == Key::Kind::kText && key.text == letter) ||
-           (key.kind == Key::Kind::kFunction && key.number == function);
-  };
+  const auto is = [&](const char* letter, int function) { return is_key(key, letter, function); };
   if (const auto column = control_.head_click(key)) {
     const auto order = order_at(*column, columns_);
     if (!order) return false;
@@ -182,15 +179,8 @@ FrameLine WatchScreen::title(const Moment& moment, std::size_t columns) const {
       rate < 10 ? fmt::format("{:.1f} samples/s", rate) : fmt::format("{:.0f} samples/s", rate),
       shown(model_.pattern().text()),
   };
-  std::string text = fitting_pieces(pieces, columns);
-  // The clock is at the right, without the date: "12:34:56Z".
-  const std::string clock = clock_text(moment.utc);
-  std::vector<Span> spans{{text, sums_.bad == 0 ? Tone::kTitle : Tone::kBad}};
-  if (columns_of(text) + clock.size() + 2 <= columns) {
-    spans.push_back({std::string(columns - columns_of(text) - clock.size(), ' ')});
-    spans.push_back({clock, Tone::kFaint});
-  }
-  return full_line(std::move(spans), columns);
+  return title_line({fitting_pieces(pieces, columns), sums_.bad == 0 ? Tone::kTitle : Tone::kBad},
+                    clock_text(moment.utc), columns);
 }
 
 FrameLine WatchScreen::state_line(std::size_t list_rows, std::size_t columns) {

@@ -21,7 +21,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <vector>
+#include <utility>
 
 #include "tools/cli/terminal/console.hpp"
 #include "tools/cli/terminal/interrupt.hpp"
@@ -81,22 +81,17 @@ std::string utf8_of(wint_t character) {
 
 std::optional<Key> key_of_code(int code) {
   using Kind = Key::Kind;
+  constexpr std::pair<int, Kind> kKinds[] = {
+      {KEY_UP, Kind::kUp},        {KEY_DOWN, Kind::kDown},
+      {KEY_LEFT, Kind::kLeft},    {KEY_RIGHT, Kind::kRight},
+      {KEY_PPAGE, Kind::kPageUp}, {KEY_NPAGE, Kind::kPageDown},
+      {KEY_HOME, Kind::kHome},    {KEY_END, Kind::kEnd},
+      {KEY_ENTER, Kind::kEnter},  {KEY_BACKSPACE, Kind::kBackspace},
+      {KEY_DC, Kind::kBackspace}, {KEY_RESIZE, Kind::kRedraw},
+  };
   if (code >= KEY_F(1) && code <= KEY_F(12)) return function_key(code - KEY_F0);
-  switch (code) {
-    case KEY_UP: return Key{Kind::kUp};
-    case KEY_DOWN: return Key{Kind::kDown};
-    case KEY_LEFT: return Key{Kind::kLeft};
-    case KEY_RIGHT: return Key{Kind::kRight};
-    case KEY_PPAGE: return Key{Kind::kPageUp};
-    case KEY_NPAGE: return Key{Kind::kPageDown};
-    case KEY_HOME: return Key{Kind::kHome};
-    case KEY_END: return Key{Kind::kEnd};
-    case KEY_ENTER: return Key{Kind::kEnter};
-    case KEY_BACKSPACE:
-    case KEY_DC: return Key{Kind::kBackspace};
-    case KEY_RESIZE: return Key{Kind::kRedraw};
-    default: return std::nullopt;
-  }
+  const auto* found = std::ranges::find(kKinds, code, &std::pair<int, Kind>::first);
+  return found == std::end(kKinds) ? std::nullopt : std::optional(Key{found->second});
 }
 
 std::optional<Key> mouse_key() {

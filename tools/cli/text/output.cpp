@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <ostream>
 
 #include "core/base/message_text.hpp"
 
@@ -50,6 +51,10 @@ std::string painted(std::string_view text, Tone tone, bool colour) {
   const auto code = code_of(tone);
   if (!colour || code.empty() || text.empty()) return std::string(text);
   return fmt::format("{}{}\x1b[0m", code, text);
+}
+
+void print(std::ostream& out, const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) out << line << '\n';
 }
 
 void TextTable::add_row(std::vector<Cell> cells) {

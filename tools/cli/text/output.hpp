@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <iosfwd>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -55,6 +56,9 @@ struct Screen {
 [[nodiscard]] std::string clip(std::string_view utf8, std::size_t columns);
 
 [[nodiscard]] std::string painted(std::string_view text, Tone tone, bool colour);
+
+// One line each.
+void print(std::ostream& out, const std::vector<std::string>& lines);
 
 class TextTable {
  public:

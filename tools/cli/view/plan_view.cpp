@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <set>
 
 #include "tools/cli/view/simulation_view.hpp"
@@ -14,15 +12,10 @@ namespace {
 
 constexpr std::size_t kNamesInAdvice = 4;
 
-std::string formatted(const char* format, double number) {
-  std::array<char, 32> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), format, number);
-  return buffer.data();
-}
-
 std::string milliseconds(Duration time) {
-  return formatted(time < std::chrono::milliseconds{100} ? "%.2f ms" : "%.0f ms",
-                   to_seconds(time) * 1e3);
+  const double number = to_seconds(time) * 1e3;
+  return time < std::chrono::milliseconds{100} ? fmt::format("{:.2f} ms", number)
+                                               : fmt::format("{:.0f} ms", number);
 }
 
 Duration rounded(Duration time) {
@@ -87,8 +80,8 @@ std::string names_of(const BusPlan& plan, const std::vector<PointIndex>& points)
 
 // "wire load 98.5 %", and beyond that "3.20 times the wire is needed".
 std::string load_text(double load) {
-  if (load <= 1) return "wire load " + formatted("%.1f %%", load * 100);
-  return formatted(load < 10 ? "%.2f" : "%.0f", load) + " times the wire is needed";
+  if (load <= 1) return fmt::format("wire load {:.1f} %", load * 100);
+  return fmt::format("{:.{}f} times the wire is needed", load, load < 10 ? 2 : 0);
 }
 
 std::string verdict(const BusPlan& plan) {
@@ -133,7 +126,7 @@ TextTable channel_table(const BusPlan& plan) {
          {type_text(row.channel->encoding), Tone::kFaint},
          {to_text(row.channel->refresh)},
          {milliseconds(row.forecast->worst_gap), tightness > 1 ? Tone::kBad : Tone::kPlain},
-         {formatted("%.0f %%", tightness * 100), tightness > 1 ? Tone::kBad : Tone::kGood},
+         {fmt::format("{:.0f} %", tightness * 100), tightness > 1 ? Tone::kBad : Tone::kGood},
          {std::to_string(row.forecast->reads)}});
   }
   return table;
@@ -153,7 +146,7 @@ TextTable block_table(const BusPlan& plan) {
                    {plan.bus->devices[block.device].name},
                    {std::to_string(block.points)},
                    {milliseconds(block.cost)},
-                   {formatted("%.2f", block.per_second)}});
+                   {fmt::format("{:.2f}", block.per_second)}});
   }
   return table;
 }
@@ -171,8 +164,7 @@ std::vector<std::string> advice(const BusPlan& plan) {
   }
   if (!slower.empty()) ways.push_back("refresh " + slower);
   if (remedies.stretch)
-    ways.push_back(
-        fmt::format("make every refresh {} times as long", formatted("%.2f", *remedies.stretch)));
+    ways.push_back(fmt::format("make every refresh {:.2f} times as long", *remedies.stretch));
   if (remedies.baud && has_line(plan.bus->port))
     ways.push_back(fmt::format("run the line at {} baud", *remedies.baud));
   if (remedies.longer_reads)

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -78,14 +76,8 @@ Json read_plan_json(const BusPlan& bus) {
 
 namespace {
 
-std::string formatted(const char* format, double number) {
-  std::array<char, 32> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), format, number);
-  return buffer.data();
-}
-
-std::string percent(double share) { return formatted("%.1f %%", share * 100); }
-std::string milliseconds(Duration time) { return formatted("%.1f ms", to_seconds(time) * 1e3); }
+std::string percent(double share) { return fmt::format("{:.1f} %", share * 100); }
+std::string tenth_ms(Duration time) { return fmt::format("{:.1f} ms", to_seconds(time) * 1e3); }
 
 struct Row {
   const DeviceSpec* device = nullptr;
@@ -157,8 +149,8 @@ TextTable channel_table(const std::string& bus, const std::vector<Row>& rows) {
     table.add_row(
         {{bus + '/' + row.device->name + '/' + row.channel->name},
          {to_text(row.channel->refresh)},
-         {milliseconds(row.report->worst_gap), row.tightness() > 1 ? Tone::kBad : Tone::kPlain},
-         {milliseconds(row.forecast->worst_gap), Tone::kFaint},
+         {tenth_ms(row.report->worst_gap), row.tightness() > 1 ? Tone::kBad : Tone::kPlain},
+         {tenth_ms(row.forecast->worst_gap), Tone::kFaint},
          {std::to_string(row.report->readings)},
          {std::to_string(row.report->missed), missed ? Tone::kBad : Tone::kGood},
          {missed ? std::string(to_text(row.report->last_miss)) : ""}});
@@ -183,7 +175,7 @@ std::vector<std::string> simulation_lines(const BusSimulation& simulation, const
           "wire load: predicted {}, measured {}; {} exchanges{}",
           percent(simulation.plan->prediction.load), percent(bus.measured_load), bus.exchanges,
           bus.stretch > 1.001
-              ? "; overload: refreshes are stretched by up to " + formatted("%.2f", bus.stretch)
+              ? fmt::format("; overload: refreshes are stretched by up to {:.2f}", bus.stretch)
               : "")};
   if (bus.causes.total() != 0) lines.push_back("failed exchanges: " + causes_text(bus.causes));
   lines.emplace_back();

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <tuple>
 
 #include "tools/cli/model/sample_text.hpp"
@@ -198,40 +196,21 @@ Json session_json(const ProgramSessionReport& session) {
           {"since", session.since.nanoseconds}};
 }
 
-namespace {
-
-std::string rate_text(double rate) {
-  std::array<char, 32> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), rate < 10 ? "%.1f/s" : "%.0f/s", rate);
-  return buffer.data();
-}
-
-// Warns above twice the refresh, because the bridge itself may have stopped.
-Tone age_tone(const StationSample& sample, const StationChannel* about, UtcTime now) {
-  if (about == nullptr || about->refresh == Duration{} || sample.acquired_at.nanoseconds == 0)
-    return Tone::kFaint;
-  return now.nanoseconds - sample.acquired_at.nanoseconds > 2 * about->refresh.count()
-             ? Tone::kWarning
-             : Tone::kPlain;
-}
-
-std::vector<Cell> cells_of(const ChannelPath& path, const WatchModel::Row& row,
-                           const StationChannel* about, Instant now, UtcTime utc) {
+ChannelCells channel_cells(const ChannelPath& path, const WatchModel::Row& row,
+                           const StationChannel* about, const Moment& moment) {
   const auto& sample = row.sample;
   const bool read = sample.acquired_at.nanoseconds != 0;
-  return {{path.text()},
-          {read ? value_text(sample.value, about != nullptr ? about->type : std::string{}) : "-",
-           Tone::kTitle},
-          {about != nullptr ? about->unit : ""},
-          row.gone ? Cell{"GONE", Tone::kBad}
-                   : Cell{quality_text(sample, about), tone_of(sample.quality)},
-          {age_text(sample.acquired_at, utc), age_tone(sample, about, utc)},
-          {about == nullptr || about->refresh == Duration{} ? "-" : to_text(about->refresh),
-           Tone::kFaint},
-          {rate_text(row.rate.rate(now)), Tone::kFaint}};
+  return {{{path.text()},
+           {read ? value_text(sample.value, about != nullptr ? about->type : std::string{}) : "-",
+            Tone::kTitle},
+           {about != nullptr ? about->unit : ""},
+           row.gone ? Cell{"GONE", Tone::kBad}
+                    : Cell{quality_text(sample, about), tone_of(sample.quality)},
+           {age_text(sample.acquired_at, moment.utc), age_tone(sample, about, moment.utc)},
+           {about == nullptr || about->refresh == Duration{} ? "-" : to_text(about->refresh),
+            Tone::kFaint},
+           {rate_text(row.rate.rate(moment.now)), Tone::kFaint}}};
 }
-
-}  // namespace
 
 std::vector<std::string> watch_lines(const WatchModel& model, Instant now, UtcTime utc,
                                      const Screen& screen) {
@@ -250,7 +229,8 @@ std::vector<std::string> watch_lines(const WatchModel& model, Instant now, UtcTi
                    {"rate", Align::kRight}});
   for (const auto& [path, row] : rows) {
     if (table.rows() == shown) break;
-    table.add_row(cells_of(path, row, model.catalogue().find(path), now, utc));
+    const ChannelCells cells = channel_cells(path, row, model.catalogue().find(path), {now, utc});
+    table.add_row({cells.begin(), cells.end()});
   }
 
   const auto title = fmt::format("fieldcast watch {}   {}   {}   {}", model.pattern().text(),

@@ -1,6 +1,7 @@
 // Formats alarms as text and JSON with IDL field names. Pure functions.
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -42,6 +43,11 @@ using SessionsModel = std::map<std::pair<std::string, std::string>, ProgramSessi
 
 // The fields of ProgramSession by their IDL names. Times in nanoseconds.
 [[nodiscard]] Json session_json(const ProgramSessionReport& session);
+
+// Columns of a channel: path, value, unit, quality, age, refresh, rate. `about` may be null.
+using ChannelCells = std::array<Cell, 7>;
+[[nodiscard]] ChannelCells channel_cells(const ChannelPath& path, const WatchModel::Row& row,
+                                         const StationChannel* about, const Moment& moment);
 
 // Totals, heads, and the channels sorted by name. Rows that do not fit are counted below. The lag
 // remark is last. `now` and `utc` are the same moment.

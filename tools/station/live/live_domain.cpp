@@ -116,7 +116,7 @@ void LiveDomain::State::listen() {
   station.subscribe_bus_status(put, remove);
   station.subscribe_read_plans(
       put, [this](const std::string& bus) { inbox.remove(StationReadPlan{.bus = bus}); });
-  station.subscribe_program_sessions(put);
+  station.subscribe<ProgramSessionReport>(put);
   station.subscribe_alarms(put_alarm, remove_alarm);
   station.subscribe_device_status(
       [this](const StationDeviceStatus& status) {

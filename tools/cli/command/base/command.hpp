@@ -1,10 +1,14 @@
-// A subcommand of `fieldcast`, with its own file here and an entry in registry.cpp. Main thread.
+// A subcommand of `fieldcast`: one file with its options, its function and its row, and its name in
+// registry.cpp. Help, completion and manual pages are made from the row. Main thread.
 #pragma once
 
+#include <functional>
 #include <iosfwd>
 #include <memory>
 #include <span>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 
 #include "bridge/process/command_line.hpp"
 #include "tools/cli/text/output.hpp"
@@ -29,31 +33,43 @@ class Command {
   // Called once, before the command line is parsed.
   virtual void describe(CommandLine& line) = 0;
   // May throw DdsError or StoreError.
-  [[nodiscard]] virtual ExitCode run(const Streams& streams) = 0;
+  [[nodiscard]] virtual ExitCode run(const Streams& to) = 0;
 };
 
-// Gives tests access to the parsed options.
 template <typename Options>
-class CommandWith : public Command {
+using RunCommand = std::function<ExitCode(const Options& options, const Streams& to)>;
+
+template <typename Options>
+class CommandWith final : public Command {
  public:
+  using Describe = void (*)(CommandLine& line, Options& options);
+  CommandWith(Describe add_options, RunCommand<Options> run)
+      : add_options_(add_options), run_(std::move(run)) {}
+
+  void describe(CommandLine& line) override { add_options_(line, options_); }
+  [[nodiscard]] ExitCode run(const Streams& to) override { return run_(options_, to); }
   [[nodiscard]] const Options& options() const { return options_; }
 
- protected:
+ private:
   Options options_;
+  Describe add_options_;
+  RunCommand<Options> run_;
 };
 
-struct CommandEntry {
+struct CommandRow {
   std::string_view name;     // "watch"
   std::string_view summary;  // one human-readable line
-  std::unique_ptr<Command> (*make)() = nullptr;
+  std::function<std::unique_ptr<Command>()> make;
 };
 
-// In the order of the help.
-[[nodiscard]] std::span<const CommandEntry> commands();
-
-template <typename C>
-[[nodiscard]] std::unique_ptr<Command> make_command() {
-  return std::make_unique<C>();
+template <typename Options>
+[[nodiscard]] CommandRow command_row(std::string_view name, std::string_view summary,
+                                     void (*add_options)(CommandLine& line, Options& options),
+                                     std::type_identity_t<RunCommand<Options>> run) {
+  return {name, summary, [=] { return std::make_unique<CommandWith<Options>>(add_options, run); }};
 }
+
+// In the order of the help.
+[[nodiscard]] std::span<const CommandRow> commands();
 
 }  // namespace fieldcast::cli

@@ -1,5 +1,8 @@
 #include "tools/cli/command/base/command_options.hpp"
 
+#include <memory>
+#include <utility>
+
 #include "tools/cli/model/sample_text.hpp"
 #include "tools/cli/terminal/interrupt.hpp"
 
@@ -40,26 +43,48 @@ std::vector<KnownChannel> channels_of(const Catalogue& catalogue, const ChannelP
   return channels;
 }
 
-void SpanOption::describe(CommandLine& line) {
-  line.text("--from", from_, "2026-11-21T10:30 (UTC), or 2h, 3d for so long ago (1h)");
-  line.text("--to", to_, "The same (now)");
+namespace {
+
+struct SpanText {
+  std::string from, to;
+  [[nodiscard]] bool given() const { return !from.empty() || !to.empty(); }
+};
+
+std::shared_ptr<const SpanText> add_span_text(CommandLine& line) {
+  auto text = std::make_shared<SpanText>();
+  line.text("--from", text->from, "2026-11-21T10:30 (UTC), or 2h, 3d for so long ago (1h)");
+  line.text("--to", text->to, "The same (now)");
+  return text;
 }
 
-std::optional<CommandLine::Fault> SpanOption::read(TimeSpan& span) const {
+std::optional<CommandLine::Fault> read_span(const SpanText& text, TimeSpan& span) {
   const UtcTime now = utc_now();
   span = {{now.nanoseconds - Duration(std::chrono::hours{1}).count()}, now};
-  if (!from_.empty()) {
-    const auto from = parse_time(from_, now);
-    if (!from) return CommandLine::Fault{"--from", from.error()};
-    span.from = *from;
-  }
-  if (!to_.empty()) {
-    const auto to = parse_time(to_, now);
-    if (!to) return CommandLine::Fault{"--to", to.error()};
-    span.to = *to;
-  }
+  const auto read = [&](const char* option, const std::string& given,
+                        UtcTime& time) -> std::optional<CommandLine::Fault> {
+    if (given.empty()) return std::nullopt;
+    const auto parsed = parse_time(given, now);
+    if (!parsed) return CommandLine::Fault{option, parsed.error()};
+    time = *parsed;
+    return std::nullopt;
+  };
+  if (auto fault = read("--from", text.from, span.from)) return fault;
+  if (auto fault = read("--to", text.to, span.to)) return fault;
   if (span.to <= span.from) return CommandLine::Fault{"--to", "the end is not after the beginning"};
   return std::nullopt;
+}
+
+}  // namespace
+
+void add_span(CommandLine& line, TimeSpan& span) {
+  line.when_given([text = add_span_text(line), &span] { return read_span(*text, span); });
+}
+
+void add_span(CommandLine& line, std::optional<TimeSpan>& span, std::function<void()> then) {
+  line.when_given([text = add_span_text(line), &span, then = std::move(then)] {
+    then();
+    return text->given() ? read_span(*text, span.emplace()) : std::nullopt;
+  });
 }
 
 }  // namespace fieldcast::cli

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
 #include <tl/expected.hpp>
+#include <type_traits>
 #include <vector>
 
 #include "bridge/process/command_line.hpp"
@@ -51,17 +53,19 @@ inline constexpr const char* kPatternHelp =
   };
 }
 
-// --from and --to: the time span that a command reads from the store.
+// --from and --to: the time span that a command reads from the store; by default the last hour.
+// REQUIRES: `span` lives until the parse.
+void add_span(CommandLine& line, TimeSpan& span);
+// The span stays empty if neither option is given. `then` runs after the options were parsed.
+void add_span(CommandLine& line, std::optional<TimeSpan>& span, std::function<void()> then);
 
-class SpanOption {
- public:
-  void describe(CommandLine& line);
-  [[nodiscard]] bool given() const { return !from_.empty() || !to_.empty(); }
-  // Default: the last hour. Fails if a text is not a time or the end is not after the start.
-  [[nodiscard]] std::optional<CommandLine::Fault> read(TimeSpan& span) const;
-
- private:
-  std::string from_, to_;
-};
+// Sets `target` if the subcommand `line` is given.
+template <typename Value>
+void set_when_given(CommandLine& line, Value& target, std::type_identity_t<Value> value) {
+  line.when_given([&target, value]() -> std::optional<CommandLine::Fault> {
+    target = value;
+    return std::nullopt;
+  });
+}
 
 }  // namespace fieldcast::cli

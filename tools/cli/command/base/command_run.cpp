@@ -22,26 +22,31 @@ struct Waiting {
 }  // namespace
 
 CommandRun::CommandRun(DomainView& domain, const Connection& connection, Options options,
-                       std::ostream& out, std::ostream& err)
-    : domain_(domain), connection_(connection), options_(options), out_(out), err_(err) {
+                       const Streams& to)
+    : domain_(domain), connection_(connection), options_(options), to_(to) {
   domain_.subscribe_results();
   domain_.subscribe_channels();
   domain_.subscribe_status();
 }
 
-Errand channel_write(const ChannelPath& path, Value value, WriteDetails details) {
+Errand errand_for(const ChannelPath& path, Operation operation, Target target,
+                  const std::string& named) {
   Errand errand;
   errand.command.bus = path.bus;
-  auto& command = errand.command.command;
-  command.device = path.device;
-  command.target = ChannelTarget{path.channel};
-  command.operation = Operation::kWrite;
-  command.values = {value};
-  command.verify = details.verify;
+  errand.command.command.device = path.device;
+  errand.command.command.target = std::move(target);
+  errand.command.command.operation = operation;
   errand.outcome.bus = path.bus;
   errand.outcome.device = path.device;
-  errand.outcome.target = path.channel;
-  errand.outcome.write = true;
+  errand.outcome.target = named;
+  errand.outcome.write = operation == Operation::kWrite;
+  return errand;
+}
+
+Errand channel_write(const ChannelPath& path, Value value, WriteDetails details) {
+  Errand errand = errand_for(path, Operation::kWrite, ChannelTarget{path.channel}, path.channel);
+  errand.command.command.values = {value};
+  errand.command.command.verify = details.verify;
   errand.outcome.wanted = {std::move(value)};
   errand.outcome.type = std::move(details.type);
   errand.outcome.unit = std::move(details.unit);
@@ -79,10 +84,10 @@ bool CommandRun::learn(const std::vector<ChannelPath>& paths, Wanted wanted) {
   }
   for (std::string& site : listening.silent_sites()) catalogue_.add_silent_site(std::move(site));
   if (!catalogue_.empty() && !domain_.interrupted()) return true;
-  err_ << "fieldcast: "
-       << (domain_.interrupted() ? "interrupted"
-                                 : no_bridge_text(connection_, domain_.missing_servers()))
-       << '\n';
+  to_.err << "fieldcast: "
+          << (domain_.interrupted() ? "interrupted"
+                                    : no_bridge_text(connection_, domain_.missing_servers()))
+          << '\n';
   return false;
 }
 
@@ -179,35 +184,87 @@ ExitCode CommandRun::execute(std::vector<Errand> errands) {
       outcome.result.reason =
           domain_.interrupted()
               ? "interrupted; whether it was executed is not known"
-              : fmt::format("no result within {}; whether it was executed is not known{}",
-                            to_text(options_.timeout + kResultGrace),
-                            held_remark(connection_, errands[entry->second.errand].command.bus));
+              : no_result_text(connection_, errands[entry->second.errand].command.bus,
+                               options_.timeout + kResultGrace);
       finish(errands[entry->second.errand]);
       entry = waiting.erase(entry);
     }
   }
-  out_.flush();
+  to_.out.flush();
   return domain_.interrupted() ? ExitCode::kInterrupted : worst;
 }
 
 void CommandRun::print(const Outcome& outcome) {
   if (options_.json) {
-    out_ << outcome_json(outcome).text() << '\n' << std::flush;
+    to_.out << outcome_json(outcome).text() << '\n' << std::flush;
   } else {
-    (exit_code_of(outcome) == ExitCode::kOk ? out_ : err_) << outcome_line(outcome) << '\n'
-                                                           << std::flush;
+    (exit_code_of(outcome) == ExitCode::kOk ? to_.out : to_.err) << outcome_line(outcome) << '\n'
+                                                                 << std::flush;
   }
 }
 
-ExitCode in_domain(const ConnectionOptions& options, const Streams& streams,
-                   const DomainCommand& command) {
+ExitCode in_domain(const ConnectionOptions& options, const Streams& to, const InDomain& command) {
   Interrupt interrupt;  // before DDS starts its threads
   const auto connection = resolve(options);
-  if (!connection) {
-    streams.err << connection.error() << '\n';
-    return ExitCode::kUsage;
+  if (connection) return command(*connection, interrupt);
+  to.err << connection.error() << '\n';
+  return ExitCode::kUsage;
+}
+
+Listening receive_reports(DomainView& domain, const Connection& connection,
+                          std::optional<Duration> time, const Streams& to,
+                          const OnReport& on_event) {
+  constexpr Duration kLook = std::chrono::milliseconds{500};
+  const auto began = instant_now();
+  const auto end = began + time.value_or(kBridgeWait);
+  Listening listening(connection, began);
+  for (auto now = began; now < end && !domain.inbox().closed() && to.out; now = instant_now()) {
+    if (!time && now >= listening.over_at()) break;
+    const auto wake = std::min(end, time ? now + kLook : listening.over_at());
+    for (const auto& event : domain.inbox().take_all(to_steady(wake))) {
+      const std::string_view bus = bus_of(event);
+      if (on_event(event, listening)) listening.news(bus, instant_now());
+    }
+    to.out.flush();
   }
-  return command(*connection, interrupt);
+  return listening;
+}
+
+std::optional<ExitCode> no_reports(std::string_view command, const DomainView& domain,
+                                   const Connection& connection, const Listening& listening,
+                                   bool any, std::ostream& err) {
+  if (!any) {
+    err << "fieldcast " << command << ": " << no_bridge_text(connection, domain.missing_servers())
+        << '\n';
+    return ExitCode::kNoBridge;
+  }
+  if (const std::string silent = listening.silent_text(); !silent.empty())
+    err << "fieldcast " << command << ": " << silent << '\n';
+  return std::nullopt;
+}
+
+std::optional<BridgeSpec> load_configuration(const std::string& path, std::ostream& err,
+                                             const config::LoadOptions& options) {
+  auto loaded = config::load_file(path, options);
+  if (loaded) return *std::move(loaded);
+  err << config::to_text(loaded.error()) << '\n';
+  return std::nullopt;
+}
+
+ExitCode in_store(const StoreSource& source, std::ostream& err, IfMissing missing,
+                  const std::function<ExitCode(SqlConnection& store)>& command) {
+  const auto address = resolve(source);
+  if (address) return command(*open_store(*address, missing));
+  err << address.error() << '\n';
+  return ExitCode::kUsage;
+}
+
+ExitCode end_of_records(const Streams& to, std::size_t records, std::string_view nothing) {
+  to.out.flush();
+  if (!to.out) return ExitCode::kTrouble;
+  if (records > 0) return ExitCode::kOk;
+  to.err << nothing << '\n';
+  return ExitCode::kNothing;
 }
 
 }  // namespace fieldcast::cli

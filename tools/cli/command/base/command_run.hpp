@@ -1,12 +1,15 @@
-// Sends commands and waits for their results, for `write` and `acquire`.
+// Sends commands and waits for their results, for `write` and `acquire`. Steps of other commands.
 #pragma once
 
 #include <functional>
 #include <iosfwd>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "bridge/store/sql/sql.hpp"
+#include "config/loader/loader.hpp"
 #include "tools/cli/command/base/command.hpp"
 #include "tools/cli/domain/connection.hpp"
 #include "tools/cli/domain/domain_view.hpp"
@@ -23,6 +26,10 @@ struct Errand {
   Outcome outcome;
   [[nodiscard]] bool to_be_sent() const { return outcome.state == Outcome::State::kResult; }
 };
+
+// A command for `target` of the device of `path`, not sent yet; its text is `named` in the outcome.
+[[nodiscard]] Errand errand_for(const ChannelPath& path, Operation operation, Target target,
+                                const std::string& named);
 
 struct WriteDetails {
   std::string type, unit;  // of the channel
@@ -42,8 +49,7 @@ class CommandRun {
     Duration timeout = std::chrono::seconds{5};
   };
   // REQUIRES: the references outlive this object.
-  CommandRun(DomainView& domain, const Connection& connection, Options options, std::ostream& out,
-             std::ostream& err);
+  CommandRun(DomainView& domain, const Connection& connection, Options options, const Streams& to);
 
   // Reads the catalogue until it has every path, or nothing new arrives. A path without a channel
   // needs all channels, with kDevice only the device. False without a bridge or after Ctrl-C; `err`
@@ -70,17 +76,80 @@ class CommandRun {
   DomainView& domain_;
   const Connection& connection_;
   Options options_;
-  std::ostream& out_;
-  std::ostream& err_;
+  const Streams to_;
   Catalogue catalogue_;
 };
 
-// Runs a command in a DDS domain, with signals blocked before DDS starts threads. Main thread.
+// How commands begin. Each function creates the Interrupt before DDS starts threads.
 
-using DomainCommand = std::function<ExitCode(const Connection& connection, Interrupt& interrupt)>;
+template <typename Options>
+using DomainFunction = ExitCode (*)(const Options& options, const Connection& connection,
+                                    Interrupt& interrupt, const Streams& to);
+using InDomain = std::function<ExitCode(const Connection& connection, Interrupt& interrupt)>;
 
 // kUsage if the configuration file has faults.
-[[nodiscard]] ExitCode in_domain(const ConnectionOptions& options, const Streams& streams,
-                                 const DomainCommand& command);
+[[nodiscard]] ExitCode in_domain(const ConnectionOptions& options, const Streams& to,
+                                 const InDomain& command);
+
+// A command in a DDS domain.
+template <typename Options>
+[[nodiscard]] RunCommand<Options> in_domain(DomainFunction<Options> run) {
+  return [run](const Options& options, const Streams& to) {
+    return in_domain(options.connection, to,
+                     [&](const Connection& connection, Interrupt& interrupt) {
+                       return run(options, connection, interrupt, to);
+                     });
+  };
+}
+
+// A command that checks for signals itself.
+template <typename Options>
+[[nodiscard]] RunCommand<Options> interruptible(ExitCode (*run)(const Options& options,
+                                                                const Interrupt& interrupt,
+                                                                const Streams& to)) {
+  return [run](const Options& options, const Streams& to) {
+    const Interrupt interrupt;
+    return run(options, interrupt, to);
+  };
+}
+
+// A command that a signal may end at any time.
+template <typename Options>
+[[nodiscard]] RunCommand<Options> ends_at_once(ExitCode (*run)(const Options& options,
+                                                               const Streams& to)) {
+  return [run](const Options& options, const Streams& to) {
+    const EndAtOnce end;
+    return run(options, to);
+  };
+}
+
+// Returns whether the event reports something new.
+using OnReport = std::function<bool(const DomainEvent& event, const Listening& listening)>;
+
+// Receives reports until every bridge has reported, or for `time`.
+[[nodiscard]] Listening receive_reports(DomainView& domain, const Connection& connection,
+                                        std::optional<Duration> time, const Streams& to,
+                                        const OnReport& on_event);
+
+// After receive_reports(): prints the sites without a bridge. If there is nothing to show, prints
+// the reason and returns the exit code. `any`: a bridge has reported.
+[[nodiscard]] std::optional<ExitCode> no_reports(std::string_view command, const DomainView& domain,
+                                                 const Connection& connection,
+                                                 const Listening& listening, bool any,
+                                                 std::ostream& err);
+
+// Prints the faults of the file to `err`.
+[[nodiscard]] std::optional<BridgeSpec> load_configuration(
+    const std::string& path, std::ostream& err,
+    const config::LoadOptions& options = config::default_options());
+
+// Opens the store for `command`. Returns kUsage if the source is invalid. Throws StoreError.
+[[nodiscard]] ExitCode in_store(const StoreSource& source, std::ostream& err, IfMissing missing,
+                                const std::function<ExitCode(SqlConnection& store)>& command);
+
+// Flushes the output. Returns kTrouble if it is incomplete, kOk if it has records; else kNothing
+// after `nothing` was printed.
+[[nodiscard]] ExitCode end_of_records(const Streams& to, std::size_t records,
+                                      std::string_view nothing);
 
 }  // namespace fieldcast::cli

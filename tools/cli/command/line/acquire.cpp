@@ -3,28 +3,15 @@
 #include <ostream>
 
 #include "core/model/command.hpp"
-#include "tools/cli/command/base/command.hpp"
 #include "tools/cli/command/base/command_run.hpp"
 #include "tools/cli/model/command_text.hpp"
 
 namespace fieldcast::cli {
 namespace {
 
-ExitCode usage(std::ostream& err, const std::string& fault) {
-  err << "fieldcast acquire: " << fault << '\n';
-  return ExitCode::kUsage;
-}
-
-Errand errand_of(const ChannelPath& path, Target target, std::string text, std::string type,
+Errand errand_of(const ChannelPath& path, Target target, const std::string& text, std::string type,
                  std::string unit) {
-  Errand errand;
-  errand.command.bus = path.bus;
-  errand.command.command.device = path.device;
-  errand.command.command.target = std::move(target);
-  errand.command.command.operation = Operation::kAcquire;
-  errand.outcome.bus = path.bus;
-  errand.outcome.device = path.device;
-  errand.outcome.target = std::move(text);
+  Errand errand = errand_for(path, Operation::kAcquire, std::move(target), text);
   errand.outcome.type = std::move(type);
   errand.outcome.unit = std::move(unit);
   return errand;
@@ -49,19 +36,18 @@ std::vector<Errand> errands_of(const ChannelPath& wanted, const Catalogue& catal
   return errands;
 }
 
-}  // namespace
-
+// Returns the code of the worst result. Throws DdsError.
 ExitCode acquire(const AcquireOptions& options, const Connection& connection, Interrupt& interrupt,
-                 std::ostream& out, std::ostream& err) {
+                 const Streams& to) {
   const auto wanted = parse_device_or_channel(options.target);
-  if (!wanted) return usage(err, wanted.error());
+  if (!wanted) return usage_fault(to.err, "acquire", wanted.error());
   auto type = address_type(options);
-  if (!type && !options.type.empty()) return usage(err, type.error());
+  if (!type && !options.type.empty()) return usage_fault(to.err, "acquire", type.error());
   if (!options.at.empty() && !wanted->channel.empty())
-    return usage(err, "with --at name BUS/DEVICE only");
+    return usage_fault(to.err, "acquire", "with --at name BUS/DEVICE only");
 
   DomainView domain(connection, interrupt);
-  CommandRun run(domain, connection, {options.json, options.timeout}, out, err);
+  CommandRun run(domain, connection, {options.json, options.timeout}, to);
   const bool raw = !options.at.empty();
   const bool device_alone = raw && type;
   if (!run.learn({*wanted},
@@ -75,38 +61,27 @@ ExitCode acquire(const AcquireOptions& options, const Connection& connection, In
     return run.execute(std::move(errands));
   }
   if (!type) type = address_type(options, channels_of(run.catalogue(), *wanted));
-  if (!type) return usage(err, type.error());
+  if (!type) return usage_fault(to.err, "acquire", type.error());
   errands.push_back(
       errand_of(*wanted, AddressTarget{options.at, type->encoding}, options.at, type->text, {}));
   errands.front().command.command.count = options.count;
   return run.execute(std::move(errands));
 }
 
-namespace {
-
-class AcquireCommand final : public CommandWith<AcquireOptions> {
- public:
-  void describe(CommandLine& line) override {
-    line.text("TARGET", options_.target, "BUS/DEVICE or BUS/DEVICE/CHANNEL").required();
-    add_command_options(line, options_, "Read");
-    line.number("--count", options_.count, 1, kMaxRawValues,
-                "How many values of the type, one behind the other; of a bit the bits from there "
-                "on (1)")
-        .needs("--at");
-  }
-  ExitCode run(const Streams& streams) override {
-    return in_domain(options_.connection, streams,
-                     [&](const Connection& connection, Interrupt& interrupt) {
-                       return acquire(options_, connection, interrupt, streams.out, streams.err);
-                     });
-  }
-};
+void describe_acquire(CommandLine& line, AcquireOptions& options) {
+  line.text("TARGET", options.target, "BUS/DEVICE or BUS/DEVICE/CHANNEL").required();
+  add_command_options(line, options, "Read");
+  line.number("--count", options.count, 1, kMaxRawValues,
+              "How many values of the type, one behind the other; of a bit the bits from there "
+              "on (1)")
+      .needs("--at");
+}
 
 }  // namespace
 
-CommandEntry acquire_command();
-CommandEntry acquire_command() {
-  return {"acquire", "Read from a device now", make_command<AcquireCommand>};
+CommandRow acquire_command();
+CommandRow acquire_command() {
+  return command_row("acquire", "Read from a device now", describe_acquire, in_domain(acquire));
 }
 
 }  // namespace fieldcast::cli

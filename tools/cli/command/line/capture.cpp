@@ -1,5 +1,5 @@
-#include "tools/cli/command/line/capture.hpp"
-
+// `fieldcast capture BUS --out FILE.pcapng`: captures a bus of a bridge on this machine. Needs no
+// DDS.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <poll.h>
@@ -9,7 +9,9 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <optional>
 #include <ostream>
+#include <string>
 
 #include "bridge/base/clock.hpp"
 #include "bridge/base/file_descriptor.hpp"
@@ -17,7 +19,7 @@
 #include "core/base/message_text.hpp"
 #include "core/capture/pcapng.hpp"
 #include "tools/cli/capture/capture_stream.hpp"
-#include "tools/cli/command/base/command.hpp"
+#include "tools/cli/command/base/command_run.hpp"
 #include "tools/progress/progress_line.hpp"
 
 namespace fieldcast::cli {
@@ -29,6 +31,14 @@ constexpr Duration kLastBlocks = std::chrono::seconds{2};
 constexpr std::size_t kTail = 512;  // reserve for the end of the file
 
 using Fault = CaptureFile::Fault;
+
+struct CaptureOptions {
+  std::string bus;
+  std::string out;     // "-": standard output
+  std::string bridge;  // needed if several bridges have a bus of this name; else empty
+  std::optional<Duration> time;
+  std::uint64_t size = 0;  // maximum file size in bytes; 0: no limit
+};
 
 // A new file, or standard output.
 class CaptureOut {
@@ -203,8 +213,7 @@ class Capturing {
   bool full_ = false, over_ = false;
 };
 
-}  // namespace
-
+// "250kB", "10MB", "1GB", "5000"; 0 for other text.
 std::uint64_t bytes_from(const std::string& text) {
   std::uint64_t number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -217,7 +226,10 @@ std::uint64_t bytes_from(const std::string& text) {
   return number > UINT64_MAX / worth ? 0 : number * worth;
 }
 
-ExitCode capture(const CaptureOptions& options, const Interrupt& interrupt, std::ostream& err) {
+// kOk also after Ctrl-C. kNoBridge, kNothing: no such bus. kTrouble: the file cannot be written or
+// the bridge was lost; earlier blocks are complete.
+ExitCode capture(const CaptureOptions& options, const Interrupt& interrupt, const Streams& to) {
+  std::ostream& err = to.err;
   const auto bridge = choose(options, err);
   if (!bridge) return bridge.error();
   auto out = CaptureOut::open(options.out);
@@ -235,41 +247,31 @@ ExitCode capture(const CaptureOptions& options, const Interrupt& interrupt, std:
   return Capturing(options, interrupt, *std::move(socket), *std::move(out), err).run();
 }
 
-namespace {
-
 constexpr std::uint64_t kLeastCapture = 10'000;
 
-class CaptureCommand final : public CommandWith<CaptureOptions> {
- public:
-  void describe(CommandLine& line) override {
-    line.text("BUS", options_.bus, "A bus of a bridge that runs on this machine").required();
-    line.text("--out", options_.out,
-              "The file to make, readable for you only; - is standard output")
-        .required();
-    line.duration("--seconds,--for", options_.time, CommandLine::kShortest,
-                  "End after this time (20, 500ms, 2min); else with Ctrl-C");
-    line.value(
-        "--size",
-        [this](const std::string& text) -> std::optional<std::string> {
-          options_.size = bytes_from(text);
-          if (options_.size >= kLeastCapture) return std::nullopt;
-          return "allowed: 10kB or more, with kB, MB or GB";
-        },
-        "End before the file is larger than this (250kB, 10MB)");
-    line.text("--bridge", options_.bridge, "Where several bridges have a bus of this name");
-  }
-  ExitCode run(const Streams& streams) override {
-    Interrupt interrupt;
-    return capture(options_, interrupt, streams.err);
-  }
-};
+void describe_capture(CommandLine& line, CaptureOptions& options) {
+  line.text("BUS", options.bus, "A bus of a bridge that runs on this machine").required();
+  line.text("--out", options.out, "The file to make, readable for you only; - is standard output")
+      .required();
+  line.duration("--seconds,--for", options.time, CommandLine::kShortest,
+                "End after this time (20, 500ms, 2min); else with Ctrl-C");
+  line.value(
+      "--size",
+      [&options](const std::string& text) -> std::optional<std::string> {
+        options.size = bytes_from(text);
+        if (options.size >= kLeastCapture) return std::nullopt;
+        return "allowed: 10kB or more, with kB, MB or GB";
+      },
+      "End before the file is larger than this (250kB, 10MB)");
+  line.text("--bridge", options.bridge, "Where several bridges have a bus of this name");
+}
 
 }  // namespace
 
-CommandEntry capture_command();
-CommandEntry capture_command() {
-  return {"capture", "Write what passes on a bus to a file for Wireshark",
-          make_command<CaptureCommand>};
+CommandRow capture_command();
+CommandRow capture_command() {
+  return command_row("capture", "Write what passes on a bus to a file for Wireshark",
+                     describe_capture, interruptible(capture));
 }
 
 }  // namespace fieldcast::cli

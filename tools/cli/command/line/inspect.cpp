@@ -9,11 +9,10 @@
 #include <ostream>
 
 #include "bridge/base/file_descriptor.hpp"
-#include "config/loader/loader.hpp"
 #include "core/base/bytes.hpp"
 #include "core/base/json.hpp"
 #include "core/capture/trace_text.hpp"
-#include "tools/cli/command/base/command.hpp"
+#include "tools/cli/command/base/command_run.hpp"
 #include "tools/cli/inspect/frame_report.hpp"
 #include "tools/cli/model/address_notation.hpp"
 #include "tools/cli/model/sample_text.hpp"
@@ -25,6 +24,11 @@
 namespace fieldcast::cli {
 
 namespace {
+
+struct SimCheckOptions {
+  std::string protocol;  // as for `inspect`
+  bool json = false;
+};
 
 // Limits wrong input; a real frame is far shorter.
 constexpr std::size_t kMaxHexCharacters = 65536;
@@ -40,14 +44,13 @@ std::string text_of(const InspectOptions& options, std::istream& in) {
 }
 
 ExitCode inspect_hex(const NamedProtocol& protocol, const std::string& hex,
-                     const InspectOptions& options, std::ostream& out, std::ostream& err,
-                     const Screen& screen) {
+                     const InspectOptions& options, const Streams& to) {
   const auto frame = hex.size() <= kMaxHexCharacters ? from_hex(hex) : std::nullopt;
   if (!frame || frame->empty()) {
-    err << "fieldcast inspect: "
-        << (hex.size() > kMaxHexCharacters ? "more than 65536 characters are" : "that is")
-        << " no frame; write its bytes in hexadecimal, for instance 01 03 00 64 00 02 85 D4 or "
-           "01030064000285D4, or lines of the bridge's trace\n";
+    to.err << "fieldcast inspect: "
+           << (hex.size() > kMaxHexCharacters ? "more than 65536 characters are" : "that is")
+           << " no frame; write its bytes in hexadecimal, for instance 01 03 00 64 00 02 85 D4 or "
+              "01030064000285D4, or lines of the bridge's trace\n";
     return ExitCode::kUsage;
   }
   const auto fields = protocol.built_in != nullptr
@@ -55,19 +58,11 @@ ExitCode inspect_hex(const NamedProtocol& protocol, const std::string& hex,
                           : declared::explain(*protocol.declaration.value, *frame);
   const std::string_view name = protocol.name();
   if (options.json) {
-    out << inspect_json(name, *frame, fields).text() << '\n';
+    to.out << inspect_json(name, *frame, fields).text() << '\n';
   } else {
-    for (const auto& line : inspect_lines(name, *frame, fields, screen)) out << line << '\n';
+    print(to.out, inspect_lines(name, *frame, fields, to.wide_screen()));
   }
   return count_faults(fields) == 0 ? ExitCode::kOk : ExitCode::kFound;
-}
-
-// Prints the faults to `err`.
-std::optional<BridgeSpec> load_configuration(const std::string& path, std::ostream& err) {
-  auto loaded = config::load_file(path);
-  if (loaded) return *std::move(loaded);
-  err << config::to_text(loaded.error()) << '\n';
-  return std::nullopt;
 }
 
 FrameReport::Options report_options(const InspectOptions& options,
@@ -77,74 +72,69 @@ FrameReport::Options report_options(const InspectOptions& options,
 
 }  // namespace
 
-ExitCode inspect(const InspectOptions& given, std::istream& in, std::ostream& out,
-                 std::ostream& err, const Screen& screen) {
+ExitCode inspect(const InspectOptions& given, const Streams& to) {
   InspectOptions options = given;
   std::optional<BridgeSpec> spec;
   if (!options.config.empty()) {
-    spec = load_configuration(options.config, err);
+    spec = load_configuration(options.config, to.err);
     if (!spec) return ExitCode::kUsage;
   }
   auto how = report_options(options, spec);
   const bool named = has_name_of_capture(options.protocol);
   std::ifstream file(options.protocol, std::ios::binary);
   if (named && !file) {
-    err << fmt::format("fieldcast inspect: {}: {}\n", printable(options.protocol),
-                       errno_text(errno));
+    to.err << fmt::format("fieldcast inspect: {}: {}\n", printable(options.protocol),
+                          errno_text(errno));
     return ExitCode::kUsage;
   }
   if (named || (file && is_capture(file))) {
-    FrameReport report(how, out, screen);
-    return show_capture(file, options.protocol, report, err);
+    FrameReport report(how, to.out, to.wide_screen());
+    return show_capture(file, options.protocol, report, to.err);
   }
   // With a configuration, the first word may be the input.
   if (options.protocol.empty() || parse_trace_text(options.protocol)) {
     if (!spec) {
-      err << "fieldcast inspect: which protocol? Name it, or the configuration with --config\n";
+      to.err << "fieldcast inspect: which protocol? Name it, or the configuration with --config\n";
       return ExitCode::kUsage;
     }
     if (!options.protocol.empty()) options.hex.insert(options.hex.begin(), options.protocol);
   } else {
-    how.protocol = named_protocol(options.protocol, "inspect", err);
+    how.protocol = named_protocol(options.protocol, "inspect", to.err);
     if (!how.protocol) return ExitCode::kUsage;
   }
-  const std::string text = text_of(options, in);
-  FrameReport report(how, out, screen);
+  const std::string text = text_of(options, to.in);
+  FrameReport report(how, to.out, to.wide_screen());
   if (show_trace(text, report)) return report.faulty() > 0 ? ExitCode::kFound : ExitCode::kOk;
-  if (how.protocol) return inspect_hex(*how.protocol, text, options, out, err, screen);
-  err << "fieldcast inspect: that are no lines of the bridge's trace, which look like "
-         "2026-11-22T14:24:21.126358Z line >> 01 03 00 64 00 02 85 D4; of a frame alone the "
-         "protocol must be named\n";
+  if (how.protocol) return inspect_hex(*how.protocol, text, options, to);
+  to.err << "fieldcast inspect: that are no lines of the bridge's trace, which look like "
+            "2026-11-22T14:24:21.126358Z line >> 01 03 00 64 00 02 85 D4; of a frame alone the "
+            "protocol must be named\n";
   return ExitCode::kUsage;
 }
 
 namespace {
 
-class InspectCommand final : public CommandWith<InspectOptions> {
- public:
-  void describe(CommandLine& line) override {
-    line.text("PROTOCOL", options_.protocol,
-              std::string(kProtocolHelp) + "; or the file of a capture (.pcapng)");
-    line.texts("HEX", options_.hex,
-               "The frame's bytes, or lines of the bridge's trace; from standard input when there "
-               "are none");
-    line.text("--config", options_.config, "Shows values by the channels of this configuration")
-        .existing_file();
-    line.flag("--fields", options_.fields, "Every field of each frame of a capture or a trace");
-    line.flag("--json", options_.json, "One JSON object for each frame");
-  }
-  ExitCode run(const Streams& streams) override {
-    return inspect(options_, streams.in, streams.out, streams.err, streams.wide_screen());
-  }
-};
+void describe_inspect(CommandLine& line, InspectOptions& options) {
+  line.text("PROTOCOL", options.protocol,
+            std::string(kProtocolHelp) + "; or the file of a capture (.pcapng)");
+  line.texts("HEX", options.hex,
+             "The frame's bytes, or lines of the bridge's trace; from standard input when there "
+             "are none");
+  line.text("--config", options.config, "Shows values by the channels of this configuration")
+      .existing_file();
+  line.flag("--fields", options.fields, "Every field of each frame of a capture or a trace");
+  line.flag("--json", options.json, "One JSON object for each frame");
+}
 
 }  // namespace
 
-CommandEntry inspect_command();
-CommandEntry inspect_command() {
-  return {"inspect", "Explain a frame, a trace or a capture; needs no bridge",
-          make_command<InspectCommand>};
+CommandRow inspect_command();
+CommandRow inspect_command() {
+  return command_row("inspect", "Explain a frame, a trace or a capture; needs no bridge",
+                     describe_inspect, inspect);
 }
+
+namespace {
 
 Json check_json(std::string_view protocol, const sim::CheckRow& row) {
   Json line{{"protocol", protocol},  {"options", row.variant}, {"check", row.check},
@@ -194,14 +184,15 @@ std::vector<std::string> check_lines(const sim::CheckRows& rows, const Screen& s
   return lines;
 }
 
-ExitCode sim_check(const SimCheckOptions& options, std::ostream& out, std::ostream& err,
-                   const Screen& screen) {
-  const auto protocol = named_protocol(options.protocol, "sim-check", err);
+// Tests a protocol's master against its simulated device in virtual time. Returns kFound if a check
+// failed, kUsage for an unknown protocol or an invalid declaration.
+ExitCode sim_check(const SimCheckOptions& options, const Streams& to) {
+  const auto protocol = named_protocol(options.protocol, "sim-check", to.err);
   if (!protocol) return ExitCode::kUsage;
   const auto subjects = protocol->built_in != nullptr ? sim::subjects_of(protocol->built_in->name)
                                                       : sim::subjects_of(protocol->declaration);
   sim::CheckRows all;
-  ProgressLine progress(err);
+  ProgressLine progress(to.err);
   for (std::size_t i = 0; i < subjects.size(); ++i) {
     const auto show = [&](double share) {
       progress.show([&](Duration elapsed) {
@@ -213,42 +204,31 @@ ExitCode sim_check(const SimCheckOptions& options, std::ostream& out, std::ostre
     auto rows = sim::sim_check(subjects[i], show);
     progress.clear();
     for (auto& row : rows) {
-      if (options.json) out << check_json(protocol->name(), row).text() << '\n';
+      if (options.json) to.out << check_json(protocol->name(), row).text() << '\n';
       all.push_back(std::move(row));
     }
-    out.flush();
+    to.out.flush();
   }
-  if (!options.json) {
-    for (const auto& line : check_lines(all, screen)) out << line << '\n';
-  }
+  if (!options.json) print(to.out, check_lines(all, to.wide_screen()));
   std::uint64_t tried = 0, failed = 0;
   for (const auto& row : all) tried += row.tried, failed += row.failed();
-  err << protocol->name() << ": " << tried << " tried, " << failed << " failed\n";
+  to.err << protocol->name() << ": " << tried << " tried, " << failed << " failed\n";
   return failed == 0 ? ExitCode::kOk : ExitCode::kFound;
 }
 
-namespace {
-
-class SimCheckCommand final : public CommandWith<SimCheckOptions> {
- public:
-  void describe(CommandLine& line) override {
-    line.text("PROTOCOL", options_.protocol, kProtocolHelp).required();
-    line.flag("--json", options_.json, "JSON lines");
-  }
-  ExitCode run(const Streams& streams) override {
-    const EndAtOnce end;
-    return sim_check(options_, streams.out, streams.err, streams.wide_screen());
-  }
-};
+void describe_sim_check(CommandLine& line, SimCheckOptions& options) {
+  line.text("PROTOCOL", options.protocol, kProtocolHelp).required();
+  line.flag("--json", options.json, "JSON lines");
+}
 
 }  // namespace
 
-CommandEntry sim_check_command();
-CommandEntry sim_check_command() {
-  return {"sim-check",
-          "Try a protocol's master against its simulated device, through the whole matrix; needs "
-          "no bridge",
-          make_command<SimCheckCommand>};
+CommandRow sim_check_command();
+CommandRow sim_check_command() {
+  return command_row("sim-check",
+                     "Try a protocol's master against its simulated device, through the whole "
+                     "matrix; needs no bridge",
+                     describe_sim_check, ends_at_once(sim_check));
 }
 
 }  // namespace fieldcast::cli

@@ -2,13 +2,10 @@
 // built-in name, the path of a declaration, or the name of an installed one. Needs no DDS.
 #pragma once
 
-#include <iosfwd>
 #include <string>
 #include <vector>
 
-#include "core/base/json.hpp"
-#include "tools/cli/text/output.hpp"
-#include "tools/sim/check/sim_check.hpp"
+#include "tools/cli/command/base/command.hpp"
 
 namespace fieldcast::cli {
 
@@ -21,23 +18,6 @@ struct InspectOptions {
 };
 
 // Returns kFound if a frame is invalid or a capture is truncated, kUsage for invalid input.
-[[nodiscard]] ExitCode inspect(const InspectOptions& options, std::istream& in, std::ostream& out,
-                               std::ostream& err, const Screen& screen);
-
-// `fieldcast sim-check PROTOCOL`: tests a protocol's master against its simulated device in virtual
-// time. PROTOCOL as for `inspect`. Needs no DDS.
-
-struct SimCheckOptions {
-  std::string protocol;
-  bool json = false;
-};
-
-// Returns kFound if a check failed, kUsage for an unknown protocol or an invalid declaration.
-[[nodiscard]] ExitCode sim_check(const SimCheckOptions& options, std::ostream& out,
-                                 std::ostream& err, const Screen& screen);
-
-[[nodiscard]] Json check_json(std::string_view protocol, const sim::CheckRow& row);
-[[nodiscard]] std::vector<std::string> check_lines(const sim::CheckRows& rows,
-                                                   const Screen& screen);
+[[nodiscard]] ExitCode inspect(const InspectOptions& options, const Streams& to);
 
 }  // namespace fieldcast::cli

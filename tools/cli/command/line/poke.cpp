@@ -6,7 +6,7 @@
 
 #include "core/bus/command/command_job.hpp"
 #include "core/model/bus_spec.hpp"
-#include "tools/cli/command/base/command.hpp"
+#include "tools/cli/command/base/command_run.hpp"
 #include "tools/cli/direct/direct_bus.hpp"
 #include "tools/cli/direct/line_exchange.hpp"
 #include "tools/cli/model/address_notation.hpp"
@@ -56,7 +56,7 @@ std::string values_text(const std::vector<Value>& values, const std::string& typ
 }
 
 void show(const PokeOptions& options, const Write& write, const CommandResult& result,
-          std::ostream& out, std::ostream& err) {
+          const Streams& to) {
   if (options.json) {
     Json json{{"address", write.at},
               {"state", to_text(result.state)},
@@ -64,7 +64,7 @@ void show(const PokeOptions& options, const Write& write, const CommandResult& r
               {"device_code", result.device_code},
               {"reason", result.reason},
               {"values", result.values}};
-    out << json.text() << '\n';
+    to.out << json.text() << '\n';
   }
   std::string line = fmt::format("{} = {}: {}", write.at, values_text(write.values, write.type),
                                  to_text(result.state));
@@ -72,8 +72,8 @@ void show(const PokeOptions& options, const Write& write, const CommandResult& r
   if (!result.values.empty())
     line += fmt::format(" (read back {})", values_text(result.values, write.type));
   const bool done = result.state == CommandState::kDone || result.state == CommandState::kVerified;
-  if (!options.json || !done) (done ? out : err) << printable(line) << '\n';
-  out.flush();
+  if (!options.json || !done) (done ? to.out : to.err) << printable(line) << '\n';
+  to.out.flush();
 }
 
 fieldcast::Command command_of(const Write& write, bool verify) {
@@ -88,8 +88,7 @@ fieldcast::Command command_of(const Write& write, bool verify) {
 
 // Prints the first write that the bus would refuse without a request.
 bool refuses_any(const PokeOptions& options, const std::vector<Write>& writes,
-                 const DeviceSpec& device, const Protocol& protocol, std::ostream& out,
-                 std::ostream& err) {
+                 const DeviceSpec& device, const Protocol& protocol, const Streams& to) {
   for (const Write& write : writes) {
     const auto job = CommandJob::make(command_of(write, options.verify), device, 0, 0, protocol,
                                       plain_text_codec());
@@ -99,7 +98,7 @@ bool refuses_any(const PokeOptions& options, const std::vector<Write>& writes,
     result.cause = job.error().cause;
     result.reason = job.error().reason;
     if (writes.size() > 1) result.reason += "; nothing is written";
-    show(options, write, result, out, err);
+    show(options, write, result, to);
     return true;
   }
   return false;
@@ -107,36 +106,34 @@ bool refuses_any(const PokeOptions& options, const std::vector<Write>& writes,
 
 }  // namespace
 
-ExitCode poke(const PokeOptions& options, const Interrupt& interrupt, std::ostream& out,
-              std::ostream& err) {
-  const auto named = named_protocol(protocol_of(options.line), "poke", err);
+ExitCode poke(const PokeOptions& options, const Interrupt& interrupt, const Streams& to) {
+  const auto named = named_protocol(protocol_of(options.line), "poke", to.err);
   if (!named) return ExitCode::kUsage;
   const auto bus = bus_of(options.line, *named);
-  if (!bus) return usage_fault(err, "poke", bus.error());
+  if (!bus) return usage_fault(to.err, "poke", bus.error());
   const auto protocol = *make_protocol(bus->devices.front(), line_of(bus->port));
   std::vector<Write> writes;
   for (const std::string& assignment : options.assignments) {
     auto write = write_of(assignment, options.type, *protocol);
-    if (!write) return usage_fault(err, "poke", write.error());
+    if (!write) return usage_fault(to.err, "poke", write.error());
     writes.push_back(*std::move(write));
   }
-  if (refuses_any(options, writes, bus->devices.front(), *protocol, out, err))
-    return ExitCode::kRejected;
-  return on_line(options.capture, *bus, "poke", err, [&](LineCapture* capture) {
+  if (refuses_any(options, writes, bus->devices.front(), *protocol, to)) return ExitCode::kRejected;
+  return on_line(options.capture, *bus, "poke", to.err, [&](LineCapture* capture) {
     DirectBus line(*bus, options.trace, capture);
     if (const auto opened = line.open(interrupt); !opened) {
       if (interrupt.raised()) return ExitCode::kInterrupted;
-      err << "fieldcast poke: " << printable(opened.error()) << '\n';
+      to.err << "fieldcast poke: " << printable(opened.error()) << '\n';
       return ExitCode::kTrouble;
     }
     for (const Write& write : writes) {
       const auto result = line.run(command_of(write, options.verify), interrupt);
       if (!result) {
-        err << "fieldcast poke: interrupted; whether " << printable(write.at)
-            << " was written is not known\n";
+        to.err << "fieldcast poke: interrupted; whether " << printable(write.at)
+               << " was written is not known\n";
         return ExitCode::kInterrupted;
       }
-      show(options, write, *result, out, err);
+      show(options, write, *result, to);
       if (result->state == CommandState::kRejected) return ExitCode::kRejected;
       if (result->state == CommandState::kFailed) return ExitCode::kFailed;
     }
@@ -146,32 +143,25 @@ ExitCode poke(const PokeOptions& options, const Interrupt& interrupt, std::ostre
 
 namespace {
 
-class PokeCommand final : public CommandWith<PokeOptions> {
- public:
-  void describe(CommandLine& line) override {
-    add_line_options(line, options_.line);
-    line.texts("ADDRESS=VALUE", options_.assignments,
-               "holding:100=7; further values of the items behind it with commas")
-        .required();
-    line.text("--type", options_.type,
-              "Of the values: uint16, float32, string(8), .. (what the address implies)");
-    line.flag("--verify", options_.verify, "Read back what was written");
-    line.flag("--trace", options_.trace, "The bytes on the line, as they pass");
-    line.text("--capture", options_.capture, kCaptureHelp);
-    line.flag("--json", options_.json, "JSON lines").excludes("--trace");
-  }
-  ExitCode run(const Streams& streams) override {
-    Interrupt interrupt;
-    return poke(options_, interrupt, streams.out, streams.err);
-  }
-};
+void describe_poke(CommandLine& line, PokeOptions& options) {
+  add_line_options(line, options.line);
+  line.texts("ADDRESS=VALUE", options.assignments,
+             "holding:100=7; further values of the items behind it with commas")
+      .required();
+  line.text("--type", options.type,
+            "Of the values: uint16, float32, string(8), .. (what the address implies)");
+  line.flag("--verify", options.verify, "Read back what was written");
+  line.flag("--trace", options.trace, "The bytes on the line, as they pass");
+  line.text("--capture", options.capture, kCaptureHelp);
+  line.flag("--json", options.json, "JSON lines").excludes("--trace");
+}
 
 }  // namespace
 
-CommandEntry poke_command();
-CommandEntry poke_command() {
-  return {"poke", "Write to a line; needs no bridge and no configuration",
-          make_command<PokeCommand>};
+CommandRow poke_command();
+CommandRow poke_command() {
+  return command_row("poke", "Write to a line; needs no bridge and no configuration", describe_poke,
+                     interruptible(poke));
 }
 
 }  // namespace fieldcast::cli

@@ -1,13 +1,12 @@
 // `fieldcast poke`: writes to addresses on a line, without a bridge and a configuration.
 #pragma once
 
-#include <iosfwd>
 #include <string>
 #include <vector>
 
+#include "tools/cli/command/base/command.hpp"
 #include "tools/cli/direct/direct_bus.hpp"
 #include "tools/cli/terminal/interrupt.hpp"
-#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 
@@ -23,6 +22,6 @@ struct PokeOptions {
 
 // Checks all assignments first, then writes in order until one fails.
 [[nodiscard]] ExitCode poke(const PokeOptions& options, const Interrupt& interrupt,
-                            std::ostream& out, std::ostream& err);
+                            const Streams& to);
 
 }  // namespace fieldcast::cli

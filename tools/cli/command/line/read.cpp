@@ -6,7 +6,7 @@
 
 #include "core/model/bus_spec.hpp"
 #include "core/model/fit.hpp"
-#include "tools/cli/command/base/command.hpp"
+#include "tools/cli/command/base/command_run.hpp"
 #include "tools/cli/direct/direct_bus.hpp"
 #include "tools/cli/direct/line_exchange.hpp"
 #include "tools/cli/direct/meanings.hpp"
@@ -90,10 +90,10 @@ Json values_json(const Wanted& wanted, const std::vector<Value>& values) {
 class Reading {
  public:
   Reading(const ReadOptions& options, std::unique_ptr<Protocol> protocol, DirectBus& bus,
-          std::ostream& out, std::ostream& err)
-      : options_(options), protocol_(std::move(protocol)), bus_(bus), out_(out), err_(err) {}
+          const Streams& to)
+      : options_(options), protocol_(std::move(protocol)), bus_(bus), to_(to) {}
 
-  ExitCode read(const Wanted& wanted, std::span<const Meaning> meanings, const Screen& screen,
+  ExitCode read(const Wanted& wanted, std::span<const Meaning> meanings,
                 const Interrupt& interrupt) {
     std::vector<Value> values;
     for (const Part& part : wanted.parts) {
@@ -108,27 +108,27 @@ class Reading {
       values.insert(values.end(), result->values.begin(), result->values.end());
     }
     if (!meanings.empty())
-      show_meanings(wanted, values, meanings, screen);
+      show_meanings(wanted, values, meanings);
     else if (options_.json)
-      out_ << values_json(wanted, values).text() << '\n';
+      to_.out << values_json(wanted, values).text() << '\n';
     else
       show(wanted, values);
-    out_.flush();
+    to_.out.flush();
     return ExitCode::kOk;
   }
 
  private:
   ExitCode failed(const Part& part, const CommandResult& result) {
     if (options_.json) {
-      out_ << Json{{"address", part.at},
-                   {"cause", to_name(result.cause)},
-                   {"device_code", result.device_code},
-                   {"reason", result.reason}}
-                  .text()
-           << '\n';
-      out_.flush();
+      to_.out << Json{{"address", part.at},
+                      {"cause", to_name(result.cause)},
+                      {"device_code", result.device_code},
+                      {"reason", result.reason}}
+                     .text()
+              << '\n';
+      to_.out.flush();
     }
-    err_ << printable(fmt::format("{}: {}", part.at, result.reason)) << '\n';
+    to_.err << printable(fmt::format("{}: {}", part.at, result.reason)) << '\n';
     return result.state == CommandState::kRejected ? ExitCode::kRejected : ExitCode::kFailed;
   }
 
@@ -139,12 +139,12 @@ class Reading {
   }
   void show(const Wanted& wanted, const std::vector<Value>& values) {
     for (std::size_t i = 0; i < values.size(); ++i)
-      out_ << printable(
-                  fmt::format("{} = {}", address_of(wanted, i), value_text(values[i], wanted.type)))
-           << '\n';
+      to_.out << printable(fmt::format("{} = {}", address_of(wanted, i),
+                                       value_text(values[i], wanted.type)))
+              << '\n';
   }
   void show_meanings(const Wanted& wanted, const std::vector<Value>& values,
-                     std::span<const Meaning> meanings, const Screen& screen) {
+                     std::span<const Meaning> meanings) {
     Bytes image;
     std::vector<std::string> addresses;
     for (const Value& value : values) {
@@ -152,49 +152,46 @@ class Reading {
       if (const auto item = encode_value(wanted.encoding, wanted.item_bits, value))
         append(image, *item);
     }
-    for (const auto& line : meaning_lines(addresses, wanted.item_bits, image, meanings, screen))
-      out_ << line << '\n';
+    print(to_.out, meaning_lines(addresses, wanted.item_bits, image, meanings, to_.wide_screen()));
   }
 
   const ReadOptions& options_;
   const std::unique_ptr<Protocol> protocol_;
   DirectBus& bus_;
-  std::ostream& out_;
-  std::ostream& err_;
+  const Streams& to_;
 };
 
 }  // namespace
 
-ExitCode read(const ReadOptions& options, const Interrupt& interrupt, std::ostream& out,
-              std::ostream& err, const Screen& screen) {
-  const auto named = named_protocol(protocol_of(options.line), "read", err);
+ExitCode read(const ReadOptions& options, const Interrupt& interrupt, const Streams& to) {
+  const auto named = named_protocol(protocol_of(options.line), "read", to.err);
   if (!named) return ExitCode::kUsage;
   const auto bus = bus_of(options.line, *named);
-  if (!bus) return usage_fault(err, "read", bus.error());
+  if (!bus) return usage_fault(to.err, "read", bus.error());
   auto protocol = *make_protocol(bus->devices.front(), line_of(bus->port));
   std::vector<Meaning> meanings;
   if (!options.as.empty()) {
     auto named_meanings = meanings_of(options.as);
-    if (!named_meanings) return usage_fault(err, "read", named_meanings.error());
+    if (!named_meanings) return usage_fault(to.err, "read", named_meanings.error());
     meanings = *std::move(named_meanings);
   }
   std::vector<Wanted> all;
   for (const std::string& at : options.addresses) {
     auto wanted = wanted_at(options, *protocol, at);
-    if (!wanted) return usage_fault(err, "read", wanted.error());
+    if (!wanted) return usage_fault(to.err, "read", wanted.error());
     all.push_back(*std::move(wanted));
   }
-  return on_line(options.capture, *bus, "read", err, [&](LineCapture* capture) {
+  return on_line(options.capture, *bus, "read", to.err, [&](LineCapture* capture) {
     DirectBus line(*bus, options.trace, capture);
     if (const auto opened = line.open(interrupt); !opened) {
       if (interrupt.raised()) return ExitCode::kInterrupted;
-      err << "fieldcast read: " << printable(opened.error()) << '\n';
+      to.err << "fieldcast read: " << printable(opened.error()) << '\n';
       return ExitCode::kTrouble;
     }
-    Reading reading(options, std::move(protocol), line, out, err);
+    Reading reading(options, std::move(protocol), line, to);
     ExitCode worst = ExitCode::kOk;
     for (const Wanted& wanted : all) {
-      const ExitCode code = reading.read(wanted, meanings, screen, interrupt);
+      const ExitCode code = reading.read(wanted, meanings, interrupt);
       if (code == ExitCode::kInterrupted) return code;
       if (code != ExitCode::kOk) worst = code;
     }
@@ -204,35 +201,28 @@ ExitCode read(const ReadOptions& options, const Interrupt& interrupt, std::ostre
 
 namespace {
 
-class ReadCommand final : public CommandWith<ReadOptions> {
- public:
-  void describe(CommandLine& line) override {
-    add_line_options(line, options_.line);
-    line.texts("ADDRESS", options_.addresses, "In the PLC's own notation: holding:100, DM10, VW4")
-        .required();
-    line.number("--count", options_.count, 1, kMaxRawValues,
-                "Values at each address, one behind the other (1)");
-    line.text("--type", options_.type,
-              "Of the values: uint16, float32, string(8), .. (what the address implies)");
-    line.text("--as", options_.as,
-              "What the items mean: types with commas (float32,int32), each in every order, or all")
-        .excludes("--type");
-    line.flag("--trace", options_.trace, "The bytes on the line, as they pass");
-    line.text("--capture", options_.capture, kCaptureHelp);
-    line.flag("--json", options_.json, "JSON lines").excludes("--trace").excludes("--as");
-  }
-  ExitCode run(const Streams& streams) override {
-    Interrupt interrupt;
-    return read(options_, interrupt, streams.out, streams.err, streams.wide_screen());
-  }
-};
+void describe_read(CommandLine& line, ReadOptions& options) {
+  add_line_options(line, options.line);
+  line.texts("ADDRESS", options.addresses, "In the PLC's own notation: holding:100, DM10, VW4")
+      .required();
+  line.number("--count", options.count, 1, kMaxRawValues,
+              "Values at each address, one behind the other (1)");
+  line.text("--type", options.type,
+            "Of the values: uint16, float32, string(8), .. (what the address implies)");
+  line.text("--as", options.as,
+            "What the items mean: types with commas (float32,int32), each in every order, or all")
+      .excludes("--type");
+  line.flag("--trace", options.trace, "The bytes on the line, as they pass");
+  line.text("--capture", options.capture, kCaptureHelp);
+  line.flag("--json", options.json, "JSON lines").excludes("--trace").excludes("--as");
+}
 
 }  // namespace
 
-CommandEntry read_command();
-CommandEntry read_command() {
-  return {"read", "Read from a line; needs no bridge and no configuration",
-          make_command<ReadCommand>};
+CommandRow read_command();
+CommandRow read_command() {
+  return command_row("read", "Read from a line; needs no bridge and no configuration",
+                     describe_read, interruptible(read));
 }
 
 }  // namespace fieldcast::cli

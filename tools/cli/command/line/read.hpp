@@ -2,13 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <iosfwd>
 #include <string>
 #include <vector>
 
+#include "tools/cli/command/base/command.hpp"
 #include "tools/cli/direct/direct_bus.hpp"
 #include "tools/cli/terminal/interrupt.hpp"
-#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 
@@ -25,6 +24,6 @@ struct ReadOptions {
 
 // Continues after a refused address; returns the code of the last fault.
 [[nodiscard]] ExitCode read(const ReadOptions& options, const Interrupt& interrupt,
-                            std::ostream& out, std::ostream& err, const Screen& screen);
+                            const Streams& to);
 
 }  // namespace fieldcast::cli

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <ostream>
 
-#include "tools/cli/command/base/command.hpp"
+#include "tools/cli/command/base/command_run.hpp"
 #include "tools/cli/direct/direct_bus.hpp"
 #include "tools/cli/direct/line_exchange.hpp"
 #include "tools/cli/import/import_files.hpp"
@@ -273,9 +273,7 @@ void explain_broken(const Scanner& scanner, bool serial, std::ostream& err) {
 void explain_nothing(const ScanOptions& options, const Scanner& scanner, bool serial,
                      std::ostream& err) {
   if (scanner.silent() && !scanner.echoed()) {
-    for (const std::string& line : silence_lines(options.port, scanner, serial, kUsualTimeout))
-      err << line << '\n';
-    return;
+    return print(err, silence_lines(options.port, scanner, serial, kUsualTimeout));
   }
   err << "no device responded to " << scanner.asked() << " requests on " << printable(options.port)
       << '\n';
@@ -293,17 +291,16 @@ void explain_nothing(const ScanOptions& options, const Scanner& scanner, bool se
            "try --protocol, --addresses 1-247, --all, or a longer --timeout\n";
 }
 
-void show(const ScanOptions& options, const Scanner& scanner, std::ostream& out,
-          const Screen& screen) {
+void show(const ScanOptions& options, const Scanner& scanner, const Streams& to) {
   const bool serial = is_serial(options);
   if (options.json) {
     for (const ScanFound& found : scanner.found())
-      out << found_json(options.port, scanner.lines()[found.line], found, serial).text() << '\n';
+      to.out << found_json(options.port, scanner.lines()[found.line], found, serial).text() << '\n';
   } else {
-    for (const auto& line : found_lines(scanner, serial, screen)) out << line << '\n';
-    for (const auto& line : template_lines(scanner)) out << line << '\n';
+    print(to.out, found_lines(scanner, serial, to.wide_screen()));
+    print(to.out, template_lines(scanner));
   }
-  out.flush();
+  to.out.flush();
 }
 
 ExitCode write_configuration(const ScanOptions& options, const Scanner& scanner,
@@ -320,81 +317,71 @@ ExitCode write_configuration(const ScanOptions& options, const Scanner& scanner,
 
 }  // namespace
 
-ExitCode scan(const ScanOptions& given, const Interrupt& interrupt, std::ostream& out,
-              std::ostream& err, const Screen& screen) {
+ExitCode scan(const ScanOptions& given, const Interrupt& interrupt, const Streams& to) {
   ScanOptions options = given;
   options.port = full_port(given.port);
   std::vector<std::string> names = options.protocols;
   if (names.empty()) names = {is_serial(options) ? "modbus-rtu" : "modbus-tcp"};
   std::vector<NamedProtocol> protocols;
   for (const std::string& name : names) {
-    auto named = named_protocol(name, "scan", err);
+    auto named = named_protocol(name, "scan", to.err);
     if (!named) return ExitCode::kUsage;
     protocols.push_back(*std::move(named));
   }
   auto lines = lines_of(options, protocols);
-  if (!lines) return usage_fault(err, "scan", lines.error());
+  if (!lines) return usage_fault(to.err, "scan", lines.error());
   std::error_code ignored;
   if (!options.out.empty() && std::filesystem::exists(options.out, ignored))
-    return usage_fault(err, "scan", options.out + " is there already; it is not written over");
+    return usage_fault(to.err, "scan", options.out + " is there already; it is not written over");
   const auto port = port_of(LineOptions{.port = options.port}, LineFormat{});
   const BusSpec captured = captured_bus(*port, *lines);
-  return on_line(options.capture, captured, "scan", err, [&](LineCapture* capture) {
-    Scan run(options, *port, *std::move(lines), interrupt, err, capture);
+  return on_line(options.capture, captured, "scan", to.err, [&](LineCapture* capture) {
+    Scan run(options, *port, *std::move(lines), interrupt, to.err, capture);
     const auto done = run.run();
     const Scanner& scanner = run.scanner();
-    if (!scanner.found().empty()) show(options, scanner, out, screen);
+    if (!scanner.found().empty()) show(options, scanner, to);
     if (!done) {
-      err << "fieldcast scan: " << printable(options.port) << ": " << printable(done.error())
-          << '\n';
+      to.err << "fieldcast scan: " << printable(options.port) << ": " << printable(done.error())
+             << '\n';
       return ExitCode::kTrouble;
     }
     if (interrupt.raised()) {
-      err << "fieldcast scan: interrupted; " << scanner.asked() << " questions were asked\n";
+      to.err << "fieldcast scan: interrupted; " << scanner.asked() << " questions were asked\n";
       return ExitCode::kInterrupted;
     }
     if (scanner.found().empty()) {
-      explain_nothing(options, scanner, is_serial(options), err);
+      explain_nothing(options, scanner, is_serial(options), to.err);
       return ExitCode::kNothing;
     }
-    explain_broken(scanner, is_serial(options), err);
-    return options.out.empty() ? ExitCode::kOk : write_configuration(options, scanner, err);
+    explain_broken(scanner, is_serial(options), to.err);
+    return options.out.empty() ? ExitCode::kOk : write_configuration(options, scanner, to.err);
   });
 }
 
 namespace {
 
-class ScanCommand final : public CommandWith<ScanOptions> {
- public:
-  void describe(CommandLine& line) override {
-    line.text("PORT", options_.port, "A serial port (/dev/ttyUSB0, ttyUSB0) or HOST:PORT")
-        .required();
-    line.texts(
-        "--protocol", options_.protocols,
-        "That devices may speak, in the order of trying (modbus-rtu; HOST:PORT: modbus-tcp)");
-    line.number("--baud", options_.baud, 50, 4'000'000, "Only this rate (the usual ones)");
-    line.text("--format", options_.format, "Only this format: 8N1, 8E1, .. (the usual ones)");
-    line.text("--addresses", options_.addresses, "Of devices: 1-32, 1,2,10-12 (1-32)");
-    line.duration("--timeout", options_.timeout, CommandLine::kShortest,
-                  "To the first byte of a response of each address (200ms); implies --all");
-    line.flag("--all", options_.all,
-              "Request each address at each setting, also on a line that seems silent");
-    line.text("--out", options_.out, "Write a first configuration there; the file must not exist");
-    line.text("--capture", options_.capture, kCaptureHelp);
-    line.flag("--json", options_.json, "JSON lines");
-  }
-  ExitCode run(const Streams& streams) override {
-    Interrupt interrupt;
-    return scan(options_, interrupt, streams.out, streams.err, streams.wide_screen());
-  }
-};
+void describe_scan(CommandLine& line, ScanOptions& options) {
+  line.text("PORT", options.port, "A serial port (/dev/ttyUSB0, ttyUSB0) or HOST:PORT").required();
+  line.texts("--protocol", options.protocols,
+             "That devices may speak, in the order of trying (modbus-rtu; HOST:PORT: modbus-tcp)");
+  line.number("--baud", options.baud, 50, 4'000'000, "Only this rate (the usual ones)");
+  line.text("--format", options.format, "Only this format: 8N1, 8E1, .. (the usual ones)");
+  line.text("--addresses", options.addresses, "Of devices: 1-32, 1,2,10-12 (1-32)");
+  line.duration("--timeout", options.timeout, CommandLine::kShortest,
+                "To the first byte of a response of each address (200ms); implies --all");
+  line.flag("--all", options.all,
+            "Request each address at each setting, also on a line that seems silent");
+  line.text("--out", options.out, "Write a first configuration there; the file must not exist");
+  line.text("--capture", options.capture, kCaptureHelp);
+  line.flag("--json", options.json, "JSON lines");
+}
 
 }  // namespace
 
-CommandEntry scan_command();
-CommandEntry scan_command() {
-  return {"scan", "Find the devices of a line and its settings; needs no bridge",
-          make_command<ScanCommand>};
+CommandRow scan_command();
+CommandRow scan_command() {
+  return command_row("scan", "Find the devices of a line and its settings; needs no bridge",
+                     describe_scan, interruptible(scan));
 }
 
 }  // namespace fieldcast::cli

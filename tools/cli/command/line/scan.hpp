@@ -2,14 +2,13 @@
 // and writes a first configuration.
 #pragma once
 
-#include <iosfwd>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/time.hpp"
+#include "tools/cli/command/base/command.hpp"
 #include "tools/cli/terminal/interrupt.hpp"
-#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 
@@ -28,6 +27,6 @@ struct ScanOptions {
 
 // Also shows what was found before an interrupt.
 [[nodiscard]] ExitCode scan(const ScanOptions& options, const Interrupt& interrupt,
-                            std::ostream& out, std::ostream& err, const Screen& screen);
+                            const Streams& to);
 
 }  // namespace fieldcast::cli

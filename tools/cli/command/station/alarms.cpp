@@ -8,13 +8,12 @@
 #include <array>
 #include <cstdlib>
 #include <ostream>
+#include <utility>
 
 #include "bridge/store/alarm_life_table.hpp"
-#include "tools/cli/command/base/command.hpp"
 #include "tools/cli/command/base/command_options.hpp"
 #include "tools/cli/command/base/command_run.hpp"
 #include "tools/cli/domain/domain_view.hpp"
-#include "tools/cli/terminal/console.hpp"
 #include "tools/cli/terminal/interrupt.hpp"
 #include "tools/cli/view/station_view.hpp"
 
@@ -25,78 +24,55 @@ AlarmKey key_of(const StationAlarm& alarm) {
   return {alarm.bus, alarm.device, alarm.channel, alarm.limit};
 }
 
-struct Told {
-  KnownAlarms alarms;
-  Listening listening;
+// Returns true if the event is new.
+bool note_alarm(KnownAlarms& alarms, const DomainEvent& event, const Listening& listening) {
+  if (const auto* bus = std::get_if<StationBusStatus>(&event))
+    return !listening.heard_site_of(bus->bus);
+  if (const auto* gone = std::get_if<AlarmGone>(&event)) alarms[key_of(gone->last)].alarm = {};
+  if (const auto* gone = std::get_if<AlarmStatusGone>(&event)) alarms[gone->last.alarm].status = {};
+  if (const auto* alarm = std::get_if<StationAlarm>(&event))
+    return !std::exchange(alarms[key_of(*alarm)].alarm, *alarm);
+  if (const auto* known = std::get_if<StationAlarmStatus>(&event))
+    return !std::exchange(alarms[known->alarm].status, known->status);
+  return false;
+}
 
-  // Returns true if the event is new.
-  bool note(const DomainEvent& event) {
-    if (const auto* bus = std::get_if<StationBusStatus>(&event))
-      return !listening.heard_site_of(bus->bus);
-    if (const auto* gone = std::get_if<AlarmGone>(&event)) alarms[key_of(gone->last)].alarm = {};
-    if (const auto* gone = std::get_if<AlarmStatusGone>(&event))
-      alarms[gone->last.alarm].status = {};
-    if (const auto* alarm = std::get_if<StationAlarm>(&event))
-      return !std::exchange(alarms[key_of(*alarm)].alarm, *alarm);
-    if (const auto* known = std::get_if<StationAlarmStatus>(&event))
-      return !std::exchange(alarms[known->alarm].status, known->status);
-    return false;
-  }
-};
-
-Told listen(DomainView& domain, const Connection& connection) {
+// Fails with the exit code if no bridge reported; then `err` has the reason.
+tl::expected<KnownAlarms, ExitCode> current_alarms(DomainView& domain, const Connection& connection,
+                                                   const Streams& to) {
   domain.subscribe_alarms();
   domain.subscribe_status();  // a bus without alarms still reports its status
-  const auto began = instant_now();
-  Told told{{}, {connection, began}};
-  const auto end = began + kBridgeWait;
-  for (auto now = began; now < std::min(end, told.listening.over_at()) && !domain.inbox().closed();
-       now = instant_now()) {
-    const auto until = to_steady(std::min(end, told.listening.over_at()));
-    for (const auto& event : domain.inbox().take_all(until)) {
-      if (told.note(event)) told.listening.news(bus_of(event), instant_now());
-    }
-  }
-  std::erase_if(told.alarms,
+  KnownAlarms alarms;
+  const Listening listening = receive_reports(
+      domain, connection, std::nullopt, to, [&](const DomainEvent& event, const Listening& heard) {
+        return note_alarm(alarms, event, heard);
+      });
+  if (domain.interrupted()) return tl::unexpected(ExitCode::kInterrupted);
+  if (const auto code =
+          no_reports("alarms", domain, connection, listening, listening.anybody(), to.err))
+    return tl::unexpected(*code);
+  std::erase_if(alarms,
                 [](const auto& entry) { return !entry.second.alarm && !entry.second.status; });
-  return told;
+  return alarms;
 }
 
-// Empty if a bridge reported.
-std::optional<ExitCode> trouble(const DomainView& domain, const Told& told,
-                                const Connection& connection, std::ostream& err) {
-  if (domain.interrupted()) return ExitCode::kInterrupted;
-  if (const std::string silent = told.listening.silent_text();
-      told.listening.anybody() && !silent.empty())
-    err << "fieldcast alarms: " << silent << '\n';
-  if (told.listening.anybody()) return std::nullopt;
-  err << "fieldcast alarms: " << no_bridge_text(connection, domain.missing_servers()) << '\n';
-  return ExitCode::kNoBridge;
-}
-
-}  // namespace
-
-ExitCode alarms(const AlarmsOptions& options, const Connection& connection, Interrupt& interrupt,
-                std::ostream& out, std::ostream& err) {
-  DomainView domain(connection, interrupt);
-  const Told told = listen(domain, connection);
-  if (const auto code = trouble(domain, told, connection, err)) return *code;
+// Returns kOk if a bridge reported, with or without alarms.
+ExitCode show_alarms(const AlarmsOptions& options, DomainView& domain, const Connection& connection,
+                     const Streams& to) {
+  const auto alarms = current_alarms(domain, connection, to);
+  if (!alarms) return alarms.error();
   if (options.json) {
-    for (const auto& [key, known] : told.alarms) out << alarm_json(key, known).text() << '\n';
+    for (const auto& [key, known] : *alarms) to.out << alarm_json(key, known).text() << '\n';
   } else {
-    const auto lines = alarm_lines(told.alarms, utc_now(), {0, 0, output_screen().colour});
-    if (lines.size() > 1) {  // more than the titles
-      for (const auto& line : lines) out << line << '\n';
-    }
-    const bool active = std::any_of(told.alarms.begin(), told.alarms.end(),
-                                    [](const auto& entry) { return entry.second.active(); });
-    if (!active) out << "no alarm is active\n";
+    const auto lines = alarm_lines(*alarms, utc_now(), to.wide_screen());
+    if (lines.size() > 1) print(to.out, lines);  // more than the titles
+    const bool active =
+        std::ranges::any_of(*alarms, [](const auto& entry) { return entry.second.active(); });
+    if (!active) to.out << "no alarm is active\n";
   }
-  out.flush();
-  return out ? ExitCode::kOk : ExitCode::kTrouble;
+  to.out.flush();
+  return to.out ? ExitCode::kOk : ExitCode::kTrouble;
 }
-
-namespace {
 
 bool is_meant(const AlarmsOptions& options, const AlarmKey& key, const AlarmStatus& status) {
   if (!options.pattern.matches(key.bus, key.device, key.channel)) return false;
@@ -141,16 +117,8 @@ std::vector<AlarmAction> actions_of(const AlarmsOptions& options, const std::str
 }
 
 ExitCode code_of(const StationOutcome& outcome) {
-  if (!outcome)
-    return outcome.error() == StationFault::kNoBridge ? ExitCode::kNoBridge : ExitCode::kNoAnswer;
-  switch (outcome->state) {
-    case CommandState::kDone:
-    case CommandState::kVerified: return ExitCode::kOk;
-    case CommandState::kRejected: return ExitCode::kRejected;
-    case CommandState::kFailed: return ExitCode::kFailed;
-    case CommandState::kExpired: return ExitCode::kExpired;
-  }
-  return ExitCode::kTrouble;
+  if (outcome) return exit_code_of(outcome->state);
+  return outcome.error() == StationFault::kNoBridge ? ExitCode::kNoBridge : ExitCode::kNoAnswer;
 }
 
 Json outcome_json(const AlarmAction& action, const StationOutcome& outcome) {
@@ -166,18 +134,16 @@ Json outcome_json(const AlarmAction& action, const StationOutcome& outcome) {
   return json;
 }
 
-}  // namespace
-
-ExitCode act_on_alarms(const AlarmsOptions& options, const std::string& by,
-                       const Connection& connection, Interrupt& interrupt, std::ostream& out,
-                       std::ostream& err) {
-  DomainView domain(connection, interrupt);
-  const Told told = listen(domain, connection);
-  if (const auto code = trouble(domain, told, connection, err)) return *code;
-  const std::vector<AlarmAction> actions = actions_of(options, by, told.alarms);
+// `by`: the acting user. kNothing if no alarm matches, else the worst result. REQUIRES:
+// options.action is set.
+ExitCode act_on_alarms(const AlarmsOptions& options, const std::string& by, DomainView& domain,
+                       const Connection& connection, const Streams& to) {
+  const auto alarms = current_alarms(domain, connection, to);
+  if (!alarms) return alarms.error();
+  const std::vector<AlarmAction> actions = actions_of(options, by, *alarms);
   if (actions.empty()) {
-    err << fmt::format("fieldcast alarms: of {} there is no alarm to {}\n", options.pattern.text(),
-                       to_text(*options.action));
+    to.err << fmt::format("fieldcast alarms: of {} there is no alarm to {}\n",
+                          options.pattern.text(), to_text(*options.action));
     return ExitCode::kNothing;
   }
   ExitCode worst = ExitCode::kOk;
@@ -186,37 +152,27 @@ ExitCode act_on_alarms(const AlarmsOptions& options, const std::string& by,
     const StationOutcome outcome = domain.station().execute(action);
     worst = std::max(worst, code_of(outcome));
     if (options.json) {
-      out << outcome_json(action, outcome).text() << '\n';
+      to.out << outcome_json(action, outcome).text() << '\n';
     } else {
-      out << printable(fmt::format("{}: {}", to_text(action.alarm), to_text(outcome))) << '\n';
+      to.out << printable(fmt::format("{}: {}", to_text(action.alarm), to_text(outcome))) << '\n';
     }
   }
-  out.flush();
-  return out ? worst : ExitCode::kTrouble;
+  to.out.flush();
+  return to.out ? worst : ExitCode::kTrouble;
 }
 
-ExitCode stored_alarms(const AlarmsOptions& options, std::ostream& out, std::ostream& err) {
-  const auto address = resolve(options.source);
-  if (!address) {
-    err << address.error() << '\n';
-    return ExitCode::kUsage;
-  }
-  const auto connection = open_store(*address, IfMissing::kFail);
-  std::size_t count = 0;
-  AlarmLifeTable(*connection)
-      .log(options.span->from, options.span->to, [&](const AlarmLogEntry& entry) {
-        ++count;
-        out << (options.json ? record_json(entry).text() : alarm_line(entry)) << '\n';
-        return out.good();
-      });
-  out.flush();
-  if (!out) return ExitCode::kTrouble;
-  if (count > 0) return ExitCode::kOk;
-  err << "no alarm was raised or cleared in that time\n";
-  return ExitCode::kNothing;
+ExitCode stored_alarms(const AlarmsOptions& options, const Streams& to) {
+  return in_store(options.source, to.err, IfMissing::kFail, [&](SqlConnection& store) {
+    std::size_t count = 0;
+    AlarmLifeTable(store).log(
+        options.span->from, options.span->to, [&](const AlarmLogEntry& entry) {
+          ++count;
+          to.out << (options.json ? record_json(entry).text() : alarm_line(entry)) << '\n';
+          return to.out.good();
+        });
+    return end_of_records(to, count, "no alarm was raised or cleared in that time");
+  });
 }
-
-namespace {
 
 constexpr Duration kShortest = std::chrono::seconds{1};
 
@@ -232,100 +188,94 @@ std::string login_name() {
   return found == nullptr ? fmt::format("uid {}", user) : std::string(entry.pw_name);
 }
 
-class AlarmsCommand final : public CommandWith<AlarmsOptions> {
- public:
-  void describe(CommandLine& line) override {
-    span_.describe(line);
-    line.when_given([this] { return finish(); });
-    line.flag("--json", options_.json, "JSON lines, of those that are clear again too");
-    line.text("--store", options_.source.store, "With --from: look into this store");
-    add_connection(line, options_.connection);
-    CommandLine& acknowledge = line.command("ack", "Acknowledge those that nobody has");
-    describe_action(acknowledge, AlarmActionKind::kAcknowledge);
-    CommandLine& shelve = line.command("shelve", "Put those that are not clear aside for a while");
-    describe_action(shelve, AlarmActionKind::kShelve);
-    shelve.duration("--for", options_.duration, kShortest, "How long, up to 24h").required();
-    CommandLine& unshelve = line.command("unshelve", "Take those back that are shelved");
-    describe_action(unshelve, AlarmActionKind::kUnshelve);
-    CommandLine& maintenance =
-        line.command("maintenance", "Suppress all alarms of a device while somebody works at it");
-    describe_maintenance(maintenance);
-    line.make_commands_optional();
-  }
-  ExitCode run(const Streams& streams) override {
-    if (!options_.action && options_.span) return stored_alarms(options_, streams.out, streams.err);
-    return in_domain(
-        options_.connection, streams, [&](const Connection& connection, Interrupt& interrupt) {
-          return options_.action
-                     ? act_on_alarms(options_, login_name(), connection, interrupt, streams.out,
-                                     streams.err)
-                     : alarms(options_, connection, interrupt, streams.out, streams.err);
-        });
-  }
+ExitCode alarms(const AlarmsOptions& options, const Streams& to) {
+  if (!options.action && options.span) return stored_alarms(options, to);
+  return in_domain(options.connection, to, [&](const Connection& connection, Interrupt& interrupt) {
+    DomainView domain(connection, interrupt);
+    return options.action ? act_on_alarms(options, login_name(), domain, connection, to)
+                          : show_alarms(options, domain, connection, to);
+  });
+}
 
- private:
-  void describe_common(CommandLine& line) {
-    line.text("--note", options_.note, "One line for the others, up to 256 bytes");
-    line.flag("--json", options_.json, "JSON lines");
-    add_connection(line, options_.connection);
-  }
-  void describe_action(CommandLine& line, AlarmActionKind action) {
-    line.value("PATTERN", pattern_into(options_.pattern), kPatternHelp).required();
-    line.value(
-        "--limit", [this](const std::string& text) { return read_limit(text); },
-        "low-low, low, high or high-high; all of them if it is not given");
-    describe_common(line);
-    line.when_given([this, action]() -> std::optional<CommandLine::Fault> {
-      options_.action = action;
-      return note_fault();
-    });
-  }
-  void describe_maintenance(CommandLine& line) {
-    line.value(
-            "DEVICE", [this](const std::string& text) { return read_device(text); }, "BUS/DEVICE")
-        .required();
-    line.duration("--for", maintenance_, kShortest, "How long, up to 7d");
-    line.flag("--end", end_, "It has ended").excludes("--for");
-    describe_common(line);
-    line.when_given([this]() -> std::optional<CommandLine::Fault> {
-      if (!maintenance_ && !end_) return CommandLine::Fault{"--for", "say --for 2h, or --end"};
-      options_.action = end_ ? AlarmActionKind::kEndMaintenance : AlarmActionKind::kMaintenance;
-      options_.duration = maintenance_.value_or(Duration{});
-      return note_fault();
-    });
-  }
-  std::optional<CommandLine::Fault> note_fault() const {
-    if (options_.note.size() <= 256) return std::nullopt;
-    return CommandLine::Fault{"--note", "a note has up to 256 bytes"};
-  }
-  std::optional<std::string> read_limit(const std::string& text) {
-    options_.limit = limit_kind_from(text);
-    if (options_.limit) return std::nullopt;
-    return fmt::format("'{}' is no limit; low-low, low, high or high-high", printable(text));
-  }
-  std::optional<std::string> read_device(const std::string& text) {
-    if (std::count(text.begin(), text.end(), '/') != 1 || text.find('*') != text.npos)
-      return fmt::format("'{}' is no device; BUS/DEVICE", printable(text));
-    return pattern_into(options_.pattern)(text);
-  }
-  std::optional<CommandLine::Fault> finish() {
-    options_.source.config = options_.connection.config;
-    return span_.given() ? span_.read(options_.span.emplace()) : std::nullopt;
-  }
+std::optional<std::string> read_limit(const std::string& text, std::optional<LimitKind>& limit) {
+  limit = limit_kind_from(text);
+  if (limit) return std::nullopt;
+  return fmt::format("'{}' is no limit; low-low, low, high or high-high", printable(text));
+}
 
-  SpanOption span_;
-  std::optional<Duration> maintenance_;
-  bool end_ = false;
-};
+std::optional<std::string> read_device(const std::string& text, Pattern& pattern) {
+  if (std::ranges::count(text, '/') != 1 || text.find('*') != text.npos)
+    return fmt::format("'{}' is no device; BUS/DEVICE", printable(text));
+  return pattern_into(pattern)(text);
+}
+
+std::optional<CommandLine::Fault> note_fault(const std::string& note) {
+  if (note.size() <= 256) return std::nullopt;
+  return CommandLine::Fault{"--note", "a note has up to 256 bytes"};
+}
+
+void describe_common(CommandLine& line, AlarmsOptions& options) {
+  line.text("--note", options.note, "One line for the others, up to 256 bytes");
+  line.flag("--json", options.json, "JSON lines");
+  add_connection(line, options.connection);
+}
+
+void describe_action(CommandLine& line, AlarmsOptions& options, AlarmActionKind action) {
+  line.value("PATTERN", pattern_into(options.pattern), kPatternHelp).required();
+  line.value(
+      "--limit", [&options](const std::string& text) { return read_limit(text, options.limit); },
+      "low-low, low, high or high-high; all of them if it is not given");
+  describe_common(line, options);
+  line.when_given([&options, action] {
+    options.action = action;
+    return note_fault(options.note);
+  });
+}
+
+void describe_maintenance(CommandLine& line, AlarmsOptions& options) {
+  line.value(
+          "DEVICE",
+          [&options](const std::string& text) { return read_device(text, options.pattern); },
+          "BUS/DEVICE")
+      .required();
+  line.duration("--for", options.maintenance, kShortest, "How long, up to 7d");
+  line.flag("--end", options.end, "It has ended").excludes("--for");
+  describe_common(line, options);
+  line.when_given([&options]() -> std::optional<CommandLine::Fault> {
+    if (!options.maintenance && !options.end)
+      return CommandLine::Fault{"--for", "say --for 2h, or --end"};
+    options.action = options.end ? AlarmActionKind::kEndMaintenance : AlarmActionKind::kMaintenance;
+    options.duration = options.maintenance.value_or(Duration{});
+    return note_fault(options.note);
+  });
+}
+
+void describe_alarms(CommandLine& line, AlarmsOptions& options) {
+  add_span(line, options.span, [&options] { options.source.config = options.connection.config; });
+  line.flag("--json", options.json, "JSON lines, of those that are clear again too");
+  line.text("--store", options.source.store, "With --from: look into this store");
+  add_connection(line, options.connection);
+  CommandLine& acknowledge = line.command("ack", "Acknowledge those that nobody has");
+  describe_action(acknowledge, options, AlarmActionKind::kAcknowledge);
+  CommandLine& shelve = line.command("shelve", "Put those that are not clear aside for a while");
+  describe_action(shelve, options, AlarmActionKind::kShelve);
+  shelve.duration("--for", options.duration, kShortest, "How long, up to 24h").required();
+  CommandLine& unshelve = line.command("unshelve", "Take those back that are shelved");
+  describe_action(unshelve, options, AlarmActionKind::kUnshelve);
+  CommandLine& maintenance =
+      line.command("maintenance", "Suppress all alarms of a device while somebody works at it");
+  describe_maintenance(maintenance, options);
+  line.make_commands_optional();
+}
 
 }  // namespace
 
-CommandEntry alarms_command();
-CommandEntry alarms_command() {
-  return {"alarms",
-          "Show the limits that are passed now, acknowledge and shelve; with --from, what the "
-          "store knows",
-          make_command<AlarmsCommand>};
+CommandRow alarms_command();
+CommandRow alarms_command() {
+  return command_row("alarms",
+                     "Show the limits that are passed now, acknowledge and shelve; with --from, "
+                     "what the store knows",
+                     describe_alarms, alarms);
 }
 
 }  // namespace fieldcast::cli

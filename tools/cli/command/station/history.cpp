@@ -6,8 +6,8 @@
 #include <ostream>
 
 #include "bridge/store/tiers/tier_table.hpp"
-#include "tools/cli/command/base/command.hpp"
 #include "tools/cli/command/base/command_options.hpp"
+#include "tools/cli/command/base/command_run.hpp"
 #include "tools/cli/terminal/console.hpp"
 #include "tools/cli/terminal/gzip_file.hpp"
 #include "tools/cli/terminal/interrupt.hpp"
@@ -52,6 +52,9 @@ class PrintedShare {
   std::int64_t first_ = 0, at_ = 0;
 };
 
+// Of times in text and CSV.
+Zone zone_of(const HistoryOptions& options) { return options.local ? Zone::kLocal : Zone::kUtc; }
+
 class Printer {
  public:
   // `progress` is null if the lines or their reader use the terminal. `interrupt` may be null.
@@ -70,24 +73,23 @@ class Printer {
     const auto print = [&](const StoredSample& sample) {
       share_.reached(sample, sample.published_at);
       return line(options_.json  ? record_json(sample).text()
-                  : options_.csv ? history_csv(sample, options_.zone)
-                                 : history_line(sample, options_.zone));
+                  : options_.csv ? history_csv(sample, zone_)
+                                 : history_line(sample, zone_));
     };
     return SampleTable(connection_)
         .history(options_.pattern, options_.span.from, options_.span.to, print);
   }
 
   std::size_t buckets(Duration every) {
-    if (!options_.json)
-      out_ << (options_.csv ? bucket_csv_head() : bucket_head(options_.zone)) << '\n';
+    if (!options_.json) out_ << (options_.csv ? bucket_csv_head() : bucket_head(zone_)) << '\n';
     TierHistory history(connection_, every);
     const auto channels = SampleTable(connection_).channels(options_.pattern);
     for (const StoredChannel& channel : channels) {
       const auto print = [&](const Bucket& bucket) {
         share_.reached(channel, bucket.start);
         return line(options_.json  ? bucket_json(channel, bucket).text()
-                    : options_.csv ? bucket_csv(channel, bucket, options_.zone)
-                                   : bucket_line(channel, bucket, options_.zone));
+                    : options_.csv ? bucket_csv(channel, bucket, zone_)
+                                   : bucket_line(channel, bucket, zone_));
       };
       if (!history.read(channel, options_.span.from, options_.span.to, print)) break;
     }
@@ -118,6 +120,7 @@ class Printer {
   std::ostream& out_;
   ProgressLine* progress_;
   const Interrupt* interrupt_;
+  const Zone zone_ = zone_of(options_);
   PrintedShare share_;
   std::size_t lines_ = 0;
 };
@@ -135,95 +138,82 @@ std::string what_is_coarser(const HistoryOptions& options, SqlConnection& connec
                        channel.device, channel.channel,
                        reach->oldest == kEndOfTime
                            ? "nothing finer is kept"
-                           : "this goes back to " + time_text(reach->oldest, options.zone),
-                       tier.name, time_text(reach->coarser_oldest, options.zone), tier.every);
+                           : "this goes back to " + time_text(reach->oldest, zone_of(options)),
+                       tier.name, time_text(reach->coarser_oldest, zone_of(options)), tier.every);
   }
   return {};
 }
 
 }  // namespace
 
-ExitCode history(const HistoryOptions& options, std::ostream& out, std::ostream& err,
-                 const Interrupt* interrupt) {
-  const auto address = resolve(options.source);
-  if (!address) {
-    err << address.error() << '\n';
-    return ExitCode::kUsage;
-  }
-  const auto connection = open_store(*address, IfMissing::kFail);
-  std::optional<Duration> every = options.every;
-  if (options.points) {
-    const Duration span{options.span.to.nanoseconds - options.span.from.nanoseconds};
-    every = width_for(span, *options.points);
-  }
-  std::optional<GzipFile> file;
-  if (!options.gzip.empty()) file.emplace(options.gzip);
-  std::ostream to(file ? &*file : out.rdbuf());
-  ProgressLine progress(err);
-  const bool silent = !file && (output_is_terminal() || output_is_pipe());
-  Printer printer(options, *connection, to, silent ? nullptr : &progress, interrupt);
-  const std::size_t channels = every ? printer.buckets(*every) : printer.samples();
-  progress.clear();
-  bool written = !to.flush().fail();
-  if (interrupt != nullptr && interrupt->raised()) return ExitCode::kInterrupted;
-  if (const auto fault = file ? file->close() : std::nullopt) {
-    err << printable(*fault) << '\n';
-    written = false;
-  }
-  if (!written) return ExitCode::kTrouble;
-  const std::string coarser = what_is_coarser(options, *connection, every.value_or(Duration{1}));
-  if (!coarser.empty()) err << printable(coarser) << '\n';
-  if (printer.lines() > 0) return ExitCode::kOk;
-  err << (channels == 0
-              ? "the store knows no channel " + options.pattern.text()
-              : fmt::format("nothing was stored of {} in that time; --from and --to choose another",
-                            options.pattern.text()))
-      << '\n';
-  return ExitCode::kNothing;
+ExitCode history(const HistoryOptions& options, const Streams& to, const Interrupt* interrupt) {
+  return in_store(options.source, to.err, IfMissing::kFail, [&](SqlConnection& store) {
+    std::optional<Duration> every = options.every;
+    if (options.points) {
+      const Duration span{options.span.to.nanoseconds - options.span.from.nanoseconds};
+      every = width_for(span, *options.points);
+    }
+    std::optional<GzipFile> file;
+    if (!options.gzip.empty()) file.emplace(options.gzip);
+    std::ostream out(file ? &*file : to.out.rdbuf());
+    ProgressLine progress(to.err);
+    const bool silent = !file && (output_is_terminal() || output_is_pipe());
+    Printer printer(options, store, out, silent ? nullptr : &progress, interrupt);
+    const std::size_t channels = every ? printer.buckets(*every) : printer.samples();
+    progress.clear();
+    bool written = !out.flush().fail();
+    if (interrupt != nullptr && interrupt->raised()) return ExitCode::kInterrupted;
+    if (const auto fault = file ? file->close() : std::nullopt) {
+      to.err << printable(*fault) << '\n';
+      written = false;
+    }
+    if (!written) return ExitCode::kTrouble;
+    const std::string coarser = what_is_coarser(options, store, every.value_or(Duration{1}));
+    if (!coarser.empty()) to.err << printable(coarser) << '\n';
+    if (printer.lines() > 0) return ExitCode::kOk;
+    to.err << (channels == 0
+                   ? "the store knows no channel " + options.pattern.text()
+                   : fmt::format(
+                         "nothing was stored of {} in that time; --from and --to choose another",
+                         options.pattern.text()))
+           << '\n';
+    return ExitCode::kNothing;
+  });
 }
 
 namespace {
 
-class HistoryCommand final : public CommandWith<HistoryOptions> {
- public:
-  void describe(CommandLine& line) override {
-    line.value("CHANNEL", pattern_into(options_.pattern), kPatternHelp).required();
-    span_.describe(line);
-    line.when_given([this] { return span_.read(options_.span); });
-    line.duration("--every", options_.every, std::chrono::milliseconds{1},
-                  "Least, largest and mean value of each stretch of that length: 1min, 1h");
-    line.number("--points", options_.points, 2, kMostPoints,
-                "The same in at most so many stretches for each channel")
-        .excludes("--every");
-    line.flag("--local", local_, "Times of this machine's time zone, not UTC");
-    line.flag("--csv", options_.csv, "Comma-separated values with a head line");
-    line.flag("--json", options_.json, "JSON lines").excludes("--csv");
-    line.text("--gzip", options_.gzip,
-              "Write into this new file, compressed, and not to the terminal");
-    add_store(line, options_.source);
-  }
-  ExitCode run(const Streams& streams) override {
-    if (local_) options_.zone = Zone::kLocal;
-    const EndAtOnce end(kLastLine);
-    return history(options_, streams.out, streams.err, &end.interrupt());
-  }
+constexpr std::uint32_t kMostPoints = 1'000'000;
+// Does not wait longer for the database or a blocked output.
+constexpr std::chrono::milliseconds kLastLine{100};
 
- private:
-  static constexpr std::uint32_t kMostPoints = 1'000'000;
-  // Does not wait longer for the database or a blocked output.
-  static constexpr std::chrono::milliseconds kLastLine{100};
-
-  SpanOption span_;
-  bool local_ = false;
-};
+void describe_history(CommandLine& line, HistoryOptions& options) {
+  line.value("CHANNEL", pattern_into(options.pattern), kPatternHelp).required();
+  add_span(line, options.span);
+  line.duration("--every", options.every, std::chrono::milliseconds{1},
+                "Least, largest and mean value of each stretch of that length: 1min, 1h");
+  line.number("--points", options.points, 2, kMostPoints,
+              "The same in at most so many stretches for each channel")
+      .excludes("--every");
+  line.flag("--local", options.local, "Times of this machine's time zone, not UTC");
+  line.flag("--csv", options.csv, "Comma-separated values with a head line");
+  line.flag("--json", options.json, "JSON lines").excludes("--csv");
+  line.text("--gzip", options.gzip,
+            "Write into this new file, compressed, and not to the terminal");
+  add_store(line, options.source);
+}
 
 }  // namespace
 
-CommandEntry history_command();
-CommandEntry history_command() {
-  return {"history",
-          "Show the stored samples of channels, or their minutes and hours; needs no bridge",
-          make_command<HistoryCommand>};
+CommandRow history_command();
+CommandRow history_command() {
+  return command_row("history",
+                     "Show the stored samples of channels, or their minutes and hours; needs no "
+                     "bridge",
+                     describe_history, [](const HistoryOptions& options, const Streams& to) {
+                       const EndAtOnce end(kLastLine);
+                       return history(options, to, &end.interrupt());
+                     });
 }
 
 }  // namespace fieldcast::cli

@@ -3,15 +3,13 @@
 #pragma once
 
 #include <cstdint>
-#include <iosfwd>
 #include <optional>
 #include <string>
 
 #include "core/model/channel_pattern.hpp"
+#include "tools/cli/command/base/command.hpp"
 #include "tools/cli/domain/connection.hpp"
-#include "tools/cli/model/sample_text.hpp"
 #include "tools/cli/terminal/interrupt.hpp"
-#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 
@@ -22,7 +20,7 @@ struct HistoryOptions {
   // Without either option, samples are printed.
   std::optional<Duration> every;
   std::optional<std::uint32_t> points;  // maximum for each channel
-  Zone zone = Zone::kUtc;               // of times in text and CSV
+  bool local = false;                   // times of this machine's time zone, not UTC
   std::string gzip;                     // new compressed file; empty: standard output
   bool csv = false;
   bool json = false;
@@ -30,7 +28,7 @@ struct HistoryOptions {
 
 // Returns kOk, kNothing with the reason, or kInterrupted after a whole line. `interrupt` may be
 // null. Throws StoreError.
-[[nodiscard]] ExitCode history(const HistoryOptions& options, std::ostream& out, std::ostream& err,
+[[nodiscard]] ExitCode history(const HistoryOptions& options, const Streams& to,
                                const Interrupt* interrupt = nullptr);
 
 }  // namespace fieldcast::cli

@@ -3,103 +3,64 @@
 #include <ostream>
 
 #include "bridge/store/event_table.hpp"
-#include "tools/cli/command/base/command.hpp"
 #include "tools/cli/command/base/command_options.hpp"
-#include "tools/cli/terminal/console.hpp"
+#include "tools/cli/command/base/command_run.hpp"
 #include "tools/cli/terminal/interrupt.hpp"
 #include "tools/cli/view/record_view.hpp"
 
 namespace fieldcast::cli {
 namespace {
 
-ExitCode ended(std::ostream& out, std::ostream& err, std::size_t records, const char* nothing) {
-  out.flush();
-  if (!out) return ExitCode::kTrouble;
-  if (records > 0) return ExitCode::kOk;
-  err << nothing << '\n';
-  return ExitCode::kNothing;
-}
-
-}  // namespace
-
-ExitCode devices(const DevicesOptions& options, std::ostream& out, std::ostream& err) {
-  const auto address = resolve(options.source);
-  if (!address) {
-    err << address.error() << '\n';
-    return ExitCode::kUsage;
-  }
-  const auto connection = open_store(*address, IfMissing::kFail);
-  const auto found = EventTable(*connection).devices();
-  if (options.json) {
-    for (const DeviceRecord& device : found) out << record_json(device).text() << '\n';
-  } else if (!found.empty()) {
-    for (const auto& line : device_lines(found, utc_now(), {0, 0, output_screen().colour}))
-      out << line << '\n';
-  }
-  return ended(out, err, found.size(), "the store knows no device yet");
-}
-
-ExitCode audit(const AuditOptions& options, std::ostream& out, std::ostream& err) {
-  const auto address = resolve(options.source);
-  if (!address) {
-    err << address.error() << '\n';
-    return ExitCode::kUsage;
-  }
-  const auto connection = open_store(*address, IfMissing::kFail);
-  std::size_t entries = 0;
-  EventTable(*connection).audit(options.span.from, options.span.to, [&](const AuditEntry& entry) {
-    ++entries;
-    out << (options.json ? record_json(entry).text() : audit_line(entry)) << '\n';
-    return out.good();
+// Return kOk if there are records, else kNothing. Throw StoreError.
+ExitCode devices(const DevicesOptions& options, const Streams& to) {
+  return in_store(options.source, to.err, IfMissing::kFail, [&](SqlConnection& store) {
+    const auto found = EventTable(store).devices();
+    if (options.json) {
+      for (const DeviceRecord& device : found) to.out << record_json(device).text() << '\n';
+    } else if (!found.empty()) {
+      print(to.out, device_lines(found, utc_now(), to.wide_screen()));
+    }
+    return end_of_records(to, found.size(), "the store knows no device yet");
   });
-  return ended(out, err, entries, "nothing was done in that time; --from and --to choose another");
 }
 
-namespace {
+ExitCode audit(const AuditOptions& options, const Streams& to) {
+  return in_store(options.source, to.err, IfMissing::kFail, [&](SqlConnection& store) {
+    std::size_t entries = 0;
+    EventTable(store).audit(options.span.from, options.span.to, [&](const AuditEntry& entry) {
+      ++entries;
+      to.out << (options.json ? record_json(entry).text() : audit_line(entry)) << '\n';
+      return to.out.good();
+    });
+    return end_of_records(to, entries,
+                          "nothing was done in that time; --from and --to choose another");
+  });
+}
 
-class DevicesCommand final : public CommandWith<DevicesOptions> {
- public:
-  void describe(CommandLine& line) override {
-    line.flag("--json", options_.json, "JSON lines");
-    add_store(line, options_.source);
-  }
-  ExitCode run(const Streams& streams) override {
-    return devices(options_, streams.out, streams.err);
-  }
-};
+void describe_devices(CommandLine& line, DevicesOptions& options) {
+  line.flag("--json", options.json, "JSON lines");
+  add_store(line, options.source);
+}
+
+void describe_audit(CommandLine& line, AuditOptions& options) {
+  add_span(line, options.span);
+  line.flag("--json", options.json, "JSON lines");
+  add_store(line, options.source);
+}
 
 }  // namespace
 
-CommandEntry devices_command();
-CommandEntry devices_command() {
-  return {"devices", "Show the devices that the store knows, and their last state; needs no bridge",
-          make_command<DevicesCommand>};
+CommandRow devices_command();
+CommandRow devices_command() {
+  return command_row("devices",
+                     "Show the devices that the store knows, and their last state; needs no bridge",
+                     describe_devices, devices);
 }
 
-namespace {
-
-class AuditCommand final : public CommandWith<AuditOptions> {
- public:
-  void describe(CommandLine& line) override {
-    span_.describe(line);
-    line.when_given([this] { return span_.read(options_.span); });
-    line.flag("--json", options_.json, "JSON lines");
-    add_store(line, options_.source);
-  }
-  ExitCode run(const Streams& streams) override {
-    return audit(options_, streams.out, streams.err);
-  }
-
- private:
-  SpanOption span_;
-};
-
-}  // namespace
-
-CommandEntry audit_command();
-CommandEntry audit_command() {
-  return {"audit", "Show who did what: commands, transmissions, logins; needs no bridge",
-          make_command<AuditCommand>};
+CommandRow audit_command();
+CommandRow audit_command() {
+  return command_row("audit", "Show who did what: commands, transmissions, logins; needs no bridge",
+                     describe_audit, audit);
 }
 
 }  // namespace fieldcast::cli

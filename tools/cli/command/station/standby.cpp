@@ -1,94 +1,83 @@
-#include "tools/cli/command/station/standby.hpp"
-
+// `fieldcast standby`: lists standby groups; `standby take NAME` makes another bridge the master.
+// `fieldcast sessions`: lists programming sessions with their users, devices and byte counts.
 #include <fmt/format.h>
 
 #include <functional>
 #include <optional>
 #include <ostream>
+#include <string>
 
-#include "tools/cli/command/base/command.hpp"
+#include "tools/cli/command/base/command_options.hpp"
 #include "tools/cli/command/base/command_run.hpp"
 #include "tools/cli/domain/connection.hpp"
 #include "tools/cli/domain/domain_view.hpp"
-#include "tools/cli/terminal/console.hpp"
 #include "tools/cli/terminal/interrupt.hpp"
 #include "tools/cli/view/station_view.hpp"
 #include "tools/cli/view/status/status_facts.hpp"
 
 namespace fieldcast::cli {
-
-ExitCode sessions(const SessionsOptions& options, const Connection& connection,
-                  Interrupt& interrupt, std::ostream& out, std::ostream& err) {
-  DomainView domain(connection, interrupt);
-  SessionsModel model;
-  const auto began = instant_now();
-  Listening listening(connection, began);
-  const auto end = began + options.time.value_or(kBridgeWait);
-  domain.subscribe_program_sessions();
-
-  for (auto now = began; now < end && !domain.inbox().closed() && out; now = instant_now()) {
-    if (!options.time && now >= listening.over_at()) break;
-    const auto wake = options.time ? end : std::min(end, listening.over_at());
-    for (const auto& event : domain.inbox().take_all(to_steady(wake))) {
-      if (!listening.heard_site_of(bus_of(event)) ||
-          std::holds_alternative<ProgramSessionReport>(event))
-        listening.news(bus_of(event), instant_now());
-      const auto* report = std::get_if<ProgramSessionReport>(&event);
-      if (report == nullptr) continue;
-      model.insert_or_assign({report->bus, report->device}, *report);
-      if (options.time && options.json) out << session_json(*report).text() << '\n';
-      if (options.time && !options.json) {
-        for (const auto& line :
-             sessions_lines({{{report->bus, report->device}, *report}}, utc_now(), {}))
-          out << line << '\n';
-      }
-    }
-    out.flush();
-  }
-  if (domain.interrupted() && !options.time) return ExitCode::kInterrupted;
-  if (!listening.anybody()) {
-    err << "fieldcast sessions: " << no_bridge_text(connection, domain.missing_servers()) << '\n';
-    return ExitCode::kNoBridge;
-  }
-  if (const std::string silent = listening.silent_text(); !silent.empty())
-    err << "fieldcast sessions: " << silent << '\n';
-  if (!options.time && options.json) {
-    for (const auto& [key, report] : model) out << session_json(report).text() << '\n';
-  } else if (!options.time) {
-    for (const auto& line : sessions_lines(model, utc_now(), {0, 0, output_screen().colour}))
-      out << line << '\n';
-  }
-  out.flush();
-  return out ? ExitCode::kOk : ExitCode::kTrouble;
-}
-
 namespace {
 
-class SessionsCommand final : public CommandWith<SessionsOptions> {
- public:
-  void describe(CommandLine& line) override {
-    line.duration("--for", options_.time, CommandLine::kShortest,
-                  "Follow them for this time (20, 2min), a line for each report");
-    line.flag("--json", options_.json, "JSON lines");
-    add_connection(line, options_.connection);
-  }
-  ExitCode run(const Streams& streams) override {
-    return in_domain(options_.connection, streams,
-                     [&](const Connection& connection, Interrupt& interrupt) {
-                       return sessions(options_, connection, interrupt, streams.out, streams.err);
-                     });
-  }
+struct SessionsOptions {
+  ConnectionOptions connection;
+  bool json = false;
+  // follows them for this time, one line for each report; empty: print once
+  std::optional<Duration> time;
 };
+
+void print_sessions(const SessionsModel& model, bool json, const Streams& to,
+                    const Screen& screen) {
+  if (!json) return print(to.out, sessions_lines(model, utc_now(), screen));
+  for (const auto& [key, report] : model) to.out << session_json(report).text() << '\n';
+}
+
+// Returns kOk if a bridge reported, with or without sessions, else kNoBridge.
+ExitCode sessions(const SessionsOptions& options, const Connection& connection,
+                  Interrupt& interrupt, const Streams& to) {
+  DomainView domain(connection, interrupt);
+  SessionsModel model;
+  domain.subscribe_program_sessions();
+  const auto on_event = [&](const DomainEvent& event, const Listening& listening) {
+    const auto* report = std::get_if<ProgramSessionReport>(&event);
+    if (report == nullptr) return !listening.heard_site_of(bus_of(event));
+    const SessionsModel one{{{report->bus, report->device}, *report}};
+    model.insert_or_assign(one.begin()->first, *report);
+    if (options.time) print_sessions(one, options.json, to, {});
+    return true;
+  };
+  const Listening listening = receive_reports(domain, connection, options.time, to, on_event);
+  if (domain.interrupted() && !options.time) return ExitCode::kInterrupted;
+  if (const auto code =
+          no_reports("sessions", domain, connection, listening, listening.anybody(), to.err))
+    return *code;
+  if (!options.time) print_sessions(model, options.json, to, to.wide_screen());
+  to.out.flush();
+  return to.out ? ExitCode::kOk : ExitCode::kTrouble;
+}
+
+void describe_sessions(CommandLine& line, SessionsOptions& options) {
+  line.duration("--for", options.time, CommandLine::kShortest,
+                "Follow them for this time (20, 2min), a line for each report");
+  line.flag("--json", options.json, "JSON lines");
+  add_connection(line, options.connection);
+}
 
 }  // namespace
 
-CommandEntry sessions_command();
-CommandEntry sessions_command() {
-  return {"sessions", "Show who programs which device through a bridge",
-          make_command<SessionsCommand>};
+CommandRow sessions_command();
+CommandRow sessions_command() {
+  return command_row("sessions", "Show who programs which device through a bridge",
+                     describe_sessions, in_domain(sessions));
 }
 
 namespace {
+
+struct StandbyOptions {
+  ConnectionOptions connection;
+  bool json = false;
+  bool take = false;
+  std::string wanted;  // for `take`: a bridge, or a group, whose best waiting bridge takes over
+};
 
 constexpr Duration kRequestLimit = std::chrono::seconds{3};
 constexpr Duration kTakeLimit = std::chrono::seconds{5};
@@ -121,28 +110,29 @@ const StandbyMessage* master_of(const StandbyModel& model, const std::string& gr
 }
 
 ExitCode take(const StandbyOptions& options, StandbyWatch& members, const GiveUp& give_up,
-              std::ostream& out, std::ostream& err) {
+              const Streams& to) {
   const StandbyModel before = members.model();
   const auto request = request_for(before, options.wanted);
   if (!request) {
-    err << fmt::format("fieldcast standby: no bridge and no group is called '{}'\n",
-                       options.wanted);
+    to.err << fmt::format("fieldcast standby: no bridge and no group is called '{}'\n",
+                          options.wanted);
     return ExitCode::kNothing;
   }
   const StandbyMessage* const master = master_of(before, request->group);
   const std::string old = master == nullptr ? "" : master->member.bridge;
   if (!request->bridge.empty() && old == request->bridge) {
-    out << fmt::format("{} is master already\n", old);
+    to.out << fmt::format("{} is master already\n", old);
     return ExitCode::kOk;
   }
   if (request->bridge.empty()) {
-    err << fmt::format("fieldcast standby: no other bridge of group {} is ready\n", request->group);
+    to.err << fmt::format("fieldcast standby: no other bridge of group {} is ready\n",
+                          request->group);
     return ExitCode::kRejected;
   }
   const auto target = before.find({request->group, request->bridge});
   if (target != before.end() && !target->second.member.not_ready.empty()) {
-    err << fmt::format("fieldcast standby: {} is not ready: {}\n", request->bridge,
-                       target->second.member.not_ready);
+    to.err << fmt::format("fieldcast standby: {} is not ready: {}\n", request->bridge,
+                          target->second.member.not_ready);
     return ExitCode::kRejected;
   }
   std::string now;
@@ -153,18 +143,18 @@ ExitCode take(const StandbyOptions& options, StandbyWatch& members, const GiveUp
   };
   if (!members.request(*request, kRequestLimit) ||
       !members.until(taken, instant_now() + kTakeLimit, give_up)) {
-    err << fmt::format("fieldcast standby: {} did not hand over; its log says why\n",
-                       old.empty() ? "the group has no master, and" : old);
+    to.err << fmt::format("fieldcast standby: {} did not hand over; its log says why\n",
+                          old.empty() ? "the group has no master, and" : old);
     return ExitCode::kNoAnswer;
   }
-  out << fmt::format("{} is master of group {}\n", now, request->group);
+  to.out << fmt::format("{} is master of group {}\n", now, request->group);
   return ExitCode::kOk;
 }
 
-}  // namespace
-
+// Returns kNoBridge if no member reported. For `take`: returns kNothing for an unknown name,
+// kRejected if it is not ready, kNoAnswer if nothing changed.
 ExitCode standby(const StandbyOptions& options, const Connection& connection, Interrupt& interrupt,
-                 std::ostream& out, std::ostream& err) {
+                 const Streams& to) {
   StandbyWatch members(connection);
   const GiveUp give_up = [&interrupt] { return interrupt.raised(); };
   const auto is_there = [](const StandbyModel& model) { return !model.empty(); };
@@ -176,54 +166,40 @@ ExitCode standby(const StandbyOptions& options, const Connection& connection, In
   const StandbyModel model = members.model();
   if (interrupt.raised()) return ExitCode::kInterrupted;
   if (model.empty()) {
-    err << "fieldcast standby: no bridge of a standby group is in " << domain_text(connection)
-        << '\n';
+    to.err << "fieldcast standby: no bridge of a standby group is in " << domain_text(connection)
+           << '\n';
     return ExitCode::kNoBridge;
   }
-  if (options.take) return take(options, members, give_up, out, err);
+  if (options.take) return take(options, members, give_up, to);
   if (options.json) {
-    for (const auto& [key, member] : model) out << standby_json(member).text() << '\n';
+    for (const auto& [key, member] : model) to.out << standby_json(member).text() << '\n';
   } else {
-    for (const auto& line : standby_lines(model, {})) out << line << '\n';
+    print(to.out, standby_lines(model, {}));
   }
-  out.flush();
-  return out ? ExitCode::kOk : ExitCode::kTrouble;
+  to.out.flush();
+  return to.out ? ExitCode::kOk : ExitCode::kTrouble;
 }
 
-namespace {
-
-class StandbyCommand final : public CommandWith<StandbyOptions> {
- public:
-  void describe(CommandLine& line) override {
-    CommandLine& taking = line.command("take", "Make another bridge the master");
-    taking
-        .text("NAME", options_.wanted,
-              "The bridge that is to be master, or a group: then its strongest that is ready")
-        .required();
-    add_connection(taking, options_.connection);
-    taking.when_given([this]() -> std::optional<CommandLine::Fault> {
-      options_.take = true;
-      return std::nullopt;
-    });
-    line.make_commands_optional();
-    line.flag("--json", options_.json, "JSON lines");
-    add_connection(line, options_.connection);
-  }
-  ExitCode run(const Streams& streams) override {
-    return in_domain(options_.connection, streams,
-                     [&](const Connection& connection, Interrupt& interrupt) {
-                       return standby(options_, connection, interrupt, streams.out, streams.err);
-                     });
-  }
-};
+void describe_standby(CommandLine& line, StandbyOptions& options) {
+  CommandLine& taking = line.command("take", "Make another bridge the master");
+  taking
+      .text("NAME", options.wanted,
+            "The bridge that is to be master, or a group: then its strongest that is ready")
+      .required();
+  add_connection(taking, options.connection);
+  set_when_given(taking, options.take, true);
+  line.make_commands_optional();
+  line.flag("--json", options.json, "JSON lines");
+  add_connection(line, options.connection);
+}
 
 }  // namespace
 
-CommandEntry standby_command();
-CommandEntry standby_command() {
-  return {"standby",
-          "Show which bridge of a standby group is master; take: make another member master",
-          make_command<StandbyCommand>};
+CommandRow standby_command();
+CommandRow standby_command() {
+  return command_row(
+      "standby", "Show which bridge of a standby group is master; take: make another member master",
+      describe_standby, in_domain(standby));
 }
 
 }  // namespace fieldcast::cli

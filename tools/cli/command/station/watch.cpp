@@ -9,7 +9,6 @@
 
 #include "bridge/dds/transport/network_check.hpp"
 #include "core/base/json.hpp"
-#include "tools/cli/command/base/command.hpp"
 #include "tools/cli/command/base/command_options.hpp"
 #include "tools/cli/command/base/command_run.hpp"
 #include "tools/cli/command/station/watch_live.hpp"
@@ -32,13 +31,12 @@ constexpr Duration kOnceWait = std::chrono::seconds{10};
 class Watch {
  public:
   Watch(const WatchOptions& options, const Connection& connection, Interrupt& interrupt,
-        std::ostream& out, std::ostream& err)
+        const Streams& to)
       : options_(options),
         connection_(connection),
         domain_(connection, interrupt),
         model_(options.pattern),
-        out_(out),
-        err_(err) {}
+        to_(to) {}
 
   ExitCode run();
 
@@ -59,8 +57,7 @@ class Watch {
   const Connection& connection_;
   DomainView domain_;
   WatchModel model_;
-  std::ostream& out_;
-  std::ostream& err_;
+  const Streams& to_;
   std::optional<std::string> remark_;   // about the interest; empty until known
   Instant last_news_{};                 // last growth of the catalogue
   std::optional<Listening> listening_;  // for --once
@@ -78,7 +75,7 @@ ExitCode Watch::run() {
   listening_.emplace(connection_, began);
   if (const auto small = receive_buffer_remark(connection_.sites.front().dds);
       small && !options_.once)
-    err_ << "fieldcast watch: " << *small << '\n' << std::flush;
+    to_.err << "fieldcast watch: " << *small << '\n' << std::flush;
   domain_.subscribe_channels();
   domain_.subscribe_samples();
   if (options_.refresh)
@@ -91,21 +88,21 @@ ExitCode Watch::run() {
     print_lines(began, end);
   }
   if (options_.once && !domain_.interrupted()) print_all();
-  out_.flush();
+  to_.out.flush();
   if (const std::string silent = listening_->silent_text();
       options_.once && listening_->anybody() && !silent.empty())
-    err_ << "fieldcast watch: " << silent << '\n';
-  err_ << "fieldcast watch: " << model_.summary();
-  if (const auto lag = model_.lag_remark()) err_ << "; " << *lag;
+    to_.err << "fieldcast watch: " << silent << '\n';
+  to_.err << "fieldcast watch: " << model_.summary();
+  if (const auto lag = model_.lag_remark()) to_.err << "; " << *lag;
   if (domain_.inbox().dropped() != 0)
-    err_ << "; " << domain_.inbox().dropped() << " more were not shown: the output was too slow";
-  err_ << '\n';
+    to_.err << "; " << domain_.inbox().dropped() << " more were not shown: the output was too slow";
+  to_.err << '\n';
   return verdict();
 }
 
 void Watch::print_lines(Instant began, Instant end) {
   bool hinted = false;
-  for (auto now = began; now < end && !domain_.inbox().closed() && out_; now = instant_now()) {
+  for (auto now = began; now < end && !domain_.inbox().closed() && to_.out; now = instant_now()) {
     for (const auto& event : domain_.inbox().take_all(to_steady(std::min(end, now + kLook))))
       read(event, instant_now());
     now = instant_now();
@@ -115,11 +112,11 @@ void Watch::print_lines(Instant began, Instant end) {
     if (!model_.anything_announced() && now - began > kBridgeWait && !hinted) {
       hinted = true;
       if (options_.once) break;
-      err_ << "fieldcast watch: " << no_bridge_text(connection_, domain_.missing_servers())
-           << "; still waiting\n"
-           << std::flush;
+      to_.err << "fieldcast watch: " << no_bridge_text(connection_, domain_.missing_servers())
+              << "; still waiting\n"
+              << std::flush;
     }
-    out_.flush();
+    to_.out.flush();
   }
 }
 
@@ -141,7 +138,7 @@ void Watch::remark_interest(Instant now, Instant began) {
       now - std::max(began, last_news_) < kInterestWait)
     return;
   remark_ = model_.interest_remark(*options_.refresh).value_or("");
-  if (!remark_->empty()) err_ << "fieldcast watch: " << *remark_ << '\n' << std::flush;
+  if (!remark_->empty()) to_.err << "fieldcast watch: " << *remark_ << '\n' << std::flush;
 }
 
 // Otherwise the table's footer and the last line report the lag.
@@ -153,14 +150,15 @@ void Watch::tell_lag(Instant now) {
     return;
   missing_told_ = counters.missing;
   lag_told_ = now;
-  out_ << lag_json(counters).text() << '\n';
+  to_.out << lag_json(counters).text() << '\n';
 }
 
 // Prints the reason if the terminal cannot show a screen.
 bool Watch::screen_wanted() {
   if (options_.once || options_.json || options_.plain || !output_is_terminal()) return false;
   const std::string reason = no_screen_reason();
-  if (!reason.empty()) err_ << "fieldcast watch: " << reason << ": lines instead\n" << std::flush;
+  if (!reason.empty())
+    to_.err << "fieldcast watch: " << reason << ": lines instead\n" << std::flush;
   return reason.empty();
 }
 
@@ -179,17 +177,16 @@ void Watch::print_all() {
 }
 
 void Watch::print_table(const Screen& screen) {
-  for (const auto& line : watch_lines(model_, instant_now(), utc_now(), screen))
-    out_ << line << '\n';
+  cli::print(to_.out, watch_lines(model_, instant_now(), utc_now(), screen));
 }
 
 void Watch::print(const StationSample& sample) {
   if (options_.json) {
-    out_ << sample_json(sample).text() << '\n';
+    to_.out << sample_json(sample).text() << '\n';
   } else {
-    out_ << sample_line(sample,
-                        model_.catalogue().find({sample.bus, sample.device, sample.channel}))
-         << '\n';
+    to_.out << sample_line(sample,
+                           model_.catalogue().find({sample.bus, sample.device, sample.channel}))
+            << '\n';
   }
 }
 
@@ -200,59 +197,52 @@ std::string Watch::what_matches() const {
 }
 
 ExitCode Watch::verdict() const {
-  if (!out_) return ExitCode::kTrouble;
+  if (!to_.out) return ExitCode::kTrouble;
   if (domain_.interrupted())
     return options_.once || options_.time ? ExitCode::kInterrupted : ExitCode::kOk;
   if (model_.sampled() != 0 || (options_.once && !model_.rows().empty())) return ExitCode::kOk;
   if (!model_.anything_announced()) {
-    err_ << "fieldcast watch: " << no_bridge_text(connection_, domain_.missing_servers()) << '\n';
+    to_.err << "fieldcast watch: " << no_bridge_text(connection_, domain_.missing_servers())
+            << '\n';
     return ExitCode::kNoBridge;
   }
-  err_ << "fieldcast watch: a bridge is there, but "
-       << (model_.rows().empty()
-               ? fmt::format("none of its channels matches {}; {}", model_.pattern().text(),
-                             what_matches())
-               : std::string("no sample came; fieldcast status says what the bus does"))
-       << '\n';
+  to_.err << "fieldcast watch: a bridge is there, but "
+          << (model_.rows().empty()
+                  ? fmt::format("none of its channels matches {}; {}", model_.pattern().text(),
+                                what_matches())
+                  : std::string("no sample came; fieldcast status says what the bus does"))
+          << '\n';
   return ExitCode::kNothing;
 }
 
-}  // namespace
-
+// Returns kOk if samples arrived or Ctrl-C ended an endless watch; else kNothing or kNoBridge.
 ExitCode watch(const WatchOptions& options, const Connection& connection, Interrupt& interrupt,
-               std::ostream& out, std::ostream& err) {
-  return Watch(options, connection, interrupt, out, err).run();
+               const Streams& to) {
+  return Watch(options, connection, interrupt, to).run();
 }
 
-namespace {
-
-class WatchCommand final : public CommandWith<WatchOptions> {
- public:
-  void describe(CommandLine& line) override {
-    line.value("PATTERN", pattern_into(options_.pattern), kPatternHelp);
-    line.flag("--json", options_.json, "JSON lines");
-    line.flag("--plain", options_.plain, "Lines, where a terminal would get the screen");
-    line.flag("--once", options_.once, "Each matching channel once, then end");
-    line.duration("--for", options_.time, CommandLine::kShortest,
-                  "End after this time (20, 500ms, 2min); with --once the longest wait (10s)");
-    line.duration("--refresh", options_.refresh, CommandLine::kShortest,
-                  "Keep the channels as fresh as this while watching");
-    add_connection(line, options_.connection);
-  }
-  ExitCode run(const Streams& streams) override {
-    options_.unicode = use_terminal_locale();
-    return in_domain(options_.connection, streams,
-                     [&](const Connection& connection, Interrupt& interrupt) {
-                       return watch(options_, connection, interrupt, streams.out, streams.err);
-                     });
-  }
-};
+void describe_watch(CommandLine& line, WatchOptions& options) {
+  line.value("PATTERN", pattern_into(options.pattern), kPatternHelp);
+  line.flag("--json", options.json, "JSON lines");
+  line.flag("--plain", options.plain, "Lines, where a terminal would get the screen");
+  line.flag("--once", options.once, "Each matching channel once, then end");
+  line.duration("--for", options.time, CommandLine::kShortest,
+                "End after this time (20, 500ms, 2min); with --once the longest wait (10s)");
+  line.duration("--refresh", options.refresh, CommandLine::kShortest,
+                "Keep the channels as fresh as this while watching");
+  add_connection(line, options.connection);
+}
 
 }  // namespace
 
-CommandEntry watch_command();
-CommandEntry watch_command() {
-  return {"watch", "Show samples: a screen, lines, or JSON lines", make_command<WatchCommand>};
+CommandRow watch_command();
+CommandRow watch_command() {
+  return command_row("watch", "Show samples: a screen, lines, or JSON lines", describe_watch,
+                     [](const WatchOptions& given, const Streams& to) {
+                       WatchOptions options = given;
+                       options.unicode = use_terminal_locale();  // before DDS starts its threads
+                       return in_domain(watch)(options, to);
+                     });
 }
 
 }  // namespace fieldcast::cli

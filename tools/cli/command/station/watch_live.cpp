@@ -139,8 +139,7 @@ std::optional<Outcome> WriteController::step(Instant now) {
   if (sent_) {
     if (now < until_) return std::nullopt;
     return fail(Outcome::State::kNoResult,
-                fmt::format("no result within {}; whether it was executed is not known{}",
-                            to_text(kResultLimit), held_remark(connection_, errand_->command.bus)));
+                no_result_text(connection_, errand_->command.bus, kResultLimit));
   }
   const auto sent = domain_.station().send(errand_->command, kSendWait);
   if (sent) {

@@ -5,17 +5,11 @@
 #include <algorithm>
 #include <ostream>
 
-#include "tools/cli/command/base/command.hpp"
 #include "tools/cli/command/base/command_run.hpp"
 #include "tools/cli/model/command_text.hpp"
 
 namespace fieldcast::cli {
 namespace {
-
-ExitCode usage(std::ostream& err, const std::string& fault) {
-  err << "fieldcast write: " << fault << '\n';
-  return ExitCode::kUsage;
-}
 
 Errand errand_of(const Assignment& assignment, const Catalogue& catalogue, bool verify) {
   const auto* channel = catalogue.find(assignment.path);
@@ -44,17 +38,17 @@ void hold_back_if_any_is_refused(std::vector<Errand>& errands) {
 }
 
 ExitCode write_channels(const WriteOptions& options, const Connection& connection,
-                        Interrupt& interrupt, std::ostream& out, std::ostream& err) {
+                        Interrupt& interrupt, const Streams& to) {
   std::vector<Assignment> assignments;
   std::vector<ChannelPath> paths;
   for (const auto& word : options.words) {
     auto assignment = Assignment::parse(word);
-    if (!assignment) return usage(err, assignment.error());
+    if (!assignment) return usage_fault(to.err, "write", assignment.error());
     paths.push_back(assignment->path);
     assignments.push_back(*std::move(assignment));
   }
   DomainView domain(connection, interrupt);
-  CommandRun run(domain, connection, {options.json, options.timeout}, out, err);
+  CommandRun run(domain, connection, {options.json, options.timeout}, to);
   if (!run.learn(paths)) return run.why_not();
   std::vector<Errand> errands;
   for (const auto& assignment : assignments)
@@ -67,12 +61,9 @@ ExitCode write_channels(const WriteOptions& options, const Connection& connectio
 tl::expected<Errand, std::string> address_errand(const WriteOptions& options,
                                                  const ChannelPath& device,
                                                  const AddressType& type) {
-  Errand errand;
-  errand.command.bus = device.bus;
+  Errand errand =
+      errand_for(device, Operation::kWrite, AddressTarget{options.at, type.encoding}, options.at);
   auto& command = errand.command.command;
-  command.device = device.device;
-  command.target = AddressTarget{options.at, type.encoding};
-  command.operation = Operation::kWrite;
   command.verify = options.verify;
   for (auto word = options.words.begin() + 1; word != options.words.end(); ++word) {
     const auto value = value_from_text(type.encoding, *word);
@@ -80,29 +71,30 @@ tl::expected<Errand, std::string> address_errand(const WriteOptions& options,
     command.values.push_back(*value);
   }
   command.count = static_cast<std::uint32_t>(command.values.size());
-  errand.outcome = {Outcome::State::kResult, device.bus, device.device, options.at, true,
-                    command.values,          {},         type.text,     {}};
+  errand.outcome.wanted = command.values;
+  errand.outcome.type = type.text;
   return errand;
 }
 
 ExitCode write_address(const WriteOptions& options, const Connection& connection,
-                       Interrupt& interrupt, std::ostream& out, std::ostream& err) {
+                       Interrupt& interrupt, const Streams& to) {
   const auto device = parse_device_or_channel(options.words.front());
   if (!device || !device->channel.empty())
-    return usage(err, "with --at write BUS/DEVICE and then the values");
+    return usage_fault(to.err, "write", "with --at write BUS/DEVICE and then the values");
   if (options.words.size() < 2)
-    return usage(err, fmt::format("no value for {}; write them after BUS/DEVICE", options.at));
+    return usage_fault(to.err, "write",
+                       fmt::format("no value for {}; write them after BUS/DEVICE", options.at));
   auto type = address_type(options);
-  if (!type && !options.type.empty()) return usage(err, type.error());
+  if (!type && !options.type.empty()) return usage_fault(to.err, "write", type.error());
   std::vector<Errand> errands;
   if (type) {
     auto errand = address_errand(options, *device, *type);
-    if (!errand) return usage(err, errand.error());
+    if (!errand) return usage_fault(to.err, "write", errand.error());
     errands.push_back(*std::move(errand));
   }
 
   DomainView domain(connection, interrupt);
-  CommandRun run(domain, connection, {options.json, options.timeout}, out, err);
+  CommandRun run(domain, connection, {options.json, options.timeout}, to);
   if (!run.learn({*device}, type ? CommandRun::Wanted::kDevice : CommandRun::Wanted::kChannels))
     return run.why_not();
   if (!run.catalogue().has_bus(device->bus)) {
@@ -112,45 +104,33 @@ ExitCode write_address(const WriteOptions& options, const Connection& connection
                       .and_then([&](const AddressType& told) {
                         return address_errand(options, *device, told);
                       });
-    if (!errand) return usage(err, errand.error());
+    if (!errand) return usage_fault(to.err, "write", errand.error());
     errands.push_back(*std::move(errand));
   }
   return run.execute(std::move(errands));
 }
 
-}  // namespace
-
+// Returns the worst code. Sends nothing if an assignment is refused locally. Throws DdsError.
 ExitCode write(const WriteOptions& options, const Connection& connection, Interrupt& interrupt,
-               std::ostream& out, std::ostream& err) {
-  return options.at.empty() ? write_channels(options, connection, interrupt, out, err)
-                            : write_address(options, connection, interrupt, out, err);
+               const Streams& to) {
+  return options.at.empty() ? write_channels(options, connection, interrupt, to)
+                            : write_address(options, connection, interrupt, to);
 }
 
-namespace {
-
-class WriteCommand final : public CommandWith<WriteOptions> {
- public:
-  void describe(CommandLine& line) override {
-    line.texts("ASSIGNMENT", options_.words,
-               "BUS/DEVICE/CHANNEL=VALUE ..; with --at: BUS/DEVICE VALUE ..")
-        .required();
-    line.flag("--verify", options_.verify, "Read back what was written");
-    add_command_options(line, options_, "Write to");
-  }
-  ExitCode run(const Streams& streams) override {
-    return in_domain(options_.connection, streams,
-                     [&](const Connection& connection, Interrupt& interrupt) {
-                       return write(options_, connection, interrupt, streams.out, streams.err);
-                     });
-  }
-};
+void describe_write(CommandLine& line, WriteOptions& options) {
+  line.texts("ASSIGNMENT", options.words,
+             "BUS/DEVICE/CHANNEL=VALUE ..; with --at: BUS/DEVICE VALUE ..")
+      .required();
+  line.flag("--verify", options.verify, "Read back what was written");
+  add_command_options(line, options, "Write to");
+}
 
 }  // namespace
 
-CommandEntry write_command();
-CommandEntry write_command() {
-  return {"write", "Write values to channels, and wait for the results",
-          make_command<WriteCommand>};
+CommandRow write_command();
+CommandRow write_command() {
+  return command_row("write", "Write values to channels, and wait for the results", describe_write,
+                     in_domain(write));
 }
 
 }  // namespace fieldcast::cli

@@ -1,6 +1,7 @@
 #include "tools/cli/view/status/status_facts.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -73,12 +74,6 @@ Json standby_json(const StandbyMessage& message) {
 }
 
 namespace {
-
-std::string joined(const std::vector<std::string>& addresses) {
-  std::string text;
-  for (const auto& at : addresses) text += (text.empty() ? "" : " ") + at;
-  return text;
-}
 
 std::string times(std::uint64_t count, std::string_view one, std::string_view many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
@@ -168,14 +163,15 @@ std::vector<StatusFact> device_facts(const StationDeviceStatus& device,
     facts.push_back({"failures", causes_text(device.causes), Tone::kWarning});
   for (const AreaReport& area : report.areas) facts.push_back({"area", area_text(area)});
   if (!report.refused.empty())
-    facts.push_back({"refused",
-                     "addresses, which are left out of blocks: " + joined(report.refused),
-                     Tone::kWarning});
+    facts.push_back(
+        {"refused",
+         fmt::format("addresses, which are left out of blocks: {}", fmt::join(report.refused, " ")),
+         Tone::kWarning});
   if (!report.refused_gaps.empty())
     facts.push_back({"gaps",
-                     "unused addresses between channels that it refuses to read, so that no block "
-                     "runs across them: " +
-                         joined(report.refused_gaps),
+                     fmt::format("unused addresses between channels that it refuses to read, so "
+                                 "that no block runs across them: {}",
+                                 fmt::join(report.refused_gaps, " ")),
                      Tone::kWarning});
   return facts;
 }
