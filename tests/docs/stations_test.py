@@ -21,7 +21,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
 from comparison import general  # noqa: E402
 from document import parse  # noqa: E402
-from plant import Plant, wait_until  # noqa: E402
+from plant import Plant, modbus_line, wait_until  # noqa: E402
 
 BIN_DIR, BUILD_DIR, SOURCE_DIR = "", "", ""
 DOCUMENTS = ["README.md", "docs/stations.md"]
@@ -30,16 +30,7 @@ SECONDS = 30  # far above any normal duration, so that only a fault reaches it
 AGE = r", \d+ ms old"
 
 PLANT = """
-bridge: stations
-buses:
-  - name: line
-    port: { serial: {run}/line, baud: 115200, format: 8N1 }
-    protocol: modbus-rtu
-    defaults: { timeout: 50ms }
-    devices:
-      - name: meter
-        address: 1
-        channels:
+bridge: stations""" + modbus_line(device="meter", defaults="timeout: 50ms") + """\
           - { name: voltage, at: "holding:0", type: float32, unit: V, refresh: 200ms }
           - { name: setpoint, at: "holding:10", type: float32, refresh: 200ms, access: read-write }
           - { name: serial-number, at: "holding:20", type: uint16, refresh: 10s }

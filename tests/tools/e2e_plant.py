@@ -58,12 +58,7 @@ plant = None
 
 def setUpModule():
     global plant
-    plant = Plant(BIN_DIR, CONFIG)
-    plant.__enter__()
-
-
-def tearDownModule():
-    plant.__exit__(None, None, None)
+    plant = unittest.enterModuleContext(Plant(BIN_DIR, CONFIG))
 
 
 def path_of(sample):

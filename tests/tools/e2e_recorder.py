@@ -17,23 +17,14 @@ import urllib.request
 
 import e2e_station
 from e2e_station import Station
-from plant import Plant, run_cli, wait_until
+from plant import Plant, modbus_line, run_cli, wait_until
 
 BIN_DIR = ""
 SECONDS = 30
 
 CONFIG = """
 bridge: {bus}-bridge
-store: { path: {run}/bridge.db }
-buses:
-  - name: {bus}
-    port: { serial: {run}/line, baud: 115200, format: 8N1 }
-    protocol: modbus-rtu
-    defaults: { refresh: 100ms }
-    devices:
-      - name: press
-        address: 1
-        channels:
+store: { path: {run}/bridge.db }""" + modbus_line("{bus}", defaults="refresh: 100ms") + """\
           - { name: temperature, at: "holding:100", type: float32, unit: °C }
           - { name: speed, at: "holding:7", type: int16, access: read-write, limits: { low: 32000 } }
           - { name: order, at: "holding:20", type: string(8) }

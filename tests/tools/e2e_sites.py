@@ -23,7 +23,7 @@ import unittest
 
 import networks
 from networks import system
-from plant import Plant, Result, claim_domain, run_cli, wait_until
+from plant import Plant, Result, claim_domain, modbus_line, run_cli, wait_until
 
 BIN_DIR = ""
 DOCUMENT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../docs/many-sites.md")
@@ -32,17 +32,7 @@ CHANNELS = 20
 FOUND_SECONDS = 15  # until a station has every channel
 
 CONFIG = """
-bridge: {name}
-buses:
-  - name: line
-    port: { serial: {run}/line, baud: 115200, format: 8N1 }
-    protocol: modbus-rtu
-    defaults: { refresh: 200ms }
-    devices:
-      - name: press
-        address: 1
-        channels:
-""" + "\n".join(f'          - {{ name: c{i}, at: "holding:{i}", type: uint16, access: read-write }}' for i in range(CHANNELS)) + "\n"
+bridge: {name}""" + modbus_line() + "\n".join(f'          - {{ name: c{i}, at: "holding:{i}", type: uint16, access: read-write }}' for i in range(CHANNELS)) + "\n"
 
 
 def free_udp_port():

@@ -17,22 +17,13 @@ import subprocess
 import sys
 import unittest
 
-from plant import Plant, wait_until
+from plant import Plant, modbus_line, wait_until
 
 BIN_DIR = ""
 SECONDS = 30
 
 CONFIG = """
-bridge: e2e
-buses:
-  - name: line
-    port: { serial: {run}/line, baud: 115200, format: 8N1 }
-    protocol: modbus-rtu
-    defaults: { refresh: 200ms }
-    devices:
-      - name: press
-        address: 1
-        channels:
+bridge: e2e""" + modbus_line() + """\
           - { name: temperature, at: "holding:100", type: float32 }
           - { name: speed, at: "holding:7", type: int16, access: read-write }
 """

@@ -17,7 +17,7 @@ here = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(here, "..", ".."))
 sys.path.insert(0, os.path.join(here, "..", "..", "..", "interop"))
 from peers import free_port
-from plant import STOP_SECONDS, Plant, wait_until
+from plant import STOP_SECONDS, Plant, modbus_line, wait_until
 
 START_SECONDS = 20
 SKIPPED = 77
@@ -25,16 +25,7 @@ USERS = {"anna": "operator", "vera": "viewer"}
 PASSWORD = "secret secret"
 
 CONFIG = """
-bridge: north
-buses:
-  - name: press-shop
-    port: { serial: {run}/line, baud: 115200 }
-    protocol: modbus-rtu
-    defaults: { refresh: 500ms, mode: scheduled, timeout: 100ms, retries: 1 }
-    devices:
-      - name: press-1
-        address: 1
-        channels:
+bridge: north""" + modbus_line("press-shop", device="press-1", port="baud: 115200", defaults="refresh: 500ms, mode: scheduled, timeout: 100ms, retries: 1") + """\
           - { name: running, at: "coil:0", access: read-write, refresh: 500ms }
           - { name: pressure, at: "holding:0", type: float32, unit: bar, refresh: 250ms }
           - { name: setpoint, at: "holding:20", type: uint16, unit: 1/min, access: read-write, write: { min: 0, max: 2000 }, limits: { high: 1500 } }
