@@ -9,16 +9,14 @@
 #include "tests/bridge/support/bridge_fixture.hpp"
 #include "tests/bridge/support/modbus_device.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
 
 using std::chrono::hours;
 using std::chrono::milliseconds;
 using std::chrono::minutes;
-using test::ModbusDevice;
-using test::Reports;
 
-struct BridgeAlarms : test::BridgeTest {
+struct BridgeAlarms : BridgeTest {
   BridgeAlarms() {
     folder = std::filesystem::path(testing::TempDir()) /
              ("people-" + std::to_string(::getpid()) +
@@ -191,4 +189,4 @@ TEST_F(BridgeAlarms, WhatCannotBeIsRefusedWithItsReason) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

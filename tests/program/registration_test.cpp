@@ -1,6 +1,7 @@
 #include "core/program/registration.hpp"
 
 #include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include "core/program/frame.hpp"
 
@@ -144,6 +145,24 @@ TEST(Registration, ARefusalOfThePlcIsAFault) {
   (void)registration.start(kStart);
   const auto outcome = registration.on_bytes(with_fcs("@00RD15"), kStart);
   EXPECT_THAT(outcome.fault.value_or(""), HasSubstr("refuses"));
+}
+
+TEST(DeviceNumber, IsOneToSixteenLettersOrDigits) {
+  for (const char* good :
+       {"1", "17", "Press01", "ABCDEFGHIJKLMNOP", "0010", "00012", "000A", "EDX", "FEF", "V1"}) {
+    EXPECT_TRUE(is_device_number(good)) << good;
+  }
+  for (const char* bad :
+       {"", "ABCDEFGHIJKLMNOPQ", "press-1", "press 1", "\xC3\xA4", "a:b", "1\r"}) {
+    EXPECT_FALSE(is_device_number(bad)) << bad;
+  }
+}
+
+TEST(DeviceNumber, IsNothingThatAFrameCouldTakeForSomethingElse) {
+  for (const char* bad :
+       {"ED", "HB", "0000", "0003", "0009", "FEFF", "1FEFF", "AFEFFB", "V2", "V217"}) {
+    EXPECT_FALSE(is_device_number(bad)) << bad;
+  }
 }
 
 }  // namespace

@@ -13,13 +13,11 @@
 #include "tests/bridge/support/captured_log.hpp"
 #include "tests/bridge/support/tcp_client.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;
-using test::CapturedLog;
-using test::TcpClient;
 using testing::HasSubstr;
 using testing::StartsWith;
 
@@ -211,4 +209,4 @@ TEST_F(MetricsServerTest, EndsWithClientsUnderWay) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

@@ -15,12 +15,9 @@
 #include "tests/bridge/support/port_probe.hpp"
 #include "tests/bridge/support/pty.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
 
-using test::PortProbe;
-using test::Pty;
-using test::run_until;
 using testing::HasSubstr;
 
 struct SerialPortTest : testing::Test {
@@ -286,4 +283,4 @@ TEST_F(SerialPortTest, TheLineIsRawAndHasItsBaudRate) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

@@ -8,13 +8,11 @@
 #include "bridge/port/stream_port.hpp"
 #include "tests/bridge/support/port_probe.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
 
 namespace asio = boost::asio;
 using asio::ip::tcp;
-using test::PortProbe;
-using test::run_until;
 using testing::HasSubstr;
 
 struct TcpPortTest : testing::Test {
@@ -123,4 +121,4 @@ TEST_F(TcpPortTest, NothingIsToldAfterClose) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

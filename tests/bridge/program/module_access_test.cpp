@@ -5,18 +5,15 @@
 #include "tests/bridge/support/certificates.hpp"
 #include "tests/bridge/support/tls_client.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
 
-using test::paired;
-using test::SecureClient;
-using test::TcpClient;
 using testing::HasSubstr;
 using testing::StartsWith;
 
 constexpr const char* kSecret = "a secret of twenty-six let";
 
-struct ModuleAccess : test::ServerFixture {
+struct ModuleAccess : ServerFixture {
   void expect_programmable(const std::string& number, auto& module) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds{10};
     std::unique_ptr<TcpClient> client;
@@ -36,7 +33,7 @@ struct ModuleAccess : test::ServerFixture {
     return line.size() < 12 ? "" : line.substr(10, line.size() - 12);
   }
 
-  test::Certificates files;
+  Certificates files;
 };
 
 struct ModuleTls : ModuleAccess {
@@ -235,4 +232,4 @@ TEST_F(ModuleAccess, ASecondModuleOfANumberIsRefusedAndTold) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

@@ -10,11 +10,9 @@
 #include "bridge/store/users/user_table.hpp"
 #include "tests/bridge/store/scratch.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
 
-using test::RecordingAudit;
-using test::Scratch;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -161,4 +159,4 @@ TEST_F(Users, WhoStillWaitsWhenTheRouterClosesIsTold) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

@@ -112,14 +112,12 @@ TEST(StoreDocument, HasQueriesThatSqliteTakes) {
 }
 
 TEST(StoreDocument, HasQueriesThatPostgresTakes) {
-  if (test::PostgresServer::programs().empty())
-    GTEST_SKIP() << "no PostgreSQL server here (Debian: postgresql): not tested";
-  test::PostgresServer server;
-  ASSERT_TRUE(server.ready()) << "the server did not start";
-  const auto connection = open_store(server.address(), IfMissing::kCreate);
-  const auto blocks = blocks_for("PostgreSQL");
-  EXPECT_GE(blocks.size(), 5u);
-  for (const std::string& block : blocks) EXPECT_NO_THROW(connection->script(block)) << block;
+  test::with_postgres([](test::PostgresServer& server) {
+    const auto connection = open_store(server.address(), IfMissing::kCreate);
+    const auto blocks = blocks_for("PostgreSQL");
+    EXPECT_GE(blocks.size(), 5u);
+    for (const std::string& block : blocks) EXPECT_NO_THROW(connection->script(block)) << block;
+  });
 }
 
 }  // namespace

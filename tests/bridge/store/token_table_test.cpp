@@ -80,10 +80,7 @@ TEST(TokenTable, AtSqlite) {
 }
 
 TEST(TokenTable, AtPostgres) {
-  if (test::PostgresServer::programs().empty()) GTEST_SKIP() << "PostgreSQL is not installed";
-  const test::PostgresServer server;
-  ASSERT_TRUE(server.ready());
-  keeps_tokens(server.address());
+  test::with_postgres([](test::PostgresServer& server) { keeps_tokens(server.address()); });
 }
 
 TEST(MakeToken, MakesAnotherOneEachTime) {

@@ -4,13 +4,10 @@
 #include "tests/support/declared_device.hpp"
 #include "tests/support/matrix.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
 
-using test::Device;
-using test::drive;
-
-Device instrument() { return test::declared_device("instrument", 7); }
+Device instrument() { return declared_device("instrument", 7); }
 
 // header, status 3, analog 23.5, unit 2, outputs 1001b and inputs 0101b, tail
 const Bytes kAnswer = *from_hex("AA 03 41 BC 00 00 02 95 55");
@@ -82,9 +79,9 @@ TEST(Instrument, WhatItsFieldsCannotHoldIsNotSent) {
 TEST(Instrument, TheMatrixHolds) {
   const Device device = instrument();
   // The response has no check, so a flipped bit of a value cannot be detected.
-  test::expect_matrix({.begin = [&] { return device.begin(device.read("status", 6)); },
-                       .answers = {kAnswer},
-                       .checked = false});
+  expect_matrix({.begin = [&] { return device.begin(device.read("status", 6)); },
+                 .answers = {kAnswer},
+                 .checked = false});
 }
 
 TEST(Instrument, ALineThatBabblesIsGivenUpAfterTwoFrames) {
@@ -134,4 +131,4 @@ TEST(Instrument, FramesAreExplained) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

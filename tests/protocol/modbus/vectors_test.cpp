@@ -89,7 +89,7 @@ TEST_P(ModbusVectors, TheirAnswerIsRead) {
   const auto answer = reference::open(vector().framing, vector().response);
   if (vector().kind != "ok" || !answer || is_unused_function(answer->pdu)) return;
   if (vector().name == "tcp_split_fc02_pymodbus")
-    return;  // has the form of a request: see AMalformedAnswerIsNoValue
+    return;  // has the form of a request: see AMalformedResponseHasNoValue
   const auto request = asked(vector().response);
   ASSERT_TRUE(request.has_value());
   const Outcome result = outcome(*request, vector().response);

@@ -13,6 +13,7 @@
 #include "core/capture/pcapng_reader.hpp"
 #include "core/model/bus_spec.hpp"
 #include "tests/bridge/support/modbus_device.hpp"
+#include "tests/support/text_cases.hpp"
 #include "tools/cli/command/line/poke.hpp"
 #include "tools/cli/command/line/read.hpp"
 #include "tools/cli/command/line/scan.hpp"
@@ -389,11 +390,8 @@ TEST_F(CollisionTest, AScanSaysThatAnswersAreCut) {
 }
 
 TEST(FullPort, NamesOfSerialPortsAreCompleted) {
-  EXPECT_EQ(full_port("ttyUSB0"), "/dev/ttyUSB0");
-  EXPECT_EQ(full_port("null"), "/dev/null");
-  EXPECT_EQ(full_port("./x"), "./x");
-  EXPECT_EQ(full_port("/dev/ttyS1"), "/dev/ttyS1");
-  EXPECT_EQ(full_port("10.0.0.7:502"), "10.0.0.7:502");
+  test::expect_texts(full_port, {"ttyUSB0 -> /dev/ttyUSB0", "null -> /dev/null", "./x -> ./x",
+                                 "/dev/ttyS1 -> /dev/ttyS1", "10.0.0.7:502 -> 10.0.0.7:502"});
   EXPECT_EQ(full_port("plc.local"), "plc.local") << "still no HOST:PORT";
 }
 

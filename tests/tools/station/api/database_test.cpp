@@ -125,18 +125,16 @@ TEST_F(DatabaseTest, SqliteChangesNothingAndEndsWhatTakesTooLong) {
 }
 
 TEST(DatabaseAtPostgres, ChangesNothingAndEndsWhatTakesTooLong) {
-  if (fieldcast::test::PostgresServer::programs().empty())
-    GTEST_SKIP() << "PostgreSQL is not installed";
-  const fieldcast::test::PostgresServer server;
-  ASSERT_TRUE(server.ready());
-  changes_nothing(server.address());
-  ends_what_takes_too_long(server.address());
-  const auto connection = open_store(server.address(), IfMissing::kFail);
-  connection->script("set statement_timeout = 50");
-  EXPECT_THROW(connection->query("select 1 from (select pg_sleep(20)) s", {},
-                                 [](const SqlRow&) { return true; }),
-               StoreTooSlow);
-  EXPECT_EQ(count(*connection), 0);
+  fieldcast::test::with_postgres([](fieldcast::test::PostgresServer& server) {
+    changes_nothing(server.address());
+    ends_what_takes_too_long(server.address());
+    const auto connection = open_store(server.address(), IfMissing::kFail);
+    connection->script("set statement_timeout = 50");
+    EXPECT_THROW(connection->query("select 1 from (select pg_sleep(20)) s", {},
+                                   [](const SqlRow&) { return true; }),
+                 StoreTooSlow);
+    EXPECT_EQ(count(*connection), 0);
+  });
 }
 
 }  // namespace

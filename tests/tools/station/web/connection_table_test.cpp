@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include "tests/support/text_cases.hpp"
 #include "tools/station/web/http_guard.hpp"
 
 namespace fieldcast::web {
@@ -141,15 +142,11 @@ TEST_F(ConnectionTableTest, OneHundredAndFiftySlowOnesLeaveTheStationOpen) {
 }
 
 TEST(AddressGroup, Ipv6CountsByItsSlash64AndAMappedAddressAsIpv4) {
-  EXPECT_EQ(address_group("10.0.0.7"), "10.0.0.7");
-  EXPECT_EQ(address_group("[2001:db8:1:2:3:4:5:6]"), "2001:db8:1:2::/64");
-  EXPECT_EQ(address_group("2001:db8:1:2::9"), "2001:db8:1:2::/64");
-  EXPECT_EQ(address_group("2001:db8:1:3::9"), "2001:db8:1:3::/64");
-  EXPECT_EQ(address_group("[fe80::1%eth0]"), "fe80::/64");
-  EXPECT_EQ(address_group("[::1]"), "::/64");
-  EXPECT_EQ(address_group("[::ffff:10.0.0.7]"), "10.0.0.7");
-  EXPECT_EQ(address_group("?"), "?");
-  EXPECT_EQ(address_group(""), "");
+  test::expect_texts(address_group,
+                     {"10.0.0.7 -> 10.0.0.7", "[2001:db8:1:2:3:4:5:6] -> 2001:db8:1:2::/64",
+                      "2001:db8:1:2::9 -> 2001:db8:1:2::/64",
+                      "2001:db8:1:3::9 -> 2001:db8:1:3::/64", "[fe80::1%eth0] -> fe80::/64",
+                      "[::1] -> ::/64", "[::ffff:10.0.0.7] -> 10.0.0.7", "? -> ?", " -> "});
 }
 
 }  // namespace

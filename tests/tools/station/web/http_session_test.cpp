@@ -72,6 +72,22 @@ class HttpSessionTest : public testing::Test {
     settle();
     return link->to_client;
   }
+  // Sends `begin` and then a byte each 20 ms, without an end.
+  void expect_timeout_after(const std::string& begin) {
+    const auto link = connect();
+    const auto began = std::chrono::steady_clock::now();
+    auto next = began;
+    send(link, begin);
+    wait_until([&] {
+      if (std::chrono::steady_clock::now() >= next) link->to_station += 'a';
+      next = std::chrono::steady_clock::now() + 20ms;
+      link->wake();
+      return link->station_ended;
+    });
+    EXPECT_THAT(link->to_client, StartsWith("HTTP/1.1 408 Request Timeout\r\n"));
+    EXPECT_LT(std::chrono::steady_clock::now() - began, 3s);
+    wait_until([&] { return link->station_closed; });
+  }
   static std::string get(const std::string& target, const std::string& more = {}) {
     return "GET " + target + " HTTP/1.1\r\nHost: 127.0.0.1:8090\r\n" + more + "\r\n";
   }
@@ -259,35 +275,11 @@ TEST_F(HttpSessionTest, AClientThatAsksBeforeItSendsIsToldToGoOn) {
 }
 
 TEST_F(HttpSessionTest, ARequestThatTakesTooLongIsRefused) {
-  const auto link = connect();
-  const auto began = std::chrono::steady_clock::now();
-  auto next = began;
-  send(link, "GET /hello HTTP/1.1\r\nA: ");
-  wait_until([&] {  // byte by byte, without an end
-    if (std::chrono::steady_clock::now() >= next) link->to_station += 'a';
-    next = std::chrono::steady_clock::now() + 20ms;
-    link->wake();
-    return link->station_ended;
-  });
-  EXPECT_THAT(link->to_client, StartsWith("HTTP/1.1 408 Request Timeout\r\n"));
-  EXPECT_LT(std::chrono::steady_clock::now() - began, 3s);
-  wait_until([&] { return link->station_closed; });
+  expect_timeout_after("GET /hello HTTP/1.1\r\nA: ");
 }
 
 TEST_F(HttpSessionTest, ABodyThatTakesTooLongIsRefused) {
-  const auto link = connect();
-  const auto began = std::chrono::steady_clock::now();
-  auto next = began;
-  send(link, post("", "Content-Length: 60000\r\n"));
-  wait_until([&] {
-    if (std::chrono::steady_clock::now() >= next) link->to_station += 'a';
-    next = std::chrono::steady_clock::now() + 20ms;
-    link->wake();
-    return link->station_ended;
-  });
-  EXPECT_THAT(link->to_client, StartsWith("HTTP/1.1 408 Request Timeout\r\n"));
-  EXPECT_LT(std::chrono::steady_clock::now() - began, 3s);
-  wait_until([&] { return link->station_closed; });
+  expect_timeout_after(post("", "Content-Length: 60000\r\n"));
 }
 
 TEST_F(HttpSessionTest, AConnectionWithoutRequestsIsClosed) {

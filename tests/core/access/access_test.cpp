@@ -1,6 +1,77 @@
 #include <gtest/gtest.h>
 
 #include "core/access/login.hpp"
+#include "core/access/network.hpp"
+
+namespace fieldcast::access {
+namespace {
+
+bool within(std::string_view network, std::string_view address) {
+  const auto parsed = Network::parse(network);
+  EXPECT_TRUE(parsed) << network;
+  return parsed && parsed->contains(address);
+}
+
+// The text is "ADDRESS in NETWORK".
+bool holds(std::string_view text) {
+  const auto at = text.find(" in ");
+  return within(text.substr(at + 4), text.substr(0, at));
+}
+
+TEST(Network, HoldsTheAddressesOfItsPrefix) {
+  for (const auto text :
+       {"10.255.0.1 in 10.0.0.0/8", "192.168.7.128 in 192.168.7.128/25",
+        "192.168.7.255 in 192.168.7.128/25", "203.0.113.9 in 0.0.0.0/0", "10.1.2.3 in 10.1.2.3",
+        "fd12:3456::7 in fd00::/8", "0:0:0:0:0:0:0:1 in ::1", "1:2:3:4:5:6:7:8 in 1:2:3:4:5:6:7:8",
+        "2001:db8::1 in ::/0"})
+    EXPECT_TRUE(holds(text)) << text;
+  for (const auto text : {"11.0.0.1 in 10.0.0.0/8", "192.168.7.127 in 192.168.7.128/25",
+                          "10.1.2.4 in 10.1.2.3", "fe80::7 in fd00::/8"})
+    EXPECT_FALSE(holds(text)) << text;
+}
+
+TEST(Network, AnAddressIsReadInEverySpellingOfASocket) {
+  for (const auto text : {"[fd00::7] in fd00::/8", "[fe80::7%eth0] in fe80::/10",
+                          "::ffff:10.0.0.7 in 10.0.0.0/8", "[::ffff:10.0.0.7] in 10.0.0.0/8"})
+    EXPECT_TRUE(holds(text)) << text;
+  for (const auto text : {"::10.0.0.7 in 10.0.0.0/8", "fd00::1 in 0.0.0.0/0"})
+    EXPECT_FALSE(holds(text)) << text;
+}
+
+TEST(Network, WhatIsNoAddressIsInNoNetwork) {
+  for (const char* address :
+       {"", "?", "plant", "10.0.0", "10.0.0.256", "1::2::3", ":", "[", "1:2:3"})
+    EXPECT_FALSE(within("0.0.0.0/0", address) || within("::/0", address)) << address;
+}
+
+TEST(Network, WhatIsNoNetworkIsRefused) {
+  for (const char* text : {"",
+                           "/8",
+                           "10.0.0.0/",
+                           "10.0.0.0/33",
+                           "10.0.0.0/8/8",
+                           "10.0.0.7/8",
+                           "010.0.0.1",
+                           "10.0.0.0/-1",
+                           "10.0.0.0/ 8",
+                           "fd00::/129",
+                           "fd00::1/8",
+                           "[fd00::1]",
+                           "fe80::1%eth0",
+                           "12345::",
+                           "1:2:3:4:5:6:7",
+                           "1:2:3:4:5:6:7:8:9",
+                           "::1.2.3.4.5",
+                           "1:2:3:4:5:6:7::8",
+                           "host",
+                           "::1::",
+                           "1:",
+                           ":1"})
+    EXPECT_FALSE(Network::parse(text)) << text;
+}
+
+}  // namespace
+}  // namespace fieldcast::access
 
 namespace fieldcast {
 namespace {
