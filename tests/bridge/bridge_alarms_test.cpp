@@ -56,7 +56,7 @@ struct BridgeAlarms : BridgeTest {
   Station station{spec.dds, "operator"};
 };
 
-TEST_F(BridgeAlarms, WhatPeopleDidOutlivesTheBridge) {
+TEST_F(BridgeAlarms, UserActionsOutliveTheBridge) {
   ModbusDevice a(first), b(second);
   {
     Bridge bridge;
@@ -127,7 +127,7 @@ TEST_F(BridgeAlarms, WhatPeopleDidOutlivesTheBridge) {
           "two/plc/r2 unshelve high: on my way: done"));
 }
 
-TEST_F(BridgeAlarms, ABridgeThatTakesOverGoesOnWithWhatPeopleDid) {
+TEST_F(BridgeAlarms, ABridgeThatTakesOverContinuesWithTheUserActions) {
   ModbusDevice a(first), b(second);
   Bridge serving, waiting;
   ASSERT_TRUE(serving.start(spec));

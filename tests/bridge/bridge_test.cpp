@@ -136,7 +136,7 @@ TEST_F(BridgeTest, MissedRefreshesAreTheSameNumberForTheEngineItsWritersAndAStat
   EXPECT_EQ(status.misses.count("LATE"), 0u);
 }
 
-TEST_F(BridgeTest, StoppingAnswersWhatWaitsAndEndsInTime) {
+TEST_F(BridgeTest, StoppingRespondsToWhatWaitsAndEndsInTime) {
   ModbusDevice a(first), b(second);
   Receiver receiver(spec.dds);
   std::mutex mutex;
@@ -201,7 +201,7 @@ TEST_F(BridgeTest, AChannelOnInterestIsReadOnceAStationIsInterested) {
       receiver.receives([&](const StationSample& s) { return of_interest(s) && s.sequence >= 5; }));
 }
 
-TEST_F(BridgeTest, AnInterestInNothingIsToldOnceAndAFloodOfThemHoldsNobodyUp) {
+TEST_F(BridgeTest, AnInterestInNothingIsReportedOnceAndAFloodOfThemHoldsNobodyUp) {
   ModbusDevice a(first), b(second);
   Receiver receiver(spec.dds);
   std::promise<void> renewed;

@@ -26,13 +26,13 @@ TEST(BusSetup, WireTimeIsThatOfEveryCharacter) {
   EXPECT_EQ(setup.wire_time(0, read), setup.line().characters(8 + 9));
 }
 
-TEST(BusSetup, AWriteOfOneRegisterIsAnsweredByItsEchoAndAReadIsNot) {
+TEST(BusSetup, TheResponseToAWriteOfOneRegisterIsItsEchoAndThatToAReadIsNot) {
   const BusSetup setup(test::rtu_bus(1));
   EXPECT_FALSE(setup.answer_differs(0, WriteRequest{{kHolding, 100, 1}, {0, 1}, {}}));
   EXPECT_TRUE(setup.answer_differs(0, ReadRequest{{{kHolding, 100, 1}}}));
 }
 
-TEST(BusSetup, ASerialServerIsNoPlainTcp) {
+TEST(BusSetup, ASerialServerIsNotPlainTcp) {
   BusSpec bus = test::rtu_bus(1);
   EXPECT_FALSE(BusSetup(bus).plain_tcp());
   bus.port = TcpPortSpec{"10.0.0.7", 502, {}, 3s};
@@ -63,7 +63,7 @@ bool sends(BusEngine& engine, const BusEvent& event, Instant now) {
       actions, [](const Action& action) { return std::holds_alternative<Send>(action); });
 }
 
-TEST(Successor, WaitsAsLongAsItsPredecessorSaysAnswersMayCome) {
+TEST(Successor, WaitsAsLongAsItsPredecessorSaysResponsesMayCome) {
   const BusSpec spec = rtu_bus(1);
   BusEngine before(spec);
   Instant now{10s};

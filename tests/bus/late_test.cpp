@@ -22,7 +22,7 @@ const StormKind& kind_named(const std::string& name) {
 
 // The response arrives after the timeout and is matched to the retry. The response to the retry
 // arrives during the next request.
-TEST(LateAnswer, BeyondTheTimeoutIsNoAnswerToTheNextRequest) {
+TEST(LateResponse, BeyondTheTimeoutIsNotAResponseToTheNextRequest) {
   const StormKind& kind = kind_named("modbus-rtu");
   const BusSpec spec = bus_of(kind, "200ms");
   LateStorm storm(kind, spec, faults_of(spec, {.late = 0.05, .by = 250ms}), 1);
@@ -35,7 +35,7 @@ TEST(LateAnswer, BeyondTheTimeoutIsNoAnswerToTheNextRequest) {
 
 // The delay is within the configured timeout, but so rare that the learned timeout is now shorter.
 // The retry accepts the response, and its own response arrives during the next request.
-TEST(LateAnswer, BeyondWhatWasLearnedIsNoAnswerToTheNextRequest) {
+TEST(LateResponse, BeyondWhatWasLearnedIsNotAResponseToTheNextRequest) {
   StormKind kind = kind_named("modbus-rtu");
   kind.devices = 1;  // the next request is to the same unit
   const BusSpec spec = bus_of(kind, "200ms");
@@ -175,7 +175,7 @@ void expect_known(const Subject& subject, std::uint16_t later_sequence, int& tak
   }
 }
 
-TEST(Mistakable, EveryAnswerThatAnotherRequestTakesIsKnown) {
+TEST(Mistakable, EveryResponseThatAnotherRequestAcceptsIsKnown) {
   for (const ProtocolEntry& entry : protocols()) {
     for (const Subject& subject : subjects_of(entry.name)) {
       const auto protocol = subject.protocol();
@@ -333,7 +333,7 @@ TEST(PendingResponses, WhatCouldBeMistakenWaitsForTheBound) {
   EXPECT_EQ(owed.askable_from(read(1, 100, 2), false), Instant{600ms}) << "a command's";
 }
 
-TEST(PendingResponses, AskedTwiceAndAnsweredOnceOwesOne) {
+TEST(PendingResponses, TwoRequestsAndOneResponseLeaveOnePending) {
   PendingResponses owed = alike_by_length();
   owe(owed, read(1, 100, 2));
   owed.answered(read(1, 100, 2, Instant{200ms}), false, 600ms, Instant{250ms});
@@ -354,7 +354,7 @@ TEST(PendingResponses, OneAfterTheOtherIsWorkedOff) {
   EXPECT_TRUE(owed.expire(Instant{850ms}));
 }
 
-TEST(PendingResponses, AnAnswerThatIsCertainEndsWhatWasAskedBefore) {
+TEST(PendingResponses, AResponseThatIsCertainEndsWhatWasAskedBefore) {
   PendingResponses owed = alike_by_length();
   owe(owed, read(1, 100, 2));
   owe(owed, read(2, 100, 2));

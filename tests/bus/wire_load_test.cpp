@@ -47,7 +47,7 @@ TEST(WireLoad, AReportBetweenTheRegularOnesSetsNoMark) {
   EXPECT_DOUBLE_EQ(load.report(0ms, false, Instant{1s}).busy, 0.5);
 }
 
-TEST(OverloadWatch, IsToldOnceItHasLastedAndOnce) {
+TEST(OverloadWatch, IsReportedOnceItHasLastedAndOnce) {
   OverloadWatch watch(1);
   EXPECT_FALSE(watch.update(1.5, Instant{1s}));
   EXPECT_FALSE(watch.update(1.5, Instant{5999ms}));
@@ -58,7 +58,7 @@ TEST(OverloadWatch, IsToldOnceItHasLastedAndOnce) {
   EXPECT_FALSE(watch.update(1.8, Instant{60s}));
 }
 
-TEST(OverloadWatch, AnInterruptionBeginsTheTimeAnew) {
+TEST(OverloadWatch, AnInterruptionBeginsTheTimeAgain) {
   OverloadWatch watch(1);
   EXPECT_FALSE(watch.update(1.5, Instant{1s}));
   EXPECT_FALSE(watch.update(1.0, Instant{3s}));
@@ -83,7 +83,7 @@ TEST(ResponseTime, UnknownDeviceGetsTheConfiguredTimeout) {
   EXPECT_FALSE(time.known());
 }
 
-TEST(ResponseTime, SteadyAnswersShortenTheTimeout) {
+TEST(ResponseTime, SteadyResponsesShortenTheTimeout) {
   ResponseTime time(200ms, 20ms);
   for (int i = 0; i < 100; ++i) time.learn(5ms);
   EXPECT_EQ(time.mean(), 5ms);
@@ -97,7 +97,7 @@ TEST(ResponseTime, NeverAboveTheConfiguredTimeout) {
   EXPECT_EQ(time.timeout(), 200ms);
 }
 
-TEST(ResponseTime, TimeoutsDoubleItUntilTheNextAnswer) {
+TEST(ResponseTime, TimeoutsDoubleItUntilTheNextResponse) {
   ResponseTime time(1s, 20ms);
   for (int i = 0; i < 100; ++i) time.learn(5ms);
   const Duration before = time.timeout();
@@ -121,7 +121,7 @@ TEST(ResponseTime, NegativeMeasurementsCountAsZero) {
   EXPECT_EQ(time.mean(), 0ms);
 }
 
-TEST(ResponseTime, IsNeverShorterThanTheLongestOfTheLastAnswers) {
+TEST(ResponseTime, IsNeverShorterThanTheLongestOfTheLastResponses) {
   ResponseTime time(1s, 20ms);
   for (int i = 0; i < 50; ++i) time.learn(5ms);
   time.learn(150ms);
@@ -133,7 +133,7 @@ TEST(ResponseTime, IsNeverShorterThanTheLongestOfTheLastAnswers) {
   EXPECT_GE(time.timeout(), 400ms) << "what had been given up counts as well";
 }
 
-TEST(ResponseTime, WhatBeginsBeforeItsRequestHasEndedIsNoAnswer) {
+TEST(ResponseTime, WhatBeginsBeforeItsRequestHasEndedIsNotAResponse) {
   ResponseTime time(1s, 20ms);
   EXPECT_FALSE(time.too_early(-5ms, 500us)) << "nothing is known";
   for (int i = 0; i < 50; ++i) time.learn(2ms);

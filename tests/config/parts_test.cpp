@@ -96,7 +96,7 @@ TEST(Files, TheFolderBesideTheConfigurationComesBeforeTheShippedTemplates) {
             "own");
 }
 
-TEST(Files, WhatIsNoRegularFileIsAFault) {
+TEST(Files, WhatIsNotARegularFileIsAFault) {
   EXPECT_EQ(faults_of(load_file("/dev/zero")), "/dev/zero:1:1: the file cannot be read\n");
   EXPECT_EQ(faults_of(load_file("/")), "/:1:1: the file cannot be read\n");
   EXPECT_EQ(faults_of(load_file("/no/such.yaml")), "/no/such.yaml:1:1: the file does not exist\n");

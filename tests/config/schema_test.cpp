@@ -92,7 +92,7 @@ TEST(Schema, EveryFileThatLoadsFits) {
 }
 
 // The schema covers faults of single values; only the loader checks rules between keys.
-TEST(Schema, RefusesEveryBadFileWhoseFaultLiesInOneValue) {
+TEST(Schema, RefusesEveryBadFileWithItsFaultInOneValue) {
   static constexpr std::string_view kSeen[] = {"unknown key",
                                                "'name' is missing",
                                                "'address' is missing",
@@ -183,7 +183,7 @@ TEST(ProtocolSchema, KnowsExactlyTheWordsThatTheLoaderKnows) {
 }
 
 // The schema covers single values and missing keys; only the loader checks rules between fields.
-TEST(ProtocolSchema, RefusesEveryBadDeclarationWhoseFaultLiesInOneValue) {
+TEST(ProtocolSchema, RefusesEveryBadDeclarationWithItsFaultInOneValue) {
   static constexpr std::string_view kSeen[] = {"unknown key",
                                                "'summary' is missing",
                                                "'addresses' is missing",

@@ -27,7 +27,7 @@ TEST(Json, ListsAreArraysAndMapsAreObjects) {
   EXPECT_EQ(list.text(), R"([{"a":1},2])");
 }
 
-TEST(Json, RealNumbersAreToldFromIntegers) {
+TEST(Json, RealNumbersAreDistinguishedFromIntegers) {
   EXPECT_EQ(Json(2.0).text(), "2.0");
   EXPECT_EQ(Json(0.1).text(), "0.1");
   EXPECT_EQ(Json(1e-5).text(), "1e-05");

@@ -56,7 +56,7 @@ TEST(NearMiss, OneSlipOfTheFingerIsUnderstood) {
             "modbus-rtu");
 }
 
-TEST(NearMiss, AnotherWordIsNoNearMiss) {
+TEST(NearMiss, AnotherWordIsNotANearMiss) {
   constexpr std::string_view words[]{"coil", "holding"};
   EXPECT_EQ(near_miss("banana", words), "");
   EXPECT_EQ(near_miss("", words), "");

@@ -17,7 +17,7 @@ TEST(Escaped, KeepsWhatIsPrintableUtf8) {
   }
 }
 
-TEST(Escaped, ShowsEveryByteThatIsNoCharacter) {
+TEST(Escaped, ShowsEveryByteThatIsNotACharacter) {
   EXPECT_EQ(escaped("K\xFChl"), "K\\xFChl");
   EXPECT_EQ(escaped("\xE6\xB8"), "\\xE6\\xB8") << "cut inside a character";
   EXPECT_EQ(escaped("\xC0\x80"), "\\xC0\\x80") << "overlong";

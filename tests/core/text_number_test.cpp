@@ -139,7 +139,7 @@ TEST(TextNumber, HasScaleOffsetAndByteOrderAsOthersHave) {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-TEST(NumberText, HasNoExponentWherePeopleExpectNone) {
+TEST(NumberText, HasNoExponentWhereUsersExpectNone) {
   EXPECT_EQ(number_text(100000.0), "100000");
   EXPECT_EQ(number_text(0.0001), "0.0001");
   EXPECT_EQ(number_text(9999999999999998.0), "9999999999999998");

@@ -109,7 +109,7 @@ TEST(Rehearsal, APlanForALightWireKeepsEveryRefresh) {
   EXPECT_EQ(count_late(runner_of(plant_at(0.3)), Instant{1s}), 0u);
 }
 
-TEST(Rehearsal, DevicesThatAnswerLaterThanPlannedMakePointsLate) {
+TEST(Rehearsal, DevicesThatRespondLaterThanPlannedMakePointsLate) {
   PlanRunner runner = runner_of(plant_at(0.5));
   for (DeviceIndex device = 0; device < runner.wire().tails.size(); ++device)
     runner.set_answer_time(device, test::kRegisters, 40ms);

@@ -56,7 +56,7 @@ TEST(Registration, APrefixIsTakenAwayAndDemanded) {
               HasSubstr("does not begin with 'ID='"));
 }
 
-TEST(Registration, WhatIsNoNumberIsRefusedInWords) {
+TEST(Registration, WhatIsNotANumberIsRefusedInWords) {
   for (const char* text : {"ED\r", "a b\r", "\x01\x02\r", "0002\r", "12345678901234567\r"}) {
     Registration registration(kText);
     (void)registration.start(kStart);
@@ -120,7 +120,7 @@ TEST(Registration, APlcThatIsSilentIsAskedAgainUntilTheTimeIsOver) {
   EXPECT_THAT(*outcome.fault, HasSubstr("in time"));
 }
 
-TEST(Registration, ABrokenAnswerIsAskedAgainInSilence) {
+TEST(Registration, ABrokenResponseIsAskedAgainInSilence) {
   Registration registration(words_rule());
   (void)registration.start(kStart);
   Bytes broken = with_fcs("@00RD0031370000000000000000");

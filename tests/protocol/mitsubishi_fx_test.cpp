@@ -101,7 +101,7 @@ std::optional<Request> meant(const Device& device, const std::string& q) {
   return std::nullopt;
 }
 
-TEST(FxVectors, OurRequestsAreTheirsAndTheirAnswersAreRead) {
+TEST(FxVectors, OurRequestsAreTheirsAndTheirResponsesAreRead) {
   int seen = 0;
   for (const GoldenVector& vector : load_vectors("fx")) {
     if (vector.kind != "ok") continue;
@@ -160,7 +160,7 @@ TEST(FxExplain, TransferCompleteIsARightRequest) {
   EXPECT_TRUE(has_fault(explain(*from_hex("02 42 03 34 36"))));
 }
 
-TEST(FxExchange, MalformedAnswersAreNoValue) {
+TEST(FxExchange, MalformedResponsesHaveNoValue) {
   for (const GoldenVector& vector : load_vectors("fx")) {
     if (vector.kind != "malformed" || vector.response.empty()) continue;
     SCOPED_TRACE(vector.name);
@@ -196,7 +196,7 @@ TEST(FxExchange, ARequestThatTheLineGarbledIsSentAgain) {
 }
 
 // The response to the repeated request may still arrive, so it is pending.
-TEST(FxExchange, SilenceBehindARefusalIsNoRefusal) {
+TEST(FxExchange, SilenceBehindARefusalIsNotARefusal) {
   const Device device = plc();
   for (const Request& request : {device.write("D0", "0001"), device.read("D0")}) {
     const auto exchange = device.begin(request);

@@ -29,7 +29,7 @@ struct Meant {
         data(q.substr(6, 2 * length)) {}
 };
 
-TEST(FreeportVectors, RequestsAndAnswersAreTheirs) {
+TEST(FreeportVectors, RequestsAndResponsesAreTheirs) {
   for (const GoldenVector& vector : load_vectors("freeport")) {
     if (vector.kind != "ok") continue;
     SCOPED_TRACE(vector.name);
@@ -50,7 +50,7 @@ TEST(FreeportVectors, RequestsAndAnswersAreTheirs) {
   }
 }
 
-TEST(FreeportVectors, RefusalsAreTheirCodeAndBrokenAnswersNoValue) {
+TEST(FreeportVectors, RefusalsAreTheirCodeAndBrokenResponsesNoValue) {
   for (const GoldenVector& vector : load_vectors("freeport")) {
     if (vector.kind == "ok") continue;
     SCOPED_TRACE(vector.name);
@@ -92,7 +92,7 @@ TEST(Freeport, AByteFromTheMiddleIsCutOutOfTheWindow) {
   EXPECT_EQ(to_hex(outcome.reply[0].items), "D8");
 }
 
-TEST(Freeport, BytesPastTheLengthMustBeZeroInAReadsAnswer) {
+TEST(Freeport, BytesPastTheLengthMustBeZeroInAReadsResponse) {
   const Device device = station(5);
   const auto exchange = device.begin(device.read("window:0", 2));
   EXPECT_EQ(drive(*exchange, text("q3DAAD8000BQ")).cause, Cause::kMalformed);
@@ -110,13 +110,13 @@ TEST(Freeport, AWriteOfALaterByteSendsTheEarlierOnesAgain) {
             "qR0502C9910000");
 }
 
-TEST(Freeport, AnAnswerThatHoldsAnotherValueIsNoConfirmation) {
+TEST(Freeport, AResponseThatHoldsAnotherValueIsNotAConfirmation) {
   const Device device = station(5);
   const auto exchange = device.begin(device.write("window:0", "C910"));
   EXPECT_EQ(drive(*exchange, text("qC911F57C7DQ")).cause, Cause::kMalformed);
 }
 
-TEST(Freeport, AWriteIsReadBackByItsOwnAnswer) {
+TEST(Freeport, AWriteIsReadBackByItsOwnResponse) {
   const Device device = station(5);
   const auto write = std::get<WriteRequest>(device.write("window:0", "C911"));
   const auto exchange = device.begin(WriteReadRequest{write, write.range});
@@ -153,7 +153,7 @@ TEST(Freeport, BitsHaveAWidth) {
   EXPECT_EQ(bit->width_bits, 1u);
 }
 
-TEST(Freeport, WhatIsNoFrameIsToldWhy) {
+TEST(Freeport, WhatIsNotAFrameIsRefusedWithAReason) {
   const auto fault = [](std::string_view frame) {
     return find_protocol("s7-freeport")->explain(text(frame)).at(0).fault.substr(0, 20);
   };

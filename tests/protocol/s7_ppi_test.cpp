@@ -94,7 +94,7 @@ Bytes normalised(Bytes q) {
   return telegram(q[4], q[5], reference == 0 ? 0x6C : reference % 2 != 0 ? 0x5C : 0x7C, unit);
 }
 
-TEST(PpiVectors, OurRequestsAreTheirsAndTheirAnswersAreRead) {
+TEST(PpiVectors, OurRequestsAreTheirsAndTheirResponsesAreRead) {
   int requests = 0;
   int answers = 0;
   for (const GoldenVector& vector : load_vectors("ppi")) {
@@ -242,7 +242,7 @@ TEST(PpiExchange, ASlaveThatIsNeverReadyIsBusy) {
   EXPECT_EQ(drive(*refused, hex("10 00 02 02 04 16")).cause, Cause::kDeviceBusy);
 }
 
-TEST(PpiExchange, AnAnswerWithoutOrGluedToItsAcknowledgeIsTaken) {
+TEST(PpiExchange, AResponseWithoutOrGluedToItsAcknowledgeIsTaken) {
   const Device device = plc();
   const auto direct = device.begin(device.read("VB100", 3));
   EXPECT_TRUE(drive(*direct, kAnswer).done());
@@ -252,7 +252,7 @@ TEST(PpiExchange, AnAnswerWithoutOrGluedToItsAcknowledgeIsTaken) {
   EXPECT_TRUE(drive(*late, glued).done());
 }
 
-TEST(PpiExchange, OtherStationsAndOlderAnswersArePassedOver) {
+TEST(PpiExchange, OtherStationsAndOlderResponsesArePassedOver) {
   const Device device = plc();
   Bytes other = kAnswer;
   other[5] = 3;  // from station 3

@@ -92,7 +92,7 @@ TEST(Prediction, DevicesAreSpreadOverLinesThatEachWork) {
   EXPECT_FALSE(predict(test::input_of(two_groups(), kFakeProtocol)).remedies.buses);
 }
 
-TEST(Prediction, ImpossiblePlanIsToldInBoundedTime) {
+TEST(Prediction, ImpossiblePlanIsReportedInBoundedTime) {
   ScheduleInput input = test::input_of(two_groups(), kFakeProtocol);
   for (Point& point : input.points) point.refresh = 1ns;
   const Prediction prediction = predict(input, {.max_reads = 2000});
@@ -120,13 +120,13 @@ TEST(PlannedTimes, MicrosecondsMakeNoOtherPlan) {
   EXPECT_EQ(PlannedTimes::rounded(100ms), 100ms);
 }
 
-TEST(PlannedTimes, WhatHasNotAnsweredIsTakenToBeLikeWhatHas) {
+TEST(PlannedTimes, WhatHasNotRespondedIsTakenToBeLikeWhatHas) {
   PlannedTimes times(kAreas, 5ms);
   EXPECT_EQ(times.answered(0, 1, 2005us), (Changes{{0, 1, 2ms}, {0, 0, 2ms}, {1, 0, 2ms}}));
   EXPECT_EQ(times.answered(1, 0, 9ms), (Changes{{1, 0, 9ms}})) << "the others are known";
 }
 
-TEST(PlannedTimes, SmallChangesAreNotTold) {
+TEST(PlannedTimes, SmallChangesAreNotReported) {
   PlannedTimes times(kAreas, 5ms);
   for (int i = 0; i < 200; ++i)
     EXPECT_EQ(times.answered(0, 0, i % 2 == 0 ? 4700us : 5200us), Changes{});
@@ -153,7 +153,7 @@ BusSpec bus_of(std::uint32_t registers, Duration refresh, std::uint32_t baud) {
   return bus;
 }
 
-TEST(LoadCheck, ABusWithRoomHasNone) {
+TEST(LoadCheck, ABusWithSpaceHasNone) {
   EXPECT_FALSE(overload_of(bus_of(10, 1s, 19200), 5ms));
   EXPECT_FALSE(hopeless_load_of(bus_of(10, 1s, 19200)));
 }
@@ -191,7 +191,7 @@ TEST(LoadCheck, HopelessIsAHundredTimesTheWireAtTheLeast) {
   EXPECT_NEAR(*load, 500, 100);
 }
 
-TEST(LoadCheck, TextSaysHowMuchAndHowToMend) {
+TEST(LoadCheck, TextStatesTheAmountAndTheFix) {
   EXPECT_THAT(to_text(Overload{2.5, 2.625, 57600}),
               testing::AllOf(HasSubstr("2.50 times"), HasSubstr("2.62 times as long"),
                              HasSubstr("at 57600 baud or more"), HasSubstr("'fieldcast plan'")));

@@ -119,7 +119,7 @@ class Recorder(unittest.TestCase):
         text = run_cli(BIN_DIR, "history", "east/press/temperature", "--store", os.path.join(first.run, "recorded.db")).out
         self.assertIn("°C", text)
 
-    def test_2_a_bridge_and_a_station_that_start_anew_repeat_nothing(self):
+    def test_2_a_bridge_and_a_station_that_restart_repeat_nothing(self):
         with recorder() as station:
             before = len(recorded("east/press/speed"))
             wait_until(lambda: len(recorded("east/press/speed")) > before + 10, SECONDS, station.log)
@@ -139,7 +139,7 @@ class Recorder(unittest.TestCase):
         sequences = [sample["sequence"] for sample in recorded("east/press/speed")]
         self.assertTrue(any(later < earlier for earlier, later in zip(sequences, sequences[1:])))
 
-    def test_3_an_alarm_is_recorded_with_what_people_did(self):
+    def test_3_an_alarm_is_recorded_with_the_user_actions(self):
         with recorder() as station:
             wait_until(lambda: [a for a in get(station, "/api/alarms")["alarms"] if a["bus"] == "east" and a["active"]], SECONDS, station.log)
             body = {"alarms": [{"bus": "east", "device": "press", "channel": "speed", "limit": "low"}], "note": "seen"}

@@ -119,7 +119,7 @@ class Store(unittest.TestCase):
             return [(a["state"], a["value"]) for a in lines("alarms", "--from", "1h") if "state" in a]
         wait_until(lambda: kept()[-2:] == [("active", 101.0), ("clear", 90.0)], 30, lambda: str(kept()))
 
-    def test_people_acknowledge_shelve_and_maintain(self):
+    def test_users_acknowledge_shelve_and_maintain(self):
         def alarm():
             return next((a for a in lines("alarms") if a["limit"] == "high"), {})
 

@@ -186,7 +186,7 @@ TEST_F(BusRunnerTest, ADeadDeviceIsBadAndNeverGood) {
   EXPECT_EQ(good_samples(sink.record()), 0u);
 }
 
-TEST_F(BusRunnerTest, StoppingAnswersEveryCommandThatWaits) {
+TEST_F(BusRunnerTest, StoppingRespondsToEveryCommandThatWaits) {
   ModbusDevice device(pty);
   device.set_silent(true);  // the first command hangs and blocks the others
   begin(bus_at(pty.path()));

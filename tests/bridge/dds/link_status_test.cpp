@@ -42,7 +42,7 @@ TEST(DdsLink, StatusArrivesAndGoesWithItsBus) {
   EXPECT_EQ(devices.all()[0].report.refused, std::vector<std::string>{"holding:7"});
 }
 
-TEST(DdsLink, StatusTellsHowFarTheClockOfTheStationIsAhead) {
+TEST(DdsLink, StatusReportsHowFarTheClockOfTheStationIsAhead) {
   const std::string bus = bus_name("clock");
   Received received;
   DdsLink link(loopback(), "test", received.handlers());
@@ -133,7 +133,7 @@ TEST(DdsLink, AnAlarmOfEveryLimitReachesLateStationsAndGoesWithItsBus) {
 }
 
 // Includes readers of other vendors, and readers that join while others read.
-TEST(DdsLink, TellsOfEachReaderOfSamplesThatComesAndOfRequestsForSnapshots) {
+TEST(DdsLink, ReportsEachReaderOfSamplesThatComesAndOfRequestsForSnapshots) {
   const std::string bus = bus_name("readers");
   Received received;
   DdsLink::Handlers handlers = received.handlers();

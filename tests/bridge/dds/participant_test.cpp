@@ -94,12 +94,12 @@ TEST(Multicast, IsOnTheLoopbackOfThisMachine) {
   EXPECT_EQ(multicast_fault("127.0.0.1"), std::nullopt);
 }
 
-TEST(Multicast, OfWhatIsNoAddressOfThisMachineNothingIsSaid) {
+TEST(Multicast, OfWhatIsNotAnAddressOfThisMachineNothingIsSaid) {
   EXPECT_EQ(multicast_fault("192.0.2.77"), std::nullopt);
   EXPECT_EQ(multicast_fault("eth0"), std::nullopt);
 }
 
-TEST(ReceiveBuffer, LessThanAskedForIsToldWithItsRemedy) {
+TEST(ReceiveBuffer, LessThanAskedForIsReportedWithItsRemedy) {
   EXPECT_EQ(
       receive_buffer_remark(212'992, 1 << 20),
       "the kernel holds 208 KiB of what comes by UDP where 1024 KiB were asked for: bursts of "
@@ -119,7 +119,7 @@ TEST(ReceiveBuffer, IsGrantedUpToTheLimitOfTheKernel) {
   EXPECT_EQ(granted_receive_buffer(most), std::min<std::uint64_t>(limit, most));
 }
 
-TEST(ReceiveBuffer, OfAProfileOfTheUserNothingIsTold) {
+TEST(ReceiveBuffer, OfAProfileOfTheUserNothingIsReported) {
   DdsSpec spec;
   spec.profile = "dds.xml";
   EXPECT_EQ(receive_buffer_remark(spec), std::nullopt);

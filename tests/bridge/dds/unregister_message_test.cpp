@@ -222,7 +222,7 @@ TEST(LostInstances, TheWriterThatWasLostFirstMakesRoom) {
   EXPECT_EQ(lost.take(handle(200)).size(), 10U);
 }
 
-TEST(LostInstances, OneWriterWithMoreThanThereIsRoomForIsForgotten) {
+TEST(LostInstances, OneWriterWithMoreThanThereIsSpaceForIsForgotten) {
   LostInstances<int> lost(5);
   for (std::uint8_t instance = 0; instance < 6; ++instance) lost.keep(kWriter, handle(instance), 0);
   EXPECT_EQ(lost.size(), 0U);

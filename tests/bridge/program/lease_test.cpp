@@ -21,7 +21,7 @@ SerialPortSpec serial_at(const std::string& path) {
   return port;
 }
 
-TEST_F(Lease, ASerialBusIsLeasedAndReadsAgainAtOnce) {
+TEST_F(Lease, ASerialBusIsLeasedAndReadsAgainImmediately) {
   Pty pty;
   auto device = std::make_unique<ModbusDevice>(pty);
   start();
@@ -253,7 +253,7 @@ TEST_F(Lease, AModuleThatIsLostIsCollectedAgainWhenItDialsIn) {
   EXPECT_TRUE(receives_more());
 }
 
-TEST_F(Lease, AModuleStaysConnectedWhenItsBusStartsAnew) {
+TEST_F(Lease, AModuleStaysConnectedWhenItsBusRestarts) {
   start();
   BusSpec bus = bus_of(DialInPortSpec{"17", std::nullopt});
   run(bus);
@@ -269,7 +269,7 @@ TEST_F(Lease, AModuleStaysConnectedWhenItsBusStartsAnew) {
   EXPECT_FALSE(module.is_closed(milliseconds{30}));
 }
 
-TEST_F(Lease, AModuleThatDialsInWhileItsBusStartsAnewIsFound) {
+TEST_F(Lease, AModuleThatDialsInWhileItsBusRestartsIsFound) {
   start();
   BusSpec bus = bus_of(DialInPortSpec{"17", std::nullopt});
   for (int reload = 0; reload < 20; ++reload) {

@@ -76,7 +76,7 @@ struct ModuleClientTest : ServerFixture {
   IoThread io{"module"};
 };
 
-TEST_F(ModuleClientTest, TellsItsNumberAndCarriesBytesBothWays) {
+TEST_F(ModuleClientTest, ReportsItsNumberAndCarriesBytesBothWays) {
   start();
   dial();
   expect_programmable();

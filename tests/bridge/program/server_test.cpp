@@ -64,7 +64,7 @@ TEST_F(ProgramServer, AnUnknownDeviceIsNotOnline) {
   EXPECT_TRUE(audited("refused: no device of this number"));
 }
 
-TEST_F(ProgramServer, ASecondEngineerIsToldThatTheDeviceIsInUse) {
+TEST_F(ProgramServer, ASecondEngineerIsNotifiedThatTheDeviceIsInUse) {
   start();
   TcpClient module = this->module("17\n");
   std::unique_ptr<TcpClient> first;
@@ -78,7 +78,7 @@ TEST_F(ProgramServer, ASecondEngineerIsToldThatTheDeviceIsInUse) {
   EXPECT_EQ(pair(second, "17"), "@@0000FEFF");
 }
 
-TEST_F(ProgramServer, ADeviceLostInMidTransferIsToldAndFreed) {
+TEST_F(ProgramServer, ADeviceLostInMidTransferIsReportedAndFreed) {
   start();
   std::unique_ptr<TcpClient> client;
   {
@@ -96,7 +96,7 @@ TEST_F(ProgramServer, ADeviceLostInMidTransferIsToldAndFreed) {
   EXPECT_EQ(pair(*client, "17"), "@@0000FEFF");
 }
 
-TEST_F(ProgramServer, AModuleThatDialsInAnewMayReplaceItsOldConnection) {
+TEST_F(ProgramServer, AModuleThatDialsInAgainMayReplaceItsOldConnection) {
   spec.modules->second = SecondModule::kReplace;
   start();
   TcpClient old = this->module("17\n");
@@ -110,7 +110,7 @@ TEST_F(ProgramServer, AModuleThatDialsInAnewMayReplaceItsOldConnection) {
   EXPECT_EQ(fresh.receive("\r"), "@00x*\r");
 }
 
-TEST_F(ProgramServer, StoppingTellsEveryClient) {
+TEST_F(ProgramServer, StoppingNotifiesEveryClient) {
   start();
   TcpClient module = this->module("17\n");
   std::unique_ptr<TcpClient> client;

@@ -51,7 +51,7 @@ class StandbyGroupTest : public testing::Test {
 };
 
 // This member was suspended while the command was in its queue.
-TEST_F(StandbyGroupTest, AWriteThatAnotherOneHasBegunDoesNotRunOnceMore) {
+TEST_F(StandbyGroupTest, AWriteThatASecondBridgeHasBegunDoesNotRunAgain) {
   begin(7);
   EXPECT_EQ(noted_, std::nullopt) << "nobody knows yet who is master";
   other_says(StandbyNoteKind::kBegun, 8);
@@ -60,20 +60,20 @@ TEST_F(StandbyGroupTest, AWriteThatAnotherOneHasBegunDoesNotRunOnceMore) {
   EXPECT_EQ(noted_, false);
 }
 
-TEST_F(StandbyGroupTest, AWriteThatComesBehindTheWordThatAnotherOneHasBegunItDoesNotRun) {
+TEST_F(StandbyGroupTest, AWriteThatArrivesAfterASecondBridgeHasBegunItDoesNotRun) {
   other_says(StandbyNoteKind::kBegun, 7);
   begin(7);
   EXPECT_EQ(noted_, false);
   EXPECT_TRUE(told_.empty()) << "it does not begin here";
 }
 
-TEST_F(StandbyGroupTest, AWriteThatAnotherOneHasAnsweredDoesNotRunOnceMore) {
+TEST_F(StandbyGroupTest, AWriteWithTheResultOfASecondBridgeDoesNotRunAgain) {
   begin(7);
   other_says(StandbyNoteKind::kAnswered, 7);
   EXPECT_EQ(noted_, false);
 }
 
-TEST_F(StandbyGroupTest, AMemberIsToldOfWhatHasItsResult) {
+TEST_F(StandbyGroupTest, AMemberIsNotifiedOfWhatHasItsResult) {
   group_.tell_answered("bus", "plant", 7);
   ASSERT_EQ(told_.size(), 1u);
   EXPECT_EQ(told_[0].kind, StandbyNoteKind::kAnswered);
@@ -179,7 +179,7 @@ struct Child {
   std::string identity;
 };
 
-TEST(ProcessIdentity, TellsWhetherAProcessOfThisKernelHasEnded) {
+TEST(ProcessIdentity, ReportsWhetherAProcessOfThisKernelHasEnded) {
   const Child child;
   EXPECT_FALSE(has_ended(child.identity)) << child.identity;
   ::kill(child.pid, SIGKILL);

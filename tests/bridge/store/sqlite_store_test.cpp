@@ -64,7 +64,7 @@ TEST(SqliteStore, OfAnOlderProgramKeepsItsSamplesWithoutATypeUntilTheChannelCome
   EXPECT_EQ(history(address, "b")[0].type, "float32");
 }
 
-TEST(SqliteStore, WhatIsNoDatabaseIsRefusedAndLeftAlone) {
+TEST(SqliteStore, WhatIsNotADatabaseIsRefusedAndLeftAlone) {
   const Scratch scratch;
   const std::string path = scratch.path("notes.txt");
   const std::string text(5000, 'x');
@@ -100,7 +100,7 @@ TEST(SqliteStore, ThatIsTooLargeLosesItsOldestSamples) {
   EXPECT_EQ(left.back().published_at, utc(19'999)) << "the newest stay";
 }
 
-TEST(SqliteStore, GivesTheRoomOfRemovedSamplesBackToTheDisk) {
+TEST(SqliteStore, GivesTheSpaceOfRemovedSamplesBackToTheDisk) {
   const Scratch scratch;
   const StoreAddress address(scratch.path("store.db"));
   (void)open_store(address, IfMissing::kCreate);

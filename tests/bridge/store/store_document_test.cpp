@@ -80,7 +80,7 @@ std::set<std::string> columns_of(SqlConnection& connection, const std::string& v
   return names;
 }
 
-TEST(StoreDocument, TellsTheColumnsOfEveryView) {
+TEST(StoreDocument, ReportsTheColumnsOfEveryView) {
   const test::Scratch scratch;
   const auto connection = open_store(StoreAddress(scratch.path("store.db")), IfMissing::kCreate);
   std::set<std::string> told;

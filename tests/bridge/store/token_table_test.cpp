@@ -83,7 +83,7 @@ TEST(TokenTable, AtPostgres) {
   test::with_postgres([](test::PostgresServer& server) { keeps_tokens(server.address()); });
 }
 
-TEST(MakeToken, MakesAnotherOneEachTime) {
+TEST(MakeToken, MakesADifferentOneEachTime) {
   std::set<std::string> made;
   for (int i = 0; i < 100; ++i) made.insert(make_token());
   EXPECT_EQ(made.size(), 100u);

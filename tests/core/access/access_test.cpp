@@ -38,13 +38,13 @@ TEST(Network, AnAddressIsReadInEverySpellingOfASocket) {
     EXPECT_FALSE(holds(text)) << text;
 }
 
-TEST(Network, WhatIsNoAddressIsInNoNetwork) {
+TEST(Network, WhatIsNotAnAddressIsInNoNetwork) {
   for (const char* address :
        {"", "?", "plant", "10.0.0", "10.0.0.256", "1::2::3", ":", "[", "1:2:3"})
     EXPECT_FALSE(within("0.0.0.0/0", address) || within("::/0", address)) << address;
 }
 
-TEST(Network, WhatIsNoNetworkIsRefused) {
+TEST(Network, WhatIsNotANetworkIsRefused) {
   for (const char* text : {"",
                            "/8",
                            "10.0.0.0/",
@@ -86,7 +86,7 @@ void fail(LoginThrottle& throttle, unsigned times, const std::string& user = "an
   for (unsigned i = 0; i < times; ++i) throttle.failed(user, peer, kStart);
 }
 
-TEST(LoginThrottle, LetsTheFirstAttemptsComeAtOnce) {
+TEST(LoginThrottle, LetsTheFirstAttemptsComeImmediately) {
   LoginThrottle throttle;
   fail(throttle, LoginThrottle::kFreeOfUser - 1);
   EXPECT_EQ(throttle.wait("ann", "10.0.0.1", kStart), Duration{});

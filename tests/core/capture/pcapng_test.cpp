@@ -99,7 +99,7 @@ TEST(Pcapng, TheOtherByteOrderIsRead) {
   EXPECT_EQ((*read)->direction, Direction::kReceived);
 }
 
-TEST(Pcapng, WhatIsNoCaptureIsNamed) {
+TEST(Pcapng, WhatIsNotACaptureIsNamed) {
   const auto fault_of = [](const Bytes& bytes) { return Reader(source_of(bytes)).next().error(); };
   EXPECT_EQ(fault_of({}), Fault::kNoCapture);
   EXPECT_EQ(fault_of(Bytes(100, 'x')), Fault::kNoCapture);
@@ -172,7 +172,7 @@ TEST(TraceText, APieceOfALineWillDo) {
   EXPECT_EQ(parse_trace_text("2026-11-22T14:24:21.1Z >> 01")->bus, "");
 }
 
-TEST(TraceText, WhatIsNoTraceIsNone) {
+TEST(TraceText, WhatIsNotATraceIsNone) {
   for (const char* text : {"", "hello", "line >>", "line >> xyz", "a>>b", "line >> 01 0"})
     EXPECT_FALSE(parse_trace_text(text)) << text;
 }

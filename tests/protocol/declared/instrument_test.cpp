@@ -32,7 +32,7 @@ TEST(Instrument, IsAskedByHeaderAddressCommandAndSum) {
   EXPECT_EQ(size->answer_characters, 9u);
 }
 
-TEST(Instrument, ItsAnswerIsCutIntoItsFields) {
+TEST(Instrument, ItsResponseIsCutIntoItsFields) {
   const Device device = instrument();
   EXPECT_EQ(value_at(device, "status", ValueType::kUint16), Value(std::uint64_t{3}));
   EXPECT_EQ(value_at(device, "analog", ValueType::kFloat32), Value(23.5));
@@ -60,7 +60,7 @@ TEST(Instrument, OneReadBringsTheWholeRecord) {
   EXPECT_EQ(to_hex(outcome.reply[0].items), "00 03 41 BC 00 00 00 02 00 05 00 09");
 }
 
-TEST(Instrument, OutputsAreWrittenAndTheAnswerMustShowThem) {
+TEST(Instrument, OutputsAreWrittenAndTheResponseMustShowThem) {
   const Device device = instrument();
   const Request request = device.write("output", "0009");
   EXPECT_EQ(to_hex(device.request_bytes(request)), "AA 07 02 09 BC");
@@ -92,7 +92,7 @@ TEST(Instrument, ALineThatBabblesIsGivenUpAfterTwoFrames) {
   EXPECT_EQ(drive(*device.begin(device.read("status")), babble).cause, Cause::kOverlong);
 }
 
-TEST(Instrument, AnAnswerWithoutAnAddressIsNobodys) {
+TEST(Instrument, AResponseWithoutAnAddressIsNobodys) {
   EXPECT_EQ(instrument().protocol().traits().identity, ResponseIdentity::kNone);
 }
 

@@ -47,7 +47,7 @@ TEST(DtcExchange, SeveralTypesInOneRequest) {
   EXPECT_EQ(to_hex(outcome.reply[2].items), "3F C0 00 00");
 }
 
-TEST(DtcExchange, AnAnswerIsReadWhetherCompressedOrNot) {
+TEST(DtcExchange, AResponseIsReadWhetherCompressedOrNot) {
   const Device device = plc();
   Reply replies[2];
   for (const bool compressed : {false, true}) {
@@ -94,7 +94,7 @@ TEST(DtcExchange, ACompressedRequestIsTheSameMessage) {
   }
 }
 
-TEST(DtcExchange, OthersAreForeignAndThenTheAnswerIsStillTaken) {
+TEST(DtcExchange, OthersAreForeignAndThenTheResponseIsStillTaken) {
   const Device device = plc();
   for (const Bytes& other :
        {dtc_plain(dtc_message("06 00 0A0B")), dtc_plain(dtc_message("05 01")),
@@ -112,14 +112,14 @@ TEST(DtcExchange, OthersAreForeignAndThenTheAnswerIsStillTaken) {
 }
 
 // With five bytes of data, the echo of a request has the form of its response.
-TEST(DtcExchange, TheEchoOfARequestIsNotItsAnswer) {
+TEST(DtcExchange, TheEchoOfARequestIsNotItsResponse) {
   const Device device = plc();
   const Request request = device.read("bit:0", 40);
   const auto exchange = device.begin(request);
   EXPECT_EQ(drive(*exchange, device.request_bytes(request)).cause, Cause::kForeign);
 }
 
-TEST(DtcExchange, CausesAreTold) {
+TEST(DtcExchange, CausesAreReported) {
   const Device device = plc();
   const auto cause = [&](const Bytes& answer) {
     const auto exchange = device.begin(device.read("int16:9"));

@@ -84,7 +84,7 @@ const nlohmann::json& json_of(const std::string& name) {
   return none;
 }
 
-TEST(DtcVectors, ReadsAreAskedAndAnsweredAsPrinted) {
+TEST(DtcVectors, ReadRequestsAndResponsesAreAsPrinted) {
   int seen = 0;
   for (const GoldenVector& vector : load_vectors("dtc")) {
     if (vector.kind != "ok" || !vector.name.starts_with("read_")) continue;

@@ -59,7 +59,7 @@ std::optional<Meant> meant(const std::string& q) {
   return Meant{std::move(device), std::move(request), sid};
 }
 
-TEST(FinsVectors, OurRequestsAreTheirsAndTheirAnswersAreRead) {
+TEST(FinsVectors, OurRequestsAreTheirsAndTheirResponsesAreRead) {
   int requests = 0;
   int answers = 0;
   for (const GoldenVector& vector : load_vectors("fins")) {
@@ -106,7 +106,7 @@ TEST(FinsVectors, EndCodesAreTheDevicesErrors) {
   }
 }
 
-TEST(FinsVectors, WhatIsMalformedIsNoValue) {
+TEST(FinsVectors, WhatIsMalformedHasNoValue) {
   int seen = 0;
   for (const GoldenVector& vector : load_vectors("fins")) {
     if (vector.framing != "hostlink" || vector.kind != "malformed" || vector.response.empty())
@@ -168,7 +168,7 @@ TEST(Fins, ScatteredWordsComeInOneRequest) {
       {.begin = [&] { return device.begin(request); }, .answers = {answer}}, 5, 5000);
 }
 
-TEST(Fins, AnItemOfAnotherAreaIsNoAnswer) {
+TEST(Fins, AnItemOfAnotherAreaIsNotAResponse) {
   const Device device = plc();
   const auto exchange = device.begin(ReadRequest{{device.range("DM100"), device.range("W10")}});
   EXPECT_EQ(drive(*exchange, framed("@00FA0040000000010400008212348256"
@@ -190,7 +190,7 @@ TEST(Fins, OneBitIsWrittenAlone) {
                device.range("T5").area == 0);
 }
 
-TEST(Fins, AnAnswerToAnEarlierRequestIsPassedOver) {
+TEST(Fins, AResponseToAnEarlierRequestIsPassedOver) {
   const Device device = plc();
   const auto exchange = device.begin(device.read("DM0"), 7);
   Bytes stream = framed(

@@ -64,7 +64,7 @@ TEST(HostLinkVectors, OurRequestsAreTheirs) {
   EXPECT_GE(seen, 25);
 }
 
-TEST(HostLinkVectors, TheirAnswersAreRead) {
+TEST(HostLinkVectors, TheirResponsesAreRead) {
   int seen = 0;
   for (const GoldenVector& vector : load_vectors("hostlink")) {
     if (vector.kind != "ok" || vector.response.empty()) continue;
@@ -267,7 +267,7 @@ TEST(HostLinkAddress, FaultsSayWhatWasMeant) {
 }
 
 // Responses to commands that Fieldcast does not send are valid too.
-TEST(HostLinkExplain, OtherCommandsAnswersAreNoFaults) {
+TEST(HostLinkExplain, OtherCommandsResponsesAreNoFaults) {
   for (const auto* right : {"@00R#00CNT 1234", "@00R$00TIM 0001", "@00W#00", "@00RP00ABCD",
                             "@00WP00", "@00MI00", "@00ST", "@00QQMR00", "@00IC", "@00MS00A800"}) {
     const bool known = std::string_view(right) != "@00ST";

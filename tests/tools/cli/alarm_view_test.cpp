@@ -91,7 +91,7 @@ const Bucket kMinute{1,  {1'699'999'980'000'000'000}, 3, 1, static_cast<double>(
                      0.5};
 const Bucket kNothingGood{.channel = 1, .start = kMinute.start, .bad = 60};
 
-TEST(BucketView, TellsPeopleWhatAStretchOfTimeWas) {
+TEST(BucketView, ShowsTheMeaningOfAPeriod) {
   EXPECT_EQ(bucket_head(Zone::kUtc),
             "time                               min           max       average   count    bad  "
             "channel");

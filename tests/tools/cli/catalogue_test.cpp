@@ -100,7 +100,7 @@ TEST(Listening, WaitsForEachSite) {
   EXPECT_EQ(both.silent_text(), "");
 }
 
-TEST(Listening, LetsWhoTellsLateGoOn) {
+TEST(Listening, LetsALateReporterContinue) {
   Listening both(sites(), kBegan);
   both.news("north:line", kBegan + 4800ms);
   EXPECT_EQ(both.over_at(), kBegan + 4800ms + kQuietTime);

@@ -128,7 +128,7 @@ TEST_F(DirectTest, SaysWhatADeviceRefuses) {
   EXPECT_THAT(ended.out, HasSubstr("holding:5 = 5"));
 }
 
-TEST_F(DirectTest, SaysWhatIsNoAddress) {
+TEST_F(DirectTest, SaysWhatIsNotAnAddress) {
   const auto ended = read({.line = line(), .addresses = {"holdin:1"}});
   EXPECT_EQ(ended.code, ExitCode::kUsage);
   EXPECT_THAT(ended.err, HasSubstr("did you mean holding:1?"));
@@ -383,7 +383,7 @@ TEST_F(CollisionTest, AScanSaysThatTwoDevicesHaveTheAddress) {
   }
 }
 
-TEST_F(CollisionTest, AScanSaysThatAnswersAreCut) {
+TEST_F(CollisionTest, AScanSaysThatResponsesAreCut) {
   const auto ended = scan_with(Bytes{1, 3, 2, 0});
   EXPECT_EQ(ended.code, ExitCode::kNothing);
   EXPECT_THAT(ended.err, HasSubstr("the end is missing"));
@@ -419,7 +419,7 @@ TEST_F(EchoTest, AReadSaysThatWhatWasSentComesBack) {
   EXPECT_THAT(ended.err, HasSubstr("what was sent comes back, and nothing else"));
 }
 
-TEST_F(DirectTest, ScanSaysThatNobodyAnswers) {
+TEST_F(DirectTest, ScanSaysThatNobodyResponds) {
   device.set_silent(true);
   const auto ended = scan({.port = pty.path(),
                            .baud = 9600,
@@ -461,7 +461,7 @@ struct CaptureTest : DirectTest {
   const std::string path = folder / "line.pcapng";
 };
 
-TEST_F(CaptureTest, OfAReadHasRequestAndAnswer) {
+TEST_F(CaptureTest, OfAReadHasRequestAndResponse) {
   const auto ended = read({.line = line(), .addresses = {"holding:5"}, .capture = path});
   EXPECT_EQ(ended.code, ExitCode::kOk) << ended.err;
   const auto all = packets();

@@ -53,7 +53,7 @@ TEST(Inspect, ReadsStandardInputWhenThereIsNoArgument) {
   EXPECT_EQ(json["faults"], 0);
 }
 
-TEST(Inspect, UnknownProtocolIsAnsweredWithTheListAndASuggestion) {
+TEST(Inspect, UnknownProtocolIsRefusedWithTheListAndASuggestion) {
   const auto inspected = run({"modbus-rut", {kReadInputs}, false});
   EXPECT_EQ(inspected.code, ExitCode::kUsage);
   EXPECT_THAT(inspected.err, HasSubstr("did you mean modbus-rtu?"));
@@ -74,7 +74,7 @@ TEST(Inspect, OfADeclarationTheFileIsNamed) {
               HasSubstr("a declaration is named by its file: ./protocols/mine.yaml"));
 }
 
-TEST(Inspect, RefusesWhatIsNoHexadecimal) {
+TEST(Inspect, RefusesWhatIsNotHexadecimal) {
   for (const auto* hex : {"", "0", "zz", "01 0"})
     EXPECT_EQ(run({"modbus-rtu", {hex}, false}).code, ExitCode::kUsage) << hex;
   EXPECT_EQ(run({"modbus-rtu", {}, false}, std::string(100'000, '0')).code, ExitCode::kUsage);

@@ -76,7 +76,7 @@ TEST(TimeText, DurationsAreSoLongAgo) {
                               "30m -> 2023-11-14T21:43:20.123Z", "3d -> 2023-11-11T22:13:20.123Z"});
 }
 
-TEST(TimeText, WhatIsNoTimeIsRefusedWithWhatIs) {
+TEST(TimeText, WhatIsNotATimeIsRefusedWithWhatIs) {
   for (const char* text :
        {"", "yesterday", "2026-13-01", "2026-02-30", "2026-11-21T", "2026-11-21T24:00",
         "2026-11-21T10", "10:30", "20", "2026-11-21T10:30:05.", "2026-11-21T10:30x", "1969-12-31",

@@ -73,7 +73,7 @@ TEST(ImportWb, WhatCannotBeMovedHasItsReason) {
   EXPECT_EQ(fate_of(outcome, "good"), "ok");
 }
 
-TEST(ImportWb, FilesThatAreNoTemplatesOfModbusAreToldBesideTheOthers) {
+TEST(ImportWb, FilesThatAreNoTemplatesOfModbusAreReportedBesideTheOthers) {
   const auto outcome = imported_files(
       {{"config-a.json", R"({"device_type":"a","device":{"name":"A","id":"a","channels":[
           {"name":"x","reg_type":"input","address":1}]}})"},

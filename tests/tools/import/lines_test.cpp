@@ -18,7 +18,7 @@ std::string port_of(const tl::expected<Outcome, std::string>& outcome) {
   return at == std::string::npos ? "" : text.substr(at + 8, text.find(" }", at) - at - 8);
 }
 
-TEST(ImportLines, APortThatTheUserSaysHasTheRateThatIsTold) {
+TEST(ImportLines, APortThatTheUserSaysHasTheRateThatIsStated) {
   const auto outcome = import_text("a.csv", kList, {.port = {.serial = "/dev/ttyS1"}});
   EXPECT_EQ(port_of(outcome), "serial: \"/dev/ttyS1\", baud: 9600, format: 8N1");
   EXPECT_THAT(outcome->notes, Contains(HasSubstr("no baud rate: 9600 8N1 is taken")));
@@ -37,7 +37,7 @@ TEST(ImportLines, AnotherFamilyHasTheLineOfItsFactory) {
   EXPECT_EQ(port_of(outcome), "serial: \"/dev/ttyS1\", baud: 9600, format: 8E1");
 }
 
-TEST(ImportLines, OnlyListsOfModbusTellOfTheOrderOfWords) {
+TEST(ImportLines, OnlyListsOfModbusStateTheOrderOfWords) {
   const std::string tags =
       "Tag Name,Address,Data Type,Client Access\n\"a\",V00100,DWord,RO\n\"b\",400001,DWord,RO\n";
   const auto ppi = imported("k.csv", tags, {.from = "kepware", .protocol = "s7-ppi"});

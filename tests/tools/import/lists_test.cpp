@@ -142,7 +142,7 @@ TEST(ImportList, ALengthMakesATypeWithoutWidthAsWide) {
   EXPECT_EQ(type_of(*range, "B"), "int16");
 }
 
-TEST(ImportList, AddressesTellWhatALengthCountsWhereNoTypeDoes) {
+TEST(ImportList, AddressesStateWhatALengthCountsWhereNoTypeDoes) {
   const auto list = [](const char* second, const char* third) {
     const auto outcome =
         import_text("meter.csv", std::string("Address,Name,Type,Length\n0,A,INT,2\n") + second +
@@ -212,7 +212,7 @@ TEST(ImportListFactor, IsUnderstoodInManyForms) {
     EXPECT_FALSE(factor_from(odd, {})) << odd;
 }
 
-TEST(ImportListFactor, OtherRowsTellWhatACommaMeans) {
+TEST(ImportListFactor, OtherRowsStateWhatACommaMeans) {
   NumberStyle german, english;
   german.learn("0,1");
   english.learn("0.25");
@@ -273,7 +273,7 @@ TEST(ImportArea, IsNamedInManyWaysOrNotUnderstood) {
     EXPECT_EQ(read(odd), "none") << odd;
 }
 
-TEST(ImportList, WordsThatAreNotUnderstoodAreRefusedOrTold) {
+TEST(ImportList, WordsThatAreNotUnderstoodAreRefusedOrReported) {
   const auto outcome =
       imported("meter.csv",
                "Address,Name,Type,Table,Word Order,Access,Slave,Bit,Refresh\n"

@@ -73,7 +73,7 @@ TEST(ImportTelegraf, RequestsAndMetricsBecomeADeviceForEachSlave) {
   EXPECT_EQ(outcome.rows.size(), 3u);
 }
 
-TEST(ImportTelegraf, WhatIsNoNumberIsRefusedAndNotLeftOut) {
+TEST(ImportTelegraf, WhatIsNotANumberIsRefusedAndNotLeftOut) {
   const auto outcome = imported("telegraf.conf", R"(
 [[inputs.modbus]]
   name = "a"
@@ -120,7 +120,7 @@ TEST(ImportTelegraf, Float32OfTheStyleRegisterIsFixedPoint) {
   EXPECT_EQ(fate_of(outcome, "ieee"), "ok");
 }
 
-TEST(ImportTelegraf, AControllerOfUdpIsNoPort) {
+TEST(ImportTelegraf, AControllerOfUdpIsNotAPort) {
   const auto outcome = imported("telegraf.conf", R"([[inputs.modbus]]
   name = "a"
   slave_id = 1
@@ -220,7 +220,7 @@ TEST(ImportMqmgateway, CommandsMayBeAMapOfOne) {
   EXPECT_THAT(channel_line(outcome, "valve-set"), HasSubstr("access: write-only"));
 }
 
-TEST(ImportMqmgateway, WhatHasNoCounterpartIsTold) {
+TEST(ImportMqmgateway, WhatHasNoCounterpartIsReported) {
   const auto outcome = imported("config.yaml", kMqm + R"(
     - { topic: a, state: { register: hall.1.1, converter: my.plugin() } }
     - { topic: b, state: { register: nowhere.1.1 } }

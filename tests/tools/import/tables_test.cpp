@@ -38,7 +38,7 @@ TEST(ImportText, SpreadsheetsSaveItInManyEncodings) {
   EXPECT_THAT(channel_line(*import_text("meter.csv", windows), "Power"), HasSubstr("unit: \"°C\""));
 }
 
-TEST(ImportText, WhatIsNoTextGetsAClearWord) {
+TEST(ImportText, WhatIsNotATextGetsAClearWord) {
   const auto fault = [](const std::string& bytes) { return import_text("f", bytes).error(); };
   EXPECT_THAT(fault(""), HasSubstr("f: the file is empty"));
   EXPECT_THAT(fault(" \r\n \t "), HasSubstr("the file is empty"));
@@ -192,7 +192,7 @@ TEST(ImportKepware, AddressesOfHostLinkAndFxAreTheSameButForTimersAndTexts) {
   EXPECT_THAT(fate_of(fx, "Text"), HasSubstr("no: a text"));
 }
 
-TEST(ImportList, WhatIsNoAddressIsRefused) {
+TEST(ImportList, WhatIsNotAnAddressIsRefused) {
   const auto outcome = imported("meter.csv",
                                 "Address;Name;Type\n"
                                 "7;good;UINT16\n"

@@ -47,7 +47,7 @@ TEST(RtuReceiver, WrongChecksumGetsSilenceAndIsCounted) {
   EXPECT_GT(unit.statistics().bad_frames, 0u);
 }
 
-TEST(RtuReceiver, BroadcastIsExecutedWithoutAnswer) {
+TEST(RtuReceiver, BroadcastIsExecutedWithoutResponse) {
   ModbusUnit unit(7, test::kBegin);
   EXPECT_TRUE(said(unit, rtu({0, 6, 0, 5, 0x12, 0x34})).empty());
   EXPECT_EQ(unit.memory().read(ModbusArea::kHolding, 5, 1, test::kBegin)[0], 0x1234);
@@ -67,7 +67,7 @@ TEST(RtuReceiver, AfterABrokenFrameOnlySilenceHelps) {
       test::listen(receiver, good, next + test::kLine.characters(13), false).answer.empty());
 }
 
-TEST(RtuReceiver, ForeignAnswerThatHoldsARequestForUsIsNotExecuted) {
+TEST(RtuReceiver, ForeignResponseThatHoldsARequestForUsIsNotExecuted) {
   ModbusUnit unit(1, test::kBegin);
   RtuReceiver receiver(unit, test::kLine, false);
   Bytes answer{2, 3, 8};
@@ -77,7 +77,7 @@ TEST(RtuReceiver, ForeignAnswerThatHoldsARequestForUsIsNotExecuted) {
 }
 
 // Its first eight bytes are a whole request: 01 03 04 03 80 01 with the checksum FA14.
-TEST(RtuReceiver, ForeignAnswerThatBeginsLikeARequestDoesNotHideTheNextOne) {
+TEST(RtuReceiver, ForeignResponseThatBeginsLikeARequestDoesNotHideTheNextOne) {
   ModbusUnit unit(3, test::kBegin);
   RtuReceiver receiver(unit, test::kLine, false);
   const Bytes answer{0x01, 0x03, 0x04, 0x03, 0x80, 0x01, 0x14, 0xFA, 0x00};

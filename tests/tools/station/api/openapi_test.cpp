@@ -124,7 +124,7 @@ TEST_F(OpenApiTest, EveryRouteIsInTheDocumentAndEveryPathOfItIsARoute) {
   EXPECT_EQ(documented(), routes);
 }
 
-TEST_F(OpenApiTest, WhatIsPublicIsSaidSo) {
+TEST_F(OpenApiTest, WhatIsPublicIsReported) {
   for (const Route* route : site_.routes().rows()) {
     const char* const method = route->method == Method::kGet ? "get" : "post";
     const Plain& about = document().at("paths").at(route->path).at(method);
@@ -140,7 +140,7 @@ const Plain& schema_of(const std::string& path, const char* method, const char* 
   return response->at("content").at("application/json").at("schema");
 }
 
-TEST_F(OpenApiTest, AnswersAreAsTheDocumentSays) {
+TEST_F(OpenApiTest, ResponsesAreAsTheDocumentSays) {
   const std::string targets[] = {
       "/api/catalogue",
       "/api/channels",

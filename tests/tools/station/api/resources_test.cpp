@@ -103,7 +103,7 @@ TEST_F(AlarmsApiTest, ThePresentComesFromTheModel) {
   EXPECT_EQ(ask("/api/alarms?form=1h").status, 400u);
 }
 
-TEST_F(AlarmsApiTest, TheHistoryTellsTheNewestFirstAndNothingTwice) {
+TEST_F(AlarmsApiTest, TheHistoryReportsTheNewestFirstAndNothingTwice) {
   const AlarmRecord raised{"line", "press", "level", "high", "active", 101, utc(kNow - 20)};
   const AlarmEvent seen{.at = utc(kNow - 10),
                         .alarm = {"line", "press", "level", LimitKind::kHigh},
@@ -171,7 +171,7 @@ TEST_F(AuditApiTest, UsersAreShownWithoutTheirHashes) {
 
 using PlanApiTest = test::ApiTest;
 
-TEST_F(PlanApiTest, IsWhatTheBridgeTells) {
+TEST_F(PlanApiTest, IsWhatTheBridgeReports) {
   LiveModel model;
   add_plan_routes(table_, model);
   const HttpResponse none = ask("/api/plan?bus=line");

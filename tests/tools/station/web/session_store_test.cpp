@@ -9,7 +9,7 @@ using testing::ElementsAre;
 using testing::UnorderedElementsAre;
 using namespace std::chrono_literals;
 
-class Book : public testing::Test {
+class SessionStoreTest : public testing::Test {
  protected:
   std::string begin(const std::string& user, Role role = Role::kViewer) {
     Login login;
@@ -41,7 +41,7 @@ class Book : public testing::Test {
   SessionStore book_{[this](std::uint64_t id) { ended_.push_back(id); }};
 };
 
-TEST_F(Book, ALoginIsFoundByItsCookieOnly) {
+TEST_F(SessionStoreTest, ALoginIsFoundByItsCookieOnly) {
   const std::string cookie = begin("anna", Role::kOperator);
   EXPECT_EQ(cookie.size(), 64u);
   EXPECT_EQ(cookie, "01" + std::string(62, '0'));
@@ -55,7 +55,7 @@ TEST_F(Book, ALoginIsFoundByItsCookieOnly) {
     EXPECT_EQ(user_of(wrong), "-") << wrong;
 }
 
-TEST_F(Book, ALoginEndsWithoutUseAndInAllEvents) {
+TEST_F(SessionStoreTest, ALoginEndsWithoutUseAndInAllEvents) {
   const std::string idle = begin("idle"), busy = begin("busy");
   now_ += SessionStore::kIdle - 1s;
   EXPECT_EQ(user_of(busy), "busy");
@@ -70,7 +70,7 @@ TEST_F(Book, ALoginEndsWithoutUseAndInAllEvents) {
   EXPECT_EQ(user_of(busy), "-");
 }
 
-TEST_F(Book, AnOpenConnectionIsAUse) {
+TEST_F(SessionStoreTest, AnOpenConnectionIsAUse) {
   const std::string cookie = begin("anna");
   now_ += 29min;
   book_.touch(1, now_);
@@ -78,7 +78,7 @@ TEST_F(Book, AnOpenConnectionIsAUse) {
   EXPECT_EQ(user_of(cookie), "anna");
 }
 
-TEST_F(Book, ATokenHasItsOwnEndAndNoOther) {
+TEST_F(SessionStoreTest, ATokenHasItsOwnEndAndNoOther) {
   const std::string wall = begin_token("wall", 30 * 24h);
   now_ += 29 * 24h;
   EXPECT_EQ(user_of(wall), "wall");
@@ -86,7 +86,7 @@ TEST_F(Book, ATokenHasItsOwnEndAndNoOther) {
   EXPECT_EQ(user_of(wall), "-");
 }
 
-TEST_F(Book, ALogoutEndsOne) {
+TEST_F(SessionStoreTest, ALogoutEndsOne) {
   const std::string first = begin("anna"), second = begin("anna");
   book_.end(first);
   book_.end("nobody's");
@@ -95,7 +95,7 @@ TEST_F(Book, ALogoutEndsOne) {
   EXPECT_THAT(ended_, ElementsAre(1));
 }
 
-TEST_F(Book, OneTooManyEndsTheOneUnusedForLongest) {
+TEST_F(SessionStoreTest, OneTooManyEndsTheOneUnusedForLongest) {
   std::vector<std::string> cookies;
   for (std::size_t i = 0; i < SessionStore::kMaxLogins; ++i) {
     cookies.push_back(begin(std::to_string(i)));
@@ -109,7 +109,7 @@ TEST_F(Book, OneTooManyEndsTheOneUnusedForLongest) {
   EXPECT_EQ(user_of(last), "last");
 }
 
-TEST_F(Book, LoginsEndWithTheirUserRoleOrPassword) {
+TEST_F(SessionStoreTest, LoginsEndWithTheirUserRoleOrPassword) {
   const std::string same = begin("same"), gone = begin("gone"), raised = begin("raised"),
                     renewed = begin("renewed"), token = begin_token("gone", 1h);
   book_.users_are(std::vector<SessionStore::KnownUser>{{"same", Role::kViewer, {500}},
