@@ -9,16 +9,14 @@
 #include "tests/bridge/support/bridge_fixture.hpp"
 #include "tests/bridge/support/modbus_device.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
 
 using std::chrono::hours;
 using std::chrono::milliseconds;
 using std::chrono::minutes;
-using test::ModbusDevice;
-using test::Reports;
 
-struct BridgeAlarms : test::BridgeTest {
+struct BridgeAlarms : BridgeTest {
   BridgeAlarms() {
     folder = std::filesystem::path(testing::TempDir()) /
              ("people-" + std::to_string(::getpid()) +
@@ -58,7 +56,7 @@ struct BridgeAlarms : test::BridgeTest {
   Station station{spec.dds, "operator"};
 };
 
-TEST_F(BridgeAlarms, WhatPeopleDidOutlivesTheBridge) {
+TEST_F(BridgeAlarms, UserActionsOutliveTheBridge) {
   ModbusDevice a(first), b(second);
   {
     Bridge bridge;
@@ -129,7 +127,7 @@ TEST_F(BridgeAlarms, WhatPeopleDidOutlivesTheBridge) {
           "two/plc/r2 unshelve high: on my way: done"));
 }
 
-TEST_F(BridgeAlarms, ABridgeThatTakesOverGoesOnWithWhatPeopleDid) {
+TEST_F(BridgeAlarms, ABridgeThatTakesOverContinuesWithTheUserActions) {
   ModbusDevice a(first), b(second);
   Bridge serving, waiting;
   ASSERT_TRUE(serving.start(spec));
@@ -191,4 +189,4 @@ TEST_F(BridgeAlarms, WhatCannotBeIsRefusedWithItsReason) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

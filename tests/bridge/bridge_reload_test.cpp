@@ -10,17 +10,11 @@
 #include "tests/bridge/support/module_device.hpp"
 #include "tests/bridge/support/tcp_client.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;
-using test::BridgeTest;
-using test::bus_at;
-using test::good_from;
-using test::ModbusDevice;
-using test::Receiver;
-using test::Reports;
 
 std::vector<AlarmRecord> stored_alarms(const std::string& path) {
   std::vector<AlarmRecord> found;
@@ -95,11 +89,11 @@ TEST_F(BridgeTest, AReloadOfABusUnderADownloadWaitsForItsEnd) {
   ModbusDevice a(first), b(second);
   Receiver receiver(spec.dds);
   spec.buses[0].devices[0].number = "P1";
-  spec.program.engineers.emplace().listen = {"127.0.0.1", test::free_port()};
+  spec.program.engineers.emplace().listen = {"127.0.0.1", free_port()};
   Bridge bridge;
   ASSERT_TRUE(bridge.start(spec));
   ASSERT_TRUE(receiver.receives(good_from("one")));
-  test::TcpClient engineer(spec.program.engineers->listen.port);
+  TcpClient engineer(spec.program.engineers->listen.port);
   engineer.send("@@P1FEFF");
   ASSERT_EQ(engineer.receive("FEFF"), "@@0000FEFF");
 
@@ -135,12 +129,12 @@ TEST_F(BridgeTest, AReloadOfABusUnderADownloadWaitsForItsEnd) {
 TEST_F(BridgeTest, NoReloadLosesAModuleThatIsConnected) {
   ModbusDevice a(first), b(second);
   Receiver receiver(spec.dds);
-  spec.program.modules.emplace().listen = {"127.0.0.1", test::free_port()};
+  spec.program.modules.emplace().listen = {"127.0.0.1", free_port()};
   Bridge bridge;
   ASSERT_TRUE(bridge.start(spec));
-  test::TcpClient module(spec.program.modules->listen.port);
+  TcpClient module(spec.program.modules->listen.port);
   module.send("17\n");
-  test::ModuleDevice plc(module);
+  ModuleDevice plc(module);
   const auto reload = [&](const char* what) {
     receiver.forget();
     const auto done = bridge.reload(spec);
@@ -175,9 +169,9 @@ TEST_F(BridgeTest, AReloadOfTheProgrammingPortLeavesTheBusesRunning) {
   ASSERT_TRUE(receiver.receives(good_from("one")));
   ASSERT_TRUE(receiver.receives(good_from("two")));
   BridgeSpec wanted = spec;
-  wanted.program.engineers.emplace().listen = {"127.0.0.1", test::free_port()};
+  wanted.program.engineers.emplace().listen = {"127.0.0.1", free_port()};
   ASSERT_TRUE(bridge.reload(wanted));
-  test::TcpClient engineer(wanted.program.engineers->listen.port);
+  TcpClient engineer(wanted.program.engineers->listen.port);
   engineer.send("@@P1FEFF");
   EXPECT_EQ(engineer.receive("FEFF"), "@@0001FEFF");
   // A restarted bus would count from 1 again.
@@ -195,7 +189,7 @@ TEST_F(BridgeTest, AReloadOfTheProgrammingPortLeavesTheBusesRunning) {
   BridgeSpec taken = wanted;
   taken.program.engineers->listen.host = "203.0.113.77";  // unassigned (RFC 5737)
   EXPECT_FALSE(bridge.reload(taken));
-  test::TcpClient again(wanted.program.engineers->listen.port);
+  TcpClient again(wanted.program.engineers->listen.port);
   again.send("@@P1FEFF");
   EXPECT_EQ(again.receive("FEFF"), "@@0001FEFF");
 }
@@ -258,4 +252,4 @@ TEST_F(BridgeTest, AReloadThatCannotWorkLeavesTheOldOneRunning) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

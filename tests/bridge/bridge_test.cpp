@@ -3,23 +3,19 @@
 #include <gmock/gmock.h>
 
 #include <condition_variable>
+#include <future>
 #include <map>
 
 #include "tests/bridge/support/bridge_fixture.hpp"
+#include "tests/bridge/support/captured_log.hpp"
 #include "tests/bridge/support/modbus_device.hpp"
 #include "tests/bridge/support/tcp_client.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;
-using test::BridgeTest;
-using test::good_from;
-using test::ModbusDevice;
-using test::Receiver;
-using test::Reports;
-using test::write_to;
 
 TEST_F(BridgeTest, AStationReceivesEveryBus) {
   ModbusDevice a(first), b(second);
@@ -55,13 +51,13 @@ TEST_F(BridgeTest, WhileADeviceIsProgrammedItsBusRestsAndTheOthersGoOn) {
         [&](const ProgramSessionReport& session) { return session.state == state; });
   };
   spec.buses[0].devices[0].number = "P1";
-  spec.program.engineers.emplace().listen = {"127.0.0.1", test::free_port()};
+  spec.program.engineers.emplace().listen = {"127.0.0.1", free_port()};
   Bridge bridge;
   ASSERT_TRUE(bridge.start(spec));
   ASSERT_TRUE(receiver.receives(good_from("one")));
   ASSERT_TRUE(receiver.receives(good_from("two")));
 
-  test::TcpClient engineer(spec.program.engineers->listen.port);
+  TcpClient engineer(spec.program.engineers->listen.port);
   engineer.send("@@P1FEFF");
   ASSERT_EQ(engineer.receive("FEFF"), "@@0000FEFF");
   EXPECT_TRUE(session_becomes(ProgramSessionState::kOpen));
@@ -140,7 +136,7 @@ TEST_F(BridgeTest, MissedRefreshesAreTheSameNumberForTheEngineItsWritersAndAStat
   EXPECT_EQ(status.misses.count("LATE"), 0u);
 }
 
-TEST_F(BridgeTest, StoppingAnswersWhatWaitsAndEndsInTime) {
+TEST_F(BridgeTest, StoppingRespondsToWhatWaitsAndEndsInTime) {
   ModbusDevice a(first), b(second);
   Receiver receiver(spec.dds);
   std::mutex mutex;
@@ -186,5 +182,59 @@ TEST_F(BridgeTest, DdsThatCannotBeJoinedIsAnErrorInWords) {
   EXPECT_THAT(started.error(), testing::HasSubstr("203.0.113.77"));
 }
 
+TEST_F(BridgeTest, AChannelOnInterestIsReadOnceAStationIsInterested) {
+  ModbusDevice a(first), b(second);
+  Receiver receiver(spec.dds);
+  spec.buses[0].devices[0].channels[0].on_interest = true;
+  Bridge bridge;
+  ASSERT_TRUE(bridge.start(spec));
+  const auto of_interest = [](const StationSample& s) {
+    return s.bus == "one" && s.channel == "r0" && s.quality == Quality::kGood;
+  };
+  const auto other = [](const StationSample& s) {
+    return s.bus == "one" && s.channel == "r1" && s.sequence >= 3;
+  };
+  ASSERT_TRUE(receiver.receives(other));
+  for (const StationSample& sample : receiver.samples()) EXPECT_FALSE(of_interest(sample));
+  receiver.station.declare_interest("one/plc/r0", milliseconds{100});
+  EXPECT_TRUE(
+      receiver.receives([&](const StationSample& s) { return of_interest(s) && s.sequence >= 5; }));
+}
+
+TEST_F(BridgeTest, AnInterestInNothingIsReportedOnceAndAFloodOfThemHoldsNobodyUp) {
+  ModbusDevice a(first), b(second);
+  Receiver receiver(spec.dds);
+  std::promise<void> renewed;
+  receiver.station.subscribe_channels([&, told = false](const StationChannel& channel) mutable {
+    if (!told && channel.bus == "one" && channel.channel == "r0" &&
+        channel.refresh == milliseconds{50})
+      renewed.set_value(), told = true;
+  });
+  spec.buses[0].devices[0].channels[0].on_interest = true;
+  Bridge bridge;
+  CapturedLog log;
+  ASSERT_TRUE(bridge.start(spec));
+  const auto good = [](const StationSample& s) {
+    return s.bus == "one" && s.channel == "r0" && s.quality == Quality::kGood;
+  };
+  receiver.station.declare_interest("one/plc/r0", milliseconds{100});
+  EXPECT_TRUE(receiver.receives(good));
+  receiver.station.declare_interest("one/plc/r1", milliseconds{100});
+  for (int i = 0; i < 3000; ++i)
+    receiver.station.declare_interest("nowhere/" + std::to_string(i), milliseconds{100});
+  receiver.station.declare_interest(
+      "one/plc/r0",
+      milliseconds{50});  // interests of one station arrive in order: this is the last
+  EXPECT_EQ(renewed.get_future().wait_for(seconds{15}), std::future_status::ready);
+  receiver.forget();
+  EXPECT_TRUE(receiver.receives(good));
+  bridge.stop();
+  const std::string said = log.end();
+  EXPECT_THAT(said,
+              testing::HasSubstr("in one/plc/r1 changes nothing: its channels are read anyway"));
+  EXPECT_THAT(said, testing::HasSubstr("are held, at most 4096 of 256"));
+  EXPECT_LT(std::count(said.begin(), said.end(), '\n'), 20) << said;
+}
+
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

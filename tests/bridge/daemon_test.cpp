@@ -232,7 +232,7 @@ TEST_F(DaemonTest, Sigusr1SwitchesTheWireTrace) {
   EXPECT_EQ(bridge.exit_code(), 0) << bridge.output();
 }
 
-TEST_F(DaemonTest, CheckTellsWhatAFileConfigures) {
+TEST_F(DaemonTest, CheckReportsWhatAFileConfigures) {
   Process bridge({file, "--check"});
   EXPECT_EQ(bridge.exit_code(), static_cast<int>(ExitCode::kOk));
   EXPECT_THAT(bridge.output(), HasSubstr("1 device, 1 channel"));
@@ -319,7 +319,7 @@ TEST_F(DaemonTest, ABusThatCouldNeverCarryItsChannelsIsAFault) {
                                      HasSubstr("'fieldcast plan' shows")));
 }
 
-TEST_F(DaemonTest, CheckTellsEveryFaultAndItsPlace) {
+TEST_F(DaemonTest, CheckReportsEveryFaultAndItsPlace) {
   std::ofstream(file, std::ios::app)
       << bus("three", "/dev/x", "holdin:1") << bus("four", "/dev/y", "holding:99999");
   for (const std::vector<std::string>& arguments :

@@ -121,7 +121,7 @@ TEST_F(ArbiterTest, ASickDeviceIsAdmittedWhenTheTimeHasCome) {
   EXPECT_EQ(last_device_, 0u);
 }
 
-TEST_F(ArbiterTest, WithNothingToDoTheWireRestsForGood) {
+TEST_F(ArbiterTest, WithNothingToDoTheWireRestsPermanently) {
   for (DeviceIndex device = 0; device < 2; ++device) parts_.reads.suspend(device, kNever);
   EXPECT_FALSE(next(Instant{5s}));
   EXPECT_EQ(arbiter_.look_again(), kNever);

@@ -68,7 +68,7 @@ TEST(BlockLearning, MemoryIsBounded) {
   EXPECT_EQ(learning.gaps().back(), items(9991, 9998));
 }
 
-TEST(PauseLearning, ADeviceThatIsDeafAfterItsAnswersIsGivenARest) {
+TEST(PauseLearning, ADeviceThatIsDeafAfterItsResponsesIsGivenARest) {
   PauseLearning learning;
   int asked = 0;
   for (; learning.pause() < 10ms && asked < 400; ++asked) {
@@ -99,7 +99,7 @@ TEST(PauseLearning, LongerRestsAreFoundAsWell) {
   }
 }
 
-TEST(PauseLearning, ALineThatLosesAnswersAtAnyTimeNeedsNoRest) {
+TEST(PauseLearning, ALineThatLosesResponsesAtAnyTimeNeedsNoRest) {
   PauseLearning learning;
   for (int i = 0; i < 1000; ++i) {
     learning.tried(2ms, i % 3 != 0);

@@ -96,7 +96,7 @@ TEST(ChannelTable, CodeOfNotAvailableEndsWithItsQuality) {
   EXPECT_EQ(out.back().device_code, 0u);
 }
 
-TEST(ChannelTable, MissedRefreshIsToldOnceWithTheOldInstant) {
+TEST(ChannelTable, MissedRefreshIsReportedOnceWithTheOldInstant) {
   const BusSpec bus = one_device({channel("a", 1s)});
   ChannelTable table(bus);
   std::vector<Sample> out;
@@ -121,7 +121,7 @@ TEST(ChannelTable, MissedRefreshIsToldOnceWithTheOldInstant) {
   EXPECT_EQ(table.misses(Instant{10900ms}).total(), 9u);
 }
 
-TEST(ChannelTable, CauseThatIsKnownAfterTheMissIsToldOnceMore) {
+TEST(ChannelTable, CauseThatIsKnownAfterTheMissIsReportedOnceMore) {
   const BusSpec bus = one_device({channel("a", 50ms)});
   ChannelTable table(bus);
   std::vector<Sample> out;
@@ -226,7 +226,7 @@ TEST(ChannelTable, WhatWasNeverReadIsNotYetReadHoweverLateItIs) {
   EXPECT_EQ(out[0].quality, Quality::kBadNoAnswer);
 }
 
-TEST(ChannelTable, ShorterRefreshTakesEffectAtOnce) {
+TEST(ChannelTable, ShorterRefreshTakesEffectImmediately) {
   ChannelSpec asked_for = channel("a", 10s);
   asked_for.on_interest = true;
   const BusSpec bus = one_device({asked_for});
@@ -243,7 +243,7 @@ TEST(ChannelTable, ShorterRefreshTakesEffectAtOnce) {
   EXPECT_EQ(table.misses(Instant{100s}).total(), 4u) << "until the interest in it ended";
 }
 
-TEST(ChannelTable, RefusedChannelIsToldAtOnceAndOnce) {
+TEST(ChannelTable, RefusedChannelIsReportedImmediatelyAndOnce) {
   const BusSpec bus = one_device({channel("a", 1s)});
   ChannelTable table(bus);
   std::vector<Sample> out;
@@ -315,7 +315,7 @@ TEST(ChannelTable, SequencesGoOnWhereAnotherBridgeWas) {
 }
 
 // This also holds for channels of which this bridge has received no sample.
-TEST(ChannelTable, CountsOnAboveWhatAnotherOneMayHavePublished) {
+TEST(ChannelTable, CountsOnAboveWhatASecondMasterMayHavePublished) {
   ChannelSpec on_demand = channel("b", 1s);
   on_demand.mode = Mode::kOnDemand;
   const BusSpec bus = one_device({channel("a", 1s), on_demand, channel("c", 1s)});
@@ -336,7 +336,7 @@ TEST(ChannelTable, CountsOnAboveWhatAnotherOneMayHavePublished) {
 }
 
 // A station may still show a good value of another bridge.
-TEST(ChannelTable, WhatIsNotGoodIsToldAgainAndTheNextReadingWhateverTheDeadband) {
+TEST(ChannelTable, WhatIsNotGoodIsReportedAgainAndTheNextReadingWhateverTheDeadband) {
   ChannelSpec spec = channel("a", 1s);
   spec.deadband = 5;
   spec.heartbeat = 1h;

@@ -96,7 +96,7 @@ TEST_F(CommandJobTest, AnotherValueReadBackIsAFailure) {
   EXPECT_EQ(result(*job).cause, Cause::kNotVerified);
 }
 
-TEST_F(CommandJobTest, UnansweredWriteIsReadBackNotRepeated) {
+TEST_F(CommandJobTest, AWriteWithoutResponseIsReadBackNotRepeated) {
   auto job = make(write("setpoint", std::uint64_t{500}));
   job->failed(Cause::kNoAnswer, 0);
   ASSERT_TRUE(std::holds_alternative<ReadRequest>(*job->next()));
@@ -115,7 +115,7 @@ TEST_F(CommandJobTest, WriteThatDidNotTakeEffectIsRepeatedWithinTheRetries) {
   EXPECT_EQ(result(*job).cause, Cause::kNoAnswer);
 }
 
-TEST_F(CommandJobTest, SilenceAfterAnUnansweredWriteLeavesItOpen) {
+TEST_F(CommandJobTest, SilenceAfterAWriteWithoutResponseLeavesItOpen) {
   auto job = make(write("setpoint", std::uint64_t{500}));
   job->failed(Cause::kNoAnswer, 0);
   job->failed(Cause::kNoAnswer, 0);
@@ -151,7 +151,7 @@ TEST_F(CommandJobTest, AMomentaryCodeAfterWhichAWriteMayHaveTakenEffectIsReadBac
   }
 }
 
-TEST_F(CommandJobTest, AMomentaryCodeBeforeTheWriteFailsAtOnce) {
+TEST_F(CommandJobTest, AMomentaryCodeBeforeTheWriteFailsImmediately) {
   for (const auto code : std::array<std::uint16_t, 2>{0x06, 0x0A}) {
     auto job = make(write("setpoint", std::uint64_t{500}));
     job->failed(Cause::kDeviceBusy, code);

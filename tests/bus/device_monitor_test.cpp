@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/bus/health/device_health.hpp"
 #include "tests/bus/rtu_bus.hpp"
 
 namespace fieldcast {
@@ -48,7 +49,7 @@ class DeviceMonitorTest : public testing::Test {
 
 using Kinds = std::vector<Notice::Kind>;
 
-TEST_F(DeviceMonitorTest, SilenceTakesADeviceOfflineAndAnAnswerBringsItBack) {
+TEST_F(DeviceMonitorTest, SilenceTakesADeviceOfflineAndAResponseBringsItBack) {
   take_offline(0, Instant{1s});
   EXPECT_TRUE(monitor_.offline(0));
   EXPECT_FALSE(monitor_.all_offline());
@@ -59,14 +60,14 @@ TEST_F(DeviceMonitorTest, SilenceTakesADeviceOfflineAndAnAnswerBringsItBack) {
   EXPECT_EQ(monitor_.report(0).failures, 2u);
 }
 
-TEST_F(DeviceMonitorTest, BrokenAnswersAreErrorsAndNoLoss) {
+TEST_F(DeviceMonitorTest, BrokenResponsesAreErrorsAndNoLoss) {
   monitor_.answered(0, sink_);
   EXPECT_FALSE(fail(0, Cause::kChecksum, Instant{1s}));
   EXPECT_EQ(notices(), Kinds{Notice::Kind::kDeviceErrors});
   EXPECT_EQ(monitor_.report(0).causes[Cause::kChecksum], 1u);
 }
 
-TEST_F(DeviceMonitorTest, BytesThatAreNoAnswerAreSaidOnceTheyRepeat) {
+TEST_F(DeviceMonitorTest, BytesThatAreNoResponseAreSaidOnceTheyRepeat) {
   const Bytes garbage{0x00, 0xF8, 0x80};
   for (int i = 0; i < 3; ++i) tried(0, Cause::kTruncated, Instant{1s}, garbage);
   EXPECT_EQ(notices(), Kinds{Notice::Kind::kGarbage});
@@ -74,7 +75,7 @@ TEST_F(DeviceMonitorTest, BytesThatAreNoAnswerAreSaidOnceTheyRepeat) {
   EXPECT_EQ(notices(), Kinds{Notice::Kind::kGarbageEnded});
 }
 
-TEST_F(DeviceMonitorTest, AnEchoIsSaidWhereNobodyEverAnswered) {
+TEST_F(DeviceMonitorTest, AnEchoIsSaidWhereNobodyEverResponded) {
   const Bytes request{1, 3, 0, 0, 0, 1, 0x84, 0x0A};
   const auto echoed = [&] {
     for (int i = 0; i < 3; ++i)
@@ -110,7 +111,7 @@ TEST_F(DeviceMonitorTest, ALostDeviceIsForgotten) {
   EXPECT_TRUE(monitor_.report(0).areas.empty());
 }
 
-TEST_F(DeviceMonitorTest, LateAnswersCountForTheLongest) {
+TEST_F(DeviceMonitorTest, LateResponsesCountForTheLongest) {
   monitor_.learn(0, kRead, 5ms);
   monitor_.learn_late(0, 150ms);
   EXPECT_EQ(monitor_.longest_answer(0), 150ms);
@@ -127,7 +128,7 @@ TEST_F(DeviceMonitorTest, ABusyDeviceIsLeftAlone) {
   EXPECT_FALSE(monitor_.suspension(0, Instant{3s}));
 }
 
-TEST_F(DeviceMonitorTest, AnOfflineDeviceIsSuspendedForGood) {
+TEST_F(DeviceMonitorTest, AnOfflineDeviceIsSuspendedPermanently) {
   take_offline(0, Instant{1s});
   EXPECT_EQ(monitor_.suspension(0, Instant{1s}), kNever);
 }
@@ -175,7 +176,7 @@ TEST_F(DeviceMonitorTest, AProbeTakesWhatTheWireCanSpare) {
   EXPECT_EQ(overdue->timeout, DeviceMonitor::kShortestProbe);
 }
 
-TEST_F(DeviceMonitorTest, AProbeWaitsForAnswersThatAreOwed) {
+TEST_F(DeviceMonitorTest, AProbeWaitsForResponsesThatAreOwed) {
   take_offline(0, Instant{1s});
   EXPECT_FALSE(probe(Instant{1500ms}, 10s, Instant{1800ms}));
   EXPECT_EQ(monitor_.next_probe(), Instant{1800ms});
@@ -187,6 +188,72 @@ TEST_F(DeviceMonitorTest, ADeviceWithoutPointsIsNeverProbed) {
   take_offline(1, Instant{1s});
   EXPECT_EQ(monitor_.next_probe(), kNever);
   EXPECT_FALSE(probe(Instant{100s}));
+}
+
+TEST(DeviceHealth, SilenceTakesItOffline) {
+  DeviceHealth health;
+  EXPECT_TRUE(health.answered());
+  EXPECT_TRUE(health.failed(Cause::kNoAnswer, Instant{1s}));
+  EXPECT_EQ(health.state(), DeviceState::kDegraded);
+  EXPECT_TRUE(health.failed(Cause::kNoAnswer, Instant{2s}));
+  EXPECT_TRUE(health.offline());
+}
+
+TEST(DeviceHealth, BrokenResponsesShowThatSomebodyIsThere) {
+  DeviceHealth health;
+  (void)health.answered();
+  for (int i = 0; i < 100; ++i) (void)health.failed(Cause::kChecksum, Instant{1s});
+  EXPECT_EQ(health.state(), DeviceState::kDegraded);
+}
+
+TEST(DeviceHealth, WhatRespondsBrokenFromTheBeginningIsNotUnknown) {
+  DeviceHealth health;
+  EXPECT_TRUE(health.failed(Cause::kForeign, Instant{1s}));
+  EXPECT_EQ(health.state(), DeviceState::kDegraded);
+  DeviceHealth silent;
+  EXPECT_FALSE(silent.failed(Cause::kNoAnswer, Instant{1s}));
+  EXPECT_EQ(silent.state(), DeviceState::kUnknown);
+}
+
+// Busy is a temporary state, unless it lasts long without any other response.
+TEST(DeviceHealth, ADeviceThatStaysBusyGoesOffline) {
+  DeviceHealth health;
+  (void)health.answered();
+  EXPECT_FALSE(health.failed(Cause::kDeviceBusy, Instant{1s})) << "one answer shows little";
+  EXPECT_TRUE(health.failed(Cause::kDeviceBusy, Instant{2s}));
+  EXPECT_EQ(health.state(), DeviceState::kDegraded);
+  EXPECT_FALSE(health.failed(Cause::kDeviceBusy, Instant{10s}));
+  EXPECT_TRUE(health.failed(Cause::kDeviceBusy, Instant{1s} + DeviceHealth::kBusyToOffline));
+  EXPECT_TRUE(health.offline());
+  EXPECT_TRUE(health.answered());
+  EXPECT_FALSE(health.failed(Cause::kDeviceBusy, Instant{20s})) << "the time begins again";
+  EXPECT_EQ(health.state(), DeviceState::kOnline);
+}
+
+TEST(DeviceHealth, IsProbedEverMoreRarely) {
+  DeviceHealth health;
+  Instant now{};
+  for (unsigned i = 0; i < DeviceHealth::kFailuresToOffline; ++i)
+    (void)health.failed(Cause::kNoAnswer, now);
+  Duration before{};
+  for (int i = 0; i < 10; ++i) {
+    const Duration interval = health.probe_at() - now;
+    EXPECT_GE(interval, before);
+    EXPECT_LE(interval, DeviceHealth::kLastProbe);
+    before = interval;
+    now = health.probe_at();
+    EXPECT_FALSE(health.failed(Cause::kNoAnswer, now)) << "no news";
+  }
+  EXPECT_EQ(before, DeviceHealth::kLastProbe);
+}
+
+TEST(DeviceHealth, OneResponseBringsItBack) {
+  DeviceHealth health;
+  for (int i = 0; i < 5; ++i) (void)health.failed(Cause::kNoAnswer, Instant{1s});
+  EXPECT_TRUE(health.answered());
+  EXPECT_EQ(health.state(), DeviceState::kOnline);
+  EXPECT_EQ(health.probe_at(), kNever);
+  EXPECT_FALSE(health.answered());
 }
 
 }  // namespace

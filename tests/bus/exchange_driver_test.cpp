@@ -26,7 +26,7 @@ struct Line {
   Bytes out;
 };
 
-TEST(ExchangeDriver, AsksAndIsAnswered) {
+TEST(ExchangeDriver, RequestsAndGetsAResponse) {
   Line line;
   line.ask(Instant{});
   EXPECT_EQ(line.out, kRequest);
@@ -35,7 +35,7 @@ TEST(ExchangeDriver, AsksAndIsAnswered) {
   EXPECT_EQ(line.driver.answered(), Instant{20ms});
 }
 
-TEST(ExchangeDriver, AnswerTimeIsWithoutTheWire) {
+TEST(ExchangeDriver, ResponseTimeIsWithoutTheWire) {
   Line line;
   line.ask(Instant{});
   const Duration wire = kLine.characters(8) + kLine.characters(7);
@@ -43,7 +43,7 @@ TEST(ExchangeDriver, AnswerTimeIsWithoutTheWire) {
   EXPECT_NEAR(to_seconds(line.driver.answer_time()), 0.005, 1e-6);
 }
 
-TEST(ExchangeDriver, KnowsWhatTheAnswerLacks) {
+TEST(ExchangeDriver, ReturnsWhatTheResponseLacks) {
   Line line;
   line.ask(Instant{});
   EXPECT_EQ(line.driver.missing(), 0u) << "when the answer begins is not known";
@@ -64,7 +64,7 @@ TEST(ExchangeDriver, SilenceEndsItAfterTheTimeout) {
   EXPECT_EQ(line.driver.cause(), Cause::kNoAnswer);
 }
 
-TEST(ExchangeDriver, BrokenAnswerEndsSoonAfterItsWireTime) {
+TEST(ExchangeDriver, BrokenResponseEndsSoonAfterItsWireTime) {
   Line line;
   line.ask(Instant{});
   Bytes broken = kAnswer;
@@ -95,7 +95,7 @@ TEST(ExchangeDriver, EchoIsLearnedFromARead) {
   EXPECT_EQ(line.receive(kAnswer, Instant{20ms}), Outcome::kDone);
 }
 
-TEST(ExchangeDriver, EchoAndAnswerInOnePieceAreToldApart) {
+TEST(ExchangeDriver, EchoAndResponseInOnePieceAreDistinguished) {
   Line line(Echo::kUnknown);
   line.ask(Instant{});
   Bytes both = kRequest;
@@ -104,14 +104,14 @@ TEST(ExchangeDriver, EchoAndAnswerInOnePieceAreToldApart) {
   EXPECT_EQ(line.driver.echo(), Echo::kPresent);
 }
 
-TEST(ExchangeDriver, AnAnswerWithoutEchoShowsThatThereIsNone) {
+TEST(ExchangeDriver, AResponseWithoutEchoShowsThatThereIsNone) {
   Line line(Echo::kUnknown);
   line.ask(Instant{});
   EXPECT_EQ(line.receive(kAnswer, Instant{20ms}), Outcome::kDone);
   EXPECT_EQ(line.driver.echo(), Echo::kAbsent);
 }
 
-TEST(ExchangeDriver, EchoOfAWriteIsNoAnswer) {
+TEST(ExchangeDriver, EchoOfAWriteIsNotAResponse) {
   Line line(Echo::kPresent);
   line.ask(Instant{}, WriteRequest{{2, 100, 1}, {0x00, 0x05}, {}, false}, false);
   const Bytes sent = line.out;
@@ -120,7 +120,7 @@ TEST(ExchangeDriver, EchoOfAWriteIsNoAnswer) {
   EXPECT_EQ(line.driver.cause(), Cause::kNoAnswer);
 }
 
-TEST(ExchangeDriver, SecondCopyOfAWriteIsTheAnswer) {
+TEST(ExchangeDriver, SecondCopyOfAWriteIsTheResponse) {
   Line line(Echo::kPresent);
   line.ask(Instant{}, WriteRequest{{2, 100, 1}, {0x00, 0x05}, {}, false}, false);
   const Bytes sent = line.out;
@@ -143,7 +143,7 @@ TEST(ExchangeDriver, ARefusalShowsWhetherTheLineEchoes) {
   EXPECT_EQ(echoing.driver.echo(), Echo::kPresent);
 }
 
-TEST(ExchangeDriver, AnAnswerThatEqualsItsRequestTeachesNothing) {
+TEST(ExchangeDriver, AResponseThatEqualsItsRequestTeachesNothing) {
   Line line(Echo::kUnknown);
   line.ask(Instant{}, WriteRequest{{2, 100, 1}, {0x00, 0x05}, {}, false}, false);
   const Bytes sent = line.out;

@@ -70,7 +70,7 @@ TEST(FenceTimes, TheListenerWaitsLongerThanTheOneThatSendsIsEverSilent) {
 }
 
 // If responses cannot be matched to requests, no request is sent while a late one can arrive.
-TEST(FenceTimes, OfAProtocolWhoseAnswersShowNothingAreLonger) {
+TEST(FenceTimes, OfAProtocolWhoseResponsesShowNothingAreLonger) {
   BusSpec bus = bus_with(serial(Fence::kListen), "s7-freeport");
   bus.devices.front().channels.front().range = {0, 0, 1};
   EXPECT_EQ(fence_times(bus).quiet, 620ms);

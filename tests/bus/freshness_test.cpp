@@ -23,7 +23,7 @@ class FreshnessTest : public testing::Test {
   CauseCounters misses_;
 };
 
-TEST_F(FreshnessTest, AMissIsToldAMomentAfterThePromiseBroke) {
+TEST_F(FreshnessTest, AMissIsReportedAMomentAfterThePromiseBroke) {
   Freshness fresh = read_at_zero();
   EXPECT_EQ(fresh.state(), State::kInTime);
   EXPECT_EQ(fresh.due(), Instant{1s} + Freshness::kTellAfter);
@@ -33,7 +33,7 @@ TEST_F(FreshnessTest, AMissIsToldAMomentAfterThePromiseBroke) {
   EXPECT_EQ(misses_[Cause::kLate], 1u);
 }
 
-TEST_F(FreshnessTest, AMissWithACauseIsToldOnce) {
+TEST_F(FreshnessTest, AMissWithACauseIsReportedOnce) {
   Freshness fresh = read_at_zero();
   EXPECT_FALSE(fresh.failing(Cause::kNoAnswer, false, Instant{500ms})) << "in time until then";
   EXPECT_TRUE(fresh.expire(fresh.due(), misses_));
@@ -56,7 +56,7 @@ TEST_F(FreshnessTest, ACauseThatBecomesKnownTakesOverTheMiss) {
   EXPECT_EQ(fresh.last_miss(), Cause::kNoAnswer);
 }
 
-TEST_F(FreshnessTest, ACauseAfterALeaseIsToldAndTakesOverNothing) {
+TEST_F(FreshnessTest, ACauseAfterALeaseIsReportedAndTakesOverNothing) {
   Freshness fresh = read_at_zero();
   fresh.leased(true, Instant{500ms}, misses_);
   EXPECT_EQ(fresh.state(), State::kTold);
@@ -67,7 +67,7 @@ TEST_F(FreshnessTest, ACauseAfterALeaseIsToldAndTakesOverNothing) {
   EXPECT_EQ(misses_.total(), 0u);
 }
 
-TEST_F(FreshnessTest, ARefusalThatWasToldMakesTheMissNoNews) {
+TEST_F(FreshnessTest, ARefusalThatWasReportedMakesTheMissNoNews) {
   Freshness fresh = read_at_zero();
   fresh.refused(Cause::kDeviceError, Instant{200ms}, misses_);
   EXPECT_EQ(fresh.state(), State::kTold);
@@ -109,7 +109,7 @@ TEST_F(FreshnessTest, WithoutAPromiseNothingIsMissed) {
   EXPECT_EQ(fresh.state(), State::kInTime);
 }
 
-TEST_F(FreshnessTest, ANewStartDoesNotForgiveAMissThatWasTold) {
+TEST_F(FreshnessTest, ANewStartDoesNotForgiveAMissThatWasReported) {
   Freshness fresh = missed();
   fresh.start(Instant{2s});
   EXPECT_EQ(fresh.state(), State::kMissed);

@@ -107,7 +107,7 @@ TEST(Garbage, RandomBytesAndTextOfAnotherProtocol) {
   EXPECT_THAT(looks_like(Bytes(login.begin(), login.end()), k8N1, false), StartsWith("text"));
 }
 
-TEST(Garbage, IsWorthSayingWhenItIsNoSingleNoise) {
+TEST(Garbage, IsWorthSayingWhenItIsNotASingleNoise) {
   Garbage garbage;
   EXPECT_FALSE(garbage.received(Bytes{0x12, 0x34}, kRequest, 9));
   EXPECT_FALSE(garbage.received({}, kRequest, 9)) << "silence is no garbage";
@@ -130,7 +130,7 @@ TEST(Garbage, AnEchoAloneIsNamed) {
 }
 
 // Regression: registers of value 0 were reported as wrong parity on a line with parity.
-TEST(Garbage, BrokenAnswersOfTheRightLineAreNotAWrongParity) {
+TEST(Garbage, BrokenResponsesOfTheRightLineAreNotAWrongParity) {
   constexpr std::size_t kExpected = 25;
   const auto said = [&](std::size_t bytes) {
     Bytes answer(bytes, 0);

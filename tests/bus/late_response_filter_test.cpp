@@ -67,7 +67,7 @@ TEST_F(LateResponseFilterTest, WhatCouldBeMistakenWaitsAndTheRestGoesOn) {
   EXPECT_TRUE(late_.none_owed());
 }
 
-TEST_F(LateResponseFilterTest, AnAnswerWithinTheConfiguredTimeoutBringsItsValues) {
+TEST_F(LateResponseFilterTest, AResponseWithinTheConfiguredTimeoutBringsItsValues) {
   give_up(ask(read(100, 1), Instant{}));
   const auto found = late_.in_strays(frame_of({42}), Instant{150ms});
   ASSERT_EQ(found.size(), 1u);
@@ -77,7 +77,7 @@ TEST_F(LateResponseFilterTest, AnAnswerWithinTheConfiguredTimeoutBringsItsValues
   EXPECT_TRUE(late_.none_owed());
 }
 
-TEST_F(LateResponseFilterTest, AnAnswerBeyondItOnlyPaysTheDebt) {
+TEST_F(LateResponseFilterTest, AResponseBeyondItOnlyPaysTheDebt) {
   give_up(ask(read(100, 1), Instant{}));
   const auto found = late_.in_strays(frame_of({42}), Instant{400ms});
   ASSERT_EQ(found.size(), 1u);
@@ -85,7 +85,7 @@ TEST_F(LateResponseFilterTest, AnAnswerBeyondItOnlyPaysTheDebt) {
   EXPECT_TRUE(late_.none_owed());
 }
 
-TEST_F(LateResponseFilterTest, ALateAnswerIsFoundAmongTheBytesOfAnotherExchange) {
+TEST_F(LateResponseFilterTest, ALateResponseIsFoundAmongTheBytesOfAnotherExchange) {
   give_up(ask(read(100, 1), Instant{}));
   const Asked other = ask(read(300, 2), Instant{230ms});
   Bytes out;
@@ -97,7 +97,7 @@ TEST_F(LateResponseFilterTest, ALateAnswerIsFoundAmongTheBytesOfAnotherExchange)
   EXPECT_TRUE(late_.none_owed());
 }
 
-TEST_F(LateResponseFilterTest, TheExchangeUnderWayTakesWhatMayBeItsOwn) {
+TEST_F(LateResponseFilterTest, ThePendingExchangeAcceptsWhatMayBeItsOwn) {
   give_up(ask(read(100, 1), Instant{}));
   const Asked again = ask(read(100, 1), Instant{230ms});
   Bytes out;
@@ -107,7 +107,7 @@ TEST_F(LateResponseFilterTest, TheExchangeUnderWayTakesWhatMayBeItsOwn) {
   EXPECT_FALSE(late_.none_owed()) << "asked twice and answered once";
 }
 
-TEST_F(LateResponseFilterTest, AnAnswerThatComesTwicePaysOnce) {
+TEST_F(LateResponseFilterTest, AResponseThatComesTwicePaysOnce) {
   give_up(ask(read(100, 1), Instant{}));
   give_up(ask(read(100, 1), Instant{230ms}));
   Bytes twice = frame_of({42});
@@ -116,7 +116,7 @@ TEST_F(LateResponseFilterTest, AnAnswerThatComesTwicePaysOnce) {
   EXPECT_FALSE(late_.none_owed());
 }
 
-TEST_F(LateResponseFilterTest, ABrokenAnswerOfTheRightLengthAndHeadPays) {
+TEST_F(LateResponseFilterTest, ABrokenResponseOfTheRightLengthAndHeadPays) {
   const Asked well = ask(read(100, 1), Instant{});
   Bytes out;
   (void)driver_.on_bytes(frame_of({42}), Instant{20ms}, out);

@@ -2,7 +2,12 @@
 
 #include <algorithm>
 
+#include "config/loader/loader.hpp"
+#include "core/bus/wire/pending_responses.hpp"
+#include "core/protocol/families/registry.hpp"
 #include "tests/bus/late_storm.hpp"
+#include "tools/sim/check/requests.hpp"
+#include "tools/sim/device/device.hpp"
 
 namespace fieldcast::test {
 namespace {
@@ -17,7 +22,7 @@ const StormKind& kind_named(const std::string& name) {
 
 // The response arrives after the timeout and is matched to the retry. The response to the retry
 // arrives during the next request.
-TEST(LateAnswer, BeyondTheTimeoutIsNoAnswerToTheNextRequest) {
+TEST(LateResponse, BeyondTheTimeoutIsNotAResponseToTheNextRequest) {
   const StormKind& kind = kind_named("modbus-rtu");
   const BusSpec spec = bus_of(kind, "200ms");
   LateStorm storm(kind, spec, faults_of(spec, {.late = 0.05, .by = 250ms}), 1);
@@ -30,7 +35,7 @@ TEST(LateAnswer, BeyondTheTimeoutIsNoAnswerToTheNextRequest) {
 
 // The delay is within the configured timeout, but so rare that the learned timeout is now shorter.
 // The retry accepts the response, and its own response arrives during the next request.
-TEST(LateAnswer, BeyondWhatWasLearnedIsNoAnswerToTheNextRequest) {
+TEST(LateResponse, BeyondWhatWasLearnedIsNotAResponseToTheNextRequest) {
   StormKind kind = kind_named("modbus-rtu");
   kind.devices = 1;  // the next request is to the same unit
   const BusSpec spec = bus_of(kind, "200ms");
@@ -113,3 +118,252 @@ INSTANTIATE_TEST_SUITE_P(Protocols, LateStorms,
 
 }  // namespace
 }  // namespace fieldcast::test
+
+namespace fieldcast::sim {
+namespace {
+
+// Compares what each protocol declares about ambiguous responses with its codec and simulated
+// device: every exchange that accepts the response to another request must be declared.
+
+Bytes answer_to(SimDevice& device, const Protocol& protocol, const Request& request,
+                std::uint16_t sequence) {
+  const auto receiver = device.open_receiver();
+  Bytes sent;
+  (void)protocol.begin(request, {sequence})->start(sent);
+  Reaction reaction;
+  Instant now{std::chrono::seconds{1}};
+  for (const std::uint8_t character : sent) receiver->on_character(character, now, reaction);
+  return reaction.answer;
+}
+
+bool takes(const Protocol& protocol, const Request& request, std::uint16_t sequence,
+           ByteView answer) {
+  const auto exchange = protocol.begin(request, {sequence});
+  Bytes out;
+  (void)exchange->start(out);
+  out.clear();
+  return exchange->on_bytes(answer, out).kind == Step::Kind::kDone;
+}
+
+void expect_known(const Subject& subject, std::uint16_t later_sequence, int& taken, int& distinct) {
+  const Requests requests(subject);
+  const Protocol& protocol = requests.protocol();
+  auto device = kind_of(subject.device)->make({.spec = subject.device, .line = subject.line()});
+  ASSERT_TRUE(device);
+  auto all = requests.examples();
+  for (std::size_t i = 0, count = all.size(); i < count; ++i) {
+    auto* read = std::get_if<ReadRequest>(&all[i].request);
+    if (read == nullptr) continue;
+    ReadRequest other = *read;
+    ++other.ranges.front().first;
+    if (requests.allows(other)) all.push_back({all[i].name + ", next", other});
+  }
+  for (const NamedRequest& earlier : all) {
+    const Bytes answer = answer_to(**device, protocol, earlier.request, 7);
+    if (answer.empty()) continue;
+    for (const NamedRequest& later : all) {
+      const bool mistakable =
+          protocol.mistakable(earlier.request, {7}, later.request, {later_sequence});
+      const bool took = takes(protocol, later.request, later_sequence, answer);
+      taken += took ? 1 : 0;
+      distinct += mistakable ? 0 : 1;
+      if (took) {
+        EXPECT_TRUE(mistakable) << subject.device.protocol << " " << subject.variant << ": '"
+                                << later.name << "' takes the answer to '" << earlier.name << "'";
+      }
+    }
+  }
+}
+
+TEST(Mistakable, EveryResponseThatAnotherRequestAcceptsIsKnown) {
+  for (const ProtocolEntry& entry : protocols()) {
+    for (const Subject& subject : subjects_of(entry.name)) {
+      const auto protocol = subject.protocol();
+      const bool numbered = protocol->traits().identity == ResponseIdentity::kSequence;
+      int taken = 0, distinct = 0, same = 0;
+      expect_known(subject, 8, taken, distinct);
+      EXPECT_EQ(taken > 0, !numbered) << entry.name << ": the check would see nothing";
+      // Only responses of a single round can be confused here.
+      if (numbered && entry.name != "s7-ppi") {
+        expect_known(subject, 7, same, distinct);
+        EXPECT_GT(same, 0) << entry.name;
+      }
+      if (entry.name != "s7-freeport") {
+        EXPECT_GT(distinct, 0) << entry.name << ": nothing may go on";
+      }
+    }
+  }
+}
+
+TEST(Mistakable, DeclaredOnesToo) {
+  const auto declaration = config::load_declaration("modbus-rtu-declared");
+  ASSERT_TRUE(declaration);
+  for (const Subject& subject : subjects_of(*declaration)) {
+    int taken = 0, distinct = 0;
+    expect_known(subject, 8, taken, distinct);
+    EXPECT_GT(taken, 0);
+  }
+}
+
+// Tests that every protocol recognises the requests of another master, but no responses.
+
+using Seen = std::function<SeenRequest(ByteView)>;
+
+Seen seen_of(const Subject& subject) {
+  const auto declaration = subject.device.declaration;
+  if (declaration)
+    return [declaration](ByteView bytes) { return seen_request(*declaration.value, bytes); };
+  return find_protocol(subject.device.protocol)->seen_request;
+}
+
+std::string name_of(const Subject& subject, const std::string& request) {
+  return subject.device.protocol + " " + subject.variant + ": " + request;
+}
+
+struct Conversation {
+  std::vector<Bytes> sent, answered;
+};
+
+Conversation talk(SimDevice& device, const Protocol& protocol, const Request& request) {
+  constexpr int kMostRounds = 40;
+  Conversation talk;
+  const auto receiver = device.open_receiver();
+  const auto exchange = protocol.begin(request, {7});
+  Instant now{std::chrono::seconds{1}};
+  Bytes sent;
+  Step step = exchange->start(sent);
+  for (int round = 0; round < kMostRounds && step.kind == Step::Kind::kSend; ++round) {
+    talk.sent.push_back(sent);
+    Reaction reaction;
+    for (const std::uint8_t character : sent) receiver->on_character(character, now, reaction);
+    talk.answered.push_back(reaction.answer);
+    sent.clear();
+    step = exchange->on_bytes(reaction.answer, sent);
+    if (step.kind == Step::Kind::kNeedMore && step.wait == Wait::kPause)
+      step = exchange->on_silence(sent);
+  }
+  return talk;
+}
+
+void expect_seen(const Subject& subject, int& certain) {
+  const Seen seen = seen_of(subject);
+  ASSERT_TRUE(seen) << subject.device.protocol;
+  const Requests requests(subject);
+  auto device = kind_of(subject.device)->make({.spec = subject.device, .line = subject.line()});
+  ASSERT_TRUE(device);
+  for (const NamedRequest& each : requests.examples()) {
+    const Conversation conversation = talk(**device, requests.protocol(), each.request);
+    const Bytes& request = conversation.sent.front();
+    const SeenRequest found = seen(request);
+    EXPECT_EQ(found.size, request.size()) << name_of(subject, each.name) << to_hex(request);
+    certain += found.certain ? 1 : 0;
+    for (const Bytes& answer : conversation.answered) {
+      const SeenRequest mistaken = answer.empty() ? SeenRequest{} : seen(answer);
+      EXPECT_FALSE(mistaken && mistaken.certain) << name_of(subject, each.name) << to_hex(answer);
+    }
+    for (std::size_t size = 0; size < request.size(); ++size)
+      EXPECT_FALSE(seen(ByteView(request).first(size))) << name_of(subject, each.name) << size;
+    if (!subject.checked) continue;
+    for (std::size_t bit = 0; bit < 8 * request.size(); ++bit) {
+      Bytes broken = request;
+      broken[bit / 8] ^= static_cast<std::uint8_t>(1u << bit % 8);
+      EXPECT_NE(seen(broken).size, request.size()) << name_of(subject, each.name) << to_hex(broken);
+    }
+  }
+}
+
+TEST(SeenRequest, EachProtocolOfALineKnowsItsRequests) {
+  for (const ProtocolEntry& entry : protocols()) {
+    if (entry.network_only) {
+      EXPECT_EQ(entry.seen_request, nullptr) << entry.name;
+      continue;
+    }
+    int certain = 0;
+    for (const Subject& subject : subjects_of(entry.name)) expect_seen(subject, certain);
+    EXPECT_GT(certain, 0) << entry.name;
+  }
+}
+
+TEST(SeenRequest, DeclaredOnesToo) {
+  for (const char* name : {"modbus-rtu-declared", "instrument"}) {
+    const auto declaration = config::load_declaration(name);
+    ASSERT_TRUE(declaration) << name;
+    int certain = 0;
+    for (const Subject& subject : subjects_of(*declaration)) expect_seen(subject, certain);
+    EXPECT_GT(certain, 0) << name;
+  }
+}
+
+}  // namespace
+}  // namespace fieldcast::sim
+
+namespace fieldcast {
+namespace {
+
+using namespace std::chrono_literals;
+
+// Reads of one area: responses of the same device and length look equal, as in Modbus RTU.
+PendingResponses alike_by_length() {
+  return PendingResponses([](const Asked& a, const Asked& b) {
+    const auto count = [](const Asked& asked) {
+      return std::get<ReadRequest>(asked.request).ranges[0].count;
+    };
+    return a.device == b.device && count(a) == count(b);
+  });
+}
+
+Asked read(DeviceIndex device, std::uint32_t first, std::uint32_t count, Instant sent = {}) {
+  return {device, ReadRequest{{{0, first, count}}}, {}, sent};
+}
+
+void owe(PendingResponses& owed, Asked asked) {
+  PendingResponses::Debt debt;
+  debt.asked = std::move(asked);
+  debt.bound = 600ms;
+  owed.owe(std::move(debt));
+}
+
+TEST(PendingResponses, WhatCouldBeMistakenWaitsForTheBound) {
+  PendingResponses owed = alike_by_length();
+  owe(owed, read(1, 100, 2));
+  EXPECT_EQ(owed.askable_from(read(1, 200, 2), true), Instant{600ms});
+  EXPECT_EQ(owed.askable_from(read(1, 200, 3), true), kLongAgo) << "another length";
+  EXPECT_EQ(owed.askable_from(read(2, 200, 2), true), kLongAgo) << "another device";
+  EXPECT_EQ(owed.askable_from(read(1, 100, 2), true), kLongAgo) << "the same again";
+  EXPECT_EQ(owed.askable_from(read(1, 100, 2), false), Instant{600ms}) << "a command's";
+}
+
+TEST(PendingResponses, TwoRequestsAndOneResponseLeaveOnePending) {
+  PendingResponses owed = alike_by_length();
+  owe(owed, read(1, 100, 2));
+  owed.answered(read(1, 100, 2, Instant{200ms}), false, 600ms, Instant{250ms});
+  ASSERT_EQ(owed.debts().size(), 1u);
+  EXPECT_EQ(owed.askable_from(read(1, 200, 2), true), Instant{800ms});
+  (void)owed.take(0, Instant{300ms});
+  EXPECT_EQ(owed.askable_from(read(1, 200, 2), true), kLongAgo);
+}
+
+TEST(PendingResponses, OneAfterTheOtherIsWorkedOff) {
+  PendingResponses owed = alike_by_length();
+  owe(owed, read(1, 100, 2));
+  owe(owed, read(1, 100, 2, Instant{200ms}));
+  EXPECT_EQ(owed.askable_from(read(1, 200, 2), true), Instant{1200ms});
+  (void)owed.take(0, Instant{250ms});
+  EXPECT_EQ(owed.askable_from(read(1, 200, 2), true), Instant{850ms});
+  EXPECT_FALSE(owed.expire(Instant{849ms}));
+  EXPECT_TRUE(owed.expire(Instant{850ms}));
+}
+
+TEST(PendingResponses, AResponseThatIsCertainEndsWhatWasAskedBefore) {
+  PendingResponses owed = alike_by_length();
+  owe(owed, read(1, 100, 2));
+  owe(owed, read(2, 100, 2));
+  owed.answered(read(1, 100, 3, Instant{200ms}), true, 600ms, Instant{210ms});
+  EXPECT_EQ(owed.debts().size(), 2u) << "a refusal shows nothing of its length";
+  owed.answered(read(1, 100, 3, Instant{200ms}), false, 600ms, Instant{210ms});
+  ASSERT_EQ(owed.debts().size(), 1u);
+  EXPECT_EQ(owed.debts()[0].asked.device, 2u);
+}
+
+}  // namespace
+}  // namespace fieldcast

@@ -55,7 +55,7 @@ class LostWire : public testing::Test {
   int good_ = 0;
 };
 
-TEST_F(LostWire, AnAnswerInTimeIsTaken) {
+TEST_F(LostWire, AResponseInTimeIsTaken) {
   (void)ask();
   now_ += kExchange;
   (void)feed(Received{answer_});
@@ -63,7 +63,7 @@ TEST_F(LostWire, AnAnswerInTimeIsTaken) {
 }
 
 // The process was suspended so long that another master may have started an exchange.
-TEST_F(LostWire, AnAnswerAfterALongStandstillMayBeAnotherMasters) {
+TEST_F(LostWire, AResponseAfterALongStandstillMayBeAnotherMasters) {
   (void)ask();
   now_ += times_.claim + 50ms;
   (void)feed(Received{answer_});
@@ -71,7 +71,7 @@ TEST_F(LostWire, AnAnswerAfterALongStandstillMayBeAnotherMasters) {
 }
 
 // Both masters started at the same time, and the second one receives its response first.
-TEST_F(LostWire, AFirstAnswerThatBeganBeforeTheRequestHadEndedIsAnotherMasters) {
+TEST_F(LostWire, AFirstResponseThatBeganBeforeTheRequestHadEndedIsAnotherMasters) {
   (void)ask();
   now_ += 1ms;
   (void)feed(Received{answer_});
@@ -82,7 +82,7 @@ TEST_F(LostWire, AFirstAnswerThatBeganBeforeTheRequestHadEndedIsAnotherMasters) 
 }
 
 // Simulates a port that is not a real serial line.
-TEST_F(LostWire, AnswersThatAlwaysComeTooEarlyAreTakenFromTheSecondOn) {
+TEST_F(LostWire, ResponsesThatAlwaysComeTooEarlyAreTakenFromTheSecondOn) {
   (void)ask();
   now_ += 1ms;
   (void)feed(Received{answer_});
@@ -96,7 +96,7 @@ TEST_F(LostWire, AnswersThatAlwaysComeTooEarlyAreTakenFromTheSecondOn) {
 }
 
 // Both masters started at the same time, and the request of this one was garbled.
-TEST_F(LostWire, AnAnswerBehindARequestOfAnotherMasterIsNotTaken) {
+TEST_F(LostWire, AResponseBehindARequestOfAnotherMasterIsNotTaken) {
   (void)ask();
   now_ += 20ms;
   (void)feed(Received{bytes_of(":010300C8000430\r\n")});
@@ -107,7 +107,7 @@ TEST_F(LostWire, AnAnswerBehindARequestOfAnotherMasterIsNotTaken) {
   EXPECT_TRUE(engine_.bus_report(now_).listening);
 }
 
-TEST_F(LostWire, AnAnswerBehindNoiseIsTaken) {
+TEST_F(LostWire, AResponseBehindNoiseIsTaken) {
   (void)ask();
   now_ += kExchange;
   (void)feed(Received{bytes_of("noise:0103\r\n")});
@@ -117,7 +117,7 @@ TEST_F(LostWire, AnAnswerBehindNoiseIsTaken) {
 }
 
 // The response is still pending when another master sends the same request.
-TEST_F(LostWire, AnAnswerToAnotherMasterIsNoLateOne) {
+TEST_F(LostWire, AResponseToAnotherMasterIsNotALateOne) {
   const Bytes request = ask();
   now_ += times_.claim + 50ms;
   (void)feed(TimerFired{});

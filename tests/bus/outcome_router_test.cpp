@@ -57,7 +57,7 @@ class OutcomeRouterTest : public testing::Test {
 const Bytes kZeros{0x01, 0x03, 0x08, 0, 0, 0, 0, 0, 0, 0, 0, 0x95, 0xD7};
 const Bytes kRefusal{0x01, 0x83, 0x02, 0xC0, 0xF1};
 
-TEST_F(OutcomeRouterTest, AnAnswerBecomesSamples) {
+TEST_F(OutcomeRouterTest, AResponseBecomesSamples) {
   ask(Instant{});
   receive(kZeros, Instant{50ms});
   EXPECT_EQ(samples_, 4u);
@@ -115,7 +115,7 @@ TEST_F(OutcomeRouterTest, ALostDeviceMakesItsChannelsFailAndIsNotRead) {
   EXPECT_FALSE(reopen_) << "a serial port is not opened anew for that";
 }
 
-TEST_F(OutcomeRouterTest, ALateAnswerEndsTheRepetition) {
+TEST_F(OutcomeRouterTest, ALateResponseEndsTheRepetition) {
   ask(Instant{});
   const Instant failed = time_out();
   ASSERT_TRUE(parts_.wire.waiting());
@@ -129,7 +129,7 @@ class OutcomeRouterOverNetwork : public OutcomeRouterTest {
   OutcomeRouterOverNetwork() : OutcomeRouterTest(true) {}
 };
 
-TEST_F(OutcomeRouterOverNetwork, AConnectionBehindWhichNobodyAnswersIsOpenedAnew) {
+TEST_F(OutcomeRouterOverNetwork, AConnectionBehindWhichNobodyRespondsIsOpenedAgain) {
   Instant now{};
   while (!parts_.devices.offline(0) && now < Instant{10s}) {
     EXPECT_FALSE(reopen_);
@@ -140,7 +140,7 @@ TEST_F(OutcomeRouterOverNetwork, AConnectionBehindWhichNobodyAnswersIsOpenedAnew
   EXPECT_EQ(reopen_->reason, "no device responds");
 }
 
-TEST_F(OutcomeRouterOverNetwork, AStreamWhoseFramingIsLostIsOpenedAnew) {
+TEST_F(OutcomeRouterOverNetwork, AStreamWhoseFramingIsLostIsOpenedAgain) {
   const Bytes broken{0, 1, 0xFF, 0xFF, 0, 3, 1, 3, 0};
   for (Instant now{}; !reopen_ && now < Instant{10s}; now += 1s) {
     ask(now);

@@ -247,7 +247,7 @@ TEST_F(ReadPathTest, AReadThatMustWaitIsHeldBackAndReleased) {
   EXPECT_TRUE(reads_.due(Instant{100ms}));
 }
 
-TEST_F(ReadPathTest, AHeldReadIsDueAtTheLatestWhenItsAnswerCanNoLongerCome) {
+TEST_F(ReadPathTest, AHeldReadIsDueAtTheLatestWhenItsResponseCanNoLongerCome) {
   const auto owed = [](DeviceIndex, const Request&) { return Instant{500ms}; };
   EXPECT_TRUE(std::holds_alternative<Rest>(reads_.next(Instant{}, owed)));
   EXPECT_TRUE(reads_.due(Instant{500ms}));

@@ -116,7 +116,7 @@ TEST_P(SharedLine, OfTwoThatBeginTogetherOneGoesOn) {
   }
 }
 
-TEST_P(SharedLine, NoiseAndLateAnswersMakeNobodySendIntoAnother) {
+TEST_P(SharedLine, NoiseAndLateResponsesMakeNobodySendIntoAnother) {
   for (std::uint64_t seed = 1; seed <= seeds(); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Chance chance(seed);

@@ -9,7 +9,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(Simulation, ADeviceThatIsDeafAfterItsAnswersKeepsItsRefreshes) {
+TEST(Simulation, ADeviceThatIsDeafAfterItsResponsesKeepsItsRefreshes) {
   for (const Duration deaf : {Duration{8ms}, Duration{30ms}, Duration{120ms}}) {
     const BusSpec spec = plant(2, 6, "refresh: 500ms");
     BusSpec scattered = spec;  // several reads per round

@@ -11,7 +11,7 @@ namespace {
 using namespace std::chrono_literals;
 
 // The loader reports an overload by configuration; the engine reports one by interests.
-TEST(Simulation, OverloadIsToldWhenItBeginsAndWhenItEnds) {
+TEST(Simulation, OverloadIsReportedWhenItBeginsAndWhenItEnds) {
   BusSpec spec = plant(1, 200, "refresh: 1s");
   auto& channels = spec.devices[0].channels;
   for (std::size_t c = 0; c < channels.size(); ++c) {
@@ -41,7 +41,7 @@ int told(const VirtualBus& bus, Notice::Kind kind) {
 }
 
 // The loader reports overloads by configuration and assumes responses after 5 ms.
-TEST(Simulation, OverloadIsToldOnceWhenDevicesAreSlowerThanAssumed) {
+TEST(Simulation, OverloadIsReportedOnceWhenDevicesAreSlowerThanAssumed) {
   sim::BusFaults faults;
   for (int d = 1; d <= 16; ++d) faults.devices["unit-" + std::to_string(d)].delay.base = 20ms;
   VirtualBus slow(plant(16, 1, "refresh: 400ms"), faults, 1);
@@ -60,7 +60,7 @@ TEST(Simulation, OverloadIsToldOnceWhenDevicesAreSlowerThanAssumed) {
     EXPECT_LT(to_seconds(channel.longest_gap), 0.4 * 1.05 * report.stretch);
 }
 
-TEST(Simulation, OverloadEndsWhenDevicesAnswerSooner) {
+TEST(Simulation, OverloadEndsWhenDevicesRespondSooner) {
   VirtualBus enough(plant(16, 1, "refresh: 250ms"), {}, 1);
   EXPECT_GT(enough.engine().bus_report(Instant{}).stretch, 1.0);
   enough.run_until(Instant{1min});

@@ -48,7 +48,7 @@ TEST_F(WireFenceTest, WithoutAFenceEverythingIsAllowed) {
   EXPECT_EQ(none.sign_from(), kNever);
 }
 
-TEST_F(WireFenceTest, ALockIsWaitedWithUntilTheAnswerToAnotherBridgeHasCome) {
+TEST_F(WireFenceTest, ALockIsWaitedWithUntilTheResponseToAnotherBridgeHasCome) {
   WireFence lock(bus_with(Fence::kLock));
   lock.opened(at(0ms));
   EXPECT_FALSE(lock.may_send(at(219ms)));
@@ -74,7 +74,7 @@ TEST_F(WireFenceTest, AHigherRankBeginsInALaterSlot) {
   EXPECT_EQ(fence.look_again(at(first + slot)), at(first + 8 * slot));
 }
 
-TEST_F(WireFenceTest, TheRequestOfAnotherMasterTakesTheWireAwayAndIsToldOnce) {
+TEST_F(WireFenceTest, TheRequestOfAnotherMasterTakesTheWireAwayAndIsReportedOnce) {
   hold();
   EXPECT_TRUE(fence.may_send(at(450ms)));
   EXPECT_TRUE(stray(kForeign, at(460ms)));
@@ -93,14 +93,14 @@ TEST_F(WireFenceTest, ARequestInPiecesIsOne) {
   EXPECT_TRUE(stray(ByteView(kForeign).subspan(3), at(461ms)));
 }
 
-TEST_F(WireFenceTest, ALateEchoIsNoOtherMaster) {
+TEST_F(WireFenceTest, ALateEchoIsNotAnotherMaster) {
   hold();
   EXPECT_FALSE(stray(kOwn, at(445ms)));
   EXPECT_TRUE(fence.may_send(at(450ms)));
 }
 
 // Function 6 repeats the request, so one of the frames may be a duplicate response of a device.
-TEST_F(WireFenceTest, WhatCouldBeAnAnswerIsBelievedTheThirdTime) {
+TEST_F(WireFenceTest, WhatCouldBeAResponseIsBelievedTheThirdTime) {
   const Bytes write{0x02, 0x06, 0x00, 0x01, 0x00, 0x03, 0x98, 0x38};
   hold();
   EXPECT_FALSE(stray(write, at(450ms)));
@@ -108,7 +108,7 @@ TEST_F(WireFenceTest, WhatCouldBeAnAnswerIsBelievedTheThirdTime) {
   EXPECT_TRUE(stray(write, at(510ms)));
 }
 
-TEST_F(WireFenceTest, WhoWasSilentForTooLongListensAnew) {
+TEST_F(WireFenceTest, WhoWasSilentForTooLongListensAgain) {
   hold();
   EXPECT_TRUE(fence.keeps(at(760ms)));
   EXPECT_TRUE(fence.may_send(at(760ms)));

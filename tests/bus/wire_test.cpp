@@ -27,7 +27,7 @@ class WireTest : public testing::Test {
   Bytes out_;
 };
 
-TEST_F(WireTest, AFlightIsSentAnsweredAndTaken) {
+TEST_F(WireTest, AFlightIsSentAcknowledgedAndAccepted) {
   wire_.launch(read());
   EXPECT_TRUE(wire_.waiting());
   EXPECT_FALSE(wire_.exchanging());
@@ -52,7 +52,7 @@ TEST_F(WireTest, IsSilentAfterAnExchange) {
   EXPECT_EQ(wire_.free_at(), Instant{20ms} + setup_.silence());
 }
 
-TEST_F(WireTest, ARepeatedFlightKeepsItsStartAndKnowsThatItWasNotAnswered) {
+TEST_F(WireTest, ARepeatedFlightKeepsItsStartAndHasNoResponse) {
   wire_.launch(read());
   (void)send(Instant{});
   const Instant deadline = wire_.driver().deadline();
@@ -88,7 +88,7 @@ TEST_F(WireTest, TimeInWhichTheProcessStoodStillIsNotTheDevices) {
   EXPECT_EQ(wire_.conclude(false, Instant{12s}).spent, 2 * lost) << "also before bytes that waited";
 }
 
-TEST_F(WireTest, ARefusalIsAnAnswer) {
+TEST_F(WireTest, ARefusalIsAResponse) {
   wire_.launch(read());
   (void)send(Instant{});
   const Bytes refusal{0x01, 0x83, 0x02, 0xC0, 0xF1};
@@ -99,7 +99,7 @@ TEST_F(WireTest, ARefusalIsAnAnswer) {
   EXPECT_EQ(ended.device_code, 2);
 }
 
-TEST_F(WireTest, WaitingOnForgetsTheWrongAnswer) {
+TEST_F(WireTest, WaitingOnForgetsTheWrongResponse) {
   wire_.launch(read());
   (void)send(Instant{});
   ASSERT_EQ(wire_.on_bytes(kAnswer, Instant{5ms}, out_), Outcome::kDone);
@@ -125,7 +125,7 @@ TEST_F(WireTest, AnAbortedExchangeReturnsItsFlight) {
   EXPECT_FALSE(wire_.waiting());
 }
 
-TEST_F(WireTest, SharesCountWhatIsUnderWay) {
+TEST_F(WireTest, SharesCountWhatIsPending) {
   (void)wire_.shares(Instant{});
   wire_.launch(read());
   (void)send(Instant{500ms});

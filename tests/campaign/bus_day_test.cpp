@@ -52,7 +52,7 @@ TEST_P(BusDaysThatFailed, Hold) {
 }
 
 // A late response set an offline device online, but the device was not read after that.
-INSTANTIATE_TEST_SUITE_P(BackByALateAnswer, BusDaysThatFailed,
+INSTANTIATE_TEST_SUITE_P(BackByALateResponse, BusDaysThatFailed,
                          testing::Values(Found{"s7-ppi", 3}, Found{"modbus-tcp", 8}),
                          [](const auto& chosen) {
                            return "seed" + std::to_string(chosen.param.seed);

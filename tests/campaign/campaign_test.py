@@ -78,7 +78,7 @@ class Driver(unittest.TestCase):
         run([endless], "--files", self.folder.name)
         self.assertLess(time.monotonic() - began, 30)
 
-    def test_an_interrupt_ends_it_at_once_with_the_report_so_far(self):
+    def test_an_interrupt_ends_it_immediately_with_the_report_so_far(self):
         program = os.path.join(os.path.dirname(os.path.abspath(__file__)), "campaign.py")
         slow = os.path.join(self.folder.name, "virtual_campaign")
         with open(slow, "w", encoding="utf-8") as file:

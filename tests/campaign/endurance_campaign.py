@@ -16,7 +16,7 @@ import time
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [HERE, os.path.join(HERE, "..", "tools")]
 import system_campaign  # noqa: E402
-from plant import Failure  # noqa: E402
+from plant import Failure, report  # noqa: E402
 
 MEMORY_MAY_GROW = 2 * 1024 * 1024  # bytes, from one third to the next
 OTHERS_MAY_GROW = 4
@@ -89,8 +89,7 @@ def main():
             print(f"FAIL {str(failure)[:500]}", flush=True)
         except KeyboardInterrupt:
             break
-    print(json.dumps(counts))
-    return 1 if failed else 0
+    return report(counts, failed)
 
 
 if __name__ == "__main__":

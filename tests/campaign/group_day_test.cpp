@@ -55,7 +55,7 @@ std::string seed_of(const testing::TestParamInfo<Found>& chosen) {
 }
 
 // A response to another master was matched to a request of this one.
-INSTANTIATE_TEST_SUITE_P(AnswersOfTheOtherMaster, GroupDaysThatFailed,
+INSTANTIATE_TEST_SUITE_P(ResponsesOfTheSecondMaster, GroupDaysThatFailed,
                          testing::Values(Found{"omron-hostlink C-mode", 38, 3min},
                                          Found{"omron-hostlink C-mode", 101, 3min}),
                          seed_of);
@@ -92,7 +92,7 @@ INSTANTIATE_TEST_SUITE_P(ReceivedBehindItsResult, GroupDaysThatFailed,
 
 // A member rejoined in the same process and was cut off immediately. It had lost the entry of the
 // other member, which was master on the other side and was then killed.
-INSTANTIATE_TEST_SUITE_P(CutOffWhenItJoinedAnew, GroupDaysThatFailed,
+INSTANTIATE_TEST_SUITE_P(CutOffWhenItJoinedAgain, GroupDaysThatFailed,
                          testing::Values(Found{"modbus-ascii", 3130, 5min}), seed_of);
 
 // Expects the violation within some days; a day may show a different violation first.

@@ -36,7 +36,7 @@ import time
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [HERE, os.path.join(HERE, "..", "tools")]
 from lossy_network import LossyNetwork, NotPermitted  # noqa: E402
-from plant import Failure, wait_until  # noqa: E402
+from plant import Failure, report, wait_until  # noqa: E402
 from watching_station import NEW, Station, cyclones, ours  # noqa: E402
 
 DOMAIN = 7  # separate networks: any domain works
@@ -388,8 +388,7 @@ def main():
                 print(f"FAIL {scenario}, seed {options.seed}: {str(failure)[:700]}", flush=True)
     except KeyboardInterrupt:
         pass
-    print(json.dumps(counts))
-    return 1 if failed else 0
+    return report(counts, failed)
 
 
 if __name__ == "__main__":

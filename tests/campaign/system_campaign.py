@@ -31,7 +31,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [HERE, os.path.join(HERE, "..", "tools")]
 import store_kills  # noqa: E402
 from fault_shim import FaultShim  # noqa: E402
-from plant import Failure, Plant, wait_until  # noqa: E402
+from plant import Failure, Plant, modbus_line, report, wait_until  # noqa: E402
 
 SOON = 30  # seconds
 LONGEST_GAP = 3.0  # seconds between two good samples, on a machine with other load
@@ -40,16 +40,7 @@ COMMAND_WITHIN = 12  # seconds
 CONFIG = """
 bridge: campaign
 store: { path: {run}/store/plant.db }
-metrics: { listen: 127.0.0.1:{port} }
-buses:
-  - name: line
-    port: { serial: {run}/line, baud: 115200, format: 8N1 }
-    protocol: modbus-rtu
-    defaults: { refresh: 200ms }
-    devices:
-      - name: press
-        address: 1
-        channels:
+metrics: { listen: 127.0.0.1:{port} }""" + modbus_line() + """\
           - { name: temperature, at: "holding:100", type: float32 }
           - { name: setpoint, at: "holding:200", type: int16, access: read-write }
   - name: hall
@@ -488,8 +479,7 @@ def main():
                 break
     except KeyboardInterrupt:
         pass
-    print(json.dumps(counts))
-    return 1 if failed else 0
+    return report(counts, failed)
 
 
 if __name__ == "__main__":

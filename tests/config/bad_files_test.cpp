@@ -1,9 +1,6 @@
-// Each file in tests/config/bad has one fault; its head comment lists the expected messages, one
-// per line. {protocols} stands for the names of all protocols, so that a new protocol changes no
-// file.
+// Each case in tests/config/bad has one fault; its comments list the expected messages, one per
+// line. {protocols} stands for the names of all protocols, so that a new protocol changes no case.
 #include <gtest/gtest.h>
-
-#include <sstream>
 
 #include "config/document/suggest.hpp"
 #include "core/protocol/families/registry.hpp"
@@ -12,14 +9,8 @@
 namespace fieldcast::config {
 namespace {
 
-constexpr std::string_view kExpect = "# expect: ";
-
-std::string expected_of(const std::string& text) {
-  std::string expected;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    if (line.starts_with(kExpect)) expected += line.substr(kExpect.size()) + '\n';
-  }
+std::string expected_of(const BadCase& bad) {
+  auto expected = bad.expected();
   std::vector<std::string_view> names;
   for (const auto& entry : protocols()) names.push_back(entry.name);
   static constexpr std::string_view kProtocols = "{protocols}";
@@ -30,24 +21,28 @@ std::string expected_of(const std::string& text) {
   return expected;
 }
 
-class BadFile : public testing::TestWithParam<std::filesystem::path> {};
+// Reads the files of the folder, and the case as the file that it names itself by.
+FileReader reader_of(const BadCase& bad) {
+  const auto folder = within(source_dir() / "tests/config/bad");
+  return {[=](const std::string& path) {
+            return path == bad.file() ? tl::expected<std::string, FileError>(bad.text)
+                                      : folder.read(path);
+          },
+          folder.list};
+}
+
+class BadFile : public testing::TestWithParam<BadCase> {};
 
 TEST_P(BadFile, IsRefusedWithExactlyTheFaultsAtItsHead) {
-  const auto text = slurp(GetParam());
-  const auto expected = expected_of(text);
-  ASSERT_NE(expected, "") << "the file says nothing that should be said of it";
-  const auto loaded =
-      load_text(text, GetParam().filename().string(), within(GetParam().parent_path()));
+  const auto expected = expected_of(GetParam());
+  ASSERT_NE(expected, "") << "the case has no expected message";
+  const auto loaded = load_text(GetParam().text, GetParam().file(), reader_of(GetParam()));
   EXPECT_EQ(faults_of(loaded), expected);
 }
 
 INSTANTIATE_TEST_SUITE_P(Config, BadFile,
-                         testing::ValuesIn(files_of(source_dir() / "tests/config/bad", ".yaml")),
-                         [](const auto& file) {
-                           std::string name = file.param.stem().string();
-                           std::replace(name.begin(), name.end(), '-', '_');
-                           return name;
-                         });
+                         testing::ValuesIn(bad_cases(source_dir() / "tests/config/bad")),
+                         [](const auto& bad) { return bad.param.identifier(); });
 
 }  // namespace
 }  // namespace fieldcast::config

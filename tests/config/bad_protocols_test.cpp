@@ -1,37 +1,23 @@
-// Each file has one fault; its head comment lists the expected messages, one per line.
+// Each case in tests/config/bad_protocols has one fault; its comments list the expected messages.
 #include <gtest/gtest.h>
-
-#include <sstream>
 
 #include "tests/config/support.hpp"
 
 namespace fieldcast::config {
 namespace {
 
-constexpr std::string_view kExpect = "# expect: ";
-
-class BadProtocol : public testing::TestWithParam<std::filesystem::path> {};
+class BadProtocol : public testing::TestWithParam<BadCase> {};
 
 TEST_P(BadProtocol, IsRefusedWithExactlyTheFaultsAtItsHead) {
-  const auto text = slurp(GetParam());
-  std::string expected;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    if (line.starts_with(kExpect)) expected += line.substr(kExpect.size()) + '\n';
-  }
-  ASSERT_NE(expected, "") << "the file says nothing that should be said of it";
-  const auto loaded = load_declaration_text(text, GetParam().filename().string());
+  const auto expected = GetParam().expected();
+  ASSERT_NE(expected, "") << "the case has no expected message";
+  const auto loaded = load_declaration_text(GetParam().text, GetParam().file());
   EXPECT_EQ(loaded ? "" : to_text(std::span(loaded.error())), expected);
 }
 
 INSTANTIATE_TEST_SUITE_P(Config, BadProtocol,
-                         testing::ValuesIn(files_of(source_dir() / "tests/config/bad_protocols",
-                                                    ".yaml")),
-                         [](const auto& file) {
-                           std::string name = file.param.stem().string();
-                           std::replace(name.begin(), name.end(), '-', '_');
-                           return name;
-                         });
+                         testing::ValuesIn(bad_cases(source_dir() / "tests/config/bad_protocols")),
+                         [](const auto& bad) { return bad.param.identifier(); });
 
 TEST(DeclaredProtocols, ThoseThatComeWithFieldcastLoad) {
   for (const auto& path : files_of(source_dir() / "config/protocols", ".yaml")) {

@@ -185,7 +185,7 @@ TEST(GoodFile, ModulesOffTheLoopbackNeedOneWordOfSecurity) {
   EXPECT_EQ(modules_of("from: [10.0.0.0/8]").from.size(), 1u);
 }
 
-TEST_F(Everything, MetricsListenWhereTheyAreTold) {
+TEST_F(Everything, MetricsListenWhereTheyAreConfigured) {
   EXPECT_EQ(spec.metrics, (MetricsSpec{{"192.168.1.20", 9464}}));
 }
 

@@ -124,7 +124,7 @@ TEST(Limits, MoreBracketsOrCommasThanAnyPlantNeedsAreNotParsed) {
   EXPECT_THAT(faults_of(load(values)), HasSubstr("1500000 commas"));
 }
 
-TEST(Limits, WhatTheParserWouldHoldAtOnceIsBounded) {
+TEST(Limits, WhatTheParserHoldsInMemoryIsBounded) {
   std::string values = "buses:\n  [", anchors = "bridge: ", lines(kMaxLines + 1, '\n'),
               maps = "buses:\n";
   for (int i = 0; i < 1'000'000; ++i) values += "1,";

@@ -62,7 +62,7 @@ std::vector<std::string> warnings(const std::string& channels) {
   return texts;
 }
 
-TEST(Overlap, WideValuesOneRegisterApartAreToldOf) {
+TEST(Overlap, WideValuesOneRegisterApartAreReported) {
   EXPECT_EQ(warnings("          - { name: b, at: \"holding:101\", type: float32 }\n"
                      "          - { name: a, at: \"holding:100\", type: float32 }\n"
                      "          - { name: c, at: \"holding:104\", type: float32 }\n"),
@@ -71,7 +71,7 @@ TEST(Overlap, WideValuesOneRegisterApartAreToldOf) {
                 "type: is one of the addresses off by one?"}));
 }
 
-TEST(Overlap, AnotherTypeAtOnePlaceIsToldOf) {
+TEST(Overlap, AnotherTypeAtOnePlaceIsReported) {
   EXPECT_EQ(warnings("          - { name: a, at: \"holding:100\", type: int16 }\n"
                      "          - { name: b, at: \"holding:100\", type: uint16 }\n")
                 .size(),

@@ -4,6 +4,7 @@
 #include "config/document/suggest.hpp"
 #include "config/sections/port.hpp"
 #include "tests/config/support.hpp"
+#include "tests/support/text_cases.hpp"
 
 namespace fieldcast::config {
 namespace {
@@ -34,13 +35,11 @@ TEST(PortText, LineIsAsTheProtocolsDevicesComeFromTheFactory) {
         "plant.yaml", {});
     return loaded ? to_text(loaded->buses[0].port) : faults_of(loaded);
   };
-  EXPECT_EQ(line("modbus-rtu"), "/dev/ttyS0 19200 8E1");
-  EXPECT_EQ(line("modbus-ascii"), "/dev/ttyS0 19200 7E1");
-  EXPECT_EQ(line("omron-hostlink"), "/dev/ttyS0 9600 7E2");
-  EXPECT_EQ(line("s7-freeport"), "/dev/ttyS0 9600 8N1");
-  EXPECT_EQ(line("s7-ppi"), "/dev/ttyS0 9600 8E1");
-  EXPECT_EQ(line("dtc"), "/dev/ttyS0 19200 8E1");
-  EXPECT_EQ(line("mitsubishi-fx"), "/dev/ttyS0 9600 7E1");
+  test::expect_texts(line,
+                     {"modbus-rtu -> /dev/ttyS0 19200 8E1", "modbus-ascii -> /dev/ttyS0 19200 7E1",
+                      "omron-hostlink -> /dev/ttyS0 9600 7E2", "s7-freeport -> /dev/ttyS0 9600 8N1",
+                      "s7-ppi -> /dev/ttyS0 9600 8E1", "dtc -> /dev/ttyS0 19200 8E1",
+                      "mitsubishi-fx -> /dev/ttyS0 9600 7E1"});
 }
 
 TEST(PortText, EndpointIsHostAndPort) {
@@ -97,7 +96,7 @@ TEST(Files, TheFolderBesideTheConfigurationComesBeforeTheShippedTemplates) {
             "own");
 }
 
-TEST(Files, WhatIsNoRegularFileIsAFault) {
+TEST(Files, WhatIsNotARegularFileIsAFault) {
   EXPECT_EQ(faults_of(load_file("/dev/zero")), "/dev/zero:1:1: the file cannot be read\n");
   EXPECT_EQ(faults_of(load_file("/")), "/:1:1: the file cannot be read\n");
   EXPECT_EQ(faults_of(load_file("/no/such.yaml")), "/no/such.yaml:1:1: the file does not exist\n");

@@ -40,7 +40,7 @@ FileReader with(const std::string& text) {
           [](const std::string&) { return std::vector<std::string>{}; }};
 }
 
-TEST(Recognition, AFileThatIsNoConfigurationIsNotQuoted) {
+TEST(Recognition, AFileThatIsNotAConfigurationIsNotQuoted) {
   for (const auto& [name, text] : strangers()) {
     const auto loaded = load_text(text, "x.yaml", with(text));
     EXPECT_THAT(faults_of(loaded), testing::StartsWith("x.yaml:1:1: this is no Fieldcast config"))
@@ -49,7 +49,7 @@ TEST(Recognition, AFileThatIsNoConfigurationIsNotQuoted) {
   }
 }
 
-TEST(Recognition, AFileThatIsNoChannelListTemplateOrDeclarationIsNotQuoted) {
+TEST(Recognition, AFileThatIsNotAChannelListTemplateOrDeclarationIsNotQuoted) {
   const auto device = [](const std::string& keys) {
     return "bridge: b\nbuses:\n  - { name: x, port: { serial: /dev/ttyS0 }, devices: [ { name: d, "
            "address: 1, " +

@@ -27,12 +27,17 @@ const json& protocol_schema() {
   return text;
 }
 
-std::string misfit_of(const std::filesystem::path& path, const std::string& definition,
-                      const json& whole = schema()) {
+std::string misfit_of_text(const std::string& text, const std::string& definition,
+                           const json& whole = schema()) {
   FaultList faults;
-  const auto document = parse_yaml(Source{path.filename().string(), slurp(path), 0}, faults);
+  const auto document = parse_yaml(Source{"bad.yaml", text, 0}, faults);
   if (document->root == nullptr || !faults.empty()) return "no YAML";
   return misfit(json_of(*document->root), whole["$defs"][definition], whole);
+}
+
+std::string misfit_of(const std::filesystem::path& path, const std::string& definition,
+                      const json& whole = schema()) {
+  return misfit_of_text(slurp(path), definition, whole);
 }
 
 template <typename Tables>
@@ -87,7 +92,7 @@ TEST(Schema, EveryFileThatLoadsFits) {
 }
 
 // The schema covers faults of single values; only the loader checks rules between keys.
-TEST(Schema, RefusesEveryBadFileWhoseFaultLiesInOneValue) {
+TEST(Schema, RefusesEveryBadFileWithItsFaultInOneValue) {
   static constexpr std::string_view kSeen[] = {"unknown key",
                                                "'name' is missing",
                                                "'address' is missing",
@@ -114,18 +119,17 @@ TEST(Schema, RefusesEveryBadFileWhoseFaultLiesInOneValue) {
                                                "level '",
                                                "access '"};
   unsigned seen = 0;
-  for (const auto& path : files_of(source_dir() / "tests/config/bad", ".yaml")) {
-    const auto text = slurp(path);
-    const std::string own = "# expect: " + path.filename().string();
+  for (const auto& bad : bad_cases(source_dir() / "tests/config/bad")) {
+    const std::string own = bad.file();
     bool visible = false;
-    std::istringstream lines(text);
-    for (std::string line; std::getline(lines, line) && line.starts_with("# expect: ");) {
+    std::istringstream lines(bad.expected());
+    for (std::string line; std::getline(lines, line);) {
       for (const auto mark : kSeen)
         visible |= line.starts_with(own) && line.find(mark) != std::string::npos;
     }
     if (!visible) continue;
     ++seen;
-    EXPECT_NE(misfit_of(path, "bridge"), "") << path;
+    EXPECT_NE(misfit_of_text(bad.text, "bridge"), "") << bad.name;
   }
   EXPECT_GT(seen, 40u);
 }
@@ -179,7 +183,7 @@ TEST(ProtocolSchema, KnowsExactlyTheWordsThatTheLoaderKnows) {
 }
 
 // The schema covers single values and missing keys; only the loader checks rules between fields.
-TEST(ProtocolSchema, RefusesEveryBadDeclarationWhoseFaultLiesInOneValue) {
+TEST(ProtocolSchema, RefusesEveryBadDeclarationWithItsFaultInOneValue) {
   static constexpr std::string_view kSeen[] = {"unknown key",
                                                "'summary' is missing",
                                                "'addresses' is missing",
@@ -196,16 +200,16 @@ TEST(ProtocolSchema, RefusesEveryBadDeclarationWhoseFaultLiesInOneValue) {
                                                "reads and writes",
                                                "neither reads nor writes"};
   unsigned seen = 0;
-  for (const auto& path : files_of(source_dir() / "tests/config/bad_protocols", ".yaml")) {
-    std::istringstream lines(slurp(path));
+  for (const auto& bad : bad_cases(source_dir() / "tests/config/bad_protocols")) {
+    std::istringstream lines(bad.expected());
     bool visible = false;
-    for (std::string line; std::getline(lines, line) && line.starts_with("# expect: ");) {
+    for (std::string line; std::getline(lines, line);) {
       for (const auto mark : kSeen)
-        visible |= line.find(mark) != std::string::npos && !line.starts_with("# expect: code-is");
+        visible |= line.find(mark) != std::string::npos && !line.starts_with("code-is");
     }
     if (!visible) continue;
     ++seen;
-    EXPECT_NE(misfit_of(path, "declaration", protocol_schema()), "") << path;
+    EXPECT_NE(misfit_of_text(bad.text, "declaration", protocol_schema()), "") << bad.name;
   }
   EXPECT_GE(seen, 14u);
 }

@@ -5,7 +5,10 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <ostream>
+#include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "config/loader/loader.hpp"
@@ -27,6 +30,51 @@ inline std::vector<std::filesystem::path> files_of(const std::filesystem::path& 
   }
   std::sort(files.begin(), files.end());
   return files;
+}
+
+// A file with faults; its comments list the expected messages.
+struct BadCase {
+  std::string name;
+  std::string text;
+
+  [[nodiscard]] std::string file() const { return name + ".yaml"; }
+  // For the name of a test.
+  [[nodiscard]] std::string identifier() const {
+    auto words = name;
+    std::replace(words.begin(), words.end(), '-', '_');
+    return words;
+  }
+  // The expected messages, one per line.
+  [[nodiscard]] std::string expected() const {
+    static constexpr std::string_view kExpect = "# expect: ";
+    std::string messages;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+      if (line.starts_with(kExpect)) messages += line.substr(kExpect.size()) + '\n';
+    }
+    return messages;
+  }
+};
+
+inline void PrintTo(const BadCase& bad, std::ostream* out) { *out << bad.name; }
+
+// Returns the cases of a folder. In a .txt file a line "=== NAME" begins a case, and its lines are
+// counted from there; a .yaml file is one case.
+inline std::vector<BadCase> bad_cases(const std::filesystem::path& folder) {
+  static constexpr std::string_view kCase = "=== ";
+  std::vector<BadCase> cases;
+  for (const auto& path : files_of(folder, ".yaml"))
+    cases.push_back({path.stem().string(), slurp(path)});
+  for (const auto& path : files_of(folder, ".txt")) {
+    std::istringstream lines(slurp(path));
+    for (std::string line; std::getline(lines, line);) {
+      if (line.starts_with(kCase))
+        cases.push_back({line.substr(kCase.size()), ""});
+      else
+        cases.back().text += line + '\n';
+    }
+  }
+  return cases;
 }
 
 inline FileReader texts(std::map<std::string, std::string> files) {

@@ -64,7 +64,7 @@ TEST(NumberOnText, AnyOtherTypeOnATextIsAFault) {
             "characters; allowed: 7 characters\n");
 }
 
-TEST(NumberOnText, StandsInTheRegistersOfAnyProtocol) {
+TEST(NumberOnText, IsInTheRegistersOfAnyProtocol) {
   const auto loaded = load_text(
       plant("          - { name: a, at: \"holding:10\", type: float64, text: \"+000.00\", "
             "access: read-write }\n"

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "core/base/message_text.hpp"
 #include "core/model/channel_pattern.hpp"
 
 namespace fieldcast {
@@ -43,6 +44,23 @@ TEST(PatternText, RefusesFourSegmentsAndEmptyOnes) {
   EXPECT_FALSE(Pattern::parse("a//c"));
   EXPECT_FALSE(Pattern::parse("a/b/"));
   EXPECT_FALSE(Pattern::parse("/b"));
+}
+
+TEST(NearMiss, OneSlipOfTheFingerIsUnderstood) {
+  constexpr std::string_view words[]{"coil", "holding", "input-register"};
+  EXPECT_EQ(near_miss("holdin", words), "holding");
+  EXPECT_EQ(near_miss("hodling", words), "holding");
+  EXPECT_EQ(near_miss("Coil", words), "coil");
+  EXPECT_EQ(near_miss("imput-regster", words), "input-register");
+  EXPECT_EQ(near_miss("modbus-rut", std::vector<std::string>{"modbus-tcp", "modbus-rtu"}),
+            "modbus-rtu");
+}
+
+TEST(NearMiss, AnotherWordIsNotANearMiss) {
+  constexpr std::string_view words[]{"coil", "holding"};
+  EXPECT_EQ(near_miss("banana", words), "");
+  EXPECT_EQ(near_miss("", words), "");
+  EXPECT_EQ(near_miss(std::string(1000, 'c'), words), "");
 }
 
 }  // namespace

@@ -1,10 +1,20 @@
 #include <gtest/gtest.h>
 
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "core/base/duration_text.hpp"
+#include "core/base/value.hpp"
 #include "core/codec/text_codec.hpp"
 #include "core/codec/value_codec.hpp"
 
 namespace fieldcast {
 namespace {
+
+using namespace std::chrono_literals;
 
 using Kind = TextNumber::Kind;
 
@@ -125,6 +135,113 @@ TEST(TextNumber, HasScaleOffsetAndByteOrderAsOthersHave) {
   EXPECT_EQ(item_count(swapped, 16), 2u);
   EXPECT_EQ(decode_value(swapped, 16, items_of("2100")), Value{119.0}) << "1200 * 0.1 - 1";
   EXPECT_EQ(encode_value(swapped, 16, Value{119.0}), items_of("2100"));
+}
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+TEST(NumberText, HasNoExponentWhereUsersExpectNone) {
+  EXPECT_EQ(number_text(100000.0), "100000");
+  EXPECT_EQ(number_text(0.0001), "0.0001");
+  EXPECT_EQ(number_text(9999999999999998.0), "9999999999999998");
+  EXPECT_EQ(number_text(1e16), "1e+16");
+  EXPECT_EQ(number_text(0.00001), "1e-05");
+  EXPECT_EQ(number_text(-2.5e-7), "-2.5e-07");
+  EXPECT_EQ(number_text(25.0), "25");
+  EXPECT_EQ(number_text(0.0), "0");
+}
+
+TEST(NumberText, NoNumberAndInfinitiesHaveOneSpelling) {
+  EXPECT_EQ(number_text(std::nan("")), "nan");
+  EXPECT_EQ(number_text(-std::nan("")), "nan");
+  EXPECT_EQ(number_text(kInfinity), "inf");
+  EXPECT_EQ(float32_text(-kInfinity), "-inf");
+  EXPECT_EQ(float32_text(std::nan("")), "nan");
+}
+
+TEST(NumberText, OfAFloatHasTheDigitsOfAFloat) {
+  EXPECT_EQ(float32_text(static_cast<double>(0.1F)), "0.1");
+  EXPECT_EQ(number_text(static_cast<double>(0.1F)), "0.10000000149011612");
+  EXPECT_EQ(float32_text(0.1), "0.1") << "scaled: no float any more, every digit of the double";
+  EXPECT_EQ(float32_text(1.0 / 3.0), "0.3333333333333333");
+  EXPECT_EQ(float32_text(1e300), "1e+300");
+}
+
+TEST(NumberText, ReadsBackAsTheSameNumber) {
+  std::mt19937_64 random{7};
+  unsigned seen = 0;
+  for (int i = 0; i < 200'000; ++i) {
+    const auto number = std::bit_cast<double>(random());
+    if (!std::isfinite(number)) continue;
+    ++seen;
+    const std::string text = number_text(number);
+    double back = 0;
+    std::from_chars(text.data(), text.data() + text.size(), back);
+    ASSERT_EQ(back, number) << text;
+    ASSERT_EQ(to_text(Value{number}), text);
+    const auto single = std::bit_cast<float>(static_cast<std::uint32_t>(random()));
+    if (!std::isfinite(single)) continue;
+    const std::string short_text = float32_text(static_cast<double>(single));
+    float again = 0;
+    std::from_chars(short_text.data(), short_text.data() + short_text.size(), again);
+    ASSERT_EQ(again, single) << short_text;
+  }
+  EXPECT_GT(seen, 190'000u);
+}
+
+TEST(DurationText, IsANumberDirectlyFollowedByItsUnit) {
+  EXPECT_EQ(duration_from("500us"), Duration{500us});
+  EXPECT_EQ(duration_from("0.25ms"), Duration{250us});
+  EXPECT_EQ(duration_from("20ms"), Duration{20ms});
+  EXPECT_EQ(duration_from("1.5s"), Duration{1500ms});
+  EXPECT_EQ(duration_from("30m"), Duration{30min});
+  EXPECT_EQ(duration_from("30min"), Duration{30min});
+  EXPECT_EQ(duration_from("1h"), Duration{1h});
+  EXPECT_EQ(duration_from("30d"), Duration{720h});
+  EXPECT_EQ(duration_from("0s"), Duration{});
+  for (const auto* text : {"", "s", "m", "1", "1 s", "-1s", "+1s", "1.s", ".5s", "1.2.3s", "1e3s",
+                           "0x1s", "infs", "nans", "1y", "1sms", "1hh", "1S", "1h30m"})
+    EXPECT_EQ(duration_from(text), std::nullopt) << text;
+}
+
+TEST(DurationText, TooLargeForItsTypeIsLongerThanEveryLimit) {
+  for (const auto* text : {"9999999999999s", "99999999999999999999999999min", "400000d"})
+    EXPECT_GT(duration_from(text), Duration{24h * 36'500}) << text;
+  EXPECT_GT(duration_from(std::string(400, '9') + "us"), Duration{24h * 36'500});
+}
+
+TEST(DurationText, WhatIsPrintedReadsBackAsTheSame) {
+  for (const Duration each :
+       {Duration{}, Duration{1us}, Duration{1500us}, Duration{999'999us}, Duration{1s},
+        Duration{60s}, Duration{90s}, Duration{2min}, Duration{1h}, Duration{90min}, Duration{24h},
+        Duration{36h}, Duration{48h}, Duration{25h + 1s}, Duration{720h}, Duration{24h * 36'500}})
+    EXPECT_EQ(duration_from(to_text(each)), each) << to_text(each);
+}
+
+TEST(DurationText, FaultsSayWhatIsWrongAndWhatWasMeant) {
+  const auto fault = [](std::string_view text) {
+    const auto read = read_duration(text, {1ms, 24h});
+    return read ? "none" : fault_text(text, read.error());
+  };
+  const std::string form = "; allowed: a number with us, ms, s, min, h or d, 1ms to 24h";
+  EXPECT_EQ(fault("1ms"), "none");
+  EXPECT_EQ(fault("24h"), "none");
+  EXPECT_EQ(fault("0s"), "'0s' is too short; allowed: 1ms to 24h");
+  EXPECT_EQ(fault("2d"), "'2d' is too long; allowed: 1ms to 24h");
+  EXPECT_EQ(fault("500"), "'500' has no unit" + form + "; did you mean 500ms?");
+  EXPECT_EQ(fault("2"), "'2' has no unit" + form + "; did you mean 2s?");
+  EXPECT_EQ(fault("-1s"), "'-1s' is negative" + form);
+  EXPECT_EQ(fault("1 hour"), "'1 hour' is no duration" + form + "; did you mean 1h?");
+  EXPECT_EQ(fault("1,5s"), "'1,5s' is no duration" + form + "; did you mean 1.5s?");
+  EXPECT_EQ(fault(".5s"), "'.5s' is no duration" + form + "; did you mean 0.5s?");
+  EXPECT_EQ(fault("9days"), "'9days' is no duration" + form) << "9d would be too long";
+  EXPECT_EQ(fault("soon"), "'soon' is no duration" + form);
+}
+
+TEST(DurationText, ANumberAloneIsSecondsWhereThatIsSaid) {
+  EXPECT_EQ(read_duration("20", {0s, 1h, true}), Duration{20s});
+  EXPECT_EQ(read_duration("0", {0s, 1h, true}), Duration{});
+  EXPECT_EQ(read_duration("0.5", {0s, 1h, true}), Duration{500ms});
+  EXPECT_FALSE(read_duration("-1", {0s, 1h, true}));
 }
 
 }  // namespace

@@ -211,7 +211,7 @@ TEST(ValueCodec, ScaledValuesAreRoundedToTheNearestRaw) {
 }
 
 // Regression: 7 * 0.3 was printed as 2.0999999999999996.
-TEST(ValueCodec, ScaledIntegersHaveTheDecimalsThatPeopleExpect) {
+TEST(ValueCodec, ScaledIntegersHaveTheDecimalsThatUsersExpect) {
   const auto shown = [](double scale, double offset, std::int16_t raw) {
     const auto bits = static_cast<std::uint16_t>(raw);
     const auto value =

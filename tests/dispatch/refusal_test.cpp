@@ -6,22 +6,18 @@
 #include "tests/dispatch/virtual_wire.hpp"
 #include "tests/plan/maps.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
 
 using namespace std::chrono_literals;
-using test::Answer;
-using test::VirtualWire;
-
-using test::kFakeProtocol;
 
 // One device with registers 0, 2, 4 .. 38; refuses every read that touches `holes`.
 class RefusingDevice : public ::testing::Test {
  protected:
   RefusingDevice() {
-    test::Map map;
+    Map map;
     for (std::uint32_t i = 0; i < 20; ++i) map.push_back({1, 2 * i, 1.0});
-    input_ = test::input_of(map, kFakeProtocol);
+    input_ = input_of(map, kFakeProtocol);
     scheduler_ = make_scheduler(input_);
     wire_ = std::make_unique<VirtualWire>(input_, *scheduler_);
     wire_->device = [this](const Block& block) {
@@ -120,4 +116,4 @@ TEST_F(RefusingDevice, DeviceThatRefusesEverythingIsLeftAloneInTheEnd) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

@@ -66,7 +66,7 @@ TEST(Scheduler, FewLongReadsWithLongRestsAreKeptOnACrowdedWire) {
   }
 }
 
-TEST(Scheduler, EveryPointIsReadAtOnceWhenTheWireIsIdle) {
+TEST(Scheduler, EveryPointIsReadImmediatelyWhenTheWireIsIdle) {
   ScheduleInput input = plant(3);
   for (DeviceIndex device = 0; device < 3; ++device) add_points(input, device, 100, 20, 3, 60s);
   const auto scheduler = make_scheduler(input);
@@ -212,7 +212,7 @@ TEST(Scheduler, FailedBlockIsNotRetriedBeforeItsTime) {
   EXPECT_EQ(std::get<Block>(scheduler->next(Instant{1500ms})).points, block.points);
 }
 
-TEST(Scheduler, ShorterRefreshTakesEffectAtOnce) {
+TEST(Scheduler, ShorterRefreshTakesEffectImmediately) {
   ScheduleInput input = plant(1);
   add_points(input, 0, 0, 1, 1, 10s);
   const auto scheduler = make_scheduler(input);

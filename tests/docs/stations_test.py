@@ -21,7 +21,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
 from comparison import general  # noqa: E402
 from document import parse  # noqa: E402
-from plant import Plant, wait_until  # noqa: E402
+from plant import Plant, modbus_line, wait_until  # noqa: E402
 
 BIN_DIR, BUILD_DIR, SOURCE_DIR = "", "", ""
 DOCUMENTS = ["README.md", "docs/stations.md"]

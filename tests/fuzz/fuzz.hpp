@@ -1,11 +1,27 @@
 #pragma once
 
 #include <cstdlib>
+#include <string>
 #include <vector>
 
 #include "core/protocol/protocol.hpp"
 
+// Defines the entry of a target, which calls run(ByteView).
+#define FIELDCAST_FUZZ_TARGET(run)                                                    \
+  extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) { \
+    run({data, size});                                                                \
+    return 0;                                                                         \
+  }
+
 namespace fieldcast::fuzz {
+
+inline void require(bool holds) {
+  if (!holds) std::abort();
+}
+
+inline bool is_one_line(const std::string& text) {
+  return !text.empty() && text.find('\n') == std::string::npos;
+}
 
 // Checks that every line of an explanation is inside the frame.
 inline void check_explanation(const std::vector<FrameField>& fields, std::size_t size) {

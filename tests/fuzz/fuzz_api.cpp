@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/bytes.hpp"
+#include "tests/fuzz/fuzz.hpp"
 #include "tests/tools/station/live/live_support.hpp"
 #include "tools/station/api/api_routes.hpp"
 #include "tools/station/api/base/exchange.hpp"
@@ -14,9 +15,7 @@
 namespace fieldcast::web {
 namespace {
 
-void require(bool holds) {
-  if (!holds) std::abort();
-}
+using fuzz::require;
 
 class CountingCommands final : public CommandSink {
  public:
@@ -102,7 +101,4 @@ void run_api(ByteView data) {
 }  // namespace
 }  // namespace fieldcast::web
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  fieldcast::web::run_api({data, size});
-  return 0;
-}
+FIELDCAST_FUZZ_TARGET(fieldcast::web::run_api)

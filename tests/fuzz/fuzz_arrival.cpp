@@ -7,13 +7,12 @@
 
 #include "core/program/port_client.hpp"
 #include "core/program/registration.hpp"
+#include "tests/fuzz/fuzz.hpp"
 
 namespace fieldcast::program {
 namespace {
 
-void require(bool holds) {
-  if (!holds) std::abort();
-}
+using fuzz::require;
 
 RegistrationRule rule_of(unsigned kind) {
   RegistrationRule rule;
@@ -91,7 +90,4 @@ void run_arrival(ByteView data) {
 }  // namespace
 }  // namespace fieldcast::program
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  fieldcast::program::run_arrival({data, size});
-  return 0;
-}
+FIELDCAST_FUZZ_TARGET(fieldcast::program::run_arrival)

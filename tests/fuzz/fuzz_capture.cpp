@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "tests/fuzz/fuzz.hpp"
 #include "tools/cli/inspect/frame_report.hpp"
 
 namespace fieldcast {
@@ -54,7 +55,4 @@ void run_capture_input(ByteView data) {
 }  // namespace
 }  // namespace fieldcast
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  fieldcast::run_capture_input({data, size});
-  return 0;
-}
+FIELDCAST_FUZZ_TARGET(fieldcast::run_capture_input)

@@ -9,6 +9,7 @@
 
 #include "config/loader/loader.hpp"
 #include "core/protocol/families/registry.hpp"
+#include "tests/fuzz/fuzz.hpp"
 
 namespace fieldcast {
 namespace {
@@ -54,7 +55,4 @@ void run_one(ByteView data) {
 }  // namespace
 }  // namespace fieldcast
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  fieldcast::run_one({data, size});
-  return 0;
-}
+FIELDCAST_FUZZ_TARGET(fieldcast::run_one)

@@ -9,6 +9,7 @@
 
 #include "bridge/base/clock.hpp"
 #include "core/base/bytes.hpp"
+#include "tests/fuzz/fuzz.hpp"
 #include "tests/tools/station/web/memory_stream.hpp"
 #include "tools/station/web/station_server.hpp"
 
@@ -18,9 +19,7 @@ namespace {
 constexpr std::size_t kMaxMessage = 4 * 1024;
 constexpr std::size_t kMaxBody = 64 * 1024;
 
-void require(bool holds) {
-  if (!holds) std::abort();
-}
+using fuzz::require;
 
 class Protocol final : public LiveProtocol {
  public:
@@ -99,7 +98,4 @@ void run_one(ByteView data) {
 }  // namespace
 }  // namespace fieldcast::web
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  fieldcast::web::run_one({data, size});
-  return 0;
-}
+FIELDCAST_FUZZ_TARGET(fieldcast::web::run_one)

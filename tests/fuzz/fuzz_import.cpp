@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "core/base/bytes.hpp"
+#include "tests/fuzz/fuzz.hpp"
 #include "tools/import/importer.hpp"
 
 namespace fieldcast::importing {
@@ -37,7 +38,4 @@ void run_import_bytes(ByteView data) {
 }  // namespace
 }  // namespace fieldcast::importing
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  fieldcast::importing::run_import_bytes({data, size});
-  return 0;
-}
+FIELDCAST_FUZZ_TARGET(fieldcast::importing::run_import_bytes)

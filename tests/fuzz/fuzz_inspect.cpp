@@ -7,6 +7,7 @@
 
 #include "core/base/bytes.hpp"
 #include "core/protocol/families/registry.hpp"
+#include "tests/fuzz/fuzz.hpp"
 #include "tools/cli/command/line/inspect.hpp"
 
 namespace fieldcast {
@@ -37,7 +38,4 @@ void run_one(ByteView data) {
 }  // namespace
 }  // namespace fieldcast
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  fieldcast::run_one({data, size});
-  return 0;
-}
+FIELDCAST_FUZZ_TARGET(fieldcast::run_one)

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/bytes.hpp"
+#include "tests/fuzz/fuzz.hpp"
 #include "tests/tools/station/live/live_client_support.hpp"
 
 namespace fieldcast::web {
@@ -54,7 +55,4 @@ void run_one(ByteView data) {
 }  // namespace
 }  // namespace fieldcast::web
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  fieldcast::web::run_one({data, size});
-  return 0;
-}
+FIELDCAST_FUZZ_TARGET(fieldcast::web::run_one)

@@ -50,7 +50,4 @@ void fuzz(ByteView data) {
 }  // namespace
 }  // namespace fieldcast::modbus
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  fieldcast::modbus::fuzz({data, size});
-  return 0;
-}
+FIELDCAST_FUZZ_TARGET(fieldcast::modbus::fuzz)

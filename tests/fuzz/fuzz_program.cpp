@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "core/program/engineer.hpp"
+#include "tests/fuzz/fuzz.hpp"
 
 namespace fieldcast::program {
 namespace {
@@ -50,7 +51,4 @@ void run_one(ByteView data) {
 }  // namespace
 }  // namespace fieldcast::program
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  fieldcast::program::run_one({data, size});
-  return 0;
-}
+FIELDCAST_FUZZ_TARGET(fieldcast::program::run_one)

@@ -12,15 +12,14 @@
 #include "bridge/dds/transport/guard_transport.hpp"
 #include "bridge/dds/transport/server_restarts.hpp"
 #include "core/base/bytes.hpp"
+#include "tests/fuzz/fuzz.hpp"
 
 namespace fieldcast {
 namespace {
 
 constexpr std::size_t kMost = 200;  // maximum size of a joined message
 
-void require(bool holds) {
-  if (!holds) std::abort();
-}
+using fuzz::require;
 
 void run_one(ByteView data) {
   JoinedMessage joined(kMost);
@@ -61,7 +60,4 @@ void run_one(ByteView data) {
 }  // namespace
 }  // namespace fieldcast
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  fieldcast::run_one({data, size});
-  return 0;
-}
+FIELDCAST_FUZZ_TARGET(fieldcast::run_one)

@@ -13,17 +13,13 @@
 #include "bridge/security/member_folder.hpp"
 #include "bridge/security/subject.hpp"
 #include "core/base/bytes.hpp"
+#include "tests/fuzz/fuzz.hpp"
 
 namespace fieldcast {
 namespace {
 
-void require(bool holds) {
-  if (!holds) std::abort();
-}
-
-bool is_one_line(const std::string& text) {
-  return !text.empty() && text.find('\n') == std::string::npos;
-}
+using fuzz::is_one_line;
+using fuzz::require;
 
 void read_member_text(const std::string& text) {
   const auto member = security::member_from(text);
@@ -78,7 +74,4 @@ void run_one(ByteView data) {
 }  // namespace
 }  // namespace fieldcast
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  fieldcast::run_one({data, size});
-  return 0;
-}
+FIELDCAST_FUZZ_TARGET(fieldcast::run_one)

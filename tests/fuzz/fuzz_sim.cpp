@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/protocol/families/registry.hpp"
+#include "tests/fuzz/fuzz.hpp"
 #include "tools/sim/bus/fault_file.hpp"
 #include "tools/sim/device/device.hpp"
 
@@ -15,9 +16,7 @@ namespace {
 
 constexpr std::size_t kLongestAnswer = 4096;
 
-void require(bool holds) {
-  if (!holds) std::abort();
-}
+using fuzz::require;
 
 DeviceSpec device_of(std::string_view protocol) {
   DeviceSpec device{.name = "unit", .protocol = std::string(protocol)};
@@ -77,7 +76,4 @@ void run_sim(ByteView data) {
 }  // namespace
 }  // namespace fieldcast::sim
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  fieldcast::sim::run_sim({data, size});
-  return 0;
-}
+FIELDCAST_FUZZ_TARGET(fieldcast::sim::run_sim)

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "core/base/bytes.hpp"
+#include "tests/fuzz/fuzz.hpp"
 #include "tools/station/settings/configuration.hpp"
 
 namespace fieldcast::web {
@@ -33,7 +34,4 @@ void run_one(ByteView data) {
 }  // namespace
 }  // namespace fieldcast::web
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  fieldcast::web::run_one({data, size});
-  return 0;
-}
+FIELDCAST_FUZZ_TARGET(fieldcast::web::run_one)

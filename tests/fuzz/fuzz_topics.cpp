@@ -10,13 +10,12 @@
 #include "bridge/dds/topics/received_sample.hpp"
 #include "bridge/station/bus_table.hpp"
 #include "core/base/bytes.hpp"
+#include "tests/fuzz/fuzz.hpp"
 
 namespace fieldcast {
 namespace {
 
-void require(bool holds) {
-  if (!holds) std::abort();
-}
+using fuzz::require;
 
 rtps::SerializedPayload_t& payload_of(ByteView bytes) {
   constexpr std::size_t kMost = 0x10000;
@@ -123,7 +122,4 @@ void run_one(ByteView data) {
 }  // namespace
 }  // namespace fieldcast
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  fieldcast::run_one({data, size});
-  return 0;
-}
+FIELDCAST_FUZZ_TARGET(fieldcast::run_one)

@@ -17,24 +17,20 @@
 #include "bridge/store/users/authenticator.hpp"
 #include "bridge/store/users/user_table.hpp"
 #include "core/base/bytes.hpp"
+#include "tests/fuzz/fuzz.hpp"
 
 namespace fieldcast {
 namespace {
 
-void require(bool holds) {
-  if (!holds) std::abort();
-}
-
-bool is_line(const std::string& text) {
-  return !text.empty() && text.find('\n') == std::string::npos;
-}
+using fuzz::is_one_line;
+using fuzz::require;
 
 void read_password_file(const std::string& text) {
   static const int fd = ::memfd_create("password", MFD_CLOEXEC);
   require(fd >= 0 && ::fchmod(fd, 0600) == 0 && ::ftruncate(fd, 0) == 0 &&
           ::pwrite(fd, text.data(), text.size(), 0) == static_cast<ssize_t>(text.size()));
   const auto line = read_secret_line("/proc/self/fd/" + std::to_string(fd), Readers::kOwner);
-  if (!line) return require(is_line(line.error()));
+  if (!line) return require(is_one_line(line.error()));
   require(!line->empty() && text.starts_with(line->text()) &&
           line->text().find('\n') == std::string_view::npos);
 }
@@ -114,7 +110,7 @@ void read_store(const std::string& text) {
   UserTable users(connection);
   try {
     for (const User& user : users.list()) require(role_from(to_text(user.role)).has_value());
-  } catch (const StoreError& error) { require(is_line(error.what())); }
+  } catch (const StoreError& error) { require(is_one_line(error.what())); }
   for (const std::string& name : values) {
     if (const auto role = users.role_of(name)) (void)to_text(*role);
   }
@@ -137,7 +133,4 @@ void run_users(ByteView data) {
 }  // namespace
 }  // namespace fieldcast
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  fieldcast::run_users({data, size});
-  return 0;
-}
+FIELDCAST_FUZZ_TARGET(fieldcast::run_users)

@@ -13,16 +13,7 @@ import time
 import plant
 
 CONFIG = """
-bridge: flood
-buses:
-  - name: line
-    port: { serial: {run}/line, baud: 19200 }
-    protocol: modbus-rtu
-    defaults: { refresh: 1s }
-    devices:
-      - name: unit
-        address: 1
-        channels:
+bridge: flood""" + plant.modbus_line(device="unit", port="baud: 19200", defaults="refresh: 1s") + """\
           - { name: level, at: "holding:0", type: uint16 }
           - { name: flow, at: "holding:100", type: uint16 }
 """
@@ -70,7 +61,4 @@ def run(bin_dir):
 
 
 if __name__ == "__main__":
-    try:
-        run(sys.argv[1])
-    except plant.Failure as failure:
-        sys.exit(f"command_flood: {failure}")
+    plant.run_alone("command_flood", run)

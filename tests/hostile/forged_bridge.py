@@ -10,18 +10,10 @@ import subprocess
 import sys
 import time
 
-from plant import Failure, Plant, wait_until
+from plant import Failure, Plant, modbus_line, wait_until
 
-CONFIG = """bridge: honest
-buses:
-  - name: line
-    port: { serial: {run}/line, baud: 115200, format: 8N1 }
-    protocol: modbus-rtu
-    devices:
-      - name: plc
-        address: 1
-        channels:
-          - { name: level, at: "holding:0", type: uint16, access: read-write, refresh: 100ms }
+CONFIG = """bridge: honest""" + modbus_line(device="plc", defaults="refresh: 100ms") + """\
+          - { name: level, at: "holding:0", type: uint16, access: read-write }
 """
 CHANNEL = "line/plc/level"
 SECONDS = 5           # duration of each attack on a running bridge

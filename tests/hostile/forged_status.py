@@ -16,7 +16,7 @@ import urllib.request
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "interop"))
 import e2e_station  # noqa: E402
 from peers import free_port  # noqa: E402
-from plant import Plant, wait_until  # noqa: E402
+from plant import Plant, modbus_line, wait_until  # noqa: E402
 
 BUS = "line"
 TEXTS = [
@@ -28,16 +28,8 @@ TEXTS = [
 # The IDL allows 32 bytes of a cause and 64 of a name; longer texts are cut.
 CAUSES, DEVICES = ([text[:limit].decode("utf-8", "replace") for text in TEXTS] for limit in (32, 64))
 CONFIG = """bridge: honest
-metrics: { listen: 127.0.0.1:{port} }
-buses:
-  - name: line
-    port: { serial: {run}/line, baud: 115200, format: 8N1 }
-    protocol: modbus-rtu
-    devices:
-      - name: plc
-        address: 1
-        channels:
-          - { name: level, at: "holding:0", type: uint16, refresh: 100ms }
+metrics: { listen: 127.0.0.1:{port} }""" + modbus_line(device="plc", defaults="refresh: 100ms") + """\
+          - { name: level, at: "holding:0", type: uint16 }
 """
 # Controls except the end of a line, ends of paragraphs, and marks that change the writing direction.
 UNPRINTABLE = re.compile("[\x00-\x09\x0b-\x1f\x7f-\x9f\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff]")

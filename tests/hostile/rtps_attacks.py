@@ -20,16 +20,7 @@ from command_flood import resident_mb
 
 CONFIG = """
 bridge: attacked
-metrics: { listen: 127.0.0.1:{port} }
-buses:
-  - name: line
-    port: { serial: {run}/line, baud: 115200 }
-    protocol: modbus-rtu
-    defaults: { refresh: 500ms }
-    devices:
-      - name: unit
-        address: 1
-        channels:
+metrics: { listen: 127.0.0.1:{port} }""" + plant.modbus_line(device="unit", port="baud: 115200", defaults="refresh: 500ms") + """\
           - { name: level, at: "holding:0", type: uint16 }
           - { name: flow, at: "holding:100", type: uint16 }
   - name: second
@@ -139,7 +130,4 @@ def run(bin_dir):
 
 
 if __name__ == "__main__":
-    try:
-        run(sys.argv[1])
-    except plant.Failure as failure:
-        sys.exit(f"rtps_attacks: {failure}")
+    plant.run_alone("rtps_attacks", run)

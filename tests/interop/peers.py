@@ -86,7 +86,10 @@ class Cable:
             if self.wake in readable:
                 return
             for master in readable:
-                os.write(masters[1 - masters.index(master)], os.read(master, 4096))
+                self._forward(os.read(master, 4096), master, masters[1 - masters.index(master)])
+
+    def _forward(self, data, _, other):
+        os.write(other, data)
 
     def __exit__(self, *_):
         os.write(self.waker, b"x")
@@ -113,22 +116,15 @@ class SerialCable(Cable):
         flags, baud = fields[2], fields[7]
         return baud, flags & (termios.CSIZE | termios.PARENB | termios.PARODD)
 
-    def _pump(self):
-        masters = [master for master, _ in self.ends]
-        while True:
-            readable = select.select(masters + [self.wake], [], [])[0]
-            if self.wake in readable:
-                return
-            for master in readable:
-                data, other = os.read(master, 4096), masters[1 - masters.index(master)]
-                if master == masters[0]:
-                    self.asked.append(data)
-                settings = self._settings(master)
-                time.sleep(len(data) * 11 / settings[0])
-                if self._settings(other) != settings:
-                    data = bytes(byte ^ 0x6B for byte in data)
-                with contextlib.suppress(BlockingIOError):
-                    os.write(other, data)
+    def _forward(self, data, master, other):
+        if master == self.ends[0][0]:
+            self.asked.append(data)
+        settings = self._settings(master)
+        time.sleep(len(data) * 11 / settings[0])
+        if self._settings(other) != settings:
+            data = bytes(byte ^ 0x6B for byte in data)
+        with contextlib.suppress(BlockingIOError):
+            os.write(other, data)
 
 
 _asked = itertools.count()

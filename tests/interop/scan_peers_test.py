@@ -76,7 +76,7 @@ class ScanTest(unittest.TestCase):
             code, out, err = run("read", *line, "holding:8", "--json")
             self.assertIn("12", out, err)
 
-    def test_a_line_that_is_flooded_is_told(self):
+    def test_a_line_that_is_flooded_is_reported(self):
         with SerialCable() as cable:
             stop = threading.Event()
             end = os.open(cable.right, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)

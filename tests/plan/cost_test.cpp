@@ -2,15 +2,19 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
+#include "core/plan/refresh.hpp"
 #include "tests/plan/fake_protocol.hpp"
 
 namespace fieldcast {
 namespace {
 
 using namespace std::chrono_literals;
+using test::kFakeProtocol;
+
 using test::kBits, test::kBytewise, test::kRegisters, test::kWindow;
 
-using test::kFakeProtocol;
 const LineFormat kLine{9600, 8, Parity::kNone, 1};  // 10 bits: 1.0417 ms per character
 
 DeviceTiming timing() {
@@ -84,6 +88,70 @@ TEST(ReadCost, DeviceLimitHoldsForBlocksAndNotForSinglePoints) {
   EXPECT_FALSE(cost.fits({kRegisters, 0, 9}));
   EXPECT_TRUE(cost.of_single({kRegisters, 0, 9}));
   EXPECT_FALSE(cost.of_single({kRegisters, 0, 126}));
+}
+
+PlannedPoint point(int priority, float elasticity = 1) {
+  PlannedPoint made;
+  made.priority = static_cast<std::int8_t>(priority);
+  made.elasticity = elasticity;
+  return made;
+}
+
+TEST(Stretch, OnePriorityIsStretchedAlike) {
+  std::vector<PlannedPoint> points{point(0), point(0)};
+  const Stretched stretched = stretch_points(points, 1.5);
+  EXPECT_EQ(points[0].stretch, 1.5);
+  EXPECT_EQ(points[1].stretch, 1.5);
+  EXPECT_EQ(stretched.greatest, 1.5);
+  EXPECT_EQ(stretched.priorities, 1u);
+  EXPECT_FALSE(stretched.uneven);
+}
+
+TEST(Stretch, TheLowestPriorityGivesWayFirstAndNeverStarves) {
+  std::vector<PlannedPoint> points{point(1), point(0), point(2)};
+  stretch_points(points, 3);
+  EXPECT_EQ(points[0].stretch, 1);
+  EXPECT_EQ(points[1].stretch, 3);
+  EXPECT_EQ(points[2].stretch, 1);
+  stretch_points(points, 64);
+  EXPECT_EQ(points[1].stretch, 64);
+  EXPECT_EQ(points[0].stretch, 16);
+  EXPECT_EQ(points[2].stretch, 4);
+  EXPECT_EQ(points[1].stretch / points[2].stretch, kMostApart);
+}
+
+TEST(Stretch, ElasticityIsTheShareOfTheStretch) {
+  std::vector<PlannedPoint> points{point(0, 0.5F), point(0, 2)};
+  const Stretched stretched = stretch_points(points, 2);
+  EXPECT_EQ(points[0].stretch, 1.5);
+  EXPECT_EQ(points[1].stretch, 3);
+  EXPECT_EQ(stretched.least_elasticity, 0.5);
+  EXPECT_TRUE(stretched.uneven);
+}
+
+TEST(Stretch, PointsThatAreNotReadDoNotCount) {
+  std::vector<PlannedPoint> points{point(0), point(5, 3)};
+  points[1].mode = Mode::kOnDemand;
+  const Stretched stretched = stretch_points(points, 2);
+  EXPECT_EQ(stretched.priorities, 1u);
+  EXPECT_EQ(stretched.greatest, 2);
+  EXPECT_FALSE(stretched.uneven);
+}
+
+TEST(Cycle, APointIsDueAtTheLastInstantWithinItsGap) {
+  const Cycle cycle{Instant{100ns}, 90ns};
+  EXPECT_EQ(due_after(cycle, Instant{190ns}, 100ns), Instant{280ns});
+  EXPECT_EQ(due_after(cycle, Instant{185ns}, 100ns), Instant{280ns});
+  EXPECT_EQ(due_after(cycle, Instant{190ns}, 1000ns), Instant{1180ns});
+  EXPECT_EQ(due_after(cycle, Instant{130ns}, 100ns), Instant{230ns}) << "190 would be too soon";
+  EXPECT_EQ(due_after(Cycle{}, Instant{130ns}, 100ns), Instant{230ns});
+}
+
+TEST(Cycle, PeriodsOfSlowerGroupsAreWholeBasePeriods) {
+  EXPECT_EQ(cycle_period(1000ns, 1000ns, 0.06), 940ns);
+  EXPECT_EQ(cycle_period(2000ns, 1000ns, 0.06), 1880ns);
+  EXPECT_EQ(cycle_period(2500ns, 1000ns, 0.06), 1880ns);
+  EXPECT_EQ(cycle_period(10'000ns, 1000ns, 0.06), 9400ns);
 }
 
 }  // namespace

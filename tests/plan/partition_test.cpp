@@ -71,7 +71,7 @@ TEST(Partition, EqualsTheBestOfAllPartitionsOnRandomLists) {
   }
 }
 
-TEST(Partition, NothingWantedIsNoBlock) {
+TEST(Partition, NothingWantedMakesNoBlock) {
   DeviceTiming device;
   device.protocol = &kFakeProtocol;
   EXPECT_TRUE(optimal_partition({}, ReadCost(device, 0, kEvenLine, 2ms, 1)).empty());

@@ -13,7 +13,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using Bench = EngineerBench;
 
-TEST(Engineer, ARequestIsAnsweredAndBytesPassBothWays) {
+TEST(Engineer, ARequestGetsAResponseAndBytesPassBothWays) {
   Bench b;
   b.sends("@@17FEFF");
   EXPECT_THAT(b.taken, ElementsAre("17"));
@@ -64,7 +64,7 @@ TEST(Engineer, StopReleasesTheDeviceAndAnotherCanBeAskedFor) {
   EXPECT_THAT(b.taken, ElementsAre("17", "18"));
 }
 
-TEST(Engineer, TheLossOfTheDeviceIsToldAndFreesIt) {
+TEST(Engineer, TheLossOfTheDeviceIsReportedAndFreesIt) {
   Bench b;
   b.pair();
   b.answers("@00FA");
@@ -89,7 +89,7 @@ TEST(Engineer, TheLossOfTheClientFreesTheDevice) {
   EXPECT_TRUE(b.engineer.over());
 }
 
-TEST(Engineer, AClientThatIsGoneBeforeTheDeviceIsGivenLeavesNothingTaken) {
+TEST(Engineer, AClientThatClosesBeforeTheDeviceIsGivenLeavesNothingTaken) {
   Bench b;
   b.sends("@@17FEFF");
   b.tell(ClientGone{"reset"});
@@ -98,7 +98,7 @@ TEST(Engineer, AClientThatIsGoneBeforeTheDeviceIsGivenLeavesNothingTaken) {
   EXPECT_FALSE(b.engineer.paired());
 }
 
-TEST(Engineer, AStopThatNothingFollowsReleasesTheDeviceAllTheSame) {
+TEST(Engineer, AStopThatNothingFollowsReleasesTheDeviceAnyway) {
   Bench b;
   b.pair();
   b.sends("@@EDFEFF");
@@ -139,7 +139,7 @@ TEST(Engineer, WhoFloodsInsteadOfWaitingForTheReplyIsHungUp) {
   EXPECT_EQ(b.freed, 1);
 }
 
-TEST(Engineer, TheBridgesEndIsToldToAClient) {
+TEST(Engineer, TheBridgesEndIsReportedToAClient) {
   Bench b;
   b.pair();
   b.tell(Ended{"the bridge stops"});

@@ -8,7 +8,10 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::minutes;
 using std::chrono::seconds;
+using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
+
 using Bench = EngineerBench;
 
 TEST(Engineer, HeartbeatsAreSentAndThreeMissedFreeThePairing) {
@@ -40,13 +43,17 @@ TEST(Engineer, APairingWithoutProgramBytesIsFreedAfterItsIdleTime) {
   EXPECT_THAT(b.received(), HasSubstr("@@0003FEFF"));
 }
 
-TEST(Engineer, AClientThatNeverSpeaksIsHungUp) {
-  Bench b;
+void expect_hung_up_in_ten_seconds(Bench& b) {
   b.pass(milliseconds{9999});
   EXPECT_EQ(b.hung_up, 0);
   b.pass(milliseconds{2});
   EXPECT_EQ(b.hung_up, 1);
   EXPECT_THAT(b.last_remark(), HasSubstr("no device was asked for"));
+}
+
+TEST(Engineer, AClientThatNeverSpeaksIsHungUp) {
+  Bench b;
+  expect_hung_up_in_ten_seconds(b);
 }
 
 TEST(Engineer, WhoLogsInAndThenNeverAsksIsHungUp) {
@@ -56,11 +63,7 @@ TEST(Engineer, WhoLogsInAndThenNeverAsksIsHungUp) {
   b.pass(seconds{9});
   b.sends("@@AU616e6e61:736563726574FEFF");
   b.tell(LoginChecked{true, ""});
-  b.pass(milliseconds{9999});
-  EXPECT_EQ(b.hung_up, 0);
-  b.pass(milliseconds{2});
-  EXPECT_EQ(b.hung_up, 1);
-  EXPECT_THAT(b.last_remark(), HasSubstr("no device was asked for"));
+  expect_hung_up_in_ten_seconds(b);
 }
 
 TEST(Engineer, AClientThatNeverReadsIsFreed) {
@@ -128,6 +131,63 @@ TEST(Engineer, ASlowClientThatDrainsIsNeverCut) {
     b.sends("@@HBFEFF");
     if (i % 10 == 0) b.tell(ClientDrains{});
     ASSERT_TRUE(b.engineer.paired()) << i << ": " << b.last_remark();
+  }
+}
+
+using Bench = EngineerBench;
+
+TEST(Engineer, ALoginIsDemandedWhereItIsNeeded) {
+  EngineerRules rules;
+  rules.login_needed = true;
+  Bench b(rules);
+  b.sends("@@17FEFF");
+  EXPECT_EQ(b.received(), "@@0004FEFF");
+  EXPECT_THAT(b.taken, IsEmpty());
+  EXPECT_EQ(b.hung_up, 1);
+  EXPECT_EQ(b.remarks.back().kind, Remark::Kind::kLoginFailed);
+}
+
+TEST(Engineer, ARightLoginOpensTheWayAndAWrongOneClosesIt) {
+  EngineerRules rules;
+  rules.login_needed = true;
+  Bench good(rules), bad(rules);
+  for (Bench* b : {&good, &bad})
+    b->sends("@@AU616e6e61:736563726574FEFF@@V217FEFF");  // anna, secret
+  EXPECT_THAT(good.logins, ElementsAre("anna/secret"));
+  EXPECT_THAT(good.taken, IsEmpty());
+  good.tell(LoginChecked{true, ""});
+  EXPECT_THAT(good.taken, ElementsAre("17"));
+  bad.tell(LoginChecked{false, "wrong password"});
+  EXPECT_EQ(bad.received(), "@@0004FEFF");
+  EXPECT_EQ(bad.hung_up, 1);
+  EXPECT_EQ(bad.remarks.back().kind, Remark::Kind::kLoginFailed);
+  EXPECT_THAT(bad.taken, IsEmpty());
+}
+
+TEST(Engineer, ACertificateIsTheLoginOnceItsUserIsFound) {
+  EngineerRules rules;
+  rules.login_needed = rules.by_certificate = true;
+  Bench good(rules), bad(rules);
+  for (Bench* b : {&good, &bad}) {
+    b->sends("@@V217FEFF");
+    EXPECT_THAT(b->taken, IsEmpty()) << "before it is known who it is";
+  }
+  good.tell(LoginChecked{true, ""});
+  EXPECT_THAT(good.taken, ElementsAre("17"));
+  bad.tell(LoginChecked{false, "no such user"});
+  EXPECT_EQ(bad.received(), "@@0004FEFF");
+  EXPECT_EQ(bad.hung_up, 1);
+  EXPECT_THAT(bad.taken, IsEmpty());
+}
+
+TEST(Engineer, ALoginThatCannotBeReadIsRefused) {
+  for (const char* login :
+       {"@@AU:FEFF", "@@AU6:6FEFF", "@@AUzz:00FEFF", "@@AU610a62:00FEFF", "@@AU616E6E61:00FEFF"}) {
+    Bench b;
+    b.sends(login);
+    EXPECT_EQ(b.received(), "@@0004FEFF") << login;
+    EXPECT_TRUE(b.engineer.over()) << login;
+    EXPECT_THAT(b.logins, IsEmpty()) << login;
   }
 }
 

@@ -134,7 +134,7 @@ TEST(MarkerFraming, AContinuationOfHostLinkMayBeginLikeAControlFrame) {
   }
 }
 
-TEST(MarkerFraming, WhatFollowsACodeTellsWhetherItIsOne) {
+TEST(MarkerFraming, WhatFollowsACodeReportsWhetherItIsOne) {
   using Codes = std::vector<std::string>;
   struct Case {
     Sender sender;

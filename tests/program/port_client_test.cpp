@@ -107,7 +107,7 @@ TEST(PortClient, TheFormatThatIsGivenGoesAheadOfTheFirstByteAndWithEverySpeed) {
   EXPECT_EQ(std::exchange(b.bridge, {}), settings({115200, 2, 7, Parity::kEven}));
 }
 
-TEST(PortClient, WithoutAFormatOnlyWhatTheVirtualPortTellsIsCarried) {
+TEST(PortClient, WithoutAFormatOnlyWhatTheVirtualPortReportsIsCarried) {
   PortClientRules rules;
   rules.number = "17";
   Bench b(rules);
@@ -133,7 +133,7 @@ TEST(PortClient, ARefusedLoginIsSaidWithItsUser) {
               testing::HasSubstr("a login of a user with the role programmer is needed"));
 }
 
-TEST(PortClient, TheEndOfTheDeviceOfTheBridgeAndOfTheUserAreTold) {
+TEST(PortClient, TheEndOfTheDeviceOfTheBridgeAndOfTheUserAreReported) {
   Bench lost(markers()), gone(markers()), stopped(markers());
   for (Bench* b : {&lost, &gone, &stopped}) {
     b->tell(PortClient::Connected{});
@@ -150,7 +150,7 @@ TEST(PortClient, TheEndOfTheDeviceOfTheBridgeAndOfTheUserAreTold) {
   EXPECT_EQ(stopped.sent(), "@@EDFEFF");
 }
 
-TEST(PortClient, ABridgeThatFallsSilentIsGone) {
+TEST(PortClient, ABridgeThatFallsSilentHasLeft) {
   Bench b(markers());
   b.tell(PortClient::Connected{});
   b.receives("@@0000FEFF");
@@ -165,7 +165,7 @@ TEST(PortClient, ABridgeThatFallsSilentIsGone) {
   EXPECT_EQ(b.end->kind, PortEnd::Kind::kBridgeGone);
 }
 
-TEST(PortClient, AHeartbeatOfTheBridgeIsAnswered) {
+TEST(PortClient, AHeartbeatOfTheBridgeGetsAResponse) {
   PortClientRules lengths;
   lengths.number = "17";
   Bench b(markers()), v2(lengths);
@@ -180,7 +180,7 @@ TEST(PortClient, AHeartbeatOfTheBridgeIsAnswered) {
   EXPECT_EQ(v2.sent(), std::string(4, '\0'));
 }
 
-TEST(PortClient, ABridgeThatNeverAnswersIsGivenUp) {
+TEST(PortClient, ABridgeThatNeverRespondsIsGivenUp) {
   Bench b(markers());
   b.tell(PortClient::Connected{});
   b.pass(seconds{31});
@@ -188,7 +188,7 @@ TEST(PortClient, ABridgeThatNeverAnswersIsGivenUp) {
   EXPECT_EQ(b.end->kind, PortEnd::Kind::kBridgeGone);
 }
 
-TEST(PortClient, WhatIsNoBridgeIsSaidSo) {
+TEST(PortClient, WhatIsNotABridgeIsReported) {
   Bench b(markers());
   b.tell(PortClient::Connected{});
   b.receives("SSH-2.0-OpenSSH_9.2\r\n");
@@ -210,7 +210,7 @@ TEST(PortClient, AContinuationThatBeginsLikeTheLossOfTheDeviceIsProgramBytes) {
   EXPECT_EQ(b.end->kind, PortEnd::Kind::kDeviceLost);
 }
 
-TEST(PortClient, ABridgeThatTellsTheLossAndClosesHasToldIt) {
+TEST(PortClient, ABridgeThatReportsTheLossAndClosesHasReportedIt) {
   Bench b(markers());
   b.tell(PortClient::Connected{});
   b.receives("@@0000FEFF@@0003FEFF");

@@ -1,6 +1,7 @@
 #include "core/program/registration.hpp"
 
 #include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include "core/program/frame.hpp"
 
@@ -55,7 +56,7 @@ TEST(Registration, APrefixIsTakenAwayAndDemanded) {
               HasSubstr("does not begin with 'ID='"));
 }
 
-TEST(Registration, WhatIsNoNumberIsRefusedInWords) {
+TEST(Registration, WhatIsNotANumberIsRefusedInWords) {
   for (const char* text : {"ED\r", "a b\r", "\x01\x02\r", "0002\r", "12345678901234567\r"}) {
     Registration registration(kText);
     (void)registration.start(kStart);
@@ -119,7 +120,7 @@ TEST(Registration, APlcThatIsSilentIsAskedAgainUntilTheTimeIsOver) {
   EXPECT_THAT(*outcome.fault, HasSubstr("in time"));
 }
 
-TEST(Registration, ABrokenAnswerIsAskedAgainInSilence) {
+TEST(Registration, ABrokenResponseIsAskedAgainInSilence) {
   Registration registration(words_rule());
   (void)registration.start(kStart);
   Bytes broken = with_fcs("@00RD0031370000000000000000");
@@ -144,6 +145,24 @@ TEST(Registration, ARefusalOfThePlcIsAFault) {
   (void)registration.start(kStart);
   const auto outcome = registration.on_bytes(with_fcs("@00RD15"), kStart);
   EXPECT_THAT(outcome.fault.value_or(""), HasSubstr("refuses"));
+}
+
+TEST(DeviceNumber, IsOneToSixteenLettersOrDigits) {
+  for (const char* good :
+       {"1", "17", "Press01", "ABCDEFGHIJKLMNOP", "0010", "00012", "000A", "EDX", "FEF", "V1"}) {
+    EXPECT_TRUE(is_device_number(good)) << good;
+  }
+  for (const char* bad :
+       {"", "ABCDEFGHIJKLMNOPQ", "press-1", "press 1", "\xC3\xA4", "a:b", "1\r"}) {
+    EXPECT_FALSE(is_device_number(bad)) << bad;
+  }
+}
+
+TEST(DeviceNumber, IsNothingThatAFrameCouldTakeForSomethingElse) {
+  for (const char* bad :
+       {"ED", "HB", "0000", "0003", "0009", "FEFF", "1FEFF", "AFEFFB", "V2", "V217"}) {
+    EXPECT_FALSE(is_device_number(bad)) << bad;
+  }
 }
 
 }  // namespace

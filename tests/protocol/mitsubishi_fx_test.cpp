@@ -5,15 +5,11 @@
 #include "core/protocol/families/registry.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/matrix.hpp"
+#include "tests/support/text_cases.hpp"
 #include "tests/support/vectors.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
-
-using test::Device;
-using test::drive;
-using test::GoldenVector;
-using test::Outcome;
 
 Device plc(std::map<std::string, std::string> options = {}) {
   return {"mitsubishi-fx", 0, options};
@@ -105,9 +101,9 @@ std::optional<Request> meant(const Device& device, const std::string& q) {
   return std::nullopt;
 }
 
-TEST(FxVectors, OurRequestsAreTheirsAndTheirAnswersAreRead) {
+TEST(FxVectors, OurRequestsAreTheirsAndTheirResponsesAreRead) {
   int seen = 0;
-  for (const GoldenVector& vector : test::load_vectors("fx")) {
+  for (const GoldenVector& vector : load_vectors("fx")) {
     if (vector.kind != "ok") continue;
     SCOPED_TRACE(vector.name);
     const Device device = plc();
@@ -120,9 +116,9 @@ TEST(FxVectors, OurRequestsAreTheirsAndTheirAnswersAreRead) {
     const Outcome outcome = drive(*exchange, vector.response);
     ASSERT_TRUE(outcome.done()) << to_text(outcome);
     const auto* read = std::get_if<ReadRequest>(&*request);
-    test::expect_matrix({.begin = [&] { return device.begin(*request); },
-                         .answers = {vector.response},
-                         .noise_recovers = read != nullptr});
+    expect_matrix({.begin = [&] { return device.begin(*request); },
+                   .answers = {vector.response},
+                   .noise_recovers = read != nullptr});
     if (read == nullptr) continue;
     const std::string data = text(vector.response).substr(1, vector.response.size() - 4);
     const unsigned item_bits = device.protocol().areas()[read->ranges[0].area].item_bits;
@@ -139,7 +135,7 @@ TEST(FxVectors, OurRequestsAreTheirsAndTheirAnswersAreRead) {
 
 TEST(FxVectors, TheExtendedForceIsTheirs) {
   const Device device = plc({{"commands", "extended"}});
-  for (const GoldenVector& vector : test::load_vectors("fx")) {
+  for (const GoldenVector& vector : load_vectors("fx")) {
     if (!vector.name.starts_with("fx3u_m0_")) continue;
     EXPECT_EQ(
         to_hex(device.request_bytes(device.write("M0", vector.name == "fx3u_m0_on" ? "01" : "00"))),
@@ -148,7 +144,7 @@ TEST(FxVectors, TheExtendedForceIsTheirs) {
 }
 
 TEST(FxVectors, ExplanationsFindTheFaults) {
-  for (const GoldenVector& vector : test::load_vectors("fx")) {
+  for (const GoldenVector& vector : load_vectors("fx")) {
     SCOPED_TRACE(vector.name);
     for (const Bytes& each : {vector.request, vector.response}) {
       if (each.empty() || vector.expect == "wrong_address") continue;
@@ -164,8 +160,8 @@ TEST(FxExplain, TransferCompleteIsARightRequest) {
   EXPECT_TRUE(has_fault(explain(*from_hex("02 42 03 34 36"))));
 }
 
-TEST(FxExchange, MalformedAnswersAreNoValue) {
-  for (const GoldenVector& vector : test::load_vectors("fx")) {
+TEST(FxExchange, MalformedResponsesHaveNoValue) {
+  for (const GoldenVector& vector : load_vectors("fx")) {
     if (vector.kind != "malformed" || vector.response.empty()) continue;
     SCOPED_TRACE(vector.name);
     const Device device = plc();
@@ -200,7 +196,7 @@ TEST(FxExchange, ARequestThatTheLineGarbledIsSentAgain) {
 }
 
 // The response to the repeated request may still arrive, so it is pending.
-TEST(FxExchange, SilenceBehindARefusalIsNoRefusal) {
+TEST(FxExchange, SilenceBehindARefusalIsNotARefusal) {
   const Device device = plc();
   for (const Request& request : {device.write("D0", "0001"), device.read("D0")}) {
     const auto exchange = device.begin(request);
@@ -246,55 +242,35 @@ TEST(FxExchange, BitsAreCutOutOfWholeBytes) {
 
 TEST(FxExchange, TheMatrixHolds) {
   const Device device = plc();
-  const test::MatrixCase read{.begin = [&] { return device.begin(device.read("D123", 2)); },
-                              .answers = {framed("0C000000")}};
-  test::expect_matrix(read);
+  const MatrixCase read{.begin = [&] { return device.begin(device.read("D123", 2)); },
+                        .answers = {framed("0C000000")}};
+  expect_matrix(read);
   // Random bytes can match a sum of eight bits, so this only checks that nothing crashes.
-  test::expect_random_bytes_are_refused(
+  expect_random_bytes_are_refused(
       {.begin = read.begin, .answers = {framed("3412ABCD")}, .checked = false}, 11, 5000);
-  test::expect_matrix({.begin = [&] { return device.begin(device.write("M17", "01")); },
-                       .answers = {{0x06}},
-                       .noise_recovers = false});
+  expect_matrix({.begin = [&] { return device.begin(device.write("M17", "01")); },
+                 .answers = {{0x06}},
+                 .noise_recovers = false});
 }
 
 TEST(FxAddress, NotationsAreUnderstood) {
   const Device device = plc();
-  const auto name = [&](std::string_view at) {
-    const auto parsed = device.protocol().parse_address(at);
-    if (!parsed) return "fault: " + parsed.error().what;
-    return std::string(device.protocol().areas()[parsed->area].name) + ":" +
-           std::to_string(parsed->first) + (parsed->bit ? "." + std::to_string(*parsed->bit) : "") +
-           "/" + std::to_string(parsed->width_bits.value_or(0));
-  };
-  EXPECT_EQ(name("D100"), "D:100/0");
-  EXPECT_EQ(name("D100.3"), "D:100.3/1");
-  EXPECT_EQ(name("D8010"), "D8000:10/0");
-  EXPECT_EQ(name("X17"), "X:15/1");
-  EXPECT_EQ(name("Y10"), "Y:8/1");
-  EXPECT_EQ(name("M8001"), "M8000:1/1");
-  EXPECT_EQ(name("T5"), "T:5/0");
-  EXPECT_EQ(name("TN5"), "T:5/0");
-  EXPECT_EQ(name("TS5"), "TS:5/1");
-  EXPECT_EQ(name("C5"), "C:5/0");
-  EXPECT_EQ(name("C200"), "C200:0/32");
-  EXPECT_EQ(name("S999"), "S:999/1");
+  const auto name = [&](std::string_view at) { return device.address(at); };
+  expect_texts(
+      name, {"D100 -> D:100/0", "D100.3 -> D:100.3/1", "D8010 -> D8000:10/0", "X17 -> X:15/1",
+             "Y10 -> Y:8/1", "M8001 -> M8000:1/1", "T5 -> T:5/0", "TN5 -> T:5/0", "TS5 -> TS:5/1",
+             "C5 -> C:5/0", "C200 -> C200:0/32", "S999 -> S:999/1"});
 }
 
 TEST(FxAddress, FaultsSayWhatIsWrong) {
   const Device device = plc();
   for (const auto* at : {"", "D", "D8256", "D9000", "X8", "X400", "Y18", "M1536", "Q1", "D1.16",
                          "M1.0", "D-1", "C256"}) {
-    const auto parsed = device.protocol().parse_address(at);
-    ASSERT_FALSE(parsed.has_value()) << at;
-    EXPECT_FALSE(parsed.error().what.empty());
-    if (!parsed.error().suggestion.empty()) {
-      EXPECT_TRUE(device.protocol().parse_address(parsed.error().suggestion).has_value())
-          << parsed.error().suggestion;
-    }
+    (void)device.suggestion(at);
   }
-  EXPECT_EQ(device.protocol().parse_address("d5").error().suggestion, "D5");
+  EXPECT_EQ(device.suggestion("d5"), "D5");
   EXPECT_FALSE(plc({{"commands", "extended"}}).protocol().parse_address("TS5").has_value());
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

@@ -4,7 +4,7 @@
 
 #include <set>
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
 
 TEST(Registry, EveryProtocolIsFoundByItsName) {
@@ -126,4 +126,4 @@ TEST(Registry, AnAddressOutsideTheFamilyIsAFault) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

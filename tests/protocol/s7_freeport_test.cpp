@@ -3,15 +3,11 @@
 #include "core/protocol/families/registry.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/matrix.hpp"
+#include "tests/support/text_cases.hpp"
 #include "tests/support/vectors.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
-
-using test::Device;
-using test::drive;
-using test::GoldenVector;
-using test::Outcome;
 
 Bytes text(std::string_view characters) { return {characters.begin(), characters.end()}; }
 std::string text(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
@@ -33,8 +29,8 @@ struct Meant {
         data(q.substr(6, 2 * length)) {}
 };
 
-TEST(FreeportVectors, RequestsAndAnswersAreTheirs) {
-  for (const GoldenVector& vector : test::load_vectors("freeport")) {
+TEST(FreeportVectors, RequestsAndResponsesAreTheirs) {
+  for (const GoldenVector& vector : load_vectors("freeport")) {
     if (vector.kind != "ok") continue;
     SCOPED_TRACE(vector.name);
     const std::string q = text(vector.request);
@@ -48,15 +44,14 @@ TEST(FreeportVectors, RequestsAndAnswersAreTheirs) {
     ASSERT_TRUE(outcome.done()) << to_text(outcome);
     const std::string answered = text(vector.response).substr(1, 2 * meant.length);
     EXPECT_EQ(to_hex(outcome.reply.at(0).items, '\0'), q[1] == 'W' ? answered : "");
-    test::expect_matrix(
-        {.begin = [&] { return device.begin(request); }, .answers = {vector.response}});
+    expect_matrix({.begin = [&] { return device.begin(request); }, .answers = {vector.response}});
     EXPECT_FALSE(has_fault(find_protocol("s7-freeport")->explain(vector.request)));
     EXPECT_FALSE(has_fault(find_protocol("s7-freeport")->explain(vector.response)));
   }
 }
 
-TEST(FreeportVectors, RefusalsAreTheirCodeAndBrokenAnswersNoValue) {
-  for (const GoldenVector& vector : test::load_vectors("freeport")) {
+TEST(FreeportVectors, RefusalsAreTheirCodeAndBrokenResponsesNoValue) {
+  for (const GoldenVector& vector : load_vectors("freeport")) {
     if (vector.kind == "ok") continue;
     SCOPED_TRACE(vector.name);
     const Device device = station(5);
@@ -76,15 +71,15 @@ TEST(FreeportVectors, RefusalsAreTheirCodeAndBrokenAnswersNoValue) {
 
 TEST(Freeport, TheMatrixHolds) {
   const Device device = station(5);
-  test::MatrixCase matrix{.begin = [&] { return device.begin(device.read("window:0", 4)); },
-                          .answers = {text("qC911F57C7DQ")}};
-  test::expect_matrix(matrix);
-  test::expect_random_bytes_are_refused(matrix, 1, 5000);
+  MatrixCase matrix{.begin = [&] { return device.begin(device.read("window:0", 4)); },
+                    .answers = {text("qC911F57C7DQ")}};
+  expect_matrix(matrix);
+  expect_random_bytes_are_refused(matrix, 1, 5000);
   matrix = {.begin = [&] { return device.begin(device.write("window:0", "C911F57C")); },
             .answers = {text("qC911F57C7DQ")}};
-  test::expect_matrix(matrix);
+  expect_matrix(matrix);
   matrix.answers = {text("qE0441Q")};  // refused
-  test::expect_matrix(matrix);
+  expect_matrix(matrix);
 }
 
 TEST(Freeport, AByteFromTheMiddleIsCutOutOfTheWindow) {
@@ -97,7 +92,7 @@ TEST(Freeport, AByteFromTheMiddleIsCutOutOfTheWindow) {
   EXPECT_EQ(to_hex(outcome.reply[0].items), "D8");
 }
 
-TEST(Freeport, BytesPastTheLengthMustBeZeroInAReadsAnswer) {
+TEST(Freeport, BytesPastTheLengthMustBeZeroInAReadsResponse) {
   const Device device = station(5);
   const auto exchange = device.begin(device.read("window:0", 2));
   EXPECT_EQ(drive(*exchange, text("q3DAAD8000BQ")).cause, Cause::kMalformed);
@@ -115,13 +110,13 @@ TEST(Freeport, AWriteOfALaterByteSendsTheEarlierOnesAgain) {
             "qR0502C9910000");
 }
 
-TEST(Freeport, AnAnswerThatHoldsAnotherValueIsNoConfirmation) {
+TEST(Freeport, AResponseThatHoldsAnotherValueIsNotAConfirmation) {
   const Device device = station(5);
   const auto exchange = device.begin(device.write("window:0", "C910"));
   EXPECT_EQ(drive(*exchange, text("qC911F57C7DQ")).cause, Cause::kMalformed);
 }
 
-TEST(Freeport, AWriteIsReadBackByItsOwnAnswer) {
+TEST(Freeport, AWriteIsReadBackByItsOwnResponse) {
   const Device device = station(5);
   const auto write = std::get<WriteRequest>(device.write("window:0", "C911"));
   const auto exchange = device.begin(WriteReadRequest{write, write.range});
@@ -158,15 +153,13 @@ TEST(Freeport, BitsHaveAWidth) {
   EXPECT_EQ(bit->width_bits, 1u);
 }
 
-TEST(Freeport, WhatIsNoFrameIsToldWhy) {
+TEST(Freeport, WhatIsNotAFrameIsRefusedWithAReason) {
   const auto fault = [](std::string_view frame) {
     return find_protocol("s7-freeport")->explain(text(frame)).at(0).fault.substr(0, 20);
   };
-  EXPECT_EQ(fault("W0504"), "begins without q: a ");
-  EXPECT_EQ(fault("qEB8"), "ends without Q: a re");
-  EXPECT_EQ(fault("qEB8Q"), "5 characters: a requ");
-  EXPECT_EQ(fault(""), "no character");
+  expect_texts(fault, {"W0504 -> begins without q: a ", "qEB8 -> ends without Q: a re",
+                       "qEB8Q -> 5 characters: a requ", " -> no character"});
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

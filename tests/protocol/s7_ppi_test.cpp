@@ -4,15 +4,11 @@
 #include "core/protocol/families/registry.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/matrix.hpp"
+#include "tests/support/text_cases.hpp"
 #include "tests/support/vectors.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
-
-using test::Device;
-using test::drive;
-using test::GoldenVector;
-using test::Outcome;
 
 Bytes hex(std::string_view text) { return *from_hex(text); }
 Device plc(std::uint16_t station = 2, std::map<std::string, std::string> options = {}) {
@@ -98,10 +94,10 @@ Bytes normalised(Bytes q) {
   return telegram(q[4], q[5], reference == 0 ? 0x6C : reference % 2 != 0 ? 0x5C : 0x7C, unit);
 }
 
-TEST(PpiVectors, OurRequestsAreTheirsAndTheirAnswersAreRead) {
+TEST(PpiVectors, OurRequestsAreTheirsAndTheirResponsesAreRead) {
   int requests = 0;
   int answers = 0;
-  for (const GoldenVector& vector : test::load_vectors("ppi")) {
+  for (const GoldenVector& vector : load_vectors("ppi")) {
     if (vector.kind != "ok" || vector.request.empty()) continue;
     SCOPED_TRACE(vector.name);
     const Device device = plc();
@@ -117,7 +113,7 @@ TEST(PpiVectors, OurRequestsAreTheirsAndTheirAnswersAreRead) {
     const Outcome outcome = drive(*exchange, vector.slave);
     ASSERT_TRUE(outcome.done()) << to_text(outcome);
     ASSERT_EQ(outcome.sent.size(), 2u);
-    test::expect_matrix(
+    expect_matrix(
         {.begin = [&] { return device.begin(*request, reference); }, .answers = vector.slave});
     if (outcome.sent[0][6] == vector.request[6]) {
       EXPECT_EQ(to_hex(outcome.sent[1]), to_hex(vector.master[1]));  // poll
@@ -141,7 +137,7 @@ TEST(PpiVectors, OurRequestsAreTheirsAndTheirAnswersAreRead) {
 
 TEST(PpiVectors, RefusalsAreTheirCodes) {
   const std::map<std::string, int> codes{{"read_t_as_bytes_error", 3}, {"write_protected", 3}};
-  for (const GoldenVector& vector : test::load_vectors("ppi")) {
+  for (const GoldenVector& vector : load_vectors("ppi")) {
     if (!codes.contains(vector.name)) continue;
     SCOPED_TRACE(vector.name);
     const Device device = plc();
@@ -151,18 +147,17 @@ TEST(PpiVectors, RefusalsAreTheirCodes) {
     const Outcome outcome = drive(*exchange, vector.slave);
     EXPECT_EQ(outcome.cause, Cause::kDeviceError);
     EXPECT_EQ(outcome.code, codes.at(vector.name));
-    test::expect_matrix({.begin =
-                             [&] {
-                               return device.begin(
-                                   write ? device.write("QB0", "01") : device.read("MB0"),
-                                   read_u16(vector.request, 11));
-                             },
-                         .answers = vector.slave});
+    expect_matrix({.begin =
+                       [&] {
+                         return device.begin(write ? device.write("QB0", "01") : device.read("MB0"),
+                                             read_u16(vector.request, 11));
+                       },
+                   .answers = vector.slave});
   }
 }
 
 TEST(PpiVectors, OneItemMayFailWhileAnotherSucceeds) {
-  for (const GoldenVector& vector : test::load_vectors("ppi")) {
+  for (const GoldenVector& vector : load_vectors("ppi")) {
     if (vector.name != "read_multi_mixed_error") continue;
     const Device device = plc();
     const auto exchange =
@@ -179,7 +174,7 @@ TEST(PpiVectors, OneItemMayFailWhileAnotherSucceeds) {
 }
 
 TEST(PpiVectors, ExplanationsFindTheFaults) {
-  for (const GoldenVector& vector : test::load_vectors("ppi")) {
+  for (const GoldenVector& vector : load_vectors("ppi")) {
     SCOPED_TRACE(vector.name);
     if (vector.kind != "malformed") {
       for (const Bytes& each : {vector.request, vector.response}) {
@@ -247,7 +242,7 @@ TEST(PpiExchange, ASlaveThatIsNeverReadyIsBusy) {
   EXPECT_EQ(drive(*refused, hex("10 00 02 02 04 16")).cause, Cause::kDeviceBusy);
 }
 
-TEST(PpiExchange, AnAnswerWithoutOrGluedToItsAcknowledgeIsTaken) {
+TEST(PpiExchange, AResponseWithoutOrGluedToItsAcknowledgeIsTaken) {
   const Device device = plc();
   const auto direct = device.begin(device.read("VB100", 3));
   EXPECT_TRUE(drive(*direct, kAnswer).done());
@@ -257,7 +252,7 @@ TEST(PpiExchange, AnAnswerWithoutOrGluedToItsAcknowledgeIsTaken) {
   EXPECT_TRUE(drive(*late, glued).done());
 }
 
-TEST(PpiExchange, OtherStationsAndOlderAnswersArePassedOver) {
+TEST(PpiExchange, OtherStationsAndOlderResponsesArePassedOver) {
   const Device device = plc();
   Bytes other = kAnswer;
   other[5] = 3;  // from station 3
@@ -272,13 +267,13 @@ TEST(PpiExchange, OtherStationsAndOlderAnswersArePassedOver) {
 
 TEST(PpiExchange, TheMatrixHolds) {
   const Device device = plc();
-  test::MatrixCase read{.begin = [&] { return device.begin(device.read("VB100", 3)); },
-                        .answers = {kAck, kAnswer}};
-  test::expect_matrix(read);
-  test::expect_random_bytes_are_refused(read, 9, 5000);
+  MatrixCase read{.begin = [&] { return device.begin(device.read("VB100", 3)); },
+                  .answers = {kAck, kAnswer}};
+  expect_matrix(read);
+  expect_random_bytes_are_refused(read, 9, 5000);
   const Bytes written = hex("68121268 0002 08 320300000000000200010000 0501 FF 47 16");
-  test::expect_matrix({.begin = [&] { return device.begin(device.write("VB100", "12")); },
-                       .answers = {kAck, written}});
+  expect_matrix({.begin = [&] { return device.begin(device.write("VB100", "12")); },
+                 .answers = {kAck, written}});
 }
 
 TEST(PpiLimits, WhatDoesNotFitTheUnitIsRefused) {
@@ -298,42 +293,18 @@ TEST(PpiLimits, WhatDoesNotFitTheUnitIsRefused) {
 
 TEST(PpiAddress, NotationsAreUnderstood) {
   const Device device = plc();
-  const auto name = [&](std::string_view at) {
-    const auto parsed = device.protocol().parse_address(at);
-    if (!parsed) return "fault: " + parsed.error().what;
-    return std::string(device.protocol().areas()[parsed->area].name) + ":" +
-           std::to_string(parsed->first) + (parsed->bit ? "." + std::to_string(*parsed->bit) : "") +
-           "/" + std::to_string(parsed->width_bits.value_or(0));
-  };
-  EXPECT_EQ(name("VB100"), "V:100/8");
-  EXPECT_EQ(name("VW100"), "V:100/16");
-  EXPECT_EQ(name("VD204"), "V:204/32");
-  EXPECT_EQ(name("V10.3"), "V:10.3/1");
-  EXPECT_EQ(name("I0.3"), "I:0.3/1");
-  EXPECT_EQ(name("SMB28"), "SM:28/8");
-  EXPECT_EQ(name("SM0.1"), "SM:0.1/1");
-  EXPECT_EQ(name("S0.1"), "S:0.1/1");
-  EXPECT_EQ(name("AIW4"), "AI:2/16");
-  EXPECT_EQ(name("AQW0"), "AQ:0/16");
-  EXPECT_EQ(name("T37"), "T:37/0");
-  EXPECT_EQ(name("C5"), "C:5/0");
-  EXPECT_EQ(name("HC0"), "HC:0/0");
+  const auto name = [&](std::string_view at) { return device.address(at); };
+  expect_texts(name, {"VB100 -> V:100/8", "VW100 -> V:100/16", "VD204 -> V:204/32",
+                      "V10.3 -> V:10.3/1", "I0.3 -> I:0.3/1", "SMB28 -> SM:28/8",
+                      "SM0.1 -> SM:0.1/1", "S0.1 -> S:0.1/1", "AIW4 -> AI:2/16", "AQW0 -> AQ:0/16",
+                      "T37 -> T:37/0", "C5 -> C:5/0", "HC0 -> HC:0/0"});
 }
 
 TEST(PpiAddress, FaultsSayWhatWasMeant) {
   const Device device = plc();
-  const auto suggestion = [&](std::string_view at) {
-    const auto parsed = device.protocol().parse_address(at);
-    EXPECT_FALSE(parsed.has_value()) << at;
-    return parsed ? "" : parsed.error().suggestion;
-  };
-  EXPECT_EQ(suggestion("vw100"), "VW100");
-  EXPECT_EQ(suggestion("EB0"), "IB0");
-  EXPECT_EQ(suggestion("AB0"), "QB0");
-  EXPECT_EQ(suggestion("V100"), "VB100");
-  EXPECT_EQ(suggestion("AIW3"), "AIW2");
-  EXPECT_EQ(suggestion("V1.8"), "V1.0");
-  EXPECT_EQ(suggestion("VB1.0"), "VB1");
+  const auto suggestion = [&](std::string_view at) { return device.suggestion(at); };
+  expect_texts(suggestion, {"vw100 -> VW100", "EB0 -> IB0", "AB0 -> QB0", "V100 -> VB100",
+                            "AIW3 -> AIW2", "V1.8 -> V1.0", "VB1.0 -> VB1"});
   for (const auto* at : {"", "VB", "VB10240", "VBx", "X1", "T256", "TB1", "V.1", "VB-1", "HC6"})
     EXPECT_NE(suggestion(at), "-") << at;
 }
@@ -344,4 +315,4 @@ TEST(PpiExplain, AcknowledgementsAloneAreNoFaults) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

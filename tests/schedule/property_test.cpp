@@ -231,7 +231,7 @@ TEST(Overload, WireThatIsSlowerThanPlannedStretchesToo) {
   EXPECT_LT(scheduler->stretch(), 4.0);
 }
 
-TEST(Overload, NewAnswerTimeChangesThePlan) {
+TEST(Overload, NewResponseTimeChangesThePlan) {
   ScheduleInput input = test::input_of(test::random_map(4, 90), kFakeProtocol);
   const double planned = make_scheduler(input)->planned_load();
   for (Point& point : input.points)

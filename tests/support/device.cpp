@@ -25,6 +25,27 @@ Range Device::range(std::string_view at, std::uint32_t count) const {
   return {parsed->area, parsed->first, count};
 }
 
+std::string Device::address(std::string_view at) const {
+  const auto parsed = protocol_->parse_address(at);
+  if (!parsed) return "fault: " + parsed.error().what;
+  return std::string(protocol_->areas()[parsed->area].name) + ":" + std::to_string(parsed->first) +
+         (parsed->bit ? "." + std::to_string(*parsed->bit) : "") + "/" +
+         std::to_string(parsed->width_bits.value_or(0));
+}
+
+std::string Device::suggestion(std::string_view at) const {
+  const auto parsed = protocol_->parse_address(at);
+  if (parsed) {
+    ADD_FAILURE() << at << " is valid";
+    return "";
+  }
+  const AddressFault& fault = parsed.error();
+  EXPECT_FALSE(fault.what.empty() || fault.allowed.empty()) << at;
+  EXPECT_TRUE(fault.suggestion.empty() || protocol_->parse_address(fault.suggestion))
+      << fault.suggestion;
+  return fault.suggestion;
+}
+
 Request Device::read(std::string_view at, std::uint32_t count) const {
   return ReadRequest{{range(at, count)}};
 }

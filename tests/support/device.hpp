@@ -19,6 +19,10 @@ class Device {
   [[nodiscard]] const Protocol& protocol() const { return *protocol_; }
   // Returns `count` items from "holding:100"; a gtest failure for an invalid address.
   [[nodiscard]] Range range(std::string_view at, std::uint32_t count = 1) const;
+  // Returns the address as "AREA:FIRST[.BIT]/WIDTH", or "fault: " and the fault.
+  [[nodiscard]] std::string address(std::string_view at) const;
+  // Returns the suggestion for an invalid address, which must be valid unless empty.
+  [[nodiscard]] std::string suggestion(std::string_view at) const;
   [[nodiscard]] Request read(std::string_view at, std::uint32_t count = 1) const;
   [[nodiscard]] Request write(std::string_view at, std::string_view items_hex) const;
   // Writes the bit of the address.

@@ -75,7 +75,7 @@ class BadFiles(unittest.TestCase):
             process = subprocess.run([os.path.join(BIN_DIR, "fieldcast-bridge"), path, "--check"], capture_output=True, text=True, timeout=30)
             self.assertEqual(process.returncode, 0, process.stdout + process.stderr)
 
-    def test_the_command_line_tells_the_same_faults(self):
+    def test_the_command_line_reports_the_same_faults(self):
         with File(PLAN.replace("REFRESH", "soon")) as path:
             for arguments in [("plan", path), ("watch", "--once", "--config", path)]:
                 result = run_cli(BIN_DIR, *arguments)

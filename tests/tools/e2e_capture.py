@@ -204,7 +204,7 @@ class Wireshark(unittest.TestCase):
                         bad = [value for value in named(fields, fault) if value not in ("2097152", "1048576")]
                         self.assertFalse(bad, fields)
 
-    def test_every_frame_of_modbus_rtu_is_decoded_and_answers_have_the_registers_that_were_asked_for(self):
+    def test_every_frame_of_modbus_rtu_is_decoded_and_responses_have_the_registers_that_were_asked_for(self):
         frames, asked, matched = captures["press-shop"], {}, 0
         self.assertTrue(all(named(fields, "mbrtu.crc16.status") == ["1"] for fields in frames))
         for number, fields in enumerate(frames, 1):
@@ -219,7 +219,7 @@ class Wireshark(unittest.TestCase):
         self.assertGreaterEqual(matched, len(asked) - 2)
         self.assertGreater(matched, 10)
 
-    def test_a_value_that_was_written_stands_in_the_answers(self):
+    def test_a_value_that_was_written_is_in_the_responses(self):
         self.assertIn("4711", [value for fields in captures["ascii"] for value in named(fields, "modbus.regval_uint16")])
 
     def test_comments_say_device_channels_and_outcome(self):
@@ -320,7 +320,7 @@ class Capture(unittest.TestCase):
         self.assertEqual((result.code, os.path.getsize(path)), (9, before), str(result))
         self.assertIn("never overwrites", result.err)
 
-    def test_who_asks_for_no_bus_is_told_which_there_are(self):
+    def test_who_asks_for_no_bus_gets_those_that_exist(self):
         path = os.path.join(plant.run, "none.pcapng")
         result = run_cli(BIN_DIR, "capture", "lifts", "--out", path, "--bridge", BRIDGE)
         self.assertEqual(result.code, 4, str(result))

@@ -93,7 +93,7 @@ class Families(unittest.TestCase):
                 result = plant.cli("acquire", device, "--at", address, "--json")
                 self.assertEqual(result.json_lines()[0]["values"], [float(value)], str(result))
 
-    def test_a_type_that_the_channels_do_not_tell_is_asked_for(self):
+    def test_a_type_that_the_channels_do_not_state_is_asked_for(self):
         result = plant.cli("write", "assembly/robot", "--at", "T5", "100")
         self.assertEqual(result.code, 2, str(result))
         self.assertIn("say --type", result.err)

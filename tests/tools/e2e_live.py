@@ -11,23 +11,14 @@ import unittest
 
 import e2e_station
 from e2e_station import SECONDS, Browser, Socket, Station, is_kind
-from plant import Plant, run_cli, wait_until
+from plant import Plant, modbus_line, run_cli, wait_until
 
 GOOD, UNCERTAIN = 0, 1
 PASSWORD = "correct-horse"
 
 CONFIG = """
 bridge: e2e
-store: { path: {run}/bridge.db, samples: [] }
-buses:
-  - name: line
-    port: { serial: {run}/line, baud: 115200, format: 8N1 }
-    protocol: modbus-rtu
-    defaults: { refresh: 200ms }
-    devices:
-      - name: press
-        address: 1
-        channels:
+store: { path: {run}/bridge.db, samples: [] }""" + modbus_line() + """\
           - { name: speed, at: "holding:7", type: int16, access: read-write, limits: { high: 100 } }
 """
 

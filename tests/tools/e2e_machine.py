@@ -18,24 +18,14 @@ import tempfile
 import unittest
 
 import plant
-from plant import Plant, run_cli, wait_until
+from plant import Plant, modbus_line, run_cli, wait_until
 
 BIN_DIR = ""
 SECONDS = 60
 PRIVATE = "FIELDCAST_TEST_PRIVATE"  # set: this process is in namespaces of its own
 
 CONFIG = """
-bridge: e2e
-buses:
-  - name: line
-    port: { serial: {run}/line, baud: 115200, format: 8N1 }
-    protocol: modbus-rtu
-    defaults: { refresh: 100ms }
-    devices:
-      - name: press
-        address: 1
-        channels:
-""" + "\n".join(f'          - {{ name: c{i}, at: "holding:{i}", type: uint16, access: read-write }}' for i in range(60)) + "\n"
+bridge: e2e""" + modbus_line(defaults="refresh: 100ms") + "\n".join(f'          - {{ name: c{i}, at: "holding:{i}", type: uint16, access: read-write }}' for i in range(60)) + "\n"
 
 
 def system(*command):

@@ -18,7 +18,10 @@ import unittest
 import urllib.error
 import urllib.request
 
-from plant import Plant, wait_until
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "interop"))
+
+from peers import free_port
+from plant import Plant, modbus_line, wait_until
 
 try:
     from prometheus_client.openmetrics.parser import text_string_to_metric_families
@@ -32,33 +35,11 @@ OPEN_METRICS = "application/openmetrics-text; version=1.0.0"
 CONFIG = """
 bridge: e2e
 store: { path: {run}/plant.db }
-metrics: { listen: 127.0.0.1:{port} }
-buses:
-  - name: line
-    port: { serial: {run}/line, baud: 115200, format: 8N1 }
-    protocol: modbus-rtu
-    defaults: { refresh: 200ms }
-    devices:
-      - name: press
-        address: 1
-        channels:
+metrics: { listen: 127.0.0.1:{port} }""" + modbus_line() + """\
           - { name: temperature, at: "holding:100", type: float32 }
           - { name: level, at: "input-register:3", type: uint16 }
       - { name: mill, address: 2, channels: [ { name: speed, at: "holding:7", type: int16 } ] }
 """
-
-
-def free_port():
-    """Returns a port below the kernel's ephemeral range, so that no other connection gets it."""
-    for attempt in range(1000):
-        port = 20000 + (os.getpid() * 7 + attempt) % 12000
-        with socket.socket() as probe:
-            try:
-                probe.bind(("127.0.0.1", port))
-                return port
-            except OSError:
-                pass
-    raise AssertionError("every port is taken")
 
 
 port = free_port()
@@ -67,12 +48,7 @@ plant = None
 
 def setUpModule():
     global plant
-    plant = Plant(BIN_DIR, CONFIG.replace("{port}", str(port)))
-    plant.__enter__()
-
-
-def tearDownModule():
-    plant.__exit__(None, None, None)
+    plant = unittest.enterModuleContext(Plant(BIN_DIR, CONFIG.replace("{port}", str(port))))
 
 
 def scrape(accept=OPEN_METRICS, at=None):

@@ -47,7 +47,7 @@ class Installed(unittest.TestCase):
         for component in ["fieldcast", "fieldcast-dev", "fieldcast-sim"]:
             run("cmake", "--install", BUILD_DIR, "--component", component, "--prefix", cls.root, "--strip")
 
-    def test_each_program_tells_its_usage_and_has_its_page(self):
+    def test_each_program_prints_its_usage_and_has_its_page(self):
         for program in PROGRAMS:
             self.assertIn("--help", run(f"{self.root}/bin/{program}", "--help", env=environment(self.root)))
             self.assertRegex(run(f"{self.root}/bin/{program}", "--version", env=environment(self.root)), rf"^{program} \d+\.\d+\.\d+\n$")

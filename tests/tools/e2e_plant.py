@@ -58,12 +58,7 @@ plant = None
 
 def setUpModule():
     global plant
-    plant = Plant(BIN_DIR, CONFIG)
-    plant.__enter__()
-
-
-def tearDownModule():
-    plant.__exit__(None, None, None)
+    plant = unittest.enterModuleContext(Plant(BIN_DIR, CONFIG))
 
 
 def path_of(sample):
@@ -146,7 +141,7 @@ class Watch(unittest.TestCase):
         process.stdout.close()
         self.assertEqual(process.wait(timeout=20), 9)
 
-    def test_control_c_ends_it_at_once(self):
+    def test_control_c_ends_it_immediately(self):
         process = self.stream(stderr=subprocess.PIPE)
         self.assertTrue(process.stdout.readline())
         process.send_signal(signal.SIGINT)
@@ -206,7 +201,7 @@ class Write(unittest.TestCase):
         self.assertEqual(result.code, 5, str(result))
         self.assertEqual(self.acquired("fast/press/setpoint"), [11])
 
-    def test_an_unknown_channel_is_answered_with_what_was_meant(self):
+    def test_an_unknown_channel_is_refused_with_what_was_meant(self):
         result = plant.cli("write", "fast/press/setpint=5")
         self.assertEqual(result.code, 5, str(result))
         self.assertIn("did you mean setpoint?", result.err)
@@ -262,7 +257,7 @@ class Status(unittest.TestCase):
         for device in devices.values():
             self.assertGreater(device["answer_time"], 0)
 
-    def test_people_get_a_table(self):
+    def test_users_get_a_table(self):
         result = plant.cli("status")
         self.assertEqual(result.code, 0, str(result))
         self.assertIn("fast/press", result.out)

@@ -55,15 +55,13 @@ def setUpModule():
                     "-subj", "/CN=bridge", "-addext", "subjectAltName=IP:127.0.0.1", "-keyout", key, "-out", certificate],
                    check=True, capture_output=True, timeout=60)
     port = free_port()
-    plant = Plant(BIN_DIR, CONFIG.replace("{port}", str(port)).replace("{keys}", keys.name))
-    plant.__enter__()
+    plant = unittest.enterModuleContext(Plant(BIN_DIR, CONFIG.replace("{port}", str(port)).replace("{keys}", keys.name)))
     for name, password in PASSWORDS.items():
         subprocess.run([os.path.join(BIN_DIR, "fieldcast"), "user", "add", name, "--role", ROLES[name], "--config", plant.file],
                        input=password + "\n", text=True, check=True, capture_output=True, timeout=60)
 
 
 def tearDownModule():
-    plant.__exit__(None, None, None)
     keys.cleanup()
 
 

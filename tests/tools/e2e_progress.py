@@ -269,7 +269,7 @@ class Transfer(Commands):
                 time.sleep(0.005)
         return sent
 
-    def test_it_ends_at_once_where_nothing_waits(self):
+    def test_it_ends_immediately_where_nothing_waits(self):
         with Terminal(self.command) as terminal:
             terminal.wait_for("17: paired")
             os.write(self.software(), b"a program")
@@ -292,7 +292,7 @@ class Transfer(Commands):
             self.assertGreater(sent, 4096)
         self.assertFalse(os.path.islink(self.link))
 
-    def test_lines_where_it_is_no_terminal(self):
+    def test_lines_where_it_is_not_a_terminal(self):
         process = self.start(*self.command, "--json", stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         while '"paired"' not in (line := process.stdout.readline()):
             self.assertTrue(line, "it ended")

@@ -17,23 +17,14 @@ import urllib.request
 
 import e2e_station
 from e2e_station import Station
-from plant import Plant, run_cli, wait_until
+from plant import Plant, modbus_line, run_cli, wait_until
 
 BIN_DIR = ""
 SECONDS = 30
 
 CONFIG = """
 bridge: {bus}-bridge
-store: { path: {run}/bridge.db }
-buses:
-  - name: {bus}
-    port: { serial: {run}/line, baud: 115200, format: 8N1 }
-    protocol: modbus-rtu
-    defaults: { refresh: 100ms }
-    devices:
-      - name: press
-        address: 1
-        channels:
+store: { path: {run}/bridge.db }""" + modbus_line("{bus}", defaults="refresh: 100ms") + """\
           - { name: temperature, at: "holding:100", type: float32, unit: °C }
           - { name: speed, at: "holding:7", type: int16, access: read-write, limits: { low: 32000 } }
           - { name: order, at: "holding:20", type: string(8) }
@@ -128,7 +119,7 @@ class Recorder(unittest.TestCase):
         text = run_cli(BIN_DIR, "history", "east/press/temperature", "--store", os.path.join(first.run, "recorded.db")).out
         self.assertIn("°C", text)
 
-    def test_2_a_bridge_and_a_station_that_start_anew_repeat_nothing(self):
+    def test_2_a_bridge_and_a_station_that_restart_repeat_nothing(self):
         with recorder() as station:
             before = len(recorded("east/press/speed"))
             wait_until(lambda: len(recorded("east/press/speed")) > before + 10, SECONDS, station.log)
@@ -148,7 +139,7 @@ class Recorder(unittest.TestCase):
         sequences = [sample["sequence"] for sample in recorded("east/press/speed")]
         self.assertTrue(any(later < earlier for earlier, later in zip(sequences, sequences[1:])))
 
-    def test_3_an_alarm_is_recorded_with_what_people_did(self):
+    def test_3_an_alarm_is_recorded_with_the_user_actions(self):
         with recorder() as station:
             wait_until(lambda: [a for a in get(station, "/api/alarms")["alarms"] if a["bus"] == "east" and a["active"]], SECONDS, station.log)
             body = {"alarms": [{"bus": "east", "device": "press", "channel": "speed", "limit": "low"}], "note": "seen"}

@@ -45,12 +45,7 @@ RESTORED = b"\x1b[?1049l"  # leaves the alternate screen
 
 def setUpModule():
     global plant
-    plant = Plant(BIN_DIR, CONFIG)
-    plant.__enter__()
-
-
-def tearDownModule():
-    plant.__exit__(None, None, None)
+    plant = unittest.enterModuleContext(Plant(BIN_DIR, CONFIG))
 
 
 class Screen(unittest.TestCase):

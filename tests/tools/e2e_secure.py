@@ -212,7 +212,7 @@ class Secured(unittest.TestCase):
             self.assertEqual(refused.returncode, 2, refused.stdout + refused.stderr)
             self.assertIn("is empty; name the folder of a member", refused.stderr)
 
-    def test_who_finds_no_bridge_as_a_member_is_told_what_security_has_to_do_with_it(self):
+    def test_who_finds_no_bridge_as_a_member_gets_a_hint_at_security(self):
         other = os.path.join(self.folder, "other")
         self.secure("init", other)
         self.secure("add", "station", "wall", "--authority", other)

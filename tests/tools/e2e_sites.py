@@ -23,7 +23,7 @@ import unittest
 
 import networks
 from networks import system
-from plant import Plant, Result, claim_domain, run_cli, wait_until
+from plant import Plant, Result, claim_domain, modbus_line, run_cli, wait_until
 
 BIN_DIR = ""
 DOCUMENT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../docs/many-sites.md")
@@ -32,17 +32,7 @@ CHANNELS = 20
 FOUND_SECONDS = 15  # until a station has every channel
 
 CONFIG = """
-bridge: {name}
-buses:
-  - name: line
-    port: { serial: {run}/line, baud: 115200, format: 8N1 }
-    protocol: modbus-rtu
-    defaults: { refresh: 200ms }
-    devices:
-      - name: press
-        address: 1
-        channels:
-""" + "\n".join(f'          - {{ name: c{i}, at: "holding:{i}", type: uint16, access: read-write }}' for i in range(CHANNELS)) + "\n"
+bridge: {name}""" + modbus_line() + "\n".join(f'          - {{ name: c{i}, at: "holding:{i}", type: uint16, access: read-write }}' for i in range(CHANNELS)) + "\n"
 
 
 def free_udp_port():
@@ -136,7 +126,7 @@ class DiscoveryServers(unittest.TestCase):
         wait_until(found, FOUND_SECONDS, lambda: f"a new station does not find all {when}")
         print(f"{when}: a new station has every channel after {time.monotonic() - began:.1f} s", flush=True)
 
-    def test_a_server_that_starts_anew_at_once_is_joined_again(self):
+    def test_a_server_that_restarts_immediately_is_joined_again(self):
         servers = Servers(self)
         servers.start(0)
         key = f', discovery-server: "127.0.0.1:{servers.ports[0]}"'
@@ -148,7 +138,7 @@ class DiscoveryServers(unittest.TestCase):
             servers.start(0)
             self.assert_new_station_finds_all(plant, "with the server anew")
 
-    def test_a_bridge_that_dies_with_its_server_is_gone_when_that_is_back(self):
+    def test_a_bridge_that_dies_with_its_server_is_removed_when_that_is_back(self):
         servers = Servers(self)
         servers.start(0)
         key = f', discovery-server: "127.0.0.1:{servers.ports[0]}"'
@@ -167,7 +157,7 @@ class DiscoveryServers(unittest.TestCase):
             wait_until(lambda: not page.get("/api/bridges") + page.get("/api/buses") + page.get("/api/channels"), 40,
                        lambda: f"there is still {page.get('/api/bridges')}")
 
-    def test_one_of_two_may_be_away_and_both_may_start_anew(self):
+    def test_one_of_two_may_be_away_and_both_may_restart(self):
         servers = Servers(self)
         servers.start(0)
         servers.start(1)
@@ -191,7 +181,7 @@ class DiscoveryServers(unittest.TestCase):
             watch.await_more()
             self.assertEqual(plant.cli("write", "line/press/c1=5", "--verify").code, 0)
 
-    def test_that_do_not_answer_are_said_in_words_and_nothing_hangs(self):
+    def test_that_do_not_respond_are_said_in_words_and_nothing_hangs(self):
         servers = Servers(self)
         domain, claim = claim_domain()
         self.addCleanup(claim.close)
@@ -247,7 +237,7 @@ class OwnServers(unittest.TestCase):
 class SitesOfAStation(unittest.TestCase):
     """Two plants with the same names: one in a partition of its domain, one in another domain."""
 
-    def test_buses_with_one_name_are_told_apart_and_commands_go_to_their_site(self):
+    def test_buses_with_one_name_are_distinguished_and_commands_go_to_their_site(self):
         with Plant(BIN_DIR, CONFIG.replace("{name}", "bridge"), dds=", partition: north") as north, \
                 Plant(BIN_DIR, CONFIG.replace("{name}", "bridge")) as south:
             file = os.path.join(north.run, "station.yaml")

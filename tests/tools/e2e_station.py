@@ -17,22 +17,13 @@ import subprocess
 import sys
 import unittest
 
-from plant import Plant, wait_until
+from plant import Plant, modbus_line, wait_until
 
 BIN_DIR = ""
 SECONDS = 30
 
 CONFIG = """
-bridge: e2e
-buses:
-  - name: line
-    port: { serial: {run}/line, baud: 115200, format: 8N1 }
-    protocol: modbus-rtu
-    defaults: { refresh: 200ms }
-    devices:
-      - name: press
-        address: 1
-        channels:
+bridge: e2e""" + modbus_line() + """\
           - { name: temperature, at: "holding:100", type: float32 }
           - { name: speed, at: "holding:7", type: int16, access: read-write }
 """
@@ -269,7 +260,7 @@ class Stations(unittest.TestCase):
             wait_until(lambda: "read from their files again" in station.log(), SECONDS, station.log)
             self.assertEqual(bert.get("/api/me")["role"], "operator")
 
-    def test_faults_of_the_configuration_are_told_with_their_place(self):
+    def test_faults_of_the_configuration_are_reported_with_their_place(self):
         for text, expected in [("web: { listen: 0.0.0.0:8090 }\n", "station.yaml:1:16: the page off the loopback without TLS"),
                                ("web:\n  lsten: 127.0.0.1:8090\n", "did you mean listen"),
                                ("web: { certificate: nothing.pem, key: nothing.pem }\n", "station.yaml:1:21:")]:

@@ -10,22 +10,13 @@ import subprocess
 import sys
 import unittest
 
-from plant import Plant, run_cli, wait_until
+from plant import Plant, modbus_line, run_cli, wait_until
 
 BIN_DIR = ""
 
 CONFIG = """
 bridge: e2e
-store: { path: {run}/plant.db, samples: ["line/press/t*", line/press/setpoint] }
-buses:
-  - name: line
-    port: { serial: {run}/line, baud: 115200, format: 8N1 }
-    protocol: modbus-rtu
-    defaults: { refresh: 200ms }
-    devices:
-      - name: press
-        address: 1
-        channels:
+store: { path: {run}/plant.db, samples: ["line/press/t*", line/press/setpoint] }""" + modbus_line() + """\
           - { name: temperature, at: "holding:100", type: float32, unit: °C }
           - { name: setpoint, at: "holding:200", type: int16, access: read-write, limits: { high: 100, hysteresis: 10 } }
           - { name: level, at: "input-register:3", type: uint16 }
@@ -36,12 +27,7 @@ plant = None
 
 def setUpModule():
     global plant
-    plant = Plant(BIN_DIR, CONFIG)
-    plant.__enter__()
-
-
-def tearDownModule():
-    plant.__exit__(None, None, None)
+    plant = unittest.enterModuleContext(Plant(BIN_DIR, CONFIG))
 
 
 def lines(command, *arguments):
@@ -133,7 +119,7 @@ class Store(unittest.TestCase):
             return [(a["state"], a["value"]) for a in lines("alarms", "--from", "1h") if "state" in a]
         wait_until(lambda: kept()[-2:] == [("active", 101.0), ("clear", 90.0)], 30, lambda: str(kept()))
 
-    def test_people_acknowledge_shelve_and_maintain(self):
+    def test_users_acknowledge_shelve_and_maintain(self):
         def alarm():
             return next((a for a in lines("alarms") if a["limit"] == "high"), {})
 

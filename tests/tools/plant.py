@@ -40,6 +40,21 @@ def wait_until(condition, seconds, reason):
         time.sleep(0.02)
 
 
+def modbus_line(bus="line", device="press", port="baud: 115200, format: 8N1", defaults="refresh: 200ms"):
+    """Returns the start of `buses:`, a Modbus RTU line with one device; its channels must follow."""
+    return f"""
+buses:
+  - name: {bus}
+    port: {{ serial: {{run}}/line, {port} }}
+    protocol: modbus-rtu
+    defaults: {{ {defaults} }}
+    devices:
+      - name: {device}
+        address: 1
+        channels:
+"""
+
+
 def shared_memory():
     return {name for name in os.listdir("/dev/shm") if "fastrtps" in name}
 
@@ -109,6 +124,20 @@ def running_bridge(bin_dir, config, log):
             if bridge.poll() is None:
                 bridge.kill()
                 bridge.wait()
+
+
+def report(counts, failed):
+    """Prints the counts of a campaign and returns its exit code."""
+    print(json.dumps(counts))
+    return 1 if failed else 0
+
+
+def run_alone(name, run):
+    """Runs a script's run(BIN_DIR); a Failure ends the process with its text."""
+    try:
+        run(sys.argv[1])
+    except Failure as failure:
+        sys.exit(f"{name}: {failure}")
 
 
 class InAFolder(unittest.TestCase):

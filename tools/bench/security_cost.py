@@ -13,22 +13,12 @@ import tempfile
 import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "tests", "tools"))
-from plant import Plant  # noqa: E402
+from plant import Plant, modbus_line  # noqa: E402
 from progress import Progress  # noqa: E402
 
 CHANNELS = 200
 CONFIG = """
-bridge: bench
-buses:
-  - name: line
-    port: { serial: {run}/line, baud: 115200, format: 8N1 }
-    protocol: modbus-rtu
-    defaults: { refresh: 200ms }
-    devices:
-      - name: device
-        address: 1
-        channels:
-""" + "".join(f'          - {{ name: c{i}, at: "holding:{i}", type: uint16 }}\n' for i in range(CHANNELS))
+bridge: bench""" + modbus_line(device="device") + "".join(f'          - {{ name: c{i}, at: "holding:{i}", type: uint16 }}\n' for i in range(CHANNELS))
 
 
 def processor_seconds(pid):

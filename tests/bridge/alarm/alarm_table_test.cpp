@@ -146,7 +146,7 @@ AlarmAction acknowledge(const std::string& bus) {
   return action;
 }
 
-TEST(AlarmTable, WhatPeopleDoIsKeptAndPublished) {
+TEST(AlarmTable, UserActionsAreKeptAndPublished) {
   RecordingStore store;
   AlarmTable table;
   std::vector<std::string> published;
@@ -179,7 +179,7 @@ TEST(AlarmTable, WhatPeopleDoIsKeptAndPublished) {
   EXPECT_EQ(published.size(), 2u);
 }
 
-TEST(AlarmTable, GoesOnWithWhatPeopleDidBeforeTheRestart) {
+TEST(AlarmTable, ContinuesWithTheUserActionsBeforeTheRestart) {
   RecordingStore store;
   AlarmTable table;
   (void)table.configure(buses({"a", "b"}), kNow);

@@ -72,7 +72,7 @@ TEST_F(SecretFile, IsReadWhenNobodyElseMayReadOrChangeIt) {
   EXPECT_EQ(read_secret_file(file(0600), Readers::kOwner)->text(), "the secret\r\nsecond\n");
 }
 
-TEST_F(SecretFile, WhatIsNoSecretIsRefusedInOneLineThatHoldsNothingOfIt) {
+TEST_F(SecretFile, WhatIsNotASecretIsRefusedInOneLineThatHoldsNothingOfIt) {
   const auto error = [](const tl::expected<Secret, std::string>& read) {
     return read ? "" : read.error();
   };

@@ -21,21 +21,21 @@ TEST(BackOff, DoublesFromATenthOfASecondToThirtySeconds) {
   EXPECT_EQ(waits[10], seconds{30});
 }
 
-TEST(BackOff, APortThatStayedOpenStartsAnew) {
+TEST(BackOff, APortThatStayedOpenRestarts) {
   BackOff back_off;
   for (int i = 0; i < 5; ++i) (void)back_off.closed(kStart);
   back_off.opened(kStart);
   EXPECT_EQ(back_off.closed(kStart + BackOff::kProven), BackOff::kFirst);
 }
 
-TEST(BackOff, StartsAnewWhenThereIsANewReason) {
+TEST(BackOff, RestartsWhenThereIsANewReason) {
   BackOff back_off;
   for (int i = 0; i < 5; ++i) (void)back_off.closed(kStart);
   back_off.reset();
   EXPECT_EQ(back_off.closed(kStart), BackOff::kFirst);
 }
 
-TEST(BackOff, APortThatFallsAtOnceDoesNot) {
+TEST(BackOff, APortThatFallsImmediatelyDoesNot) {
   BackOff back_off;
   (void)back_off.closed(kStart);
   back_off.opened(kStart);

@@ -10,13 +10,10 @@
 #include "tests/bridge/support/modbus_device.hpp"
 #include "tests/bridge/support/recording_sink.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
 
 using std::chrono::milliseconds;
-using test::ModbusDevice;
-using test::Pty;
-using test::RecordingSink;
 using Record = RecordingSink::Record;
 
 constexpr std::uint16_t kFirstRegister = 100;
@@ -189,7 +186,7 @@ TEST_F(BusRunnerTest, ADeadDeviceIsBadAndNeverGood) {
   EXPECT_EQ(good_samples(sink.record()), 0u);
 }
 
-TEST_F(BusRunnerTest, StoppingAnswersEveryCommandThatWaits) {
+TEST_F(BusRunnerTest, StoppingRespondsToEveryCommandThatWaits) {
   ModbusDevice device(pty);
   device.set_silent(true);  // the first command hangs and blocks the others
   begin(bus_at(pty.path()));
@@ -302,4 +299,4 @@ TEST_F(BusRunnerTest, TextsOfTheDeviceComeAndGoInItsCharacterSet) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

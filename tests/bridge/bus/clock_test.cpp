@@ -20,7 +20,7 @@ TEST(Clocks, BothReadingsAreOfThisMoment) {
   EXPECT_LE(mapping.utc.nanoseconds, wall_after);
 }
 
-TEST(Clock, OneInstantIsToldAsOneTimeUntilTheClockIsSet) {
+TEST(Clock, OneInstantIsReportedAsOneTimeUntilTheClockIsSet) {
   using namespace std::chrono_literals;
   const UtcMapping first{Instant{100s}, UtcTime{1'000'000'000}};
   const UtcMapping same = first.followed_by({Instant{101s}, UtcTime{2'000'000'003}});

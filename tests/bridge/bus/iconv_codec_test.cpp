@@ -13,7 +13,7 @@ TEST(IconvCodec, TranscodesGbkAndShiftJisBothWays) {
   EXPECT_EQ(codec.from_utf8(Charset::kShiftJis, "温度 ｱ\\"), "\x89\xB7\x93\x78 \xB1\\");
 }
 
-TEST(IconvCodec, ShowsWhatIsNoCharacterAndGoesOnBehindIt) {
+TEST(IconvCodec, ShowsWhatIsNotACharacterAndGoesOnBehindIt) {
   IconvCodec codec;
   EXPECT_EQ(codec.to_utf8(Charset::kGbk, "a\xCE\xC2\xB6"), "a温\\xB6") << "cut inside a character";
   EXPECT_EQ(codec.to_utf8(Charset::kGbk, "\xFFx\xCE\xC2"), "\\xFFx温");

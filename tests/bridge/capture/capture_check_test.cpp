@@ -67,7 +67,7 @@ TEST_F(CaptureCheck, AFolderOfAnotherUserIsARemark) {
   EXPECT_THAT(remarks[0].what, HasSubstr("Permission denied"));
 }
 
-TEST_F(CaptureCheck, BusesOnOneDiskShareItsRoom) {
+TEST_F(CaptureCheck, BusesOnOneDiskShareItsSpace) {
   // Each alone has space: two files of a quarter. Other programs may fill the disk meanwhile.
   const std::uint64_t bytes = free() / 8 * 3;
   EXPECT_THAT(check({bus("a", folder_, bytes)}), IsEmpty());

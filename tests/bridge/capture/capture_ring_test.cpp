@@ -196,7 +196,7 @@ TEST_F(CaptureRingTest, WhatDoesNotFitIsTakenBackSoThatTheFileIsWhole) {
   EXPECT_EQ(read_file(folder_ + "/x.pcapng").packets, 2u);
 }
 
-TEST_F(CaptureRingTest, AFullDiskStopsItAndItGoesOnWhenThereIsRoom) {
+TEST_F(CaptureRingTest, AFullDiskStopsItAndItGoesOnWhenThereIsSpace) {
   const auto all = ring(100'000, 5);
   all->packet(block(1000), {kNoon});
   {

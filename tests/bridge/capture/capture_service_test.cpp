@@ -139,7 +139,7 @@ TEST(CaptureServiceTest, WhatTheTapDroppedIsSaidInTheFile) {
   EXPECT_GT(found.dropped, 0u);
 }
 
-TEST(CaptureServiceTest, WhoAsksForNoBusIsToldWhichThereAre) {
+TEST(CaptureServiceTest, ARequestForNoBusReturnsThoseThatExist) {
   CaptureService service{std::string(kBridge)};
   (void)service.add_bus(one_meter());
   Client list, other, nonsense;

@@ -62,7 +62,7 @@ TEST_F(CommandRouterTest, ADuplicateIsRefusedAndNeverReachesTheBus) {
   EXPECT_EQ(sink.record().results[1].request_id, 2u);
 }
 
-TEST_F(CommandRouterTest, WhatAnotherBridgeHasJustAnsweredGetsNoSecondResult) {
+TEST_F(CommandRouterTest, ACommandWithAFreshResultOfAnotherBridgeGetsNoSecondResult) {
   const Instant now = steady_now(), later = now + RecentCommands::kFor;
   EXPECT_TRUE(router.answered_elsewhere("test", 1, now));
   EXPECT_FALSE(router.answered_elsewhere("test", 1, now)) << "it was known";

@@ -32,7 +32,7 @@ struct Agreeing {
   DdsLink link{loopback(), "test", received.handlers()};
 };
 
-TEST(DdsAlarmAction, IsAnsweredOnceAndSharesTheIdsOfCommands) {
+TEST(DdsAlarmAction, GetsAResponseOnceAndSharesTheIdsOfCommands) {
   const std::string bus = bus_name("action");
   Agreeing bridge(bus);
   Station station(loopback(), "operator");
@@ -54,7 +54,7 @@ TEST(DdsAlarmAction, IsAnsweredOnceAndSharesTheIdsOfCommands) {
   EXPECT_EQ(results.size(), 2u);
 }
 
-TEST(DdsAlarmAction, AThousandAreAllAnswered) {
+TEST(DdsAlarmAction, AThousandAllGetResponses) {
   const std::string bus = bus_name("many-actions");
   Agreeing bridge(bus);
   Station station(loopback(), "operator");

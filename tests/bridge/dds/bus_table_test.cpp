@@ -165,7 +165,7 @@ TEST_F(BusTableTest, WhoseSamplesCountBelowThoseOfBeforeIsBehindUntilTheyCountOn
   EXPECT_FALSE(table.is_behind()) << "it starts again";
 }
 
-TEST_F(BusTableTest, ABusThatStartsAnewBeginsAnew) {
+TEST_F(BusTableTest, ABusThatRestartsBeginsAgain) {
   on(bus.catalogue(1));
   on(bus.snapshot({0}, 9));
   (void)said();
@@ -193,7 +193,7 @@ TEST_F(BusTableTest, SamplesAloneDoNotEndAnEpochThatHasACatalogue) {
   EXPECT_TRUE(table.wants_snapshot());
 }
 
-TEST_F(BusTableTest, WithItsCatalogueABusIsGoneAndMayComeBackWithALowerEpoch) {
+TEST_F(BusTableTest, WithItsCatalogueABusIsRemovedAndMayComeBackWithALowerEpoch) {
   on(bus.catalogue(65));
   on(bus.catalogue(65, 64));
   (void)said();
@@ -221,7 +221,7 @@ TEST_F(BusTableTest, BlocksThatDoNotFitAreRefused) {
   EXPECT_THAT(said(), IsEmpty());
 }
 
-TEST_F(BusTableTest, WhoBeginsLateIsToldWhatIsKnown) {
+TEST_F(BusTableTest, WhoBeginsLateIsNotifiedOfWhatIsKnown) {
   on(bus.catalogue(2));
   on(bus.samples({1}, 1));
   (void)said();

@@ -95,7 +95,7 @@ TEST(DdsCommand, HasTheRequestIdThatWasReservedForIt) {
   EXPECT_EQ(station.execute(command).error(), StationFault::kNotSent) << "it was not reserved";
 }
 
-TEST(DdsCommand, WhatBecameOfItIsTold) {
+TEST(DdsCommand, ItsOutcomeIsReported) {
   StationResult result;
   result.state = CommandState::kVerified;
   result.cause = "NONE";

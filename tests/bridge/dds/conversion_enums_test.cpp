@@ -1,12 +1,16 @@
-// Checks the wire number of every enumerator: other and older stations are compiled with it.
 #include "bridge/dds/topics/conversion_enums.hpp"
 
 #include <gtest/gtest.h>
 
 #include <string>
 
+#include "bridge/dds/topics/conversion.hpp"
+#include "bridge/dds/topics/topics.hpp"
+
 namespace fieldcast {
 namespace {
+
+// Checks the wire number of every enumerator: other and older stations are compiled with it.
 
 template <typename Core, typename Topic>
 struct Row {
@@ -190,6 +194,25 @@ TEST(EnumConversion, NumbersOfWhatHasNoCounterpartInCore) {
   EXPECT_EQ(static_cast<int>(idl::LIMIT_WRITE_MAX), 5);
   EXPECT_EQ(from_idl(idl::LIMIT_WRITE_MIN), std::nullopt);
   EXPECT_EQ(from_idl(idl::LIMIT_WRITE_MAX), std::nullopt);
+}
+
+TEST(BridgeConversion, BringsEveryFieldThere) {
+  const BridgeClaims claims{
+      "line-7", "host", "boot/pid:[1]/7/8", {5}, {{"one", {{6}, true}}, {"two", {{7}, false}}}};
+  idl::Bridge topic;
+  to_idl(claims, topic);
+  EXPECT_EQ(from_idl(topic), claims);
+  EXPECT_FALSE(std::string(topic.version().c_str()).empty());
+}
+
+TEST(BridgeConversion, LeavesOutWhatDoesNotFit) {
+  BridgeClaims claims;
+  for (int i = 0; i <= kMaxBuses; ++i) claims.buses["bus-" + std::to_string(i)] = {};
+  idl::Bridge topic;
+  to_idl(claims, topic);
+  EXPECT_EQ(topic.buses().size(), static_cast<std::size_t>(kMaxBuses));
+  to_idl(BridgeClaims{}, topic);
+  EXPECT_TRUE(topic.buses().empty());
 }
 
 }  // namespace

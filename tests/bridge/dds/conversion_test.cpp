@@ -47,7 +47,7 @@ TEST(ValueConversion, TooLongATextIsRefused) {
   EXPECT_FALSE(to_idl(std::string("a\0b", 3), topic));
 }
 
-TEST(ValueConversion, UnknownKindIsNoValue) {
+TEST(ValueConversion, AnUnknownKindHasNoValue) {
   idl::Value topic;
   topic._d() = static_cast<idl::ValueKind>(99);
   EXPECT_EQ(from_idl(topic), std::nullopt);

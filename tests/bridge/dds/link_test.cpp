@@ -57,7 +57,7 @@ TEST(DdsLink, EveryChannelOf300ArrivesFromOneRefreshClass) {
 }
 
 // Two masters that start before they discover each other: one of them steps back.
-TEST(DdsLink, TheChannelsOfABridgeAreThereWhenAnotherOneOfALaterEpochHasLeft) {
+TEST(DdsLink, TheChannelsOfABridgeRemainWhenASecondBridgeOfALaterEpochHasLeft) {
   const std::string bus = bus_name("twice");
   Received of_first, of_second;
   DdsLink first(loopback(), "first", of_first.handlers());
@@ -173,7 +173,7 @@ TEST(DdsLink, StationThatAsksForADeadlineGetsJustTheChannelsThatPromiseIt) {
     EXPECT_EQ(static_cast<int>(std::get<double>(sample.value)) % 2, 0);
 }
 
-TEST(DdsLink, StationIsToldWhichChannelMissedItsDeadline) {
+TEST(DdsLink, TheStationIsNotifiedOfTheChannelThatMissedItsDeadline) {
   const std::string bus = bus_name("late-channel");
   Received received;
   DdsLink link(loopback(), "test", received.handlers());

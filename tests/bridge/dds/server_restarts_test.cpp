@@ -76,7 +76,7 @@ struct Restarts : ::testing::Test {
   ServerRestarts restarts;
 };
 
-TEST_F(Restarts, WhoWasGivenUpLetsGoOfThoseThatWereSilent) {
+TEST_F(Restarts, AMemberThatWasGivenUpForgetsSilentMembers) {
   hear_all();
   EXPECT_EQ(ends_before(acknowledgement(0, 6), kStart + seconds{14}),
             (std::vector<int>{1, 2, 'D'}));
@@ -103,7 +103,7 @@ TEST_F(Restarts, WhoWasAnnouncedAMomentBeforeIsKept) {
   EXPECT_EQ(ends_before(acknowledgement(0, 6), kStart + seconds{14}), (std::vector<int>{1, 'D'}));
 }
 
-TEST_F(Restarts, WhatIsToldOfOthersBeforeTheServerIsFoundAgainIsToldThen) {
+TEST_F(Restarts, WhatIsReportedOfOthersBeforeTheServerIsFoundAgainIsReportedThen) {
   hear_all();
   EXPECT_EQ(ends_before(heartbeat(9, 9), kStart + seconds{14}), std::vector<int>{'D'});
   EXPECT_TRUE(ends_before(acknowledgement(0, 6), kStart + milliseconds{14'100}).empty());
@@ -112,7 +112,7 @@ TEST_F(Restarts, WhatIsToldOfOthersBeforeTheServerIsFoundAgainIsToldThen) {
             (std::vector<int>{1, 2, 'D'}));
 }
 
-TEST_F(Restarts, WhoIsNeitherHeardNorAnnouncedSinceAServerBeganAnewIsLetGoOf) {
+TEST_F(Restarts, AMemberNeitherHeardNorAnnouncedSinceAServerRestartedIsForgotten) {
   hear_all();
   EXPECT_FALSE(says_goodbye(announcement(7, 20), kStart + seconds{3}));
   EXPECT_TRUE(says_goodbye(announcement(1, 30), kStart + seconds{4})) << "another server";
@@ -139,7 +139,7 @@ TEST_F(Restarts, WhoIsHeardWithoutAServerIsKept) {
   }
 }
 
-TEST_F(Restarts, AnAcknowledgementThatComesLateIsNoNewBeginning) {
+TEST_F(Restarts, AnAcknowledgementThatComesLateIsNotANewBeginning) {
   hear_all();
   EXPECT_FALSE(says_goodbye(acknowledgement(0, 4), kStart + seconds{3}));
   EXPECT_FALSE(says_goodbye(acknowledgement(0, 4, 4), kStart + seconds{3})) << "of our readers";
@@ -166,7 +166,7 @@ TEST_F(Restarts, WhatIsSentAgainOrComesLateIsOfTheSameServer) {
   EXPECT_FALSE(says_goodbye(announcement(10, 30)));
 }
 
-TEST_F(Restarts, AServerThatWasNotHeardForLongerThanItWaitsForUsIsJoinedAnew) {
+TEST_F(Restarts, AServerThatWasNotHeardForLongerThanItWaitsForUsIsJoinedAgain) {
   EXPECT_FALSE(says_goodbye(announcement(9, 30), kStart));
   EXPECT_FALSE(says_goodbye(heartbeat(9, 4), kStart + seconds{6}));
   EXPECT_TRUE(says_goodbye(heartbeat(9, 5), kStart + seconds{18}));
@@ -175,7 +175,7 @@ TEST_F(Restarts, AServerThatWasNotHeardForLongerThanItWaitsForUsIsJoinedAnew) {
   EXPECT_FALSE(says_goodbye(announcement(10, 50), kStart + seconds{20}));
 }
 
-TEST_F(Restarts, HeartbeatsThatBeginAnewAreAnotherServers) {
+TEST_F(Restarts, HeartbeatsThatRestartAreAnotherServers) {
   EXPECT_FALSE(says_goodbye(heartbeat(50, 80), kStart));
   EXPECT_FALSE(says_goodbye(heartbeat(50, 81), kStart + seconds{2}));
   EXPECT_FALSE(says_goodbye(heartbeat(49, 82), kStart + seconds{3})) << "the last one was let go";
@@ -205,7 +205,7 @@ TEST_F(Restarts, LeaveIsTakenOnceUntilTheServerIsFound) {
   EXPECT_TRUE(says_goodbye(announcement(1, 60)));
 }
 
-TEST_F(Restarts, OthersMayBeginAnewAsTheyLike) {
+TEST_F(Restarts, OthersMayRestartAsTheyLike) {
   Bytes before = announcement(9, 30), after = announcement(1, 40);
   before[8] = after[8] = 'X';
   EXPECT_FALSE(says_goodbye(before));

@@ -216,7 +216,7 @@ TEST(DdsSettings, WithoutItsServerAClientFindsNobody) {
   EXPECT_EQ(unseen.size(), 0u);
 }
 
-TEST(DdsSettings, DiscoveryServerThatIsNoAddressIsAnError) {
+TEST(DdsSettings, DiscoveryServerThatIsNotAnAddressIsAnError) {
   DdsSpec spec = loopback();
   for (const char* server :
        {"somewhere", "127.0.0.1:", "127.0.0.1:0", "127.0.0.1:65536", "127.0.0.1:12x"}) {

@@ -21,7 +21,7 @@ class SitesTest : public ::testing::Test {
   Station sites_{{site("north"), site("south")}, "both"};
 };
 
-TEST_F(SitesTest, ValuesOfBusesWithOneNameAreToldApart) {
+TEST_F(SitesTest, ValuesOfBusesWithOneNameAreDistinguished) {
   Collected<StationSample> samples;
   Collected<StationChannel> channels;
   sites_.subscribe_channels([&](const StationChannel& channel) { channels.add(channel); });
@@ -58,7 +58,7 @@ TEST_F(SitesTest, ACommandGoesToTheSiteThatItsBusNames) {
   EXPECT_NE(results.all()[0].request_id, results.all()[1].request_id);
 }
 
-TEST_F(SitesTest, ABusOfNoSiteIsRefusedAtOnce) {
+TEST_F(SitesTest, ABusOfNoSiteIsRefusedImmediately) {
   for (const std::string& bus : {bus_, "east:" + bus_, "north" + bus_}) {
     const auto outcome = sites_.execute(write_running(bus));
     ASSERT_FALSE(outcome) << bus;

@@ -49,7 +49,7 @@ struct Member {
 };
 
 // Both ways, because DDS prefers the lower identity of two writers of equal strength.
-TEST(StandbyChannel, AMemberThatBeganAnewIsHeardBeforeItsLifeBeforeIsGivenUp) {
+TEST(StandbyChannel, AMemberThatRestartedIsHeardBeforeItsLifeBeforeIsGivenUp) {
   Member listener("listener", 1 * kSecond);
   Member one("a", 100 * kSecond), other("a", 200 * kSecond);
   Member third("b", 200 * kSecond), fourth("b", 100 * kSecond);

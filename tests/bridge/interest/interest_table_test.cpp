@@ -67,7 +67,7 @@ TEST(InterestTable, NonsenseIsRefusedWithAReason) {
   EXPECT_TRUE(table.interests(press_shop()).empty());
 }
 
-TEST(InterestTable, WithdrawingWhatWasNeverDeclaredIsNoFault) {
+TEST(InterestTable, WithdrawingWhatWasNeverDeclaredIsNotAFault) {
   InterestTable table;
   EXPECT_TRUE(table.note("a", "*/*/*", std::nullopt));
 }
@@ -87,7 +87,7 @@ TEST(InterestTable, MemoryIsBounded) {
   EXPECT_FALSE(table.note("too many", "bus-1", milliseconds{100}));
 }
 
-TEST(InterestTable, AMillionInterestsAreRefusedAtOnceAndLeaveThoseThatStand) {
+TEST(InterestTable, AMillionInterestsAreRefusedImmediatelyAndLeaveThoseThatStand) {
   InterestTable table;
   ASSERT_TRUE(table.note("honest", "*/press-1/oil", milliseconds{200}));
   std::size_t taken = 0;
@@ -124,7 +124,7 @@ TEST(InterestTable, ChannelsThatAreReadAnywayAreNoInterest) {
   EXPECT_EQ(table.interests(bus), (Interests{{1, milliseconds{500}}}));
 }
 
-TEST(InterestTable, ReachTellsAnInterestInNothing) {
+TEST(InterestTable, ReachReportsAnInterestInNothing) {
   BusSpec bus = press_shop();
   bus.devices[0].channels[0].on_interest = false;
   const auto reach = [&](const char* pattern) {
@@ -147,7 +147,7 @@ TEST(InterestTable, NewsAreInterestsThatWereNotKnown) {
   EXPECT_TRUE(table.take_new().empty());
 }
 
-TEST(InterestChanges, OnlyDifferencesAreTold) {
+TEST(InterestChanges, OnlyDifferencesAreReported) {
   const Interests before{{0, milliseconds{100}}, {1, milliseconds{100}}, {2, milliseconds{100}}};
   const Interests after{{0, milliseconds{100}}, {1, milliseconds{50}}, {3, milliseconds{100}}};
   const auto told = changes(before, after);

@@ -23,7 +23,7 @@ TEST(RepeatFilter, KeysAreIndependent) {
   EXPECT_TRUE(filter.occurred("b", kStart).log);
 }
 
-TEST(RepeatFilter, AfterTenMinutesTheNextOccurrenceTellsHowMany) {
+TEST(RepeatFilter, AfterTenMinutesTheNextOccurrenceReportsHowMany) {
   RepeatFilter filter;
   (void)filter.occurred("a", kStart);
   for (int i = 1; i <= 5; ++i) (void)filter.occurred("a", kStart + seconds{i});
@@ -33,7 +33,7 @@ TEST(RepeatFilter, AfterTenMinutesTheNextOccurrenceTellsHowMany) {
   EXPECT_FALSE(filter.occurred("a", kStart + minutes{11}).log);
 }
 
-TEST(RepeatFilter, RecoveryTellsHowManyAndStartsAnew) {
+TEST(RepeatFilter, RecoveryReportsHowManyAndRestarts) {
   RepeatFilter filter;
   (void)filter.occurred("a", kStart);
   (void)filter.occurred("a", kStart + seconds{1});

@@ -49,7 +49,7 @@ struct DeviceWatchTest : testing::Test {
   std::optional<DeviceWatch> watching;
 };
 
-TEST_F(DeviceWatchTest, TellsAFileThatAppears) {
+TEST_F(DeviceWatchTest, ReportsAFileThatAppears) {
   watch(folder / "ttyUSB0");
   settle();
   EXPECT_EQ(came, 0);
@@ -57,7 +57,7 @@ TEST_F(DeviceWatchTest, TellsAFileThatAppears) {
   EXPECT_TRUE(told(1));
 }
 
-TEST_F(DeviceWatchTest, TellsAFileThatAppearsInAFolderThatAppears) {
+TEST_F(DeviceWatchTest, ReportsAFileThatAppearsInAFolderThatAppears) {
   watch(folder / "serial" / "by-id" / "usb-FTDI");
   fs::create_directories(folder / "serial" / "by-id");
   make(folder / "serial" / "by-id" / "usb-FTDI");
@@ -69,7 +69,7 @@ TEST_F(DeviceWatchTest, TellsAFileThatAppearsInAFolderThatAppears) {
   EXPECT_TRUE(told(2));
 }
 
-TEST_F(DeviceWatchTest, TellsTheTargetOfALinkThatHangs) {
+TEST_F(DeviceWatchTest, ReportsTheTargetOfALinkThatHangs) {
   fs::create_directories(folder / "by-id");
   fs::create_directories(folder / "dev");
   fs::create_symlink("../dev/ttyUSB0", folder / "by-id" / "usb");
@@ -80,7 +80,7 @@ TEST_F(DeviceWatchTest, TellsTheTargetOfALinkThatHangs) {
   EXPECT_TRUE(told(1));
 }
 
-TEST_F(DeviceWatchTest, TellsALinkThatLeadsElsewhere) {
+TEST_F(DeviceWatchTest, ReportsALinkThatLeadsElsewhere) {
   make(folder / "ttyUSB0");
   make(folder / "ttyUSB1");
   fs::create_symlink(folder / "ttyUSB0", folder / "usb");
@@ -92,7 +92,7 @@ TEST_F(DeviceWatchTest, TellsALinkThatLeadsElsewhere) {
   EXPECT_TRUE(told(1));
 }
 
-TEST_F(DeviceWatchTest, TellsAFileWhoseRightsAreGivenLater) {
+TEST_F(DeviceWatchTest, ReportsAFileWhoseRightsAreGivenLater) {
   make(folder / "ttyUSB0");
   ASSERT_EQ(::chmod((folder / "ttyUSB0").c_str(), 0), 0);
   watch(folder / "ttyUSB0");

@@ -37,7 +37,7 @@ class ReadinessTest : public ::testing::Test {
   int told = 0;
 };
 
-TEST_F(ReadinessTest, EachWaitIsToldOnce) {
+TEST_F(ReadinessTest, EachWaitIsReportedOnce) {
   wait();
   EXPECT_EQ(run(), 0u) << "nothing came yet";
   say();
@@ -72,14 +72,14 @@ TEST_F(ReadinessTest, ReadingAndWritingAreWaitedForAtTheSameTime) {
   EXPECT_EQ(told, 1);
 }
 
-TEST_F(ReadinessTest, APeerThatGoesIsTold) {
+TEST_F(ReadinessTest, APeerThatGoesIsReported) {
   wait();
   theirs.reset();
   run();
   EXPECT_EQ(told, 1);
 }
 
-TEST_F(ReadinessTest, NobodyIsToldAfterTheEnd) {
+TEST_F(ReadinessTest, NobodyIsNotifiedAfterTheEnd) {
   wait();
   say();
   readiness.close();

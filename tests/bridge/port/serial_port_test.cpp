@@ -15,12 +15,9 @@
 #include "tests/bridge/support/port_probe.hpp"
 #include "tests/bridge/support/pty.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
 
-using test::PortProbe;
-using test::Pty;
-using test::run_until;
 using testing::HasSubstr;
 
 struct SerialPortTest : testing::Test {
@@ -60,14 +57,14 @@ TEST(SerialLine, AFormatIsItsFlagsOfTermios) {
   EXPECT_EQ(format_flags({9600, 7, Parity::kOdd, 1}), static_cast<unsigned>(CS7 | PARENB | PARODD));
 }
 
-TEST_F(SerialPortTest, OpeningIsToldLaterNotAtOnce) {
+TEST_F(SerialPortTest, OpeningIsReportedLaterNotImmediately) {
   SerialPort port(io, spec());
   port.open(probe);
   EXPECT_EQ(probe.opened, 0);
   EXPECT_TRUE(run_until(io, [this] { return probe.opened == 1; }));
 }
 
-TEST_F(SerialPortTest, PollingDeliversAtOnceWhatHasArrived) {
+TEST_F(SerialPortTest, PollingDeliversImmediatelyWhatHasArrived) {
   SerialPort port(io, spec());
   open(port);
   port.poll();
@@ -101,7 +98,7 @@ TEST_F(SerialPortTest, MissingDeviceIsReportedInWords) {
   EXPECT_EQ(probe.opened, 0);
 }
 
-TEST_F(SerialPortTest, AFileThatIsNoTerminalIsRefused) {
+TEST_F(SerialPortTest, AFileThatIsNotATerminalIsRefused) {
   SerialPortSpec wrong = spec();
   wrong.path = "/dev/null";
   SerialPort port(io, wrong);
@@ -157,7 +154,7 @@ TEST_F(SerialPortTest, TheLockEndsWithTheClosing) {
   ::close(later);
 }
 
-TEST_F(SerialPortTest, UnpluggingIsToldOnce) {
+TEST_F(SerialPortTest, UnpluggingIsReportedOnce) {
   SerialPort port(io, spec());
   open(port);
   pty.unplug();
@@ -178,7 +175,7 @@ TEST_F(SerialPortTest, OpensAgainAfterItWasClosed) {
   EXPECT_EQ(pty.receive(1), Bytes{7});
 }
 
-TEST_F(SerialPortTest, NothingIsToldAfterClose) {
+TEST_F(SerialPortTest, NothingIsReportedAfterClose) {
   SerialPort port(io, spec());
   open(port);
   pty.send(Bytes{1, 2, 3});
@@ -237,7 +234,7 @@ TEST_F(SerialPortTest, ALineThatTakesNothingClosesThePortAtTheLimit) {
   EXPECT_THAT(probe.closed.front(), HasSubstr("takes no bytes"));
 }
 
-TEST_F(SerialPortTest, BytesThatTheLineDoesNotTakeAtOnceFollowInOrder) {
+TEST_F(SerialPortTest, BytesThatTheLineDoesNotTakeImmediatelyFollowInOrder) {
   SerialPort port(io, spec());
   open(port);
   Bytes sent;
@@ -260,7 +257,7 @@ TEST_F(SerialPortTest, BytesThatTheLineDoesNotTakeAtOnceFollowInOrder) {
   EXPECT_EQ(received, sent);
 }
 
-TEST_F(SerialPortTest, APseudoTerminalWithoutLineSettingsIsNoWarning) {
+TEST_F(SerialPortTest, APseudoTerminalWithoutLineSettingsIsNotAWarning) {
   const int slave = ::open(pty.path().c_str(), O_RDWR | O_NOCTTY);
   ASSERT_GE(slave, 0);
   SerialPortSpec wanted = spec();
@@ -286,4 +283,4 @@ TEST_F(SerialPortTest, TheLineIsRawAndHasItsBaudRate) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

@@ -8,13 +8,11 @@
 #include "bridge/port/stream_port.hpp"
 #include "tests/bridge/support/port_probe.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
 
 namespace asio = boost::asio;
 using asio::ip::tcp;
-using test::PortProbe;
-using test::run_until;
 using testing::HasSubstr;
 
 struct TcpPortTest : testing::Test {
@@ -49,7 +47,7 @@ TEST_F(TcpPortTest, CarriesBytesBothWays) {
   EXPECT_EQ(probe.received, answer);
 }
 
-TEST_F(TcpPortTest, AServerWithOneClientThatClosesAtOnceIsInUse) {
+TEST_F(TcpPortTest, AServerWithOneClientThatClosesImmediatelyIsInUse) {
   TcpPortSpec one = spec();
   one.fence.kind = Fence::kOneClient;
   TcpPort port(io, one);
@@ -59,7 +57,7 @@ TEST_F(TcpPortTest, AServerWithOneClientThatClosesAtOnceIsInUse) {
   EXPECT_THAT(probe.closed.front(), HasSubstr("another client is connected"));
 }
 
-TEST_F(TcpPortTest, AClosedPeerIsToldOnce) {
+TEST_F(TcpPortTest, AClosedPeerIsNotifiedOnce) {
   TcpPort port(io, spec());
   connect(port);
   peer.close();
@@ -111,7 +109,7 @@ TEST_F(TcpPortTest, AnUnknownHostIsReported) {
   EXPECT_EQ(probe.opened, 0);
 }
 
-TEST_F(TcpPortTest, NothingIsToldAfterClose) {
+TEST_F(TcpPortTest, NothingIsReportedAfterClose) {
   TcpPort port(io, spec());
   connect(port);
   asio::write(peer, asio::buffer("xyz", 3));
@@ -123,4 +121,4 @@ TEST_F(TcpPortTest, NothingIsToldAfterClose) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

@@ -5,18 +5,15 @@
 #include "tests/bridge/support/certificates.hpp"
 #include "tests/bridge/support/tls_client.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
 
-using test::paired;
-using test::SecureClient;
-using test::TcpClient;
 using testing::HasSubstr;
 using testing::StartsWith;
 
 constexpr const char* kSecret = "a secret of twenty-six let";
 
-struct ModuleAccess : test::ServerFixture {
+struct ModuleAccess : ServerFixture {
   void expect_programmable(const std::string& number, auto& module) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds{10};
     std::unique_ptr<TcpClient> client;
@@ -36,7 +33,7 @@ struct ModuleAccess : test::ServerFixture {
     return line.size() < 12 ? "" : line.substr(10, line.size() - 12);
   }
 
-  test::Certificates files;
+  Certificates files;
 };
 
 struct ModuleTls : ModuleAccess {
@@ -53,7 +50,7 @@ struct ModuleTls : ModuleAccess {
   }
 };
 
-TEST_F(ModuleTls, AModuleTellsTheNumberOfItsCertificate) {
+TEST_F(ModuleTls, AModuleReportsTheNumberOfItsCertificate) {
   start();
   SecureClient module = secure("17", "17\n");
   expect_programmable("17", module);
@@ -73,7 +70,7 @@ TEST_F(ModuleTls, AModuleWithoutACertificateOrWithOneOfAnotherAuthorityIsNotLetI
   EXPECT_EQ(client.receive("FEFF"), "@@0001FEFF");
 }
 
-TEST_F(ModuleTls, AModuleThatTellsAnotherNumberThanItsCertificatesIsToldSo) {
+TEST_F(ModuleTls, AModuleWithAnotherNumberThanItsCertificatesIsNotified) {
   files.issue("gateway", "gateway");
   spec.modules->subjects = {{"gateway", {"18", "19"}}};
   start();
@@ -134,7 +131,7 @@ TEST_F(ModuleSecret, AModuleThatKnowsItsSecretIsLetIn) {
   expect_programmable("17", module);
 }
 
-TEST_F(ModuleSecret, AModuleThatDoesNotIsToldSoAndTheSecretIsNowhere) {
+TEST_F(ModuleSecret, AModuleWithoutItIsNotifiedAndTheSecretIsNowhere) {
   start();
   testing::internal::CaptureStderr();
   const std::string right = std::string(64, '0');
@@ -153,7 +150,7 @@ TEST_F(ModuleSecret, AModuleThatDoesNotIsToldSoAndTheSecretIsNowhere) {
   for (const auto& entry : audit) EXPECT_THAT(entry.result, testing::Not(HasSubstr(kSecret)));
 }
 
-TEST_F(ModuleSecret, AnAnswerIsGoodForOneChallengeAndOneNumber) {
+TEST_F(ModuleSecret, AResponseIsGoodForOneChallengeAndOneNumber) {
   start();
   TcpClient first = this->module("");
   const std::string challenge = challenge_of(first);
@@ -190,7 +187,7 @@ TEST_F(ModuleSecret, ASecretThatChangesHoldsForTheNextModule) {
   EXPECT_EQ(answered("a new secret of the hut"), "refused: module 17 does not know its secret\r\n");
 }
 
-TEST_F(ModuleSecret, TheAnswerIsTheOneOfTheDocument) {
+TEST_F(ModuleSecret, TheResponseIsTheOneOfTheDocument) {
   // printf 'fieldcast module 17 abc' | openssl dgst -sha256 -hmac 'a secret of twenty-six let'
   EXPECT_EQ(program::answer_to("abc", "17", Secret(kSecret)),
             "df89db7b9a7c20adb50053f8988a45494c3036a86ba1326f302ad1ddfdb977fb");
@@ -220,7 +217,7 @@ TEST_F(ModuleAccess, AModuleFromElsewhereIsNotHeard) {
   expect_programmable("17", listed);
 }
 
-TEST_F(ModuleAccess, ASecondModuleOfANumberIsRefusedAndTold) {
+TEST_F(ModuleAccess, ASecondModuleOfANumberIsRefusedWithAReason) {
   start();
   TcpClient first = this->module("17\n");
   expect_programmable("17", first);
@@ -235,4 +232,4 @@ TEST_F(ModuleAccess, ASecondModuleOfANumberIsRefusedAndTold) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

@@ -8,17 +8,15 @@
 #include "tests/bridge/support/certificates.hpp"
 #include "tests/bridge/support/pty.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
 
 using std::chrono::milliseconds;
-using test::paired;
-using test::TcpClient;
 using testing::HasSubstr;
 
 constexpr const char* kHutSecret = "the secret of the hut by the river";
 
-struct ModuleClientTest : test::ServerFixture {
+struct ModuleClientTest : ServerFixture {
   ModuleClientTest() {
     options.host = "127.0.0.1";
     options.number = "17";
@@ -70,15 +68,15 @@ struct ModuleClientTest : test::ServerFixture {
     EXPECT_EQ(engineer->receive("\rFEFF"), "@@@00y*\rFEFF");
   }
 
-  test::Certificates files;
-  test::Pty line;
+  Certificates files;
+  Pty line;
   program::ModuleOptions options;
   std::string said;
   std::shared_ptr<program::ModuleClient> client;
   IoThread io{"module"};
 };
 
-TEST_F(ModuleClientTest, TellsItsNumberAndCarriesBytesBothWays) {
+TEST_F(ModuleClientTest, ReportsItsNumberAndCarriesBytesBothWays) {
   start();
   dial();
   expect_programmable();
@@ -120,4 +118,4 @@ TEST_F(ModuleClientTest, SaysThatItLacksASecret) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

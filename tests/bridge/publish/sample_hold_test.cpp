@@ -26,7 +26,7 @@ std::vector<std::uint64_t> sequences(const std::vector<Sample>& samples) {
 
 using Sequences = std::vector<std::uint64_t>;
 
-TEST(SampleHold, LetsEverythingPassAtOnceWhereNothingSpeaksAgainstIt) {
+TEST(SampleHold, LetsEverythingPassImmediatelyWhereNothingSpeaksAgainstIt) {
   SampleHold hold;
   EXPECT_EQ(sequences(hold.pass({sample_of(1, Quality::kBadNoAnswer, 7)}, true, kNow)),
             Sequences{7});

@@ -223,7 +223,7 @@ TEST_F(AuthorityTest, AFileThatCannotBeReadIsNamedAndKeepsNobodyFromBeingRevoked
             1U);
 }
 
-TEST_F(AuthorityTest, WhatIsNoMemberIsNamedAndOtherwiseLeftAlone) {
+TEST_F(AuthorityTest, WhatIsNotAMemberIsNamedAndOtherwiseLeftAlone) {
   const std::string wall = authority_.add({kStation, "wall", {}}, kToday);
   (void)authority_.add({kPlant, "mes", {}}, kToday);
   const std::string members = folder_ + "/members/";
@@ -240,7 +240,7 @@ TEST_F(AuthorityTest, WhatIsNoMemberIsNamedAndOtherwiseLeftAlone) {
   EXPECT_EQ(read_file(wall + "/revoked.pem"), read_file(folder_ + "/revoked.pem"));
 }
 
-TEST_F(AuthorityTest, AMemberWhoseFolderIsGoneIsRevokedByWhatWasIssued) {
+TEST_F(AuthorityTest, AMemberWhoseFolderIsRemovedIsRevokedByWhatWasIssued) {
   const std::string wall = authority_.add({kStation, "wall", {}}, kToday);
   const std::string mes = authority_.add({kPlant, "mes", {}}, kToday);
   const std::string certificate = read_file(mes + "/identity.pem");

@@ -288,7 +288,7 @@ TEST_F(DdsSecurity, SamplesInClearInTheNameOfABridgeAreRefused) {
   EXPECT_TRUE(eventually([&] { return taken() == "press-2"; }));
 }
 
-TEST_F(DdsSecurity, AReadonlyStationIsToldThatItMayNotCommand) {
+TEST_F(DdsSecurity, AReadonlyStationIsNotifiedThatItMayNotCommand) {
   Station wall(as_new({kStationReadonly, "wall", {}}), "wall");
   EXPECT_FALSE(wall.may_command());
   const auto outcome = wall.execute(write_running("press-1"), 0s);

@@ -134,7 +134,7 @@ TEST(BusClaims, TheTimeInWhichNobodyServesBeginsAgainWithEachThatServed) {
   EXPECT_TRUE(own.decide(Instant{} + 4 * BusClaims::kMostUnserved));
 }
 
-TEST(BusClaims, WhoWaitsTakesOverWhenTheOtherIsGoneAndOneOfSeveral) {
+TEST(BusClaims, WhoWaitsTakesOverWhenTheOtherHasLeftAndOneOfSeveral) {
   Domain domain;
   domain.add("first", 1);
   domain.come_to_rest();
@@ -148,7 +148,7 @@ TEST(BusClaims, WhoWaitsTakesOverWhenTheOtherIsGoneAndOneOfSeveral) {
   EXPECT_THAT(domain.serving(), ElementsAre("third"));
 }
 
-TEST(BusClaims, WhoIsSilentIsNoRivalAndTakesNoBusBackWhenItIsReceived) {
+TEST(BusClaims, WhoIsSilentIsNotARivalAndTakesNoBusBackWhenItIsReceived) {
   Domain domain;
   domain.add("first", 1);
   domain.come_to_rest();

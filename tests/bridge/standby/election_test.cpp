@@ -59,7 +59,7 @@ TEST(Election, OfTwoThatBecomeReadyAtOneTimeOneIsMaster) {
   }
 }
 
-TEST(Election, AMasterStaysWhoeverComesLater) {
+TEST(Election, AMasterStaysWhenAnyMemberJoinsLater) {
   Group group(1);
   group.add("weak", 1);
   group.run(2s);
@@ -78,7 +78,7 @@ TEST(Election, ADeadMasterIsReplacedWithinItsLeaseAndATick) {
   EXPECT_EQ(group.masters(), Names{"b"});
 }
 
-TEST(Election, AProcessThatIsSeenToEndIsReplacedAtOnce) {
+TEST(Election, AProcessThatIsSeenToEndIsReplacedImmediately) {
   Group group(1);
   const auto a = group.add("a", 2);
   const auto b = group.add("b", 1);
@@ -130,7 +130,7 @@ TEST(Election, WhoseChannelsDifferFromThoseOfTheMasterDoesNotTakeOver) {
   EXPECT_EQ(own.not_ready(kStart), "its channels differ from those of the master a");
 }
 
-TEST(Election, NorWhenThatMasterIsGone) {
+TEST(Election, NorWhenThatMasterHasLeft) {
   Election own(member("b", 1), kStart);
   own.set_not_ready("");
   StandbyMember master = member("a", 2);
@@ -148,7 +148,7 @@ TEST(Election, NorWhenThatMasterIsGone) {
 }
 
 // It releases its buses and rejoins in the same process.
-TEST(Election, WhoJoinsAnewCountsAboveWhatItKnew) {
+TEST(Election, WhoJoinsAgainCountsAboveWhatItKnew) {
   Election before(member("b", 1), kStart);
   before.set_not_ready("");
   StandbyMember master = member("a", 2, 1);
@@ -167,7 +167,7 @@ TEST(Election, WhoJoinsAnewCountsAboveWhatItKnew) {
   EXPECT_GE(number_of(own.term()), 7 + (now - kStart) / Election::kTermTime);
 }
 
-TEST(Election, NobodyHandsOverToWhoHasJustLetGo) {
+TEST(Election, NobodyHandsOverToAMemberThatHasJustHandedOver) {
   Election own(member("b", 1), kStart);
   own.set_not_ready("");
   StandbyMember old = member("a", 2);
@@ -283,7 +283,7 @@ TEST(Election, AMasterThatHearsOfAnotherTermOfItsNumberTakesALaterOne) {
 }
 
 // It may have been master and stores nothing.
-TEST(Election, AMasterTakesALaterTermWhenAMemberThatNobodyHeardBeginsAnew) {
+TEST(Election, AMasterTakesALaterTermWhenAMemberThatNobodyHeardRestarts) {
   for (const bool heard : {true, false}) {
     Group group(1);
     const auto a = group.add("a", 2);

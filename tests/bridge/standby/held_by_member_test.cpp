@@ -197,7 +197,7 @@ struct HeldByMember : testing::Test {
   PlayedMember member{domain.number()};
 };
 
-TEST_F(HeldByMember, TellsTheMasterWhichAnswersWhatItDoesNotKnow) {
+TEST_F(HeldByMember, NotifiesTheMasterWhichSendsMissingResults) {
   const auto bridge = launch();
   ASSERT_TRUE(within([&] { return member.has_readers(); }));
   for (std::uint64_t id = 1; id < 10 && member.told().size() < 2; ++id) {

@@ -20,7 +20,7 @@ struct HeldCommandsTest : testing::Test {
   Held held;
 };
 
-TEST_F(HeldCommandsTest, WhatIsNotAnsweredRunsInTheOrderInWhichItCame) {
+TEST_F(HeldCommandsTest, WhatHasNoResponseRunsInTheOrderInWhichItCame) {
   hold(3);
   hold(1);
   hold(2);
@@ -71,7 +71,7 @@ TEST_F(HeldCommandsTest, ANewMasterWaitsForWhatTheOneBeforeHasBegun) {
   EXPECT_FALSE(held.waits());
 }
 
-TEST_F(HeldCommandsTest, AnAnswerMayComeBeforeItsCommand) {
+TEST_F(HeldCommandsTest, AResponseMayComeBeforeItsCommand) {
   held.answered({"mes", 1});
   hold(1);
   EXPECT_THAT(held.take_over(kNow), IsEmpty());
@@ -96,7 +96,7 @@ TEST_F(HeldCommandsTest, WhoJoinsOnceMoreRunsNothingOfBefore) {
 }
 
 // The master of term 1 may never have received it.
-TEST_F(HeldCommandsTest, TheMasterIsToldOfWhatHasNoResult) {
+TEST_F(HeldCommandsTest, TheMasterIsNotifiedOfWhatHasNoResult) {
   hold(1);
   hold(2);
   EXPECT_THAT(held.unanswered(1, kNow), IsEmpty()) << "most have their result soon";
@@ -111,7 +111,7 @@ TEST_F(HeldCommandsTest, TheMasterIsToldOfWhatHasNoResult) {
   EXPECT_EQ(held.unanswered(1, later + Held::kTellAfter).size(), 1u) << "it may not have heard";
 }
 
-TEST_F(HeldCommandsTest, ANewMasterIsToldOfWhatTheOneBeforeHasBegun) {
+TEST_F(HeldCommandsTest, ANewMasterIsNotifiedOfWhatTheOneBeforeHasBegun) {
   held.begun("bus", {"mes", 1}, kNow + std::chrono::minutes{1});
   EXPECT_THAT(held.unanswered(1, kNow), IsEmpty());
   EXPECT_THAT(held.unanswered(2, kNow + Held::kTellAfter), IsEmpty());
@@ -120,7 +120,7 @@ TEST_F(HeldCommandsTest, ANewMasterIsToldOfWhatTheOneBeforeHasBegun) {
   EXPECT_TRUE(told[0].begun);
 }
 
-TEST_F(HeldCommandsTest, AMasterIsNotToldForEver) {
+TEST_F(HeldCommandsTest, AMasterIsNotNotifiedForEver) {
   EXPECT_TRUE(held.hold("bus", {"mes", 1}, "1", kNever, kNow));
   Instant now = kNow;
   std::size_t told = 0;
@@ -131,7 +131,7 @@ TEST_F(HeldCommandsTest, AMasterIsNotToldForEver) {
 }
 
 // A bridge that rejoins forgets its held commands.
-TEST_F(HeldCommandsTest, TheMasterIsToldAtOnceOfWhatWouldBeForgotten) {
+TEST_F(HeldCommandsTest, TheMasterIsImmediatelyNotifiedOfWhatWouldBeForgotten) {
   hold(1);
   hold(2);
   hold(3);

@@ -137,7 +137,7 @@ TEST(Election, ATermForReadersIsAboveAllThatWereTakenOutOfSight) {
   }
 }
 
-TEST(Election, WhoBeginsAnewIsCountedAboveWithAllThatItMayHaveHeardOf) {
+TEST(Election, WhoRestartsIsCountedAboveWithAllThatItMayHaveHeardOf) {
   for (int seed = 1; seed <= seeds(); ++seed) {
     OutOfSight others(static_cast<std::uint64_t>(seed));
     const auto most = others.trouble(5 + seed % 60);

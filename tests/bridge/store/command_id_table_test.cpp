@@ -48,11 +48,7 @@ TEST(CommandIdTable, OutliveTheirBridge) {
 }
 
 TEST(CommandIdTable, OutliveTheirBridgeInPostgres) {
-  if (test::PostgresServer::programs().empty())
-    GTEST_SKIP() << "no PostgreSQL server here (Debian: postgresql): not tested";
-  test::PostgresServer server;
-  ASSERT_TRUE(server.ready()) << "the server did not start";
-  outlive_their_bridge(server.address());
+  test::with_postgres([](test::PostgresServer& server) { outlive_their_bridge(server.address()); });
 }
 
 // The killed bridge has returned "new" and may have run the command, so the next must not.

@@ -136,18 +136,17 @@ TEST(StoreDashboard, OfSqliteFindsRowsInEveryQuery) {
 }
 
 TEST(StoreDashboard, OfPostgresFindsRowsInEveryQueryForWhoMayReadTheViewsOnly) {
-  if (test::PostgresServer::programs().empty())
-    GTEST_SKIP() << "no PostgreSQL server here (Debian: postgresql): not tested";
-  test::PostgresServer server;
-  ASSERT_TRUE(server.ready()) << "the server did not start";
-  const auto connection = open_store(server.address(), IfMissing::kCreate);
-  fill(*connection);
-  connection->script(
-      "create role grafana login;"  // as in docs/store.md
-      "grant select on sample_history, last_samples, device_states, alarm_history, active_alarms, "
-      "audit_history to grafana; set role grafana; set timezone = 'UTC'");
-  EXPECT_THROW(connection->script("select * from users"), StoreError);
-  every_query_finds_its_rows("store.json", *connection);
+  test::with_postgres([](test::PostgresServer& server) {
+    const auto connection = open_store(server.address(), IfMissing::kCreate);
+    fill(*connection);
+    connection->script(
+        "create role grafana login;"  // as in docs/store.md
+        "grant select on sample_history, last_samples, device_states, alarm_history, "
+        "active_alarms, "
+        "audit_history to grafana; set role grafana; set timezone = 'UTC'");
+    EXPECT_THROW(connection->script("select * from users"), StoreError);
+    every_query_finds_its_rows("store.json", *connection);
+  });
 }
 
 }  // namespace

@@ -16,19 +16,10 @@
 #include "tests/bridge/store/scratch.hpp"
 #include "tests/bridge/store/store_support.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
 
 using std::chrono::seconds;
-using test::bus_of;
-using test::forever;
-using test::history;
-using test::instant;
-using test::kClock;
-using test::kEnd;
-using test::sample;
-using test::Scratch;
-using test::utc;
 using testing::ElementsAre;
 
 void keeps_every_kind_of_value(const StoreAddress& address) {
@@ -255,7 +246,7 @@ void goes_on_from_version_5(const StoreAddress& address) {
     const auto connection = open_store(address, IfMissing::kFail);
     EventTable(*connection)
         .insert(AlarmRecord{"five", "d", "c", "high-high", "active", 99, utc(7)});
-    test::back_to_version(*connection, 5);
+    back_to_version(*connection, 5);
     EXPECT_THROW(connection->script("select 1 from alarm_states"), StoreError);
   }
   const KeptAlarms kept = kept_in(address, utc(60));
@@ -290,7 +281,7 @@ void removes_what_is_too_old(const StoreAddress& address) {
   spec.keep = seconds{10};
   Retention retention(spec);
   const auto connection = open_store(address, IfMissing::kFail);
-  test::write_tiers(*connection);
+  write_tiers(*connection);
   int steps = 0;
   while (retention.step(*connection, instant(0), utc(100))) ASSERT_LT(++steps, 1000);
   const auto left = history(address, "old");
@@ -311,10 +302,10 @@ void all_of_it(const StoreAddress& address) {
       {"active alarms", tells_which_alarms_are_active},
       {"what people did", keeps_what_people_did_about_alarms},
       {"version 5", goes_on_from_version_5},
-      {"refused events", test::puts_refused_events_aside},
-      {"refused samples", test::puts_refused_samples_aside},
-      {"not a number", test::goes_on_after_an_alarm_without_a_number},
-      {"extremes", test::goes_on_after_every_extreme},
+      {"refused events", puts_refused_events_aside},
+      {"refused samples", puts_refused_samples_aside},
+      {"not a number", goes_on_after_an_alarm_without_a_number},
+      {"extremes", goes_on_after_every_extreme},
       {"users", knows_its_users},
       {"retention", removes_what_is_too_old}};
   for (const auto& [name, check] : all) {
@@ -329,24 +320,23 @@ TEST(SqliteStore, KeepsValuesEventsUsersAndLetsOldSamplesGo) {
 }
 
 TEST(PostgresStore, DoesAllThatSqliteDoesAndComesBackAfterItsServerDied) {
-  if (test::PostgresServer::programs().empty())
-    GTEST_SKIP() << "no PostgreSQL server here (Debian: postgresql): not tested";
-  test::PostgresServer server;
-  ASSERT_TRUE(server.ready()) << "the server did not start";
-  all_of_it(server.address());
-  const auto connection = open_store(server.address(), IfMissing::kFail);
-  const std::string odd = std::string("zero\0 in it", 11) + "\xff\xc3\xed\xa0\x80 \xe2\x82\xac";
-  connection->query("select $1::text", {odd}, [](const SqlRow& row) {
-    EXPECT_EQ(text_at(row, 0), "zero? in it????? \xe2\x82\xac") << "what the server does not take";
-    return true;
+  fieldcast::test::with_postgres([](fieldcast::test::PostgresServer& server) {
+    all_of_it(server.address());
+    const auto connection = open_store(server.address(), IfMissing::kFail);
+    const std::string odd = std::string("zero\0 in it", 11) + "\xff\xc3\xed\xa0\x80 \xe2\x82\xac";
+    connection->query("select $1::text", {odd}, [](const SqlRow& row) {
+      EXPECT_EQ(text_at(row, 0), "zero? in it????? \xe2\x82\xac")
+          << "what the server does not take";
+      return true;
+    });
+    EXPECT_THROW(connection->script("select no_such_column"), StoreError);
+    EXPECT_NO_THROW(connection->script("select 1"))
+        << "a refused statement leaves the connection as it was";
+    server.stop(SIGQUIT);
+    EXPECT_THROW(connection->script("select 1"), StoreError);
+    EXPECT_THROW((void)open_store(server.address(), IfMissing::kFail), StoreError);
   });
-  EXPECT_THROW(connection->script("select no_such_column"), StoreError);
-  EXPECT_NO_THROW(connection->script("select 1"))
-      << "a refused statement leaves the connection as it was";
-  server.stop(SIGQUIT);
-  EXPECT_THROW(connection->script("select 1"), StoreError);
-  EXPECT_THROW((void)open_store(server.address(), IfMissing::kFail), StoreError);
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

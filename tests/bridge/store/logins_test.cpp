@@ -10,11 +10,9 @@
 #include "bridge/store/users/user_table.hpp"
 #include "tests/bridge/store/scratch.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
 
-using test::RecordingAudit;
-using test::Scratch;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -102,7 +100,7 @@ TEST_F(Users, LogInWithTheirPasswordAndGetTheirRole) {
   EXPECT_EQ(audit_.entries()[0].result, "done");
 }
 
-TEST_F(Users, WrongPasswordsAndUnknownUsersAreAnsweredAlikeSlowedDownAndAudited) {
+TEST_F(Users, WrongPasswordsAndUnknownUsersGetTheSameResponseSlowedDownAndAudited) {
   Authenticator authenticator(address_, audit_);
   EXPECT_EQ(ask(authenticator, "ann", "wrong").error().why, LoginRefused::Why::kWrong);
   EXPECT_EQ(ask(authenticator, "eve", "correct horse").error().why, LoginRefused::Why::kWrong);
@@ -119,7 +117,7 @@ TEST_F(Users, WrongPasswordsAndUnknownUsersAreAnsweredAlikeSlowedDownAndAudited)
   EXPECT_THAT(entries[5].result, HasSubstr("try again in 1s"));
 }
 
-TEST_F(Users, GuessesThatAreSentAllAtOnceAreSlowedDownToo) {
+TEST_F(Users, GuessesThatAreSentTogetherAreSlowedDownToo) {
   Authenticator authenticator(address_, audit_);
   std::vector<std::future<LoginResult>> answers;
   for (int i = 0; i < 10; ++i) {
@@ -149,7 +147,7 @@ TEST_F(Users, AStoreThatIsNotThereRefusesEverybody) {
             LoginRefused::Why::kUnavailable);
 }
 
-TEST_F(Users, WhoStillWaitsWhenTheRouterClosesIsTold) {
+TEST_F(Users, WhoStillWaitsWhenTheRouterClosesIsNotified) {
   std::atomic<unsigned> answered{0};
   {
     Authenticator authenticator(address_, audit_);
@@ -161,4 +159,4 @@ TEST_F(Users, WhoStillWaitsWhenTheRouterClosesIsTold) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

@@ -8,6 +8,7 @@
 
 #include <csignal>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <thread>
@@ -94,5 +95,14 @@ class PostgresServer {
   pid_t server_ = -1;
   bool ready_ = false;
 };
+
+// Runs `test` with a server; skips it if PostgreSQL is not installed.
+inline void with_postgres(const std::function<void(PostgresServer&)>& test) {
+  if (PostgresServer::programs().empty())
+    GTEST_SKIP() << "no PostgreSQL server here (Debian: postgresql): not tested";
+  PostgresServer server;
+  ASSERT_TRUE(server.ready()) << "the server did not start";
+  test(server);
+}
 
 }  // namespace fieldcast::test

@@ -154,21 +154,19 @@ void are_read_and_removed_beside_older_samples(const StoreAddress& address) {
 }
 
 TEST(SampleDays, OfAServerHoldItsSamplesAndGoAsAWhole) {
-  if (test::PostgresServer::programs().empty())
-    GTEST_SKIP() << "no PostgreSQL server here (Debian: postgresql): not tested";
-  test::PostgresServer server;
-  ASSERT_TRUE(server.ready()) << "the server did not start";
-  const std::pair<const char*, void (*)(const StoreAddress&)> all[] = {
-      {"hold", hold_their_samples},
-      {"go", go_as_a_whole},
-      {"stay", stay_while_their_minutes_are_not_written},
-      {"wait", wait_for_who_reads_them},
-      {"size", go_until_the_rest_is_small_enough},
-      {"older", are_read_and_removed_beside_older_samples}};
-  for (const auto& [name, check] : all) {
-    SCOPED_TRACE(name);
-    check(server.address());
-  }
+  test::with_postgres([](test::PostgresServer& server) {
+    const std::pair<const char*, void (*)(const StoreAddress&)> all[] = {
+        {"hold", hold_their_samples},
+        {"go", go_as_a_whole},
+        {"stay", stay_while_their_minutes_are_not_written},
+        {"wait", wait_for_who_reads_them},
+        {"size", go_until_the_rest_is_small_enough},
+        {"older", are_read_and_removed_beside_older_samples}};
+    for (const auto& [name, check] : all) {
+      SCOPED_TRACE(name);
+      check(server.address());
+    }
+  });
 }
 
 }  // namespace

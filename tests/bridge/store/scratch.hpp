@@ -1,36 +1,15 @@
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <condition_variable>
-#include <filesystem>
 #include <mutex>
 #include <string>
 #include <vector>
 
 #include "bridge/store/records/records.hpp"
+#include "tests/bridge/security/scratch_folder.hpp"
 
 namespace fieldcast::test {
 
-class Scratch {
- public:
-  Scratch() {
-    std::string pattern =
-        (std::filesystem::temp_directory_path() / "fieldcast-store-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr) ADD_FAILURE() << "no temporary folder";
-    path_ = pattern;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  [[nodiscard]] std::string path(const std::string& name) const { return path_ + '/' + name; }
-
- private:
-  std::string path_;
-};
+using Scratch = ScratchFolder;
 
 class RecordingAudit final : public Audit {
  public:
@@ -41,6 +20,13 @@ class RecordingAudit final : public Audit {
   [[nodiscard]] std::vector<AuditEntry> entries() const {
     const std::lock_guard lock(mutex_);
     return entries_;
+  }
+  // Returns each entry as "WHO | WHAT | TARGET | RESULT".
+  [[nodiscard]] std::vector<std::string> rows() const {
+    std::vector<std::string> rows;
+    for (const AuditEntry& entry : entries())
+      rows.push_back(entry.who + " | " + entry.what + " | " + entry.target + " | " + entry.result);
+    return rows;
   }
 
  private:

@@ -9,18 +9,10 @@
 #include "tests/bridge/store/scratch.hpp"
 #include "tests/bridge/store/store_support.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
 
 using std::chrono::seconds;
-using test::bus_of;
-using test::forever;
-using test::history;
-using test::instant;
-using test::kClock;
-using test::sample;
-using test::Scratch;
-using test::utc;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -64,7 +56,7 @@ TEST(SqliteStore, OfAnOlderProgramKeepsItsSamplesWithoutATypeUntilTheChannelCome
     ASSERT_TRUE(store.flush(seconds{30}));
   };
   put_one(1);
-  test::back_to_version(*open_store(address, IfMissing::kFail), 1);
+  back_to_version(*open_store(address, IfMissing::kFail), 1);
   ASSERT_EQ(history(address, "b").size(), 1u);
   EXPECT_EQ(history(address, "b")[0].type, "");
   put_one(2);
@@ -72,7 +64,7 @@ TEST(SqliteStore, OfAnOlderProgramKeepsItsSamplesWithoutATypeUntilTheChannelCome
   EXPECT_EQ(history(address, "b")[0].type, "float32");
 }
 
-TEST(SqliteStore, WhatIsNoDatabaseIsRefusedAndLeftAlone) {
+TEST(SqliteStore, WhatIsNotADatabaseIsRefusedAndLeftAlone) {
   const Scratch scratch;
   const std::string path = scratch.path("notes.txt");
   const std::string text(5000, 'x');
@@ -99,7 +91,7 @@ TEST(SqliteStore, ThatIsTooLargeLosesItsOldestSamples) {
   spec.max_bytes = 1'000'000;
   Retention retention(spec);
   const auto connection = open_store(address, IfMissing::kFail);
-  test::write_tiers(*connection);
+  write_tiers(*connection);
   int steps = 0;
   while (retention.step(*connection, instant(0), utc(20'000))) ASSERT_LT(++steps, 10'000);
   const auto left = history(address, "full");
@@ -108,7 +100,7 @@ TEST(SqliteStore, ThatIsTooLargeLosesItsOldestSamples) {
   EXPECT_EQ(left.back().published_at, utc(19'999)) << "the newest stay";
 }
 
-TEST(SqliteStore, GivesTheRoomOfRemovedSamplesBackToTheDisk) {
+TEST(SqliteStore, GivesTheSpaceOfRemovedSamplesBackToTheDisk) {
   const Scratch scratch;
   const StoreAddress address(scratch.path("store.db"));
   (void)open_store(address, IfMissing::kCreate);
@@ -127,7 +119,7 @@ TEST(SqliteStore, GivesTheRoomOfRemovedSamplesBackToTheDisk) {
     connection->script("pragma wal_checkpoint(truncate)");
     return std::filesystem::file_size(address.text()) - empty;
   };
-  test::write_tiers(*connection);
+  write_tiers(*connection);
   const auto before = bytes();
   StoreSpec spec;
   spec.keep = seconds{2000};
@@ -139,4 +131,4 @@ TEST(SqliteStore, GivesTheRoomOfRemovedSamplesBackToTheDisk) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

@@ -80,7 +80,7 @@ std::set<std::string> columns_of(SqlConnection& connection, const std::string& v
   return names;
 }
 
-TEST(StoreDocument, TellsTheColumnsOfEveryView) {
+TEST(StoreDocument, ReportsTheColumnsOfEveryView) {
   const test::Scratch scratch;
   const auto connection = open_store(StoreAddress(scratch.path("store.db")), IfMissing::kCreate);
   std::set<std::string> told;
@@ -112,14 +112,12 @@ TEST(StoreDocument, HasQueriesThatSqliteTakes) {
 }
 
 TEST(StoreDocument, HasQueriesThatPostgresTakes) {
-  if (test::PostgresServer::programs().empty())
-    GTEST_SKIP() << "no PostgreSQL server here (Debian: postgresql): not tested";
-  test::PostgresServer server;
-  ASSERT_TRUE(server.ready()) << "the server did not start";
-  const auto connection = open_store(server.address(), IfMissing::kCreate);
-  const auto blocks = blocks_for("PostgreSQL");
-  EXPECT_GE(blocks.size(), 5u);
-  for (const std::string& block : blocks) EXPECT_NO_THROW(connection->script(block)) << block;
+  test::with_postgres([](test::PostgresServer& server) {
+    const auto connection = open_store(server.address(), IfMissing::kCreate);
+    const auto blocks = blocks_for("PostgreSQL");
+    EXPECT_GE(blocks.size(), 5u);
+    for (const std::string& block : blocks) EXPECT_NO_THROW(connection->script(block)) << block;
+  });
 }
 
 }  // namespace

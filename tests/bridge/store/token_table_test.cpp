@@ -80,13 +80,10 @@ TEST(TokenTable, AtSqlite) {
 }
 
 TEST(TokenTable, AtPostgres) {
-  if (test::PostgresServer::programs().empty()) GTEST_SKIP() << "PostgreSQL is not installed";
-  const test::PostgresServer server;
-  ASSERT_TRUE(server.ready());
-  keeps_tokens(server.address());
+  test::with_postgres([](test::PostgresServer& server) { keeps_tokens(server.address()); });
 }
 
-TEST(MakeToken, MakesAnotherOneEachTime) {
+TEST(MakeToken, MakesADifferentOneEachTime) {
   std::set<std::string> made;
   for (int i = 0; i < 100; ++i) made.insert(make_token());
   EXPECT_EQ(made.size(), 100u);

@@ -167,12 +167,10 @@ TEST(StoreViews, OfSqliteReadTheWantedSamplesOnly) {
 }
 
 TEST(StoreViews, OfPostgresDoTheSame) {
-  if (test::PostgresServer::programs().empty())
-    GTEST_SKIP() << "no PostgreSQL server here (Debian: postgresql): not tested";
-  test::PostgresServer server;
-  ASSERT_TRUE(server.ready()) << "the server did not start";
-  all_views(server.address());
-  an_older_store_gets_its_views(server.address());
+  test::with_postgres([](test::PostgresServer& server) {
+    all_views(server.address());
+    an_older_store_gets_its_views(server.address());
+  });
 }
 
 }  // namespace

@@ -283,7 +283,7 @@ TEST(AlarmRegistry, AnAlarmWhoseLimitIsTakenAwayIsForgotten) {
   EXPECT_TRUE(book.known_of("shop").empty());
 }
 
-TEST(AlarmRegistry, ANewPriorityHoldsAtOnce) {
+TEST(AlarmRegistry, ANewPriorityHoldsImmediately) {
   AlarmRegistry book;
   (void)book.configure(two_buses());
   const AlarmKey alarm{"shop", "press-1", "level", LimitKind::kHigh};

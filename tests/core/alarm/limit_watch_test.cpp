@@ -135,7 +135,7 @@ Sample sample(ChannelIndex channel, Value value, Quality quality = Quality::kGoo
   return {.channel = channel, .value = std::move(value), .quality = quality, .acquired = at(0)};
 }
 
-TEST(AlarmMonitor, TellsEveryLimitThatAValuePasses) {
+TEST(AlarmMonitor, ReportsEveryLimitThatAValuePasses) {
   AlarmMonitor monitor(plant());
   std::vector<AlarmChange> changes;
   const Sample over[] = {sample(0, 1e9), sample(1, 96.0), sample(3, std::int64_t{2})};

@@ -31,7 +31,7 @@ class FrameGathererTest : public testing::Test {
   std::vector<CapturedFrame> frames_;
 };
 
-TEST_F(FrameGathererTest, PiecesOfAnAnswerAreOneFrameWithTheTimeOfTheLast) {
+TEST_F(FrameGathererTest, PiecesOfAResponseAreOneFrameWithTheTimeOfTheLast) {
   take(Kind::kSent, 0, "01 03 00", "read");
   take(Kind::kReceived, 5, "01 03 02");
   take(Kind::kReceived, 25, "00 2A");
@@ -39,7 +39,7 @@ TEST_F(FrameGathererTest, PiecesOfAnAnswerAreOneFrameWithTheTimeOfTheLast) {
   EXPECT_EQ(frames(), "0 > 01 03 00 [read]\n25 < 01 03 02 00 2A [1 sample]\n");
 }
 
-TEST_F(FrameGathererTest, ARequestThatNobodyAnswersSaysSo) {
+TEST_F(FrameGathererTest, ARequestWithoutResponseIsReported) {
   take(Kind::kSent, 0, "01 03", "read");
   take_text(Kind::kRemark, 200, "no response");
   EXPECT_EQ(frames(), "0 > 01 03 [read\nno response]\n");
@@ -54,7 +54,7 @@ TEST_F(FrameGathererTest, EachRoundOfAnExchangeIsAFrameOfItsOwn) {
   EXPECT_EQ(frames(), "0 > 68\n5 < E5\n6 > 10\n9 < 68 02\n");
 }
 
-TEST_F(FrameGathererTest, AnEchoIsNoPartOfTheAnswer) {
+TEST_F(FrameGathererTest, AnEchoIsNotAPartOfTheResponse) {
   take(Kind::kSent, 0, "01 03");
   take(Kind::kReceived, 5, "01");
   take(Kind::kReceived, 6, "03 01 83");
@@ -62,7 +62,7 @@ TEST_F(FrameGathererTest, AnEchoIsNoPartOfTheAnswer) {
   EXPECT_EQ(frames(), "0 > 01 03\n6 > 01 03 [the line gave the request back (echo)]\n6 < 01 83\n");
 }
 
-TEST_F(FrameGathererTest, AnAnswerThatEqualsItsRequestIsAnAnswer) {
+TEST_F(FrameGathererTest, AResponseThatEqualsItsRequestIsAResponse) {
   take(Kind::kSent, 0, "01 06 00");
   take(Kind::kReceived, 5, "01 06 00");
   take_text(Kind::kEnded, 5);
@@ -79,7 +79,7 @@ TEST_F(FrameGathererTest, WhatNobodyAskedForIsCutBySilence) {
   EXPECT_EQ(frames(), "20 < AA BB\n120 < CC\n");
 }
 
-TEST_F(FrameGathererTest, TheRestOfAnAnswerAtTheBeginningIsLeftOut) {
+TEST_F(FrameGathererTest, TheRestOfAResponseAtTheBeginningIsLeftOut) {
   take(Kind::kReceived, 0, "02 00 2A");
   take_text(Kind::kRemark, 0, "1 sample");
   take(Kind::kSent, 10, "01 03 00");

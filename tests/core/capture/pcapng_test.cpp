@@ -1,4 +1,3 @@
-// Tests the reader with the writer and with invalid files; e2e_capture.py uses Wireshark.
 #include "core/capture/pcapng.hpp"
 
 #include <gtest/gtest.h>
@@ -6,9 +5,12 @@
 #include <cstring>
 
 #include "core/capture/pcapng_reader.hpp"
+#include "core/capture/trace_text.hpp"
 
 namespace fieldcast::pcapng {
 namespace {
+
+// Tests the reader with the writer and with invalid files; e2e_capture.py uses Wireshark.
 
 Reader::Source source_of(ByteView bytes) {
   return [bytes](std::uint8_t* to, std::size_t size) mutable {
@@ -97,7 +99,7 @@ TEST(Pcapng, TheOtherByteOrderIsRead) {
   EXPECT_EQ((*read)->direction, Direction::kReceived);
 }
 
-TEST(Pcapng, WhatIsNoCaptureIsNamed) {
+TEST(Pcapng, WhatIsNotACaptureIsNamed) {
   const auto fault_of = [](const Bytes& bytes) { return Reader(source_of(bytes)).next().error(); };
   EXPECT_EQ(fault_of({}), Fault::kNoCapture);
   EXPECT_EQ(fault_of(Bytes(100, 'x')), Fault::kNoCapture);
@@ -128,3 +130,52 @@ TEST(UpperPdu, TagsThatDoNotEndAreNone) {
 
 }  // namespace
 }  // namespace fieldcast::pcapng
+
+namespace fieldcast {
+namespace {
+
+using Mark = TraceText::Mark;
+
+TEST(TraceText, ALineAsTheBridgePrintsIt) {
+  const auto sent =
+      parse_trace_text("2026-11-22T14:24:21.126358Z press-shop >> 01 03 00 64 00 02 85 D4");
+  ASSERT_TRUE(sent);
+  EXPECT_EQ(sent->time, "2026-11-22T14:24:21.126358Z");
+  EXPECT_EQ(sent->bus, "press-shop");
+  EXPECT_EQ(sent->mark, Mark::kSent);
+  EXPECT_EQ(to_hex(sent->bytes), "01 03 00 64 00 02 85 D4");
+}
+
+TEST(TraceText, AJournalPutsMoreBeforeIt) {
+  const auto received = parse_trace_text(
+      "Nov 22 14:24:21 gate fieldcast-bridge[812]: 2026-11-22T14:24:21.126358Z line << 01 83 02\r");
+  ASSERT_TRUE(received);
+  EXPECT_EQ(received->bus, "line");
+  EXPECT_EQ(received->mark, Mark::kReceived);
+  EXPECT_EQ(to_hex(received->bytes), "01 83 02");
+}
+
+TEST(TraceText, ARemarkNeedsItsTime) {
+  const auto remark = parse_trace_text("2026-11-22T14:24:21.126358Z line -- meter: no response");
+  ASSERT_TRUE(remark);
+  EXPECT_EQ(remark->mark, Mark::kRemark);
+  EXPECT_EQ(remark->text, "meter: no response");
+  EXPECT_FALSE(parse_trace_text("see the manual -- page 7"));
+}
+
+TEST(TraceText, APieceOfALineWillDo) {
+  const auto piece = parse_trace_text("  line >> 0103");
+  ASSERT_TRUE(piece);
+  EXPECT_EQ(piece->bus, "line");
+  EXPECT_TRUE(piece->time.empty());
+  EXPECT_EQ(parse_trace_text(">> 01 03")->bus, "");
+  EXPECT_EQ(parse_trace_text("2026-11-22T14:24:21.1Z >> 01")->bus, "");
+}
+
+TEST(TraceText, WhatIsNotATraceIsNone) {
+  for (const char* text : {"", "hello", "line >>", "line >> xyz", "a>>b", "line >> 01 0"})
+    EXPECT_FALSE(parse_trace_text(text)) << text;
+}
+
+}  // namespace
+}  // namespace fieldcast

@@ -7,7 +7,6 @@
  * Exit code 0 only if the alarm has NAME as its acknowledging user. */
 #include <inttypes.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -70,29 +69,18 @@ int main(int argc, char** argv) {
     fprintf(stderr, "usage: cyclone-alarm DOMAIN BUS DEVICE CHANNEL NAME NOTE\n");
     return 2;
   }
-  const dds_entity_t participant =
-      need(dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL), "participant");
-  const dds_entity_t status_topic = need(dds_create_topic(participant, &fieldcast_AlarmStatus_desc,
-                                                          "fieldcast/AlarmStatus", NULL, NULL),
-                                         "topic AlarmStatus");
-  const dds_entity_t action_topic = need(dds_create_topic(participant, &fieldcast_AlarmAction_desc,
-                                                          "fieldcast/AlarmAction", NULL, NULL),
-                                         "topic AlarmAction");
-  const dds_entity_t result_topic =
-      need(dds_create_topic(participant, &fieldcast_CommandResult_desc, "fieldcast/CommandResult",
-                            NULL, NULL),
-           "topic CommandResult");
+  const dds_entity_t participant = participant_in(argv[1]);
   dds_qos_t* qos = state_qos(0);
   const dds_entity_t alarms =
-      need(dds_create_reader(participant, status_topic, qos, NULL), "reader of AlarmStatus");
+      reader_of(participant, &fieldcast_AlarmStatus_desc, "fieldcast/AlarmStatus", qos);
   dds_delete_qos(qos);
   qos = request_qos();
   const dds_entity_t results =
-      need(dds_create_reader(participant, result_topic, qos, NULL), "reader of CommandResult");
+      reader_of(participant, &fieldcast_CommandResult_desc, "fieldcast/CommandResult", qos);
   dds_qset_lifespan(qos, DDS_SECS(5));
   dds_qset_writer_data_lifecycle(qos, false);
   const dds_entity_t actions =
-      need(dds_create_writer(participant, action_topic, qos, NULL), "writer of AlarmAction");
+      writer_of(participant, &fieldcast_AlarmAction_desc, "fieldcast/AlarmAction", qos);
   dds_delete_qos(qos);
 
   const dds_time_t until = dds_time() + DDS_SECS(kWaitSeconds);

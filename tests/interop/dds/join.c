@@ -150,14 +150,7 @@ static void ask_for_snapshots(dds_entity_t writer) {
 
 /* ---- */
 
-static dds_entity_t topic_of(dds_entity_t participant, const dds_topic_descriptor_t* type,
-                             const char* name) {
-  return need(dds_create_topic(participant, type, name, NULL, NULL), name);
-}
-
-static dds_entity_t reader_of(dds_entity_t participant, dds_entity_t topic, const dds_qos_t* qos,
-                              dds_entity_t waitset) {
-  const dds_entity_t reader = need(dds_create_reader(participant, topic, qos, NULL), "reader");
+static dds_entity_t waited_for(dds_entity_t reader, dds_entity_t waitset) {
   dds_waitset_attach(waitset, need(dds_create_readcondition(reader, DDS_ANY_STATE), "condition"),
                      0);
   return reader;
@@ -175,11 +168,10 @@ static void say(void) {
 static void join_one_by_one(dds_entity_t participant, dds_entity_t waitset) {
   static struct instances listed, with_value; /* zeroed */
   dds_qos_t* qos = state_qos(0);
-  const dds_entity_t channels =
-      reader_of(participant, topic_of(participant, &fieldcast_Channel_desc, "fieldcast/Channel"),
-                qos, waitset);
-  const dds_entity_t samples = reader_of(
-      participant, topic_of(participant, &fieldcast_Sample_desc, "fieldcast/Sample"), qos, waitset);
+  const dds_entity_t channels = waited_for(
+      reader_of(participant, &fieldcast_Channel_desc, "fieldcast/Channel", qos), waitset);
+  const dds_entity_t samples =
+      waited_for(reader_of(participant, &fieldcast_Sample_desc, "fieldcast/Sample", qos), waitset);
   dds_delete_qos(qos);
   for (; !stopped(); say()) {
     dds_waitset_wait(waitset, NULL, 0, DDS_MSECS(20));
@@ -190,21 +182,15 @@ static void join_one_by_one(dds_entity_t participant, dds_entity_t waitset) {
 
 static void join_by_blocks(dds_entity_t participant, dds_entity_t waitset) {
   dds_qos_t* qos = state_qos(0);
-  const dds_entity_t catalogue =
-      reader_of(participant,
-                topic_of(participant, &fieldcast_CatalogueBlock_desc, "fieldcast/CatalogueBlock"),
-                qos, waitset);
+  const dds_entity_t catalogue = waited_for(
+      reader_of(participant, &fieldcast_CatalogueBlock_desc, "fieldcast/CatalogueBlock", qos),
+      waitset);
   dds_qset_durability(qos, DDS_DURABILITY_VOLATILE);
   const dds_entity_t requests =
-      need(dds_create_writer(
-               participant,
-               topic_of(participant, &fieldcast_SnapshotRequest_desc, "fieldcast/SnapshotRequest"),
-               qos, NULL),
-           "writer of SnapshotRequest");
+      writer_of(participant, &fieldcast_SnapshotRequest_desc, "fieldcast/SnapshotRequest", qos);
   dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 1024);
-  const dds_entity_t samples = reader_of(
-      participant, topic_of(participant, &fieldcast_SampleBlock_desc, "fieldcast/SampleBlock"), qos,
-      waitset);
+  const dds_entity_t samples = waited_for(
+      reader_of(participant, &fieldcast_SampleBlock_desc, "fieldcast/SampleBlock", qos), waitset);
   dds_delete_qos(qos);
   for (; !stopped(); say()) {
     dds_waitset_wait(waitset, NULL, 0, DDS_MSECS(20));
@@ -220,8 +206,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   setenv("CYCLONEDDS_URI", kLoopback, 0);
-  const dds_entity_t participant =
-      need(dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL), "participant");
+  const dds_entity_t participant = participant_in(argv[1]);
   const dds_entity_t waitset = need(dds_create_waitset(participant), "waitset");
   strcmp(argv[2], "one-by-one") == 0 ? join_one_by_one(participant, waitset)
                                      : join_by_blocks(participant, waitset);

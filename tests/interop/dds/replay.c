@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "station.h"
 
@@ -33,24 +32,16 @@ int main(int argc, char** argv) {
     return 2;
   }
   const uint64_t count = strtoull(argv[5], NULL, 10);
-  const dds_entity_t participant =
-      need(dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL), "participant");
-  const dds_entity_t command_topic =
-      need(dds_create_topic(participant, &fieldcast_Command_desc, "fieldcast/Command", NULL, NULL),
-           "topic Command");
-  const dds_entity_t result_topic =
-      need(dds_create_topic(participant, &fieldcast_CommandResult_desc, "fieldcast/CommandResult",
-                            NULL, NULL),
-           "topic CommandResult");
+  const dds_entity_t participant = participant_in(argv[1]);
   dds_qos_t* qos = request_qos();
   const dds_entity_t results =
-      need(dds_create_reader(participant, result_topic, qos, NULL), "reader of CommandResult");
+      reader_of(participant, &fieldcast_CommandResult_desc, "fieldcast/CommandResult", qos);
   dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
   dds_qset_durability_service(qos, 0, DDS_HISTORY_KEEP_ALL, 0, DDS_LENGTH_UNLIMITED,
                               DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
   dds_qset_lifespan(qos, DDS_SECS(60));
   const dds_entity_t commands =
-      need(dds_create_writer(participant, command_topic, qos, NULL), "writer of Command");
+      writer_of(participant, &fieldcast_Command_desc, "fieldcast/Command", qos);
   dds_delete_qos(qos);
   if (!matched(commands, results, dds_time() + DDS_SECS(kWaitSeconds))) {
     fprintf(stderr, "no bridge within %d s\n", kWaitSeconds);
@@ -58,16 +49,7 @@ int main(int argc, char** argv) {
   }
   fieldcast_Value value = {._d = fieldcast_VALUE_INT64};
   static fieldcast_Command command; /* zeroed */
-  snprintf(command.requester, sizeof command.requester, "cyclone:%d:%" PRId64, (int)getpid(),
-           dds_time());
-  snprintf(command.bus, sizeof command.bus, "%s", argv[2]);
-  snprintf(command.device, sizeof command.device, "%s", argv[3]);
-  command.target_kind = fieldcast_TARGET_CHANNEL;
-  snprintf(command.target, sizeof command.target, "%s", argv[4]);
-  command.encoding.bit = -1;
-  command.operation = fieldcast_OPERATION_WRITE;
-  command.values = (dds_sequence_fieldcast_Value){
-      ._maximum = 1, ._length = 1, ._buffer = &value, ._release = false};
+  set_write(&command, argv + 2, &value);
   for (command.request_id = 1; command.request_id <= count; ++command.request_id) {
     value._u.int64_value = (int64_t)command.request_id;
     need(dds_write(commands, &command), "write");

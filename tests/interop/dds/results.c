@@ -10,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "station.h"
 
@@ -51,22 +50,14 @@ int main(int argc, char** argv) {
   const bool at_once = argc > 6 && strcmp(argv[6], "at-once") == 0;
   const uint64_t count = strtoull(argv[5], NULL, 10);
   seen = calloc(count, sizeof *seen);
-  const dds_entity_t participant =
-      need(dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL), "participant");
-  const dds_entity_t command_topic =
-      need(dds_create_topic(participant, &fieldcast_Command_desc, "fieldcast/Command", NULL, NULL),
-           "topic Command");
-  const dds_entity_t result_topic =
-      need(dds_create_topic(participant, &fieldcast_CommandResult_desc, "fieldcast/CommandResult",
-                            NULL, NULL),
-           "topic CommandResult");
+  const dds_entity_t participant = participant_in(argv[1]);
   dds_qos_t* qos = request_qos();
   const dds_entity_t results =
-      need(dds_create_reader(participant, result_topic, qos, NULL), "reader of CommandResult");
+      reader_of(participant, &fieldcast_CommandResult_desc, "fieldcast/CommandResult", qos);
   dds_qset_lifespan(qos, DDS_SECS(5));
   dds_qset_writer_data_lifecycle(qos, false);
   const dds_entity_t commands =
-      need(dds_create_writer(participant, command_topic, qos, NULL), "writer of Command");
+      writer_of(participant, &fieldcast_Command_desc, "fieldcast/Command", qos);
   dds_delete_qos(qos);
   if (!matched(commands, results, dds_time() + DDS_SECS(kWaitSeconds))) {
     fprintf(stderr, "no bridge within %d s\n", kWaitSeconds);
@@ -75,16 +66,7 @@ int main(int argc, char** argv) {
 
   fieldcast_Value value = {._d = fieldcast_VALUE_INT64, ._u.int64_value = kOutOfRange};
   static fieldcast_Command command; /* zeroed */
-  snprintf(command.requester, sizeof command.requester, "cyclone:%d:%" PRId64, (int)getpid(),
-           dds_time());
-  snprintf(command.bus, sizeof command.bus, "%s", argv[2]);
-  snprintf(command.device, sizeof command.device, "%s", argv[3]);
-  command.target_kind = fieldcast_TARGET_CHANNEL;
-  snprintf(command.target, sizeof command.target, "%s", argv[4]);
-  command.encoding.bit = -1;
-  command.operation = fieldcast_OPERATION_WRITE;
-  command.values = (dds_sequence_fieldcast_Value){
-      ._maximum = 1, ._length = 1, ._buffer = &value, ._release = false};
+  set_write(&command, argv + 2, &value);
 
   dds_time_t until = dds_time() + DDS_SECS(kWaitSeconds);
   while (taken < count && dds_time() < until && !stopped()) {

@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 static volatile sig_atomic_t stop_asked = 0;
 
@@ -28,6 +29,38 @@ dds_entity_t need(dds_entity_t entity, const char* what) {
     exit(1);
   }
   return entity;
+}
+
+dds_entity_t participant_in(const char* domain) {
+  return need(dds_create_participant((dds_domainid_t)atoi(domain), NULL, NULL), "participant");
+}
+
+static dds_entity_t topic_of(dds_entity_t participant, const dds_topic_descriptor_t* type,
+                             const char* name) {
+  return need(dds_create_topic(participant, type, name, NULL, NULL), name);
+}
+
+dds_entity_t reader_of(dds_entity_t participant, const dds_topic_descriptor_t* type,
+                       const char* name, const dds_qos_t* qos) {
+  return need(dds_create_reader(participant, topic_of(participant, type, name), qos, NULL), name);
+}
+
+dds_entity_t writer_of(dds_entity_t participant, const dds_topic_descriptor_t* type,
+                       const char* name, const dds_qos_t* qos) {
+  return need(dds_create_writer(participant, topic_of(participant, type, name), qos, NULL), name);
+}
+
+void set_write(fieldcast_Command* command, char** names, fieldcast_Value* value) {
+  snprintf(command->requester, sizeof command->requester, "cyclone:%d:%" PRId64, (int)getpid(),
+           dds_time());
+  snprintf(command->bus, sizeof command->bus, "%s", names[0]);
+  snprintf(command->device, sizeof command->device, "%s", names[1]);
+  command->target_kind = fieldcast_TARGET_CHANNEL;
+  snprintf(command->target, sizeof command->target, "%s", names[2]);
+  command->encoding.bit = -1;
+  command->operation = fieldcast_OPERATION_WRITE;
+  command->values = (dds_sequence_fieldcast_Value){
+      ._maximum = 1, ._length = 1, ._buffer = value, ._release = false};
 }
 
 bool matched(dds_entity_t writer, dds_entity_t reader, dds_time_t until) {

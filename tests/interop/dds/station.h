@@ -11,6 +11,18 @@
 /* Returns the entity; ends the program if it is an error. */
 dds_entity_t need(dds_entity_t entity, const char* what);
 
+dds_entity_t participant_in(const char* domain);
+
+/* Reader and writer of a topic; `name` is the topic's. */
+dds_entity_t reader_of(dds_entity_t participant, const dds_topic_descriptor_t* type,
+                       const char* name, const dds_qos_t* qos);
+dds_entity_t writer_of(dds_entity_t participant, const dds_topic_descriptor_t* type,
+                       const char* name, const dds_qos_t* qos);
+
+/* Makes the zeroed `command` a write of `value` to the channel { bus, device, channel } of `names`,
+ * with a requester that is unique for each process. It refers to `value`. */
+void set_write(fieldcast_Command* command, char** names, fieldcast_Value* value);
+
 /* Reliable, transient-local, keep last 1: Sample, Channel, BusStatus, DeviceStatus. A deadline
  * above 0 matches only writers that offer it or a shorter one. The caller deletes it with
  * dds_delete_qos. */

@@ -53,20 +53,13 @@ int main(int argc, char** argv) {
     fprintf(stderr, "usage: cyclone-watch DOMAIN [DEADLINE_MS]\n");
     return 2;
   }
-  const dds_entity_t participant =
-      need(dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL), "participant");
-  const dds_entity_t channel_topic =
-      need(dds_create_topic(participant, &fieldcast_Channel_desc, "fieldcast/Channel", NULL, NULL),
-           "topic Channel");
-  const dds_entity_t sample_topic =
-      need(dds_create_topic(participant, &fieldcast_Sample_desc, "fieldcast/Sample", NULL, NULL),
-           "topic Sample");
+  const dds_entity_t participant = participant_in(argv[1]);
   dds_qos_t* catalogue = state_qos(0);
   dds_qos_t* fresh = state_qos(argc > 2 ? DDS_MSECS(atoi(argv[2])) : 0);
   const dds_entity_t channels =
-      need(dds_create_reader(participant, channel_topic, catalogue, NULL), "reader of Channel");
+      reader_of(participant, &fieldcast_Channel_desc, "fieldcast/Channel", catalogue);
   const dds_entity_t samples =
-      need(dds_create_reader(participant, sample_topic, fresh, NULL), "reader of Sample");
+      reader_of(participant, &fieldcast_Sample_desc, "fieldcast/Sample", fresh);
   dds_delete_qos(catalogue);
   dds_delete_qos(fresh);
 

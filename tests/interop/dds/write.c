@@ -9,7 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "station.h"
 
@@ -41,22 +40,14 @@ int main(int argc, char** argv) {
     fprintf(stderr, "usage: cyclone-write DOMAIN BUS DEVICE CHANNEL INTEGER [verify]\n");
     return 2;
   }
-  const dds_entity_t participant =
-      need(dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL), "participant");
-  const dds_entity_t command_topic =
-      need(dds_create_topic(participant, &fieldcast_Command_desc, "fieldcast/Command", NULL, NULL),
-           "topic Command");
-  const dds_entity_t result_topic =
-      need(dds_create_topic(participant, &fieldcast_CommandResult_desc, "fieldcast/CommandResult",
-                            NULL, NULL),
-           "topic CommandResult");
+  const dds_entity_t participant = participant_in(argv[1]);
   dds_qos_t* qos = request_qos();
   const dds_entity_t results =
-      need(dds_create_reader(participant, result_topic, qos, NULL), "reader of CommandResult");
+      reader_of(participant, &fieldcast_CommandResult_desc, "fieldcast/CommandResult", qos);
   dds_qset_lifespan(qos, DDS_SECS(5)); /* the bridge never starts it later than this */
   dds_qset_writer_data_lifecycle(qos, false);
   const dds_entity_t commands =
-      need(dds_create_writer(participant, command_topic, qos, NULL), "writer of Command");
+      writer_of(participant, &fieldcast_Command_desc, "fieldcast/Command", qos);
   dds_delete_qos(qos);
 
   const dds_time_t until = dds_time() + DDS_SECS(kWaitSeconds);
@@ -66,17 +57,8 @@ int main(int argc, char** argv) {
   }
   fieldcast_Value value = {._d = fieldcast_VALUE_INT64, ._u.int64_value = atoll(argv[5])};
   static fieldcast_Command command; /* zeroed */
-  snprintf(command.requester, sizeof command.requester, "cyclone:%d:%" PRId64, (int)getpid(),
-           dds_time()); /* unique for each process */
   command.request_id = 1;
-  snprintf(command.bus, sizeof command.bus, "%s", argv[2]);
-  snprintf(command.device, sizeof command.device, "%s", argv[3]);
-  command.target_kind = fieldcast_TARGET_CHANNEL;
-  snprintf(command.target, sizeof command.target, "%s", argv[4]);
-  command.encoding.bit = -1;
-  command.operation = fieldcast_OPERATION_WRITE;
-  command.values = (dds_sequence_fieldcast_Value){
-      ._maximum = 1, ._length = 1, ._buffer = &value, ._release = false};
+  set_write(&command, argv + 2, &value);
   command.verify = argc > 6 && strcmp(argv[6], "verify") == 0;
   need(dds_write(commands, &command), "write");
   const int code = await_result(results, &command, until);

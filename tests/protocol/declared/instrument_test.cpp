@@ -4,13 +4,10 @@
 #include "tests/support/declared_device.hpp"
 #include "tests/support/matrix.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
 
-using test::Device;
-using test::drive;
-
-Device instrument() { return test::declared_device("instrument", 7); }
+Device instrument() { return declared_device("instrument", 7); }
 
 // header, status 3, analog 23.5, unit 2, outputs 1001b and inputs 0101b, tail
 const Bytes kAnswer = *from_hex("AA 03 41 BC 00 00 02 95 55");
@@ -35,7 +32,7 @@ TEST(Instrument, IsAskedByHeaderAddressCommandAndSum) {
   EXPECT_EQ(size->answer_characters, 9u);
 }
 
-TEST(Instrument, ItsAnswerIsCutIntoItsFields) {
+TEST(Instrument, ItsResponseIsCutIntoItsFields) {
   const Device device = instrument();
   EXPECT_EQ(value_at(device, "status", ValueType::kUint16), Value(std::uint64_t{3}));
   EXPECT_EQ(value_at(device, "analog", ValueType::kFloat32), Value(23.5));
@@ -63,7 +60,7 @@ TEST(Instrument, OneReadBringsTheWholeRecord) {
   EXPECT_EQ(to_hex(outcome.reply[0].items), "00 03 41 BC 00 00 00 02 00 05 00 09");
 }
 
-TEST(Instrument, OutputsAreWrittenAndTheAnswerMustShowThem) {
+TEST(Instrument, OutputsAreWrittenAndTheResponseMustShowThem) {
   const Device device = instrument();
   const Request request = device.write("output", "0009");
   EXPECT_EQ(to_hex(device.request_bytes(request)), "AA 07 02 09 BC");
@@ -82,9 +79,9 @@ TEST(Instrument, WhatItsFieldsCannotHoldIsNotSent) {
 TEST(Instrument, TheMatrixHolds) {
   const Device device = instrument();
   // The response has no check, so a flipped bit of a value cannot be detected.
-  test::expect_matrix({.begin = [&] { return device.begin(device.read("status", 6)); },
-                       .answers = {kAnswer},
-                       .checked = false});
+  expect_matrix({.begin = [&] { return device.begin(device.read("status", 6)); },
+                 .answers = {kAnswer},
+                 .checked = false});
 }
 
 TEST(Instrument, ALineThatBabblesIsGivenUpAfterTwoFrames) {
@@ -95,7 +92,7 @@ TEST(Instrument, ALineThatBabblesIsGivenUpAfterTwoFrames) {
   EXPECT_EQ(drive(*device.begin(device.read("status")), babble).cause, Cause::kOverlong);
 }
 
-TEST(Instrument, AnAnswerWithoutAnAddressIsNobodys) {
+TEST(Instrument, AResponseWithoutAnAddressIsNobodys) {
   EXPECT_EQ(instrument().protocol().traits().identity, ResponseIdentity::kNone);
 }
 
@@ -134,4 +131,4 @@ TEST(Instrument, FramesAreExplained) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

@@ -7,17 +7,13 @@
 #include "tests/support/declared_device.hpp"
 #include "tests/support/matrix.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
-
-using test::Device;
-using test::drive;
-using test::Outcome;
 
 constexpr std::uint16_t kUnit = 17;
 
 const Device& declared_modbus() {
-  static const Device device = test::declared_device("modbus-rtu-declared", kUnit);
+  static const Device device = declared_device("modbus-rtu-declared", kUnit);
   return device;
 }
 const Device& built_in() {
@@ -154,20 +150,20 @@ TEST(DeclaredModbus, TheMatrixHolds) {
   std::mt19937 random(5);
   for (const auto& [at, count] : reads) {
     const Request request = device.read(at, count);
-    const test::MatrixCase matrix{.begin = [&] { return device.begin(request); },
-                                  .answers = {answer_to(device.request_bytes(request), random)}};
-    test::expect_matrix(matrix);
-    test::expect_random_bytes_are_refused(matrix, 6, 2000);
+    const MatrixCase matrix{.begin = [&] { return device.begin(request); },
+                            .answers = {answer_to(device.request_bytes(request), random)}};
+    expect_matrix(matrix);
+    expect_random_bytes_are_refused(matrix, 6, 2000);
   }
   for (const auto& request : {device.write("coil:5", "01"), device.write("holding:1", "1234"),
                               device.write("holding:1", "12345678")}) {
-    test::expect_matrix({.begin = [&] { return device.begin(request); },
-                         .answers = {answer_to(device.request_bytes(request), random)}});
+    expect_matrix({.begin = [&] { return device.begin(request); },
+                   .answers = {answer_to(device.request_bytes(request), random)}});
   }
   const Request request = device.read("holding:100", 5);
   Bytes refusal{kUnit, 0x83, 2};
   append_crc(refusal);
-  test::expect_matrix({.begin = [&] { return device.begin(request); }, .answers = {refusal}});
+  expect_matrix({.begin = [&] { return device.begin(request); }, .answers = {refusal}});
 }
 
 TEST(DeclaredModbus, ItsTraitsComeFromItsFrames) {
@@ -188,4 +184,4 @@ TEST(DeclaredModbus, ItsTraitsComeFromItsFrames) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

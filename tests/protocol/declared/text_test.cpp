@@ -8,11 +8,8 @@
 #include "tests/support/declared_device.hpp"
 #include "tests/support/matrix.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
-
-using test::Device;
-using test::drive;
 
 Device declared_by(std::string_view text, std::uint16_t address) {
   const auto loaded = config::load_declaration_text(text, "test.yaml");
@@ -77,7 +74,7 @@ TEST(DeclaredText, ModbusAsciiIsThatOfTheBuiltInOne) {
     EXPECT_EQ(mine.reply[0].items, built_in.reply[0].items);
   }
   const Request request = ours.read("holding:1", 3);
-  test::expect_matrix(
+  expect_matrix(
       {.begin = [&] { return ours.begin(request); }, .answers = {ascii_answer(9, 3, random)}});
 }
 
@@ -156,4 +153,4 @@ TEST(DeclaredCheck, SumsAndTheirComplements) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

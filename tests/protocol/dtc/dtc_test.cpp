@@ -8,16 +8,10 @@
 #include "tests/protocol/dtc/dtc_text.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/matrix.hpp"
+#include "tests/support/text_cases.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
-
-using test::Device;
-using test::drive;
-using test::dtc_compressed;
-using test::dtc_message;
-using test::dtc_plain;
-using test::Outcome;
 
 Device plc(std::map<std::string, std::string> options = {{"threshold", "65535"}}) {
   return {"dtc", 5, std::move(options)};
@@ -53,7 +47,7 @@ TEST(DtcExchange, SeveralTypesInOneRequest) {
   EXPECT_EQ(to_hex(outcome.reply[2].items), "3F C0 00 00");
 }
 
-TEST(DtcExchange, AnAnswerIsReadWhetherCompressedOrNot) {
+TEST(DtcExchange, AResponseIsReadWhetherCompressedOrNot) {
   const Device device = plc();
   Reply replies[2];
   for (const bool compressed : {false, true}) {
@@ -95,12 +89,12 @@ TEST(DtcExchange, ACompressedRequestIsTheSameMessage) {
     }
     const Bytes plain = plc().request_bytes(list),
                 packed = plc({{"threshold", "0"}}).request_bytes(list);
-    EXPECT_EQ(to_hex(test::dtc_unpacked(packed)), to_hex(test::dtc_unpacked(plain)));
+    EXPECT_EQ(to_hex(dtc_unpacked(packed)), to_hex(dtc_unpacked(plain)));
     EXPECT_LE(packed.size(), plain.size());
   }
 }
 
-TEST(DtcExchange, OthersAreForeignAndThenTheAnswerIsStillTaken) {
+TEST(DtcExchange, OthersAreForeignAndThenTheResponseIsStillTaken) {
   const Device device = plc();
   for (const Bytes& other :
        {dtc_plain(dtc_message("06 00 0A0B")), dtc_plain(dtc_message("05 01")),
@@ -118,14 +112,14 @@ TEST(DtcExchange, OthersAreForeignAndThenTheAnswerIsStillTaken) {
 }
 
 // With five bytes of data, the echo of a request has the form of its response.
-TEST(DtcExchange, TheEchoOfARequestIsNotItsAnswer) {
+TEST(DtcExchange, TheEchoOfARequestIsNotItsResponse) {
   const Device device = plc();
   const Request request = device.read("bit:0", 40);
   const auto exchange = device.begin(request);
   EXPECT_EQ(drive(*exchange, device.request_bytes(request)).cause, Cause::kForeign);
 }
 
-TEST(DtcExchange, CausesAreTold) {
+TEST(DtcExchange, CausesAreReported) {
   const Device device = plc();
   const auto cause = [&](const Bytes& answer) {
     const auto exchange = device.begin(device.read("int16:9"));
@@ -158,9 +152,9 @@ TEST(DtcExchange, LengthsThatLieAreNoise) {
 
 TEST(DtcExchange, TheMatrixHolds) {
   const Device device = plc();
-  const auto expect = [](const test::MatrixCase& matrix, unsigned seed) {
-    test::expect_matrix(matrix);
-    test::expect_random_bytes_are_refused(matrix, seed, 3000);
+  const auto expect = [](const MatrixCase& matrix, unsigned seed) {
+    expect_matrix(matrix);
+    expect_random_bytes_are_refused(matrix, seed, 3000);
   };
   expect({.begin = [&] { return device.begin(mixed(device)); }, .answers = {dtc_plain(kMixed)}}, 1);
   expect({.begin = [&] { return device.begin(many(device)); },
@@ -234,36 +228,19 @@ TEST(DtcThreshold, AFasterLineOrASlowerDeviceCompressesLess) {
 
 TEST(DtcAddress, EachTypeHasItsOwn) {
   const Device device = plc();
-  const auto name = [&](std::string_view at) {
-    const auto parsed = device.protocol().parse_address(at);
-    if (!parsed) return "fault: " + parsed.error().what;
-    return std::to_string(parsed->area) + ":" + std::to_string(parsed->first) +
-           (parsed->bit ? "." + std::to_string(*parsed->bit) : "") + "/" +
-           std::to_string(parsed->width_bits.value_or(0));
-  };
-  EXPECT_EQ(name("bit:7"), "0:7/1");
-  EXPECT_EQ(name("int16:100"), "1:100/0");
-  EXPECT_EQ(name("int16:100.15"), "1:100.15/1");
-  EXPECT_EQ(name("int32:65535"), "2:65535/0");
-  EXPECT_EQ(name("int32:0.31"), "2:0.31/1");
-  EXPECT_EQ(name("float32:12"), "3:12/32");
-  EXPECT_EQ(name("float64:12"), "4:12/64");
+  const auto name = [&](std::string_view at) { return device.address(at); };
+  expect_texts(name,
+               {"bit:7 -> bit:7/1", "int16:100 -> int16:100/0", "int16:100.15 -> int16:100.15/1",
+                "int32:65535 -> int32:65535/0", "int32:0.31 -> int32:0.31/1",
+                "float32:12 -> float32:12/32", "float64:12 -> float64:12/64"});
 }
 
 TEST(DtcAddress, FaultsSayWhatWasMeant) {
   const Device device = plc();
-  const auto suggestion = [&](std::string_view at) {
-    const auto parsed = device.protocol().parse_address(at);
-    EXPECT_FALSE(parsed.has_value()) << at;
-    return parsed ? "" : parsed.error().suggestion;
-  };
-  EXPECT_EQ(suggestion("Int16:3"), "int16:3");
-  EXPECT_EQ(suggestion("flaot32:3"), "float32:3");
-  EXPECT_EQ(suggestion("int16"), "int16:0");
-  EXPECT_EQ(suggestion("int16:65536"), "int16:65535");
-  EXPECT_EQ(suggestion("int16:1.16"), "int16:1.0");
-  EXPECT_EQ(suggestion("bit:1.0"), "bit:1");
-  EXPECT_EQ(suggestion("float32:1.0"), "float32:1");
+  const auto suggestion = [&](std::string_view at) { return device.suggestion(at); };
+  expect_texts(suggestion, {"Int16:3 -> int16:3", "flaot32:3 -> float32:3", "int16 -> int16:0",
+                            "int16:65536 -> int16:65535", "int16:1.16 -> int16:1.0",
+                            "bit:1.0 -> bit:1", "float32:1.0 -> float32:1"});
   for (const auto* at : {"", ":", "int16:", "int16:-1", "int16:1.", "int16: 1", "holding:1"})
     (void)suggestion(at);
 }
@@ -308,4 +285,4 @@ TEST(DtcExplain, DataThatLookLikeGroupsThatCannotBeAreData) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

@@ -12,11 +12,8 @@
 #include "tests/support/device.hpp"
 #include "tests/support/matrix.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
-
-using test::Device;
-using test::GoldenVector;
 
 constexpr std::array<std::size_t, 5> kBits{1, 16, 32, 32, 64};
 
@@ -26,7 +23,7 @@ struct Group {
 };
 
 std::vector<Group> groups_of(const Bytes& packet) {
-  const Bytes message = test::dtc_unpacked(packet);
+  const Bytes message = dtc_unpacked(packet);
   std::vector<Group> groups;
   for (std::size_t at = 2; at + 2 < message.size();) {
     const Range range{message[at + 2], read_u16(message, at), read_u16(message, at + 3)};
@@ -45,9 +42,7 @@ Bytes image(const Range& range, ByteView data) {
   return bits;
 }
 
-std::uint16_t address_of(const GoldenVector& vector) {
-  return test::dtc_unpacked(vector.request)[0];
-}
+std::uint16_t address_of(const GoldenVector& vector) { return dtc_unpacked(vector.request)[0]; }
 std::map<std::string, std::string> threshold(const GoldenVector& vector) {
   return {{"threshold", vector.name.find("lzw") != std::string::npos ? "0" : "65535"}};
 }
@@ -89,9 +84,9 @@ const nlohmann::json& json_of(const std::string& name) {
   return none;
 }
 
-TEST(DtcVectors, ReadsAreAskedAndAnsweredAsPrinted) {
+TEST(DtcVectors, ReadRequestsAndResponsesAreAsPrinted) {
   int seen = 0;
-  for (const GoldenVector& vector : test::load_vectors("dtc")) {
+  for (const GoldenVector& vector : load_vectors("dtc")) {
     if (vector.kind != "ok" || !vector.name.starts_with("read_")) continue;
     SCOPED_TRACE(vector.name);
     ++seen;
@@ -100,12 +95,11 @@ TEST(DtcVectors, ReadsAreAskedAndAnsweredAsPrinted) {
     for (const Group& group : groups_of(vector.request)) read.ranges.push_back(group.range);
     EXPECT_EQ(to_hex(device.request_bytes(read)), to_hex(vector.request));
     const auto exchange = device.begin(read);
-    const test::Outcome outcome = test::drive(*exchange, vector.response);
+    const Outcome outcome = drive(*exchange, vector.response);
     ASSERT_TRUE(outcome.done()) << to_text(outcome);
     expect_values(json_of(vector.name)["groups"], outcome.reply);
     if (vector.response.size() < 400)
-      test::expect_matrix(
-          {.begin = [&] { return device.begin(read); }, .answers = {vector.response}});
+      expect_matrix({.begin = [&] { return device.begin(read); }, .answers = {vector.response}});
     EXPECT_FALSE(has_fault(find_protocol("dtc")->explain(vector.request)));
     EXPECT_FALSE(has_fault(find_protocol("dtc")->explain(vector.response)));
     const auto size = device.protocol().size(read);
@@ -119,12 +113,12 @@ TEST(DtcVectors, ReadsAreAskedAndAnsweredAsPrinted) {
 // A WriteRequest has one range, so a message of several groups is sent as one message per group.
 TEST(DtcVectors, WritesAreMadeOfThePrintedGroups) {
   int whole = 0, parts = 0;
-  for (const GoldenVector& vector : test::load_vectors("dtc")) {
+  for (const GoldenVector& vector : load_vectors("dtc")) {
     if (vector.kind != "ok" || !vector.name.starts_with("write_")) continue;
     SCOPED_TRACE(vector.name);
     const Device device("dtc", address_of(vector), threshold(vector));
     const auto groups = groups_of(vector.request);
-    const Bytes message = test::dtc_unpacked(vector.request);
+    const Bytes message = dtc_unpacked(vector.request);
     for (const Group& group : groups) {
       ++parts;
       const WriteRequest write{.range = group.range, .items = image(group.range, group.data)};
@@ -134,13 +128,13 @@ TEST(DtcVectors, WritesAreMadeOfThePrintedGroups) {
       head.push_back(group.range.area);
       append_u16(head, static_cast<std::uint16_t>(group.range.count));
       append(head, group.data);
-      EXPECT_EQ(to_hex(sent), to_hex(test::dtc_plain(test::dtc_message(to_hex(head)))));
+      EXPECT_EQ(to_hex(sent), to_hex(dtc_plain(dtc_message(to_hex(head)))));
       if (groups.size() == 1) {
         ++whole;
         EXPECT_EQ(to_hex(sent), to_hex(vector.request));
       }
       const auto exchange = device.begin(write);
-      EXPECT_TRUE(test::drive(*exchange, vector.response).done());
+      EXPECT_TRUE(drive(*exchange, vector.response).done());
     }
     EXPECT_FALSE(has_fault(find_protocol("dtc")->explain(vector.request)));
   }
@@ -150,19 +144,19 @@ TEST(DtcVectors, WritesAreMadeOfThePrintedGroups) {
 
 TEST(DtcVectors, RefusalsCarryTheirCode) {
   int code = 0;
-  for (const GoldenVector& vector : test::load_vectors("dtc")) {
+  for (const GoldenVector& vector : load_vectors("dtc")) {
     if (vector.kind != "exception") continue;
     SCOPED_TRACE(vector.name);
     const Device device("dtc", 7);
     const auto exchange = device.begin(device.read("int16:0"));
-    const test::Outcome outcome = test::drive(*exchange, vector.response);
+    const Outcome outcome = drive(*exchange, vector.response);
     EXPECT_EQ(outcome.cause, Cause::kDeviceError);
     EXPECT_EQ(outcome.code, ++code);
-    test::expect_matrix({.begin = [&] { return device.begin(device.read("int16:0")); },
-                         .answers = {vector.response}});
+    expect_matrix({.begin = [&] { return device.begin(device.read("int16:0")); },
+                   .answers = {vector.response}});
   }
   EXPECT_EQ(code, 5);
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

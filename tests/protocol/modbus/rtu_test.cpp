@@ -57,7 +57,7 @@ TEST(RtuExchange, NamesTheMissingCharacters) {
   }
 }
 
-TEST(RtuExchange, ForeignAnswerIsSkippedAndTheWaitGoesOn) {
+TEST(RtuExchange, ForeignResponseIsSkippedAndTheWaitGoesOn) {
   const Bytes foreign = with_crc("12 03 06 0001 0002 0003");
   auto exchange = classic();
   Bytes out;
@@ -70,7 +70,7 @@ TEST(RtuExchange, ForeignAnswerIsSkippedAndTheWaitGoesOn) {
   EXPECT_EQ(outcome.reply.at(0).items, kItems);
 }
 
-TEST(RtuExchange, LateAnswerOfAnotherLengthIsSkipped) {
+TEST(RtuExchange, LateResponseOfAnotherLengthIsSkipped) {
   auto exchange = classic();
   EXPECT_TRUE(drive(exchange, joined({with_crc("11 03 02 0007"), kAnswer})).done());
   auto alone = classic();
@@ -91,19 +91,19 @@ TEST(RtuExchange, SpuriousZeroAtTheTurnAroundIsSkipped) {
   EXPECT_FALSE(outcome.waited);
 }
 
-TEST(RtuExchange, GarbageBeforeTheAnswerIsSkipped) {
+TEST(RtuExchange, GarbageBeforeTheResponseIsSkipped) {
   auto exchange = classic();
   EXPECT_TRUE(drive(exchange, joined({hex("AA 55 13"), kAnswer})).done());
 }
 
-TEST(RtuExchange, BrokenAnswerFollowedByAGoodOneIsRead) {
+TEST(RtuExchange, BrokenResponseFollowedByAGoodOneIsRead) {
   Bytes broken = kAnswer;
   broken[4] ^= 0x10;
   auto exchange = classic();
   EXPECT_TRUE(drive(exchange, joined({broken, kAnswer})).done());
 }
 
-TEST(RtuExchange, AnAnswerInsideAnotherDevicesDataIsNotTaken) {
+TEST(RtuExchange, AResponseInsideAnotherDevicesDataIsNotTaken) {
   Bytes foreign = hex("12 03 0E 0001");
   append(foreign, kAnswer);
   append(foreign, hex("00"));
@@ -113,7 +113,7 @@ TEST(RtuExchange, AnAnswerInsideAnotherDevicesDataIsNotTaken) {
   EXPECT_EQ(test::drive_bytewise(exchange, {&foreign, 1}).cause, Cause::kForeign);
 }
 
-TEST(RtuExchange, NoiseThatLooksLikeAFramesBeginningDelaysTheAnswerBySilenceOnly) {
+TEST(RtuExchange, NoiseThatLooksLikeAFramesBeginningDelaysTheResponseBySilenceOnly) {
   const Bytes stream = joined({hex("05 03 40"), kAnswer});
   auto exchange = classic();
   const Outcome outcome = drive(exchange, stream);

@@ -85,11 +85,11 @@ TEST_P(ModbusVectors, OurRequestIsTheirs) {
   EXPECT_EQ(to_hex(ours), to_hex(vector().request));
 }
 
-TEST_P(ModbusVectors, TheirAnswerIsRead) {
+TEST_P(ModbusVectors, TheirResponseIsRead) {
   const auto answer = reference::open(vector().framing, vector().response);
   if (vector().kind != "ok" || !answer || is_unused_function(answer->pdu)) return;
   if (vector().name == "tcp_split_fc02_pymodbus")
-    return;  // has the form of a request: see AMalformedAnswerIsNoValue
+    return;  // has the form of a request: see AMalformedResponseHasNoValue
   const auto request = asked(vector().response);
   ASSERT_TRUE(request.has_value());
   const Outcome result = outcome(*request, vector().response);
@@ -118,7 +118,7 @@ TEST_P(ModbusVectors, ARequestThatMustBeRefusedIsNeverSent) {
   if (meant) { EXPECT_FALSE(pdu_sizes(meant->request, meant->options).has_value()); }
 }
 
-TEST_P(ModbusVectors, AMalformedAnswerIsNoValue) {
+TEST_P(ModbusVectors, AMalformedResponseHasNoValue) {
   const bool shape = vector().name == "tcp_split_fc02_pymodbus";
   if ((vector().kind != "malformed" && !shape) || vector().response.empty() ||
       vector().expect == "resync_optional")
@@ -182,7 +182,7 @@ GoldenVector named(const std::string& name) {
   return {};
 }
 
-TEST(ModbusVector, ALateAnswerIsPassedOverForTheRightOne) {
+TEST(ModbusVector, ALateResponseIsPassedOverForTheRightOne) {
   const GoldenVector late = named("late_response_after_timeout");
   const auto request = reference::open("rtu", late.hex("second_request"));
   ASSERT_TRUE(request.has_value());

@@ -7,13 +7,8 @@
 #include "tests/support/matrix.hpp"
 #include "tests/support/vectors.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
-
-using test::Device;
-using test::drive;
-using test::GoldenVector;
-using test::Outcome;
 
 std::string text(ByteView bytes) { return {bytes.begin(), bytes.end()}; }
 Bytes framed(const std::string& body) {
@@ -64,10 +59,10 @@ std::optional<Meant> meant(const std::string& q) {
   return Meant{std::move(device), std::move(request), sid};
 }
 
-TEST(FinsVectors, OurRequestsAreTheirsAndTheirAnswersAreRead) {
+TEST(FinsVectors, OurRequestsAreTheirsAndTheirResponsesAreRead) {
   int requests = 0;
   int answers = 0;
-  for (const GoldenVector& vector : test::load_vectors("fins")) {
+  for (const GoldenVector& vector : load_vectors("fins")) {
     if (vector.framing != "hostlink" || vector.kind != "ok") continue;
     SCOPED_TRACE(vector.name);
     auto asked = meant(text(vector.request));
@@ -79,8 +74,8 @@ TEST(FinsVectors, OurRequestsAreTheirsAndTheirAnswersAreRead) {
     const auto exchange = asked->device.begin(asked->request, asked->sid);
     const Outcome outcome = drive(*exchange, vector.response);
     ASSERT_TRUE(outcome.done()) << to_text(outcome);
-    test::expect_matrix({.begin = [&] { return asked->device.begin(asked->request, asked->sid); },
-                         .answers = {vector.response}});
+    expect_matrix({.begin = [&] { return asked->device.begin(asked->request, asked->sid); },
+                   .answers = {vector.response}});
     const std::string data = text(vector.response).substr(23, vector.response.size() - 27);
     EXPECT_EQ(to_hex(outcome.reply[0].items, '\0'), data);
   }
@@ -89,7 +84,7 @@ TEST(FinsVectors, OurRequestsAreTheirsAndTheirAnswersAreRead) {
 }
 
 TEST(FinsVectors, EndCodesAreTheDevicesErrors) {
-  for (const GoldenVector& vector : test::load_vectors("fins")) {
+  for (const GoldenVector& vector : load_vectors("fins")) {
     if (vector.framing != "hostlink" || vector.kind != "exception" || vector.name == "fa_end_0401")
       continue;  // of another command
     SCOPED_TRACE(vector.name);
@@ -111,9 +106,9 @@ TEST(FinsVectors, EndCodesAreTheDevicesErrors) {
   }
 }
 
-TEST(FinsVectors, WhatIsMalformedIsNoValue) {
+TEST(FinsVectors, WhatIsMalformedHasNoValue) {
   int seen = 0;
-  for (const GoldenVector& vector : test::load_vectors("fins")) {
+  for (const GoldenVector& vector : load_vectors("fins")) {
     if (vector.framing != "hostlink" || vector.kind != "malformed" || vector.response.empty())
       continue;
     SCOPED_TRACE(vector.name);
@@ -126,12 +121,12 @@ TEST(FinsVectors, WhatIsMalformedIsNoValue) {
 
 TEST(Fins, TheMatrixOfARefusalHolds) {
   const Device device = plc();
-  test::expect_matrix({.begin = [&] { return device.begin(device.read("DM0")); },
-                       .answers = {framed("@00FA004000000001011103")}});
+  expect_matrix({.begin = [&] { return device.begin(device.read("DM0")); },
+                 .answers = {framed("@00FA004000000001011103")}});
 }
 
 TEST(FinsVectors, ExplanationsFindTheFaults) {
-  for (const GoldenVector& vector : test::load_vectors("fins")) {
+  for (const GoldenVector& vector : load_vectors("fins")) {
     if (vector.framing != "hostlink") continue;
     SCOPED_TRACE(vector.name);
     if (vector.kind == "ok" && !vector.request.empty()) {
@@ -168,12 +163,12 @@ TEST(Fins, ScatteredWordsComeInOneRequest) {
   ASSERT_TRUE(size.has_value());
   EXPECT_EQ(size->request_characters, device.request_bytes(request).size());
   EXPECT_EQ(size->answer_characters, answer.size());
-  test::expect_matrix({.begin = [&] { return device.begin(request); }, .answers = {answer}});
-  test::expect_random_bytes_are_refused(
+  expect_matrix({.begin = [&] { return device.begin(request); }, .answers = {answer}});
+  expect_random_bytes_are_refused(
       {.begin = [&] { return device.begin(request); }, .answers = {answer}}, 5, 5000);
 }
 
-TEST(Fins, AnItemOfAnotherAreaIsNoAnswer) {
+TEST(Fins, AnItemOfAnotherAreaIsNotAResponse) {
   const Device device = plc();
   const auto exchange = device.begin(ReadRequest{{device.range("DM100"), device.range("W10")}});
   EXPECT_EQ(drive(*exchange, framed("@00FA0040000000010400008212348256"
@@ -195,7 +190,7 @@ TEST(Fins, OneBitIsWrittenAlone) {
                device.range("T5").area == 0);
 }
 
-TEST(Fins, AnAnswerToAnEarlierRequestIsPassedOver) {
+TEST(Fins, AResponseToAnEarlierRequestIsPassedOver) {
   const Device device = plc();
   const auto exchange = device.begin(device.read("DM0"), 7);
   Bytes stream = framed(
@@ -233,4 +228,4 @@ TEST(Fins, OptionsOfFinsBelongToFins) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

@@ -5,15 +5,11 @@
 #include "core/protocol/families/registry.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/matrix.hpp"
+#include "tests/support/text_cases.hpp"
 #include "tests/support/vectors.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
-
-using test::Device;
-using test::drive;
-using test::GoldenVector;
-using test::Outcome;
 
 std::string text(ByteView bytes) { return {bytes.begin(), bytes.end()}; }
 // Returns "@00RD.." with FCS and the end mark of a last or a continued frame.
@@ -57,7 +53,7 @@ std::optional<Meant> meant(const std::string& q) {
 
 TEST(HostLinkVectors, OurRequestsAreTheirs) {
   int seen = 0;
-  for (const GoldenVector& vector : test::load_vectors("hostlink")) {
+  for (const GoldenVector& vector : load_vectors("hostlink")) {
     if (vector.kind != "ok") continue;
     const auto request = meant(text(vector.request));
     if (!request) continue;
@@ -68,9 +64,9 @@ TEST(HostLinkVectors, OurRequestsAreTheirs) {
   EXPECT_GE(seen, 25);
 }
 
-TEST(HostLinkVectors, TheirAnswersAreRead) {
+TEST(HostLinkVectors, TheirResponsesAreRead) {
   int seen = 0;
-  for (const GoldenVector& vector : test::load_vectors("hostlink")) {
+  for (const GoldenVector& vector : load_vectors("hostlink")) {
     if (vector.kind != "ok" || vector.response.empty()) continue;
     const auto request = meant(text(vector.request));
     if (!request) continue;
@@ -82,8 +78,7 @@ TEST(HostLinkVectors, TheirAnswersAreRead) {
     const Outcome outcome = drive(*exchange, answers);
     ASSERT_TRUE(outcome.done()) << to_text(outcome);
     if (!vector.master.empty()) { EXPECT_EQ(outcome.sent, vector.master); }
-    test::expect_matrix(
-        {.begin = [&] { return device.begin(request->request); }, .answers = answers});
+    expect_matrix({.begin = [&] { return device.begin(request->request); }, .answers = answers});
     if (std::holds_alternative<WriteRequest>(request->request)) continue;
     std::string digits;
     for (std::size_t i = 0; i < answers.size(); ++i) {
@@ -104,7 +99,7 @@ TEST(HostLinkVectors, TheirAnswersAreRead) {
 }
 
 TEST(HostLinkVectors, EndCodesAreTheDevicesErrors) {
-  for (const GoldenVector& vector : test::load_vectors("hostlink")) {
+  for (const GoldenVector& vector : load_vectors("hostlink")) {
     if (vector.kind != "exception") continue;
     SCOPED_TRACE(vector.name);
     const std::string answer = text(vector.response);
@@ -126,7 +121,7 @@ TEST(HostLinkVectors, EndCodesAreTheDevicesErrors) {
 }
 
 TEST(HostLinkVectors, ExplanationsFindTheFaults) {
-  for (const GoldenVector& vector : test::load_vectors("hostlink")) {
+  for (const GoldenVector& vector : load_vectors("hostlink")) {
     SCOPED_TRACE(vector.name);
     if (vector.kind == "ok") {
       EXPECT_FALSE(has_fault(explain(vector.request)));
@@ -231,67 +226,48 @@ TEST(HostLink, FramesOfOthersArePassedOver) {
 
 TEST(HostLink, TheMatrixHolds) {
   const Device device = plc();
-  test::expect_matrix({.begin = [&] { return device.begin(device.read("DM150", 3)); },
-                       .answers = {framed("@00RD00B005270F0000")}});
-  test::expect_matrix({.begin = [&] { return device.begin(device.read("TF0", 3)); },
-                       .answers = {framed("@00RG00101")}});
-  test::expect_matrix({.begin = [&] { return device.begin(device.write("CIO100", "00F0")); },
-                       .answers = {framed("@00WR00")}});
-  test::expect_matrix(
+  expect_matrix({.begin = [&] { return device.begin(device.read("DM150", 3)); },
+                 .answers = {framed("@00RD00B005270F0000")}});
+  expect_matrix({.begin = [&] { return device.begin(device.read("TF0", 3)); },
+                 .answers = {framed("@00RG00101")}});
+  expect_matrix({.begin = [&] { return device.begin(device.write("CIO100", "00F0")); },
+                 .answers = {framed("@00WR00")}});
+  expect_matrix(
       {.begin = [&] { return device.begin(device.read("DM0")); }, .answers = {framed("@00RD15")}});
   std::string words;
   for (int i = 0; i < 40; ++i)
     words +=
         to_hex(Bytes{static_cast<std::uint8_t>(7 * i), static_cast<std::uint8_t>(i * i)}, '\0');
-  const test::MatrixCase long_read{
+  const MatrixCase long_read{
       .begin = [&] { return device.begin(device.read("DM0", 40)); },
       .answers = {framed("@00RD00" + words.substr(0, 120), false), framed(words.substr(120))}};
-  test::expect_matrix(long_read);
-  test::expect_random_bytes_are_refused(long_read, 3, 5000);
+  expect_matrix(long_read);
+  expect_random_bytes_are_refused(long_read, 3, 5000);
 }
 
 TEST(HostLinkAddress, NotationsAreUnderstood) {
   const Device c = plc();
   const Device fins("omron-hostlink", 0, {{"mode", "fins"}});
-  const auto name = [](const Device& device, std::string_view at) {
-    const auto parsed = device.protocol().parse_address(at);
-    if (!parsed) return "fault: " + parsed.error().what;
-    return std::string(device.protocol().areas()[parsed->area].name) + ":" +
-           std::to_string(parsed->first) + (parsed->bit ? "." + std::to_string(*parsed->bit) : "");
-  };
-  EXPECT_EQ(name(c, "DM100"), "DM:100");
-  EXPECT_EQ(name(c, "D100"), "DM:100");
-  EXPECT_EQ(name(c, "CIO12.03"), "CIO:12.3");
-  EXPECT_EQ(name(c, "IR12"), "CIO:12");
-  EXPECT_EQ(name(c, "HR10"), "HR:10");
-  EXPECT_EQ(name(c, "E1_100"), "EM:" + std::to_string(32768 + 100));
-  EXPECT_EQ(name(c, "T5"), "T:5");
-  EXPECT_EQ(name(c, "TIM5"), "T:5");
-  EXPECT_EQ(name(c, "CNT7"), "C:7");
-  EXPECT_EQ(name(c, "TF5"), "TF:5");
-  EXPECT_EQ(name(fins, "W5.07"), "W:5.7");
-  EXPECT_EQ(name(fins, "EMC_9"), "EM:" + std::to_string(12 * 32768 + 9));
-  EXPECT_EQ(c.protocol().parse_address("TF5")->width_bits, 1u);
+  expect_texts([&](std::string_view at) { return c.address(at); },
+               {"DM100 -> DM:100/0", "D100 -> DM:100/0", "CIO12.03 -> CIO:12.3/1",
+                "IR12 -> CIO:12/0", "HR10 -> HR:10/0", "E1_100 -> EM:32868/0", "T5 -> T:5/0",
+                "TIM5 -> T:5/0", "CNT7 -> C:7/0", "TF5 -> TF:5/1"});
+  expect_texts([&](std::string_view at) { return fins.address(at); },
+               {"W5.07 -> W:5.7/1", "EMC_9 -> EM:393225/0"});
 }
 
 TEST(HostLinkAddress, FaultsSayWhatWasMeant) {
   const Device device = plc();
   for (const auto* at : {"", "DM", "X5", "DM10000", "W5", "CIO1.16", "CIO1.", "TF5.1", "E100",
                          "E1_32768", "E1_10000", "DM-1", "100"}) {
-    const auto parsed = device.protocol().parse_address(at);
-    ASSERT_FALSE(parsed.has_value()) << at;
-    EXPECT_FALSE(parsed.error().allowed.empty());
-    if (!parsed.error().suggestion.empty()) {
-      EXPECT_TRUE(device.protocol().parse_address(parsed.error().suggestion).has_value())
-          << parsed.error().suggestion;
-    }
+    (void)device.suggestion(at);
   }
-  EXPECT_EQ(device.protocol().parse_address("dm5").error().suggestion, "DM5");
-  EXPECT_EQ(device.protocol().parse_address("COI5").error().suggestion, "CIO5");
+  EXPECT_EQ(device.suggestion("dm5"), "DM5");
+  EXPECT_EQ(device.suggestion("COI5"), "CIO5");
 }
 
 // Responses to commands that Fieldcast does not send are valid too.
-TEST(HostLinkExplain, OtherCommandsAnswersAreNoFaults) {
+TEST(HostLinkExplain, OtherCommandsResponsesAreNoFaults) {
   for (const auto* right : {"@00R#00CNT 1234", "@00R$00TIM 0001", "@00W#00", "@00RP00ABCD",
                             "@00WP00", "@00MI00", "@00ST", "@00QQMR00", "@00IC", "@00MS00A800"}) {
     const bool known = std::string_view(right) != "@00ST";
@@ -300,4 +276,4 @@ TEST(HostLinkExplain, OtherCommandsAnswersAreNoFaults) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

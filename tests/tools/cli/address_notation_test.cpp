@@ -63,7 +63,7 @@ TEST(AddressNotation, OfAnUnknownProtocolWhereAllFamiliesAgree) {
   EXPECT_EQ(type_among({}, "pressure"), "uint16") << "of a declared protocol";
 }
 
-TEST(AddressNotation, ChannelsTellTheProtocolWhereFamiliesDisagree) {
+TEST(AddressNotation, ChannelsStateTheProtocolWhereFamiliesDisagree) {
   EXPECT_EQ(type_among({}, "C200"),
             "? C200: the type depends on the protocol: bcd16 (omron-hostlink), int16 (s7-ppi), "
             "int32 (mitsubishi-fx), uint16 (omron-hostlink); say --type");

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include "tests/tools/cli/parsed_json.hpp"
+#include "tools/cli/view/record_view.hpp"
 #include "tools/cli/view/station_view.hpp"
 
 namespace fieldcast::cli {
@@ -82,6 +84,62 @@ TEST(AlarmView, TheHistorySaysWhoAndUntilWhen) {
       "2023-11-14T22:13:20.000Z  b/d  maintenance by anna until 2023-11-14T22:14:20.000Z: oil");
   EXPECT_EQ(parsed(record_json(entry))["who"], "anna");
   EXPECT_FALSE(parsed(record_json(entry)).contains("state"));
+}
+
+const StoredChannel kChannel{1, "press-shop", "press-1", "oil", "°C", "float32"};
+const Bucket kMinute{1,  {1'699'999'980'000'000'000}, 3, 1, static_cast<double>(0.1f), 2, 4.1, 1,
+                     0.5};
+const Bucket kNothingGood{.channel = 1, .start = kMinute.start, .bad = 60};
+
+TEST(BucketView, ShowsTheMeaningOfAPeriod) {
+  EXPECT_EQ(bucket_head(Zone::kUtc),
+            "time                               min           max       average   count    bad  "
+            "channel");
+  EXPECT_EQ(bucket_line(kChannel, kMinute, Zone::kUtc),
+            "2023-11-14T22:13:00.000Z           0.1             2      1.366667       3      1  "
+            "press-shop/press-1/oil (°C)");
+  EXPECT_EQ(bucket_line(kChannel, kNothingGood, Zone::kUtc),
+            "2023-11-14T22:13:00.000Z             -             -             -       0     60  "
+            "press-shop/press-1/oil (°C)");
+}
+
+TEST(BucketView, CsvHasEveryDigitAndNothingWhereNothingWasGood) {
+  EXPECT_EQ(bucket_csv_head(), "time,min,max,average,count,bad,bus,device,channel,unit");
+  EXPECT_EQ(bucket_csv(kChannel, kMinute, Zone::kUtc),
+            "2023-11-14T22:13:00.000Z,0.1,2,1.3666666666666665,3,1,press-shop,press-1,oil,°C");
+  EXPECT_EQ(bucket_csv(kChannel, kNothingGood, Zone::kUtc),
+            "2023-11-14T22:13:00.000Z,,,,0,60,press-shop,press-1,oil,°C");
+}
+
+TEST(BucketView, JsonHasNullWhereNothingWasGood) {
+  EXPECT_EQ(bucket_json(kChannel, kNothingGood).text(),
+            R"({"bus":"press-shop","device":"press-1","channel":"oil","time":1699999980000000000,)"
+            R"("min":null,"max":null,"average":null,"count":0,"bad":60})");
+  EXPECT_EQ(parsed(bucket_json(kChannel, kMinute))["max"], 2.0);
+}
+
+const ProgramSessionReport kSession{
+    "press-shop", "press-1",      ProgramSessionState::kOpen, "anna (10.0.0.7:51000)", 1234,
+    56789,        {1'000'000'000}};
+
+TEST(SessionsView, ShowsWhoProgramsWhatAndHowMuchWent) {
+  const auto lines =
+      sessions_lines({{{"press-shop", "press-1"}, kSession}}, UtcTime{2'500'000'000}, {});
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_THAT(lines[1], AllOf(HasSubstr("press-shop/press-1"), HasSubstr("open"),
+                              HasSubstr("anna (10.0.0.7:51000)"), HasSubstr("1234"),
+                              HasSubstr("56789"), HasSubstr("1.50 s")));
+}
+
+TEST(SessionsView, SaysSoWhenThereIsNone) {
+  EXPECT_THAT(sessions_lines({}, {}, {}), testing::ElementsAre("no device has been programmed"));
+}
+
+TEST(SessionsView, JsonHasTheFieldsOfTheIdl) {
+  static constexpr std::string_view kLine =
+      R"j({"bus":"press-shop","device":"press-1","state":"open","who":"anna (10.0.0.7:51000)",)j"
+      R"("bytes_to_device":1234,"bytes_from_device":56789,"since":1000000000})";
+  EXPECT_EQ(session_json(kSession).text(), kLine);
 }
 
 }  // namespace

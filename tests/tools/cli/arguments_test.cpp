@@ -189,7 +189,7 @@ TEST(Arguments, DurationsAreOfOneGrammarAndANumberAloneIsSeconds) {
                         "1us to 365d; did you mean 5s?"));
 }
 
-TEST(Arguments, HelpIsNoFault) {
+TEST(Arguments, HelpIsNotAFault) {
   for (const auto& words :
        std::vector<std::vector<const char*>>{{"--help"}, {"watch", "--help"}, {"--version"}}) {
     const auto parsed = parse(words);

@@ -1,12 +1,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/text_cases.hpp"
+#include "tools/cli/domain/domain_view.hpp"
 #include "tools/cli/model/watch_model.hpp"
 
 namespace fieldcast::cli {
 namespace {
 
 using testing::HasSubstr;
+using namespace std::chrono_literals;
 
 Catalogue plant() {
   Catalogue catalogue;
@@ -31,14 +34,12 @@ TEST(Catalogue, FindsByThePath) {
 
 TEST(Catalogue, AChannelOrDeviceInPlaceOfABusIsFound) {
   const auto catalogue = plant();
-  const auto meant = [&](const char* pattern) {
+  const auto meant = [&](std::string_view pattern) {
     return catalogue.meant_further_down(Pattern::parse(pattern).value());
   };
-  EXPECT_EQ(meant("running"), "*/*/running");
-  EXPECT_EQ(meant("press-1"), "*/press-1/*");
-  EXPECT_EQ(meant("press-1/running"), "*/press-1/running");
-  EXPECT_EQ(meant("speed"), "");
-  EXPECT_EQ(meant("press-shop/press-1/speed"), "");
+  test::expect_texts(
+      meant, {"running -> */*/running", "press-1 -> */press-1/*",
+              "press-1/running -> */press-1/running", "speed -> ", "press-shop/press-1/speed -> "});
 }
 
 TEST(Catalogue, NamesThePartThatIsUnknownAndWhatWasMeant) {
@@ -65,6 +66,51 @@ TEST(Catalogue, ADeviceForAddressesAloneIsThereWithoutChannels) {
   EXPECT_THAT(catalogue.explain_unknown({"line", "metre", "x"}), HasSubstr("did you mean meter?"));
   EXPECT_EQ(catalogue.explain_unknown({"line", "meter", "x"}),
             "device 'meter' has no channels; --at ADDRESS reads and writes addresses");
+}
+
+constexpr Instant kBegan{100s};
+
+Connection sites() { return Connection{std::vector<DdsSite>{{"north", {}}, {"south", {}}}}; }
+
+TEST(Listening, ToNobodyTakesAsLongAsABridgeMay) {
+  const Listening alone(Connection{DdsSpec{}}, kBegan);
+  EXPECT_FALSE(alone.anybody());
+  EXPECT_EQ(alone.over_at(), kBegan + kBridgeWait);
+}
+
+TEST(Listening, IsOverWhenNothingNewCame) {
+  Listening alone(Connection{DdsSpec{}}, kBegan);
+  alone.news("line", kBegan + 1s);
+  EXPECT_EQ(alone.over_at(), kBegan + 1s + kQuietTime);
+  alone.news("press", kBegan + 1500ms);
+  EXPECT_EQ(alone.over_at(), kBegan + 1500ms + kQuietTime);
+  EXPECT_EQ(alone.silent_text(), "");
+}
+
+TEST(Listening, WaitsForEachSite) {
+  Listening both(sites(), kBegan);
+  both.news("north:line", kBegan + 1s);
+  EXPECT_EQ(both.over_at(), kBegan + kBridgeWait);
+  EXPECT_TRUE(both.heard_site_of("north:other"));
+  EXPECT_FALSE(both.heard_site_of("south:line"));
+  EXPECT_EQ(both.silent_text(), "no bridge found in site south");
+  EXPECT_EQ(both.silent_sites(), std::vector<std::string>{"south"});
+  both.news("south:line", kBegan + 2s);
+  EXPECT_EQ(both.over_at(), kBegan + 2s + kQuietTime);
+  EXPECT_EQ(both.silent_text(), "");
+}
+
+TEST(Listening, LetsALateReporterContinue) {
+  Listening both(sites(), kBegan);
+  both.news("north:line", kBegan + 4800ms);
+  EXPECT_EQ(both.over_at(), kBegan + 4800ms + kQuietTime);
+}
+
+TEST(Listening, ABusWithoutASiteIsOfAnybody) {
+  Listening both(sites(), kBegan);
+  EXPECT_FALSE(both.heard_site_of("line"));
+  both.news("north:line", kBegan + 1s);
+  EXPECT_TRUE(both.heard_site_of("line"));
 }
 
 }  // namespace

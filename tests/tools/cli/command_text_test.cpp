@@ -25,7 +25,7 @@ TEST(Assignment, SplitsAtTheFirstEqualsSign) {
   EXPECT_EQ(Assignment::parse("bus/device/name=a/b")->value, "a/b");
 }
 
-TEST(Assignment, RefusesWhatIsNoChannelOrSetsNothing) {
+TEST(Assignment, RefusesWhatIsNotAChannelOrSetsNothing) {
   for (const auto* text :
        {"bus/device/name", "bus/device=1", "device=1", "a/b/c/d=1", "//=1", "=1", ""}) {
     EXPECT_FALSE(Assignment::parse(text)) << text;
@@ -65,7 +65,7 @@ TEST(ValueText, FractionForAnIntegerIsTheBridgesToJudge) {  // the channel may b
   EXPECT_EQ(value("int16", "70000"), Value{std::int64_t{70000}});
 }
 
-TEST(ValueText, RefusesWhatIsNoValueOfTheKind) {
+TEST(ValueText, RefusesWhatIsNotAValueOfTheKind) {
   EXPECT_THAT(value_from_text(parse_type("int16").value(), "warm").error(),
               HasSubstr("'warm' is no number"));
   EXPECT_THAT(value_from_text(parse_type("bool").value(), "maybe").error(),

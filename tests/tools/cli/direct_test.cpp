@@ -13,6 +13,7 @@
 #include "core/capture/pcapng_reader.hpp"
 #include "core/model/bus_spec.hpp"
 #include "tests/bridge/support/modbus_device.hpp"
+#include "tests/support/text_cases.hpp"
 #include "tools/cli/command/line/poke.hpp"
 #include "tools/cli/command/line/read.hpp"
 #include "tools/cli/command/line/scan.hpp"
@@ -122,7 +123,7 @@ TEST_F(DirectTest, SaysWhatADeviceRefuses) {
   EXPECT_THAT(ended.out, HasSubstr("holding:5 = 5"));
 }
 
-TEST_F(DirectTest, SaysWhatIsNoAddress) {
+TEST_F(DirectTest, SaysWhatIsNotAnAddress) {
   const auto ended = read({.line = line(), .addresses = {"holdin:1"}});
   EXPECT_EQ(ended.code, ExitCode::kUsage);
   EXPECT_THAT(ended.err, HasSubstr("did you mean holding:1?"));
@@ -377,18 +378,15 @@ TEST_F(CollisionTest, AScanSaysThatTwoDevicesHaveTheAddress) {
   }
 }
 
-TEST_F(CollisionTest, AScanSaysThatAnswersAreCut) {
+TEST_F(CollisionTest, AScanSaysThatResponsesAreCut) {
   const auto ended = scan_with(Bytes{1, 3, 2, 0});
   EXPECT_EQ(ended.code, ExitCode::kNothing);
   EXPECT_THAT(ended.err, HasSubstr("the end is missing"));
 }
 
 TEST(FullPort, NamesOfSerialPortsAreCompleted) {
-  EXPECT_EQ(full_port("ttyUSB0"), "/dev/ttyUSB0");
-  EXPECT_EQ(full_port("null"), "/dev/null");
-  EXPECT_EQ(full_port("./x"), "./x");
-  EXPECT_EQ(full_port("/dev/ttyS1"), "/dev/ttyS1");
-  EXPECT_EQ(full_port("10.0.0.7:502"), "10.0.0.7:502");
+  test::expect_texts(full_port, {"ttyUSB0 -> /dev/ttyUSB0", "null -> /dev/null", "./x -> ./x",
+                                 "/dev/ttyS1 -> /dev/ttyS1", "10.0.0.7:502 -> 10.0.0.7:502"});
   EXPECT_EQ(full_port("plc.local"), "plc.local") << "still no HOST:PORT";
 }
 
@@ -416,7 +414,7 @@ TEST_F(EchoTest, AReadSaysThatWhatWasSentComesBack) {
   EXPECT_THAT(ended.err, HasSubstr("what was sent comes back, and nothing else"));
 }
 
-TEST_F(DirectTest, ScanSaysThatNobodyAnswers) {
+TEST_F(DirectTest, ScanSaysThatNobodyResponds) {
   device.set_silent(true);
   const auto ended = scan({.port = pty.path(),
                            .baud = 9600,
@@ -458,7 +456,7 @@ struct CaptureTest : DirectTest {
   const std::string path = folder / "line.pcapng";
 };
 
-TEST_F(CaptureTest, OfAReadHasRequestAndAnswer) {
+TEST_F(CaptureTest, OfAReadHasRequestAndResponse) {
   const auto ended = read({.line = line(), .addresses = {"holding:5"}, .capture = path});
   EXPECT_EQ(ended.code, ExitCode::kOk) << ended.err;
   const auto all = packets();

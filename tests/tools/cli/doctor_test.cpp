@@ -26,7 +26,7 @@ Finding only(const MachineFacts& facts) {
 
 TEST(DoctorFindings, OfWhatIsNotKnownNothingIsSaid) { EXPECT_THAT(findings_of({}), IsEmpty()); }
 
-TEST(DoctorFindings, ASmallReceiveBufferIsToldWithItsRemedy) {
+TEST(DoctorFindings, ASmallReceiveBufferIsReportedWithItsRemedy) {
   MachineFacts facts;
   facts.receive_buffer_asked = 1 << 20;
   facts.receive_buffer_limit = 212'992;
@@ -39,7 +39,7 @@ TEST(DoctorFindings, ASmallReceiveBufferIsToldWithItsRemedy) {
   EXPECT_EQ(only(facts).severity, Severity::kOk);
 }
 
-TEST(DoctorFindings, AnAdapterThatHoldsAnswersBackIsToldWithItsFile) {
+TEST(DoctorFindings, AnAdapterThatHoldsResponsesBackIsReportedWithItsFile) {
   MachineFacts facts;
   facts.adapters = {{"ttyUSB0", "ftdi_sio", 16, "/sys/x/latency_timer"}};
   const Finding slow = only(facts);

@@ -141,13 +141,13 @@ TEST_F(InspectCapture, ACutFileShowsWhatIsWholeAndNamesTheCut) {
                                    std::to_string(whole) + "; 1 frame before it"));
 }
 
-TEST_F(InspectCapture, WhatIsNoCaptureIsRefused) {
+TEST_F(InspectCapture, WhatIsNotACaptureIsRefused) {
   const auto old = run({.protocol = file(*from_hex("D4C3B2A1020004000000000000000000"))});
   EXPECT_EQ(old.code, ExitCode::kUsage);
   EXPECT_THAT(old.err, HasSubstr("save it as pcapng in Wireshark"));
 }
 
-TEST_F(InspectCapture, AFileNamedLikeACaptureIsNoProtocolWhateverIsInIt) {
+TEST_F(InspectCapture, AFileNamedLikeACaptureIsNotAProtocolWhateverIsInIt) {
   const std::string path = folder_ + "/broken.pcapng";
   EXPECT_THAT(run({.protocol = path}).err, HasSubstr("broken.pcapng: No such file"));
   for (const char* text : {"", "\n", "text", "some: declaration"}) {
@@ -252,7 +252,7 @@ TEST_F(Decoding, SeveralRangesAndRoundsByTheComment) {
               ElementsAre("count=4660", "on=true"));
 }
 
-TEST_F(Decoding, AnAnswerToNobodyHasNoValues) {
+TEST_F(Decoding, AResponseToNobodyHasNoValues) {
   ValueDecoder decoder(plant_.buses[0]);
   EXPECT_THAT(decoder.take(Direction::kReceived, *from_hex(kAnswer), {}), IsEmpty());
   (void)decoder.take(Direction::kSent, *from_hex("01 06 00 64 00 01 08 15"), {});

@@ -8,11 +8,13 @@
 #include <sstream>
 
 #include "tests/tools/cli/parsed_json.hpp"
+#include "tools/cli/view/check_view.hpp"
 
 namespace fieldcast::cli {
 namespace {
 
 using testing::HasSubstr;
+using testing::StartsWith;
 
 struct Inspected {
   ExitCode code;
@@ -51,7 +53,7 @@ TEST(Inspect, ReadsStandardInputWhenThereIsNoArgument) {
   EXPECT_EQ(json["faults"], 0);
 }
 
-TEST(Inspect, UnknownProtocolIsAnsweredWithTheListAndASuggestion) {
+TEST(Inspect, UnknownProtocolIsRefusedWithTheListAndASuggestion) {
   const auto inspected = run({"modbus-rut", {kReadInputs}, false});
   EXPECT_EQ(inspected.code, ExitCode::kUsage);
   EXPECT_THAT(inspected.err, HasSubstr("did you mean modbus-rtu?"));
@@ -72,10 +74,42 @@ TEST(Inspect, OfADeclarationTheFileIsNamed) {
               HasSubstr("a declaration is named by its file: ./protocols/mine.yaml"));
 }
 
-TEST(Inspect, RefusesWhatIsNoHexadecimal) {
+TEST(Inspect, RefusesWhatIsNotHexadecimal) {
   for (const auto* hex : {"", "0", "zz", "01 0"})
     EXPECT_EQ(run({"modbus-rtu", {hex}, false}).code, ExitCode::kUsage) << hex;
   EXPECT_EQ(run({"modbus-rtu", {}, false}, std::string(100'000, '0')).code, ExitCode::kUsage);
+}
+
+const Bytes kFrame{0x01, 0x03, 0x00, 0x64, 0x00, 0x02, 0x85, 0xD5};
+const std::vector<FrameField> kFields{{0, 0, 1, "unit", "1", ""},
+                                      {0, 1, 5, "request", "03 read holding registers", ""},
+                                      {1, 2, 2, "first", "100", ""},
+                                      {0, 6, 2, "CRC", "D585", "D485 is right"}};
+
+TEST(InspectView, IndentsFieldsAndMarksFaults) {
+  const auto lines = inspect_lines("modbus-rtu", kFrame, kFields, {});
+  ASSERT_EQ(lines.size(), 6u);
+  EXPECT_THAT(lines[3], HasSubstr("00 64           "));
+  EXPECT_THAT(lines[3], HasSubstr("   first"));
+  EXPECT_THAT(lines[4], StartsWith("!!"));
+  EXPECT_THAT(lines[4], HasSubstr("<- D485 is right"));
+  EXPECT_EQ(lines[5], "modbus-rtu, 8 bytes: 1 fault");
+}
+
+TEST(InspectView, FieldBeyondTheFrameShowsNoBytes) {
+  const std::vector<FrameField> fields{{0, 7, 9, "data", "", "cut off"},
+                                       {0, 100, 1, "CRC", "", "missing"}};
+  const auto lines = inspect_lines("modbus-rtu", kFrame, fields, {});
+  EXPECT_THAT(lines[1], HasSubstr("D5"));
+  EXPECT_THAT(lines[2], HasSubstr("missing"));
+}
+
+TEST(InspectView, JsonCountsFaults) {
+  const auto json = parsed(inspect_json("modbus-rtu", kFrame, kFields));
+  EXPECT_EQ(json["frame"], "01030064000285D5");
+  EXPECT_EQ(json["faults"], 1);
+  EXPECT_EQ(json["fields"][2]["depth"], 1);
+  EXPECT_EQ(json["fields"][3]["fault"], "D485 is right");
 }
 
 }  // namespace

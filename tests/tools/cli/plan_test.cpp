@@ -134,7 +134,7 @@ TEST(PlanView, InfeasiblePlanSaysWhatWouldHelp) {
   EXPECT_THAT(plan_lines(plan, {}), testing::Contains("any of these would make it feasible:"));
 }
 
-TEST(PlanView, ChannelsToSlowDownAreOneWayAndLoadIsToldInWires) {
+TEST(PlanView, ChannelsToSlowDownAreOneWayAndLoadIsReportedInWires) {
   // 16 characters and 5 ms: 25 ms each at 9600 baud, with refreshes of 10 ms and 15 ms.
   const auto bus =
       line({channel("a", 0, 10ms), channel("b", 4000, 10ms), channel("c", 8000, 15ms)});

@@ -37,7 +37,7 @@ TEST(RecordView, ASampleHasTheFieldsOfItsTopicAndWhenItWasPublished) {
   EXPECT_TRUE(parsed(record_json(never))["value"].is_null());
 }
 
-TEST(RecordView, PeopleSeeTheAgeOfAValueThatIsPublishedAgain) {
+TEST(RecordView, UsersSeeTheAgeOfAValueThatIsPublishedAgain) {
   EXPECT_EQ(history_line(sample(21.5)),
             "2023-11-14T22:13:20.005Z  press-shop/press-1/oil  21.5 °C  GOOD");
   StoredSample stale = sample(21.5);

@@ -93,7 +93,7 @@ TEST(SampleText, RawValueThatMeansNoValueIsNamed) {
   EXPECT_EQ(quality_text(sample), "BAD_RANGE (the device has no value)");
 }
 
-TEST(ValueForPeople, HasEveryDigitOfItsType) {
+TEST(ValueForUsers, HasEveryDigitOfItsType) {
   EXPECT_EQ(value_text(static_cast<double>(0.1f), "float32"), "0.1");
   EXPECT_EQ(value_text(static_cast<double>(0.1f), "float64"), "0.10000000149011612");
   EXPECT_EQ(value_text(3.141592653589793, "float64"), "3.141592653589793");

@@ -186,7 +186,7 @@ TEST(Scanner, AfterALineWithBytesButNoDeviceTheNextIsProbed) {
   EXPECT_EQ(scanner.found().size(), 1u);
 }
 
-TEST(Scanner, AsksEveryLineTwiceWhenNobodyAnswers) {
+TEST(Scanner, AsksEveryLineTwiceWhenNobodyResponds) {
   Scanner scanner(lines_of(3, {1, 2}));
   std::multiset<std::tuple<std::size_t, int, std::size_t>> asked;
   std::size_t left = scanner.left();
@@ -201,7 +201,7 @@ TEST(Scanner, AsksEveryLineTwiceWhenNobodyAnswers) {
   EXPECT_THAT(scanner.found(), IsEmpty());
 }
 
-TEST(Scanner, AnAnswerSettlesTheLineAndTheSilentAreAskedAgain) {
+TEST(Scanner, AResponseSettlesTheLineAndTheSilentAreAskedAgain) {
   Scanner scanner(lines_of(5, {1, 2, 3, 4}));
   std::vector<std::string> asked;
   while (const auto ask = scanner.next()) {
@@ -230,7 +230,7 @@ TEST(Scanner, ALineOnWhichOthersSpeakIsLeft) {
   EXPECT_THAT(scanner.noisy_lines(), ElementsAre(0));
 }
 
-TEST(Scanner, BrokenAnswersThatBeginRightSettleTheLine) {
+TEST(Scanner, BrokenResponsesThatBeginRightSettleTheLine) {
   Scanner scanner(lines_of(3, {1, 2, 3}));
   std::set<std::size_t> lines;
   while (const auto ask = scanner.next()) {
@@ -255,7 +255,7 @@ TEST(Scanner, AnEchoIsNobodyWhoSpeaks) {
   EXPECT_THAT(scanner.noisy_lines(), IsEmpty());
 }
 
-TEST(Scanner, AllAnswerAtOnce) {
+TEST(Scanner, AllRespondTogether) {
   Scanner scanner(lines_of(2, {1, 2}));
   unsigned asked = 0;
   while (scanner.next()) {
@@ -310,7 +310,7 @@ TEST(ScanIdentity, NothingThatComesBreaksIt) {
   }
 }
 
-TEST(ScanIdentity, ARefusalIsNoName) {
+TEST(ScanIdentity, ARefusalIsNotAName) {
   Bytes answer{5, 0xAB, 1};
   const std::uint16_t crc = crc16_modbus(answer);
   answer.push_back(static_cast<std::uint8_t>(crc));
@@ -373,7 +373,7 @@ TEST(ScanIdentity, ANewerOmronIsAskedByFinsToo) {
   EXPECT_EQ(identity_in(*exchange), "CS/CJ (model code 30), CS1H-CPU67H, 04.00");
 }
 
-TEST(ScanIdentity, TheModelStaysWhereFinsIsNotAnswered) {
+TEST(ScanIdentity, TheModelStaysWhereFinsHasNoResponse) {
   for (const char* second : {"", "@00IC", "@00FA18", "@00FA00400000000501040100"}) {
     const auto exchange = identity_exchange("omron-hostlink", 0);
     Bytes out;

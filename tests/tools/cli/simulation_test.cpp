@@ -88,7 +88,7 @@ TEST(BusSimulation, PlanPredictionAndMeasurementAgreeOverTheMaps) {
 constexpr Duration kSilence = 2'005'208ns;  // 3.5 characters of 11 bits at 19200 baud
 
 // The plan starts from an assumed response time; the bus must do what `plan` shows.
-TEST(BusSimulation, Map15KeepsAtFastAnswersWhatItsPlanForetells) {
+TEST(BusSimulation, Map15KeepsAtFastResponsesWhatItsPlanForetells) {
   const test::Map map = test::read_map(std::string(FIELDCAST_SOURCE) + "/tests/maps/map15.csv");
   for (const Duration answer : {Duration{1us}, Duration{1ms}, kSilence, Duration{2500us}}) {
     const double stretch = test::least_load(map, 19200, answer - kSilence) / 0.5;
@@ -101,7 +101,7 @@ TEST(BusSimulation, Map15KeepsAtFastAnswersWhatItsPlanForetells) {
   }
 }
 
-TEST(BusSimulation, WhatIsCalledFeasibleMissesNothingOnRandomMapsAtAnyAnswerTime) {
+TEST(BusSimulation, WhatIsCalledFeasibleMissesNothingOnRandomMapsAtAnyResponseTime) {
   unsigned feasible = 0;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const test::Map map = test::random_map(seed, 120);

@@ -163,7 +163,7 @@ TEST(StatusView, AClosedBusSaysWhy) {
   EXPECT_FALSE(parsed(status_json(model.buses.at("press-shop"))).contains("closed_because"));
 }
 
-TEST(StatusView, BytesThatAreNoAnswersComeWithWhatToTry) {
+TEST(StatusView, BytesThatAreNoResponsesComeWithWhatToTry) {
   StatusModel model = plant();
   StationDeviceStatus& device = model.devices.begin()->second;
   device.report.state = DeviceState::kDegraded;

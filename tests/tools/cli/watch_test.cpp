@@ -69,7 +69,7 @@ TEST(WatchModel, AnInterestThatChangesNothingIsRemarked) {
   EXPECT_THAT(model.interest_remark(200ms).value_or(""), HasSubstr("1 are not read by themselves"));
 }
 
-TEST(WatchModel, ChannelThatIsGoneIsNoLongerGoodUntilItIsBack) {
+TEST(WatchModel, ARemovedChannelIsNoLongerGoodUntilItIsBack) {
   WatchModel model({});
   model.on_sample(sample("d", "a"), kStart);
   model.on_gone({"bus", "d", "a"});
@@ -129,7 +129,7 @@ TEST(WatchView, AStationThatIsTooSlowSaysSoInItsLastLine) {
   EXPECT_EQ(lines.back(), lag.substr(0, 40));
 }
 
-TEST(WatchView, TheEventOfAStationThatIsTooSlowIsNoSample) {
+TEST(WatchView, TheEventOfAStationThatIsTooSlowIsNotASample) {
   EXPECT_EQ(lag_json({.blocks = 100, .missing = 12, .requests = 3}).text(),
             R"({"event":"too_slow","blocks_missed":12,"last_values_requests":3})");
 }

@@ -209,7 +209,7 @@ class Output(Imports):
 
 
 class Words(Imports):
-    def test_are_clear_for_what_is_no_list(self):
+    def test_are_clear_for_what_is_not_a_list(self):
         with open(self.path("huge"), "wb") as file:
             file.truncate(1 << 30)  # 1 GiB, sparse
         with open(self.path("random"), "wb") as file:
@@ -241,7 +241,7 @@ class Words(Imports):
         self.assertIn("protocol 'modbus' is unknown", self.fault(made, "--protocol", "modbus"))
         self.assertIn("baud", self.fault(made, "--baud", "115000"))
 
-    def test_tell_of_a_template_that_does_not_fit_its_device(self):
+    def test_report_a_template_that_does_not_fit_its_device(self):
         """The import cannot detect a register that the device lacks; the bridge reports it."""
         made = self.file("list.csv", "Address,Name,Type\n70000,far,U16\n65535,wide,U32\n0,good,U16\n")
         done = run("fieldcast", "import", made, "--template", "--out", self.path("devices/"))

@@ -18,7 +18,7 @@ std::string port_of(const tl::expected<Outcome, std::string>& outcome) {
   return at == std::string::npos ? "" : text.substr(at + 8, text.find(" }", at) - at - 8);
 }
 
-TEST(ImportLines, APortThatTheUserSaysHasTheRateThatIsTold) {
+TEST(ImportLines, APortThatTheUserSaysHasTheRateThatIsStated) {
   const auto outcome = import_text("a.csv", kList, {.port = {.serial = "/dev/ttyS1"}});
   EXPECT_EQ(port_of(outcome), "serial: \"/dev/ttyS1\", baud: 9600, format: 8N1");
   EXPECT_THAT(outcome->notes, Contains(HasSubstr("no baud rate: 9600 8N1 is taken")));
@@ -37,12 +37,11 @@ TEST(ImportLines, AnotherFamilyHasTheLineOfItsFactory) {
   EXPECT_EQ(port_of(outcome), "serial: \"/dev/ttyS1\", baud: 9600, format: 8E1");
 }
 
-TEST(ImportLines, OnlyListsOfModbusTellOfTheOrderOfWords) {
+TEST(ImportLines, OnlyListsOfModbusStateTheOrderOfWords) {
   const std::string tags =
       "Tag Name,Address,Data Type,Client Access\n\"a\",V00100,DWord,RO\n\"b\",400001,DWord,RO\n";
-  const auto ppi = import_text("k.csv", tags, {.from = "kepware", .protocol = "s7-ppi"});
-  ASSERT_TRUE(ppi) << ppi.error();
-  EXPECT_THAT(ppi->notes, Not(Contains(HasSubstr("low word first"))));
+  const auto ppi = imported("k.csv", tags, {.from = "kepware", .protocol = "s7-ppi"});
+  EXPECT_THAT(ppi.notes, Not(Contains(HasSubstr("low word first"))));
   const auto modbus = import_text("k.csv", tags, {.from = "kepware"});
   EXPECT_THAT(modbus->notes, Contains(HasSubstr("low word first")));
 }

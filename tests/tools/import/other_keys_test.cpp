@@ -10,7 +10,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 TEST(ImportOtherKeys, OfTelegrafAreNamed) {
-  const auto outcome = import_text("t.conf", R"([[inputs.modbus]]
+  const auto outcome = imported("t.conf", R"([[inputs.modbus]]
   name = "m"
   controller = "tcp://10.0.0.1:502"
   busy_retries = 3
@@ -24,18 +24,17 @@ TEST(ImportOtherKeys, OfTelegrafAreNamed) {
     [inputs.modbus.request.tags]
       place = "hall"
 )");
-  ASSERT_TRUE(outcome) << outcome.error();
-  EXPECT_THAT(outcome->notes, Contains("t.conf: key 'busy_retries' of inputs.modbus (line 4) "
-                                       "is not moved"));
+  EXPECT_THAT(outcome.notes, Contains("t.conf: key 'busy_retries' of inputs.modbus (line 4) "
+                                      "is not moved"));
   for (const char* key : {"'pause_after_connect' of workarounds", "'tags' of a request or metric",
                           "'offset' of a field"})
-    EXPECT_THAT(outcome->notes, Contains(AllOf(HasSubstr(key), HasSubstr("is not moved")))) << key;
+    EXPECT_THAT(outcome.notes, Contains(AllOf(HasSubstr(key), HasSubstr("is not moved")))) << key;
   for (const char* key : {"'scale'", "'configuration_type'", "'workarounds'"})
-    EXPECT_THAT(outcome->notes, Each(Not(HasSubstr(key)))) << key;
+    EXPECT_THAT(outcome.notes, Each(Not(HasSubstr(key)))) << key;
 }
 
 TEST(ImportOtherKeys, OfMqmgatewayAreNamedOnce) {
-  const auto outcome = import_text("m.yaml", R"(modbus:
+  const auto outcome = imported("m.yaml", R"(modbus:
   networks:
     - name: n
       address: 10.0.0.1
@@ -49,52 +48,48 @@ mqtt:
       retain: true
       state: { register: n.1.2 }
 )");
-  ASSERT_TRUE(outcome) << outcome.error();
-  EXPECT_THAT(outcome->notes,
+  EXPECT_THAT(outcome.notes,
               Contains("m.yaml: key 'retain' of an object (line 9, ..) is not moved"));
-  EXPECT_THAT(outcome->notes, Contains(HasSubstr("key 'watchdog' of a network (line 5)")));
-  EXPECT_THAT(outcome->notes, Contains(HasSubstr("key 'every' of a state or availability")));
+  EXPECT_THAT(outcome.notes, Contains(HasSubstr("key 'watchdog' of a network (line 5)")));
+  EXPECT_THAT(outcome.notes, Contains(HasSubstr("key 'every' of a state or availability")));
 }
 
 TEST(ImportOtherKeys, OfNeuronAreNamedInJsonAndInTables) {
-  const auto json = import_text("n.json", R"({"nodes":[{"name":"p","plugin":"Modbus TCP",
+  const auto json = imported("n.json", R"({"nodes":[{"name":"p","plugin":"Modbus TCP",
     "params":{"host":"10.0.0.1","port":502,"max_retries":2},
     "groups":[{"group":"g","interval":1000,"tags":[
       {"name":"a","address":"1!40001","type":3,"attribute":1,"precision":2}]}]}]})");
-  ASSERT_TRUE(json) << json.error();
-  EXPECT_THAT(json->notes, Contains(HasSubstr("key 'max_retries' of the settings")));
-  EXPECT_THAT(json->notes, Contains(HasSubstr("key 'precision' of a tag (line 4)")));
-  const auto table = import_text("n.csv",
-                                 "group,interval,name,address,attribute,type,precision\n"
-                                 "g,1000,a,1!40001,Read,INT16,2\n");
-  ASSERT_TRUE(table) << table.error();
-  EXPECT_THAT(table->notes, Contains("n.csv: column 'precision' is not moved"));
+  EXPECT_THAT(json.notes, Contains(HasSubstr("key 'max_retries' of the settings")));
+  EXPECT_THAT(json.notes, Contains(HasSubstr("key 'precision' of a tag (line 4)")));
+  const auto table = imported("n.csv",
+                              "group,interval,name,address,attribute,type,precision\n"
+                              "g,1000,a,1!40001,Read,INT16,2\n");
+  EXPECT_THAT(table.notes, Contains("n.csv: column 'precision' is not moved"));
 }
 
 TEST(ImportOtherKeys, OfATemplateOfWbAreNamedOnceForAllItsDevices) {
-  const auto outcome =
-      run_import({{"config-a.json", R"({"device_type":"a","device":{"name":"A","id":"a","channels":[
+  const auto outcome = imported_files(
+      {{"config-a.json", R"({"device_type":"a","device":{"name":"A","id":"a","channels":[
           {"name":"x","reg_type":"holding","address":1,"group":"g","sporadic":true,"enum":[1]}]}})"},
-                  {"wb.conf", R"({"ports":[{"path":"/dev/ttyS1","devices":[
+       {"wb.conf", R"({"ports":[{"path":"/dev/ttyS1","devices":[
           {"device_type":"a","slave_id":1},{"device_type":"a","slave_id":2}]}]})"}},
-                 {});
-  ASSERT_TRUE(outcome) << outcome.error();
-  EXPECT_EQ(std::ranges::count(outcome->notes,
+      {});
+  EXPECT_EQ(std::ranges::count(outcome.notes,
                                "config-a.json: key 'sporadic' of a channel (line 2) is not moved"),
             1);
-  EXPECT_THAT(outcome->notes, Contains(HasSubstr("key 'enum' of a channel")));
-  EXPECT_THAT(outcome->notes, Each(Not(HasSubstr("'group'"))));
+  EXPECT_THAT(outcome.notes, Contains(HasSubstr("key 'enum' of a channel")));
+  EXPECT_THAT(outcome.notes, Each(Not(HasSubstr("'group'"))));
 }
 
 TEST(ImportOtherKeys, OfEpicsAreNamedWithTheFileOfTheRecord) {
-  const auto outcome = run_import({{"st.cmd", R"~(drvAsynSerialPortConfigure("L1", "/dev/ttyS1")
+  const auto outcome = imported_files({{"st.cmd", R"~(drvAsynSerialPortConfigure("L1", "/dev/ttyS1")
 asynSetOption("L1", 0, "baud", "9600")
 asynSetOption("L1", 0, "crtscts", "N")
 modbusInterposeConfig("L1", 1, 500, 0)
 drvModbusAsynConfigure("R", "L1", 1, 3, 100, 10, "INT16", 1000, "PLC")
 dbLoadRecords("a.db")
 )~"},
-                                   {"a.db", R"~(record(ai, "a") {
+                                       {"a.db", R"~(record(ai, "a") {
   field(DTYP, "asynInt32") field(INP, "@asyn(R 0)") field(SCAN, "1 second")
   field(PREC, "2") field(EGU, "V")
 }
@@ -103,23 +98,21 @@ record(ai, "b") {
 }
 record(calc, "c") { field(CALC, "A+1") }
 )~"}},
-                                  {});
-  ASSERT_TRUE(outcome) << outcome.error();
-  EXPECT_THAT(outcome->notes, Contains("st.cmd: key 'crtscts' of asynSetOption (line 3) is not "
-                                       "moved"));
-  EXPECT_THAT(outcome->notes, Contains("a.db: key 'PREC' of a record (line 1, ..) is not moved"));
-  EXPECT_THAT(outcome->notes, Contains("a.db: key 'FLNK' of a record (line 5) is not moved"));
+                                      {});
+  EXPECT_THAT(outcome.notes, Contains("st.cmd: key 'crtscts' of asynSetOption (line 3) is not "
+                                      "moved"));
+  EXPECT_THAT(outcome.notes, Contains("a.db: key 'PREC' of a record (line 1, ..) is not moved"));
+  EXPECT_THAT(outcome.notes, Contains("a.db: key 'FLNK' of a record (line 5) is not moved"));
   for (const char* key : {"'baud'", "'EGU'", "'SCAN'", "'DTYP'", "'CALC'"})
-    EXPECT_THAT(outcome->notes, Each(Not(HasSubstr(key)))) << key;
+    EXPECT_THAT(outcome.notes, Each(Not(HasSubstr(key)))) << key;
 }
 
 TEST(ImportOtherKeys, HaveABound) {
   std::string text = "modbus: { networks: [ { name: n, address: 10.0.0.1";
   for (int i = 0; i < 200; ++i) text += ", k" + std::to_string(i) + ": 1";
   text += " } ] }\nmqtt: { objects: [ { topic: a, state: { register: n.1.1 } } ] }\n";
-  const auto outcome = import_text("m.yaml", text);
-  ASSERT_TRUE(outcome) << outcome.error();
-  EXPECT_EQ(std::ranges::count_if(outcome->notes,
+  const auto outcome = imported("m.yaml", text);
+  EXPECT_EQ(std::ranges::count_if(outcome.notes,
                                   [](const std::string& note) {
                                     return note.find("is not moved") != std::string::npos;
                                   }),

@@ -31,15 +31,14 @@ TEST(ImportText, SpreadsheetsSaveItInManyEncodings) {
   for (const std::string& bytes :
        {list, "\xEF\xBB\xBF" + list, utf16(list, false), utf16(list, true),
         utf16(list, false).substr(2), "sep=;\r\n" + list}) {
-    const auto outcome = import_text("meter.csv", bytes);
-    ASSERT_TRUE(outcome) << outcome.error();
-    EXPECT_EQ(channel_line(*outcome, "Power"),
+    const auto outcome = imported("meter.csv", bytes);
+    EXPECT_EQ(channel_line(outcome, "Power"),
               "{ name: Power, at: \"holding:0\", type: uint16, unit: kW }");
   }
   EXPECT_THAT(channel_line(*import_text("meter.csv", windows), "Power"), HasSubstr("unit: \"°C\""));
 }
 
-TEST(ImportText, WhatIsNoTextGetsAClearWord) {
+TEST(ImportText, WhatIsNotATextGetsAClearWord) {
   const auto fault = [](const std::string& bytes) { return import_text("f", bytes).error(); };
   EXPECT_THAT(fault(""), HasSubstr("f: the file is empty"));
   EXPECT_THAT(fault(" \r\n \t "), HasSubstr("the file is empty"));
@@ -104,76 +103,64 @@ TEST(ImportType, HasManyNames) {
 }
 
 TEST(ImportKepware, TagsBecomeChannels) {
-  const auto outcome = import_text(
-      "press.csv", kKepware +
-                       "Speed,400101,Word,1,RO,500,Linear,0,4095,0,1500,Double,0,0,rpm,,\n"
-                       "Energy,400110,Float,1,RO,1000,,,,,,,,,kWh,,\n"
-                       "Fault,40120.5,Boolean,1,RO,100,,,,,,,,,,,\n"
-                       "Hex,H4000A1,DWord,1,R/W,1000,,,,,,,,,,,1\n"
-                       "Label,400300.20L,String,1,RO,1000,,,,,,,,,,,\n"
-                       "Run,000001,Default,1,R/W,100,,,,,,,,,,,\n");
-  ASSERT_TRUE(outcome) << outcome.error();
-  EXPECT_EQ(outcome->count(Fate::kMoved), 6u);
-  EXPECT_EQ(channel_line(*outcome, "Speed"),
+  const auto outcome =
+      imported("press.csv", kKepware +
+                                "Speed,400101,Word,1,RO,500,Linear,0,4095,0,1500,Double,0,0,rpm,,\n"
+                                "Energy,400110,Float,1,RO,1000,,,,,,,,,kWh,,\n"
+                                "Fault,40120.5,Boolean,1,RO,100,,,,,,,,,,,\n"
+                                "Hex,H4000A1,DWord,1,R/W,1000,,,,,,,,,,,1\n"
+                                "Label,400300.20L,String,1,RO,1000,,,,,,,,,,,\n"
+                                "Run,000001,Default,1,R/W,100,,,,,,,,,,,\n");
+  EXPECT_EQ(outcome.count(Fate::kMoved), 6u);
+  EXPECT_EQ(channel_line(outcome, "Speed"),
             "{ name: Speed, at: \"holding:100\", type: uint16, scale: 0.3663003663003663, unit: "
             "rpm, refresh: 500ms }");
-  EXPECT_THAT(outcome->files[0].text, HasSubstr("word-order: little-endian"));
-  EXPECT_THAT(channel_line(*outcome, "Fault"), HasSubstr("at: \"holding:119.5\", type: bool"));
-  EXPECT_THAT(channel_line(*outcome, "Hex"),
-              HasSubstr("at: \"holding:160\", type: uint32, scale: -1"));
-  EXPECT_THAT(channel_line(*outcome, "Label"), HasSubstr("string(20), byte-order: little-endian"));
-  EXPECT_THAT(channel_line(*outcome, "Run"), HasSubstr("access: read-write"));
+  EXPECT_THAT(outcome.files[0].text, HasSubstr("word-order: little-endian"));
+  expect_channels(outcome,
+                  {"Fault -> at: \"holding:119.5\", type: bool",
+                   "Hex -> at: \"holding:160\", type: uint32, scale: -1",
+                   "Label -> string(20), byte-order: little-endian", "Run -> access: read-write"});
 }
 
 TEST(ImportKepware, ArraysBecomeAChannelForEachElement) {
   const auto outcome =
-      import_text("a.csv", kKepware + "Limit,400201[2][2],Float Array,1,R/W,1000,,,,,,,,,,,\n");
-  ASSERT_TRUE(outcome) << outcome.error();
-  EXPECT_EQ(outcome->count(Fate::kChanged), 4u);
-  EXPECT_THAT(channel_line(*outcome, "Limit-3"), HasSubstr("at: \"holding:206\""));
+      imported("a.csv", kKepware + "Limit,400201[2][2],Float Array,1,R/W,1000,,,,,,,,,,,\n");
+  EXPECT_EQ(outcome.count(Fate::kChanged), 4u);
+  EXPECT_THAT(channel_line(outcome, "Limit-3"), HasSubstr("at: \"holding:206\""));
 }
 
 TEST(ImportKepware, WhatCannotBeMovedHasItsReason) {
   const auto outcome =
-      import_text("a.csv", kKepware +
-                               "Flow,300010,Word,1,RO,100,Square Root,0,4095,0,100,Float,0,0,,,\n"
-                               "Day,400001,Date,1,RO,100,,,,,,,,,,,\n"
-                               "Far,470000,Word,1,RO,100,,,,,,,,,,,\n"
-                               "Good,400001,Word,1,RO,100,Linear,0,100,0,10,Float,1,1,,,\n");
-  ASSERT_TRUE(outcome) << outcome.error();
-  EXPECT_THAT(fate_of(*outcome, "Flow"), HasSubstr("no: square-root scaling"));
-  EXPECT_THAT(fate_of(*outcome, "Day"), HasSubstr("no: dates"));
-  EXPECT_THAT(fate_of(*outcome, "Far"), HasSubstr("no number from 1 to 65536"));
-  EXPECT_THAT(fate_of(*outcome, "Good"), HasSubstr("not clamped"));
+      imported("a.csv", kKepware +
+                            "Flow,300010,Word,1,RO,100,Square Root,0,4095,0,100,Float,0,0,,,\n"
+                            "Day,400001,Date,1,RO,100,,,,,,,,,,,\n"
+                            "Far,470000,Word,1,RO,100,,,,,,,,,,,\n"
+                            "Good,400001,Word,1,RO,100,Linear,0,100,0,10,Float,1,1,,,\n");
+  expect_fates(outcome, {"Flow -> no: square-root scaling", "Day -> no: dates",
+                         "Far -> no number from 1 to 65536", "Good -> not clamped"});
 }
 
 TEST(ImportKepware, AddressesOfS7200HaveTheWidthOfTheirType) {
-  const auto outcome = import_text("press.csv",
-                                   kKepware +
-                                       "Level,V00100,Word,1,RO,500,,,,,,,,,,,\n"
-                                       "Flow,V00104,Float,1,R/W,500,,,,,,,,,,,\n"
-                                       "Mode,M00001,Byte,1,RO,500,,,,,,,,,,,\n"
-                                       "Run,Q00000.03,Boolean,1,RO,500,,,,,,,,,,,\n"
-                                       "Input,AI00004,Short,1,RO,500,,,,,,,,,,,\n"
-                                       "Timer,T037,Long,1,RO,500,,,,,,,,,,,\n"
-                                       "List,V00200[3],DWord Array,1,RO,500,,,,,,,,,,,\n"
-                                       "High,V00100.12,Boolean,1,RO,500,,,,,,,,,,,\n"
-                                       "Done,T037,Boolean,1,RO,500,,,,,,,,,,,\n"
-                                       "Text,V00300.20,String,1,RO,500,,,,,,,,,,,\n"
-                                       "Some,V00100,Default,1,RO,500,,,,,,,,,,,\n",
-                                   {.protocol = "s7-ppi"});
-  ASSERT_TRUE(outcome) << outcome.error();
-  EXPECT_THAT(channel_line(*outcome, "Level"), HasSubstr("at: VW100, type: uint16"));
-  EXPECT_THAT(channel_line(*outcome, "Flow"), HasSubstr("at: VD104, type: float32"));
-  EXPECT_THAT(channel_line(*outcome, "Mode"), HasSubstr("at: MB1, type: uint8"));
-  EXPECT_THAT(channel_line(*outcome, "Run"), HasSubstr("at: Q0.3, type: bool"));
-  EXPECT_THAT(channel_line(*outcome, "Input"), HasSubstr("at: AIW4, type: int16"));
-  EXPECT_THAT(channel_line(*outcome, "Timer"), HasSubstr("at: T37, type: int32"));
-  EXPECT_THAT(channel_line(*outcome, "List-2"), HasSubstr("at: VD208, type: uint32"));
-  EXPECT_THAT(fate_of(*outcome, "High"), HasSubstr("no: bit 12 of a word"));
-  EXPECT_THAT(fate_of(*outcome, "Done"), HasSubstr("no: the status bit"));
-  EXPECT_THAT(fate_of(*outcome, "Text"), HasSubstr("no: a text"));
-  EXPECT_THAT(fate_of(*outcome, "Some"), HasSubstr("no: data type 'Default'"));
+  const auto outcome = imported("press.csv",
+                                kKepware +
+                                    "Level,V00100,Word,1,RO,500,,,,,,,,,,,\n"
+                                    "Flow,V00104,Float,1,R/W,500,,,,,,,,,,,\n"
+                                    "Mode,M00001,Byte,1,RO,500,,,,,,,,,,,\n"
+                                    "Run,Q00000.03,Boolean,1,RO,500,,,,,,,,,,,\n"
+                                    "Input,AI00004,Short,1,RO,500,,,,,,,,,,,\n"
+                                    "Timer,T037,Long,1,RO,500,,,,,,,,,,,\n"
+                                    "List,V00200[3],DWord Array,1,RO,500,,,,,,,,,,,\n"
+                                    "High,V00100.12,Boolean,1,RO,500,,,,,,,,,,,\n"
+                                    "Done,T037,Boolean,1,RO,500,,,,,,,,,,,\n"
+                                    "Text,V00300.20,String,1,RO,500,,,,,,,,,,,\n"
+                                    "Some,V00100,Default,1,RO,500,,,,,,,,,,,\n",
+                                {.protocol = "s7-ppi"});
+  expect_channels(outcome, {"Level -> at: VW100, type: uint16", "Flow -> at: VD104, type: float32",
+                            "Mode -> at: MB1, type: uint8", "Run -> at: Q0.3, type: bool",
+                            "Input -> at: AIW4, type: int16", "Timer -> at: T37, type: int32",
+                            "List-2 -> at: VD208, type: uint32"});
+  expect_fates(outcome, {"High -> no: bit 12 of a word", "Done -> no: the status bit",
+                         "Text -> no: a text", "Some -> no: data type 'Default'"});
 }
 
 TEST(ImportKepware, AddressesOfHostLinkAndFxAreTheSameButForTimersAndTexts) {
@@ -186,94 +173,82 @@ TEST(ImportKepware, AddressesOfHostLinkAndFxAreTheSameButForTimersAndTexts) {
                             "Label,DM0200.20H,String,1,RO,500,,,,,,,,,,,\n"
                             "Wide,DM0300.10D,String,1,RO,500,,,,,,,,,,,\n"
                             "Total,HR10[2],Long Array,1,RO,500,,,,,,,,,,,\n";
-  const auto outcome = import_text("plc.csv", omron, {.protocol = "omron-hostlink"});
-  ASSERT_TRUE(outcome) << outcome.error();
-  EXPECT_THAT(channel_line(*outcome, "Level"), HasSubstr("at: DM0100, type: int16"));
-  EXPECT_THAT(channel_line(*outcome, "Alarm"), HasSubstr("at: IR010.05, type: bool"));
-  EXPECT_THAT(channel_line(*outcome, "Run"), HasSubstr("at: AR003.15, type: bool"));
-  EXPECT_THAT(channel_line(*outcome, "Count"), HasSubstr("at: T005, type: bcd16"));
-  EXPECT_THAT(channel_line(*outcome, "Done"), HasSubstr("at: TF005, type: bool"));
-  EXPECT_THAT(channel_line(*outcome, "Label"), HasSubstr("at: DM0200, type: string(20)"));
-  EXPECT_THAT(fate_of(*outcome, "Wide"), HasSubstr("no: a text with one character in a word"));
-  EXPECT_THAT(channel_line(*outcome, "Total-1"), HasSubstr("at: HR12, type: int32"));
-  const auto fx = import_text("fx.csv",
-                              kKepware +
-                                  "Speed,D0100,Float,1,RO,500,,,,,,,,,,,\n"
-                                  "Input,X017,Boolean,1,RO,500,,,,,,,,,,,\n"
-                                  "Limits,D0200[2],Word Array,1,RO,500,,,,,,,,,,,\n"
-                                  "Text,D0300.10,String,1,RO,500,,,,,,,,,,,\n",
-                              {.protocol = "mitsubishi-fx"});
-  ASSERT_TRUE(fx) << fx.error();
-  EXPECT_THAT(channel_line(*fx, "Speed"), HasSubstr("at: D0100, type: float32"));
-  EXPECT_THAT(channel_line(*fx, "Input"), HasSubstr("at: X017, type: bool"));
-  EXPECT_THAT(channel_line(*fx, "Limits-1"), HasSubstr("at: D201, type: uint16"));
-  EXPECT_THAT(fate_of(*fx, "Text"), HasSubstr("no: a text"));
+  const auto outcome = imported("plc.csv", omron, {.protocol = "omron-hostlink"});
+  expect_channels(outcome,
+                  {"Level -> at: DM0100, type: int16", "Alarm -> at: IR010.05, type: bool",
+                   "Run -> at: AR003.15, type: bool", "Count -> at: T005, type: bcd16",
+                   "Done -> at: TF005, type: bool", "Label -> at: DM0200, type: string(20)"});
+  EXPECT_THAT(fate_of(outcome, "Wide"), HasSubstr("no: a text with one character in a word"));
+  EXPECT_THAT(channel_line(outcome, "Total-1"), HasSubstr("at: HR12, type: int32"));
+  const auto fx = imported("fx.csv",
+                           kKepware +
+                               "Speed,D0100,Float,1,RO,500,,,,,,,,,,,\n"
+                               "Input,X017,Boolean,1,RO,500,,,,,,,,,,,\n"
+                               "Limits,D0200[2],Word Array,1,RO,500,,,,,,,,,,,\n"
+                               "Text,D0300.10,String,1,RO,500,,,,,,,,,,,\n",
+                           {.protocol = "mitsubishi-fx"});
+  expect_channels(fx, {"Speed -> at: D0100, type: float32", "Input -> at: X017, type: bool",
+                       "Limits-1 -> at: D201, type: uint16"});
+  EXPECT_THAT(fate_of(fx, "Text"), HasSubstr("no: a text"));
 }
 
-TEST(ImportList, WhatIsNoAddressIsRefused) {
-  const auto outcome = import_text("meter.csv",
-                                   "Address;Name;Type\n"
-                                   "7;good;UINT16\n"
-                                   "99999999999999999999;big;UINT16\n"
-                                   "-5;less;UINT16\n"
-                                   "1e3;power;UINT16\n"
-                                   "n/a;none;UINT16\n"
-                                   "70000;far;UINT16\n");
-  ASSERT_TRUE(outcome) << outcome.error();
-  EXPECT_THAT(channel_line(*outcome, "good"), HasSubstr("at: \"holding:7\""));
+TEST(ImportList, WhatIsNotAnAddressIsRefused) {
+  const auto outcome = imported("meter.csv",
+                                "Address;Name;Type\n"
+                                "7;good;UINT16\n"
+                                "99999999999999999999;big;UINT16\n"
+                                "-5;less;UINT16\n"
+                                "1e3;power;UINT16\n"
+                                "n/a;none;UINT16\n"
+                                "70000;far;UINT16\n");
+  EXPECT_THAT(channel_line(outcome, "good"), HasSubstr("at: \"holding:7\""));
   for (const char* name : {"big", "less", "power", "none", "far"})
-    EXPECT_THAT(fate_of(*outcome, name), HasSubstr("is no ")) << name;
-  EXPECT_EQ(outcome->count(Fate::kRefused), 5u);
+    EXPECT_THAT(fate_of(outcome, name), HasSubstr("is no ")) << name;
+  EXPECT_EQ(outcome.count(Fate::kRefused), 5u);
 }
 
 TEST(ImportList, DecimalCommasAndColumnsInAnyOrder) {
-  const auto outcome = import_text("meter.csv",
-                                   "Einheit;Faktor;REGISTER;Bezeichnung;Datentyp;Hersteller;;\r\n"
-                                   "V;0,1;40001;Spannung L1;UINT16;x;;\r\n"
-                                   "kWh;1/1000;40003;Zähler;UINT32;x;;\r\n"
-                                   ";;;;;;;\r\n");
-  ASSERT_TRUE(outcome) << outcome.error();
-  EXPECT_THAT(channel_line(*outcome, "Spannung-L1"),
-              HasSubstr("at: \"holding:0\", type: uint16, scale: 0.1, unit: V"));
-  EXPECT_THAT(channel_line(*outcome, "Zaehler"), HasSubstr("scale: 0.001"));
-  EXPECT_THAT(outcome->notes, testing::Contains(HasSubstr("column 'Hersteller' is not used")));
+  const auto outcome = imported("meter.csv",
+                                "Einheit;Faktor;REGISTER;Bezeichnung;Datentyp;Hersteller;;\r\n"
+                                "V;0,1;40001;Spannung L1;UINT16;x;;\r\n"
+                                "kWh;1/1000;40003;Zähler;UINT32;x;;\r\n"
+                                ";;;;;;;\r\n");
+  expect_channels(outcome, {"Spannung-L1 -> at: \"holding:0\", type: uint16, scale: 0.1, unit: V",
+                            "Zaehler -> scale: 0.001"});
+  EXPECT_THAT(outcome.notes, testing::Contains(HasSubstr("column 'Hersteller' is not used")));
 }
 
 TEST(ImportList, FunctionCodesDecideWhereDigitsAreAmbiguous) {
   // Here 32016 is a holding register of an inverter, not a reference to an input register.
-  const auto outcome = import_text("inverter.csv",
-                                   "Signal Name,Address,Type,Gain,Unit,Function\n"
-                                   "PV1 voltage,32016,I16,10,V,03\n"
-                                   "Model,30000,STRING[30],,,03\n");
-  ASSERT_TRUE(outcome) << outcome.error();
-  EXPECT_EQ(channel_line(*outcome, "PV1-voltage"),
+  const auto outcome = imported("inverter.csv",
+                                "Signal Name,Address,Type,Gain,Unit,Function\n"
+                                "PV1 voltage,32016,I16,10,V,03\n"
+                                "Model,30000,STRING[30],,,03\n");
+  EXPECT_EQ(channel_line(outcome, "PV1-voltage"),
             "{ name: PV1-voltage, at: \"holding:32016\", type: int16, scale: 0.1, unit: V }");
-  EXPECT_THAT(channel_line(*outcome, "Model"),
-              HasSubstr("at: \"holding:30000\", type: string(30)"));
+  EXPECT_THAT(channel_line(outcome, "Model"), HasSubstr("at: \"holding:30000\", type: string(30)"));
 }
 
 TEST(ImportList, AnAddressWithADecimalIsABitOnlyWhereTheTypeIsOne) {
-  const auto outcome = import_text("meter.csv",
-                                   "Register,Name,Type\n40001.0,power,UINT16\n40002.0,ready,Bool\n"
-                                   "40003.4,odd,UINT32\n40004.12,alarm,\n");
-  ASSERT_TRUE(outcome) << outcome.error();
-  EXPECT_THAT(channel_line(*outcome, "power"), HasSubstr("at: \"holding:0\", type: uint16"));
-  EXPECT_THAT(channel_line(*outcome, "ready"), HasSubstr("at: \"holding:1.0\", type: bool"));
-  EXPECT_THAT(fate_of(*outcome, "odd"), HasSubstr("no: data type 'UINT32' at a single bit"));
-  EXPECT_THAT(channel_line(*outcome, "alarm"), HasSubstr("at: \"holding:3.12\", type: bool"));
+  const auto outcome = imported("meter.csv",
+                                "Register,Name,Type\n40001.0,power,UINT16\n40002.0,ready,Bool\n"
+                                "40003.4,odd,UINT32\n40004.12,alarm,\n");
+  expect_channels(outcome, {"power -> at: \"holding:0\", type: uint16",
+                            "ready -> at: \"holding:1.0\", type: bool"});
+  EXPECT_THAT(fate_of(outcome, "odd"), HasSubstr("no: data type 'UINT32' at a single bit"));
+  EXPECT_THAT(channel_line(outcome, "alarm"), HasSubstr("at: \"holding:3.12\", type: bool"));
 }
 
 TEST(ImportedNames, AreAllowedUniqueAndNotTooLong) {
   const std::string long_name(100, 'x');
-  const auto outcome = import_text("meter.csv",
-                                   "Address,Name,Type\n1,Power (kW),U16\n2,Power "
-                                   "(kW),U16\n3," +
-                                       long_name + ",U16\n4,мощность,U16\n");
-  ASSERT_TRUE(outcome) << outcome.error();
-  EXPECT_FALSE(channel_line(*outcome, "Power-kW").empty());
-  EXPECT_FALSE(channel_line(*outcome, "Power-kW-2").empty());
-  EXPECT_FALSE(channel_line(*outcome, std::string(64, 'x')).empty());
-  EXPECT_THAT(channel_line(*outcome, "holding-4"), HasSubstr("description: \"мощность\""));
+  const auto outcome = imported("meter.csv",
+                                "Address,Name,Type\n1,Power (kW),U16\n2,Power "
+                                "(kW),U16\n3," +
+                                    long_name + ",U16\n4,мощность,U16\n");
+  EXPECT_FALSE(channel_line(outcome, "Power-kW").empty());
+  EXPECT_FALSE(channel_line(outcome, "Power-kW-2").empty());
+  EXPECT_FALSE(channel_line(outcome, std::string(64, 'x')).empty());
+  EXPECT_THAT(channel_line(outcome, "holding-4"), HasSubstr("description: \"мощность\""));
 }
 
 TEST(ImportedConfiguration, IsStretchedWhereTheLineCouldNeverCarryIt) {
@@ -282,9 +257,8 @@ TEST(ImportedConfiguration, IsStretchedWhereTheLineCouldNeverCarryIt) {
     list += std::to_string(i * 30) + ",p" + std::to_string(i) + ",U16,10\n";
   ImportOptions options;
   options.port = {.serial = "/dev/ttyS0", .line = {.baud = 1200}};
-  const auto outcome = import_text("meter.csv", list, options);
-  ASSERT_TRUE(outcome) << outcome.error();
-  EXPECT_THAT(outcome->notes, testing::Contains(HasSubstr("far too slow")));
+  const auto outcome = imported("meter.csv", list, options);
+  EXPECT_THAT(outcome.notes, testing::Contains(HasSubstr("far too slow")));
 }
 
 TEST(ImportedConfiguration, OfTooManyValuesGetsAClearWord) {
@@ -309,11 +283,10 @@ TEST(ImportedConfiguration, OfTooManyValuesGetsAClearWord) {
 TEST(ImportedTemplate, IsCheckedAndWrittenForEachDevice) {
   ImportOptions options;
   options.as_template = true;
-  const auto outcome = import_text("meter.csv", "Address,Name,Type\n0,power,U16\n", options);
-  ASSERT_TRUE(outcome) << outcome.error();
-  ASSERT_EQ(outcome->files.size(), 1u);
-  EXPECT_EQ(outcome->files[0].name, "devices/meter.yaml");
-  EXPECT_THAT(outcome->files[0].text,
+  const auto outcome = imported("meter.csv", "Address,Name,Type\n0,power,U16\n", options);
+  ASSERT_EQ(outcome.files.size(), 1u);
+  EXPECT_EQ(outcome.files[0].name, "devices/meter.yaml");
+  EXPECT_THAT(outcome.files[0].text,
               HasSubstr("protocols: [modbus-rtu, modbus-ascii, modbus-tcp]\nchannels:\n"
                         "  - { name: power, at: \"holding:0\", type: uint16 }\n"));
 }

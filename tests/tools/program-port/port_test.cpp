@@ -2,14 +2,11 @@
 
 #include "tests/tools/program-port/port_support.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
 
-using test::Process;
-using test::SerialSoftware;
-using test::TcpClient;
 using testing::HasSubstr;
-using Port = test::PortFixture;
+using Port = PortFixture;
 
 TEST_F(Port, SoftwareOnTheVirtualPortTalksToAFarPlc) {
   start();
@@ -152,4 +149,4 @@ TEST_F(Port, APasswordThatOthersMayReadIsNotUsed) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

@@ -2,14 +2,12 @@
 
 #include "tests/tools/program-port/port_support.hpp"
 
-namespace fieldcast {
+namespace fieldcast::test {
 namespace {
 
-using test::Process;
-using test::TcpClient;
 using testing::HasSubstr;
 
-struct Tls : test::PortFixture {
+struct Tls : PortFixture {
   Tls() {
     Process openssl(
         "/usr/bin/openssl",
@@ -42,7 +40,7 @@ TEST_F(Tls, ARightLoginPairsAndCarriesBytes) {
       ASSERT_EQ(port.exit_code(), 3) << port.output();
       continue;
     }
-    const test::SerialSoftware software(link);
+    const SerialSoftware software(link);
     software.send("@00x*\r");
     EXPECT_EQ(module.receive("\r"), "@00x*\r");
     module.send("@00y*\r");
@@ -94,4 +92,4 @@ TEST_F(Tls, AKeyThatIsNotTheCertificatesIsAnErrorInWords) {
 }
 
 }  // namespace
-}  // namespace fieldcast
+}  // namespace fieldcast::test

@@ -75,7 +75,7 @@ void each_variable(const json& groups, const Visit& visit) {
   }
 }
 
-TEST(DtcDeviceVectors, AnswersAsPrinted) {
+TEST(DtcDeviceVectors, RespondsAsPrinted) {
   int reads = 0, writes = 0;
   for (const json& vector : vectors()) {
     const std::string name = vector["name"];

@@ -97,7 +97,7 @@ TEST(FaultFile, StarSpeaksOfAllAndNamesOverrideIt) {
   EXPECT_EQ(devices.at("oven").loss, 0.5);
 }
 
-TEST(FaultFile, EveryFaultIsNamedAtOnceWithItsPlace) {
+TEST(FaultFile, EveryFaultIsNamedTogetherWithItsPlace) {
   const std::string faults = faults_of(
       "buses:\n"
       "  shop:\n"

@@ -25,7 +25,7 @@ std::string framed(const std::string& text) {
   return "q" + text + std::string(frame.begin(), frame.end()) + "Q";
 }
 
-TEST(FreeportDeviceVectors, AnswersAsPrinted) {
+TEST(FreeportDeviceVectors, RespondsAsPrinted) {
   int reads = 0, writes = 0;
   for (const GoldenVector& vector : fieldcast::test::load_vectors("freeport")) {
     if (vector.kind != "ok") continue;
@@ -71,7 +71,7 @@ TEST(FreeportDeviceVectors, RefusesAsPrinted) {
   EXPECT_EQ(device.statistics().write_requests, 0u);
 }
 
-TEST(FreeportDevice, OtherStationsAndTheirAnswersGetSilence) {
+TEST(FreeportDevice, OtherStationsAndTheirResponsesGetSilence) {
   FreeportDevice device(device_setup(5));
   EXPECT_EQ(said(device, framed("W0604"
                                 "00000000")),

@@ -34,7 +34,7 @@ std::size_t area(std::string_view name) {
 }
 
 // Writes what the response shows to the address that the request reads.
-TEST(FxDeviceVectors, AnswersAsPrinted) {
+TEST(FxDeviceVectors, RespondsAsPrinted) {
   int seen = 0;
   for (const GoldenVector& vector : fieldcast::test::load_vectors("fx")) {
     if (vector.kind != "ok" || vector.response.empty() || vector.name == "ext_e11_805c")

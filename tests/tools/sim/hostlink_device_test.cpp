@@ -43,7 +43,7 @@ void prepare(ItemMemory& memory, const std::string& request, const std::string& 
   }
 }
 
-TEST(HostLinkDeviceVectors, CModeIsAnsweredAsPrinted) {
+TEST(HostLinkDeviceVectors, CModeRespondsAsPrinted) {
   // Not possible in the simulator: another model or state, or only the form of a response.
   const std::set<std::string> elsewhere{"end_01",  "end_02", "end_04",     "end_18",
                                         "end_19",  "end_21", "ms_program", "ms_fatal",
@@ -92,7 +92,7 @@ TEST(HostLinkDeviceVectors, MalformedFramesAreRefusedAsTheManualSays) {
   EXPECT_GE(seen, 7);
 }
 
-TEST(HostLinkDeviceVectors, FinsIsAnsweredAsPrinted) {
+TEST(HostLinkDeviceVectors, FinsRespondsAsPrinted) {
   int seen = 0;
   for (const GoldenVector& vector : fieldcast::test::load_vectors("fins")) {
     const std::string request = text(vector.request), answer = text(vector.response);

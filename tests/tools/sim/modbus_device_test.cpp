@@ -48,7 +48,7 @@ TEST(RtuReceiver, WrongChecksumGetsSilenceAndIsCounted) {
   EXPECT_GT(unit.statistics().bad_frames, 0u);
 }
 
-TEST(RtuReceiver, BroadcastIsExecutedWithoutAnswer) {
+TEST(RtuReceiver, BroadcastIsExecutedWithoutResponse) {
   ModbusUnitWithMemory unit(7);
   EXPECT_TRUE(said(unit, rtu({0, 6, 0, 5, 0x12, 0x34})).empty());
   EXPECT_EQ(unit.memory.read(ModbusArea::kHolding, 5, test::kBegin), 0x1234);
@@ -68,7 +68,7 @@ TEST(RtuReceiver, AfterABrokenFrameOnlySilenceHelps) {
       test::listen(receiver, good, next + test::kLine.characters(13), false).answer.empty());
 }
 
-TEST(RtuReceiver, ForeignAnswerThatHoldsARequestForUsIsNotExecuted) {
+TEST(RtuReceiver, ForeignResponseThatHoldsARequestForUsIsNotExecuted) {
   ModbusUnitWithMemory unit(1);
   RtuReceiver receiver(unit, test::kLine, false);
   Bytes answer{2, 3, 8};
@@ -78,7 +78,7 @@ TEST(RtuReceiver, ForeignAnswerThatHoldsARequestForUsIsNotExecuted) {
 }
 
 // Its first eight bytes are a whole request: 01 03 04 03 80 01 with the checksum FA14.
-TEST(RtuReceiver, ForeignAnswerThatBeginsLikeARequestDoesNotHideTheNextOne) {
+TEST(RtuReceiver, ForeignResponseThatBeginsLikeARequestDoesNotHideTheNextOne) {
   ModbusUnitWithMemory unit(3);
   RtuReceiver receiver(unit, test::kLine, false);
   const Bytes answer{0x01, 0x03, 0x04, 0x03, 0x80, 0x01, 0x14, 0xFA, 0x00};

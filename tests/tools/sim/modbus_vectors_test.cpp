@@ -96,7 +96,7 @@ bool unsupported(std::uint8_t function) {
   return function == 0x14 || function == 0x15 || function == 0x18;
 }
 
-TEST(ModbusVectors, DeviceAnswersAsPrinted) {
+TEST(ModbusVectors, DeviceRespondsAsPrinted) {
   int good = 0, refused = 0;
   for (const Vector& vector : vectors()) {
     if (vector.kind == "malformed" || vector.request.empty() || vector.response.empty()) continue;

@@ -45,7 +45,7 @@ void prepare(ItemMemory& memory, ByteView request, ByteView answer) {
 }
 
 // A timer's status byte may differ: it is 0 here.
-TEST(PpiDeviceVectors, AnswersAsPrinted) {
+TEST(PpiDeviceVectors, RespondsAsPrinted) {
   int seen = 0;
   for (const GoldenVector& vector : fieldcast::test::load_vectors("ppi")) {
     if (vector.master.size() < 2 || vector.kind == "malformed" || vector.name == "read_t32_x3")
@@ -98,7 +98,7 @@ TEST(PpiDeviceVectors, MalformedTelegramsGetSilence) {
 constexpr std::string_view kReadVb0 =
     "681B1B6802006C320100000000000E00000401120A100200010001840000006816";
 
-TEST(PpiDevice, APollBringsTheAnswerOnceAndTheSamePollItAgain) {
+TEST(PpiDevice, APollBringsTheResponseOnceAndTheSamePollItAgain) {
   PpiDevice device(test::device_setup(2));
   EXPECT_EQ(asked(device, "1002005C5E16"), "100002090B16");  // empty queue
   EXPECT_EQ(asked(device, kReadVb0), "E5");

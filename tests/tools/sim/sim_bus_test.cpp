@@ -65,7 +65,7 @@ struct Master {
 const Bytes kRead1 = rtu({1, 3, 0, 0, 0, 10});
 const Bytes kRead2 = rtu({2, 3, 0, 0, 0, 10});
 
-TEST(SimBus, AnswerEndsAfterRequestDelayAndAnswer) {
+TEST(SimBus, ResponseEndsAfterRequestDelayAndResponse) {
   Master master;
   const Instant sent = master.now;
   EXPECT_EQ(master.ask(kRead1).size(), 25u);
@@ -86,7 +86,7 @@ TEST(SimBus, SlavesLeaveEachOthersTrafficAlone) {
   EXPECT_EQ(master.bus->statistics().collisions, 0u);
 }
 
-TEST(SimBus, ADeadDeviceNeitherReceivesNorAnswersUntilItComesBack) {
+TEST(SimBus, ADeadDeviceNeitherReceivesNorRespondsUntilItComesBack) {
   BusFaults faults;
   faults.devices["press-1"].silence = {{0s, 5s}};
   Master master(faults);
@@ -98,7 +98,7 @@ TEST(SimBus, ADeadDeviceNeitherReceivesNorAnswersUntilItComesBack) {
   EXPECT_EQ(master.ask(write), write);
 }
 
-TEST(SimBus, LostAnswersWereExecutedAllTheSame) {
+TEST(SimBus, LostResponsesWereExecutedAnyway) {
   BusFaults faults;
   faults.devices["press-1"].loss = 1;
   Master master(faults);
@@ -107,7 +107,7 @@ TEST(SimBus, LostAnswersWereExecutedAllTheSame) {
   EXPECT_EQ(master.bus->members()[0].spoiled, 1u);
 }
 
-TEST(SimBus, ALateAnswerComesLateAndItsDeviceIsDeafUntilThen) {
+TEST(SimBus, ALateResponseArrivesLateAndItsDeviceIsDeafUntilThen) {
   BusFaults faults;
   faults.devices["press-1"].late_probability = 1;
   faults.devices["press-1"].late = 300ms;
@@ -117,7 +117,7 @@ TEST(SimBus, ALateAnswerComesLateAndItsDeviceIsDeafUntilThen) {
   EXPECT_EQ(master.bus->members()[0].device->statistics().requests.at("03"), 1u);
 }
 
-TEST(SimBus, GarbledAndTruncatedAnswersDiffer) {
+TEST(SimBus, GarbledAndTruncatedResponsesDiffer) {
   BusFaults faults;
   faults.devices["press-1"].garble = 1;
   faults.devices["press-2"].truncate = 1;
@@ -128,7 +128,7 @@ TEST(SimBus, GarbledAndTruncatedAnswersDiffer) {
   EXPECT_LT(master.ask(kRead2).size(), 25u);
 }
 
-TEST(SimBus, RefusedRangesAnswerTheirCode) {
+TEST(SimBus, RefusedRangesRespondWithTheirCode) {
   BusFaults faults;
   faults.devices["press-1"].refused = {{"holding", 5, 5, 2}};
   Master master(faults);
@@ -150,7 +150,7 @@ TEST(SimBus, NoiseIsTheSameForTheSameSeed) {
   EXPECT_LT(one.size(), 50u * 25u);  // some requests were garbled
 }
 
-TEST(SimBus, EchoPrecedesTheAnswer) {
+TEST(SimBus, EchoPrecedesTheResponse) {
   BusFaults faults;
   faults.echo = true;
   Master master(faults);
@@ -166,7 +166,7 @@ TEST(SimBus, BabbleComesWithoutARequest) {
   EXPECT_GT(master.ask(kRead2, 5s).size(), 25u);
 }
 
-TEST(SimBus, AMasterThatTalksIntoTheAnswerSpoilsIt) {
+TEST(SimBus, AMasterThatTalksIntoTheResponseSpoilsIt) {
   Master master;
   Bytes answer;
   master.line->receive(kRead1, master.now);
@@ -178,7 +178,7 @@ TEST(SimBus, AMasterThatTalksIntoTheAnswerSpoilsIt) {
             answer[answer.size() - 2] | answer.back() << 8);
 }
 
-TEST(SimBus, PipelinedTcpRequestsAreAnsweredInOrder) {
+TEST(SimBus, PipelinedTcpRequestsGetResponsesInOrder) {
   BusSpec spec = two_presses();
   spec.port = TcpPortSpec{"127.0.0.1", 1502, std::nullopt};
   spec.devices.resize(1);

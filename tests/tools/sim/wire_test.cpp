@@ -56,7 +56,7 @@ TEST(Wire, PiecesOfTheMasterFollowEachOther) {
   EXPECT_EQ(received.pieces.back().first, kBegin + 8 * 1041667ns);
 }
 
-TEST(Wire, AnswerComesInFifoPiecesAndEndsOnTheInstant) {
+TEST(Wire, ResponseComesInFifoPiecesAndEndsOnTheInstant) {
   Wire wire(at_9600());
   Bytes answer(21);
   for (std::size_t i = 0; i < answer.size(); ++i) answer[i] = static_cast<std::uint8_t>(i);
@@ -76,7 +76,7 @@ TEST(Wire, ALateWakeUpDoesNotMoveWhatFollows) {
   EXPECT_EQ(wire.next_due(), kBegin + 16 * 1041667ns);
 }
 
-TEST(Wire, TalkingIntoAnAnswerGarblesBoth) {
+TEST(Wire, TalkingIntoAResponseGarblesBoth) {
   Wire wire(at_9600());
   wire.from_device(0, Bytes(10, 0x11), kBegin);
   wire.from_master(Bytes(4, 0x22), kBegin + 5200us);  // from the sixth to the ninth character

@@ -69,7 +69,7 @@ TEST(SharedGuard, CountsRefusedDatagramsByCause) {
 }
 
 // A plant of 200 participants after a power cut: all start together, at one address.
-TEST(DatagramGuard, APlantThatStartsAtOnceIsNotRefused) {
+TEST(DatagramGuard, APlantThatStartsImmediatelyIsNotRefused) {
   Checked one;
   for (std::uint32_t i = 0; i < 200; ++i)
     ASSERT_EQ(one.cause_of(announcement(numbered(i))), "none") << i;

@@ -306,11 +306,7 @@ TEST(Tiers, OfSqliteAreThoseOfItsSamples) {
 }
 
 TEST(Tiers, OfPostgresAreThoseOfItsSamples) {
-  if (test::PostgresServer::programs().empty())
-    GTEST_SKIP() << "no PostgreSQL server here (Debian: postgresql): not tested";
-  test::PostgresServer server;
-  ASSERT_TRUE(server.ready()) << "the server did not start";
-  all_of_it(server.address());
+  test::with_postgres([](test::PostgresServer& server) { all_of_it(server.address()); });
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ TEST(RowList, TheSelectionFollowsItsRowOnceSomebodyMoved) {
   EXPECT_EQ(list.index(), 0u);
 }
 
-TEST(RowList, ARowThatIsGoneGivesItsPlaceToTheNext) {
+TEST(RowList, ARowThatIsRemovedGivesItsPlaceToTheNext) {
   RowList list;
   list.assign(rows_of({"a", "b", "c"}));
   list.move(1);
