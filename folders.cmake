@@ -1,13 +1,20 @@
 # Each folder with sources is a static library: core/base is fieldcast_core_base. Its README.md names the folders (`May use:`) and
 # the libraries of others (`Libraries:`) that it links; tests/tools/boundaries.py compares both lines with the includes.
 
+# Fast DDS is called fastdds from 3.0 on.
+find_package(fastdds QUIET)
+set(FIELDCAST_FAST_DDS fastdds)
+if(NOT fastdds_FOUND)
+  find_package(fastrtps REQUIRED)
+  set(FIELDCAST_FAST_DDS fastrtps)
+endif()
+
 # The libraries of others, by their names in `Libraries:` (tests/tools/boundaries.py has their headers).
 set(FIELDCAST_LIBRARIES
-  "Boost=$<BUILD_INTERFACE:Boost::headers>" "CLI11=$<BUILD_INTERFACE:CLI11::CLI11>" "Fast-DDS=fastrtps" "fmt=fmt::fmt" "idl=fieldcast_idl" "libpq=PkgConfig::PQ" "libsodium=PkgConfig::SODIUM"
+  "Boost=$<BUILD_INTERFACE:Boost::headers>" "CLI11=$<BUILD_INTERFACE:CLI11::CLI11>" "Fast-DDS=${FIELDCAST_FAST_DDS}" "fmt=fmt::fmt" "idl=fieldcast_idl" "libpq=PkgConfig::PQ" "libsodium=PkgConfig::SODIUM"
   "libzip=PkgConfig::libzip" "ncurses=fieldcast_ncurses" "nlohmann-json=$<BUILD_INTERFACE:nlohmann_json::nlohmann_json>" "OpenSSL=OpenSSL::SSL"
   "spdlog=spdlog::spdlog" "SQLite=SQLite::SQLite3" "tinyxml2=tinyxml2::tinyxml2" "toml++=fieldcast_toml" "yaml-cpp=yaml-cpp" "zlib=ZLIB::ZLIB")
 find_package(CLI11 REQUIRED)
-find_package(fastrtps REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(OpenSSL REQUIRED)
 find_package(PkgConfig REQUIRED)

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs missing Debian 12 packages and shows the progress. Prints nothing and works offline if nothing is missing.
+# Installs missing packages of Debian 12 or 13 and shows the progress. Prints nothing and works offline if nothing is missing.
 #
 #   tools/install.sh [build | package | test | campaign | ci | reference]
 #
@@ -9,10 +9,20 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
+# Packages that have other names in one release, VERSION_ID by VERSION_ID: what for, Debian 12, Debian 13.
+release=$(sed -n 's/^VERSION_ID="\{0,1\}\([0-9]*\).*/\1/p' /etc/os-release 2>/dev/null || true)
+named() {
+  local column=2
+  [ "${release:-12}" -lt 13 ] || column=3
+  awk -v name="$1" -v column="$column" '$1 == name { print $column }' <<'TABLE'
+dds libfastrtps-dev libfastdds-dev
+TABLE
+}
+
 build=(
   g++ cmake ninja-build ccache mold pkg-config
   # DDS and its code generator, whose package does not depend on the Java that it needs
-  libfastrtps-dev libfastcdr-dev fastddsgen openjdk-17-jre-headless
+  "$(named dds)" libfastcdr-dev fastddsgen default-jre-headless
   libboost-dev libfmt-dev libspdlog-dev libyaml-cpp-dev libcli11-dev libexpected-dev libsqlite3-dev libssl-dev libpq-dev libsodium-dev libtinyxml2-dev zlib1g-dev
   nlohmann-json3-dev libtomlplusplus-dev libzip-dev
   libncurses-dev
@@ -36,7 +46,7 @@ test=(
 )
 campaign=(
   # libFuzzer
-  clang libclang-rt-14-dev
+  clang libclang-rt-dev
 )
 ci=(clang-tidy codespell git lintian python3-prometheus-client doxygen)
 

@@ -13,7 +13,7 @@
 namespace fieldcast::config {
 namespace {
 
-std::string quoted(std::string_view key, std::string_view text) {
+std::string in_quotes(std::string_view key, std::string_view text) {
   return fmt::format("{} '{}'", key, text);
 }
 
@@ -84,7 +84,7 @@ std::optional<Duration> DurationRule::operator()(const Node& node, std::string_v
   const auto value = read_duration(*text, {min, max});
   if (value) return *value;
   auto fault = value.error();
-  faults.add(node.position, quoted(key, *text) + ' ' + fault.what, fault.allowed.append(or_else),
+  faults.add(node.position, in_quotes(key, *text) + ' ' + fault.what, fault.allowed.append(or_else),
              std::move(fault.suggestion));
   return std::nullopt;
 }
@@ -96,13 +96,14 @@ std::optional<std::int64_t> WholeRule::operator()(const Node& node, std::string_
   if (text == nullptr) return std::nullopt;
   const auto value = whole_from(*text);
   if (!value || node.quoted) {
-    faults.add(node.position,
-               quoted(key, *text) + (value ? " is quoted, so it is a text" : " is no whole number"),
-               "a whole number, " + bounds, value ? *text : "");
+    faults.add(
+        node.position,
+        in_quotes(key, *text) + (value ? " is quoted, so it is a text" : " is no whole number"),
+        "a whole number, " + bounds, value ? *text : "");
     return std::nullopt;
   }
   if (*value < min || *value > max) {
-    faults.add(node.position, quoted(key, *text) + " is out of range", bounds);
+    faults.add(node.position, in_quotes(key, *text) + " is out of range", bounds);
     return std::nullopt;
   }
   return value;
@@ -115,7 +116,7 @@ std::optional<double> NumberRule::operator()(const Node& node, std::string_view 
   const auto value = number_from(*text);
   if (value && !node.quoted && (*value < min || *value > max)) {
     faults.add(
-        node.position, quoted(key, *text) + " is out of range",
+        node.position, in_quotes(key, *text) + " is out of range",
         fmt::format("{} to {}", fieldcast::to_text(Value{min}), fieldcast::to_text(Value{max})));
     return std::nullopt;
   }
@@ -123,7 +124,7 @@ std::optional<double> NumberRule::operator()(const Node& node, std::string_view 
   std::string with_point = *text;
   if (const auto comma = with_point.find(','); comma != std::string::npos) with_point[comma] = '.';
   faults.add(node.position,
-             quoted(key, *text) + (value ? " is quoted, so it is a text" : " is no number"),
+             in_quotes(key, *text) + (value ? " is quoted, so it is a text" : " is no number"),
              "a number such as 0.1", number_from(with_point) ? with_point : "");
   return std::nullopt;
 }
@@ -140,7 +141,7 @@ std::optional<bool> FlagRule::operator()(const Node& node, std::string_view key,
   std::string meant = closest(*text, std::array<std::string_view, 2>{"true", "false"});
   for (const auto word : kTrue) meant = *text == word ? "true" : meant;
   for (const auto word : kFalse) meant = *text == word ? "false" : meant;
-  faults.add(node.position, quoted(key, *text) + " is neither true nor false", "true, false",
+  faults.add(node.position, in_quotes(key, *text) + " is neither true nor false", "true, false",
              meant);
   return std::nullopt;
 }
@@ -184,9 +185,9 @@ std::optional<std::string> NameRule::operator()(const Node& node, std::string_vi
   if (!replaced && !text->empty() && text->size() <= kMaxNameLength) return *text;
   const bool empty = fitting.empty() || fitting == "-";
   faults.add(node.position,
-             quoted(key, *text) + (replaced        ? " holds other characters"
-                                   : text->empty() ? " is empty"
-                                                   : " is too long"),
+             in_quotes(key, *text) + (replaced        ? " holds other characters"
+                                      : text->empty() ? " is empty"
+                                                      : " is too long"),
              kForm, empty ? "" : fitting.substr(0, kMaxNameLength));
   return std::nullopt;
 }

@@ -7,7 +7,7 @@
 namespace fieldcast::config {
 
 // The candidate for a "did you mean" hint: another program's word for it, a near miss
-// (core/base/near_miss.hpp), or one that begins with the word ("float" for "float32"). Empty if
+// (core/base/message_text.hpp), or one that begins with the word ("float" for "float32"). Empty if
 // there is none. Pure.
 [[nodiscard]] std::string closest(std::string_view word,
                                   std::span<const std::string_view> candidates);

@@ -24,7 +24,7 @@ struct ListenRule {
   [[nodiscard]] std::string form() const;
 };
 
-// See core/program/device_number.hpp.
+// See core/program/frame.hpp.
 struct DeviceNumberRule {
   std::optional<std::string> operator()(const Node& node, std::string_view key,
                                         FaultList& faults) const;

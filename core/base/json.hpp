@@ -19,7 +19,7 @@ namespace fieldcast {
 inline constexpr std::uint64_t kMaxExact = std::uint64_t{1} << 53;
 
 // With its quotes. Bytes that are not UTF-8 become U+FFFD; a character that is not
-// is_printable() (core/base/printable.hpp) is written as \u202e.
+// is_printable() (core/base/message_text.hpp) is written as \u202e.
 void append_json_text(std::string& out, std::string_view text);
 // The character as \n, \u202e or, above U+FFFF, two of these (RFC 8259, 7). REQUIRES: one character
 // of valid UTF-8.
@@ -94,7 +94,7 @@ template <class Items, class Append>
 }
 
 // A JSON text as a value: objects, arrays and plain values for JSON lines and reports. Pure.
-// core/base/json_text.hpp appends to a string instead, for long lists.
+// core/base/json.hpp appends to a string instead, for long lists.
 
 struct JsonField;
 

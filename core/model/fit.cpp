@@ -16,12 +16,12 @@ std::string bits(unsigned count) { return std::to_string(count) + (count == 1 ? 
 std::optional<FitFault> check_bit(std::string_view at, const Area& area, const Encoding& encoding) {
   if (encoding.bit && *encoding.bit >= area.item_bits) {
     return FitFault{About::kPart,
-                    "bit " + std::to_string(*encoding.bit) + " is beyond " + quoted(at),
+                    "bit " + std::to_string(*encoding.bit) + " is beyond " + in_quotes(at),
                     "0 to " + std::to_string(area.item_bits - 1),
                     {}};
   }
   if (!encoding.bit && area.item_bits > 1) {
-    return FitFault{About::kType, "a bool in " + quoted(at) + " needs a bit",
+    return FitFault{About::kType, "a bool in " + in_quotes(at) + " needs a bit",
                     "a bit in 'at', or 'bit': 0 to " + std::to_string(area.item_bits - 1),
                     std::string(at) + ".0"};
   }
@@ -33,24 +33,26 @@ std::optional<FitFault> check_byte(std::string_view at, const ParsedAddress& add
   const std::string type(to_text(encoding.type));
   if (encoding.bit) {
     if (area.item_bits == 8) {
-      return FitFault{
-          About::kPart, "a byte of " + quoted(at) + ", which is a byte already", "no 'byte'", {}};
+      return FitFault{About::kPart,
+                      "a byte of " + in_quotes(at) + ", which is a byte already",
+                      "no 'byte'",
+                      {}};
     }
     if (address.width_bits.value_or(area.item_bits) != area.item_bits) {
       return FitFault{About::kPart,
-                      "a byte of " + quoted(at) + ", which has " + bits(*address.width_bits),
+                      "a byte of " + in_quotes(at) + ", which has " + bits(*address.width_bits),
                       "a byte of an item of " + bits(area.item_bits),
                       {}};
     }
     if (*encoding.bit % 8 == 0 && *encoding.bit + 8u <= area.item_bits) return std::nullopt;
     return FitFault{
-        About::kPart, "that byte is beyond " + quoted(at), byte_names(area.item_bits), {}};
+        About::kPart, "that byte is beyond " + in_quotes(at), byte_names(area.item_bits), {}};
   }
   if (area.item_bits == 8 && address.width_bits.value_or(8) == 8) return std::nullopt;
   if (address.value_bits != 0 && address.value_bits <= 8) {
     if (is_signed(encoding.type) == address.value_signed) return std::nullopt;
     return FitFault{About::kType,
-                    quoted(at) +
+                    in_quotes(at) +
                         (address.value_signed ? " is declared with a sign, type "
                                               : " is declared without a sign, type ") +
                         type + (address.value_signed ? " has none" : " has one"),
@@ -58,18 +60,19 @@ std::optional<FitFault> check_byte(std::string_view at, const ParsedAddress& add
                     address.value_signed ? "int8" : "uint8"};
   }
   const unsigned whole = address.width_bits.value_or(area.item_bits);
-  return FitFault{About::kType,
-                  "type " + type + " has 8 bits, " + quoted(at) + " has " + std::to_string(whole),
-                  "a type of " + bits(whole) +
-                      (whole == area.item_bits ? ", or " + byte_names(area.item_bits) : ""),
-                  {}};
+  return FitFault{
+      About::kType,
+      "type " + type + " has 8 bits, " + in_quotes(at) + " has " + std::to_string(whole),
+      "a type of " + bits(whole) +
+          (whole == area.item_bits ? ", or " + byte_names(area.item_bits) : ""),
+      {}};
 }
 
 // An address of a text requires a string, or a number written as text.
 std::optional<FitFault> check_text(std::string_view at, const ParsedAddress& address,
                                    const Encoding& encoding) {
   const std::string there = std::to_string(address.text_characters);
-  const std::string where = quoted(at) + ", which is a text of " + there + " characters";
+  const std::string where = in_quotes(at) + ", which is a text of " + there + " characters";
   const std::string string = "string(" + there + ")";
   if (!encoding.is_text()) {
     const bool number = encoding.type != ValueType::kBool && !is_bcd(encoding.type);
@@ -105,7 +108,7 @@ std::optional<FitFault> check_fit(std::string_view at, const ParsedAddress& addr
   const bool is_byte = !is_text && width_bits(encoding) == 8;
   if (encoding.bit && area.item_bits == 1) {
     return FitFault{
-        About::kPart, "a bit of " + quoted(at) + ", which is a bit already", "no 'bit'", {}};
+        About::kPart, "a bit of " + in_quotes(at) + ", which is a bit already", "no 'bit'", {}};
   }
   if (encoding.bit && !is_bool && (address.bit || !is_byte))
     return FitFault{About::kType, "type " + type + " with a bit of a word", "bool", "bool"};
@@ -113,14 +116,14 @@ std::optional<FitFault> check_fit(std::string_view at, const ParsedAddress& addr
   const unsigned whole = area.item_bits == 1 ? 1u : address.width_bits.value_or(0);
   if (whole == 1) {
     return FitFault{About::kType,
-                    "type " + type + " does not fit " + quoted(at) + ", which is one bit", "bool",
-                    "bool"};
+                    "type " + type + " does not fit " + in_quotes(at) + ", which is one bit",
+                    "bool", "bool"};
   }
   if (is_byte) return check_byte(at, address, area, encoding);
   if (whole > 1 && !is_text && width_bits(encoding) != whole) {
     return FitFault{About::kType,
                     "type " + type + " has " + std::to_string(width_bits(encoding)) + " bits, " +
-                        quoted(at) + " has " + std::to_string(whole),
+                        in_quotes(at) + " has " + std::to_string(whole),
                     "a type of " + std::to_string(whole) + " bits",
                     {}};
   }

@@ -22,7 +22,7 @@ enum class Fence : std::uint8_t {
 };
 [[nodiscard]] std::string_view to_text(Fence fence);  // "none", "listen", "lock", "one-client"
 
-// See core/bus/wire/fence_times.hpp for the resulting times.
+// See core/bus/wire/fence_setup.hpp for the resulting times.
 struct FenceSpec {
   std::optional<Fence> kind;  // empty if not configured
   // kListen: maximum time between two requests of the sending bridge.

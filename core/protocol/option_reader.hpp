@@ -14,7 +14,7 @@
 namespace fieldcast {
 
 // Cut to 64 characters, for a fault message.
-[[nodiscard]] inline std::string quoted(std::string_view text) {
+[[nodiscard]] inline std::string in_quotes(std::string_view text) {
   return "'" + std::string(text.substr(0, 64)) + "'";
 }
 

@@ -1,5 +1,15 @@
 #include "bridge/dds/library/encoding_guard.hpp"
 
+#include "bridge/dds/library/fastdds.hpp"
+
+#if FASTDDS_VERSION_MAJOR >= 3
+
+namespace fieldcast {
+void guard_encoding() {}  // no symbol of 3.x is replaced
+}  // namespace fieldcast
+
+#else
+
 #include <dlfcn.h>
 #include <fastdds/rtps/common/CDRMessage_t.h>
 
@@ -42,3 +52,5 @@ bool encode_rtps_message(const void* security_manager, const CDRMessage_t& messa
 void guard_encoding() { (void)library_encode(); }
 
 }  // namespace fieldcast
+
+#endif

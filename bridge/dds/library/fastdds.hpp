@@ -345,9 +345,8 @@ class PassingTransport : public rtps_transport::ChainingTransport {
     const std::lock_guard lock(mutex_);
     const auto length = static_cast<std::uint32_t>(message.bytes.size());
 #if FASTDDS_VERSION_MAJOR >= 3
-    return message.below->send({{ message.bytes.data(),
-                                  length }},
-                               length, message.begin, message.end, message.deadline, 0);
+    const std::vector<rtps::NetworkBuffer> pieces{{ message.bytes.data(), length }};
+    return message.below->send(pieces, length, message.begin, message.end, message.deadline);
 #else
     return message.below->send(message.bytes.data(), length, message.begin, message.end,
                                message.deadline);
@@ -367,11 +366,6 @@ class PassingTransport : public rtps_transport::ChainingTransport {
 #if FASTDDS_VERSION_MAJOR >= 3
   bool send(rtps::SenderResource* below, const std::vector<rtps::NetworkBuffer>& pieces,
             std::uint32_t size, Locators* begin, Locators* end, const Deadline& deadline) final {
-    return send_w_priority(below, pieces, size, begin, end, deadline, 0);
-  }
-  bool send_w_priority(rtps::SenderResource* below, const std::vector<rtps::NetworkBuffer>& pieces,
-                       std::uint32_t size, Locators* begin, Locators* end, const Deadline& deadline,
-                       std::int32_t) final {
     thread_local std::vector<std::uint8_t> whole;  // at most one message of the transport
     whole.clear();
     for (const rtps::NetworkBuffer& piece : pieces) {

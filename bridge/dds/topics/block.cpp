@@ -23,21 +23,21 @@ void to_last_value(const Sample& sample, const UtcMapping& mapping, LastValue& o
   out.acquired_at = mapping.to_utc(sample.acquired).nanoseconds;
   out.sequence = sample.sequence;
   if (const auto* text = std::get_if<std::string>(&sample.value)) {
-    out.kind = idl::VALUE_STRING;
+    out.kind = idl::ValueKind::VALUE_STRING;
     const bool fits = text->size() <= kMaxTextValue && text->find('\0') == std::string::npos;
     out.text = fits ? *text : std::string();
-    if (!fits) out.quality = idl::BAD_RANGE;
+    if (!fits) out.quality = idl::Quality::BAD_RANGE;
   } else if (const auto* on = std::get_if<bool>(&sample.value)) {
-    out.kind = idl::VALUE_BOOLEAN;
+    out.kind = idl::ValueKind::VALUE_BOOLEAN;
     out.bits = *on ? 1 : 0;
   } else if (const auto* whole = std::get_if<std::int64_t>(&sample.value)) {
-    out.kind = idl::VALUE_INT64;
+    out.kind = idl::ValueKind::VALUE_INT64;
     out.bits = static_cast<std::uint64_t>(*whole);
   } else if (const auto* natural = std::get_if<std::uint64_t>(&sample.value)) {
-    out.kind = idl::VALUE_UINT64;
+    out.kind = idl::ValueKind::VALUE_UINT64;
     out.bits = *natural;
   } else {
-    out.kind = idl::VALUE_DOUBLE;
+    out.kind = idl::ValueKind::VALUE_DOUBLE;
     out.bits = std::bit_cast<std::uint64_t>(std::get<double>(sample.value));
   }
 }
@@ -55,7 +55,7 @@ BlockFiller::BlockFiller(idl::SampleBlock& block, std::size_t most_bytes)
 }
 
 bool BlockFiller::add(ChannelIndex channel, const LastValue& value) {
-  const bool text = value.kind == idl::VALUE_STRING;
+  const bool text = value.kind == idl::ValueKind::VALUE_STRING;
   const std::size_t bytes = kRowBytes + (text ? kTextBytes + value.text.size() : 0);
   const bool first = block_->channels().empty();
   if (!first && (block_->channels().size() == kMaxRows || bytes_ + bytes > most_bytes_))
@@ -92,11 +92,11 @@ namespace {
 std::optional<Value> value_of(const idl::SampleBlock& block, std::size_t row) {
   const std::uint64_t bits = block.values()[row];
   switch (static_cast<idl::ValueKind>(block.kinds()[row])) {
-    case idl::VALUE_BOOLEAN: return bits != 0;
-    case idl::VALUE_INT64: return static_cast<std::int64_t>(bits);
-    case idl::VALUE_UINT64: return bits;
-    case idl::VALUE_DOUBLE: return std::bit_cast<double>(bits);
-    case idl::VALUE_STRING:
+    case idl::ValueKind::VALUE_BOOLEAN: return bits != 0;
+    case idl::ValueKind::VALUE_INT64: return static_cast<std::int64_t>(bits);
+    case idl::ValueKind::VALUE_UINT64: return bits;
+    case idl::ValueKind::VALUE_DOUBLE: return std::bit_cast<double>(bits);
+    case idl::ValueKind::VALUE_STRING:
       if (bits >= block.texts().size()) return std::nullopt;
       return std::string(block.texts()[bits].c_str());
   }

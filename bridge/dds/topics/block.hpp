@@ -21,8 +21,8 @@ namespace fieldcast {
 
 // The last value of a channel in the form of the topics.
 struct LastValue {
-  idl::ValueKind kind = idl::VALUE_BOOLEAN;
-  idl::Quality quality = idl::NOT_YET_READ;
+  idl::ValueKind kind = idl::ValueKind::VALUE_BOOLEAN;
+  idl::Quality quality = idl::Quality::NOT_YET_READ;
   std::uint16_t device_code = 0;
   std::uint64_t bits = 0;        // of the value; not used for a text
   std::int64_t acquired_at = 0;  // UTC nanoseconds

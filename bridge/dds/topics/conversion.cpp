@@ -40,7 +40,8 @@ void to_idl(const StandbyMessage& message, idl::Standby& out) {
 }
 
 std::optional<StandbyMessage> from_idl(const idl::Standby& message) {
-  if (message.role() < idl::STANDBY_WAITING || message.role() > idl::STANDBY_LEFT)
+  if (message.role() < idl::StandbyRole::STANDBY_WAITING ||
+      message.role() > idl::StandbyRole::STANDBY_LEFT)
     return std::nullopt;
   StandbyMessage told;
   told.group = message.group().c_str();

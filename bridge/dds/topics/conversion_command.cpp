@@ -64,8 +64,8 @@ tl::expected<Command, MalformedCommand> from_idl(const idl::Command& command) {
   if (!operation) return malformed(Cause::kUnsupported, "unknown operation");
   out.operation = *operation;
 
-  const bool channel = command.target_kind() == idl::TARGET_CHANNEL;
-  if (!channel && command.target_kind() != idl::TARGET_ADDRESS)
+  const bool channel = command.target_kind() == idl::TargetKind::TARGET_CHANNEL;
+  if (!channel && command.target_kind() != idl::TargetKind::TARGET_ADDRESS)
     return malformed(Cause::kUnsupported, "unknown kind of target");
   if (channel) {
     out.target = ChannelTarget{command.target().c_str()};
@@ -108,7 +108,7 @@ bool to_idl(std::string_view bus, const Command& command, idl::Command& out) {
   out.request_id(command.request_id);
   out.bus() = std::string(bus);
   out.device() = command.device;
-  out.target_kind(address ? idl::TARGET_ADDRESS : idl::TARGET_CHANNEL);
+  out.target_kind(address ? idl::TargetKind::TARGET_ADDRESS : idl::TargetKind::TARGET_CHANNEL);
   out.target() = target;
   to_idl(address ? address->encoding : Encoding{}, out.encoding());
   out.operation(to_idl(command.operation));

@@ -9,160 +9,160 @@ namespace {
 
 constexpr std::optional<idl::Quality> idl_of(Quality value) {
   switch (value) {
-    case Quality::kGood: return idl::GOOD;
-    case Quality::kUncertain: return idl::UNCERTAIN;
-    case Quality::kBadNoAnswer: return idl::BAD_NO_ANSWER;
-    case Quality::kBadFrame: return idl::BAD_FRAME;
-    case Quality::kBadDeviceError: return idl::BAD_DEVICE_ERROR;
-    case Quality::kBadRange: return idl::BAD_RANGE;
-    case Quality::kBadConfiguration: return idl::BAD_CONFIGURATION;
-    case Quality::kNotYetRead: return idl::NOT_YET_READ;
+    case Quality::kGood: return idl::Quality::GOOD;
+    case Quality::kUncertain: return idl::Quality::UNCERTAIN;
+    case Quality::kBadNoAnswer: return idl::Quality::BAD_NO_ANSWER;
+    case Quality::kBadFrame: return idl::Quality::BAD_FRAME;
+    case Quality::kBadDeviceError: return idl::Quality::BAD_DEVICE_ERROR;
+    case Quality::kBadRange: return idl::Quality::BAD_RANGE;
+    case Quality::kBadConfiguration: return idl::Quality::BAD_CONFIGURATION;
+    case Quality::kNotYetRead: return idl::Quality::NOT_YET_READ;
   }
   return std::nullopt;
 }
 
 constexpr std::optional<idl::ValueType> idl_of(ValueType value) {
   switch (value) {
-    case ValueType::kBool: return idl::TYPE_BOOL;
-    case ValueType::kInt16: return idl::TYPE_INT16;
-    case ValueType::kUint16: return idl::TYPE_UINT16;
-    case ValueType::kInt32: return idl::TYPE_INT32;
-    case ValueType::kUint32: return idl::TYPE_UINT32;
-    case ValueType::kInt64: return idl::TYPE_INT64;
-    case ValueType::kUint64: return idl::TYPE_UINT64;
-    case ValueType::kFloat32: return idl::TYPE_FLOAT32;
-    case ValueType::kFloat64: return idl::TYPE_FLOAT64;
-    case ValueType::kBcd16: return idl::TYPE_BCD16;
-    case ValueType::kBcd32: return idl::TYPE_BCD32;
-    case ValueType::kString: return idl::TYPE_STRING;
-    case ValueType::kInt8: return idl::TYPE_INT8;
-    case ValueType::kUint8: return idl::TYPE_UINT8;
-    case ValueType::kBcd8: return idl::TYPE_BCD8;
+    case ValueType::kBool: return idl::ValueType::TYPE_BOOL;
+    case ValueType::kInt16: return idl::ValueType::TYPE_INT16;
+    case ValueType::kUint16: return idl::ValueType::TYPE_UINT16;
+    case ValueType::kInt32: return idl::ValueType::TYPE_INT32;
+    case ValueType::kUint32: return idl::ValueType::TYPE_UINT32;
+    case ValueType::kInt64: return idl::ValueType::TYPE_INT64;
+    case ValueType::kUint64: return idl::ValueType::TYPE_UINT64;
+    case ValueType::kFloat32: return idl::ValueType::TYPE_FLOAT32;
+    case ValueType::kFloat64: return idl::ValueType::TYPE_FLOAT64;
+    case ValueType::kBcd16: return idl::ValueType::TYPE_BCD16;
+    case ValueType::kBcd32: return idl::ValueType::TYPE_BCD32;
+    case ValueType::kString: return idl::ValueType::TYPE_STRING;
+    case ValueType::kInt8: return idl::ValueType::TYPE_INT8;
+    case ValueType::kUint8: return idl::ValueType::TYPE_UINT8;
+    case ValueType::kBcd8: return idl::ValueType::TYPE_BCD8;
   }
   return std::nullopt;
 }
 
 constexpr std::optional<idl::Access> idl_of(Access value) {
   switch (value) {
-    case Access::kReadOnly: return idl::READ_ONLY;
-    case Access::kReadWrite: return idl::READ_WRITE;
-    case Access::kWriteOnly: return idl::WRITE_ONLY;
+    case Access::kReadOnly: return idl::Access::READ_ONLY;
+    case Access::kReadWrite: return idl::Access::READ_WRITE;
+    case Access::kWriteOnly: return idl::Access::WRITE_ONLY;
   }
   return std::nullopt;
 }
 
 constexpr std::optional<idl::Mode> idl_of(Mode value) {
   switch (value) {
-    case Mode::kIntensive: return idl::INTENSIVE;
-    case Mode::kScheduled: return idl::SCHEDULED;
-    case Mode::kOnDemand: return idl::ON_DEMAND;
+    case Mode::kIntensive: return idl::Mode::INTENSIVE;
+    case Mode::kScheduled: return idl::Mode::SCHEDULED;
+    case Mode::kOnDemand: return idl::Mode::ON_DEMAND;
   }
   return std::nullopt;
 }
 
 constexpr std::optional<idl::Operation> idl_of(Operation value) {
   switch (value) {
-    case Operation::kWrite: return idl::OPERATION_WRITE;
-    case Operation::kAcquire: return idl::OPERATION_ACQUIRE;
+    case Operation::kWrite: return idl::Operation::OPERATION_WRITE;
+    case Operation::kAcquire: return idl::Operation::OPERATION_ACQUIRE;
   }
   return std::nullopt;
 }
 
 constexpr std::optional<idl::CommandState> idl_of(CommandState value) {
   switch (value) {
-    case CommandState::kDone: return idl::DONE;
-    case CommandState::kVerified: return idl::VERIFIED;
-    case CommandState::kRejected: return idl::REJECTED;
-    case CommandState::kFailed: return idl::FAILED;
-    case CommandState::kExpired: return idl::EXPIRED;
+    case CommandState::kDone: return idl::CommandState::DONE;
+    case CommandState::kVerified: return idl::CommandState::VERIFIED;
+    case CommandState::kRejected: return idl::CommandState::REJECTED;
+    case CommandState::kFailed: return idl::CommandState::FAILED;
+    case CommandState::kExpired: return idl::CommandState::EXPIRED;
   }
   return std::nullopt;
 }
 
 constexpr std::optional<idl::BusState> idl_of(BusState value) {
   switch (value) {
-    case BusState::kOpening: return idl::BUS_OPENING;
-    case BusState::kRunning: return idl::BUS_RUNNING;
-    case BusState::kClosed: return idl::BUS_CLOSED;
-    case BusState::kLeased: return idl::BUS_LEASED;
-    case BusState::kStopped: return idl::BUS_STOPPED;
+    case BusState::kOpening: return idl::BusState::BUS_OPENING;
+    case BusState::kRunning: return idl::BusState::BUS_RUNNING;
+    case BusState::kClosed: return idl::BusState::BUS_CLOSED;
+    case BusState::kLeased: return idl::BusState::BUS_LEASED;
+    case BusState::kStopped: return idl::BusState::BUS_STOPPED;
   }
   return std::nullopt;
 }
 
 constexpr std::optional<idl::DeviceState> idl_of(DeviceState value) {
   switch (value) {
-    case DeviceState::kUnknown: return idl::DEVICE_UNKNOWN;
-    case DeviceState::kOnline: return idl::DEVICE_ONLINE;
-    case DeviceState::kDegraded: return idl::DEVICE_DEGRADED;
-    case DeviceState::kOffline: return idl::DEVICE_OFFLINE;
+    case DeviceState::kUnknown: return idl::DeviceState::DEVICE_UNKNOWN;
+    case DeviceState::kOnline: return idl::DeviceState::DEVICE_ONLINE;
+    case DeviceState::kDegraded: return idl::DeviceState::DEVICE_DEGRADED;
+    case DeviceState::kOffline: return idl::DeviceState::DEVICE_OFFLINE;
   }
   return std::nullopt;
 }
 
 constexpr std::optional<idl::AlarmState> idl_of(AlarmState value) {
   switch (value) {
-    case AlarmState::kClear: return idl::ALARM_CLEAR;
-    case AlarmState::kActive: return idl::ALARM_ACTIVE;
+    case AlarmState::kClear: return idl::AlarmState::ALARM_CLEAR;
+    case AlarmState::kActive: return idl::AlarmState::ALARM_ACTIVE;
   }
   return std::nullopt;
 }
 
 constexpr std::optional<idl::LimitKind> idl_of(LimitKind value) {
   switch (value) {
-    case LimitKind::kLowLow: return idl::LIMIT_LOW_LOW;
-    case LimitKind::kLow: return idl::LIMIT_LOW;
-    case LimitKind::kHigh: return idl::LIMIT_HIGH;
-    case LimitKind::kHighHigh: return idl::LIMIT_HIGH_HIGH;
+    case LimitKind::kLowLow: return idl::LimitKind::LIMIT_LOW_LOW;
+    case LimitKind::kLow: return idl::LimitKind::LIMIT_LOW;
+    case LimitKind::kHigh: return idl::LimitKind::LIMIT_HIGH;
+    case LimitKind::kHighHigh: return idl::LimitKind::LIMIT_HIGH_HIGH;
   }
   return std::nullopt;
 }
 
 constexpr std::optional<idl::AlarmPriority> idl_of(AlarmPriority value) {
   switch (value) {
-    case AlarmPriority::kLow: return idl::PRIORITY_LOW;
-    case AlarmPriority::kMedium: return idl::PRIORITY_MEDIUM;
-    case AlarmPriority::kHigh: return idl::PRIORITY_HIGH;
-    case AlarmPriority::kCritical: return idl::PRIORITY_CRITICAL;
+    case AlarmPriority::kLow: return idl::AlarmPriority::PRIORITY_LOW;
+    case AlarmPriority::kMedium: return idl::AlarmPriority::PRIORITY_MEDIUM;
+    case AlarmPriority::kHigh: return idl::AlarmPriority::PRIORITY_HIGH;
+    case AlarmPriority::kCritical: return idl::AlarmPriority::PRIORITY_CRITICAL;
   }
   return std::nullopt;
 }
 
 constexpr std::optional<idl::AlarmStage> idl_of(AlarmStage value) {
   switch (value) {
-    case AlarmStage::kClear: return idl::STAGE_CLEAR;
-    case AlarmStage::kUnacknowledged: return idl::STAGE_UNACKNOWLEDGED;
-    case AlarmStage::kAcknowledged: return idl::STAGE_ACKNOWLEDGED;
-    case AlarmStage::kReturned: return idl::STAGE_RETURNED;
+    case AlarmStage::kClear: return idl::AlarmStage::STAGE_CLEAR;
+    case AlarmStage::kUnacknowledged: return idl::AlarmStage::STAGE_UNACKNOWLEDGED;
+    case AlarmStage::kAcknowledged: return idl::AlarmStage::STAGE_ACKNOWLEDGED;
+    case AlarmStage::kReturned: return idl::AlarmStage::STAGE_RETURNED;
   }
   return std::nullopt;
 }
 
 constexpr std::optional<idl::AlarmActionKind> idl_of(AlarmActionKind value) {
   switch (value) {
-    case AlarmActionKind::kAcknowledge: return idl::ACTION_ACKNOWLEDGE;
-    case AlarmActionKind::kShelve: return idl::ACTION_SHELVE;
-    case AlarmActionKind::kUnshelve: return idl::ACTION_UNSHELVE;
-    case AlarmActionKind::kMaintenance: return idl::ACTION_MAINTENANCE;
-    case AlarmActionKind::kEndMaintenance: return idl::ACTION_END_MAINTENANCE;
+    case AlarmActionKind::kAcknowledge: return idl::AlarmActionKind::ACTION_ACKNOWLEDGE;
+    case AlarmActionKind::kShelve: return idl::AlarmActionKind::ACTION_SHELVE;
+    case AlarmActionKind::kUnshelve: return idl::AlarmActionKind::ACTION_UNSHELVE;
+    case AlarmActionKind::kMaintenance: return idl::AlarmActionKind::ACTION_MAINTENANCE;
+    case AlarmActionKind::kEndMaintenance: return idl::AlarmActionKind::ACTION_END_MAINTENANCE;
   }
   return std::nullopt;
 }
 
 constexpr std::optional<idl::SessionState> idl_of(ProgramSessionState value) {
   switch (value) {
-    case ProgramSessionState::kOpen: return idl::SESSION_OPEN;
-    case ProgramSessionState::kClosed: return idl::SESSION_CLOSED;
-    case ProgramSessionState::kRefused: return idl::SESSION_REFUSED;
+    case ProgramSessionState::kOpen: return idl::SessionState::SESSION_OPEN;
+    case ProgramSessionState::kClosed: return idl::SessionState::SESSION_CLOSED;
+    case ProgramSessionState::kRefused: return idl::SessionState::SESSION_REFUSED;
   }
   return std::nullopt;
 }
 
 constexpr std::optional<idl::StandbyNoteKind> idl_of(StandbyNoteKind value) {
   switch (value) {
-    case StandbyNoteKind::kBegun: return idl::NOTE_BEGUN;
-    case StandbyNoteKind::kReturned: return idl::NOTE_RETURNED;
-    case StandbyNoteKind::kAnswered: return idl::NOTE_ANSWERED;
+    case StandbyNoteKind::kBegun: return idl::StandbyNoteKind::NOTE_BEGUN;
+    case StandbyNoteKind::kReturned: return idl::StandbyNoteKind::NOTE_RETURNED;
+    case StandbyNoteKind::kAnswered: return idl::StandbyNoteKind::NOTE_ANSWERED;
   }
   return std::nullopt;
 }

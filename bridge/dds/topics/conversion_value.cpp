@@ -32,11 +32,11 @@ bool to_idl(const Value& value, idl::Value& out) {
 
 std::optional<Value> from_idl(const idl::Value& value) {
   switch (value._d()) {
-    case idl::VALUE_BOOLEAN: return value.boolean_value();
-    case idl::VALUE_INT64: return std::int64_t{value.int64_value()};
-    case idl::VALUE_UINT64: return std::uint64_t{value.uint64_value()};
-    case idl::VALUE_DOUBLE: return value.double_value();
-    case idl::VALUE_STRING: return std::string(value.string_value().c_str());
+    case idl::ValueKind::VALUE_BOOLEAN: return value.boolean_value();
+    case idl::ValueKind::VALUE_INT64: return std::int64_t{value.int64_value()};
+    case idl::ValueKind::VALUE_UINT64: return std::uint64_t{value.uint64_value()};
+    case idl::ValueKind::VALUE_DOUBLE: return value.double_value();
+    case idl::ValueKind::VALUE_STRING: return std::string(value.string_value().c_str());
   }
   return std::nullopt;
 }
@@ -46,7 +46,7 @@ void to_idl(const Sample& sample, const UtcMapping& mapping, idl::Sample& out) {
     out.quality(to_idl(sample.quality));
   } else {
     out.value().string_value("");
-    out.quality(idl::BAD_RANGE);
+    out.quality(idl::Quality::BAD_RANGE);
   }
   out.device_code(sample.device_code);
   out.acquired_at(mapping.to_utc(sample.acquired).nanoseconds);
@@ -95,12 +95,12 @@ void to_idl(std::string_view bridge, std::string_view bus, const DeviceSpec& dev
   out.refresh(refresh.value_or(Duration::zero()).count());
   auto& limits = out.limits();
   limits.clear();
-  add_limit(limits, idl::LIMIT_LOW_LOW, channel.limits.low_low);
-  add_limit(limits, idl::LIMIT_LOW, channel.limits.low);
-  add_limit(limits, idl::LIMIT_HIGH, channel.limits.high);
-  add_limit(limits, idl::LIMIT_HIGH_HIGH, channel.limits.high_high);
-  add_limit(limits, idl::LIMIT_WRITE_MIN, channel.write_min);
-  add_limit(limits, idl::LIMIT_WRITE_MAX, channel.write_max);
+  add_limit(limits, idl::LimitKind::LIMIT_LOW_LOW, channel.limits.low_low);
+  add_limit(limits, idl::LimitKind::LIMIT_LOW, channel.limits.low);
+  add_limit(limits, idl::LimitKind::LIMIT_HIGH, channel.limits.high);
+  add_limit(limits, idl::LimitKind::LIMIT_HIGH_HIGH, channel.limits.high_high);
+  add_limit(limits, idl::LimitKind::LIMIT_WRITE_MIN, channel.write_min);
+  add_limit(limits, idl::LimitKind::LIMIT_WRITE_MAX, channel.write_max);
   out.description() = cut_text(channel.description, 256);
 }
 
@@ -119,12 +119,12 @@ StationChannel from_idl(const idl::Channel& channel) {
   out.refresh = Duration{channel.refresh()};
   for (const idl::Limit& limit : channel.limits()) {
     switch (limit.kind()) {
-      case idl::LIMIT_LOW_LOW: out.limits.low_low = limit.value(); break;
-      case idl::LIMIT_LOW: out.limits.low = limit.value(); break;
-      case idl::LIMIT_HIGH: out.limits.high = limit.value(); break;
-      case idl::LIMIT_HIGH_HIGH: out.limits.high_high = limit.value(); break;
-      case idl::LIMIT_WRITE_MIN: out.write_min = limit.value(); break;
-      case idl::LIMIT_WRITE_MAX: out.write_max = limit.value(); break;
+      case idl::LimitKind::LIMIT_LOW_LOW: out.limits.low_low = limit.value(); break;
+      case idl::LimitKind::LIMIT_LOW: out.limits.low = limit.value(); break;
+      case idl::LimitKind::LIMIT_HIGH: out.limits.high = limit.value(); break;
+      case idl::LimitKind::LIMIT_HIGH_HIGH: out.limits.high_high = limit.value(); break;
+      case idl::LimitKind::LIMIT_WRITE_MIN: out.write_min = limit.value(); break;
+      case idl::LimitKind::LIMIT_WRITE_MAX: out.write_max = limit.value(); break;
     }
   }
   return out;

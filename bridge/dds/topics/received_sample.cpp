@@ -21,11 +21,13 @@ Number number(CdrReader& in) {
 // Returns false for a kind that the IDL does not name; the rest of the message cannot be read then.
 bool read_value(CdrReader& in, Value& out) {
   switch (static_cast<idl::ValueKind>(number<std::uint32_t>(in))) {
-    case idl::VALUE_BOOLEAN: out = number<bool>(in); return true;
-    case idl::VALUE_INT64: out = number<std::int64_t>(in); return true;
-    case idl::VALUE_UINT64: out = number<std::uint64_t>(in); return true;
-    case idl::VALUE_DOUBLE: out = number<double>(in); return true;
-    case idl::VALUE_STRING: out = std::string(in.text().substr(0, kMaxTextValue)); return true;
+    case idl::ValueKind::VALUE_BOOLEAN: out = number<bool>(in); return true;
+    case idl::ValueKind::VALUE_INT64: out = number<std::int64_t>(in); return true;
+    case idl::ValueKind::VALUE_UINT64: out = number<std::uint64_t>(in); return true;
+    case idl::ValueKind::VALUE_DOUBLE: out = number<double>(in); return true;
+    case idl::ValueKind::VALUE_STRING:
+      out = std::string(in.text().substr(0, kMaxTextValue));
+      return true;
   }
   return false;
 }

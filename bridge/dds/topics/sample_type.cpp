@@ -26,8 +26,8 @@ bool SampleType::to_bytes(const void* data, Payload& payload) {
     if (!out.add_bytes(key->bytes)) return false;
     out << static_cast<std::uint32_t>(value->kind);
     switch (value->kind) {
-      case idl::VALUE_BOOLEAN: out << (value->bits != 0); break;
-      case idl::VALUE_STRING: out << value->text.c_str(); break;
+      case idl::ValueKind::VALUE_BOOLEAN: out << (value->bits != 0); break;
+      case idl::ValueKind::VALUE_STRING: out << value->text.c_str(); break;
       default: out << value->bits; break;  // the bits of each kind are those on the wire
     }
     out << static_cast<std::uint32_t>(value->quality) << value->device_code << value->acquired_at

@@ -79,7 +79,7 @@ class Parser {
     const auto bit = whole_number(rest.substr(1), 10);
     if (!bit) return std::nullopt;
     if (*bit >= place.bits) {
-      return fault("bit " + std::to_string(*bit) + " is beyond " + quoted(place.name) +
+      return fault("bit " + std::to_string(*bit) + " is beyond " + in_quotes(place.name) +
                        ", which has " + std::to_string(place.bits),
                    place.name + "." + std::to_string(place.bits - 1));
     }
@@ -94,7 +94,7 @@ class Parser {
     const auto number = whole_number(rest.substr(0, dot), area.base);
     const std::uint32_t last = area.origin + area.items - 1;
     if (!number || *number < area.origin || *number > last) {
-      return fault(quoted(at_) + " is outside " + area.name,
+      return fault(in_quotes(at_) + " is outside " + area.name,
                    area.prefix + spelt(number && *number > last ? last : area.origin, area.base));
     }
     ParsedAddress address{.area = index, .first = *number - area.origin};
@@ -104,7 +104,7 @@ class Parser {
     if (area.item_bits == 1)
       return fault("a " + area.name + " is a bit itself and has no bits", without);
     if (!set_bit(address, whole_number(rest.substr(dot + 1)), area.item_bits)) {
-      return fault("bit " + quoted(rest.substr(dot + 1)) + " is not 0.." +
+      return fault("bit " + in_quotes(rest.substr(dot + 1)) + " is not 0.." +
                        std::to_string(area.item_bits - 1),
                    without + ".0");
     }
@@ -112,7 +112,7 @@ class Parser {
   }
 
   ParsedOrFault unknown() const {
-    const std::string what = quoted(at_) + " is no address";
+    const std::string what = in_quotes(at_) + " is no address";
     if (!guesses_) return fault(what);
     const auto digits = std::min(at_.find_first_of("0123456789."), at_.size());
     const std::string_view word = at_.substr(0, digits);

@@ -27,7 +27,7 @@ ParsedOrFault parse_address(std::string_view at) {
   if (colon == std::string_view::npos || found == kTypeNames.end()) {
     const std::string_view near = near_miss(name, kTypeNames);
     const std::string rest(colon == std::string_view::npos ? ":0" : at.substr(colon));
-    return address_fault("type " + quoted(name) + " is unknown",
+    return address_fault("type " + in_quotes(name) + " is unknown",
                          near.empty() || rest.size() > 16 ? "" : std::string(near) + rest);
   }
   ParsedAddress address{.area = static_cast<AreaIndex>(found - kTypeNames.begin())};
@@ -36,9 +36,10 @@ ParsedOrFault parse_address(std::string_view at) {
   const std::size_t dot = number.find('.');
   const auto first = whole_number(number.substr(0, dot));
   if (!first)
-    return address_fault(quoted(number.substr(0, dot)) + " is no number", std::string(name) + ":0");
+    return address_fault(in_quotes(number.substr(0, dot)) + " is no number",
+                         std::string(name) + ":0");
   if (*first >= kVariables)
-    return address_fault(quoted(at) + " is beyond the end of " + std::string(name),
+    return address_fault(in_quotes(at) + " is beyond the end of " + std::string(name),
                          std::string(name) + ":65535");
   address.first = *first;
   if (dot == std::string_view::npos) {
@@ -49,10 +50,10 @@ ParsedOrFault parse_address(std::string_view at) {
   }
   const std::string whole(at.substr(0, colon + 1 + dot));
   if (address.area != kInt16 && address.area != kInt32)
-    return address_fault(quoted(at) + " has no bits", whole);
+    return address_fault(in_quotes(at) + " has no bits", whole);
   if (!set_bit(address, whole_number(number.substr(dot + 1)), bits)) {
     return address_fault(
-        "bit " + quoted(number.substr(dot + 1)) + " is not 0.." + std::to_string(bits - 1),
+        "bit " + in_quotes(number.substr(dot + 1)) + " is not 0.." + std::to_string(bits - 1),
         whole + ".0");
   }
   return address;

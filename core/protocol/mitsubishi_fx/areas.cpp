@@ -100,12 +100,12 @@ ParsedOrFault parse_address(Commands commands, std::string_view at) {
     const std::string upper = upper_case(letters);
     const bool named =
         std::ranges::any_of(kRows, [&](const DeviceRow& row) { return is_named(row, upper); });
-    return address_fault("device " + quoted(letters) + " is unknown",
+    return address_fault("device " + in_quotes(letters) + " is unknown",
                          named ? upper + std::string(at.substr(digits)) : "");
   }
   const auto which = whole_number(number, octal ? 8 : 10);
   if (!which)
-    return address_fault(quoted(number) + (octal ? " is no octal number" : " is no number"),
+    return address_fault(in_quotes(number) + (octal ? " is no octal number" : " is no number"),
                          std::string(letters) + "0");
   const auto& rows = reached_by(commands).rows;
   const auto row = std::ranges::find_if(rows, [&](const DeviceRow* each) {
@@ -113,16 +113,16 @@ ParsedOrFault parse_address(Commands commands, std::string_view at) {
            *which - each->first < each->address_map(commands).items;
   });
   if (row == rows.end())
-    return address_fault(quoted(at) + " does not exist" +
+    return address_fault(in_quotes(at) + " does not exist" +
                          (commands == Commands::kExtended ? " in the extended map" : ""));
   ParsedAddress address{.area = static_cast<AreaIndex>(row - rows.begin()),
                         .first = *which - (*row)->first};
   if ((*row)->item_bits != 16) address.width_bits = (*row)->item_bits;
   if (dot == at.size()) return address;
   const std::string whole(at.substr(0, dot));
-  if ((*row)->item_bits == 1) return address_fault(quoted(whole) + " is a bit itself", whole);
+  if ((*row)->item_bits == 1) return address_fault(in_quotes(whole) + " is a bit itself", whole);
   if (!set_bit(address, whole_number(at.substr(dot + 1)), (*row)->item_bits))
-    return address_fault("bit " + quoted(at.substr(dot + 1)) + " does not exist", whole + ".0");
+    return address_fault("bit " + in_quotes(at.substr(dot + 1)) + " does not exist", whole + ".0");
   return address;
 }
 

@@ -79,16 +79,16 @@ ParsedOrFault parse_named(std::string_view area, std::string_view rest) {
   const auto word =
       std::ranges::find_if(kWords, [&](const Word& candidate) { return candidate.name == area; });
   if (word == kWords.end())
-    return address_fault("area " + quoted(area) + " is unknown", suggest_area(area, rest));
+    return address_fault("area " + in_quotes(area) + " is unknown", suggest_area(area, rest));
 
   const std::size_t dot = rest.find('.');
   const auto first = number(rest.substr(0, dot));
   const std::string prefix = std::string(word->name) + ":";
   if (!first)
-    return address_fault(quoted(rest.substr(0, dot)) + " is no number",
+    return address_fault(in_quotes(rest.substr(0, dot)) + " is no number",
                          prefix + as_hexadecimal(rest.substr(0, dot)).value_or("0"));
   if (*first > kLastAddress)
-    return address_fault("address " + quoted(rest.substr(0, dot)) + " is beyond 65535",
+    return address_fault("address " + in_quotes(rest.substr(0, dot)) + " is beyond 65535",
                          prefix + "65535");
   if (dot == std::string_view::npos) return address(word->table, *first);
 
@@ -98,7 +98,7 @@ ParsedOrFault parse_named(std::string_view area, std::string_view rest) {
                          whole);
   const auto bit = number(rest.substr(dot + 1));
   if (!bit || *bit > 15)
-    return address_fault("bit " + quoted(rest.substr(dot + 1)) + " is not 0..15", whole + ".0");
+    return address_fault("bit " + in_quotes(rest.substr(dot + 1)) + " is not 0..15", whole + ".0");
   return address(word->table, *first, static_cast<std::uint8_t>(*bit));
 }
 
@@ -108,7 +108,8 @@ ParsedOrFault parse_reference(std::string_view at) {
   const std::string_view digits = at.substr(0, dot);
   if (digits.size() != 5 && digits.size() != 6) {
     std::string near = digits.size() < 5 ? "holding:" + std::string(digits) : std::string{};
-    return address_fault("reference " + quoted(digits) + " has not 5 or 6 digits", std::move(near));
+    return address_fault("reference " + in_quotes(digits) + " has not 5 or 6 digits",
+                         std::move(near));
   }
   Table table{};
   switch (digits.front()) {
@@ -117,14 +118,15 @@ ParsedOrFault parse_reference(std::string_view at) {
     case '3': table = Table::kInputRegister; break;
     case '4': table = Table::kHolding; break;
     default:
-      return address_fault("reference " + quoted(digits) + " does not begin with 0, 1, 3 or 4");
+      return address_fault("reference " + in_quotes(digits) + " does not begin with 0, 1, 3 or 4");
   }
   const std::uint32_t counted = *number(digits.substr(1));
   if (counted == 0)
     return address_fault("references count from 1",
                          std::string(digits.substr(0, digits.size() - 1)) + "1");
   if (counted > kLastAddress + 1)
-    return address_fault("reference " + quoted(digits) + " is beyond " + digits.front() + "65536");
+    return address_fault("reference " + in_quotes(digits) + " is beyond " + digits.front() +
+                         "65536");
   if (dot == std::string_view::npos) return address(table, counted - 1);
   return parse_named(name_of(table), std::to_string(counted - 1) + std::string(at.substr(dot)));
 }
@@ -140,28 +142,28 @@ ParsedOrFault parse_address(std::string_view at) {
   if (!number_part.empty() && (number_part.size() == at.size() || at[number_part.size()] == '.'))
     return parse_reference(at);
   if (const auto hex = as_hexadecimal(at))
-    return address_fault(quoted(at) + " names no area", "holding:" + *hex);
+    return address_fault(in_quotes(at) + " names no area", "holding:" + *hex);
   // "4x0071" is a reference with an x; "%MW70" and "%M3" are words and bits of IEC 61131.
   if (at.size() > 2 && (at[1] == 'x' || at[1] == 'X') && at[0] > '0' && at[0] < '5') {
     const auto counted = whole_number(at.substr(2));
     std::string counted_text = std::to_string(counted.value_or(0));
     if (counted_text.size() < 4) counted_text.insert(0, 4 - counted_text.size(), '0');
-    return address_fault(quoted(at) + " is no address", at[0] + counted_text);
+    return address_fault(in_quotes(at) + " is no address", at[0] + counted_text);
   }
   for (const Word& word : {Word{"%MW", Table::kHolding}, Word{"%IW", Table::kInputRegister},
                            Word{"%M", Table::kCoil}, Word{"%I", Table::kInput}}) {
     if (at.starts_with(word.name))
       return address_fault(
-          quoted(at) + " is no address",
+          in_quotes(at) + " is no address",
           std::string(name_of(word.table)) + ":" + std::string(at.substr(word.name.size())));
   }
   // "holding100": the colon is missing.
   const std::size_t first_digit = at.find_first_of("0123456789");
   if (first_digit != std::string_view::npos && first_digit > 0) {
     const std::string near = suggest_area(at.substr(0, first_digit), at.substr(first_digit));
-    return address_fault(quoted(at) + " is no address", near);
+    return address_fault(in_quotes(at) + " is no address", near);
   }
-  return address_fault(quoted(at) + " is no address");
+  return address_fault(in_quotes(at) + " is no address");
 }
 
 }  // namespace fieldcast::modbus

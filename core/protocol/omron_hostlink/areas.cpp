@@ -117,7 +117,7 @@ ParsedOrFault parse_address(Mode mode, std::string_view at) {
   };
   const auto row = std::ranges::find_if(kRows, named);
   if (row == std::end(kRows))
-    return fault("area " + quoted(letters) + " is unknown", suggest(mode, letters, rest));
+    return fault("area " + in_quotes(letters) + " is unknown", suggest(mode, letters, rest));
   const std::string name(row->name);
   if (!is_reached(*row, mode)) {
     return fault(name + (mode == Mode::kFins ? " is not reached by FINS"
@@ -132,11 +132,11 @@ ParsedOrFault parse_address(Mode mode, std::string_view at) {
   const auto first =
       is_extended(*row) ? banked(rest.substr(0, dot)) : whole_number(rest.substr(0, dot));
   if (!first)
-    return fault(quoted(rest.substr(0, dot)) + " is no place in " + name,
+    return fault(in_quotes(rest.substr(0, dot)) + " is no place in " + name,
                  name + (is_extended(*row) ? "0_0" : "0"));
   const bool past_digits = mode == Mode::kCMode && is_extended(*row) && *first % kBankWords > 9999;
   if (*first >= area.items || past_digits)
-    return fault(quoted(at) + " is beyond the end of " + name);
+    return fault(in_quotes(at) + " is beyond the end of " + name);
   address.first = *first;
   if (row->flags) address.width_bits = 1;
   if (dot == std::string_view::npos) return address;
@@ -144,7 +144,7 @@ ParsedOrFault parse_address(Mode mode, std::string_view at) {
   const std::string whole = std::string(at.substr(0, at.find('.')));
   if (row->flags) return fault("a flag has no bits", whole);
   if (!set_bit(address, whole_number(rest.substr(dot + 1)), 16))
-    return fault("bit " + quoted(rest.substr(dot + 1)) + " is not 00..15", whole + ".00");
+    return fault("bit " + in_quotes(rest.substr(dot + 1)) + " is not 00..15", whole + ".00");
   return address;
 }
 

@@ -57,7 +57,7 @@ ParsedOrFault parse_address(std::string_view at) {
   const std::string_view letters = at.substr(0, digits);
   const auto name = named(letters);
   if (!name)
-    return address_fault("area " + quoted(letters) + " is unknown",
+    return address_fault("area " + in_quotes(letters) + " is unknown",
                          suggestion(letters, at.substr(digits)));
   const Area& area = kAreas[name->area];
   const AreaCode& code = kCodes[name->area];
@@ -65,28 +65,28 @@ ParsedOrFault parse_address(std::string_view at) {
   const std::string_view number =
       at.substr(digits, dot == std::string_view::npos ? dot : dot - digits);
   const auto first = whole_number(number);
-  if (!first) return address_fault(quoted(number) + " is no number");
+  if (!first) return address_fault(in_quotes(number) + " is no number");
   ParsedAddress address{.area = name->area, .first = *first};
   if (area.item_bits == 16 && !code.counted) {
     if (*first % 2 != 0)
-      return address_fault(quoted(at) + ": words have even numbers",
+      return address_fault(in_quotes(at) + ": words have even numbers",
                            std::string(letters) + std::to_string(*first - 1));
     address.first /= 2;
   }
   if (address.first >= area.items)
-    return address_fault(quoted(at) + " is beyond the end of " + std::string(area.name));
+    return address_fault(in_quotes(at) + " is beyond the end of " + std::string(area.name));
   if (dot == std::string_view::npos) {
     if (name->width == 0 && !code.counted) {
-      return address_fault(quoted(at) + " says neither a bit nor a width",
+      return address_fault(in_quotes(at) + " says neither a bit nor a width",
                            std::string(letters) + "B" + std::string(number));
     }
     if (!code.counted) address.width_bits = name->width;
     return address;
   }
   if (name->width != 0 || code.counted)
-    return address_fault(quoted(at) + " has no bits", std::string(at.substr(0, dot)));
+    return address_fault(in_quotes(at) + " has no bits", std::string(at.substr(0, dot)));
   if (!set_bit(address, whole_number(at.substr(dot + 1)), 8))
-    return address_fault("bit " + quoted(at.substr(dot + 1)) + " is not 0..7",
+    return address_fault("bit " + in_quotes(at.substr(dot + 1)) + " is not 0..7",
                          std::string(at.substr(0, dot)) + ".0");
   return address;
 }

@@ -37,7 +37,7 @@ TEST(AlarmConversion, AStatusWithAnUnknownEnumeratorIsNone) {
   for (const int which : {0, 1, 2}) {
     idl::AlarmStatus topic;
     to_idl(kAlarm, full(), topic);
-    if (which == 0) topic.limit(idl::LIMIT_WRITE_MAX);
+    if (which == 0) topic.limit(idl::LimitKind::LIMIT_WRITE_MAX);
     if (which == 1) topic.priority(static_cast<idl::AlarmPriority>(4));
     if (which == 2) topic.stage(static_cast<idl::AlarmStage>(4));
     EXPECT_FALSE(from_idl(topic)) << which;
@@ -108,10 +108,10 @@ TEST(AlarmConversion, AnActionFromOutsideIsNotTrusted) {
   EXPECT_EQ(from_idl(topic).error().cause, Cause::kUnsupported);
 
   ASSERT_TRUE(to_idl(shelve(), topic));
-  topic.limit(idl::LIMIT_WRITE_MIN);
+  topic.limit(idl::LimitKind::LIMIT_WRITE_MIN);
   ASSERT_FALSE(from_idl(topic));
   EXPECT_EQ(from_idl(topic).error().cause, Cause::kUnknownChannel);
-  topic.kind(idl::ACTION_MAINTENANCE);  // of a device: the limit is ignored
+  topic.kind(idl::AlarmActionKind::ACTION_MAINTENANCE);  // of a device: the limit is ignored
   EXPECT_TRUE(from_idl(topic));
 
   ASSERT_TRUE(to_idl(shelve(), topic));

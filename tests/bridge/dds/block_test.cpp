@@ -130,7 +130,7 @@ TEST(SampleBlock, WhatDoesNotFitTogetherIsRefused) {
 TEST(SampleBlock, ATextThatDoesNotFitIsEmptyAndBad) {
   const LastValue value = last(std::string(257, 'x'));
   EXPECT_EQ(value.text, "");
-  EXPECT_EQ(value.quality, idl::BAD_RANGE);
+  EXPECT_EQ(value.quality, idl::Quality::BAD_RANGE);
 }
 
 TEST(SampleType, WritesTheBytesOfTheGeneratedType) {

@@ -34,8 +34,8 @@ class Bus {
     block.epoch(epoch_);
     block.number(++number_);
     BlockFiller filler(block, 32'000);
-    LastValue value{.kind = idl::VALUE_UINT64,
-                    .quality = idl::GOOD,
+    LastValue value{.kind = idl::ValueKind::VALUE_UINT64,
+                    .quality = idl::Quality::GOOD,
                     .device_code = 0,
                     .bits = sequence,
                     .acquired_at = 1,

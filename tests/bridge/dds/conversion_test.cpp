@@ -199,7 +199,7 @@ TEST(CommandConversion, EveryMalformationHasItsCause) {
     Cause cause;
     std::function<void(idl::Command&)> damage;
   };
-  const auto to_address = [](idl::Command& c) { c.target_kind(idl::TARGET_ADDRESS); };
+  const auto to_address = [](idl::Command& c) { c.target_kind(idl::TargetKind::TARGET_ADDRESS); };
   const Case cases[] = {
       {Cause::kUnsupported, [](auto& c) { c.operation(static_cast<idl::Operation>(7)); }},
       {Cause::kUnsupported, [](auto& c) { c.target_kind(static_cast<idl::TargetKind>(7)); }},
@@ -212,23 +212,29 @@ TEST(CommandConversion, EveryMalformationHasItsCause) {
       {Cause::kRange, [&](auto& c) { to_address(c), c.encoding().bit(64); }},
       {Cause::kRange, [&](auto& c) { to_address(c), c.encoding().bit(-2); }},
       {Cause::kWrongType,
-       [&](auto& c) { to_address(c), c.encoding().bit(3), c.encoding().type(idl::TYPE_INT16); }},
+       [&](auto& c) {
+         to_address(c), c.encoding().bit(3), c.encoding().type(idl::ValueType::TYPE_INT16);
+       }},
       {Cause::kRange,
        [&](auto& c) {
          to_address(c), c.encoding().scale(std::numeric_limits<double>::quiet_NaN());
        }},
       {Cause::kRange,
        [&](auto& c) {
-         to_address(c), c.encoding().type(idl::TYPE_STRING), c.encoding().string_bytes(0);
+         to_address(c), c.encoding().type(idl::ValueType::TYPE_STRING),
+             c.encoding().string_bytes(0);
        }},
       {Cause::kRange,
        [&](auto& c) {
-         to_address(c), c.encoding().type(idl::TYPE_STRING), c.encoding().string_bytes(251);
+         to_address(c), c.encoding().type(idl::ValueType::TYPE_STRING),
+             c.encoding().string_bytes(251);
        }},
       {Cause::kRange,
-       [&](auto& c) { to_address(c), c.operation(idl::OPERATION_ACQUIRE), c.count(0); }},
+       [&](auto& c) { to_address(c), c.operation(idl::Operation::OPERATION_ACQUIRE), c.count(0); }},
       {Cause::kRange,
-       [&](auto& c) { to_address(c), c.operation(idl::OPERATION_ACQUIRE), c.count(2049); }},
+       [&](auto& c) {
+         to_address(c), c.operation(idl::Operation::OPERATION_ACQUIRE), c.count(2049);
+       }},
   };
   int number = 0;
   for (const Case& one : cases) {

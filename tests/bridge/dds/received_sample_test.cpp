@@ -29,7 +29,7 @@ idl::Sample message_of(const std::string& name, const Value& value = true) {
   sample.device() = "device";
   sample.channel() = "channel-of-" + name.substr(0, 8);
   EXPECT_TRUE(to_idl(value, sample.value()));
-  sample.quality(idl::BAD_DEVICE_ERROR);
+  sample.quality(idl::Quality::BAD_DEVICE_ERROR);
   sample.device_code(11);
   sample.acquired_at(1234);
   sample.sequence(56);

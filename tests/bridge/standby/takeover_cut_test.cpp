@@ -39,8 +39,8 @@ class Third {
     block.number(1'000'000);
     BlockFiller filler(block, 1'300);
     LastValue value;
-    value.kind = idl::VALUE_UINT64;
-    value.quality = idl::GOOD;
+    value.kind = idl::ValueKind::VALUE_UINT64;
+    value.quality = idl::Quality::GOOD;
     value.acquired_at = 1;
     value.sequence = sequence;
     for (const ChannelIndex channel : {0, 1}) (void)filler.add(channel, value);

@@ -140,8 +140,8 @@ BareWriter::~BareWriter() = default;
 
 void BareWriter::write(std::size_t rows, std::uint64_t number) {
   LastValue value;
-  value.kind = idl::VALUE_UINT64;
-  value.quality = idl::GOOD;
+  value.kind = idl::ValueKind::VALUE_UINT64;
+  value.quality = idl::Quality::GOOD;
   value.bits = number;
   value.acquired_at = std::chrono::nanoseconds(Clock::now().time_since_epoch()).count();
   value.sequence = number;

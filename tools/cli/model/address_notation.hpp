@@ -17,7 +17,7 @@
 
 namespace fieldcast::cli {
 
-// Default type at an address (core/model/implied_type.hpp): "bool" for coil:16. `said` has
+// Default type at an address (core/model/fit.hpp): "bool" for coil:16. `said` has
 // priority. The error is one line.
 [[nodiscard]] tl::expected<std::string, std::string> type_at(std::string_view at,
                                                              const std::string& said,

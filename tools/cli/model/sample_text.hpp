@@ -16,7 +16,7 @@ namespace fieldcast::cli {
 // the device sent one. A channel that was never read has the value null and acquired_at 0.
 [[nodiscard]] Json sample_json(const StationSample& sample);
 
-// All digits (core/base/number_text.hpp); a float32 with those of a float. `type` is that of the
+// All digits (core/base/value.hpp); a float32 with those of a float. `type` is that of the
 // catalogue; empty: double.
 [[nodiscard]] std::string value_text(const Value& value, std::string_view type);
 

@@ -10,7 +10,7 @@
 
 namespace fieldcast::cli {
 
-// Escapes as core/base/escaped.hpp, and direction marks, right-to-left letters and characters
+// Escapes as core/base/message_text.hpp, and direction marks, right-to-left letters and characters
 // without a known width, as \u{5D0}. A character keeps at most two combining marks.
 [[nodiscard]] std::string shown(std::string_view text);
 

@@ -50,7 +50,7 @@ struct Screen {
 // Columns in a terminal; counts each code point as one column.
 [[nodiscard]] std::size_t display_width(std::string_view utf8);
 
-// Escapes control characters of untrusted text (core/base/printable.hpp).
+// Escapes control characters of untrusted text (core/base/message_text.hpp).
 [[nodiscard]] std::string printable(std::string_view text);
 
 [[nodiscard]] std::string clip(std::string_view utf8, std::size_t columns);
