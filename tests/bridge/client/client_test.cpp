@@ -189,7 +189,8 @@ TEST_F(Client, ReceivesTheSessionsOfEngineersAndTheirEnd) {
   Collected<api::ProgrammingSession> sessions;
   const auto watched = station_.programming_sessions(
       [&](const api::ProgrammingSession& session) { sessions.add(session); });
-  other->link.report({bus_, "d", ProgramSessionState::kOpen, "anna (10.0.0.7:5)", 1, 2, {3}});
+  other->link.report(
+      ProgramSessionReport{bus_, "d", ProgramSessionState::kOpen, "anna (10.0.0.7:5)", 1, 2, {3}});
   ASSERT_TRUE(eventually([&] { return sessions.size() == 1; }));
   const api::ProgrammingSession session = sessions.all()[0];
   EXPECT_EQ(session.bus + '/' + session.device, bus_ + "/d");
@@ -273,7 +274,8 @@ TEST(ClientDomains, TheNameOfADomainComesBeforeItsBuses) {
   const auto programmed =
       station.programming_sessions([&](const api::ProgrammingSession& s) { sessions.add(s.bus); });
   in_north.link.report(bus, PlanReport{}, {1});
-  in_south.link.report({bus, "d", ProgramSessionState::kOpen, "anna", 0, 0, {1}});
+  in_south.link.report(
+      ProgramSessionReport{bus, "d", ProgramSessionState::kOpen, "anna", 0, 0, {1}});
   ASSERT_TRUE(eventually([&] { return plans.size() == 1 && sessions.size() == 1; }));
   EXPECT_EQ(plans.all()[0], "north:" + bus);
   EXPECT_EQ(sessions.all()[0], "south:" + bus);

@@ -154,21 +154,21 @@ class Hours {
       bus.bridge = "line-7";
       bus.bus = "bus-" + std::to_string(i);
       bus.reported_at = {utc_};
-      inbox_.on_bus_status(bus);
+      inbox_.put(bus);
     }
     for (int i = 0; i < kDevices; ++i) {
       StationDeviceStatus device;
       device.bus = "bus-" + std::to_string(i % 10);
       device.device = "unit-" + std::to_string(i);
       device.reported_at = {utc_};
-      inbox_.on_device_status(device);
+      inbox_.put(device);
     }
     StationAlarm alarm;
     alarm.bus = "bus-1";
     alarm.device = "unit-1";
     alarm.channel = "channel-" + std::to_string(second % 100);
     alarm.state = second % 2 == 0 ? AlarmState::kActive : AlarmState::kClear;
-    inbox_.on_alarm(alarm);
+    inbox_.put(live_alarm(alarm));
   }
 
   LiveModel model_{1};
