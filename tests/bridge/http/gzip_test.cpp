@@ -25,7 +25,7 @@ TEST(Gzip, PiecesJoinToOneStream) {
   EXPECT_EQ(unpacked(all), text);
 }
 
-TEST(Gzip, WhatIsCutIsNoEndlessLoop) {
+TEST(Gzip, WhatIsCutIsNotAnEndlessLoop) {
   const std::string all = packed("some text that is long enough");
   for (std::size_t size = 0; size < all.size(); ++size)
     EXPECT_NE(unpacked(std::string_view(all).substr(0, size)), all);

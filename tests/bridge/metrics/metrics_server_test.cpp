@@ -198,7 +198,7 @@ TEST_F(MetricsServerTest, ClientsThatReadNothingMakeWay) {
   EXPECT_THAT(other.receive("# EOF\n"), StartsWith("HTTP/1.1 200 OK\r\n"));
 }
 
-TEST_F(MetricsServerTest, ATakenPortIsListenedAtOnceItIsFree) {
+TEST_F(MetricsServerTest, ATakenPortIsListenedOnWhenItIsFree) {
   serve();
   std::unique_ptr<MetricsServer> first = std::move(server);
   const std::uint16_t port = first->port();
@@ -214,7 +214,7 @@ TEST_F(MetricsServerTest, ATakenPortIsListenedAtOnceItIsFree) {
   EXPECT_THAT(response_to(kGetAndClose), StartsWith("HTTP/1.1 200 OK\r\n"));
 }
 
-TEST_F(MetricsServerTest, EndsWithClientsUnderWay) {
+TEST_F(MetricsServerTest, EndsWithPendingClients) {
   text = std::string(32 << 20, 'x');
   serve();
   TcpClient silent(server->port()), never(server->port());

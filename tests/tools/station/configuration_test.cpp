@@ -139,7 +139,7 @@ sites:
   EXPECT_EQ(loaded->sites[1].dds.discovery_servers.size(), 2u);
 }
 
-TEST(StationConfiguration, SitesThatCannotBeToldApartAreFaults) {
+TEST(StationConfiguration, SitesThatCannotBeDistinguishedAreFaults) {
   EXPECT_THAT(faults("sites: [ { name: a }, { name: a } ]\n"),
               testing::ElementsAre(HasSubstr("site 'a' exists already")));
   EXPECT_THAT(faults("sites: [ { dds: { domain: 1 } } ]\n"),
@@ -150,7 +150,7 @@ TEST(StationConfiguration, SitesThatCannotBeToldApartAreFaults) {
   EXPECT_THAT(faults("sites: north\n"), testing::ElementsAre(HasSubstr("a list of 1 to 16 sites")));
 }
 
-TEST(StationConfiguration, AnAddressToListenAtIsNoName) {
+TEST(StationConfiguration, AnAddressToListenAtIsNotAName) {
   EXPECT_EQ(listen_from("127.0.0.1:0"), (ListenSpec{"127.0.0.1", 0}));
   EXPECT_EQ(listen_from("[::1]:80"), (ListenSpec{"::1", 80}));
   EXPECT_FALSE(listen_from("localhost:80"));

@@ -76,7 +76,7 @@ TEST_F(CommandsApiTest, AWriteIsTakenWithTheNameOfThePerson) {
   EXPECT_TRUE(commands_.commands[0].command.verify);
 }
 
-TEST_F(CommandsApiTest, WhatIsNoWriteIsRefusedWithTheReason) {
+TEST_F(CommandsApiTest, WhatIsNotAWriteIsRefusedWithTheReason) {
   EXPECT_EQ(fault("/api/commands", "[]"), "the body is no JSON object");
   EXPECT_EQ(fault("/api/commands", R"({"channel":"line/d/speed"})"), "the value is missing");
   EXPECT_EQ(fault("/api/commands", R"({"channel":"line","value":1})"), "'line' is no channel");
@@ -91,19 +91,19 @@ TEST_F(CommandsApiTest, NoMemberOfTheBodyReachesTheMessageAroundIt) {
   EXPECT_EQ(post("/api/commands", R"({"channel":"line/d/speed","value":1},"id":{})").status, 400u);
 }
 
-TEST_F(CommandsApiTest, AFullDeskIsSaidSo) {
+TEST_F(CommandsApiTest, AFullControllerIsReported) {
   commands_.full = true;
   EXPECT_EQ(post("/api/commands", R"({"channel":"line/d/speed","value":1})").status, 503u);
 }
 
-TEST_F(CommandsApiTest, WhatBecameOfACommandIsToldToItsUser) {
+TEST_F(CommandsApiTest, TheOutcomeOfACommandIsReportedToItsUser) {
   EXPECT_EQ(json("/api/commands/result?request_id=1").at("state"), "verified");
   EXPECT_EQ(ask("/api/commands/result?request_id=2").status, 404u);
   EXPECT_EQ(ask("/api/commands/result?request_id=x").status, 400u);
   EXPECT_EQ(ask("/api/commands/result").status, 400u);
 }
 
-TEST_F(CommandsApiTest, SeveralAlarmsAreAcknowledgedAtOnce) {
+TEST_F(CommandsApiTest, SeveralAlarmsAreAcknowledgedTogether) {
   const HttpResponse response = post("/api/alarms/acknowledge", R"({"alarms":[
       {"bus":"line","device":"d","channel":"speed","limit":"high-high"},
       {"bus":"line","device":"d","channel":"speed","limit":"high"}],"note":"seen"})");

@@ -22,7 +22,7 @@ std::int64_t count(SqlConnection& connection) {
 
 using Result = tl::expected<std::int64_t, DatabaseFault>;
 
-TEST_F(DatabaseTest, AnswersOnTheIoThread) {
+TEST_F(DatabaseTest, RespondsOnTheIoThread) {
   store([](Store&) {});
   std::optional<Result> result;
   std::thread::id answered;
@@ -77,7 +77,7 @@ TEST_F(DatabaseTest, AStoreThatIsNotThereYetIsOpenedWhenItIs) {
   EXPECT_EQ(**result, 0);
 }
 
-TEST_F(DatabaseTest, WhoStillWaitsAtTheEndIsTold) {
+TEST_F(DatabaseTest, WhoStillWaitsAtTheEndIsNotified) {
   store([](Store&) {});
   std::promise<void> begun;
   int answers = 0, refusals = 0;

@@ -56,7 +56,7 @@ TEST_F(ExportApiTest, EverySampleIsOneLineInTheOrderOfTheHistory) {
   EXPECT_GT(pieces, 5) << "it is not held whole";
 }
 
-TEST_F(ExportApiTest, SamplesOfOneInstantAreNeitherLostNorToldTwiceBetweenParts) {
+TEST_F(ExportApiTest, SamplesOfOneInstantAreNeitherLostNorReportedTwiceBetweenParts) {
   store([](Store& to) {
     const auto number = to.number_of({.bus = "line", .device = "d", .channel = "c"});
     for (std::uint64_t sequence = 1; sequence <= 6000; ++sequence) {
@@ -87,7 +87,7 @@ TEST_F(ExportApiTest, CompressedItIsTheSameText) {
   EXPECT_EQ(test::unzipped(body), plain);
 }
 
-TEST_F(ExportApiTest, BucketsAreToldWholeAndOnce) {
+TEST_F(ExportApiTest, BucketsAreReportedWholeAndOnce) {
   store_samples(1, 4000);
   const auto lines = lines_of(
       all_of(ask("/api/export?every=1s&format=jsonl&from=1700000000500&to=1700009000000")).first);
@@ -111,7 +111,7 @@ TEST_F(ExportApiTest, OneTooManyIsRefusedUntilAnotherHasEnded) {
   EXPECT_EQ(ask("/api/export?from=0").status, 200u);
 }
 
-TEST_F(ExportApiTest, AClientThatLeavesInTheMiddleIsNoFault) {
+TEST_F(ExportApiTest, AClientThatLeavesInTheMiddleIsNotAFault) {
   store_samples(3, 5000);
   for (int i = 0; i < 20; ++i) {
     std::optional<HttpResponse> response = ask("/api/export?from=0&to=1700009000000");

@@ -101,7 +101,7 @@ TEST_F(HistoryApiTest, TextsAreGivenAsTexts) {
   EXPECT_EQ(found.at("cut"), false);
 }
 
-TEST_F(HistoryApiTest, AChannelThatTheStoreDoesNotKnowIsSaidSo) {
+TEST_F(HistoryApiTest, AChannelThatTheStoreDoesNotKnowIsReported) {
   store_seconds(1);
   const Json found = json("/api/history?channel=no/such/channel&from=" + ms(0)).at("series").at(0);
   EXPECT_EQ(found.at("known"), false);
@@ -122,7 +122,7 @@ TEST_F(HistoryApiTest, WithoutAStoreThereIsNone) {
   EXPECT_NE(response.body.find("stores nothing"), std::string::npos);
 }
 
-TEST_F(HistoryApiTest, ALongAnswerIsCompressedForWhoTakesIt) {
+TEST_F(HistoryApiTest, ALongResponseIsCompressedForWhoTakesIt) {
   store_seconds(1000);
   HttpRequest request =
       test::request_of("/api/history?channel=line/press/t&from=" + ms(0) + "&to=" + ms(1000));

@@ -121,7 +121,7 @@ TEST_F(OpenApiTest, EveryRouteIsInTheDocumentAndEveryPathOfItIsARoute) {
   EXPECT_EQ(documented(), routes);
 }
 
-TEST_F(OpenApiTest, WhatIsPublicIsSaidSo) {
+TEST_F(OpenApiTest, WhatIsPublicIsReported) {
   for (const Route* route : site_.routes().rows()) {
     const char* const method = route->method == Method::kGet ? "get" : "post";
     const Plain& about = document().at("paths").at(route->path).at(method);
@@ -156,7 +156,7 @@ std::vector<std::string> json_targets() {
   return targets;
 }
 
-TEST_F(OpenApiTest, AnswersAreAsTheDocumentSays) {
+TEST_F(OpenApiTest, ResponsesAreAsTheDocumentSays) {
   std::vector<std::string> targets = json_targets();
   EXPECT_EQ(targets.size(), 12u);
   targets.insert(targets.end(), {"/api/plan?bus=line", "/api/alarms?from=1h",

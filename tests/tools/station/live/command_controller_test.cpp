@@ -123,7 +123,7 @@ TEST_F(CommandControllerTest, AWorkerThatWaitsDoesNotHoldUpTheIoThread) {
   open.set_value();
 }
 
-TEST_F(CommandControllerTest, WhatNobodyWaitsForIsToldToAll) {
+TEST_F(CommandControllerTest, WhatNobodyWaitsForIsReportedToAll) {
   answer_all();
   ASSERT_TRUE(desk.submit(anna, acquire_command({"shop", "press", "oil"}), {}));
   ASSERT_TRUE(run_until([&] { return !others.empty(); }));

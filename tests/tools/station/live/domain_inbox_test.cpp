@@ -46,7 +46,7 @@ TEST_F(DomainInboxTest, AChannelThatWentAndCameBackIsThere) {
   EXPECT_EQ(model.find(path_of("oil"))->last.quality, Quality::kUncertain) << "no value came since";
 }
 
-TEST_F(DomainInboxTest, AChannelThatCameAndWentIsGone) {
+TEST_F(DomainInboxTest, AChannelThatCameAndWentIsRemoved) {
   inbox.on_channel(channel_of("oil"));
   inbox.on_sample(sample_of("oil", 1.0));
   inbox.deliver(model, {});

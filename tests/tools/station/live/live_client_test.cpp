@@ -29,7 +29,7 @@ TEST_F(LiveClientTest, IsGreetedOnce) {
   EXPECT_THAT(anna.frames(), IsEmpty());
 }
 
-TEST_F(LiveClientTest, IsToldOfWhatIsThereWithoutAsking) {
+TEST_F(LiveClientTest, IsNotifiedOfWhatExistsWithoutARequest) {
   domain.model.put(bus_of("shop"));
   LivePerson ben{domain, "ben", Role::kViewer};
   EXPECT_THAT(ben.texts(),
@@ -44,7 +44,7 @@ TEST_F(LiveClientTest, GetsNoValueBeforeItSubscribes) {
   for (const auto& frame : anna.frames()) EXPECT_EQ(channels_in(*frame), 0u);
 }
 
-TEST_F(LiveClientTest, ASubscriptionBringsTheNewestValuesAtOnce) {
+TEST_F(LiveClientTest, ASubscriptionBringsTheNewestValuesImmediately) {
   domain.announce("oil");
   domain.publish("oil", 1.0);
   anna.settle();
@@ -73,7 +73,7 @@ TEST_F(LiveClientTest, OnlyWhatMatchesComes) {
   EXPECT_EQ(channels_in(*anna.frames().at(0)), 1u);
 }
 
-TEST_F(LiveClientTest, OneFrameIsUnderWayAndTheNewestValueWins) {
+TEST_F(LiveClientTest, OneFrameIsPendingAndTheNewestValueWins) {
   domain.announce("oil");
   domain.publish("oil", 1.0);
   anna.settle();
@@ -145,7 +145,7 @@ TEST_F(LiveClientTest, TextValuesComeAsTexts) {
   EXPECT_THAT(anna.texts(), ElementsAre(HasSubstr(R"("value":["M7"])")));
 }
 
-TEST_F(LiveClientTest, WhenABridgeVanishesItsValuesAreUncertainAtOnce) {
+TEST_F(LiveClientTest, WhenABridgeVanishesItsValuesAreUncertainImmediately) {
   domain.announce("oil");
   domain.publish("oil", 1.0);
   anna.say(R"({"subscribe": "*"})");
@@ -244,7 +244,7 @@ TEST_F(LiveClientTest, AWriteGoesOutAndItsResultComesBack) {
                           R"("completed_ms":3})"));
 }
 
-TEST_F(LiveClientTest, AResultForAClientThatIsGoneIsDropped) {
+TEST_F(LiveClientTest, AResultForAClosedClientIsDropped) {
   domain.announce("oil");
   anna.say(R"({"acquire": {"channel": "shop/press/oil"}})");
   anna.client->on_closed();
@@ -282,7 +282,7 @@ TEST_F(LiveClientTest, WhatCannotBeSentIsRefusedWithAReason) {
                           AllOf(HasSubstr(R"("id":4)"), HasSubstr("too many commands wait"))));
 }
 
-TEST_F(LiveClientTest, AResultOfARequestByHttpIsToldToItsUser) {
+TEST_F(LiveClientTest, AResultOfARequestByHttpIsReportedToItsUser) {
   LivePerson ben{domain, "ben", Role::kOperator};
   anna.texts();
   ben.texts();
@@ -291,7 +291,7 @@ TEST_F(LiveClientTest, AResultOfARequestByHttpIsToldToItsUser) {
   EXPECT_THAT(ben.texts(), IsEmpty());
 }
 
-TEST_F(LiveClientTest, APingIsAnswered) {
+TEST_F(LiveClientTest, APingGetsAResponse) {
   anna.texts();
   anna.say(R"({"ping": 5})");
   EXPECT_THAT(anna.texts(), ElementsAre(R"({"kind":"pong","id":5})"));

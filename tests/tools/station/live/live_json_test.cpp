@@ -46,7 +46,7 @@ TEST(LiveJson, HostileCausesStayKeys) {
   EXPECT_EQ(Json::parse(device_json(device))["causes"], json["causes"]);
 }
 
-TEST(LiveJson, ADeviceTellsWhatWasLearnedInMilliseconds) {
+TEST(LiveJson, ADeviceReportsWhatWasLearnedInMilliseconds) {
   StationDeviceStatus device = device_of("press", 1);
   device.report.answer_time = std::chrono::microseconds{1500};
   device.report.areas.push_back({"holding", std::chrono::milliseconds{2}, {}, 60, 0});
@@ -69,7 +69,7 @@ TEST(LiveJson, AnAlarmThatNobodyTouchedHasNulls) {
             R"("suppressed":""})");
 }
 
-TEST(LiveJson, APlanTellsItsTimesInMilliseconds) {
+TEST(LiveJson, APlanReportsItsTimesInMilliseconds) {
   const Json json = Json::parse(read_plan_json(plan_of("shop")));
   EXPECT_EQ(json["bus"], "shop");
   EXPECT_EQ(json["in_force_since_ms"], 2000);
@@ -127,7 +127,7 @@ TEST(LiveJson, AChannelForScripts) {
   EXPECT_FALSE(json.contains("device_code"));
 }
 
-TEST(LiveJson, TheCatalogueTellsWhatChangedSinceAVersion) {
+TEST(LiveJson, TheCatalogueReportsWhatChangedSinceAVersion) {
   LiveModel model(100);
   StationChannel channel = channel_of("oil");
   channel.limits.high = 80;

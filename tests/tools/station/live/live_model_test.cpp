@@ -32,7 +32,7 @@ TEST(LiveModel, AChannelIsThereOnceItIsAnnounced) {
   EXPECT_EQ(model.find(path_of("a"))->last.value, Value(1.0));
 }
 
-TEST(LiveModel, EachChangedChannelStandsInTheListOnce) {
+TEST(LiveModel, EachChangedChannelIsInTheListOnce) {
   LiveModel model;
   for (const char* name : {"a", "b", "c"}) model.on_channel(channel_of(name));
   for (const char* name : {"a", "b", "c", "a"}) model.on_sample(sample_of(name, 1.0));
@@ -54,7 +54,7 @@ TEST(LiveModel, ALimitGivesTheOldestChangesFirstAndTheRestLater) {
   EXPECT_THAT(names(model.changed_since(first.back()->version, 2)), ElementsAre("c"));
 }
 
-TEST(LiveModel, AChannelThatIsGoneIsUncertainAtOnceAndLeavesTheCatalogue) {
+TEST(LiveModel, AChannelThatIsRemovedIsUncertainImmediatelyAndLeavesTheCatalogue) {
   LiveModel model;
   model.on_channel(channel_of("a"));
   model.on_sample(sample_of("a", 7.0));
@@ -127,7 +127,7 @@ TEST(LiveModel, AVersionOfAnotherProcessGetsEverything) {
   EXPECT_THAT(names(model.catalogue_since(1'000).changed), ElementsAre("a"));
 }
 
-TEST(LiveModel, AChannelThatIsGoneForAMinuteIsForgotten) {
+TEST(LiveModel, AChannelThatIsRemovedForAMinuteIsForgotten) {
   using std::chrono::seconds;
   constexpr int kMany = 5'000;
   LiveModel model;
@@ -178,7 +178,7 @@ TEST(LiveModel, NotAllIsForgottenInOneTurn) {
   EXPECT_EQ(model.remembered(), 0u);
 }
 
-TEST(LiveModel, AFullModelForgetsWhatIsGoneAndNeverGivesAnIdTwice) {
+TEST(LiveModel, AFullModelForgetsWhatIsRemovedAndNeverGivesAnIdTwice) {
   LiveModel model(0, 2);
   model.on_channel(channel_of("a"));
   model.on_channel(channel_of("b"));

@@ -58,7 +58,7 @@ TEST(LiveObjects, ALimitCutsAndTheRestFollows) {
   EXPECT_THAT(texts(objects.since(first.version, 2)), ElementsAre(HasSubstr(R"("bus":"c")")));
 }
 
-TEST(LiveObjects, WhatIsGoneIsToldToThoseWhoSawIt) {
+TEST(LiveObjects, ARemovedOneIsReportedToThoseWhoSawIt) {
   LiveObjects objects;
   objects.put(bus_of("shop"));
   objects.put(device_of("press", 1));
@@ -72,7 +72,7 @@ TEST(LiveObjects, WhatIsGoneIsToldToThoseWhoSawIt) {
   EXPECT_THAT(objects.all<StationBusStatus>(), IsEmpty());
 }
 
-TEST(LiveObjects, AnotherPlanIsToldAndTheSameOneIsNot) {
+TEST(LiveObjects, AnotherPlanIsReportedAndTheSameOneIsNot) {
   LiveObjects objects;
   EXPECT_EQ(objects.read_plan("shop"), nullptr);
   objects.put(plan_of("shop"));
@@ -90,7 +90,7 @@ TEST(LiveObjects, AnotherPlanIsToldAndTheSameOneIsNot) {
               ElementsAre(R"({"kind":"plan","bus":"shop"})"));
 }
 
-TEST(LiveObjects, ADeviceThatOnlyCountsIsToldEveryTwoSeconds) {
+TEST(LiveObjects, ADeviceThatOnlyCountsIsReportedEveryTwoSeconds) {
   LiveObjects objects;
   objects.put(device_of("press", 1));
   std::uint64_t seen = objects.version();
@@ -104,7 +104,7 @@ TEST(LiveObjects, ADeviceThatOnlyCountsIsToldEveryTwoSeconds) {
   EXPECT_GT(objects.version(), seen) << "a change of state is told at once";
 }
 
-TEST(LiveObjects, AnAlarmThatIsClearIsToldOnceAndIsGone) {
+TEST(LiveObjects, AnAlarmThatIsClearIsReportedOnceAndRemoved) {
   LiveObjects objects;
   objects.put(alarm_of("oil", false));
   EXPECT_EQ(objects.version(), 0u) << "it was never active";
@@ -118,7 +118,7 @@ TEST(LiveObjects, AnAlarmThatIsClearIsToldOnceAndIsGone) {
               ElementsAre(HasSubstr(R"("state":"clear")")));
 }
 
-TEST(LiveObjects, WhatPeopleDidAboutAnAlarmStays) {
+TEST(LiveObjects, UserActionsOnAnAlarmStay) {
   LiveObjects objects;
   StationAlarmStatus status;
   status.alarm = {"shop", "press", "oil", LimitKind::kHighHigh};
@@ -148,7 +148,7 @@ TEST(LiveObjects, WhatPeopleDidAboutAnAlarmStays) {
   EXPECT_THAT(objects.all<LiveAlarm>(), IsEmpty());
 }
 
-TEST(LiveObjects, WhoMissedThatSomethingIsGoneIsTold) {
+TEST(LiveObjects, WhoMissedARemovalIsNotified) {
   LiveObjects objects;
   objects.put(bus_of("bus"));
   const std::uint64_t seen = objects.version();

@@ -38,14 +38,14 @@ TEST(AlarmDiff, AnAlarmThatIsRaisedAndClearedIsTwoRecords) {
   EXPECT_EQ(news.records[0].value, 95);
 }
 
-TEST(AlarmDiff, TheSameStatusOnceMoreIsNoNews) {
+TEST(AlarmDiff, TheSameStatusAgainIsNotReported) {
   AlarmDiff diff;
   (void)diff.next(raised(1), second(2));
   const AlarmNews news = diff.next(raised(1), second(3));
   EXPECT_TRUE(news.records.empty() && news.events.empty() && news.kept.empty());
 }
 
-TEST(AlarmDiff, ARestartedRecorderTellsTheSameOfWhatHasItsOwnTime) {
+TEST(AlarmDiff, ARestartedRecorderReportsTheSameOfWhatHasItsOwnTime) {
   StationAlarmStatus alarm = raised(1);
   alarm.status.stage = AlarmStage::kAcknowledged;
   alarm.status.acknowledged = {"anna", "seen", second(3)};
@@ -74,7 +74,7 @@ TEST(AlarmDiff, ShelvingEndsByAPersonOrByTime) {
   EXPECT_EQ(ended.at, second(100));
 }
 
-TEST(AlarmDiff, TheMaintenanceOfADeviceIsToldOnceForAllItsAlarms) {
+TEST(AlarmDiff, TheMaintenanceOfADeviceIsReportedOnceForAllItsAlarms) {
   AlarmDiff diff;
   StationAlarmStatus one = raised(1, "level");
   StationAlarmStatus other = raised(1, "speed");

@@ -28,7 +28,7 @@ TEST(SampleStamp, TheSameSampleOnceMoreIsNone) {
   EXPECT_TRUE(stamp.next(reading(1, 8, Quality::kBadNoAnswer), at(9), 0ns, false));
 }
 
-TEST(SampleStamp, ASequenceThatBeginsAnewIsNoRepetition) {
+TEST(SampleStamp, ASequenceThatRestartsIsNotARepetition) {
   SampleStamp stamp;
   EXPECT_TRUE(stamp.next(reading(1, 7), at(1.2), 0ns, true));
   EXPECT_EQ(stamp.next(reading(5, 1), at(5.1), 0ns, true), at(5)) << "its bridge was restarted";

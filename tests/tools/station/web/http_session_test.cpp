@@ -120,7 +120,7 @@ TEST_F(HttpSessionTest, OneConnectionServesManyRequests) {
   EXPECT_EQ(server_.counters().requests, 3u);
 }
 
-TEST_F(HttpSessionTest, RequestsSentAheadAreAnsweredInOrder) {
+TEST_F(HttpSessionTest, RequestsSentAheadGetResponsesInOrder) {
   const auto link = connect();
   const std::string response = send(link, post("1", "Content-Length: 1\r\n") + get("/hello") +
                                               post("22", "Content-Length: 2\r\n"));
@@ -155,7 +155,7 @@ TEST_F(HttpSessionTest, AClientMayAskForTheEndOfTheConnection) {
   EXPECT_TRUE(link->station_ended);
 }
 
-TEST_F(HttpSessionTest, WhatIsNoRequestIsRefusedAndEndsTheConnection) {
+TEST_F(HttpSessionTest, WhatIsNotARequestIsRefusedAndEndsTheConnection) {
   for (const std::string& bytes :
        {std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03", 11),
         std::string("\r\n\r\nx\r\n"), std::string("GET\r\n\r\n"),
@@ -215,7 +215,7 @@ TEST_F(HttpSessionTest, HeadHasTheHeaderOfGetAndNoBody) {
   EXPECT_THAT(send(link, get("/hello")), EndsWith("\r\n\r\nhello"));
 }
 
-TEST_F(HttpSessionTest, OptionsAndAnUnknownMethodAreToldWhatIsAllowed) {
+TEST_F(HttpSessionTest, OptionsAndAnUnknownMethodReturnWhatIsAllowed) {
   const auto link = connect();
   const std::string request = get("/hello").substr(3);
   EXPECT_THAT(send(link, "OPTIONS" + request), StartsWith("HTTP/1.1 204 No Content\r\n"));
@@ -251,7 +251,7 @@ TEST_F(HttpSessionTest, ABodyThatIsTooLongIsRefused) {
       StartsWith("HTTP/1.1 413"));
 }
 
-TEST_F(HttpSessionTest, AClientThatAsksBeforeItSendsIsToldToGoOn) {
+TEST_F(HttpSessionTest, AClientThatExpectsContinueGetsContinue) {
   const auto link = connect();
   EXPECT_EQ(send(link, post("", "Content-Length: 2\r\nExpect: 100-continue\r\n")),
             "HTTP/1.1 100 Continue\r\n\r\n");
@@ -311,7 +311,7 @@ TEST_F(HttpSessionTest, AClientThatLeavesIsForgotten) {
   EXPECT_EQ(server_.counters().open, 0u);
 }
 
-TEST_F(HttpSessionTest, AnAnswerMayComeLaterAndOnce) {
+TEST_F(HttpSessionTest, AResponseMayComeLaterAndOnce) {
   const auto link = connect();
   EXPECT_EQ(send(link, get("/later")), "");
   HttpResponse response;
@@ -328,7 +328,7 @@ TEST_F(HttpSessionTest, AnAnswerMayComeLaterAndOnce) {
   EXPECT_EQ(link->to_client, "");
 }
 
-TEST_F(HttpSessionTest, AStationThatNeverAnswersIsSaidToBeBusy) {
+TEST_F(HttpSessionTest, AStationThatNeverRespondsIsSaidToBeBusy) {
   const auto link = connect();
   send(link, get("/later"));
   wait_until([&] { return link->station_ended; });

@@ -280,7 +280,7 @@ TEST_F(SiteTest, OnlyTheNamedSitesMayEmbedAndOnlyOnePage) {
               HasSubstr("frame-ancestors 'none'"));
 }
 
-TEST_F(SiteTest, WithTlsTheCookieIsSecureAndTheBrowserIsToldToStay) {
+TEST_F(SiteTest, WithTlsTheCookieIsSecureAndTheBrowserMustStay) {
   make({.tls = true});
   RawRequest request = post("/api/login", R"({"user":"anna","password":"secret-1"})");
   request.origin = "https://127.0.0.1:8090";
@@ -310,7 +310,7 @@ TEST_F(SiteTest, TheLocalRoleNeedsNoLogin) {
   EXPECT_EQ(status(get("/api/alarms")), 401u);
 }
 
-TEST_F(SiteTest, AFaultOfAHandlerIsNoDetailForTheClient) {
+TEST_F(SiteTest, AFaultOfAHandlerIsNotADetailForTheClient) {
   log_in();
   const HttpResponse response = ask(get("/api/alarms?throw"));
   EXPECT_EQ(response.status, 500u);
