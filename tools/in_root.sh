@@ -54,7 +54,7 @@ if [ ! -f "$root/etc/fieldcast-root" ]; then
   "${as_root[@]}" touch "$root/etc/fieldcast-root"
 fi
 
-# What git tracks, as it is in the working tree. Unchanged files keep their times, which tell ninja what to build; of the rest, only what
+# What git tracks, as it is in the working tree. Unchanged files keep their times, so that ninja builds only what changed; of the rest, only what
 # a build made stays.
 copy=$root/fieldcast
 "${as_root[@]}" mkdir -p "$copy"

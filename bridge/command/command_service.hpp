@@ -43,7 +43,7 @@ class CommandService {
   // requester. The first step that returns a result ends the way.
   //   hold          at a waiting member, until the master responds     (HeldCommands)
   //   deduplicate   each pair of requester and request_id runs once    (CommandRouter)
-  //   note          a write, at the other members and in the store     (StandbyGroup, CommandIdTable)
+  //   note          a write, at other members and in the store (StandbyGroup, CommandIdTable)
   //   route         to the bus                                         (CommandRouter)
   //   execute       the request and its response on the wire           (BusEngine)
   //   respond       with the result, unless keeps_result()             (BusOutput)

@@ -22,7 +22,7 @@ namespace beast = boost::beast;
 namespace http = boost::beast::http;
 using boost::system::error_code;
 
-constexpr std::size_t kReadSize = 8 * 1024;             // size of one read
+constexpr std::size_t kReadSize = 8 * 1024;          // size of one read
 constexpr std::size_t kMaxLingerBytes = 256 * 1024;  // bytes discarded after the last response
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }

@@ -1,8 +1,8 @@
 // The log on stderr, each line with time, level and subject ("press-shop/press-1"), and the wire
 // trace. Any thread may call these functions; none waits for the reader of the lines. Never pass
 // secrets: everything is written. Line breaks in texts from outside are escaped
-// (core/base/message_text.hpp). If the journal reads stderr ($JOURNAL_STREAM), a line begins with its
-// syslog priority, for example "<4>", and has no time, because the journal stores both.
+// (core/base/message_text.hpp). If the journal reads stderr ($JOURNAL_STREAM), a line begins with
+// its syslog priority, for example "<4>", and has no time, because the journal stores both.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
-// Output of one bus: DDS, the store, the alarms, the metrics, the audit of commands. Owns the objects
-// that belong only to this bus. Called on the bus's thread.
+// Output of one bus: DDS, the store, the alarms, the metrics, the audit of commands. Owns the
+// objects that belong only to this bus. Called on the bus's thread.
 #pragma once
 
 #include <atomic>

@@ -32,8 +32,8 @@ inline constexpr std::size_t kMaxBuses = 256;
 inline constexpr std::size_t kMaxDevices = 247;       // of a bus
 inline constexpr std::size_t kMaxChannels = 100'000;  // of a bridge
 inline constexpr std::size_t kMaxInterfaces = 16;
-inline constexpr std::size_t kMaxServers = 8;  // discovery servers
-inline constexpr std::size_t kMaxSites = 16;   // of a station
+inline constexpr std::size_t kMaxServers = 8;       // discovery servers
+inline constexpr std::size_t kMaxSites = 16;        // of a station
 inline constexpr std::size_t kMaxOptions = 32;      // of a device
 inline constexpr std::size_t kMaxNotAvailable = 8;  // values of a channel's `not-available`
 

@@ -21,7 +21,7 @@ Example = collections.namedtuple("Example", "names most uses")
 EXAMPLES = {
     "a topic": Example(
         r"\bProgramSession\b|kProgramSessionTopic|ProgramSessionPubSubType|ProgramSessionReport|program_session", 10,
-        ["bridge/bridge_wiring.cpp", "bridge/program/", "tests/bridge/bridge_test.cpp", "tests/bridge/program/", "tests/tools/", "tools/"]),
+        ["bridge/bridge_wiring.cpp", "bridge/client/", "bridge/program/", "tests/bridge/bridge_test.cpp", "tests/bridge/client/", "tests/bridge/program/", "tests/tools/", "tools/"]),
     "a subcommand": Example(
         r'\bmodule_command\b|command/module\.cpp|fieldcast module\b|"fieldcast", "module"', 5, ["bridge/program/", "tests/bridge/program/"]),
     "a key of the configuration": Example(r"\blow[-_]latency\b", 15, ["docs/troubleshooting.md", "tools/cli/doctor/"]),
@@ -30,7 +30,7 @@ EXAMPLES = {
     "a protocol in C++": Example(
         r"\bmitsubishi_fx\b|\bfx_device\b|\bFxDevice\b", 17, ["tools/sanitize.sh"]),
     "a family of records in the store": Example(
-        r"\bAlarmLifeTable\b|alarm_life_table", 6, ["bridge/bridge_buses.cpp", "tests/bridge/bridge_alarms_test.cpp", "tools/"]),
+        r"\bAlarmLifeTable\b|alarm_life_table", 6, ["bridge/buses/", "tests/bridge/bridge_alarms_test.cpp", "tools/"]),
 }
 # Each has a test and a page, which lie where those of its folder are.
 EVERYWHERE = ["docs/", "tests/"]
@@ -75,7 +75,7 @@ def faults(files, example, places):
 class Adding(unittest.TestCase):
     def test_each_path_of_the_table_exists(self):
         for name, paths in rows(read("docs/architecture.md")).items():
-            for path in paths:
+            for path in (path for path in paths if "NAME" not in path):
                 with self.subTest(name):
                     self.assertTrue(os.path.exists(os.path.join(SOURCE_DIR, path)), path)
 

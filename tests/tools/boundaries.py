@@ -1,7 +1,7 @@
 """The boundaries between folders, read from their READMEs and from the includes of the sources.
 
 The README.md of each folder with sources names its face (the headers that other folders may include), the folders that it may use, and
-the libraries of others that it includes. folders.cmake links what it names.
+the libraries of others that it includes. tools/folders.cmake links what it names.
 
 usage: boundaries.py SOURCE_DIR           prints every fault and the figures; exit code 1 if there is a fault
        boundaries.py --write SOURCE_DIR   rewrites these lines of every README from the includes, for a change that is meant

@@ -76,7 +76,7 @@ class Installed(unittest.TestCase):
     def test_pkg_config_names_the_same_library(self):
         flags = run("pkg-config", "--cflags", "--libs", "fieldcast-station",
                     env={**environment(self.root), "PKG_CONFIG_PATH": f"{self.root}/lib/pkgconfig"})
-        self.assertIn("-lfieldcast_station", flags)
+        self.assertIn("-lfieldcast_bridge_client -lfieldcast_bridge_station ", flags)
         include = next(flag[2:] for flag in flags.split() if flag.startswith("-I"))
         self.assertTrue(os.path.samefile(include, f"{self.root}/include"), flags)
 

@@ -51,10 +51,8 @@ void run_bridge(const DdsSpec& spec) {
   DdsLink link(
       spec, "bench",
       {.clock = read_clocks,
-       .on_command =
-           [&](const std::string& bus, const Command& command, const std::string&) {
-             self->complete(bus, done(command), read_clocks());
-           },
+       .on_command = [&](const std::string& bus, const Command& command,
+                         const std::string&) { self->complete(bus, done(command), read_clocks()); },
        .on_interest = [](const Interest&) {},
        .on_problem =
            [](const std::string& text) { std::fprintf(stderr, "bridge: %s\n", text.c_str()); },

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <ranges>
 #include <tuple>
 
 #include "config/loader/loader.hpp"
@@ -118,7 +117,8 @@ class Acceptance {
       }
     }
     // From the end, so that indexes stay valid.
-    for (const auto& [place, reason] : std::views::reverse(bad)) {
+    for (auto at = bad.rbegin(); at != bad.rend(); ++at) {
+      const auto& [place, reason] = *at;
       const auto [bus, device, index] = place;
       if (index == WrittenPart::kNone) continue;
       auto& points = found_.buses[bus].devices[device].points;

@@ -96,7 +96,8 @@ class SnapshotSender : private dds::DataReaderListener {
   enum class Part : std::uint8_t { kFirst, kNext };
   // Writes a part of the snapshot of a bus, or nothing if there is no such bus.
   using Send = std::function<Sent(const std::string& bus, Part part)>;
-  // `asked` is called on a DDS thread for each SnapshotRequest and each matched reader; may be null.
+  // `asked` is called on a DDS thread for each SnapshotRequest and each matched reader; may be
+  // null.
   SnapshotSender(Domain& domain, Send send, std::function<void()> asked);
   ~SnapshotSender() override;
 

@@ -19,9 +19,9 @@ class Arguments {
     return std::find(words_.begin(), words_.end(), word) != words_.end();
   }
   // The word after `option`. Returns the default if one of the two is missing.
-  [[nodiscard]] std::string text(std::string_view option, const std::string& by_default = {}) const {
+  [[nodiscard]] std::string text(std::string_view option, const std::string& otherwise = {}) const {
     const auto found = std::find(words_.begin(), words_.end(), option);
-    return words_.end() - found > 1 ? found[1] : by_default;
+    return words_.end() - found > 1 ? found[1] : otherwise;
   }
   template <class Number>
   [[nodiscard]] Number number(std::string_view option, Number by_default) const {

@@ -23,7 +23,7 @@ struct ItemArea {
   std::string_view name;
   unsigned bits = 16;  // of one item: 1, 8, 16, 32 or 64
   std::uint32_t items = 65536;
-  bool only_bools = false;  // of bits: no number lies in bits that follow each other
+  bool only_bools = false;  // of bits: bits that follow each other are no number
 };
 
 struct ItemAddress {

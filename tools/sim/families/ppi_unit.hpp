@@ -40,8 +40,8 @@ inline constexpr std::array<PpiArea, 11> kPpiAreas{{
 // "VB100", "VW100", "VD204", "V10.3", "SMB28", "AIW4", "T37".
 [[nodiscard]] std::optional<ItemAddress> parse_ppi_address(std::string_view at);
 
-// A simulated S7-200 on the level of S7 messages: a job in, an acknowledgement with data out. Does not
-// own the memory.
+// A simulated S7-200 on the level of S7 messages: a job in, an acknowledgement with data out. Does
+// not own the memory.
 //
 //     job    32 01 0000 reference(2) parameters(2) data(2) ..
 //            the parameters: 04|05 n, then items of 12 bytes

@@ -1,9 +1,9 @@
 #include "tools/import/formats/list/list_vote.hpp"
 
 #include <algorithm>
-#include <ranges>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 namespace fieldcast::importing {
 namespace {
@@ -58,15 +58,18 @@ bool is_voter(const ListEntry& entry) { return !entry.fault && entry.address.pla
 }  // namespace
 
 bool references_count_from_one(std::span<const ListEntry> entries) {
-  auto voters = entries | std::views::filter(is_voter);
+  std::vector<const ListEntry*> voters;
+  for (const ListEntry& entry : entries) {
+    if (is_voter(entry)) voters.push_back(&entry);
+  }
   if (voters.empty()) return false;
   std::size_t confirm = 0, contradict = 0, confirmed_areas = 0;
   bool most_of_each = true;
   for (const ModbusArea area :
        {ModbusArea::kCoil, ModbusArea::kInput, ModbusArea::kInputRegister, ModbusArea::kHolding}) {
     const auto count = [&](Say say) {
-      return static_cast<std::size_t>(std::ranges::count_if(voters, [&](const ListEntry& entry) {
-        return say_of(entry) == say && entry.address.reference->area == area;
+      return static_cast<std::size_t>(std::ranges::count_if(voters, [&](const ListEntry* entry) {
+        return say_of(*entry) == say && entry->address.reference->area == area;
       }));
     };
     const std::size_t yes = count(Say::kConfirms), no = count(Say::kContradicts);
@@ -75,8 +78,8 @@ bool references_count_from_one(std::span<const ListEntry> entries) {
     confirmed_areas += yes > 0;
     most_of_each = most_of_each && (no == 0 || yes > no);
   }
-  for (const ListEntry& entry : voters) {
-    if (say_of(entry) == Say::kIsNone) return false;
+  for (const ListEntry* entry : voters) {
+    if (say_of(*entry) == Say::kIsNone) return false;
   }
   if (contradict == 0) return true;
   return confirm > contradict && (confirmed_areas >= 2 || most_of_each);
@@ -90,7 +93,8 @@ std::string note_of_references(std::span<const ListEntry> entries, const Columns
   const ListEntry* example = nullptr;
   std::string against;
   std::size_t count = 0;
-  for (const ListEntry& entry : entries | std::views::filter(is_voter)) {
+  for (const ListEntry& entry : entries) {
+    if (!is_voter(entry)) continue;
     const Say say = say_of(entry);
     if (say == Say::kNothing || say == Say::kConfirms) {
       if (example == nullptr) example = &entry;
