@@ -63,6 +63,7 @@ function(fieldcast_folder folder)
     add_library(${target} INTERFACE)
   endif()
   target_include_directories(${target} ${kind} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
+  target_compile_features(${target} ${kind} cxx_std_20)  # for programs outside this tree
   fieldcast_names(${folder} "May use:" used)
   foreach(name ${used})
     string(MAKE_C_IDENTIFIER fieldcast_${name} library)
