@@ -7,8 +7,8 @@
 # qemu-user-static. COMMAND runs as root of that Debian in /fieldcast, a copy of what git tracks here; its build folder stays there
 # until the next run, so that a second build is short. Packages come from the servers that this machine uses.
 #
-# Roots lie in $FIELDCAST_ROOTS (default: ~/.cache/fieldcast/roots); delete the folder of one to make it again. Needs root or sudo, and
-# mmdebstrap. Processes of the command end with it, and it sees no process, socket or shared memory of this machine.
+# Roots are kept in $FIELDCAST_ROOTS (default: ~/.cache/fieldcast/roots); delete the folder of one to make it again. Needs root or sudo,
+# mmdebstrap and rsync. Processes of the command end with it; it sees no process and no shared memory of this machine, but its network.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -32,8 +32,9 @@ fi
 for program in mmdebstrap rsync; do
   command -v "$program" >/dev/null || fail "$program is missing: apt-get install $program"
 done
-if [ "$arch" != "$here" ] && ! { [ "$here" = amd64 ] && [ "$arch" = i386 ]; }; then
-  [ -e /proc/sys/fs/binfmt_misc/status ] && command -v "qemu-$([ "$arch" = arm64 ] && echo aarch64 || echo arm)-static" >/dev/null ||
+if [ "$arch" != "$here" ]; then
+  declare -A emulator=([amd64]=x86_64 [arm64]=aarch64 [armhf]=arm)
+  command -v "qemu-${emulator[$arch]}-static" >/dev/null ||
     fail "programs for $arch do not run here: apt-get install qemu-user-static binfmt-support"
 fi
 
@@ -66,7 +67,7 @@ git -c safe.directory="$PWD" ls-files | while IFS= read -r file; do [ ! -e "$fil
 "${as_root[@]}" cp "$list" "$copy/.tracked"
 rm -f "$list"
 
-# Own mounts, processes, shared memory and network; the network of this machine only for apt, which needs it.
+# Own mounts, processes and shared memory. The network is that of this machine, because apt needs it.
 exec "${as_root[@]}" unshare --mount --pid --ipc --fork --kill-child --propagation private sh -c '
   root=$1; shift
   mount -t proc proc "$root/proc"
