@@ -319,13 +319,13 @@ void Station::subscribe(const std::type_info& type, OnAny on_value, OnAny gone) 
   for_each_report([&]<class Generated>(const Report<Generated>& topic) {
     using Message = typename Generated::type;
     if constexpr (HasValue<Message>) {
-      using Value = ValueOf<Message>;
-      if (found || type != typeid(Value)) return;
-      const auto typed = [](OnAny handler) -> std::function<void(const Value&)> {
+      using Reported = ValueOf<Message>;
+      if (found || type != typeid(Reported)) return;
+      const auto typed = [](OnAny handler) -> std::function<void(const Reported&)> {
         if (!handler) return {};
-        return [inner = std::move(handler)](const Value& value) { inner(&value); };
+        return [inner = std::move(handler)](const Reported& value) { inner(&value); };
       };
-      state_->subscribe<Value>(topic, typed(std::move(on_value)), typed(std::move(gone)));
+      state_->subscribe<Reported>(topic, typed(std::move(on_value)), typed(std::move(gone)));
       found = true;
     }
   });
