@@ -249,7 +249,7 @@ Station::Station(const DdsSpec& spec, const std::string& name)
     : Station(std::vector{DdsSite{{}, spec}}, name) {}
 Station::~Station() = default;
 
-void Station::subscribe_samples(OnSample on_sample, OnGone gone, SampleOptions options) {
+void Station::subscribe_samples(OnSample on_sample, OnGone gone, const SampleOptions& options) {
   FIELDCAST_CHECK(!state_->has_samples);
   if (state_->sites.size() > 1) share_turn(on_sample, gone);
   const auto names_of_last = [](OnGone to) {

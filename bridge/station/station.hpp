@@ -86,7 +86,7 @@ class Station {
     // it.
     bool one_by_one = false;
   };
-  void subscribe_samples(OnSample on_sample, OnGone gone, SampleOptions options);
+  void subscribe_samples(OnSample on_sample, OnGone gone, const SampleOptions& options);
   void subscribe_samples(OnSample on_sample, OnGone gone = {}) {
     subscribe_samples(std::move(on_sample), std::move(gone), {});
   }
