@@ -237,6 +237,16 @@ test('the audit is filtered and saved; users are listed', { skip }, async () => 
   await page.context().close();
 });
 
+test('the audit shows what the store commits while it is open', { skip }, async () => {
+  const page = await open('#/audit');
+  await says(page, '.vbody', /write 7/);
+  const entry = { at_ms: Date.now() - 5000, who: 'zoe', what: 'write 8', target: 'press-shop/device-01/c-1', bytes_to_device: 0, bytes_from_device: 0, result: 'done' };
+  mock.plant.audit.unshift(entry);
+  await says(page, '.vbody', /zoe/);
+  mock.plant.audit.splice(mock.plant.audit.indexOf(entry), 1);
+  await page.context().close();
+});
+
 test('a viewer sees alarms and cannot act on them, and has no audit', { skip }, async () => {
   const page = await browser.open('#/alarms', { base: `http://127.0.0.1:${guarded.port}`, ignore: /401|403|WebSocket/ });
   await page.fill('#user', 'vera');

@@ -1,4 +1,5 @@
-// A list of stored events of a time range: filter, range, CSV. The page defines the columns.
+// A list of stored events of a time range: filter, range, CSV. The page defines the columns. A range that ends now receives new events: the
+// store commits them some time after they happen.
 
 import { nothing, render } from 'lit-html';
 import { query, request } from './api';
@@ -15,6 +16,8 @@ import type { Range } from './time_range';
 import { empty, errorText } from './view';
 
 const most = 5000;
+const again_ms = 3000;
+const overlap_ms = 60_000;  // longer than the store takes to commit
 
 export interface PastOwner<T> {
   label: string;
@@ -41,15 +44,17 @@ export class PastList<T extends { at_ms: number }> {
   private items: T[] | undefined;
   private filter = '';
   private fault = '';
+  private readonly timer: number | undefined;
 
   constructor(private readonly context: Context, private readonly owner: PastOwner<T>) {
     this.tools.className = 'tools';
     this.element.className = 'past';
     this.note.className = 'nothing';
     this.range = rangeOf(context, '1d');
-    this.list = new ListTable<T>({ ...owner, keyOf: (item) => `${item.at_ms} ${owner.textOf(item)}` });
+    this.list = new ListTable<T>({ ...owner, keyOf: this.keyOf });
     this.element.append(this.list.element, this.note);
     void this.load();
+    if (this.range.span) this.timer = window.setInterval(() => void this.loadNew(), again_ms);
   }
 
   paint(change: Change): void {
@@ -58,21 +63,44 @@ export class PastList<T extends { at_ms: number }> {
   }
   key(event: KeyboardEvent): boolean { return this.list.key(event); }
   focusFilter(): void { this.tools.querySelector<HTMLInputElement>('.filter')?.focus(); }
-  close(): void { this.asked.abort(); }
+  close(): void {
+    window.clearInterval(this.timer);
+    this.asked.abort();
+  }
 
   private async load(): Promise<void> {
     if (!this.context.me.store) return;
-    const { from_ms, to_ms } = this.range;
     try {
-      const answer = await request<Record<string, T[]>>(
-        query(this.owner.path, { from: Math.floor(from_ms), to: Math.ceil(to_ms), limit: most }), undefined, this.asked.signal);
-      this.items = this.owner.itemsOf(answer).sort((a, b) => b.at_ms - a.at_ms);
+      this.items = await this.read(this.range.from_ms, this.range.to_ms);
     } catch (error) {
       if (this.asked.signal.aborted) return;
       this.fault = errorText(error);
     }
     this.arrange();
   }
+
+  private async loadNew(): Promise<void> {
+    if (document.hidden || !this.items) return;
+    const newest = this.items[0]?.at_ms;
+    try {
+      const read = await this.read(newest === undefined ? this.range.from_ms : newest - overlap_ms, this.context.now());
+      const known = new Set(this.items.map(this.keyOf));
+      const fresh = read.filter((item) => !known.has(this.keyOf(item)));
+      if (!fresh.length) return;
+      this.items = [...fresh, ...this.items].sort((a, b) => b.at_ms - a.at_ms).slice(0, most);
+    } catch {
+      return;  // the station does not respond; the next attempt is soon
+    }
+    this.arrange();
+  }
+
+  private async read(from_ms: number, to_ms: number): Promise<T[]> {
+    const answer = await request<Record<string, T[]>>(
+      query(this.owner.path, { from: Math.floor(from_ms), to: Math.ceil(to_ms), limit: most }), undefined, this.asked.signal);
+    return this.owner.itemsOf(answer).sort((a, b) => b.at_ms - a.at_ms);
+  }
+
+  private readonly keyOf = (item: T): string => `${item.at_ms} ${this.owner.textOf(item)}`;
 
   private arrange(): void {
     const words = this.filter.toLowerCase().split(/\s+/).filter(Boolean);
