@@ -1,4 +1,4 @@
-// Timer of a bus, optimized for timeouts, most of which are replaced before they expire. Setting a
+// Timer of a bus. It is fast for timeouts that are replaced before they expire. Setting a
 // later time than the one armed in the kernel is free: the early expiry arms the timer again. Runs
 // on the bus's io thread. Includes Asio; only for bus_runner.cpp.
 #pragma once

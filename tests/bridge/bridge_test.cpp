@@ -205,10 +205,10 @@ TEST_F(BridgeTest, AnInterestInNothingIsReportedOnceAndAFloodOfThemHoldsNobodyUp
   ModbusDevice a(first), b(second);
   Receiver receiver(spec.dds);
   std::promise<void> renewed;
-  receiver.station.subscribe_channels([&, told = false](const StationChannel& channel) mutable {
-    if (!told && channel.bus == "one" && channel.channel == "r0" &&
+  receiver.station.subscribe_channels([&, done = false](const StationChannel& channel) mutable {
+    if (!done && channel.bus == "one" && channel.channel == "r0" &&
         channel.refresh == milliseconds{50})
-      renewed.set_value(), told = true;
+      renewed.set_value(), done = true;
   });
   spec.buses[0].devices[0].channels[0].on_interest = true;
   Bridge bridge;

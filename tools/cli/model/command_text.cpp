@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
-#include <charconv>
-
 #include "core/codec/value_codec.hpp"
 #include "tools/cli/model/address_notation.hpp"
 #include "tools/cli/model/sample_text.hpp"

@@ -177,7 +177,7 @@ class ValueCheck {
                                frames(back.sent));
   }
 
-  // The last item of an area, of which bits or bytes are written.
+  // The last item of an area; the write changes some of its bits or bytes.
   Slot last_item(AreaIndex area) const {
     const Area& row = requests_.protocol().areas()[area];
     return {{area, row.items - 1, 1}, row.item_bits};

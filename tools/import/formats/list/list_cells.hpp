@@ -23,7 +23,7 @@ struct ListAddress {
   unsigned registers = 0;   // "100-101" has 2; 0: a single number
   bool marked_hex = false;  // "0x10", "10h", "$10"
 
-  // Five or six digits, the first of which may be the area.
+  // Five or six digits. The first one may be the area.
   [[nodiscard]] bool is_open() const { return reference && plain; }
 };
 

@@ -162,7 +162,7 @@ class ListPointReader {
       const auto number = factor_from(divisor, list_.style);
       if (!number) return "divisor " + number.error();
       if (*number && *factor && (*number)->value != 1)
-        return "a scale and a divisor, of which one is too many";
+        return "a scale and a divisor; give one of them";
       if (*number && list_.gain == ListColumns::Gain::kUnclear && (*number)->value != 1)
         return fmt::format(
             "gain '{}': others of the list are on the other side of 1, so that it "
