@@ -143,6 +143,15 @@ class Screen(unittest.TestCase):
         terminal.press("\x03")
         self.ends(terminal, 0)
 
+    def test_control_z_is_not_lost_while_the_screen_is_drawn(self):
+        terminal = self.watch(columns=300, rows=60)
+        for _ in range(300):
+            terminal.press("\x0c")  # draws the whole screen again
+            self.assertFalse(terminal.ignores(signal.SIGTSTP))
+            terminal.read(0.002)
+        terminal.press("q")
+        self.ends(terminal, 0)
+
     def test_a_crash_gives_the_terminal_back(self):
         terminal = self.watch()
         os.kill(terminal.pid, signal.SIGSEGV)

@@ -162,6 +162,11 @@ class Terminal:
         with open(f"/proc/{self.pid}/stat", encoding="utf-8") as file:
             return file.read().rsplit(")", 1)[1].split()[0] == "T"
 
+    def ignores(self, number):
+        with open(f"/proc/{self.pid}/status", encoding="utf-8") as file:
+            ignored = int(re.search(r"SigIgn:\s*(\w+)", file.read()).group(1), 16)
+        return bool(ignored >> (number - 1) & 1)
+
     def cursor_is_hidden(self):
         return self.screen.cursor.hidden
 

@@ -229,10 +229,15 @@ short Terminal::State::pair(Tone tone) const {
 
 Terminal::Terminal() : state_(std::make_unique<State>()) {
   ::tcgetattr(STDIN_FILENO, &rescue.modes);
+  // Before newterm: ncurses leaves a signal alone that has a handler. Its own handling ignores
+  // SIGTSTP during each refresh, and a Ctrl-Z pressed then is lost.
+  handle(SIGTSTP, on_stop);
   const std::string name = usable_terminal_name();
   state_->screen = ::newterm(name.c_str(), stdout, stdin);
-  if (state_->screen == nullptr)
+  if (state_->screen == nullptr) {
+    handle(SIGTSTP, SIG_DFL);
     throw std::runtime_error("the terminal '" + name + "' cannot be used; --plain prints lines");
+  }
   ::set_term(state_->screen);
   ::cbreak();
   ::noecho();
@@ -253,7 +258,6 @@ Terminal::Terminal() : state_(std::make_unique<State>()) {
   ::mouseinterval(0);
   ::mousemask(BUTTON1_PRESSED | BUTTON1_CLICKED | BUTTON4_PRESSED | BUTTON5_PRESSED, nullptr);
   state_->arm();
-  handle(SIGTSTP, on_stop);
   handle(SIGCONT, on_continue);
   for (const int signal : kCrashes) handle(signal, on_crash);
 }
