@@ -9,12 +9,14 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 folder=build
-options=(-DFIELDCAST_TESTS=ON -DFIELDCAST_BENCHES=ON)
+options=(-DFIELDCAST_TESTS=ON)
 case "${1:-}" in
   --asan) folder=build-asan; options+=(-DFIELDCAST_ASAN=ON); shift ;;
   --tsan) folder=build-tsan; options+=(-DFIELDCAST_TSAN=ON); shift ;;
   -h | --help) sed -n '2,7s/^# \{0,1\}//p' "$0"; exit 0 ;;
 esac
+
+[ -f "$folder/CMakeCache.txt" ] || options+=(-DFIELDCAST_BENCHES=OFF)  # no test runs those of the whole system
 
 stage=()
 if [ "${1:-}" = --all ]; then
