@@ -72,10 +72,10 @@ static void on_missed(dds_entity_t reader, const dds_requested_deadline_missed_s
 /* Writes after discovery of both sides, because a late reader does not receive old results. */
 static bool write_setpoint(dds_entity_t writer, dds_entity_t results, fieldcast_Command* command) {
   dds_publication_matched_status_t bridges = {0};
-  dds_subscription_matched_status_t answers = {0};
+  dds_subscription_matched_status_t result_writers = {0};
   dds_get_publication_matched_status(writer, &bridges);
-  dds_get_subscription_matched_status(results, &answers);
-  if (bridges.current_count == 0 || answers.current_count == 0) return false;
+  dds_get_subscription_matched_status(results, &result_writers);
+  if (bridges.current_count == 0 || result_writers.current_count == 0) return false;
   fieldcast_Value value = {._d = fieldcast_VALUE_INT64, ._u.int64_value = 42};
   snprintf(command->requester, sizeof command->requester, "my-station:%d:%" PRId64, (int)getpid(),
            dds_time()); /* unique for each run */
