@@ -172,7 +172,8 @@ void Bridge::serve_metrics(const BridgeSpec& wanted) {
   if (!wanted.metrics) return;
   const auto buffer = wanted.dds.profile ? std::nullopt : granted_receive_buffer();
   metrics_ = std::make_unique<MetricsServer>(
-      wanted.metrics->listen, [this, name = wanted.name, buffer](MetricsFormat format) {
+      wanted.metrics->listen,
+      [this, name = wanted.name, buffer](MetricsFormat format) {
         MetricsSnapshot snapshot{
             .bridge = name, .refused_datagrams = refused_datagrams(), .receive_buffer = buffer};
         figures_.copy_to(snapshot);
@@ -180,6 +181,11 @@ void Bridge::serve_metrics(const BridgeSpec& wanted) {
         if (membership_) snapshot.standby = membership_->figures();
         if (store_) snapshot.store = store_->store.counters();
         return metrics_text(snapshot, format);
+      },
+      [this] {
+        MetricsSnapshot snapshot;
+        figures_.copy_to(snapshot);
+        return silent_bus(snapshot, read_clocks().utc);
       });
 }
 

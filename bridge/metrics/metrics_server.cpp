@@ -22,22 +22,31 @@ namespace {
 namespace asio = boost::asio;
 
 constexpr int kNiceness = 10;  // the buses have priority
-constexpr std::string_view kPath = "/metrics";
+constexpr std::string_view kPath = "/metrics", kHealthPath = "/healthz";
+constexpr std::string_view kPlainText = "text/plain; charset=utf-8";
 
 class MetricsService final : public web::HttpService {
  public:
-  explicit MetricsService(MetricsServer::Source source) : source_(std::move(source)) {}
+  MetricsService(MetricsServer::Source source, MetricsServer::Health health)
+      : source_(std::move(source)), health_(std::move(health)) {}
 
   void handle(web::RawRequest request, web::Reply reply) override {
-    if (request.target.substr(0, request.target.find('?')) != kPath)
-      return reply(refusal(404, {}, {}));
+    const std::string_view path = request.target.substr(0, request.target.find('?'));
+    if (path != kPath && path != kHealthPath) return reply(refusal(404, {}, {}));
     if (request.method != "GET") {
       web::HttpResponse refused = refusal(405, {}, {});
       refused.headers.emplace_back("allow", "GET");
       return reply(std::move(refused));
     }
-    const MetricsFormat format = format_for(request.accept);
     web::HttpResponse response;
+    if (path == kHealthPath) {
+      const std::string fault = health_();
+      response.status = fault.empty() ? 200 : 503;
+      response.content_type = kPlainText;
+      response.body = (fault.empty() ? "ok" : fault) + '\n';
+      return reply(std::move(response));
+    }
+    const MetricsFormat format = format_for(request.accept);
     response.content_type = content_type_of(format);
     response.body = source_(format);
     reply(std::move(response));
@@ -45,14 +54,16 @@ class MetricsService final : public web::HttpService {
   web::HttpResponse refusal(unsigned status, std::string_view, std::string_view) const override {
     web::HttpResponse refused;
     refused.status = status;
-    refused.content_type = "text/plain; charset=utf-8";
-    refused.body = fmt::format("{}; there is GET {}\n", web::reason_of(status), kPath);
+    refused.content_type = kPlainText;
+    refused.body = fmt::format("{}; there are GET {} and GET {}\n", web::reason_of(status), kPath,
+                               kHealthPath);
     refused.close = true;
     return refused;
   }
 
  private:
   const MetricsServer::Source source_;
+  const MetricsServer::Health health_;
 };
 
 web::ServerLimits server_limits(const MetricsServer::Limits& limits) {
@@ -70,8 +81,8 @@ web::ServerLimits server_limits(const MetricsServer::Limits& limits) {
 }  // namespace
 
 struct MetricsServer::State {
-  State(const ListenSpec& where, Source source, const Limits& given)
-      : listen(where), limits(given), service(std::move(source)) {}
+  State(const ListenSpec& where, Source source, Health health, const Limits& given)
+      : listen(where), limits(given), service(std::move(source), std::move(health)) {}
 
   void open();
   void close();
@@ -119,8 +130,9 @@ void MetricsServer::State::close() {
   server.close();
 }
 
-MetricsServer::MetricsServer(const ListenSpec& listen, Source source, const Limits& limits)
-    : state_(std::make_unique<State>(listen, std::move(source), limits)) {
+MetricsServer::MetricsServer(const ListenSpec& listen, Source source, Health health,
+                             const Limits& limits)
+    : state_(std::make_unique<State>(listen, std::move(source), std::move(health), limits)) {
   asio::post(state_->io.context(), [&state = *state_] {
     ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNiceness);  // of this thread
     state.open();

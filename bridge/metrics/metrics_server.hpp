@@ -1,5 +1,6 @@
-// Serves the metrics over HTTP: only GET /metrics, to every client that can connect. No login, no
-// TLS.
+// Serves over HTTP, to every client that can connect, without login and TLS:
+// - GET /metrics: the metrics
+// - GET /healthz: "ok", or status 503 with the fault, for the supervisor of a container
 //
 // Owns an io thread of low priority, on which everything runs. A client cannot delay a bus: the
 // complete text is made first and then written without a lock. If the server cannot listen, it logs
@@ -32,9 +33,13 @@ class MetricsServer {
   // Returns the present metrics. Called on the server's thread; must not block.
   using Source = std::function<std::string(MetricsFormat)>;
 
-  MetricsServer(const ListenSpec& listen, Source source, const Limits& limits);
-  MetricsServer(const ListenSpec& listen, Source source)
-      : MetricsServer(listen, std::move(source), Limits{}) {}
+  // Returns the fault because of which the bridge must be restarted; empty if there is none. As
+  // Source.
+  using Health = std::function<std::string()>;
+
+  MetricsServer(const ListenSpec& listen, Source source, Health health, const Limits& limits);
+  MetricsServer(const ListenSpec& listen, Source source, Health health)
+      : MetricsServer(listen, std::move(source), std::move(health), Limits{}) {}
   ~MetricsServer();  // closes every connection; the source is not called afterwards
   MetricsServer(const MetricsServer&) = delete;
   MetricsServer& operator=(const MetricsServer&) = delete;

@@ -1,6 +1,17 @@
 #include "bridge/metrics/metrics_snapshot.hpp"
 
+#include <fmt/format.h>
+
 namespace fieldcast {
+
+std::string silent_bus(const MetricsSnapshot& snapshot, UtcTime now) {
+  for (const auto& figures : snapshot.buses) {
+    const Duration silent{saturated_difference(now.nanoseconds, figures->at.nanoseconds)};
+    if (silent > kSilentBus)
+      return fmt::format("{}: no report for {:.0f} s", figures->bus, to_seconds(silent));
+  }
+  return {};
+}
 
 // The old value is destroyed after the lock is released.
 void MetricsTable::note(BusFigures figures) {

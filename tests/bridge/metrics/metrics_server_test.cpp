@@ -51,7 +51,7 @@ struct MetricsServerTest : testing::Test {
         [this](MetricsFormat format) {
           return format == MetricsFormat::kOpenMetrics ? "a 1\n# EOF\n" : text;
         },
-        limits);
+        [this] { return fault; }, limits);
     const bool listening = at != 0 || listens();
     EXPECT_TRUE(listening);
   }
@@ -66,7 +66,7 @@ struct MetricsServerTest : testing::Test {
   }
 
   MetricsServer::Limits limits;
-  std::string text = "a 1\n";
+  std::string text = "a 1\n", fault;
   std::unique_ptr<MetricsServer> server;
 };
 
@@ -82,6 +82,31 @@ TEST_F(MetricsServerTest, GivesTheTextInTheFormatThatIsAccepted) {
       "Connection: close\r\n\r\n");
   EXPECT_THAT(open, HasSubstr("content-type: application/openmetrics-text; version=1.0.0"));
   EXPECT_THAT(open, testing::EndsWith("# EOF\n"));
+}
+
+TEST_F(MetricsServerTest, ReportsTheHealthOfTheBridge) {
+  constexpr std::string_view kHealth =
+      "GET /healthz HTTP/1.1\r\nHost: h\r\nConnection: close\r\n\r\n";
+  serve();
+  const std::string healthy = response_to(kHealth);
+  EXPECT_THAT(healthy, StartsWith("HTTP/1.1 200 OK\r\n"));
+  EXPECT_THAT(healthy, testing::EndsWith("\r\n\r\nok\n"));
+  fault = "line: no report for 17 s";
+  const std::string unhealthy = response_to(kHealth);
+  EXPECT_THAT(unhealthy, StartsWith("HTTP/1.1 503 "));
+  EXPECT_THAT(unhealthy, testing::EndsWith("\r\n\r\nline: no report for 17 s\n"));
+}
+
+TEST(SilentBus, IsABusWithoutAReportForTheLimit) {
+  const UtcTime now{1'000'000'000'000};
+  const auto bus = [now](const char* name, Duration age) {
+    return std::make_shared<const BusFigures>(
+        BusFigures{.bus = name, .at = UtcTime{now.nanoseconds - age.count()}});
+  };
+  EXPECT_EQ(silent_bus({}, now), "");
+  EXPECT_EQ(silent_bus({.buses = {bus("line", seconds{15}), bus("hall", -seconds{3})}}, now), "");
+  EXPECT_EQ(silent_bus({.buses = {bus("hall", seconds{1}), bus("line", seconds{17})}}, now),
+            "line: no report for 17 s");
 }
 
 TEST_F(MetricsServerTest, AConnectionServesManyRequests) {
