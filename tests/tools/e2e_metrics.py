@@ -21,7 +21,7 @@ import urllib.request
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "interop"))
 
 from peers import free_port
-from plant import Plant, modbus_line, wait_until
+from plant import Plant, modbus_line, run_cli, wait_until
 
 try:
     from prometheus_client.openmetrics.parser import text_string_to_metric_families
@@ -165,6 +165,18 @@ class Figures(unittest.TestCase):
     def test_grow(self):
         before = value("fieldcast_bus_samples_total")
         wait_until(lambda: value("fieldcast_bus_samples_total") > before, SECONDS, f"the samples stay {before}")
+
+
+class Health(unittest.TestCase):
+    def test_a_bridge_is_healthy_while_it_runs(self):
+        healthy = run_cli(BIN_DIR, "health", f"http://127.0.0.1:{port}/healthz")
+        self.assertEqual(healthy.code, 0, str(healthy))
+
+    def test_is_bad_without_a_bridge_and_for_another_path(self):
+        for url, words in ((f"http://127.0.0.1:{free_port()}/healthz", "connect timeout"), (f"http://127.0.0.1:{port}/health", "404")):
+            bad = run_cli(BIN_DIR, "health", url, "--timeout", "1")
+            self.assertEqual(bad.code, 1, str(bad))
+            self.assertIn(words, bad.err)
 
 
 class Clients(unittest.TestCase):

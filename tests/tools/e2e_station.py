@@ -238,6 +238,7 @@ class Stations(unittest.TestCase):
         text = f"store: {{ path: {store} }}\nweb: {{ certificate: {certificate}, key: {key}, local-role: none }}\n"
         with Station(self.plant, "tls", text, "--listen", "127.0.0.1:0") as station:
             self.assertTrue(station.secure)
+            self.fieldcast("health", station.origin + "/healthz")
             bert = Browser(station)
             self.assertEqual(bert.log_in("bert", "correct-horse"), 401)
             self.add_user(store, "bert", "operator")
