@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # Installs missing packages of Debian 12 or 13 and shows the progress. Prints nothing and works offline if nothing is missing.
 #
-#   tools/install.sh [build | package | test | campaign | ci | reference]
+#   tools/install.sh [build | package | image | test | campaign | ci | reference]
 #
-# build: for the programs and the demo. package: also for tools/package.sh. test (default): also for the tests. campaign: also for
-# tools/campaign.sh. ci: for the tests and the checkers of .ci/run. reference: Doxygen for tools/reference.sh. Works as root or with
+# build: for the programs and the demo. package: also for tools/package.sh. image: for tools/image.sh. test (default): also for the tests. campaign:
+# also for tools/campaign.sh. ci: for the tests and the checkers of .ci/run. reference: Doxygen for tools/reference.sh. Works as root or with
 # sudo. ci does not install packages that would start a server; it unpacks the programs it needs from them to build/unpacked/PACKAGE.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -28,13 +28,14 @@ build=(
   libncurses-dev
 )
 packaging=(dpkg-dev file)
+image=(mmdebstrap python3 dpkg-dev)
 test=(
   "${packaging[@]}"
   libgtest-dev libgmock-dev binutils clang-format python3 openssl curl sqlite3
   # a separate root with systemd, to test the packages
   systemd util-linux iproute2
   # third-party devices, masters and DDS, for interoperability tests
-  libmodbus-dev python3-pymodbus python3-serial python3-serial-asyncio mbpoll socat cyclonedds-dev cyclonedds-tools
+  libmodbus-dev python3-yaml python3-pymodbus python3-serial python3-serial-asyncio mbpoll socat cyclonedds-dev cyclonedds-tools
   # reads captures as Wireshark does
   tshark
   # the tests start their own servers
@@ -48,13 +49,15 @@ campaign=(
   # libFuzzer
   clang libclang-rt-dev
 )
-ci=(clang-tidy codespell git lintian python3-prometheus-client doxygen)
+# runc and umoci run the container image in a test
+ci=(clang-tidy codespell git lintian python3-prometheus-client doxygen "${image[@]}" runc umoci)
 
 fail() { echo "tools/install.sh: $*" >&2; exit 1; }
 
 case "${1:-test}" in
   build) packages=("${build[@]}") ;;
   package) packages=("${build[@]}" "${packaging[@]}") ;;
+  image) packages=("${image[@]}") ;;
   test) packages=("${build[@]}" "${test[@]}") ;;
   campaign) packages=("${build[@]}" "${test[@]}" "${campaign[@]}") ;;
   ci) packages=("${build[@]}" "${test[@]}" "${ci[@]}") ;;
@@ -80,7 +83,7 @@ udev udevadm .
 TABLE
 fi
 # Checks the command instead of the package, because Debian's npm conflicts with a node from another source.
-command -v npm >/dev/null || missing+=(nodejs npm)
+[ "${1:-test}" = image ] || command -v npm >/dev/null || missing+=(nodejs npm)
 [ $((${#missing[@]} + ${#unpacked[@]})) -gt 0 ] || exit 0
 
 as_root=()
