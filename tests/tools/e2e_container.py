@@ -12,6 +12,7 @@ Exit code 77: this machine cannot run containers; the first line has the reason.
 import glob
 import json
 import os
+import platform
 import pwd
 import re
 import shutil
@@ -65,7 +66,8 @@ def setUpModule():
     os.chmod(folder, 0o755)
     unittest.addModuleCleanup(shutil.rmtree, folder)
     image_path = os.path.join(folder, "image.tar")
-    known = glob.glob(f"{SOURCE_DIR}/build/image/libraries-*.tar")
+    release, arch = platform.freedesktop_os_release()["VERSION_CODENAME"], run("dpkg", "--print-architecture").strip()
+    known = os.path.exists(f"{SOURCE_DIR}/build/image/libraries-{release}-{arch}.tar")
     first_run = make_image(image_path, *(["--offline"] if known else []))
     layout, bundle = os.path.join(folder, "layout"), os.path.join(folder, "bundle")
     with tarfile.open(image_path) as archive:
@@ -356,9 +358,10 @@ class Plant(Running):
     def test_bridge_station_and_database(self):
         example = Example("plant")
         device = self.simulate(example)
+        station = self.started(example, "station")
+        wait_until(lambda: station.health().returncode == 0, SECONDS, station.log)  # without its database
         database = Database(example)
         self.addCleanup(database.close)
-        station = self.started(example, "station")
         begin = time.monotonic()
         bridge = self.started(example, "bridge", {"/dev/ttyUSB0": device})
 
