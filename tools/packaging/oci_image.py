@@ -83,9 +83,10 @@ class Layer:
         self.add(header)
 
     def tar(self):
+        in_order = lambda item: (item[1][0].islnk(), item[0])  # a hard link after its target
         bytes_of_tar = io.BytesIO()
         with tarfile.open(fileobj=bytes_of_tar, mode="w", format=tarfile.GNU_FORMAT) as archive:
-            for _, (header, content) in sorted(self.members.items()):
+            for _, (header, content) in sorted(self.members.items(), key=in_order):
                 archive.addfile(header, io.BytesIO(content) if content is not None else None)
         return bytes_of_tar.getvalue()
 
