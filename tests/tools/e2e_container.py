@@ -5,8 +5,9 @@ press-shop.yaml is only compared with them.
 
 usage: e2e_container.py PACKAGES_DIR SOURCE_DIR BIN_DIR
 
-The image uses the libraries of the last `tools/image.sh`, or downloads them if there are none.
-Exit code 77: this machine cannot run containers; the first line has the reason.
+The image uses the libraries of the last `tools/image.sh`, or downloads them if there are none:
+before the tests, because these have a network of their own. Exit code 77: this machine cannot run
+containers or cannot download the libraries; the first line has the reason.
 """
 
 import glob
@@ -66,9 +67,7 @@ def setUpModule():
     os.chmod(folder, 0o755)
     unittest.addModuleCleanup(shutil.rmtree, folder)
     image_path = os.path.join(folder, "image.tar")
-    release, arch = platform.freedesktop_os_release()["VERSION_CODENAME"], run("dpkg", "--print-architecture").strip()
-    known = os.path.exists(f"{SOURCE_DIR}/build/image/libraries-{release}-{arch}.tar")
-    first_run = make_image(image_path, *(["--offline"] if known else []))
+    first_run = make_image(image_path, "--offline")
     layout, bundle = os.path.join(folder, "layout"), os.path.join(folder, "bundle")
     with tarfile.open(image_path) as archive:
         archive.extractall(layout)
@@ -424,6 +423,20 @@ class Plant(Running):
         self.assertEqual(bridge.health().returncode, 0)  # a restart would not help
 
 
+def download_libraries():
+    release, arch = platform.freedesktop_os_release()["VERSION_CODENAME"], run("dpkg", "--print-architecture").strip()
+    if os.path.exists(f"{SOURCE_DIR}/build/image/libraries-{release}-{arch}.tar"):
+        return
+    with tempfile.TemporaryDirectory() as scratch:
+        try:
+            make_image(f"{scratch}/image.tar")
+        except AssertionError as error:
+            if "mmdebstrap failed" not in str(error):
+                raise
+            print(f"mmdebstrap cannot download the libraries here: {error}")
+            sys.exit(77)
+
+
 def missing():
     for program in ("runc", "umoci", "mmdebstrap"):
         if not shutil.which(program):
@@ -433,8 +446,10 @@ def missing():
 
 if __name__ == "__main__":
     PACKAGES_DIR, SOURCE_DIR, BIN_DIR = map(os.path.abspath, sys.argv[1:4])
-    networks.enter()
     if reason := missing():
         print(reason)
         sys.exit(77)
+    if networks.PRIVATE not in os.environ:
+        download_libraries()
+    networks.enter()
     unittest.main(argv=sys.argv[:1], verbosity=2)
