@@ -24,13 +24,10 @@ inline constexpr std::array kRoles{Role::kViewer, Role::kOperator, Role::kProgra
 [[nodiscard]] std::optional<Role> role_from(std::string_view text);
 [[nodiscard]] constexpr bool may(Role role, Role needed) { return role >= needed; }
 
-// Limits password guessing: after a few wrong passwords each further one delays the next attempt, 1
-// s, 2 s, 4 s .. 5 min. An early attempt is rejected without a password check; no thread sleeps.
-// Pure; one owner.
-//
-// Failures count per user and peer, so that an attacker elsewhere cannot lock out the user. They
-// also count per peer, with a higher limit, as a peer may try many users.
-
+// Limits password guessing: each wrong password after the first few delays the next attempt, from 1
+// s up to 5 min. An early attempt is rejected without a password check. Pure; one owner. Failures
+// count per user and peer, so that an attacker elsewhere cannot lock out the user, and per peer
+// with a higher limit.
 class LoginThrottle {
  public:
   static constexpr unsigned kFreeOfUser = 3;  // wrong passwords before the first delay
@@ -43,8 +40,7 @@ class LoginThrottle {
   // Zero if the next attempt is allowed now.
   [[nodiscard]] Duration wait(std::string_view user, std::string_view peer, Instant now) const;
   void failed(std::string_view user, std::string_view peer, Instant now);
-  // Resets only the user's count, as one valid account would allow the peer to guess all others
-  // otherwise.
+  // Keeps the peer's count: one valid account must not allow the peer to guess all others.
   void succeeded(std::string_view user, std::string_view peer);
 
  private:

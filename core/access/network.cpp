@@ -39,7 +39,6 @@ std::optional<std::array<std::uint8_t, 4>> ipv4_from(std::string_view text) {
   return bytes;
 }
 
-// Returns false if a group is invalid.
 bool read_groups(std::string_view text, Address& address, std::size_t& count) {
   while (!text.empty()) {
     const bool last = text.find(':') == text.npos;

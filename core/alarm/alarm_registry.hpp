@@ -1,8 +1,7 @@
-// All alarms of a bridge, and the devices in maintenance: driven by samples, operator actions and
-// time. Pure: `now` is a parameter; the owner must guard it if several threads use it.
-//
-// An alarm is stored from its first occurrence, shelving or maintenance on; there are at most as
-// many as limits. Changes are collected as news, for DDS and for the store.
+// All alarms of a bridge and its devices in maintenance, driven by samples, operator actions and
+// time. Pure; the owner guards it if several threads use it. An alarm is stored from its first
+// occurrence, shelving or maintenance on; there are at most as many as limits. Changes are
+// collected for DDS and the store.
 #pragma once
 
 #include <map>
@@ -69,8 +68,7 @@ class AlarmRegistry {
   static constexpr Duration kLongestShelving = std::chrono::hours{24};
   static constexpr Duration kLongestMaintenance = std::chrono::hours{7 * 24};
 
-  // Sets the limits in force. Removes alarms of this bridge's buses without a limit; returns the
-  // active ones of them.
+  // Sets the limits. Removes alarms of own buses without a limit and returns the active ones.
   std::vector<KeptAlarm> configure(const std::vector<BusSpec>& buses);
   [[nodiscard]] bool has_limit(const AlarmKey& alarm) const { return limits_.contains(alarm); }
 

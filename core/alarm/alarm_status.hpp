@@ -64,7 +64,6 @@ class LimitWatch {
 };
 
 // Plain values; the states are those of ANSI/ISA-18.2 (alarm_life.hpp).
-
 struct AlarmKey {
   std::string bus, device, channel;
   LimitKind limit = LimitKind::kHigh;

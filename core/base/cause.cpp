@@ -13,7 +13,6 @@ struct Row {
   Quality quality;
 };
 
-// In the order of the enumerators.
 constexpr std::array<Row, static_cast<std::size_t>(Cause::kCount)> kRows{{
     {"NONE", "no error", Quality::kGood},
     {"NO_ANSWER", "no response", Quality::kBadNoAnswer},

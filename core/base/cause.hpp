@@ -23,7 +23,6 @@ enum class Quality : std::uint8_t {
 [[nodiscard]] std::string_view to_text(Quality quality);  // "GOOD", "BAD_NO_ANSWER", ...
 
 // Reason of a failure, with one text and one counter per cause.
-
 enum class Cause : std::uint8_t {
   kNone,
   // Wire:

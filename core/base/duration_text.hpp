@@ -1,6 +1,5 @@
-// Parses durations: "500us", "20ms", "1.5s", "30m" or "30min", "1h", "30d", "0s". Used for
-// configurations, fault files and command lines; to_text(Duration) in time.hpp is the reverse. Pure
-// functions.
+// Parses durations: "500us", "20ms", "1.5s", "30m" or "30min", "1h", "30d", "0s". The reverse is
+// to_text(Duration) in time.hpp. Pure functions.
 #pragma once
 
 #include <optional>

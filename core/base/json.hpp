@@ -79,7 +79,6 @@ class JsonObject {
   std::string text_ = "{";
 };
 
-// The fields of two objects in one.
 [[nodiscard]] std::string json_joined(std::string object, std::string_view more);
 
 // "[1,2]" of anything that `append(out, item)` appends.
@@ -94,8 +93,6 @@ template <class Items, class Append>
 }
 
 // A JSON text as a value: objects, arrays and plain values for JSON lines and reports. Pure.
-// core/base/json.hpp appends to a string instead, for long lists.
-
 struct JsonField;
 
 class Json {
@@ -103,8 +100,7 @@ class Json {
   Json(std::nullptr_t = nullptr) : text_("null") {}
   Json(bool flag) : text_(flag ? "true" : "false") {}
   Json(std::integral auto number) : text_(std::to_string(number)) {}
-  // The fewest digits that read back as the same number, with ".0" if it is whole, so that readers
-  // with integer types read a real number; null for NaN and infinities.
+  // As append_json_number(), with ".0" if whole, so that typed readers read a real number.
   Json(double number);
   Json(std::string_view text) { append_json_text(text_, text); }
   Json(const std::string& text) : Json(std::string_view(text)) {}

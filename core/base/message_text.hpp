@@ -16,8 +16,6 @@ namespace fieldcast {
 // Printable UTF-8, with \xE4 for invalid bytes and for U+0000..U+001F and U+007F..U+009F.
 [[nodiscard]] std::string escaped(std::string_view text);
 
-// Converts untrusted text to one line that is safe for a log or a terminal.
-
 constexpr std::size_t kMaxPrintable = 4096;  // bytes of a log line
 
 // The code point of the character. REQUIRES: one character of valid UTF-8.
@@ -32,7 +30,6 @@ constexpr std::size_t kMaxPrintable = 4096;  // bytes of a log line
 [[nodiscard]] std::string printable(std::string_view text, std::size_t limit = kMaxPrintable);
 
 // "1 device", "2 devices": a number with its noun. Pure.
-
 [[nodiscard]] inline std::string counted(std::size_t count, std::string_view one,
                                          std::string_view many) {
   return std::to_string(count) + ' ' + std::string(count == 1 ? one : many);

@@ -39,8 +39,7 @@ struct UtcTime {
 // "200ms", "1.5s", "500us", "2min": the form of configurations and reports.
 [[nodiscard]] std::string to_text(Duration d);
 
-// Sum and difference of 64-bit numbers, limited to their range; for times in nanoseconds from the
-// network. Pure functions.
+// Limited to the range of 64 bits; for times in nanoseconds from the network.
 [[nodiscard]] constexpr std::int64_t saturated_sum(std::int64_t a, std::int64_t b) {
   std::int64_t sum = 0;
   if (__builtin_add_overflow(a, b, &sum)) return a < 0 ? INT64_MIN : INT64_MAX;
@@ -52,9 +51,7 @@ struct UtcTime {
   return difference;
 }
 
-// One reading of both clocks: converts monotonic engine instants to UTC when a value leaves the
-// process, and back for received values. A plain value; pure; any thread.
-
+// One reading of both clocks: converts instants to UTC and back. A plain value; any thread.
 struct UtcMapping {
   Instant instant{};  // of the engine's clock
   UtcTime utc{};      // of the wall clock, at the same moment
@@ -65,8 +62,7 @@ struct UtcMapping {
 
   // Differences below this are ignored: a reading of the clocks itself lasts some time.
   static constexpr Duration kSame = std::chrono::microseconds{100};
-  // Returns this mapping while `newer` agrees with it, so that one instant is always converted to
-  // the same time.
+  // Returns this mapping while `newer` agrees, so that one instant always gives the same time.
   [[nodiscard]] UtcMapping followed_by(const UtcMapping& newer) const;
 };
 

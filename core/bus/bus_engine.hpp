@@ -1,9 +1,7 @@
-// The bus engine: all behaviour of one bus, as on_event(event, now) -> actions. It has no thread,
-// no clock and no I/O.
-//
-// The shell (BusRunner) executes the actions on the bus's thread; tests execute them in virtual
-// time. The engine owns the parts of the bus and selects the next request. Each part owns its own
-// state; README.md shows how they interact.
+// The bus engine: all behaviour of one bus, as on_event(event, now) -> actions, without a thread, a
+// clock or I/O. The shell (BusRunner) executes the actions on the bus's thread; tests execute them
+// in virtual time. Owns the parts of the bus and selects the next request; README.md shows how they
+// interact.
 #pragma once
 
 #include <optional>
@@ -27,8 +25,7 @@ class BusEngine {
   BusEngine(const BusEngine&) = delete;
   BusEngine& operator=(const BusEngine&) = delete;
 
-  // Continues after another bridge, with its sample sequences and learned values. REQUIRES: no
-  // event.
+  // Continues another bridge's sample sequences and learned values. REQUIRES: no event yet.
   void inherit(const BusInheritance& inherited, Instant now);
 
   // Appends the actions to perform. `now` never decreases.
@@ -44,8 +41,7 @@ class BusEngine {
   [[nodiscard]] std::uint64_t plan_number() const { return parts_.reads.plan_number(); }
   [[nodiscard]] PlanReport plan_report() const { return parts_.reads.plan_report(); }
 
-  // Minimum number of missing characters of the response; 0 if unknown. The shell may wait for
-  // them.
+  // Minimum of missing characters of the response; 0 if unknown. The shell may wait for them.
   [[nodiscard]] std::uint32_t missing() const { return parts_.wire.driver().missing(); }
   [[nodiscard]] bool exchanging() const { return parts_.wire.exchanging(); }
 

@@ -54,10 +54,8 @@ class Arbiter {
   Instant rest_until_ = kLongAgo;
 };
 
-// Distributes the outcome of an exchange to the device, the waiting reads or commands, and the
-// pending responses. A failed exchange is repeated if that is safe, and its cause is counted. Owned
-// by the bus engine, on the bus's thread; borrows the parts.
-
+// Passes the outcome of an exchange to the device, the waiting reads or commands, and the pending
+// responses. Repeats a failed exchange if that is safe; counts its cause. On the bus's thread.
 class OutcomeRouter {
  public:
   OutcomeRouter(BusParts& parts, Arbiter& arbiter);

@@ -1,10 +1,8 @@
-// Selects the next read of a bus from its channels, and turns its response into samples.
-//
-// Owns the scheduler, the map from points to channels, reads held back for pending responses, and
-// the refused addresses of each device. Owned by the bus engine, on the bus's thread. Refused
-// addresses are isolated, reported in a notice and in their samples, not read for kForgetRefused,
-// then tried again. An address that was read before is requested again immediately, as noise may
-// have changed the request.
+// Selects the next read of a bus and turns its response into samples. Owns the scheduler, the map
+// from points to channels, reads held back for pending responses, and the refused addresses of each
+// device. Refused addresses are isolated, reported in a notice and in their samples, and not read
+// for kForgetRefused. An address that was read before is requested again immediately, as noise may
+// have changed the request. Owned by the bus engine, on the bus's thread.
 #pragma once
 
 #include <cstdint>
@@ -67,7 +65,6 @@ class ReadPath {
   // Another bridge last read the channel at `acquired`. REQUIRES: no read yet.
   void inherit(ChannelIndex channel, Instant acquired);
   void inherit(DeviceIndex device, const DeviceReport& learned, Instant now);
-  // `longer`: as in Read.
   void failed(const Block& block, bool longer, Cause cause, std::uint16_t code, Instant now,
               ActionSink& sink);
   // The device responded to a probe: what it cannot read at the moment concerns single blocks.
@@ -75,7 +72,6 @@ class ReadPath {
   // A block was given up from outside; it is due again.
   void broken_off(const Block& block, Instant now) { scheduler_->failed(block, now, now); }
 
-  // The device may have been replaced.
   void forget(DeviceIndex device);
   void suspend(DeviceIndex device, Instant until) { scheduler_->suspend(device, until); }
   // `refresh`: shortest of all stations; empty if all interest ended.
@@ -114,7 +110,6 @@ class ReadPath {
     bool others_answered =
         false;  // the device responded to a different request since the first time
   };
-  // Of one device.
   struct Learned {
     std::vector<BlockLearning> areas;
     bool refused_longer = false;                  // reads are not made longer any more
@@ -138,7 +133,7 @@ class ReadPath {
   // The device cannot read the block at the moment: it is requested again after a pause.
   void busy(const Block& block, std::uint16_t code, Instant now, ActionSink& sink);
   void others_answered(DeviceIndex device);
-  // Whether a refusal of these points is to be heard a second time before it is believed.
+  // Returns true if a second refusal of these points is needed before the first one counts.
   [[nodiscard]] bool doubts(const Block& block);
   void point_refused(PointIndex point, Cause cause, std::uint16_t code, Instant now,
                      std::vector<Sample>& samples, ActionSink& sink);

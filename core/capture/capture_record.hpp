@@ -36,11 +36,9 @@ struct CapturedFrame {
   std::string comment;     // text lines; may be empty
 };
 
-// Builds frames from the records of a bus: joins the pieces of a response, separates an echo of the
-// request, and adds comments. A request is written when its response begins or its exchange ends,
-// so that its comment can report a missing response. Pure; owned by the writer of a capture, on its
-// thread.
-
+// Builds frames from the records of a bus: joins the pieces of a response, separates an echo, and
+// adds comments. A request is written when its response begins or its exchange ends, so that its
+// comment can report a missing response. Pure; owned by the writer of a capture, on its thread.
 class FrameGatherer {
  public:
   static constexpr std::size_t kMaxFrame = 16384;   // bytes; longer data become several frames

@@ -67,9 +67,9 @@ struct UpperPdu {
 
 namespace fieldcast::pcapng {
 
-// Writes the blocks of a pcapng file (pcapng.hpp): one section, one interface, packets with
-// microseconds, direction and comment, and the number of lost packets at the end. Little-endian.
-// Pure: each function appends one whole block to `out`. Any thread.
+// Writes the blocks of a pcapng file: one section, one interface, packets with microseconds,
+// direction and comment, and the number of lost packets. Little-endian. Each appends one whole
+// block.
 
 // Starts a file. Both texts are one human-readable line.
 void append_section(Bytes& out, std::string_view application, std::string_view comment);

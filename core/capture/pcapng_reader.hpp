@@ -1,6 +1,5 @@
-// Reads the packets of a pcapng file, block by block, in either byte order. Skips unknown blocks
-// and options, as the format requires. Pure; owns at most one block (pcapng.hpp: kMaxBlock).
-// Packets read before a fault stay valid.
+// Reads the packets of a pcapng file in either byte order. Skips unknown blocks and options, as the
+// format requires. Owns at most one block (kMaxBlock). Packets before a fault stay valid.
 #pragma once
 
 #include <functional>

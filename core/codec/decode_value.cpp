@@ -85,7 +85,6 @@ tl::expected<int, Cause> exponent_in(const Encoding& encoding, unsigned item_bit
   return exponent;
 }
 
-// The items of the value alone.
 ByteView own_items(const Encoding& encoding, unsigned item_bits, ByteView items) {
   if (encoding.exponent_distance >= 0) return items;
   return items.subspan(static_cast<std::uint32_t>(-encoding.exponent_distance) * (item_bits / 8));

@@ -35,7 +35,6 @@ inline void append_digits(Bytes& out, std::uint32_t value, unsigned digits,
   return value;
 }
 
-// Two digits per byte.
 inline void append_hex_bytes(Bytes& out, ByteView bytes) {
   for (const std::uint8_t byte : bytes) append_digits(out, byte, 2);
 }

@@ -126,7 +126,7 @@ tl::expected<void, LzwFault> lzw_decode(ByteView codes, std::size_t length, Byte
     if (*code > defined) return tl::unexpected(LzwFault::kCode);
     last_size = size[*code];
     if (last_size > wanted - filled) return tl::unexpected(LzwFault::kOverrun);
-    // Forwards, one by one: a new entry ends with its own first nibble, which this loop writes
+    // Forwards, one by one: a new entry ends with its own first nibble, which is written here
     // first.
     for (std::size_t i = 0; i < last_size; ++i) nibbles[filled + i] = nibbles[start[*code] + i];
     filled += last_size;

@@ -13,9 +13,8 @@ namespace fieldcast {
 // The items of the value alone, without those of its exponent.
 [[nodiscard]] std::uint32_t value_items(const Encoding& encoding, unsigned item_bits);
 
-// The bits of a numeric value, right-aligned. kRange: an item wider than the value holds more than
-// the value's type can. With Encoding::bit the item holds more than the value, and only its byte
-// counts.
+// The bits of a numeric value, right-aligned. kRange: an item holds more than the type can. With
+// Encoding::bit only its byte counts.
 [[nodiscard]] tl::expected<std::uint64_t, Cause> gather_bits(const Encoding& encoding,
                                                              unsigned item_bits, ByteView items);
 

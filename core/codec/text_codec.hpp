@@ -1,6 +1,5 @@
 // Converts texts between the character set of a device and UTF-8. Core supports ASCII, UTF-8 and
-// Latin-1; a library adds other sets through this interface. Each bus has its own object, used on
-// its thread.
+// Latin-1; a library adds others. One object per bus, used on its thread.
 #pragma once
 
 #include <cstdint>
@@ -57,9 +56,9 @@ struct TextNumber {
 // Accepts either case, surrounding blanks, a "0x" prefix and an "h" suffix.
 [[nodiscard]] std::optional<std::uint64_t> read_hex(std::string_view characters);
 
-// Exactly `width` characters. Rounds a fraction to the space or to `decimals`. Fails with kRange if
-// the whole part or the sign does not fit, or if only zeros would remain. REQUIRES: an int64, a
-// uint64 or a finite double. `single`: the double is a float and uses its digits.
+// Exactly `width` characters, with the fraction rounded. Fails with kRange if the whole part or the
+// sign does not fit, or only zeros would remain. REQUIRES: an int64, a uint64 or a finite double.
+// `single`: the double is a float and uses its digits.
 [[nodiscard]] tl::expected<std::string, Cause> write_decimal(const TextNumber& form,
                                                              std::size_t width, const Value& number,
                                                              bool single);

@@ -1,6 +1,5 @@
-// Converts channel values from and to raw items: types, word and byte order, bit of a word, scale
-// and offset. Values that do not fit are faults. Pure functions. Raw items have the canonical image
-// of protocol.hpp: bit items one byte each (0 or 1), 8-bit items one byte, wider items big-endian.
+// Converts channel values from and to raw items: types, orders, bit of a word, scale and offset.
+// Values that do not fit are faults. Pure. Raw items have the canonical image of protocol.hpp.
 #pragma once
 
 #include <cstdint>

@@ -18,13 +18,10 @@ inline constexpr std::uint64_t kAnyNumber = std::numeric_limits<std::uint64_t>::
                                        std::uint64_t enough = kAnyNumber);
 
 // Computes a new plan from a copy of the present state, or none if the present plan should stay.
-// This takes milliseconds (a tenth of a second for ten thousand points), so it runs on another
-// thread than the bus's. Only one thread at a time may use a draft.
-//
-// A plan is adopted only if its rehearsal, including the change, keeps every refresh, or breaks
-// fewer than the present plan. A stretched plan is not rehearsed, as its refreshes are not
-// promised.
-
+// This lasts milliseconds (a tenth of a second for ten thousand points), so it runs on another
+// thread than the bus's, one at a time. A plan is adopted only if its rehearsal, including the
+// change, keeps every refresh, or breaks fewer than the present plan. A stretched plan is not
+// rehearsed, as its refreshes are not promised.
 class PlanDraft {
  public:
   // `grouped_for`: bridgeable items when the groups were made.

@@ -40,14 +40,11 @@ class OverrunWatch {
   Instant rests_since_ = kNever;
 };
 
-// Finds the part of a block that a device refuses: tries halves until the bad points, or the gaps
-// that cannot be bridged, are known.
-//
-// A refused block is cut in the middle (PointState::cut_until), so that normal scheduling reads its
-// halves. The cut is removed when every point of the block was acquired or found bad. If both
-// halves were good, the device refused the gap between them, and the cut stays until it expires.
-// Owned by the plan runner.
-
+// Finds the part of a block that a device refuses. A refused block is cut in the middle
+// (PointState::cut_until), so that normal scheduling reads its halves, until the bad points are
+// known. The cut is removed when every point of the block was acquired or found bad. If both halves
+// were good, the device refused the gap between them, and the cut stays until it expires. Owned by
+// the plan runner.
 class RefusalSearch {
  public:
   // `refused`: at least two points in ascending order.
@@ -72,11 +69,8 @@ class RefusalSearch {
 
 // Executes the plan in force on one wire: tracks when each point was read and is due again, and
 // requests the next read from the dispatcher. Changes apply immediately to the present plan;
-// another plan replaces it as a whole.
-//
-// Copyable; a rehearsal runs on a copy. Owned by the scheduler, on the thread of its bus. No clock:
-// every call gets `now`.
-
+// another plan replaces it as a whole. Copyable for rehearsals. Owned by the scheduler, on the
+// thread of its bus.
 class PlanRunner {
  public:
   PlanRunner(WireModel wire, std::span<const PlannedPoint> points, ReadPlan plan);

@@ -1,9 +1,8 @@
-// Selects the next read of one bus. Pure: no clock, no I/O; every call gets `now`.
-//
-// The scheduler has points (distinct item ranges required by channels) with their refreshes, and a
-// plan (core/plan) that defines which are read together, and when. Whenever the wire is free it
-// returns a block to read, or a time to rest until. It also detects when changes may justify
-// another plan. Owned by the bus engine, on the thread of its bus.
+// Selects the next read of one bus. Pure; every call gets `now`. It has points (distinct item
+// ranges required by channels) with their refreshes, and a plan (core/plan) that defines which are
+// read together, and when. Whenever the wire is free it returns a block to read, or a time to rest
+// until. It also detects when changes may justify another plan. Owned by the bus engine, on the
+// thread of its bus.
 #pragma once
 
 #include <memory>
@@ -35,18 +34,16 @@ class Scheduler {
   }
   // The device refused the block's addresses. Several points: reads halves next, and does not
   // bridge a gap between two good halves. A single point: excludes it until now + forget. Returns
-  // the points that are now known to be bad (empty while the search continues).
+  // the points now known to be bad.
   std::vector<PointIndex> refused(const Block& block, Instant now, Duration forget) {
     return runner_.refused(block, now, forget);
   }
   // No reads of this device before `until` (offline, pausing); kNever stops them.
   void suspend(DeviceIndex device, Instant until) { runner_.suspend(device, until); }
-  // Learned values: time until the response begins; longest accepted read (items; 0: as
-  // configured).
+  // Learned values: response time; longest accepted read in items (0: as configured).
   void set_answer_time(DeviceIndex device, AreaIndex area, Duration answer_time);
   void set_longest(DeviceIndex device, AreaIndex area, std::uint32_t items);
-  // How long the wire may be blocked from `now` on without delaying a point, for example by a
-  // probe.
+  // How long the wire may be blocked from `now` on without delaying a point, as by a probe.
   [[nodiscard]] Duration slack(Instant now) { return runner_.slack(now); }
   void set_point(PointIndex point, Duration refresh, Mode mode, Instant now);
 

@@ -1,5 +1,4 @@
-// A configured bus with its devices, with every default filled in. Plain values; the loader makes
-// them.
+// A configured bus with its devices and all defaults. Plain values, made by the loader.
 #pragma once
 
 #include <cstdint>
@@ -60,9 +59,8 @@ struct BusSpec {
   friend bool operator==(const BusSpec&, const BusSpec&) = default;
 };
 
-// Creates the protocol of a device, built-in or declared. `line`: of the device's bus, for wire
-// times. Fails if the protocol is unknown, or does not accept the address or an option; the loader
-// has checked this. Pure; any thread.
+// Creates the protocol of a device, built-in or declared. `line`: of the bus, for wire times. Fails
+// if it is unknown, or rejects the address or an option, which the loader has checked. Pure.
 [[nodiscard]] tl::expected<std::unique_ptr<Protocol>, OptionFault> make_protocol(
     const DeviceSpec& device, const LineFormat& line);
 

@@ -1,4 +1,4 @@
-// What kind of channel it is: how it is read, who may write it, and its alarm limits. Plain values.
+// Kinds of channels: how one is read, who may write it, and its alarm limits. Plain values.
 #pragma once
 
 #include <cstddef>

@@ -18,9 +18,8 @@ struct ChannelPath {
   friend auto operator<=>(const ChannelPath&, const ChannelPath&) = default;
 };
 
-// PATTERN of interests and of the command line: bus/device/channel, each with `*` for any
-// characters. A shorter pattern matches everything below it: "press-shop" is "press-shop/*/*".
-// Plain value.
+// A pattern of channels: bus/device/channel, each with `*` for any characters. A shorter pattern
+// matches everything below it: "press-shop" is "press-shop/*/*". Plain value.
 
 // Matches one segment. Linear in text times stars, never exponential.
 [[nodiscard]] bool glob_matches(std::string_view glob, std::string_view text);

@@ -55,8 +55,6 @@ struct CommandResult {
   Instant received{}, started{}, completed{};
 };
 
-// The only place that creates the result of a rejected command. Pure.
-
 // `state`: kRejected, or kExpired for a late command. `reason`: one human-readable line.
 [[nodiscard]] CommandResult refusal(const Command& command, CommandState state, Cause cause,
                                     std::string reason, Instant received, Instant now);

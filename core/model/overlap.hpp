@@ -14,8 +14,7 @@ struct Overlap {
   const ChannelSpec* second = nullptr;
 };
 
-// At most one overlap per channel. Ignores bits, bytes and two names for one value. The pointers
-// refer to `bus`.
+// At most one overlap per channel; without bits, bytes and second names. Points into `bus`.
 [[nodiscard]] std::vector<Overlap> overlaps_of(const BusSpec& bus);
 
 // "press-1/a (holding:100, uint32) and press-1/b (holding:101, uint32) overlap in another type".

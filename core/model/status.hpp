@@ -28,8 +28,7 @@ struct BusReport {
   std::uint64_t exchanges = 0, samples = 0, commands = 0, deadline_misses = 0, bytes_sent = 0,
                 bytes_received = 0, reopened = 0;
   double stretch = 1;  // factor on refreshes under overload
-  // `listening`: does not send (`fence: listen`). `foreign_masters`: other masters heard while
-  // sending.
+  // `listening`: does not send (`fence: listen`). `foreign_masters`: heard while sending.
   bool listening = false;
   std::uint64_t foreign_masters = 0;
   CauseCounters causes;  // of failed exchanges
@@ -78,7 +77,6 @@ struct ProgramSessionReport {
 };
 
 // Data that a bus continues from another bridge. Plain values.
-
 struct BusInheritance {
   // By channel; sequence 0 if never published. `acquired` uses the clock of the new engine.
   std::vector<Sample> samples;

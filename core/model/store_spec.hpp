@@ -1,4 +1,4 @@
-// What a bridge or a station stores, where, and for how long. A plain value.
+// Data that a bridge or a station stores, the place, and the retention time. A plain value.
 #pragma once
 
 #include <cstdint>

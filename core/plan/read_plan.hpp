@@ -81,7 +81,6 @@ struct ReadPlan {
 [[nodiscard]] std::string to_text(const ReadPlan& plan);
 
 // Summary of a ReadPlan (read_plan.hpp) for users and stations. Plain value.
-
 struct PlanReport {
   struct Point {
     std::string area;  // "holding"

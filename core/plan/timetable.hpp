@@ -1,16 +1,13 @@
 // The timetable of a bus: the slots in which each request is sent, and the points that each
-// transmission reads.
-//
-// Time is divided into slots: the base period of the bus, or a small part of it. The table repeats
-// after its hyperperiod. A request is sent in every n-th slot; its slower points are read in every
-// m-th slot.
+// transmission reads. Time is divided into slots: the base period of the bus, or a small part of
+// it. The table repeats after its hyperperiod. A request is sent in every n-th slot; its slower
+// points are read in every m-th slot.
 //
 // Phases are chosen for short reads (neighbours share the gap between them) and equal load of
 // slots. Points are placed one by one, then each is placed again a few times. Within a slot
 // requests have an order. Each must end at the same time in all its slots, as its fastest points
-// would be late by the difference otherwise.
-//
-// A value: no clock, any thread. Keeps the data needed to change single requests.
+// would be late by the difference otherwise. Keeps the data needed to change single requests. A
+// value; any thread.
 #pragma once
 
 #include <cstdint>
@@ -58,8 +55,7 @@ class Timetable {
 
   // This object becomes the variant whose slots end first; returns the others, in this order.
   std::vector<Timetable> fill(std::vector<TimetableRequest> requests, unsigned rounds);
-  // Other requests keep their phases, as does this one if only its costs change. Call align()
-  // after the last change.
+  // Other requests keep their phases, as does this one if only its costs change. Then call align().
   void change(std::size_t index, TimetableRequest request);
   void align();
 

@@ -1,6 +1,5 @@
 // Model of one bus for planner and dispatcher: layout of its points, costs of reads, and planning
-// rules. Costs change with learned response times; the rest is fixed. A value; each copy belongs to
-// one thread.
+// rules. Costs change with learned response times. A value; each copy belongs to one thread.
 #pragma once
 
 #include <span>
@@ -51,7 +50,6 @@ struct WireModel {
 [[nodiscard]] std::vector<std::uint32_t> bridges_of(const Layout& layout);
 
 // Computes the share of the wire of one group by simulating its reads. Holds scratch memory.
-
 class GroupLoad {
  public:
   explicit GroupLoad(const WireModel& wire)

@@ -204,8 +204,7 @@ void Engineer::refuse(Reply why, const std::string& reason, Instant now, Actions
   read_frames(now, actions);
 }
 
-// `notify`: the client receives the end. With markers the connection stays open for another
-// request.
+// `notify`: the client receives the end; with markers it may request another device.
 void Engineer::end_pairing(const std::string& reason, bool notify, Instant now, Actions& actions) {
   actions.push_back(FreeDevice{});
   actions.push_back(Remark{Remark::Kind::kEnded, reason});

@@ -1,7 +1,6 @@
-// The bridge side of an engineer's connection: login, request for a device, pairing, end. Pure:
-// events and `now` in, actions out. The shell assigns devices (it responds to TakeDevice with
-// DeviceGiven or DeviceRefused) and owns the byte queues (ClientTakes and DeviceTakes report when
-// one is full).
+// The bridge side of an engineer's connection: login, request for a device, pairing, end. Pure. The
+// shell assigns devices (TakeDevice gives DeviceGiven or DeviceRefused) and owns the byte queues
+// (ClientTakes and DeviceTakes report when one is full).
 #pragma once
 
 #include <string>
@@ -94,9 +93,8 @@ class Engineer {
  public:
   static constexpr unsigned kMissed = 3;                          // consecutive heartbeats
   static constexpr Duration kHalfWait = MarkerReader::kHalfWait;  // for the rest of an instruction
-  // A side is given up if its queue is full and no byte is sent for this time. A slow line must not
-  // be given up: a slow reader opens its TCP window in steps of several kilobytes, which are more
-  // than half a minute apart at 1200 baud.
+  // A side whose queue is full is given up if no byte is sent for this time. A slow reader opens
+  // its TCP window in steps of several kilobytes, more than half a minute apart at 1200 baud.
   static constexpr Duration kStuckWait = std::chrono::seconds{60};
   // More noise closes the connection.
   static constexpr std::size_t kMaxNoise = 256, kMaxNoiseLater = 8192;

@@ -84,7 +84,6 @@ struct LineSettings {
 }
 
 // Number of a device for engineers and dial-in modules: 1 to 16 letters or digits.
-
 inline constexpr std::size_t kMaxDeviceNumber = 16;
 
 // Returns true if no frame can confuse it with another code: not `ED`, `HB` or a reply (four digits
@@ -119,8 +118,7 @@ using LengthFrame = std::variant<ChunkBytes, Heartbeat, Stop, LineSettings, Fram
 
 class LengthReader {
  public:
-  // Consumes a frame from the front of `in`; empty at its end. After Stop or a fault the stream
-  // ends.
+  // Consumes a frame from the front of `in`, or returns empty. Stop or a fault ends the stream.
   [[nodiscard]] std::optional<LengthFrame> next(ByteView& in);
   [[nodiscard]] bool partial() const { return left_ > 0 || !head_.empty(); }
 

@@ -77,7 +77,6 @@ class MarkerReader {
 
 // Packs the bytes of a serial line into marker frames, one per instruction: CR is always its last
 // character. Pure; owned by one end of a connection.
-
 class MarkerWriter {
  public:
   explicit MarkerWriter(Sender sender) : sender_(sender) {}

@@ -1,7 +1,6 @@
-// Gets the device number of a dialled-in module. Pure: bytes and silence in, requests and the
-// number out. Either the module sends a registration text when it connects, or DM words of its PLC
-// contain the number as text. These are read with Host Link (`RD`), two characters per word, the
-// first in the high byte.
+// Gets the device number of a dialled-in module: from a text that the module sends when it
+// connects, or from DM words of its PLC, read with Host Link (`RD`), two characters per word, the
+// first in the high byte. Pure: bytes and silence in, requests and the number out.
 #pragma once
 
 #include <functional>

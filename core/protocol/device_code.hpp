@@ -13,9 +13,8 @@ namespace fieldcast {
 struct DeviceCode {
   std::uint16_t code;  // four digits that end in 00 cover their whole class: 2100 for 21xx
   std::string_view text;
-  // kDeviceError: the device refuses the address, value or function; the request is repeated only
-  // after a while. kDeviceBusy: temporary, handled like a missing response. kChecksum: the request
-  // was damaged on the line.
+  // kDeviceError: refused; repeated only after a while. kDeviceBusy: temporary, like a missing
+  // response. kChecksum: the request was damaged on the line.
   Cause cause = Cause::kDeviceError;
   // With kDeviceBusy: a write may have taken effect although it brought this code.
   bool may_have_written = false;
@@ -24,11 +23,10 @@ struct DeviceCode {
 // kDeviceError for a code without a row.
 [[nodiscard]] Cause device_code_cause(std::span<const DeviceCode> codes, std::uint16_t code);
 
-// Whether a write that brought this momentary code may have taken effect. 0: the device gave no
-// code.
+// Returns true if the refused write may have taken effect. 0: the device gave no code.
 [[nodiscard]] bool may_have_written(std::span<const DeviceCode> codes, std::uint16_t code);
 
-// "illegal data address", or nothing for a code that the table does not know.
+// "illegal data address"; empty for a code without a row.
 [[nodiscard]] std::string_view device_code_text(std::span<const DeviceCode> codes,
                                                 std::uint16_t code);
 

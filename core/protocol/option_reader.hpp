@@ -63,7 +63,6 @@ template <typename Parse>
 }
 
 // Reads the options of a device link; keeps the first fault.
-
 class OptionReader {
  public:
   // Checks the device address, and the option names against `names`.

@@ -1,13 +1,10 @@
-// The interface between a PLC family and the rest of Fieldcast.
-//
-// A protocol defines its areas and limits, parses its address notation, computes the size of a
-// request and its response, explains frames, and creates exchanges. An exchange is one request with
-// its response, without a socket or a clock: it receives all bytes since its last send and returns
-// the next step. Timeouts, retries, echo, statistics, tracing and fuzzing are implemented once,
-// around it.
-//
-// A Protocol object serves one device. It is immutable, except for state that its exchanges need
-// (the bytes held by an S7 freeport station). No threads here.
+// The interface between a PLC family and the rest of Fieldcast. A protocol defines its areas and
+// limits, parses its address notation, computes the size of a request and its response, explains
+// frames, and creates exchanges. An exchange is one request with its response, without a socket or
+// a clock: it receives all bytes since its last send and returns the next step. Timeouts, retries,
+// echo, statistics, tracing and fuzzing are implemented once, around it. A Protocol object serves
+// one device. It is immutable, except for state that its exchanges need (the bytes held by an S7
+// freeport station). No threads here.
 #pragma once
 
 #include <cstdint>
@@ -243,8 +240,7 @@ class Protocol {
 using Explainer = std::vector<FrameField> (*)(ByteView frame);
 
 // Parameters of a protocol for one device: its address and options (name -> text, from the
-// configuration), and the line of its bus. The engine fills in the line for protocols that compute
-// wire times (DTC, for compression).
+// configuration), and the line of its bus, for protocols that compute wire times.
 struct DeviceLink {
   std::uint16_t address = 1;
   std::map<std::string, std::string> options;

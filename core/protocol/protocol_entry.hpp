@@ -24,11 +24,8 @@ struct SeenRequest {
 // Matches a whole request to any device, with a valid check, at the beginning of the bytes.
 using RequestMatcher = SeenRequest (*)(ByteView bytes);
 
-// The row that describes a built-in protocol: names, options, limits of its lines and the functions
-// that make it and explain its frames. core/protocol/families/registry.hpp lists all rows.
-//
-// Constant data, any thread.
-
+// The row of a built-in protocol: names, options, limits of its lines, and the functions that make
+// it and explain its frames. families/registry.hpp lists all rows. Constant data, any thread.
 struct ProtocolOption {
   std::string_view name, value;
 };
@@ -67,7 +64,5 @@ struct ProtocolEntry {
   std::span<const ProtocolAlias> aliases{};
   std::span<const ProtocolVariant> variants{};  // the first one has no options, if possible
 };
-
-// In the order of human-readable lists.
 
 }  // namespace fieldcast

@@ -29,7 +29,6 @@ inline constexpr Duration kAssumedAnswerTime = std::chrono::milliseconds{5};
                                            std::vector<Point> points, Duration answer_time);
 
 // Points of the channels of a bus: channels on the same items of a device share one.
-
 struct PointMap {
   std::vector<Point> points;  // kOnDemand if no channel is read periodically
   std::vector<std::vector<ChannelIndex>> channels_of;  // by point

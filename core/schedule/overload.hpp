@@ -1,5 +1,4 @@
-// Checks whether the wire of a bus can carry the requested refreshes. Pure functions; they make no
-// plan of a lightly loaded bus.
+// Checks whether the wire of a bus can carry the requested refreshes. Pure functions.
 #pragma once
 
 #include <array>
@@ -36,7 +35,6 @@ inline constexpr double kHopelessLoad = 100;
 [[nodiscard]] std::string to_text(const Overload& overload);
 
 // Remedies for an infeasible bus: the nearest feasible configurations. Pure functions.
-
 struct SlowerPoints {
   Duration from{}, to{};
   std::vector<PointIndex> points;

@@ -1,7 +1,6 @@
-// Response times used by the plan of a bus. Learned values are passed to the scheduler only if they
-// make a difference. The bus engine and the prediction use the same class, so that both plan alike.
-// Values are rounded, as small variations must not change plans. Unknown times are assumed to equal
-// known ones. Plain value.
+// Response times used by the plan of a bus, by engine and prediction alike. Learned values are
+// passed to the scheduler only if they make a difference, and rounded, as small variations must not
+// change plans. Unknown times are assumed to equal known ones. Plain value.
 #pragma once
 
 #include <span>
@@ -22,7 +21,6 @@ struct PlannedTime {
 class PlannedTimes {
  public:
   PlannedTimes() = default;
-  // `areas`: number of areas per device. `assumed`: initial value of the scheduler.
   PlannedTimes(std::span<const std::size_t> areas, Duration assumed);
 
   // Returns the changes relevant to plans, usually none.

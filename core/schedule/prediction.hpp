@@ -1,7 +1,6 @@
-// Predicts the behaviour of a bus: runs its scheduler in virtual time over an ideal wire. It starts
-// with an assumed response time and learns the true one, as the bus engine does. Deterministic, no
-// clock; takes at most a few hundred milliseconds. For `fieldcast plan` and for the check of a
-// configuration.
+// Predicts the behaviour of a bus, for `fieldcast plan` and the check of a configuration: runs its
+// scheduler in virtual time over an ideal wire. It starts with an assumed response time and learns
+// the true one, as the bus engine does. Deterministic; lasts at most a few hundred milliseconds.
 #pragma once
 
 #include <cstdint>

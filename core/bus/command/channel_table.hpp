@@ -1,6 +1,5 @@
-// The channels of one bus at run time: last samples, publication, and broken promises (Freshness).
-// Owned by the bus engine, on the bus's thread. Samples to publish are appended to the caller's
-// list. Items that do not decode to the channel's type produce a sample of bad quality.
+// The channels of one bus: last samples, publication, and broken promises (Freshness). Owned by the
+// bus engine, on the bus's thread. Items that do not decode produce a sample of bad quality.
 #pragma once
 
 #include <algorithm>
@@ -102,8 +101,7 @@ class ChannelTable {
   std::vector<Entry> entries_;
   std::vector<ChannelIndex> first_;
   std::vector<std::unordered_map<std::string_view, ChannelIndex>> names_;
-  // Lazy: an older entry is queued again when it expires; one that differs from `queued` is
-  // ignored.
+  // Lazy: an old entry is queued again when it expires; one that differs from `queued` is ignored.
   std::priority_queue<Expiry, std::vector<Expiry>, std::greater<>> expiries_;
 };
 

@@ -1,6 +1,6 @@
-// One command in progress: its next request and its result. It is checked before a job exists:
-// make() returns the reason of a rejection, result() that of a failure on the wire. Pure; owned by
-// CommandQueue, on the bus's thread.
+// One command in progress: its next request and its result. make() returns the reason of a
+// rejection, result() that of a failure on the wire. Pure; owned by CommandQueue, on the bus's
+// thread.
 #pragma once
 
 #include <optional>
@@ -29,8 +29,7 @@ struct CommandSubject {
 
 class CommandJob {
  public:
-  // `first_channel`: index of the device's first channel. `protocol` and `codec` must outlive the
-  // job.
+  // `first_channel`: of the device. `protocol` and `codec` must outlive the job.
   static tl::expected<CommandJob, CommandFault> make(const Command& command,
                                                      const DeviceSpec& device, DeviceIndex index,
                                                      ChannelIndex first_channel,

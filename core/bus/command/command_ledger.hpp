@@ -1,5 +1,4 @@
-// Remembers recent commands, so that a repeated one does not run twice. The owner must guard it if
-// several threads use it. When full, drops the oldest key.
+// Detects repeated commands. Drops the oldest key when full. The owner guards it between threads.
 #pragma once
 
 #include <cstdint>

@@ -176,9 +176,8 @@ std::deque<CommandQueue::Waiting>::iterator CommandQueue::next_in_turn(Instant n
   return next;
 }
 
-// Moves further writes to the front that extend the range of the first one for the same device, so
-// that one request carries them. The order per device stays: the search ends at the first command
-// that does not fit.
+// Moves further writes of the device to the front that extend the range of the first one, for one
+// request. Keeps the order per device: the search ends at the first command that does not fit.
 std::size_t CommandQueue::gather(WriteRequest& write) {
   const DeviceIndex device = waiting_.front().job.device();
   std::size_t batch = 1;

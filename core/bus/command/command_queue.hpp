@@ -1,7 +1,7 @@
-// The commands of one bus: checked on arrival, one on the wire at a time, each completed with
-// exactly one result. Requesters are served in turn; the commands of one requester keep their
-// order. The queue and the share of each requester are limited; a full queue rejects the requester
-// that has the most commands with kQueueFull. Owned by the bus engine, on the bus's thread.
+// The commands of one bus, one on the wire at a time, each completed with exactly one result.
+// Requesters are served in turn; each requester's commands keep their order. Queue and shares are
+// limited; a full queue rejects the requester with the most commands (kQueueFull). On the bus's
+// thread.
 #pragma once
 
 #include <deque>
@@ -39,12 +39,10 @@ class CommandQueue {
   CommandQueue(const BusSetup& setup, ChannelTable& channels, TextCodec& codec);
 
   // Accepts the command, or completes it with the reason for the rejection. A permanent reason
-  // (read-only, out of range) precedes a temporary one (port closed, device offline). While the
-  // port is opening the command waits; if opening fails it is rejected.
+  // precedes a temporary one. While the port is opening the command waits.
   void accept(const Command& command, const Condition& condition, Instant now, ActionSink& sink);
 
-  // The first command whose device can be polled; it stays first until finished. `echo_unknown`: it
-  // is not known whether the line echoes.
+  // The first command whose device can be polled; it stays first until it is finished.
   [[nodiscard]] std::optional<Next> next(Instant now, const Gate& gate, bool echo_unknown);
   // Result of the request of the last next(). `acquired`: arrival of the response.
   void answered(std::size_t batch, const Reply& reply, Instant acquired, Instant now,

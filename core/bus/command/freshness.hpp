@@ -1,9 +1,7 @@
-// Tracks whether one channel keeps its promise of a sample in each refresh. Determines when to
-// report a miss, and counts misses as DDS counts deadlines: one for each refresh without a new
-// sample.
-//
-// Small value without I/O, one per channel. Owned by ChannelTable, on the bus's thread. `misses`
-// are the counters of the whole bus; each function adds its misses there.
+// Tracks whether one channel keeps its promise of a sample in each refresh: when to report a miss,
+// and how many. Misses are counted as DDS counts deadlines: one per refresh without a new sample.
+// One per channel, owned by ChannelTable, on the bus's thread. `misses` are the counters of the
+// whole bus, to which each function adds.
 #pragma once
 
 #include <algorithm>

@@ -1,9 +1,7 @@
 // The devices of one bus: availability, response times, pauses, probes, counters and broken
-// responses. Owned by the bus engine, on the bus's thread. Changes relevant to users produce
-// notices.
-//
-// An offline device is not read; it is probed at growing intervals. An unhealthy device, whose
-// responses are often lost or broken, is deferred after each failure until the wire has spare time.
+// responses. Owned by the bus engine, on the bus's thread. An offline device is not read but probed
+// at growing intervals. An unhealthy device, whose responses are often lost or broken, is deferred
+// after each failure until the wire has spare time.
 #pragma once
 
 #include <functional>
@@ -71,8 +69,7 @@ class DeviceMonitor {
   void busy(DeviceIndex device, Instant now);
   // True after two such responses; a single one may concern its block only.
   [[nodiscard]] bool stays_busy(DeviceIndex device) const { return devices_[device].busy(); }
-  // Without a response, or with Cause::kDeviceBusy. Returns true if the device went offline; its
-  // learned values are discarded, as it may be replaced.
+  // No response, or kDeviceBusy. Returns true if the device went offline; discards learned values.
   [[nodiscard]] bool failed(DeviceIndex device, Cause cause, Instant now, ActionSink& sink);
 
   // `wasted`: wire time of the failure.

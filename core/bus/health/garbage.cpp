@@ -26,9 +26,8 @@ bool is_text_with_parity(ByteView bytes, int odd) {
 }
 
 // A sender at half the receiver's baud rate or slower never holds a level for a single bit of the
-// receiver. The check runs from the start bit (0) over the data, lowest bit first, to the stop bit
-// (1). In random characters half of the levels last a single bit. The stop bit may cut off the last
-// level.
+// receiver, from the start bit (0) over the data, lowest bit first, to the stop bit (1). In random
+// characters half of the levels last a single bit. The stop bit may cut off the last level.
 bool is_slow_sender(ByteView bytes) {
   int levels = 0, single = 0;
   for (const std::uint8_t byte : bytes) {
@@ -59,8 +58,8 @@ std::string looks_like(ByteView bytes, const LineFormat& line, bool over_network
   const bool enough = bytes.size() >= kEnough;
   const std::size_t zeros = count_of(bytes, 0x00), ones = count_of(bytes, 0xFF);
   // With parity enabled, the driver delivers a character with a wrong parity or stop bit as 00
-  // (termios(3), INPCK). A wrong parity produces about half zeros, a wrong baud rate nearly only
-  // zeros.
+  // (termios(3), INPCK): about half zeros for a wrong parity, nearly only zeros for a wrong baud
+  // rate.
   const bool checked = line.parity != Parity::kNone;
   if (enough && checked && zeros * 4 >= bytes.size())
     return "00 stands for a character with a wrong parity or stop bit: the device sends another "

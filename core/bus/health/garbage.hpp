@@ -1,6 +1,5 @@
-// Statistics of bytes that arrive instead of a device's responses, with a diagnosis: a wrong baud
-// rate or parity shows in the bytes. Pure value, one per device, owned by DeviceMonitor, on the
-// bus's thread.
+// Statistics of bytes that arrive instead of a device's responses, and a diagnosis: they show a
+// wrong baud rate or parity. One per device, owned by DeviceMonitor, on the bus's thread.
 #pragma once
 
 #include <array>
@@ -16,9 +15,8 @@ namespace fieldcast {
 // Similarity of a broken response to the expected one. kOther: different or of unknown length.
 enum class ResponseShape : std::uint8_t { kOther, kCut, kWhole, kLong };
 
-// Compares bytes with the first two characters of the request, with which responses of Modbus and
-// Host Link also begin, and with the expected length. `expected`: characters of the whole response;
-// 0 if unknown.
+// Compares bytes with the first two characters of the request, which Modbus and Host Link repeat,
+// and with the `expected` length of the response (0: unknown).
 [[nodiscard]] ResponseShape answer_shape(ByteView bytes, ByteView request, std::size_t expected);
 
 // Diagnosis and fix as one clause for users. REQUIRES: not kOther.

@@ -20,8 +20,7 @@ class ResponseTime {
   ResponseTime(Duration configured, Duration allowance)
       : configured_(configured), allowance_(allowance) {}
 
-  // `measured`: end of the request to the computed start of the response; below zero counts as
-  // zero.
+  // `measured`: end of the request to the computed start of the response; negative counts as zero.
   void learn(Duration measured);
   // Adds a response that arrived after its timeout.
   void late(Duration measured);
@@ -61,19 +60,16 @@ class ResponseTime {
 };
 
 // Learns the pause that a device needs after its responses: some cannot receive for a while.
-// Requests are classified by the time since the last response of the device. If requests after a
-// short rest often fail and all after longer rests succeed, the pause becomes that long. Pure
-// value, owned by DeviceMonitor, on the bus's thread.
-//
-// Steps are a third to a half apart: a learned pause rarely exceeds twice the need. A retry follows
-// a longer rest than its request, so the pause is found even on a fully loaded bus.
+// Requests are classified by the time since the device's last response. If requests after a short
+// rest often fail and all after longer rests succeed, the pause becomes that long. Steps are a
+// third to a half apart, so it rarely exceeds twice the need. A retry follows a longer rest than
+// its request, so the pause is found even on a fully loaded bus.
 //
 // Retries of a device that fails now and then look the same. So a learned pause is tested after
-// some responses: some requests follow a shorter rest. If they succeed, the pause becomes that
-// short and a test with a greater step begins. The second request without a response fails the
-// test. After a request without a response the whole pause is kept for a while. Tests of a needed
-// pause become ever rarer.
-
+// some responses, with a shorter rest for some requests. If they succeed, the pause becomes that
+// short and a greater step is tested. The second request without a response fails the test. After a
+// request without a response the whole pause is kept for a while. Tests of a needed pause become
+// ever rarer. Pure value, owned by DeviceMonitor, on the bus's thread.
 class PauseLearning {
  public:
   static constexpr std::array<Duration, 14> kPauses{
@@ -132,10 +128,8 @@ class PauseLearning {
 
 // Learns from refusals the longest block that one area of a device accepts, and gaps that no block
 // may bridge. The scheduler halves a refused block until each bad address is isolated. If smaller
-// blocks read every point instead, there are two cases. If they left out no item, the device
-// refused the length of the block. Otherwise the device refuses one of the gaps. Pure value, owned
-// by ReadPath, on the bus's thread.
-
+// blocks read every point, the device refused a gap, or, if no item was left out, the length. Pure
+// value, owned by ReadPath, on the bus's thread.
 class BlockLearning {
  public:
   static constexpr std::size_t kMostOpen = 16;

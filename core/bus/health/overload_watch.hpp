@@ -1,6 +1,5 @@
 // Detects overload of a bus for notices: a stretch of the refreshes, or its end, is reported once
-// it has lasted for kLasts. In the first seconds response times are still learned and plans change
-// often. Owned by the bus engine, on the bus's thread.
+// it lasted for kLasts, as plans change often in the first seconds. On the bus's thread.
 #pragma once
 
 #include <array>

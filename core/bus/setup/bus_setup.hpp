@@ -59,7 +59,6 @@ class BusSetup {
 [[nodiscard]] AreaIndex area_of(const Request& request);
 
 // Appends the actions of one event; keeps references to the event's actions and the engine's setup.
-
 class ActionSink {
  public:
   // `samples`: counter of published samples.

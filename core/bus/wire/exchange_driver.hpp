@@ -37,9 +37,8 @@ class ExchangeDriver {
     bytes_sent_ -= sent_.size();
     abort();
   }
-  // The received bytes were not the response: continues to wait with an exchange that has received
-  // no bytes. REQUIRES: the last outcome was kDone; `again` was made for the same request and has
-  // not begun.
+  // The received bytes were not the response: waits with `again`, made for the same request.
+  // REQUIRES: the last outcome was kDone; `again` has not begun.
   void wait_on(std::unique_ptr<Exchange> again);
 
   [[nodiscard]] bool active() const { return exchange_ != nullptr; }

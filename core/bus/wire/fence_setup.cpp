@@ -14,8 +14,7 @@ namespace {
 // Delay of the adapters of two bridges (latency timers of 16 ms), with a margin.
 constexpr Duration kSlowestAdapters = std::chrono::milliseconds{35};
 
-// Longest silence after a request. Without identity, the bus waits for late responses
-// (LateResponseFilter).
+// Longest silence after a request, including the wait for late responses without identity.
 Duration silence_behind(const DeviceSpec& device, const BusSpec& bus) {
   const auto protocol = make_protocol(device, line_of(bus.port));
   if (!protocol || device.channels.empty()) return {};

@@ -33,16 +33,13 @@ struct FenceTimes {
 [[nodiscard]] FenceTimes fence_times(const BusSpec& bus);
 
 // Describes the fence of a bus in a standby group, for `--check` and the log. Pure, any thread.
-
 struct FenceText {
   std::string text;
   bool missing = false;  // two bridges could send at the same time; the text contains the fix
 };
 [[nodiscard]] FenceText fence_text(const BusSpec& bus);
 
-// Finds requests of another master in unsolicited bytes by the protocols of the bus. Immutable, any
-// thread.
-
+// Finds requests of another master in unsolicited bytes. Immutable, any thread.
 class RequestFinder {
  public:
   struct Found {

@@ -6,8 +6,7 @@ namespace fieldcast {
 namespace {
 
 // Returns true if a late response to `earlier` could be matched to `later`. The address
-// distinguishes responses of different devices. Without one, all responses on the bus are alike,
-// whatever their family.
+// distinguishes devices; without one, all responses on the bus are alike, whatever their family.
 bool mistakable(const BusSetup& setup, const Asked& earlier, const Asked& later) {
   const Protocol& first = setup.protocol(earlier.device);
   const Protocol& second = setup.protocol(later.device);
@@ -147,10 +146,9 @@ std::vector<LateResponseFilter::Late> LateResponseFilter::in_strays(ByteView byt
   return found;
 }
 
-// Each debt has its own exchange, which recognises the response. Bytes directly after another
-// response are its repetition and settle no debt: no device sends again without a pause. Each
-// character settles at most one debt. Returns the number of characters of `bytes` up to the end of
-// the last late response.
+// Each debt has its own exchange, which recognises the response. Bytes directly after a response
+// are its repetition: no device sends again without a pause. Each character settles at most one
+// debt. Returns the number of characters up to the end of the last late response.
 std::size_t LateResponseFilter::find(ByteView bytes, const Asked* under_way, Instant now,
                                      std::vector<Late>& found) {
   const std::size_t whole = bytes.size();

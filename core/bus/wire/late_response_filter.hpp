@@ -17,8 +17,7 @@ namespace fieldcast {
 class LateResponseFilter {
  public:
   static constexpr std::size_t kMaxHeads = 1024;  // of a device
-  // Minimum pause between two responses of one device, in characters; an earlier one is a
-  // repetition.
+  // Minimum pause between responses of a device, in characters; earlier bytes repeat the last one.
   static constexpr double kBetweenAnswers = 2;
 
   struct Late {

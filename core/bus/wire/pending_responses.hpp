@@ -67,8 +67,7 @@ class PendingResponses {
     for (Debt& debt : debts_) debt.exchange.reset();
   }
 
-  // Earliest time to send; kLongAgo: immediately. `same_is_fine`: pending responses to the same
-  // read do not matter.
+  // Earliest time to send, or kLongAgo. `same_is_fine`: ignores responses to the same read.
   [[nodiscard]] Instant askable_from(const Asked& next, bool same_is_fine) const;
   [[nodiscard]] std::vector<Debt>& debts() { return debts_; }
   [[nodiscard]] bool empty() const { return debts_.empty(); }

@@ -57,9 +57,8 @@ class WireLoad {
 };
 
 // The wire of one bus: the exchange in flight, the time when the wire is free again, and its load.
-//
-// Owned by the bus engine, on the bus's thread. Invariants: at most one flight; bytes are sent only
-// through it; after an exchange the wire stays silent for the line's silence.
+// At most one flight; bytes are sent only through it. After an exchange the wire stays silent for
+// the line's silence. Owned by the bus engine, on the bus's thread.
 
 // An exchange from its first request to its last try.
 struct Flight {
@@ -128,7 +127,6 @@ class Wire {
   void opened(Instant now) { free_at_ = now + setup_.silence(); }
 
   [[nodiscard]] bool exchanging() const { return driver_.active(); }
-  // A flight waits to be sent or repeated.
   [[nodiscard]] bool waiting() const { return flight_.has_value() && !driver_.active(); }
   // REQUIRES: exchanging() or waiting().
   [[nodiscard]] const Flight& flight() const { return *flight_; }

@@ -47,7 +47,6 @@ class WireFence {
   void opened(Instant now);
 
   // Before a request:
-
   [[nodiscard]] bool may_send(Instant now);
   // REQUIRES: may_send() was false.
   [[nodiscard]] Instant look_again(Instant now) const;

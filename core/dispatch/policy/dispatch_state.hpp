@@ -85,10 +85,8 @@ class DueQueue {
   std::vector<Instant> key_;            // by id
 };
 
-// How much earlier than planned the reads of a device end. A converter or pseudo-terminal is faster
-// than its nominal rate: a read planned for that rate would end too early and be repeated. Plain
-// value.
-
+// How much earlier than planned the reads of a device end: a read planned for the nominal rate of a
+// faster converter or pseudo-terminal would end too early and be repeated. Plain value.
 class LinePace {
  public:
   // `took`, `planned`: time until the end of the response.
@@ -119,13 +117,10 @@ class LinePace {
 };
 
 // State of dispatching between two reads: every point and group, and the queues of groups. The plan
-// in force is passed to each call. Copyable: a rehearsal runs on a copy. Owned by the plan runner,
-// on the thread of its bus.
-//
-// A group with points to read is in one of two queues: `held` until its read may begin, then `due`.
-// It may also be in `spare`, if it can use spare wire time, and in `asleep`, if some of its points
-// are paused.
-
+// in force is passed to each call. Copyable for rehearsals. Owned by the plan runner, on the thread
+// of its bus. A group with points to read is in `held` until its read may begin, then in `due`. It
+// may also be in `spare`, if it can use spare wire time, and in `asleep`, if some of its points are
+// paused.
 struct GroupState {
   std::uint32_t urgent = 0;        // index within the group of the point that is due first
   std::uint32_t spare_urgent = 0;  // the first due of the points for spare wire time

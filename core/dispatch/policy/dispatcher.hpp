@@ -30,9 +30,7 @@ class CyclicDispatcher {
   std::vector<std::size_t> walk_;  // scratch of delays_another()
 };
 
-// A simple algorithm for comparison: reads up to twenty of the most urgent groups, then selects
-// again.
-
+// For comparison: reads up to twenty of the most urgent groups, then selects again.
 class DynamicBlocksDispatcher {
  public:
   [[nodiscard]] Decision next(const ReadPlan& plan, DispatchState& state, Instant now);
@@ -58,7 +56,6 @@ class DynamicBlocksDispatcher {
 };
 
 // Earliest due first, without a timetable. For planners that only serve comparison.
-
 class EarliestDueDispatcher {
  public:
   [[nodiscard]] Decision next(const ReadPlan& plan, DispatchState& state, Instant now);
@@ -80,7 +77,6 @@ class EarliestDueDispatcher {
 };
 
 // For a bus without periods: always selects the group with the least time left. Stateless.
-
 class IntensiveDispatcher {
  public:
   [[nodiscard]] Decision next(const ReadPlan& plan, DispatchState& state, Instant now) const {
@@ -104,9 +100,7 @@ class IntensiveDispatcher {
   void forget() const {}
 };
 
-// The dispatchers: (plan, state, now) -> a read or a rest. Interchangeable; a copy includes the
-// decisions made ahead.
-
+// (plan, state, now) -> a read or a rest. A copy includes the decisions made ahead.
 template <typename D>
 concept ReadDispatcher = std::copyable<D> &&
     requires(D dispatcher, const D& constant, const ReadPlan& plan, DispatchState& state,

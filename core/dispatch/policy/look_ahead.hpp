@@ -1,5 +1,4 @@
-// Computes how long the wire may rest without a timetable, by simulating all reads as late as
-// possible.
+// Simulates all reads as late as possible, to find how long the wire may rest without a timetable.
 #pragma once
 
 #include <array>

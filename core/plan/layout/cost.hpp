@@ -1,6 +1,5 @@
 // Wire time of a read: request, response time, response, silence, pauses of the protocol and of the
-// device. Exact: a table by item count, filled from the protocol, makes it fast in the inner loops
-// of planning. Values; any thread.
+// device. A table by item count makes it fast in the inner loops of planning. Values; any thread.
 #pragma once
 
 #include <cassert>
@@ -91,10 +90,8 @@ class ReadCost {
   double item_ns_ = 0;
 };
 
-// Wire time of a read of several ranges, for protocols with lists of ranges (Traits::max_ranges).
-// Exact for a whole list. The marginal costs of a range and of an item, used to select points,
-// ignore padding. Values; any thread.
-
+// Exact wire time of a list of ranges, for protocols with Traits::max_ranges. The marginal costs of
+// a range and of an item, used to select points, ignore padding. Values; any thread.
 class ListCost {
  public:
   // REQUIRES: can_list(*device.protocol).
@@ -142,7 +139,6 @@ class ListCost {
 };
 
 // Input of planning: points, the line, and the devices. Plain values.
-
 using PointIndex = std::uint32_t;  // in the order of ScheduleInput::points
 
 // A range that is read for one or more channels, with their shortest refresh.

@@ -33,11 +33,10 @@ struct Slice {
 [[nodiscard]] Duration cost_of(std::span<const Wanted> wanted, std::span<const Slice> slices,
                                const ReadCost& cost);
 
-// Splits `points` (by address, all within one read) into the slices that need the least wire time
-// per second. Each slice is read at the rate of its fastest point; slower points join every n-th
-// read. A slice pays its request at its fastest rate, and the gap to a slower point at the rate of
-// that point. `rates`: reads per second of each point, above 0. Dynamic programming; rates count in
-// steps of a quarter.
+// Splits `points` (by address, all within one read) into the slices with the least wire time per
+// second. Each slice is read at the rate of its fastest point; slower points join every n-th read.
+// A gap to a slower point is paid at that point's rate. `rates`: reads per second, above 0, in
+// steps of a quarter. Dynamic programming.
 [[nodiscard]] std::vector<Slice> partition_by_pace(std::span<const Wanted> points,
                                                    std::span<const double> rates,
                                                    const ReadCost& cost);

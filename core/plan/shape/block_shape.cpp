@@ -18,8 +18,7 @@ class Growth {
         first_(points[urgent].first),
         end_(points[urgent].end) {}
 
-  // `worth(point)`: wire time saved by reading it now. `rescue`: limit of what later points may
-  // add.
+  // `worth(point)`: wire time saved by reading it now. `rescue`: limit of what later points add.
   template <typename Worth>
   void grow(bool up, const Worth& worth, double rescue, Duration budget) {
     double balance = 0;

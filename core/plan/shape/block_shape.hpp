@@ -1,5 +1,4 @@
-// Selects the neighbours read together with the most urgent point, with one range per request. Pure
-// functions.
+// Selects the neighbours read together with the most urgent point, with one range per request.
 #pragma once
 
 #include <cstdint>

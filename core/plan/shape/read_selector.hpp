@@ -26,11 +26,9 @@ struct Selection {
   }
 };
 
-// Selects the points of a group that are read together with a list of ranges. The most urgent point
-// is first. Then follow those that would otherwise need a request before the group's next one. With
-// spare wire time, points that are better read now than later are added. The limits of request and
-// response matter, distance does not. Holds only scratch memory.
-
+// Selects the points of a group that are read together with a list of ranges: the most urgent
+// point, those that would need a request before the group's next one, and, with spare wire time,
+// those better read now than later. Limits of request and response matter, distance does not.
 class ListShaper {
  public:
   // `points`: one group, ordered by area and address. Respects cuts; skips bad points.
@@ -61,7 +59,6 @@ class ListShaper {
 };
 
 // Selects the points of a group's next read and builds its request. Holds scratch memory.
-
 enum class ShapeRule : std::uint8_t {
   kCyclic,  // those due before the group is read again; lists of ranges if possible
   kNear,    // those that have used half of their allowed gap

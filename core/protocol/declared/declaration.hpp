@@ -1,10 +1,6 @@
-// A device family described by data: its areas, and for each operation the fields of its request
-// and response frames. The loader (config/declaration/declaration.hpp) creates it from text and has
-// checked every REQUIRES here; DeclaredProtocol executes it.
-//
-//     Declaration > Operation > Frame > Field
-//
-// Immutable values, any thread.
+// A device family described by data: its areas, and the fields of the frames of each operation
+// (Declaration > Operation > Frame > Field). The loader (config/declaration) has checked every
+// REQUIRES here; DeclaredProtocol executes it. Immutable values, any thread.
 #pragma once
 
 #include <cstdint>
@@ -146,7 +142,6 @@ struct SharedDeclaration {
 [[nodiscard]] SeenRequest seen_request(const Declaration& declaration, ByteView bytes);
 
 // `holding:100`, `holding:100.5`, or a place of a record by its name. Pure.
-
 [[nodiscard]] tl::expected<ParsedAddress, AddressFault> parse_address(
     const Declaration& declaration, std::string_view at);
 

@@ -31,7 +31,6 @@ struct Check {
 [[nodiscard]] std::uint64_t check_of(const Check& check, unsigned bits, ByteView bytes);
 
 // A number on the wire: binary bytes, or a fixed number of ASCII digits. Pure functions.
-
 enum class Notation : std::uint8_t {
   kBinary,
   kHex,  // upper-case digits, two per byte

@@ -36,7 +36,6 @@ inline constexpr std::uint32_t kVariables = 65536;  // of each type
 //
 // Numbers are big-endian, bits are packed from the least significant. The CRC is that of Modbus,
 // low byte first.
-
 inline constexpr std::uint8_t kRead = 0x00, kWrite = 0x01, kRefused = 0x80;
 inline constexpr std::size_t kMessageHead = 2, kCrcBytes = 2, kGroupHead = 5, kRefusalSize = 5;
 
@@ -61,9 +60,7 @@ inline constexpr std::array kRefusals{
 };
 [[nodiscard]] std::string_view refusal_text(std::uint8_t code);  // "address out of range"
 
-// Groups in the bytes of a DTC request; see message.hpp for their layout. Pure.
-
-// 0 if it is incomplete.
+// Size of the group of a request at the start of the bytes; 0 if it is incomplete.
 [[nodiscard]] std::size_t group_size(ByteView bytes, bool with_data);
 
 // REQUIRES: group_size() found one.

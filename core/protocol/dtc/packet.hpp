@@ -11,10 +11,10 @@ namespace fieldcast::dtc {
 // Longer than any message: disables compression.
 inline constexpr std::size_t kNever = 65535;
 
-// To compress and expand a message of n bytes costs n * per_byte, while the wire is idle. It saves
-// half a character for each byte after the first sixteen, which fill the dictionary, minus the two
-// length bytes. The threshold is the smallest n with no loss; kNever if the line is too fast.
-// `per_byte` covers both ends.
+// Compressing and expanding n bytes costs n * per_byte of both ends, while the wire is idle. It
+// saves half a character for each byte after the first sixteen, which fill the dictionary, minus
+// the two length bytes. The threshold is the smallest n with no loss; kNever if the line is too
+// fast.
 [[nodiscard]] std::size_t auto_threshold(const LineFormat& line, Duration per_byte);
 
 // The envelope of each DTC message, in both directions.
@@ -24,7 +24,6 @@ inline constexpr std::size_t kNever = 65535;
 //     flag 1    body: length of the message(2), then the codes of its LZW
 //
 // A packet has flag 1 only if that is shorter.
-
 inline constexpr std::uint8_t kPlain = 0, kCompressed = 1;
 inline constexpr std::size_t kPacketHead = 3;     // flag and length
 inline constexpr std::size_t kOriginalBytes = 2;  // length of the message before the codes

@@ -68,7 +68,6 @@ class AsciiSearch {
     const ByteView digits(text.begin(), cr);
     const auto bytes = spelt(digits, scratch_);
     if (!bytes || digits.size() > kMaxDigits) return spoil();
-    // CR and the characters after it.
     const auto behind = static_cast<std::size_t>(text.end() - cr);
     if (behind < 2) {
       if (open)

@@ -84,7 +84,6 @@ inline constexpr std::array kExceptions{
 //
 // Bits are sent least significant first, registers big-endian.
 // (Modbus Application Protocol V1.1b3, 6)
-
 struct Options {
   // Functions 15 and 16 also for single items, as some devices do not support 5 and 6.
   bool write_multiple = false;

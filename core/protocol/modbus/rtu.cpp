@@ -94,9 +94,8 @@ class RtuSearch {
     at_boundary_ = true;
   }
 
-  // An incomplete frame. At a boundary it owns the following bytes, until it is complete or silence
-  // shows that it was noise. Otherwise a response could be read from the middle of another device's
-  // data.
+  // An incomplete frame. At a boundary it owns the following bytes until it is complete or silence
+  // shows that it was noise; otherwise a response could be read from the middle of another's data.
   void begin(ByteView bytes, std::size_t length, bool mine) {
     const bool exception = bytes.size() > 1 && (bytes[1] & kExceptionFlag) != 0;
     const bool certain = mine && at_boundary_ && (length == expected_ || exception);

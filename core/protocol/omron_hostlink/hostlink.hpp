@@ -39,7 +39,6 @@ inline constexpr std::uint16_t kFinsItems = 128;  // of command 0104
 //
 // A frame that others follow has no `*`. FCS: XOR of all preceding characters of the frame, as two
 // digits (Omron W227, 1-2).
-
 inline constexpr std::uint8_t kAt = '@', kStar = '*', kCr = '\r';
 inline constexpr std::size_t kFcsSize = 2;
 inline constexpr std::size_t kHeadSize = 5;  // @ uu HH

@@ -84,7 +84,6 @@ std::vector<FrameField> explain(ByteView frame) {
 }
 
 // No response has 17 characters.
-
 SeenRequest seen_request(ByteView bytes) {
   if (bytes.size() < kRequest) return {};
   const ByteView frame = bytes.first(kRequest);

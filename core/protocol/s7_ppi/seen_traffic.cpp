@@ -223,7 +223,6 @@ std::vector<FrameField> explain(ByteView frame) {
 }
 
 // Includes polls. Bit 6 of the frame control shows which side sends.
-
 SeenRequest seen_request(ByteView bytes) {
   constexpr std::uint8_t kRequestFlag = 0x40;
   if (bytes.empty()) return {};

@@ -54,7 +54,6 @@ struct Telegram {
 // address: byte * 8 + bit, or the number of a timer or counter. Code FF means success. len counts
 // bits with TS 04, items with 03, bytes with 09; every item of a response but the last is filled to
 // an even number of bytes.
-
 inline constexpr std::size_t kMaxItems = 19;  // Siemens allows twenty, but 240 bytes hold only 19
 
 struct UnitSizes {
