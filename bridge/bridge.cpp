@@ -119,8 +119,7 @@ void Bridge::stop_all(Modules modules, DdsLink::Leave leave) {
   if (membership_) memory_ = membership_->leave();
   if (store_) store_->identities.close();  // responds to waiting requests: their bus has ended
   step_ = "the bridge leaves the domain";
-  // 5. The last results reach their readers, then the bridge leaves the domain. No handler is
-  //   called afterwards.
+  // 5. The last results reach their readers; then the bridge leaves, and no handler is called.
   link_->close(kLinger, leave);
   alarms_.publish_with({});
   sinks_.drain();
@@ -182,8 +181,7 @@ tl::expected<Bridge::Reloaded, std::string> Bridge::reload(const BridgeSpec& wan
   if (!waiting.waits_for.empty()) return waiting;
   const bool serves_group = membership_ && membership_->is_serving();
   if (serves_group && only_renewed) {
-    // Another bridge of the group takes over, so that no refresh is missed. This bridge then
-    // restarts as a standby with the files that are in its directory.
+    // Another bridge takes over, so that no refresh is missed. This bridge restarts as a standby.
     const auto refused = membership_->hand_over();
     if (!refused) {
       log_info(spec_.name,

@@ -1,9 +1,7 @@
 // The running bridge: assembles the parts, connects DDS with the buses, and starts and stops all of
-// them in order.
-//
-// Call the functions on the main thread. The threads of the guard and of the roles enter through
-// handlers and lock `changing_`; threads of DDS and of the programming server enter through the
-// handlers in bridge_wiring.cpp.
+// them in order. Call the functions on the main thread. Threads of the guard and the roles lock
+// `changing_`; threads of DDS and the programming server enter through the handlers in
+// bridge_wiring.cpp.
 #pragma once
 
 #include <atomic>
@@ -125,8 +123,7 @@ class Bridge {
   PublisherThread sinks_;
   Membership::Memory memory_;
 
-  // Parts that exist while the bridge is in its domain. Each uses only parts above it, except that
-  // the handlers of guard and link use the parts below.
+  // Parts in the domain. Each uses only parts above it, except the handlers of guard and link.
   std::unique_ptr<BusGuard> guard_;
   std::unique_ptr<DdsLink> link_;
   std::unique_ptr<OpenStore> store_;  // only with `store`

@@ -258,8 +258,7 @@ ExitCode serve(Signals& signals, const BridgeSpec& spec, const std::string& path
   }
 }
 
-// What the configuration names and this machine does not have as it should be: each with its place
-// in the file.
+// Reports each configured item that this machine lacks, with its place in the file.
 ExitCode check_machine(const BridgeSpec& spec, const config::Places& places) {
   const auto say = [&places](const std::string& key, const std::string& text) {
     std::fputs(fmt::format("{}: {}\n", places.at(key), text).c_str(), stderr);

@@ -1,6 +1,5 @@
-// Actions of users on alarms, received from DDS: refuses duplicates, applies the action to the
-// alarm table, and writes it to the audit and the log. Every action ends immediately in exactly one
-// result. Any thread.
+// Actions of users on alarms, received from DDS: refuses duplicates, applies the action, and writes
+// it to audit and log. Every action ends immediately in exactly one result. Any thread.
 #pragma once
 
 #include <mutex>
@@ -30,8 +29,7 @@ class AlarmActions {
   CommandLedger ledger_;
 };
 
-// Makes the audit entry of an action, for example who: "anna (fieldcast-cli:71:9)", what: "shelve
-// high for 30min: the filter is dirty", target: "press-shop/press-1/level".
+// For example what: "shelve high for 30min: the filter is dirty", target: "press-1/level".
 [[nodiscard]] AuditEntry audit_entry(const AlarmAction& action);
 
 }  // namespace fieldcast

@@ -1,8 +1,6 @@
-// Alarms of the bridge. They outlive the bus that raised them: a restarted bus continues them, and
-// with a store also a restarted bridge does. Applies the actions of users. Passes to the store each
-// beginning once, each end once, and every other change.
-//
-// AlarmRegistry with a lock and a connection to the store. Any thread.
+// Alarms of the bridge: AlarmRegistry with a lock and a connection to the store. They outlive the
+// bus that raised them: a restarted bus continues them, and with a store also a restarted bridge.
+// Passes to the store each beginning once, each end once, and every other change. Any thread.
 #pragma once
 
 #include <atomic>
@@ -79,14 +77,12 @@ class AlarmTable {
 
 // Alarms of one bus: compares the samples with the limits, updates the table of active alarms,
 // writes the log, and returns each change for DDS. Called on the bus's thread.
-
 class AlarmReporter {
  public:
   // The table outlives this object.
   AlarmReporter(AlarmTable& table, const BusSpec& bus);
 
-  // Return the changes caused by these samples or by the time; usually none. Include alarms from
-  // before the start of this bus that continue or have ended meanwhile.
+  // Return the changes, usually none, including alarms from before the start of this bus.
   [[nodiscard]] std::vector<AlarmChange> on_samples(const std::vector<Sample>& samples,
                                                     const UtcMapping& mapping, Instant now);
   [[nodiscard]] std::vector<AlarmChange> on_time(const UtcMapping& now);  // once a second

@@ -7,8 +7,7 @@ namespace fieldcast {
 
 [[nodiscard]] Instant steady_now();
 
-// Reads both clocks now. A step of the wall clock (NTP, an operator) takes effect at the next
-// reading; owners read once a second. Any thread.
+// Reads both clocks. A step of the wall clock takes effect at the next reading. Any thread.
 [[nodiscard]] UtcMapping read_clocks();
 
 }  // namespace fieldcast

@@ -36,13 +36,11 @@ class FileDescriptor {
 };
 
 // The system's text of an error number. Any thread (strerror() need not be thread-safe).
-
 [[nodiscard]] inline std::string errno_text(int error) {
   return std::generic_category().message(error);
 }
 
 // Identity, size and change time of a file, to detect that it has changed. A value; any thread.
-
 struct FileStamp {
   dev_t device = 0;
   ino_t inode = 0;

@@ -1,6 +1,5 @@
-// Thread of one bus, with its own io_context. The context is the bus's strand: its handlers run one
-// after another on this thread and take no lock of another bus. A driver that hangs (for example an
-// ioctl of a failed USB adapter) therefore stops only its own bus.
+// Thread of one bus with its own io_context, whose handlers take no lock of another bus. A driver
+// that hangs (for example an ioctl of a failed USB adapter) therefore stops only its own bus.
 #pragma once
 
 #include <memory>

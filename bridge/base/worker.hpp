@@ -1,7 +1,5 @@
-// Queue with a limit, from any number of threads to one thread. The put function decides what
-// happens at the limit: refuse, wait, or drop the oldest item.
-//
-// Any thread may put; one thread takes. No call holds the lock for longer than a move.
+// Queue with a limit, from any thread to one thread. The put function decides what happens at the
+// limit: refuse, wait, or drop the oldest. No call holds the lock for longer than a move.
 #pragma once
 
 #include <pthread.h>
@@ -133,15 +131,11 @@ class BoundedQueue {
   bool closed_ = false;
 };
 
-// A named thread with its own bounded queue: the form of every thread that gets work from others.
-//
-// The owner must close the worker before it destroys anything that the work uses.
-
+// A named thread with a bounded queue. Close it before anything that the work uses is destroyed.
 template <typename Item>
 class Worker {
  public:
-  // `work` runs once on the thread and must take from the queue until it is closed. The kernel
-  // shows 15 bytes of the name.
+  // `work` runs once on the thread and must take until the queue is closed. `name`: 15 bytes.
   Worker(std::string name, std::size_t limit, std::function<void(BoundedQueue<Item>&)> work)
       : queue_(limit), thread_([this, name = std::move(name), work = std::move(work)] {
           pthread_setname_np(pthread_self(), name.c_str());

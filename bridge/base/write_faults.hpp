@@ -1,5 +1,4 @@
-// For the start of main(): a failed write returns an error and never ends the process. Uses only
-// standard C++, so that every program can include it.
+// For the start of main(): a failed write returns an error and never ends the process.
 #pragma once
 
 #include <csignal>

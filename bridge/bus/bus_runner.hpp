@@ -1,5 +1,4 @@
-// Destination of a bus's samples, results and reports: DDS in the daemon, a record in the tests of
-// the runner. Called only on the bus's io thread.
+// Destination of a bus's samples, results and reports. Called only on the bus's io thread.
 #pragma once
 
 #include <cstdint>
@@ -39,10 +38,8 @@ class BusSink {
 
 }  // namespace fieldcast
 
-// Runs one BusEngine: connects its on_event(event, now) -> actions with a port, a clock and a sink.
-//
-// The engine and the port live on the given io thread. The functions here may be called from any
-// thread; they only post to it.
+// Runs one BusEngine: connects it with a port, a clock and a sink. Engine and port live on the
+// given io thread. Any thread may call the functions here; they only post to it.
 
 namespace boost::asio {
 class io_context;
@@ -69,10 +66,9 @@ class BusRunner {
   // Limit of commands that wait for the io thread. The engine's queue has its own limit.
   static constexpr std::size_t kMaxWaiting = 1024;
 
-  // `plans`: makes plans, which is too slow for the bus's thread; may end before or after the bus.
-  // The sink must outlive the runner's stop(), and so must the registry, which a dial-in port
-  // needs. The lease outlives the bus; nothing is sent while it is not held; null: always held.
-  // REQUIRES: spec is as the loader makes it.
+  // `plans`: makes plans, too slow for the bus's thread. The sink and the registry (for a dial-in
+  // port) must outlive stop(). The lease outlives the bus; nothing is sent while it is not held;
+  // null: always held. REQUIRES: spec is as the loader makes it.
   BusRunner(boost::asio::io_context& io, boost::asio::io_context& plans, const BusSpec& spec,
             BusSink& sink, DialInRegistry* modules = nullptr, const MasterLease* lease = nullptr);
   ~BusRunner();  // REQUIRES: stop() was waited for, or start() never called
@@ -82,8 +78,7 @@ class BusRunner {
   // Opens the port, and retries until it opens. First takes over the state `inherited`.
   void start(BusInheritance inherited = {});
 
-  // Returns false if too many commands wait (the caller responds kQueueFull). An accepted command
-  // ends in exactly one BusSink::complete().
+  // Returns false if too many commands wait. An accepted command ends in one BusSink::complete().
   [[nodiscard]] bool post(Command command);
   void post(std::vector<InterestChanged> interests);
   // Sample numbers continue above this number (see CountAbove).

@@ -1,5 +1,4 @@
-// Character sets that need tables, converted with iconv of the C library. Each conversion is opened
-// at its first use. Not thread-safe.
+// Character sets that need tables, converted with iconv of the C library. Not thread-safe.
 #pragma once
 
 #include <array>

@@ -1,6 +1,5 @@
-// Timer of a bus. It is fast for timeouts that are replaced before they expire. Setting a
-// later time than the one armed in the kernel is free: the early expiry arms the timer again. Runs
-// on the bus's io thread. Includes Asio; only for bus_runner.cpp.
+// Timer of a bus, fast for timeouts that are replaced before they expire: an early expiry arms the
+// timer again. Runs on the bus's io thread. Only for bus_runner.cpp, as it includes Asio.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -56,7 +55,6 @@ class EngineTimer {
 
 // Posts handlers to the io thread of a bus, and refuses them after the bus has stopped and its
 // io_context no longer exists. Any thread. Includes Asio.
-
 class Gate {
  public:
   explicit Gate(boost::asio::io_context& io) : io_(&io) {}
@@ -79,10 +77,7 @@ class Gate {
 
 // Quiet time of each port after a bus has closed it: a device may still respond to the last
 // request. A bus that opens the port waits for this time, so that no late response is matched to a
-// new request.
-//
-// Any thread. Cannot fail.
-
+// new request. Any thread.
 class PortQuietTime {
  public:
   // A bus closed `port` at `now`; responses may arrive until `until`. kLongAgo: none is pending.

@@ -1,7 +1,5 @@
 // Records the traffic on a bus's wire: to the trace on stdout and to the tap of a capture. If
-// neither is active, the cost is two flag checks.
-//
-// Runs on the bus's thread. Cannot fail.
+// neither is active, the cost is two flag checks. Runs on the bus's thread.
 #pragma once
 
 #include <memory>

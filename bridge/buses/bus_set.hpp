@@ -1,7 +1,6 @@
 // The buses of a bridge while it is in its domain: which of the configured ones it serves, and how
-// they start and stop. Owns their threads, runners and outputs, and the captures.
-//
-// One thread at a time calls the functions, except where stated otherwise.
+// they start and stop. Owns their threads, runners and outputs, and the captures. One thread at a
+// time, except where stated otherwise.
 #pragma once
 
 #include <atomic>
@@ -70,8 +69,7 @@ class BusSet {
 
   // Stops all buses and publishes their last samples. Ends the process if a driver hangs.
   void stop_runners() { stop_runners(running()); }
-  // Stops those that run and removes them from the domain. `dispose_limit`: see
-  // DdsLink::remove_bus().
+  // Stops those that run and removes them from the domain. See DdsLink::remove_bus().
   void stop(std::vector<std::string> names, Duration dispose_limit = Duration::max(),
             DdsLink::Leave leave = DdsLink::Leave::kDispose);
 

@@ -33,13 +33,11 @@ struct ReloadPlan {
 // "reloaded: 1 bus stopped (a), 1 started (b), 2 untouched"
 [[nodiscard]] std::string to_text(const ReloadPlan& plan);
 
-// Returns the end of an alarm whose limit was removed, for its running bus; `std::nullopt` if the
-// alarm's channel is not in `running`.
+// The end of an alarm whose limit was removed; empty if the channel is not in `running`.
 [[nodiscard]] std::optional<AlarmChange> end_of_alarm(const BridgeSpec& running,
                                                       const AlarmRecord& alarm, Instant now);
 
-// Returns the leased devices that the plan would take from engineers: those of buses that stop or
-// start, and all if the programming server restarts. The reload waits for them.
+// Leased devices that the plan would take from engineers. The reload waits for them.
 [[nodiscard]] std::vector<program::LeasedDevice> disturbed_by(
     const ReloadPlan& plan, const BridgeSpec& wanted,
     const std::vector<program::LeasedDevice>& leased);

@@ -1,8 +1,6 @@
-// Bounded queue of records from a bus's thread to the thread that writes captures. When it is full,
-// new records are dropped and counted, so that the bus never waits.
-//
-// One thread puts. A second thread takes, and switches recording on and off. The lock is held only
-// for a move or a swap. The second thread is not woken; it polls.
+// Bounded queue of records from a bus's thread to the thread that writes captures, which polls it
+// and switches recording. When full, new records are dropped and counted: the bus never waits. The
+// lock is held only for a move or a swap.
 #pragma once
 
 #include <atomic>
@@ -58,10 +56,8 @@ class CaptureTap {
   std::uint64_t lost_ = 0;
 };
 
-// Capture of one bus: joins the records of its tap to frames, encodes each frame as a pcapng block
-// and passes it to every sink.
-//
-// Owned by the capture service, on its thread. A sink must live until it is removed.
+// Capture of one bus: joins the records of its tap to frames and passes each as a pcapng block to
+// every sink. Owned by the capture service, on its thread. A sink must live until it is removed.
 
 // Receives the blocks of one capture on the service's thread; must not block.
 class CaptureSink {

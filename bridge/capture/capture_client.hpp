@@ -1,7 +1,6 @@
 // One client of the capture service: reads its request, then sends it the blocks of its bus. Blocks
-// that it does not read in time are dropped and counted; the last block contains the count.
-//
-// Lives on the service's thread; pending handlers share ownership.
+// that it does not read in time are dropped and counted. Lives on the service's thread; pending
+// handlers share ownership.
 #pragma once
 
 #include <boost/asio/local/stream_protocol.hpp>

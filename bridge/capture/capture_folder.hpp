@@ -23,15 +23,11 @@ namespace fieldcast {
 [[nodiscard]] std::vector<std::string> ring_files_in(const std::string& folder,
                                                      const std::string& bus);
 
-// Free bytes of the disk for users other than root. The error is one line that begins with the
-// folder.
+// Free bytes of the disk for users other than root. The error is one line with the folder.
 [[nodiscard]] tl::expected<std::uint64_t, std::string> free_bytes_at(const std::string& folder);
 
-// Checks the folders of `capture:`: the folder exists, this user may write in it, and the disk has
-// enough space. For `--check` and `fieldcast doctor`.
-//
-// Reads the file system of this machine; any thread. A check that cannot be done gives no remark.
-
+// Checks the folders of `capture:` for `--check` and `fieldcast doctor`: each exists, this user may
+// write, and the disk has enough space. Any thread. A check that cannot be done gives no remark.
 struct CaptureRemark {
   std::size_t index = 0;  // of the bus in the configuration
   std::string bus;

@@ -1,7 +1,6 @@
-// A file that grows by complete blocks. A block that was written only in part is removed, so that
-// the file is always readable. Only its owner may read it; an existing file is never overwritten.
-//
-// Owns the descriptor. One thread at a time. An error is one line that begins with the path.
+// A file that grows by complete blocks; a partly written one is removed, so that the file is always
+// readable. Only its owner may read it; an existing file is never overwritten. One thread at a
+// time. An error is one line that begins with the path.
 #pragma once
 
 #include <functional>
@@ -40,12 +39,9 @@ class CaptureFile {
   std::uint64_t size_ = 0;
 };
 
-// Files of a bus with a permanent capture (`capture:` in the configuration). When a file is full,
-// the next one begins and the oldest one is deleted. Names: BUS-20261122T142421Z.pcapng.
-//
-// If the disk is nearly full or the folder is missing, the capture stops, logs that once, and
-// resumes by itself. Owned by the capture service, on its thread.
-
+// Files of a bus with a permanent capture (`capture:`), BUS-20261122T142421Z.pcapng. When one is
+// full, the next begins and the oldest is deleted. If the disk is nearly full or the folder is
+// missing, the capture stops, logs that once, and resumes by itself. On the service's thread.
 class CaptureRing final : public CaptureSink {
  public:
   // Nothing is written if less space would remain. The capture resumes when twice as much is free.

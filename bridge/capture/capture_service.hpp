@@ -1,8 +1,6 @@
-// Captures of a bridge's buses, for local clients (capture_socket.hpp) and to the files of the
-// configuration. Owns its thread; the buses write to taps and never wait.
-//
-// Call the functions on the thread that changes the set of buses. Failures (a file that cannot be
-// written, a socket that cannot be opened) are only logged.
+// Captures of a bridge's buses, for local clients (capture_socket.hpp) and to configured files.
+// Owns its thread; buses write to taps and never wait. Call it on the thread that changes the set
+// of buses. Failures are only logged.
 #pragma once
 
 #include <functional>

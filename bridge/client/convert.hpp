@@ -1,9 +1,6 @@
-// The newest message of each key, and the subscribers of one kind of message. Private to the
-// library.
-//
-// A subscriber first receives what is known, then each further message, never an older one after a
-// newer one. Any thread may add and end subscribers; publish() and remove() have one caller at a
-// time.
+// The newest message of each key, and the subscribers of one kind of message. A subscriber first
+// receives what is known, then each further message, never an older one after a newer one. Any
+// thread may add and end subscribers; publish() and remove() have one caller at a time.
 #pragma once
 
 #include <functional>
@@ -36,8 +33,7 @@ class Feed {
     [[nodiscard]] bool want(const Message& message) const { return !wants || wants(message); }
   };
 
-  // Returns the function that ends the subscription. It waits for a running handler, unless the
-  // handler itself calls it.
+  // Returns the function that ends it and waits for a running handler, unless that one calls it.
   [[nodiscard]] std::function<void()> add(Handlers handlers) {
     auto added = std::make_shared<Subscriber>();
     added->handlers = std::move(handlers);
@@ -112,7 +108,6 @@ class Feed {
 };
 
 // Conversion between the values of the library's public headers and those of the tree. Pure.
-
 [[nodiscard]] Time to_public(UtcTime time);
 [[nodiscard]] UtcTime to_inner(Time time);
 [[nodiscard]] DdsSite to_inner(const Domain& domain);

@@ -162,8 +162,7 @@ struct Station::State {
   fieldcast::Station inner;  // last: its threads use what is above
 };
 
-// DDS itself watches the deadline of each reader, so that this needs readers, and participants, of
-// its own.
+// DDS watches the deadline of each reader, so this needs readers and participants of its own.
 struct Station::State::DeadlineWatch {
   void subscribe() {
     const auto to_path = [this](const std::function<void(const Path&)>& handler) {

@@ -22,18 +22,15 @@ class CommandRouter {
 
   // Another bridge has responded; later copies are duplicates. Returns false if it already was one.
   bool answered_elsewhere(const std::string& requester, std::uint64_t request_id, Instant now);
-  // Returns true if answered_elsewhere() was called for this command in the last seconds: the
-  // command was still in flight and has its result.
+  // Returns true if answered_elsewhere() was called for this command, still in flight, recently.
   [[nodiscard]] bool was_answered_elsewhere(const Command& command, Instant now);
 
   void add(const std::string& bus, std::shared_ptr<BusRunner> runner);
   void remove(const std::string& bus);
 
-  // Two steps of a command. Each returns `std::nullopt` if the command goes on, otherwise its
-  // result.
+  // Two steps of a command: each returns the result, or `std::nullopt` if the command goes on.
 
-  // Refuses a command whose requester has used its request_id before. `late`: the command has
-  // expired already; the text is the reason.
+  // Refuses a used request_id. `late`: the reason, if the command has expired already.
   [[nodiscard]] std::optional<CommandResult> deduplicate(const Command& command, Instant now,
                                                          std::string late = {});
   // Returns false for a read, which may run twice. A write is noted before it is routed.

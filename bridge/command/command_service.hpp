@@ -70,8 +70,7 @@ class CommandService {
   // Publishes the results that were kept, if this bridge is still master.
   void finish_late();
   [[nodiscard]] bool has_late();
-  // From now on, commands belong to the successor. Waits until the running ones have ended, or for
-  // the limit.
+  // From now on, commands belong to the successor. Waits for running ones, at most `limit`.
   void hand_over(Duration limit);
   [[nodiscard]] bool is_handing_over() const { return handing_over_; }
   // The successor responds to the commands that are left.

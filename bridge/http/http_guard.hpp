@@ -1,9 +1,6 @@
-// Limits the connections of a server in total and for each address, with a reserve for logins.
-// Pure; owns no connection.
-//
-// A connection waits for its client (next request, rest of a request, handshake) or works (the
-// server makes or sends a response). A waiting connection can be closed for a new one; a working
-// one only with `evicts_working`.
+// Limits the connections of a server in total and per address, with a reserve for logins. Pure. A
+// connection waits for its client (request, handshake) or works (the server makes or sends a
+// response). A waiting one can be closed for a new one; a working one only with `evicts_working`.
 #pragma once
 
 #include <cstddef>
@@ -26,8 +23,7 @@ struct ConnectionLimits {
   bool evicts_working = false;  // if none waits at the address
 };
 
-// Removes the port. IPv6 becomes its /64, because a host can use all of it; IPv4-mapped becomes
-// IPv4. Other text is returned unchanged.
+// Removes the port. IPv6 becomes its /64, as a host can use all of it; IPv4-mapped becomes IPv4.
 [[nodiscard]] std::string address_group(std::string_view address);
 
 class ConnectionTable {
@@ -51,8 +47,7 @@ class ConnectionTable {
   [[nodiscard]] Admission open(Id id, Peer peer, Phase phase, Instant now);
   // Returns the same decision without a change.
   [[nodiscard]] Admission admission(const Peer& peer, Phase phase) const;
-  // A complete request has arrived. If it is not admitted, the table is unchanged and the caller
-  // refuses it. REQUIRES: `id` is in the table.
+  // A complete request. If it is not admitted, nothing changes. REQUIRES: `id` is in the table.
   [[nodiscard]] Admission work(Id id, bool logged_in);
   // The response has ended; no effect if `id` was removed.
   void wait(Id id, Instant now);
@@ -79,7 +74,6 @@ class ConnectionTable {
 
 // Checks a request header before the parser. Refuses what a proxy could parse differently
 // (RFC 9112, 2.2, 5.1, 5.2, 6.1, 6.3): the body could then smuggle a second request. Pure.
-
 struct HeadFault {
   unsigned status = 400;
   std::string_view error, hint;

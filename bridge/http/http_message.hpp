@@ -78,8 +78,7 @@ using Reply = std::function<void(HttpResponse)>;
 // Runs on the io thread and must not block it.
 using Handler = std::function<void(const HttpRequest&, const Caller&, Reply)>;
 
-// Decodes a request target ("/a%20b?c=1&c=2"). Empty if it does not start with "/", has an invalid
-// escape, a zero byte or more than 64 parameters.
+// Decodes a request target. Empty without "/", or with a bad escape, a zero or over 64 parameters.
 struct Target {
   std::string path;
   TextPairs query;
@@ -87,7 +86,6 @@ struct Target {
 [[nodiscard]] std::optional<Target> parse_target(std::string_view text);
 
 // Encodes the status line and the headers of a response (HTTP/1.1, RFC 9112). Pure.
-
 struct HeadOptions {
   UtcTime date;
   bool keep_alive = true;
@@ -104,7 +102,6 @@ struct HeadOptions {
 [[nodiscard]] bool has_no_body(unsigned status);
 
 // Gzip (RFC 1952) for bodies. Throws only std::bad_alloc.
-
 [[nodiscard]] std::string packed(std::string_view text);
 // REQUIRES: the bytes are output of packed().
 [[nodiscard]] std::string unpacked(std::string_view gzip);

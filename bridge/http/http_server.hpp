@@ -1,5 +1,4 @@
-// Serves HTTP/1.1 over TCP or TLS: manages handshakes and sessions; ConnectionTable applies the
-// limits. Runs on the io thread, as the service does.
+// Serves HTTP/1.1 over TCP or TLS, within the limits of ConnectionTable. Runs on the io thread.
 #pragma once
 
 #include <map>

@@ -26,7 +26,7 @@ struct HttpLimits {
   Duration linger = std::chrono::seconds{1};     // for a client to receive the last response
 };
 
-// What a server serves. All calls are on the io thread.
+// Content of a server. All calls are on the io thread.
 class HttpService {
  public:
   virtual ~HttpService() = default;
@@ -37,8 +37,7 @@ class HttpService {
                                              std::string_view hint) const = 0;
   // Connections with a login have limits of their own.
   [[nodiscard]] virtual bool has_login(const RawRequest&) { return false; }
-  // Receives the stream of a WebSocket and its request header, which the WebSocket library parses
-  // again.
+  // Receives the stream of a WebSocket and its request header, to be parsed again.
   using TakeStream = std::function<void(std::unique_ptr<ByteStream>, std::string head)>;
   // A null function: handle() serves the request.
   [[nodiscard]] virtual tl::expected<TakeStream, HttpResponse> upgrade(const RawRequest&) {

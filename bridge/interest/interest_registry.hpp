@@ -1,5 +1,4 @@
-// Interests of all stations, and the resulting refresh of each channel: the shortest one requested.
-// Pure; guarded by its owner.
+// Interests of all stations, and the shortest refresh of each channel. Pure; guarded by its owner.
 #pragma once
 
 #include <condition_variable>
@@ -71,13 +70,9 @@ class InterestTable {
 [[nodiscard]] std::vector<InterestChanged> changes(const std::map<ChannelIndex, Duration>& before,
                                                    const std::map<ChannelIndex, Duration>& after);
 
-// Stores the interests received from DDS and posts the resulting channel changes to each bus. Any
-// thread.
-//
-// note() only writes to the table. The registry's own thread computes the changes of channels, at
-// most every kPace. A station that changes its interests very often therefore costs DDS and the
-// buses no more than a few changes a second.
-
+// Stores the interests received from DDS and posts the resulting changes of channels to each bus.
+// note() only writes to the table; the registry's own thread computes the changes, at most every
+// kPace: a station that changes its interests often costs DDS and the buses little. Any thread.
 class InterestRegistry {
  public:
   static constexpr std::chrono::milliseconds kPace{50};

@@ -1,8 +1,7 @@
 // The log on stderr, each line with time, level and subject ("press-shop/press-1"), and the wire
-// trace. Any thread may call these functions; none waits for the reader of the lines. Never pass
-// secrets: everything is written. Line breaks in texts from outside are escaped
-// (core/base/message_text.hpp). If the journal reads stderr ($JOURNAL_STREAM), a line begins with
-// its syslog priority, for example "<4>", and has no time, because the journal stores both.
+// trace. Any thread; no call waits for the reader. Never pass secrets. Line breaks in texts from
+// outside are escaped. For the journal ($JOURNAL_STREAM), a line begins with its syslog priority,
+// "<4>", and has no time.
 #pragma once
 
 #include <string>
@@ -16,8 +15,7 @@ namespace fieldcast {
 
 // Call before the first line. `level` is the lowest level that is written.
 void open_log(LogLevel level);
-// Switches to the present stderr (the log otherwise keeps the stderr of its first line) and resets
-// the counts of log_counted(). For tests that capture stderr.
+// Switches to the present stderr and resets the counts of log_counted(), for tests.
 void reopen_log();
 void log_line(LogLevel level, std::string_view subject, std::string_view text);
 

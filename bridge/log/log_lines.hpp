@@ -1,5 +1,4 @@
-// Limits the log lines of kinds that outsiders can cause without limit. In each kPeriod, the first
-// kLines of a kind are logged; more are only counted. Pure; one owner, one thread.
+// Limits log lines that outsiders can cause: the first kLines of a kind in each kPeriod. Pure.
 #pragma once
 
 #include <cstddef>
@@ -44,11 +43,8 @@ class LineBudget {
   std::map<std::string, Entry, std::less<>> entries_;
 };
 
-// Decides which occurrences of a fault are logged. Pure; one owner, one thread.
-//
-// The first occurrence of a key is logged. Later ones are counted, and summarized when kSummary has
-// passed since the last line about the key, or when the fault ends.
-
+// Decides which occurrences of a fault are logged: the first of a key; later ones are counted, and
+// summarized after kSummary or when the fault ends. Pure; one owner, one thread.
 class RepeatFilter {
  public:
   static constexpr Duration kSummary = std::chrono::minutes{10};
@@ -71,21 +67,16 @@ class RepeatFilter {
   std::unordered_map<std::string, Entry> entries_;
 };
 
-// Writes lines to a descriptor that may block for any time: a pipe without a reader, a stopped
-// terminal, a full disk. The caller never waits; a separate thread writes.
-//
-// The queue is bounded: when it is full, the oldest lines are dropped and replaced by a remark with
-// their number. The thread may hang in write(2) forever, so it is never joined: it shares its state
-// with the LineWriter and may outlive it. A Worker and spdlog's asynchronous logger join their
-// thread, so neither is used. A BoundedQueue does not fit either: this limit is in bytes, and
-// flush() waits until lines are written.
-
+// Writes lines to a descriptor that may block for any time: a pipe without a reader, a full disk.
+// The caller never waits. The queue is bounded: the oldest lines are dropped and replaced by a
+// remark with their number. The thread may hang in write(2), so it is never joined and may outlive
+// the LineWriter; a Worker and spdlog's asynchronous logger join theirs. A BoundedQueue does not
+// fit: the limit is in bytes, and flush() waits until lines are written.
 class LineWriter {
  public:
   static constexpr std::size_t kMaxWaiting = std::size_t{1} << 20;  // bytes
 
-  // `remark` makes the line that replaces lost lines; it is called on the writer's thread. The
-  // descriptor is duplicated. Signals are blocked in the thread.
+  // `remark` makes the line that replaces lost ones, on the writer's thread. Duplicates `fd`.
   LineWriter(int fd, std::function<std::string(std::uint64_t lost)> remark);
   ~LineWriter();  // waiting lines are lost; call flush() before
   LineWriter(const LineWriter&) = delete;

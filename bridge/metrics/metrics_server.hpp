@@ -2,9 +2,8 @@
 // - GET /metrics: the metrics
 // - GET /healthz: "ok", or status 503 with the fault, for the supervisor of a container
 //
-// Owns an io thread of low priority, on which everything runs. A client cannot delay a bus: the
-// complete text is made first and then written without a lock. If the server cannot listen, it logs
-// that once and retries; the buses are not affected.
+// Owns an io thread of low priority. A client cannot delay a bus: the complete text is made first
+// and then written without a lock. If the server cannot listen, it logs that once and retries.
 #pragma once
 
 #include <atomic>

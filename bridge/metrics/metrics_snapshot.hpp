@@ -58,7 +58,6 @@ inline constexpr Duration kSilentBus = std::chrono::seconds{15};
 
 // Last report of every bus and device, for the metrics, as immutable copies that a snapshot shares:
 // the lock is held only to copy pointers. Any thread. Limited by the number of buses and devices.
-
 class MetricsTable {
  public:
   void note(BusFigures figures);

@@ -1,8 +1,6 @@
-// Text of a snapshot for Prometheus. Pure functions; any thread.
-//
-// Each metric is one row of a table in metrics_text.cpp: name, unit, help, and the function that
-// reads it from a report. Labels are configured names (bus, device, area) and enumerators (state,
-// cause), so their number is bounded. A cause has no line until it occurs.
+// Text of a snapshot for Prometheus. Each metric is one row of a table in metrics_text.cpp. Labels
+// are configured names and enumerators, so their number is bounded. A cause has no line until it
+// occurs. Pure functions; any thread.
 #pragma once
 
 #include <string>

@@ -1,5 +1,4 @@
-// Bytes in both directions over a socket, a TLS connection or a line's descriptor; the common
-// interface for a relay and an HTTP session. Lives on one io thread. Includes Asio.
+// Bytes in both directions over a socket, TLS or a line's descriptor. On one io thread.
 #pragma once
 
 #include <boost/asio/buffer.hpp>
@@ -26,8 +25,7 @@ class ByteStream {
   // One read and one write at a time; the buffer must live until `done`.
   virtual void read_some(boost::asio::mutable_buffer into, Done done) = 0;
   virtual void write_some(boost::asio::const_buffer from, Done done) = 0;
-  // Bytes in the kernel that the peer's kernel has not acknowledged, or that the line has not sent.
-  // Always 0 for a pseudo-terminal.
+  // Bytes that the peer or the line has not acknowledged; always 0 for a pseudo-terminal.
   [[nodiscard]] virtual std::size_t queued() const = 0;
   // Half-closes: a TCP peer reads the end of the stream and may still send.
   virtual void end_sending() {}
@@ -49,7 +47,6 @@ class ByteStream {
 namespace fieldcast {
 
 // A listening socket. Lives on one io thread. Includes Asio.
-
 class Listener {
  public:
   // `come` is called with each connection, until close().

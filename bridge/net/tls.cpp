@@ -22,8 +22,7 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using Secure = asio::ssl::stream<tcp::socket>;
 
-// Returns the common name in the peer's verified certificate. Empty without a certificate, and if
-// the subject does not have exactly one common name that is printable in the log.
+// Common name of the peer's verified certificate. Empty unless exactly one that is printable.
 std::string common_name_of(const SSL* tls) {
   const std::unique_ptr<X509, decltype(&X509_free)> shown(SSL_get1_peer_certificate(tls),
                                                           &X509_free);

@@ -22,11 +22,9 @@ class TlsServer {
   enum class Clients : std::uint8_t { kMay, kMust };
 
   // PEM files. Fails with a text that names the file if it is missing, has other contents, or is a
-  // key that other users can read. Without an authority, clients present no certificate.
-  //
-  // With an authority, changed files are read again before the next connection, so that
-  // certificates can be renewed and revoked at run time. While one of the files is not usable,
-  // every connection is refused.
+  // key that others can read. With an authority, changed files are read again before the next
+  // connection, to renew and revoke certificates; while one is not usable, every connection is
+  // refused.
   [[nodiscard]] static tl::expected<std::unique_ptr<TlsServer>, std::string> make(
       const TlsSpec& files, Clients clients = Clients::kMust);
   ~TlsServer();

@@ -1,7 +1,6 @@
-// Watches a device file with inotify(7) and reports when it appears or is replaced, for example
-// when a USB adapter is plugged in again. Watches every folder on the path to the file and to the
-// targets of its links, because /dev/serial/by-id is removed with the last adapter. Lives on its
-// bus's io thread.
+// Watches a device file with inotify(7) and reports when it appears or is replaced, as a USB
+// adapter. Watches every folder on the path and of its links, because /dev/serial/by-id is removed
+// with the last adapter. On its bus's io thread.
 #pragma once
 
 #include <sys/stat.h>
@@ -61,13 +60,9 @@ class DeviceWatch {
 [[nodiscard]] std::vector<std::string> folders_on_the_way(const std::string& path);
 
 // Waits until a descriptor is readable or writable; causes no wake-up while no wait is pending.
-//
-// Asio watches a descriptor edge-triggered as soon as it is assigned. A terminal then wakes the
-// thread for each burst of bytes, also while a response accumulates. This class uses its own epoll,
-// which is armed for one event at a time and only during a wait.
-//
-// Owns the epoll, not the descriptor. Lives on its bus's io thread.
-
+// Asio watches a terminal edge-triggered and wakes the thread for each burst of bytes. This class
+// has its own epoll, armed for one event at a time. Owns the epoll, not the descriptor. On its
+// bus's io thread.
 class Readiness {
  public:
   using Handler = std::function<void(boost::system::error_code)>;

@@ -15,8 +15,7 @@
 
 namespace fieldcast {
 
-// The connection of a module. A later one of the same number has a greater arrival: the module
-// reconnected, and the earlier connection is usually dead.
+// A module's connection. A later one of the same number has a greater arrival and replaces it.
 struct ModuleConnection {
   FileDescriptor socket;
   std::uint64_t arrival = 0;
@@ -53,8 +52,7 @@ class DialInRegistry {
   [[nodiscard]] Id claim(const std::string& number, Deliver deliver);
   void release(const std::string& number, Id id);
 
-  // Offers a module that has just sent this number. Returned to the caller if there is no bus for
-  // it. If no bus accepts it yet, it waits; only the newest one does.
+  // Offers a new module. Returned if there is no bus for it. If no bus accepts it yet, it waits.
   [[nodiscard]] std::optional<ModuleConnection> offer(const std::string& number,
                                                       FileDescriptor socket,
                                                       std::shared_ptr<void> presence = {});

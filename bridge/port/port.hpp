@@ -1,7 +1,6 @@
-// Interface to a line: sends bytes and delivers received bytes with the time of their arrival.
-//
-// A Port belongs to one BusRunner and lives on that runner's io thread; all calls and callbacks
-// happen there. To add a kind of port, add one class and one line in make_port.cpp.
+// Interface to a line: sends bytes and delivers received bytes with their arrival times. A Port
+// lives on the io thread of its BusRunner. To add a kind, add one class and one line in
+// make_port.cpp.
 #pragma once
 
 #include <sys/types.h>
@@ -29,26 +28,21 @@ class PortListener {
   virtual void on_opened() = 0;
   // `arrival` was read right after the bytes left the kernel. The bytes are valid during the call.
   virtual void on_received(ByteView bytes, Instant arrival) = 0;
-  // The port could not be opened or was lost; it is closed, and open() may be called again.
-  // `reason` is one human-readable line, `cause` is one of the kPort causes.
+  // The port could not be opened or was lost. `reason`: one line; `cause`: one of the kPort causes.
   virtual void on_closed(std::string reason, Cause cause) = 0;
 };
 
 class Port {
  public:
   virtual ~Port() = default;
-  // Ends in exactly one call of on_opened or on_closed. Bytes received before are dropped.
-  // REQUIRES: not open. The listener must live until close().
+  // Ends in one on_opened or on_closed. REQUIRES: not open. The listener must live until close().
   virtual void open(PortListener& listener) = 0;
-  // Sends all bytes. First drops bytes that were received but not delivered, so that no stale byte
-  // is parsed as part of the response. Does nothing if the port is not open. At most kMaxUnsent
-  // bytes wait for a blocked line; beyond that the port closes.
+  // Sends all bytes; drops received bytes that were not delivered, so that none is parsed as the
+  // response. No effect if not open. Closes if more than kMaxUnsent bytes wait for a blocked line.
   virtual void write(ByteView bytes) = 0;
-  // A hint: on_received needs at least this many more characters. The port may sleep for their
-  // transmission time, and then deliver them together. No byte is lost.
+  // A hint: at least so many characters are missing; the port may sleep for their time.
   virtual void expect(std::uint32_t characters) = 0;
-  // Immediately delivers bytes that have arrived. Call before a timeout is handled: after a delay
-  // of the process, the timer and earlier bytes are seen at the same moment.
+  // Delivers arrived bytes. Call before a timeout is handled, as the process may have been delayed.
   virtual void poll() = 0;
   virtual void close() = 0;
   // The bus ends: close(), but a dialled-in module stays connected for the next bus.
@@ -57,8 +51,7 @@ class Port {
   // Leases the line: returns a second, non-blocking descriptor for another thread; invalid if not
   // open. Until end_lease(), nothing is delivered and write() must not be called.
   [[nodiscard]] virtual FileDescriptor lease() = 0;
-  // Ends the lease: restores the configured settings and drops bytes received meanwhile. No effect
-  // unless leased.
+  // Restores the configured settings and drops bytes received meanwhile. No effect unless leased.
   virtual void end_lease() = 0;
 
   static constexpr std::size_t kMaxUnsent = 4096;
@@ -75,7 +68,6 @@ class DialInRegistry;
 namespace fieldcast {
 
 // Writes to a non-blocking descriptor, usually with one system call, and buffers the rest.
-
 class Unsent {
  public:
   enum class Kind { kTerminal, kSocket };

@@ -1,7 +1,6 @@
 #include "bridge/port/serial_line.hpp"
 
-// termios2: <termios.h> supports only the baud rates of its table, and both headers cannot be
-// included.
+// termios2: <termios.h> supports only fixed baud rates, and both headers cannot be included.
 #include <asm/termbits.h>
 #include <fmt/format.h>
 #include <linux/serial.h>
@@ -45,8 +44,7 @@ tl::expected<void, std::string> verify_settings(int fd, const LineFormat& line) 
     return tl::make_unexpected(
         std::string("the driver does not support this number of data bits, parity or stop bits"));
   }
-  // A receiver samples a character of 11 bits: with an error of more than 3 % on one side, it reads
-  // the last bits wrong.
+  // With an error over 3 %, a receiver reads the last bits of a character of 11 bits wrong.
   const double error = static_cast<double>(actual.c_ospeed) / line.baud - 1.0;
   if (error > 0.03 || error < -0.03) {
     return tl::make_unexpected(

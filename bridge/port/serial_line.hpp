@@ -1,6 +1,5 @@
-// Settings of a terminal device that termios does not offer: any baud rate, RS-485 direction
-// control by the kernel, the driver's low-latency flag. Stateless functions on an open descriptor.
-// Linux only.
+// Settings of a terminal device that termios lacks: any baud rate, RS-485 direction control, the
+// low-latency flag. Stateless functions on an open descriptor. Linux only.
 #pragma once
 
 #include <optional>
@@ -33,9 +32,8 @@ struct LineRemark {
 // Returns the bits of termios' c_cflag for data bits, parity and stop bits.
 [[nodiscard]] unsigned format_flags(const LineFormat& line);
 
-// Returns the present baud rate and stop bits; on the master side of a pseudo-terminal, those set
-// by the program at its slave. Data bits and parity of a pseudo-terminal are unknown: Linux sets
-// each to 8N (drivers/tty/pty.c, pty_set_termios).
+// Returns the present baud rate and stop bits; at the master of a pseudo-terminal, those set at its
+// slave. Linux sets data bits and parity there to 8N (drivers/tty/pty.c, pty_set_termios).
 [[nodiscard]] std::optional<program::LineSettings> rate_of(int fd);
 
 // Drops unsent bytes; otherwise close() may wait long for a blocked line.

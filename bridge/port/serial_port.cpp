@@ -27,9 +27,8 @@ namespace {
 
 namespace asio = boost::asio;
 
-// The sleep during a response ends this long before the last byte can arrive; the last bytes are
-// awaited one by one. A sleeping thread wakes late on a busy machine, and a delay of 200 us reduced
-// the throughput of 16 buses by 3 %.
+// The sleep during a response ends this long before the last byte: a sleeping thread wakes late on
+// a busy machine, and a delay of 200 us reduced the throughput of 16 buses by 3 %.
 constexpr Duration kEarlyWake = std::chrono::milliseconds{2};
 constexpr Duration kWorthSleeping = std::chrono::microseconds{500};
 

@@ -1,7 +1,5 @@
-// A serial device: UART, USB adapter or pseudo-terminal. Lives on its bus's io thread.
-//
-// Opens and closes on the io thread: this lasts microseconds, or some milliseconds with a USB
-// adapter.
+// A serial device: UART, USB adapter or pseudo-terminal. Opens and closes on its bus's io thread,
+// in microseconds, or some milliseconds with a USB adapter.
 #pragma once
 
 #include <optional>
@@ -25,15 +23,11 @@ class SerialPort final : public StreamPort {
   SerialPortSpec spec_;
 };
 
-// One master on a line: exclusive lock of a serial device, and its holder if the lock fails.
-
-// Locks the open device with flock(LOCK_EX) and TIOCEXCL. Returns `std::nullopt` on success,
-// otherwise one line with the holder if /proc shows it: "in use by mbpoll (process 1234)". The lock
-// ends with the descriptor.
+// Locks the open device with flock(LOCK_EX) and TIOCEXCL until it is closed. Returns empty, or one
+// line with the holder if known: "in use by mbpoll (process 1234)".
 [[nodiscard]] std::optional<std::string> lock_port(int fd, const std::string& path);
 
-// Returns a process that has the device open or locked: "mbpoll (process 1234)"; empty if none is
-// visible (processes of other users are not).
+// A visible process that has the device open or locked: "mbpoll (process 1234)"; or empty.
 [[nodiscard]] std::string port_user(const std::string& path);
 
 }  // namespace fieldcast

@@ -1,8 +1,6 @@
-// An open line, a terminal or a connected socket: sends, buffers unsent bytes, delivers received
-// bytes, and leases the line to a programming session.
-//
-// Owns the descriptor. Lives on its bus's io thread. Pending handlers share ownership and do
-// nothing after the end. Includes Asio; only for ports.
+// An open line, a terminal or a connected socket: sends, buffers, delivers received bytes, and
+// leases the line. Owns the descriptor. On its bus's io thread; pending handlers share ownership
+// and do nothing after the end. Includes Asio; only for ports.
 #pragma once
 
 #include <array>
@@ -84,11 +82,9 @@ class Stream : public std::enable_shared_from_this<Stream> {
   std::array<std::uint8_t, 4096> buffer_;
 };
 
-// A connected socket as the line of a bus: an outgoing connection (TcpPort) or a dialled-in module
-// (DialInPort). Lives on its bus's io thread.
+// A connected socket as the line of a bus (TcpPort, DialInPort). On its bus's io thread.
 
-// Sets keep-alive and no delay: a peer that vanished is detected within about 20 s, also if nothing
-// is sent. `unacknowledged`: how long bytes may wait for the peer's acknowledgement.
+// A vanished peer is detected within 20 s. `unacknowledged`: how long bytes may wait for it.
 inline constexpr Duration kUnacknowledged = std::chrono::seconds{10};
 // For a server with one client: until this connection closes, no other bridge can serve the bus.
 inline constexpr Duration kUnacknowledgedByOne = std::chrono::seconds{3};
@@ -98,9 +94,8 @@ void tune_socket(int fd, Duration unacknowledged = kUnacknowledged);
 [[nodiscard]] std::optional<boost::asio::ip::tcp::socket> adopt_socket(boost::asio::io_context& io,
                                                                        FileDescriptor fd);
 
-// Returns false if the peer has not acknowledged sent bytes for so long that it must be lost. A
-// peer that acknowledges but has no window, because its line is slow, is present. Returns true for
-// a descriptor that is not a TCP socket.
+// Returns false if the peer has not acknowledged sent bytes for too long. A peer without a window,
+// because its line is slow, is present. True for other descriptors.
 [[nodiscard]] bool peer_answers(int fd);
 
 // Number of clients of the peer (`fence: one-client`). With kOne, it may accept a second connection

@@ -1,8 +1,5 @@
-// Base of all ports whose line is a stream of bytes. Each opening is a separate object, which gets
-// a stream and then forwards calls to it. A new type of port derives from StreamPort and implements
-// its opening.
-//
-// Lives on its bus's io thread.
+// Base of ports whose line is a stream of bytes. Each opening is a separate object, which gets a
+// stream and forwards calls to it; a new type implements its opening. On its bus's io thread.
 #pragma once
 
 #include "bridge/port/dial_in_registry.hpp"
@@ -59,9 +56,7 @@ class StreamPort : public Port {
   std::shared_ptr<PortOpening> opening_;  // shared with pending handlers
 };
 
-// A TCP client: for a Modbus TCP device, or a serial server that forwards the bytes of a line.
-// Lives on its bus's io thread.
-
+// TCP client: for a Modbus TCP device, or a serial server that forwards the bytes of a line.
 class TcpPort final : public StreamPort {
  public:
   TcpPort(boost::asio::io_context& io, TcpPortSpec spec) : io_(io), spec_(std::move(spec)) {}
@@ -74,9 +69,7 @@ class TcpPort final : public StreamPort {
   TcpPortSpec spec_;
 };
 
-// Port of a dial-in module: it is open while a module with the configured number is connected.
-// Lives on its bus's io thread; modules arrive through the registry.
-
+// Port of a dial-in module: open while a module with the configured number is connected.
 class DialInPort final : public StreamPort {
  public:
   // The registry outlives the port.

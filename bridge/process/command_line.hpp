@@ -1,7 +1,5 @@
-// Command line of a program: options and subcommands that fill variables of the caller. Uses CLI11;
-// only command_line.cpp includes it.
-//
-// Add all options, then call parse() once. The variables must live until then. Main thread.
+// Command line of a program: options and subcommands that fill the caller's variables. Add all,
+// then call parse() once. Main thread. Only command_line.cpp includes CLI11.
 #pragma once
 
 #include <cstdint>

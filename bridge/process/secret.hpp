@@ -1,8 +1,6 @@
-// A password, shared secret or key in memory that is locked (not swapped), excluded from core dumps
-// and overwritten when released (libsodium). Copies share one immutable text. Any thread.
-//
-// If the limit of locked memory (RLIMIT_MEMLOCK) is too small, the text is stored anyway but may be
-// swapped; secrets_are_locked() returns false then.
+// A password, shared secret or key in locked memory (not swapped), excluded from core dumps and
+// overwritten when released (libsodium). Copies share one text. Any thread. If RLIMIT_MEMLOCK is
+// too small, it may be swapped; secrets_are_locked() returns false then.
 #pragma once
 
 #include <memory>
@@ -38,10 +36,7 @@ void wipe(std::string& text);
 // Returns false if this process may not lock memory, or not enough of it.
 [[nodiscard]] bool secrets_are_locked();
 
-// Files that hold a secret: passwords, shared secrets, private keys. Only the owner and root, and
-// with kOwnerAndGroup the group, may have permission to read them. Any thread.
-
-// Who may read the file, in addition to root.
+// Files with secrets: only the owner, root and, with kOwnerAndGroup, the group may read them.
 enum class Readers : std::uint8_t {
   kOwner,          // only the owner: the password of a person
   kOwnerAndGroup,  // also the group: a file of root that a service's group reads
@@ -49,8 +44,7 @@ enum class Readers : std::uint8_t {
 
 inline constexpr std::size_t kMaxSecretFile = 64 * 1024;  // bytes
 
-// Fails with one line that begins with the path if the file cannot be read, is not a file, or if
-// others may read or change it.
+// Fails with one line with the path if it cannot be read, is not a file, or others may access it.
 [[nodiscard]] tl::expected<void, std::string> check_secret_file(const std::string& path,
                                                                 Readers readers);
 // Reads the whole file under the same rule. Checks and reads through one descriptor, so that the
@@ -67,8 +61,7 @@ inline constexpr std::size_t kMaxSecretFile = 64 * 1024;  // bytes
 // RLIMIT_CORE). Does nothing with FIELDCAST_CORE_DUMPS=1 in the environment, for debugging.
 void guard_memory();
 
-// Returns one line for the log about each protection that is missing, including secrets that may be
-// swapped; empty if all are active.
+// One line for the log about each missing protection; empty if all are active.
 [[nodiscard]] std::string unguarded_memory();
 
 }  // namespace fieldcast

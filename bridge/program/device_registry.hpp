@@ -1,6 +1,5 @@
-// Finds the device of a number, which is a device of a bus or a module without one, and leases it
-// to one engineer at a time. Runs on the server's io thread; buses may be added and removed on any
-// thread.
+// Finds the device of a number, of a bus or a module without one, and leases it to one engineer at
+// a time. Runs on the server's io thread; any thread may add and remove buses.
 #pragma once
 
 #include <map>
@@ -24,8 +23,7 @@ struct Refusal {
   std::string reason;
 };
 
-// A device that is leased, or requested. The holder gives it back once, after it has closed the
-// descriptor.
+// A leased or requested device. The holder gives it back once, after it has closed the descriptor.
 struct DeviceLease {
   std::string number, who;
   std::string bus, device;             // names; a module without a bus: "dial-in" and its number

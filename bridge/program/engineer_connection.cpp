@@ -23,8 +23,7 @@ constexpr Duration kFlushLongest = std::chrono::minutes{10};
 constexpr Duration kFlushAtEnd = std::chrono::seconds{2};
 constexpr Duration kFlushCheck = std::chrono::milliseconds{50};
 
-// Watches an end that finishes until it is closed: by itself, or here when its peer accepts no more
-// bytes. Keeps no reference to its connection, which may be destroyed earlier.
+// Watches an end that finishes until it is closed. Keeps no reference to its connection.
 class Farewell : public std::enable_shared_from_this<Farewell> {
  public:
   Farewell(asio::io_context& io, std::shared_ptr<RelayEnd> end, Duration longest)

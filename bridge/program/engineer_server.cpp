@@ -93,8 +93,7 @@ void EngineerServer::welcome(std::unique_ptr<ByteStream> stream, const std::stri
   client->start();
 }
 
-// Logs the first displacement and counts the others, so that a flood of connections does not flood
-// log and audit.
+// Logs the first displacement and counts the others: no flood of log and audit.
 void EngineerServer::displaced(const std::string& address) {
   const auto verdict = displacements_.occurred("silent", steady_now());
   if (!verdict.log) return;

@@ -1,5 +1,4 @@
-// Accepts engineers' clients: plain TCP on the loopback, TLS if a certificate is configured. Runs
-// on the server's io thread.
+// Accepts engineers' clients: plain TCP on the loopback, or TLS. Runs on the server's io thread.
 #pragma once
 
 #include <boost/asio/ip/tcp.hpp>
@@ -38,8 +37,7 @@ class EngineerServer {
   // The error is one line: the reason why no client can connect.
   [[nodiscard]] tl::expected<void, std::string> listen();
   [[nodiscard]] std::uint16_t port() const;  // that it listens on
-  // Ends every pairing; `done` is called when the last client has disconnected, after two seconds
-  // at most.
+  // Ends every pairing; calls `done` when the last client has disconnected, after 2 s at most.
   void close(const std::string& reason, std::function<void()> done);
 
  private:

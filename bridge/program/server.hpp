@@ -33,8 +33,7 @@ namespace fieldcast::program {
 
 class Server {
  public:
-  // The registry and the objects used by the hooks must outlive the server; the server must outlive
-  // every added bus.
+  // The registry and the objects of the hooks outlive the server; it outlives every added bus.
   Server(Hooks hooks, DialInRegistry& registry);
   ~Server();
   Server(const Server&) = delete;
@@ -43,15 +42,14 @@ class Server {
   // Listens at the configured addresses, if any. The error is one line. REQUIRES: not started.
   // Modules that stop() kept stay connected, unless modules can no longer dial in.
   [[nodiscard]] tl::expected<void, std::string> start(const ProgramSpec& spec);
-  // Disconnects clients, and also modules unless they are kept for the next start(). Lasts two
-  // seconds at most. The server may be started again. With kKeep it continues to accept modules.
+  // Disconnects clients, and modules unless kept for the next start(). Lasts two seconds at most.
+  // With kKeep it continues to accept modules.
   enum class Modules : std::uint8_t { kLetGo, kKeep };
   void stop(Modules modules = Modules::kLetGo);
 
   [[nodiscard]] std::vector<LeasedDevice> leased() const;
 
-  // Adds the devices of a bus for engineers. Remove a bus before its runner stops. May be called
-  // before start().
+  // Adds the devices of a bus, also before start(). Remove it before its runner stops.
   void add_bus(const BusSpec& bus, std::shared_ptr<BusRunner> runner);
   void remove_bus(const std::string& bus);
 
@@ -70,8 +68,7 @@ class Server {
 
 namespace fieldcast::program {
 
-// Describes who may use the programming port according to the configuration, in human-readable text
-// for the start and --check. Values only; any thread.
+// Describes who may use the programming port, for the start and --check. Values; any thread.
 
 // "modules dial in at 0.0.0.0:4951: TLS with a certificate of plant.pem, from 10.0.0.0/8; a second
 // one of a number is refused"

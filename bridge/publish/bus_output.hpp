@@ -1,5 +1,4 @@
-// Output of one bus: DDS, the store, the alarms, the metrics, the audit of commands. Owns the
-// objects that belong only to this bus. Called on the bus's thread.
+// Output of one bus: DDS, store, alarms, metrics, audit of commands. On the bus's thread.
 #pragma once
 
 #include <atomic>
@@ -24,9 +23,7 @@
 
 namespace fieldcast {
 
-// Stores the samples of one bus and the state changes of its devices. Called on the bus's thread;
-// never waits for the store.
-
+// Stores samples and device states of one bus. On the bus's thread; never waits for the store.
 class StoreRecorder {
  public:
   // The store outlives this object.
@@ -47,11 +44,10 @@ class StoreRecorder {
   std::map<std::string, Device, std::less<>> devices_;
 };
 
-// The block of an exchange, and a few single samples, are written immediately on the bus's thread,
-// during the silence after the response: this is fastest. Everything else goes to the publisher
-// thread, so that a bus never waits for DDS. The order is kept: while that thread has tasks of the
-// bus, nothing is written directly, so DdsLink has one caller at a time per bus.
-
+// The block of an exchange, and a few single samples, are written on the bus's thread, during the
+// silence after the response: fastest. Everything else goes to the publisher thread, so that a bus
+// never waits for DDS. The order is kept: while that thread has tasks of the bus, all tasks go
+// there.
 class BusOutput final : public BusSink {
  public:
   // Time that DDS needs for one sample on a small machine.

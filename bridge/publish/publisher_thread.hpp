@@ -1,8 +1,6 @@
-// Thread that writes results, reports and larger blocks of samples to DDS. A DataWriter needs some
-// 10 us per sample and wakes other threads. On the bus's thread, this time would exceed the silence
-// after a response and delay the next request.
-//
-// Tasks run one after another, in the order of post(). Any thread may post.
+// Thread that writes results, reports and larger blocks of samples to DDS: a DataWriter needs some
+// 10 us per sample, more than the silence after a response allows. Tasks run in the order of
+// post(). Any thread may post.
 #pragma once
 
 #include <algorithm>
@@ -50,15 +48,10 @@ class PublisherThread {
   Worker<Task> worker_;  // last: it uses the members above
 };
 
-// Holds the samples of a bridge of a standby group that must not be published now:
-// - while the master is unknown,
-// - while another master uses the wire,
-// - after a takeover, until a good value proves that this bridge has the wire.
-// Afterwards the last sample of each channel is published. The engine treats held samples as
-// published and would not repeat that a channel is no longer good.
-//
-// Pure; on the bus's thread, except prove_until(). Cannot fail.
-
+// Holds samples that must not be published now: while the master is unknown, while another master
+// uses the wire, and after a takeover until a good value proves that this bridge has the wire.
+// Afterwards the last sample of each channel is published, as the engine treats held samples as
+// published. Pure; on the bus's thread, except prove_until().
 class SampleHold {
  public:
   // Holds samples until `limit` or the first good value acquired after `now`. Any thread.
@@ -72,8 +65,7 @@ class SampleHold {
     foreign_ = true;
   }
 
-  // Returns those of the new and the held samples that may be published. `serves`: this bridge is
-  // master. Call periodically also without samples.
+  // Returns new and held samples to publish. `serves`: this bridge is master. Call periodically.
   [[nodiscard]] std::vector<Sample> pass(std::vector<Sample> samples, bool serves, Instant now) {
     const bool proof =
         std::ranges::any_of(samples, [from = proof_from_.load()](const Sample& each) {

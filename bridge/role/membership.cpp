@@ -18,8 +18,8 @@ namespace {
 constexpr Duration kFinish = std::chrono::seconds{1};
 // Samples of a released master arrive within this time or are counted as lost.
 constexpr Duration kLastBlocks = std::chrono::milliseconds{50};
-// Exceeds the samples of a master after its successor last received from it. The gap of the term
-// (sequences_of) is larger, except with an earlier version or more than 2^32 samples.
+// Exceeds the samples of a master after its successor last received from it; needed only with an
+// earlier version or more than 2^32 samples, as the gap of the term (sequences_of) is larger.
 constexpr std::uint64_t kSequenceMargin = 1024;
 
 std::uint64_t greatest_sequence(const std::map<std::string, FollowedBus>& known) {

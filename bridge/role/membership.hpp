@@ -1,8 +1,6 @@
-// This bridge as a member of its standby group, from joining to leaving: its messages to the other
-// members, the state of the master that it follows, and what starts and stops when its role
-// changes. Owns the election, its DDS endpoints and the follower.
-//
-// The thread that changes the set of buses calls the functions, except where stated otherwise.
+// This bridge as a member of its standby group, from joining to leaving: messages, the state of the
+// master that it follows, and what starts and stops when its role changes. Owns the election, its
+// DDS endpoints and the follower. On the thread that changes the set of buses, except where stated.
 #pragma once
 
 #include <atomic>

@@ -53,9 +53,8 @@ class Authority {
   // Issues a new certificate and new permissions for the same key and subject. The folder may be
   // copied over the old one while programs run. They load it at their next start or reload.
   void renew(const std::string& name, UtcTime now, Duration life = kMemberLife);
-  // Revokes all certificates ever issued to the member, also if its folder no longer exists. Writes
-  // the new list to the authority and to the folders of all members. Returns the files that could
-  // not be read or written; the others are done.
+  // Revokes all certificates ever issued to the member and writes the new list to the authority and
+  // all members. Returns the files that could not be read or written; the others are done.
   std::vector<std::string> revoke(const std::string& name, UtcTime now);
 
   [[nodiscard]] MemberList members() const;
@@ -88,8 +87,7 @@ struct MemberCheck {
 [[nodiscard]] MemberCheck check_member(const std::string& folder, UtcTime now);
 // Returns the faults of an authority's folder and its own files, one human-readable line each.
 [[nodiscard]] std::vector<std::string> authority_faults(const std::string& folder);
-// The same for the folder in a program's configuration. A bridge needs the identity of a bridge;
-// other programs need another role.
+// The same for a program's folder. A bridge needs a bridge's identity; other programs another role.
 [[nodiscard]] MemberCheck check_program(const std::string& folder, bool is_bridge, UtcTime now);
 
 // Validity end of the certificate in a member's folder; `std::nullopt` if it cannot be read.

@@ -31,8 +31,7 @@ void make_folder(const std::string& path);
 // Renames a file or a folder. Fails if the new name exists.
 void move_new(const std::string& from, const std::string& to);
 
-// Returns a human-readable fault with the remedy if other users may change the file or folder;
-// empty otherwise, also if it does not exist.
+// A fault with the remedy if other users may change the file or folder; empty otherwise.
 [[nodiscard]] std::string open_to_change(const std::string& path);
 
 // Suffix of the name of an incomplete file.

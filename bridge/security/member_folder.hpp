@@ -1,7 +1,5 @@
-// The table of topics that each role may write and read; source of permissions and documents. Pure;
-// values, any thread.
-//
-// A topic of bridge/dds/topics without a row here is denied to all roles, and a test fails.
+// The topics that each role may write and read; source of permissions and documents. A topic of
+// bridge/dds/topics without a row is denied, and a test fails. Pure; values, any thread.
 #pragma once
 
 #include <cstdint>
@@ -69,9 +67,7 @@ struct Member {
 [[nodiscard]] std::string fault_of(const Member& member);
 
 // The folder of one member: its identity, its permissions, and the certificates to check others.
-// `fieldcast secure add` creates it; `dds: { security: DIR }` names it. Functions on files; any
-// thread.
-
+// `fieldcast secure add` creates it; `dds: { security: DIR }` names it. Any thread.
 inline constexpr std::string_view kIdentityCa = "identity-ca.pem";
 inline constexpr std::string_view kPermissionsCa = "permissions-ca.pem";
 inline constexpr std::string_view kGovernance = "governance.p7s";
@@ -89,9 +85,8 @@ inline constexpr std::string_view kMemberFiles[] = {kIdentityCa,  kPermissionsCa
 [[nodiscard]] std::string member_text(const Member& member);
 [[nodiscard]] tl::expected<Member, std::string> member_from(std::string_view text);
 
-// Returns the member of the folder. Fails with a human-readable text if the folder or a file is
-// missing, or if access rights are unsafe: only the owner, and a group for reading, may read a key;
-// only the owner may change a file or the folder.
+// The member of the folder. Fails with a text if a file is missing or access rights are unsafe:
+// only the owner, and a group for reading, may read a key; only the owner may change files.
 [[nodiscard]] tl::expected<Member, std::string> read_member(const std::string& folder);
 
 // "file:///etc/fieldcast/security/identity.pem", the form that DDS requires.

@@ -32,10 +32,9 @@ struct Validity {
 // S/MIME with clear text.
 [[nodiscard]] std::string sign(const Identity& authority, const std::string& text);
 
-// Make an empty list and a list with one more certificate, signed by the authority. A list has no
-// end of validity, because an expired one would lock out all members. The revoked certificates
-// follow the list: DDS libraries read only the list, revoked_subjects() reads the names from the
-// certificates.
+// An empty list, and a list with one more certificate, signed by the authority; without an end of
+// validity, as an expired one would lock out all members. The revoked certificates follow the list,
+// for revoked_subjects(); DDS libraries read only the list.
 [[nodiscard]] std::string empty_revocations(const Identity& authority, UtcTime now);
 [[nodiscard]] std::string revoke(const Identity& authority, const std::string& list,
                                  const std::string& certificate, UtcTime now);
@@ -47,8 +46,7 @@ struct CertificateFacts {
   UtcTime not_before, not_after;
 };
 [[nodiscard]] CertificateFacts read_certificate(const std::string& certificate);
-// Returns the subjects of the certificates that follow the list and are in it. Throws SecurityError
-// if the authority has not signed the list.
+// Subjects of the revoked certificates. Throws SecurityError for a list of another authority.
 [[nodiscard]] std::vector<Subject> revoked_subjects(const std::string& authority,
                                                     const std::string& list);
 [[nodiscard]] bool is_revoked(const std::string& list, const std::string& certificate);

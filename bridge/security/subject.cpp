@@ -98,8 +98,7 @@ GuidStart guid_start(const Subject& subject) {
 
 namespace {
 
-// All domains: membership in a domain is not a matter of trust. Cyclone DDS 0.10 rejects a document
-// with a domain above 230.
+// All domains: membership is not a matter of trust. Cyclone DDS 0.10 rejects a domain above 230.
 std::string domains() {
   return fmt::format("      <domains><id_range><min>0</min><max>{}</max></id_range></domains>\n",
                      kHighestDomain);

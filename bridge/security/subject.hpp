@@ -1,10 +1,9 @@
-// The subject name of an identity: O=Fieldcast, OU=its role, CN=its name and a number.
-//
-// In DDS Security, the first six bytes of a participant's GUID come from the SHA-256 of the subject
-// (formal/18-04-01, 9.3.3); both sides of a handshake check that. The GUID of a writer therefore
-// identifies the subject. The participant with the smaller GUID begins the handshake. Fast DDS 2.9
-// must not begin one with Cyclone DDS (eProsima/Fast-DDS #3802). The number is therefore chosen
-// such that bridges always have a greater GUID than stations and plants. Pure; any thread.
+// The subject name of an identity: O=Fieldcast, OU=its role, CN=its name and a number. In DDS
+// Security, the first six bytes of a participant's GUID come from the SHA-256 of the subject
+// (formal/18-04-01, 9.3.3), so the GUID of a writer identifies the subject. The participant with
+// the smaller GUID begins the handshake, which Fast DDS 2.9 must not do with Cyclone DDS
+// (eProsima/Fast-DDS #3802). So the number gives bridges a greater GUID than stations and plants.
+// Pure; any thread.
 #pragma once
 
 #include <array>
@@ -31,8 +30,7 @@ struct Subject {
 // Uses the first number with which the GUID is in the half required for the role.
 [[nodiscard]] Subject subject_for(const Member& member);
 
-// Parses the slashed text of a certificate or an identity token,
-// "/O=Fieldcast/OU=plant/CN=mes-1.2". Returns `std::nullopt` for a subject of another authority.
+// Parses "/O=Fieldcast/OU=plant/CN=mes-1.2"; empty for a subject of another authority.
 [[nodiscard]] std::optional<Subject> subject_from(std::string_view slashed);
 
 [[nodiscard]] std::string der_of(const Subject& subject);
@@ -51,9 +49,8 @@ enum class Protection : std::uint8_t {
 
 // Applies to all domains and topics: a participant needs an identity, and its keys protect
 // everything it sends. The content of topics by bus (commands) is also protected with keys of the
-// writer, which only bridges receive. A station that may read samples therefore cannot forge
-// commands, not even with its own DDS library. Protection of whole submessages would also cover
-// their sequence numbers, but Fast DDS 2.9.1 and Cyclone DDS 0.10.2 do not match with it.
+// writer, which only bridges receive: a station that may read samples cannot forge commands. Fast
+// DDS 2.9.1 and Cyclone DDS 0.10.2 do not match with protection of whole submessages.
 [[nodiscard]] std::string governance_text(Protection protection);
 // Returns true if the document, signed or not, requires protection of whole messages.
 [[nodiscard]] bool protects_messages(std::string_view governance);

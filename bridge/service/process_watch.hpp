@@ -1,6 +1,5 @@
-// Signals of a daemon. A separate thread receives them, and the main thread handles them one after
-// the other. While the main thread hangs in a driver or a library, no signal is lost. The signal
-// thread ends the process if a stop takes too long.
+// Signals of a daemon, received on a separate thread and handled on the main thread. None is lost
+// while the main thread hangs. The signal thread ends the process if a stop takes too long.
 #pragma once
 
 #include <atomic>
@@ -31,8 +30,7 @@ class Signals {
   Signals(const Signals&) = delete;
   Signals& operator=(const Signals&) = delete;
 
-  // Sets what the signal thread does before it ends the process because a stop takes too long, for
-  // the life of the returned object.
+  // Action of the signal thread before it ends the process, for the life of the returned object.
   [[nodiscard]] std::shared_ptr<void> if_stuck(std::function<void()> last_words);
 
   [[nodiscard]] bool ending() const { return ending_; }
@@ -53,8 +51,7 @@ class Signals {
   std::thread thread_;  // last: it uses the members above
 };
 
-// Logs present and coming faults of this program's DDS Security identity while it runs: once a day,
-// and when its certificate expires. Main thread.
+// Logs faults of this program's DDS Security identity, daily and when it expires. Main thread.
 
 // Returns true if a day has passed, the clock was set back, or a certificate with this end has
 // expired since `last`. Pure.

@@ -35,18 +35,15 @@ struct StandingBus {
 [[nodiscard]] std::optional<StandingBus> standing_bus(const std::vector<BusTurn>& turns,
                                                       Instant now, Duration limit);
 
-// Reports the state of the program to the service manager with the datagrams of sd_notify(3), and
-// feeds the watchdog. Does nothing without a service manager ($NOTIFY_SOCKET is not set). Never
-// waits and never fails; a datagram that the manager does not receive is lost. Main thread.
-
+// Reports the state of the program to the service manager (sd_notify(3)) and feeds the watchdog, if
+// $NOTIFY_SOCKET is set. Never waits and never fails; datagrams may be lost. Main thread.
 class Service {
  public:
   // A bus hangs if its thread has not turned for half of the watchdog's limit, but at least for
   // this time: a thread may be late on a busy machine.
   static constexpr Duration kLeastStanding = std::chrono::seconds{3};
 
-  // `notify_address`: a path, or "@name" of an abstract socket; empty: no reports. `watchdog`: time
-  // without a report after which the manager ends the process.
+  // `notify_address`: a path, or "@name" (abstract); empty: none. `watchdog`: see watchdog_limit().
   Service(std::string notify_address, std::optional<Duration> watchdog);
 
   // The configuration is loaded and every bus has its thread.

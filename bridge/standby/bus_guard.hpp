@@ -1,9 +1,7 @@
-// Decides whether a starting bridge has waited long enough to discover the other bridges of its
-// domain. Discovery normally lasts up to 0.9 s. It lasts longer behind a discovery server, or with
-// DDS Security on a busy machine. Then there are bridges that were found but have not announced
-// anything.
-//
-// Pure: no thread, no clock, no DDS; one owner. Cannot fail.
+// Decides whether a starting bridge has waited long enough to discover the other bridges: normally
+// up to 0.9 s, longer behind a discovery server or with DDS Security on a busy machine. Then
+// bridges were found that have not announced anything. Pure: no thread, no clock, no DDS; one
+// owner.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +20,7 @@
 
 namespace fieldcast {
 
-// What DDS reports of bridges that have not announced themselves yet.
+// State of bridges that have not announced themselves yet, from DDS.
 struct Finding {
   bool has_servers = false;     // discovery servers are configured
   bool server_answers = false;  // at least one of them
@@ -74,10 +72,8 @@ class Settling {
   Instant silent_ = began_;    // last time at which a bridge was silent
 };
 
-// Ensures that only one bridge of the domain serves each bus: announces what this bridge wants and
-// serves, receives the announcements of others, and decides (bus_claims.hpp). Any thread may call
-// the functions; changed() is called on the guard's thread.
-
+// Ensures that only one bridge of the domain serves each bus: announces claims, receives those of
+// others, and decides (bus_claims.hpp). Any thread; changed() is called on the guard's thread.
 class BusGuard {
  public:
   // Period of checks whether the processes of other bridges on this machine still run.
@@ -85,9 +81,8 @@ class BusGuard {
 
   struct Handlers {
     std::function<void(const BridgeClaims&)> announce;  // one call at a time
-    // serves() or contested() may have changed. `uncontested`: buses that another bridge also
-    // served and no longer serves. Called on the guard's thread, after watch(). If it returns
-    // false, it is called again soon.
+    // serves() or contested() may have changed. `uncontested`: buses that another bridge no longer
+    // serves. On the guard's thread, after watch(). If false, it is called again soon.
     std::function<bool(const std::set<std::string>& uncontested)> changed;
     std::function<Finding()> finding;  // without the bridges of found() and of the claims
     // Members of the group that were received there.
@@ -127,8 +122,7 @@ class BusGuard {
   // The buses that both this bridge and rival() serve.
   [[nodiscard]] std::set<std::string> contested() const;
 
-  // Returns another member of the group with the name of this bridge. The one with priority
-  // (goes_first) may become master, the second must not.
+  // Another member with this bridge's name; only the one with priority (goes_first) may be master.
   [[nodiscard]] std::optional<BusClaims::Namesake> namesake() const;
 
   void watch();  // from now on, changed() is called

@@ -45,15 +45,13 @@ enum class StandbyRole : std::uint8_t {
   return "unknown";
 }
 
-// Upper half: a counter. Lower half: a hash of the member's name, so that members that cannot
-// receive each other choose different terms.
+// Upper half: a counter; lower half: a hash of the name, so that cut-off members differ.
 using StandbyTerm = std::uint64_t;
 [[nodiscard]] constexpr std::uint32_t number_of(StandbyTerm term) {  // human-readable
   return static_cast<std::uint32_t>(term >> 32);
 }
-// Sample numbers of a term start above this number, so they exceed those of all earlier terms,
-// whatever the new master has received of them. Each term number has 2^32 samples per channel. The
-// result is below 2^63, which databases require.
+// Sample numbers of a term start above this, so they exceed those of all earlier terms. Each term
+// number has 2^32 samples per channel; the result is below 2^63, which databases require.
 inline constexpr std::uint32_t kMostTerms = 0x7fffffff;
 [[nodiscard]] constexpr std::uint64_t sequences_of(StandbyTerm term) {
   const std::uint32_t number = number_of(term);

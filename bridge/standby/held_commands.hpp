@@ -1,15 +1,11 @@
-// Commands at a waiting member of a standby group. The member receives the same commands as the
-// master and holds each one until it receives the result. When it takes over, it runs the commands
-// that are left.
+// Commands at a waiting member of a standby group: it receives the same commands as the master,
+// holds each one until it receives the result, and runs those that are left when it takes over. If
+// the master has begun a write, its effect is unknown: without a result or the note that it was
+// given back, it ends as failed and never runs again.
 //
-// If the master has begun a write, it is unknown whether the write took effect. Its result, or the
-// note that it was given back, may still arrive. Without either, the write ends as failed and never
-// runs again.
-//
-// A command may have reached only this member: it arrived while the group had no master, and a
-// member that joined later became master. The member therefore reports commands without a result to
-// the master. The master responds to unknown commands, and reports which commands already have a
-// result. Any thread.
+// A command may have reached only this member, before a later member became master. The member
+// therefore reports commands without a result to the master, which responds to unknown ones and
+// reports which already have a result. Any thread.
 #pragma once
 
 #include <algorithm>
@@ -39,8 +35,7 @@ class HeldCommands {
   static constexpr Duration kTellAfter = std::chrono::seconds{1};
   static constexpr unsigned kMostTold = 10;
   static constexpr std::size_t kMostAtOnce = 64;
-  // The master remembers for this time that a command has its result. A member may receive the
-  // command late, and join the group after the result.
+  // The master remembers results this long, for late commands and members that join after one.
   static constexpr Duration kAnswersFor = std::chrono::seconds{30};
   using Key = std::pair<std::string, std::uint64_t>;
 
@@ -168,8 +163,7 @@ class HeldCommands {
     entries_.clear();
     return left;
   }
-  // This bridge joins or rejoins its group. It cannot know results that were sent before, so
-  // commands held until now never run here. New commands are held.
+  // This bridge (re)joins its group: commands held until now never run here; new ones are held.
   void join() {
     const std::lock_guard lock(mutex_);
     entries_.clear();

@@ -1,6 +1,5 @@
-// Time until which this bridge may send requests and publish samples; checked before each of them.
-// After a stopped process continues, the lease has expired, and the bridge is silent until it has
-// received which bridge is master. Any thread.
+// Time until which this bridge may send and publish; checked before each request and sample. It
+// expires while the process is stopped, until the bridge has received the master. Any thread.
 #pragma once
 
 #include <atomic>

@@ -66,9 +66,8 @@ std::string pid_namespace() {
   return std::filesystem::read_symlink("/proc/self/ns/pid", ignored).string();
 }
 
-// Returns the start time of a process in ticks after boot. `std::nullopt` if the process is not
-// visible, empty if it has ended but was not reaped. proc(5), /proc/pid/stat: "pid (name) state ..
-// starttime"; the name may contain any character.
+// Start time of a process in ticks after boot, from /proc/pid/stat (proc(5)): "pid (name) state ..
+// starttime". Empty if it is not visible; an empty text if it has ended but was not reaped.
 std::optional<std::string> start_of(const std::string& pid) {
   constexpr int kState = 3, kStartTime = 22;
   std::string line, field, state;

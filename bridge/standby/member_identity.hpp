@@ -1,5 +1,4 @@
-// Hash of the configuration that all bridges of a standby group must share: buses, devices and
-// channels, without the ports. Pure.
+// Hash of the buses, devices and channels, without ports, that a standby group must share. Pure.
 #pragma once
 
 #include <string>
@@ -13,7 +12,6 @@ namespace fieldcast {
 
 // Identity of a process, with which another process on the same kernel can check whether it still
 // runs: "boot/namespace/pid/start". A pid alone is reused, after a reboot or in another container.
-
 [[nodiscard]] std::string own_process_identity();
 
 // Returns true only if that process would be visible to this one and no longer runs.

@@ -17,8 +17,7 @@ namespace {
 
 constexpr std::size_t kMostWaiting = 4096;
 
-// Real-time priority, so that a busy machine does not look like a failed one. Without the
-// permission, the thread keeps normal priority.
+// Real-time priority, if permitted, so that a busy machine does not look like a failed one.
 void ask_for_priority() {
   sched_param wanted{};
   wanted.sched_priority = 1;

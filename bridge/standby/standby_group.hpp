@@ -1,9 +1,7 @@
-// This bridge as a member of its standby group. Runs the election (election.hpp) on its own thread
-// and sends the member's state ten times a second. Watches the processes of members on the same
-// kernel. Notes to the group which writes begin.
-//
-// Any thread may call the functions. Handlers are called on the group's thread unless stated
-// otherwise; they must not block.
+// This bridge as a member of its standby group: runs the election on its own thread, sends the
+// member's state ten times a second, watches processes of members on the same kernel, and notes
+// which writes begin. Any thread; handlers are called on the group's thread unless stated otherwise
+// and must not block.
 #pragma once
 
 #include <functional>

@@ -1,11 +1,8 @@
-// Set of the commands of the last seconds, used in a standby group:
-// - The router stores commands that another bridge has responded to, and the group stores writes
-//   that another bridge has begun. Such a command may still be in flight to this bridge; it must
-//   not run or get a second result.
-// - The bridge stores commands that have their result: another member may hold such a command
-//   without knowledge of the result.
-//
-// Pure; the owner guards it. If the set is full, the oldest entry is removed.
+// Set of the commands of the last seconds, in a standby group. The router stores commands with a
+// response of another bridge, the group stores writes that another bridge has begun: such a command
+// may still be in flight to this bridge and must not run. The bridge stores commands that have
+// their result, for members that hold them. Pure; the owner guards it. A full set drops the oldest
+// entry.
 #pragma once
 
 #include <cstdint>
@@ -61,7 +58,6 @@ class RecentCommands {
 
 // Messages between bridges of a standby group, and the state that a member keeps of the data its
 // master publishes. Plain values; any thread.
-
 struct StandbyBusFigures {
   std::string bus;
   std::uint64_t epoch = 0;   // of its catalogue

@@ -150,8 +150,7 @@ void BlockSubscription::take_blocks() {
   }
 }
 
-// Handles a writer that crashes or leaves without disposing: the library delivers no message for
-// its instances.
+// A writer crashed or left without disposing: the library delivers no message for its instances.
 void BlockSubscription::end_of(const dds::InstanceHandle_t& writer) {
   for (auto known = known_.begin(); known != known_.end();) {
     if (known->first.first != writer) {

@@ -1,9 +1,6 @@
-// A station's subscription to blocks: receives SampleBlock and CatalogueBlock, reports channels and
-// samples. Requests a snapshot if blocks were lost.
-//
-// Callbacks of DDS only wake the subscription's own thread, which takes the messages and calls the
-// handlers, one at a time. Functions may be called from any one thread. A handler that is added
-// late first receives the known state, on the caller's thread.
+// A station's subscription to SampleBlock and CatalogueBlock: reports channels and samples, and
+// requests a snapshot if blocks were lost. DDS only wakes its own thread, which calls the handlers,
+// one at a time. Any one thread; a late handler first receives the known state there.
 #pragma once
 
 #include <condition_variable>
@@ -42,11 +39,9 @@ class BlockSubscription : private dds::DataReaderListener {
   [[nodiscard]] Counters counters() const;  // any thread
 
  private:
-  // Wait for a snapshot, from its request or from the discovery of the bus; then it is requested
-  // again.
+  // Wait for a snapshot, from its request or the discovery of the bus, before the next request.
   static constexpr Duration kPatience = std::chrono::milliseconds{300};
-  // Wait before the first such request to a master whose sequence numbers are too low; doubles each
-  // time.
+  // Wait before the first such request to a master with too low numbers; doubles each time.
   static constexpr Duration kBehind = std::chrono::seconds{1},
                             kMostBehind = std::chrono::minutes{1};
   static constexpr std::size_t kMostLost = 4096;  // catalogue blocks

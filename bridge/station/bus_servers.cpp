@@ -49,8 +49,7 @@ void BusServers::on_data_available(dds::DataReader* reader) {
   changed_();
 }
 
-// Restores the buses of a bridge that was lost because of the network. Its later announcements
-// arrive after this.
+// Restores the buses of a bridge that was lost because of the network, before its announcements.
 void BusServers::on_subscription_matched(dds::DataReader*,
                                          const dds::SubscriptionMatchedStatus& status) {
   const Handle& writer = status.last_publication_handle;

@@ -1,8 +1,6 @@
-// Determines from fieldcast/Bridge which bridges accept commands for a bus: the one that serves it,
-// or, while none does, the members of its standby group, which keep a command until one of them is
-// master. A bridge whose lease has expired accepts none.
-//
-// Callbacks run on DDS threads. takers() may be called on any thread.
+// The bridges that accept commands for a bus, from fieldcast/Bridge: the one that serves it, or,
+// while none does, the members of its standby group. A bridge whose lease has expired accepts none.
+// Callbacks run on DDS threads; any thread may call takers().
 #pragma once
 
 #include <algorithm>
@@ -65,15 +63,12 @@ class BusServers : private dds::DataReaderListener {
   dds::DataReader* reader_;
 };
 
-// A writer of messages whose keys never repeat. Each message is an instance that both ends must
-// release, or their memory grows without limit.
-//
-// An instance is unregistered only when the message itself is acknowledged and removed from the
-// history. Fast DDS 2.9.1 iterates backwards over acknowledged messages and removes a message
-// together with its unregister message, while its iterator points at one of them
-// (StatefulWriter::check_acked_status, DataWriterHistory::remove_instance_changes). Later messages
-// are then dropped although no reader has them, and the writer and its readers wait for each other
-// forever.
+// A writer of messages whose keys never repeat: both ends must release each instance, or their
+// memory grows without limit. An instance is unregistered only when its message is acknowledged and
+// removed: Fast DDS 2.9.1 removes a message together with its unregister message while its iterator
+// points at one of them (StatefulWriter::check_acked_status,
+// DataWriterHistory::remove_instance_changes). Later messages are then dropped, and the writer and
+// its readers wait for each other forever.
 
 // `Message` is a topic type with the keys requester and request_id. Any thread.
 template <class Message>
@@ -101,8 +96,7 @@ class OnceWriter {
     if (!let_go()) limit_ = std::min<std::size_t>(limit_ + kBatch, kMaxPendingCommands);
   }
 
-  // Unregisters the instances of written messages if all are acknowledged. Returns false if some
-  // remain.
+  // Unregisters the instances if all messages are acknowledged. Returns false if some remain.
   bool settle() {
     const std::lock_guard lock(mutex_);
     return let_go();

@@ -1,8 +1,6 @@
-// State of one bus at a station, from its blocks: the catalogue, the last value of each channel,
-// and whether blocks are missing. Pure: no DDS entity, no clock, no thread; one owner.
-//
-// A bus that restarts has a greater epoch, and its table is rebuilt with the catalogue of that
-// epoch. A channel is reported once both its catalogue entry and a value are known.
+// State of one bus at a station, from its blocks: catalogue, last values, missing blocks. A
+// restarted bus has a greater epoch, and its table is rebuilt. A channel is reported once both its
+// catalogue entry and a value are known. Pure; one owner.
 #pragma once
 
 #include <cstdint>
@@ -34,9 +32,8 @@ class BusTable {
 
   // True if blocks are missing, or the last values have not arrived yet: a snapshot is needed.
   [[nodiscard]] bool wants_snapshot() const { return hole_ || !snapshot_; }
-  // True if samples arrive with lower sequence numbers than earlier ones. They are of a master of a
-  // standby group that has not received the numbers of the former master. A snapshot request makes
-  // it continue above them.
+  // True if samples arrive with lower numbers than earlier ones: a new master has not received
+  // those of the former. A snapshot request makes it continue above them.
   [[nodiscard]] bool is_behind() const { return behind_ > 0; }
   [[nodiscard]] bool is_known() const { return epoch_ != 0; }
   [[nodiscard]] std::uint64_t missing() const { return missing_; }  // blocks, of all epochs
@@ -69,9 +66,7 @@ class BusTable {
   std::size_t behind_ = 0;  // rows with kBehind such samples
 };
 
-// Assembles plans from their parts, which may arrive in any order and belong to different plans.
-// Pure: no DDS entity, no clock, no thread; one owner.
-
+// Assembles plans from their parts, in any order and of different plans. Pure; one owner.
 class PlanParts {
  public:
   // Returns the whole plan if this part completes it.

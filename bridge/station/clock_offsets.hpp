@@ -1,9 +1,6 @@
-// Estimates by how much this machine's clock is ahead of the clock of each bridge, from the times
-// that bridges write into their messages. Pure: no clock, no thread; one owner.
-//
-// A message arrives after it was written, so that its arrival minus its time of writing is the
-// offset plus the time on the way. The smallest of these within a window has the least time on the
-// way: the estimate is too large by that, some milliseconds, and never too small.
+// Estimates by how much this machine's clock is ahead of each bridge's, from the times in its
+// messages. Pure; one owner. Arrival minus time of writing is the offset plus the time on the way:
+// the smallest within a window is too large by some milliseconds, and never too small.
 #pragma once
 
 #include <cstddef>
@@ -23,13 +20,11 @@ class ClockOffsets {
  public:
   // An estimate is over one to two windows: after a step of a clock it is right that much later.
   static constexpr Duration kWindow = std::chrono::seconds{15};
-  // Buses of all bridges. Beyond it a new bus is ignored, unless others have been silent for two
-  // windows: names come from the network.
+  // Buses of all bridges; beyond it, only a bus silent for two windows is replaced.
   static constexpr std::size_t kMostBuses = 4096;
 
-  // A bridge wrote a status of a bus at `written` by its clock; it arrived at `arrived` by this
-  // machine's clock. Returns the offset, positive if this machine's clock is ahead; empty if it is
-  // not known: the first message of a bus may have been kept for a late reader, and is ignored.
+  // Adds a status written at `written` by the bridge's clock and received at `arrived` by this
+  // one's. Returns the offset, or empty: the first message of a bus may be late and is ignored.
   std::optional<Duration> add(const std::string& bridge, const std::string& bus, UtcTime written,
                               UtcTime arrived, Instant now);
 

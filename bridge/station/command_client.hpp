@@ -1,8 +1,6 @@
 // A station's side of commands: writes Command and AlarmAction, and matches CommandResult to them.
-// Any thread.
-//
-// A command that was_not_run() is sent again under a new request_id, by a thread that starts with
-// the first such command. The caller sees one command, one request_id and one result.
+// A thread sends a command that was_not_run() again under a new request_id; the caller sees one
+// command, one request_id and one result. Any thread.
 #pragma once
 
 #include <atomic>
@@ -54,8 +52,7 @@ class CommandClient {
   [[nodiscard]] StationOutcome await(std::uint64_t request_id, Duration wait);
 
  private:
-  // For one command, with pauses of kTry, twice that, and so on: the bridge that releases a bus may
-  // still be the one that is found.
+  // Per command, with growing pauses from kTry, as a bridge that releases a bus may still be found.
   static constexpr int kMostAttempts = 6;
   // Commands that are stored until their result is received. Further commands have one attempt.
   static constexpr std::size_t kMaxKept = 1024;
@@ -83,9 +80,8 @@ class CommandClient {
   };
   template <class Message>
   struct Writer : Matches {
-    // The first message to a bridge that was just found is sent alone: with more than 256 messages
-    // before its reader discovers this writer, Fast DDS 2.9.1 loses the excess and reports them as
-    // acknowledged.
+    // The first message to a new bridge is sent alone: of more than 256 messages before its reader
+    // discovers this writer, Fast DDS 2.9.1 loses the excess and reports it as acknowledged.
     [[nodiscard]] bool write(Message& message) {
       const std::lock_guard lock(writing);
       if (!once.write(message)) {

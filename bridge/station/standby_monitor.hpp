@@ -1,7 +1,5 @@
-// The standby groups of a domain, for a station: reports which bridge is master and which ones
-// wait, and can request another master.
-//
-// Joins the domain with its own participant. Handlers are called on DDS threads.
+// The standby groups of a domain, for a station: which bridge is master and which wait; can request
+// another master. Joins the domain with its own participant. Handlers run on DDS threads.
 #pragma once
 
 #include <functional>

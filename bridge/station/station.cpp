@@ -38,8 +38,7 @@ void share_turn(Handler& handler, Gone& gone) {
   };
 }
 
-// Makes the handler of one site from a handler of all sites: puts the site's prefix before the
-// names of buses and bridges in a message.
+// Makes a handler of one site: puts the site's prefix before names of buses and bridges.
 template <class Message>
 std::function<void(const Message&)> at_site(const std::string& prefix,
                                             std::function<void(const Message&)> handler) {

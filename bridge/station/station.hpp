@@ -1,13 +1,10 @@
-// A monitoring station or plant system: the other side of DdsLink, for our tools, tests and
-// benches. It watches one domain, or several sites: with several, the name of the site comes before
-// the names of its bridges and buses ("north:line-7"), and commands, actions and interests are sent
-// to the site that their bus names.
+// A monitoring station or plant system: the other side of DdsLink, for our tools and tests. It
+// watches one domain or several sites: then the name of the site precedes its bridges and buses
+// ("north:line-7"), and commands, actions and interests are sent to the site that their bus names.
 //
-// Owns a DDS participant for each site. Channels and samples are received as blocks, on a thread
-// for each site. All other data, and samples requested with a deadline, are received on DDS
-// threads. Callbacks are called one at a time for each subscription, for all sites together, and
-// must not block. Subscribe before you use received data; the object may be used from any one
-// thread. No DDS type appears here.
+// Owns a DDS participant for each site. Callbacks run on threads of the sites or of DDS, one at a
+// time for each subscription, and must not block. Subscribe before you use received data, from any
+// one thread. No DDS type appears here.
 #pragma once
 
 #include <cstdint>
@@ -49,8 +46,7 @@ using StationOutcome = tl::expected<StationResult, StationFault>;
 // by another bridge at that moment. It may then be sent again, under a new request_id.
 [[nodiscard]] bool was_not_run(const StationResult& result);
 
-// Age of a value by this machine's clock, from the instant at which the bridge received its last
-// byte. Needs synchronized clocks. A channel that was never read is as old as the epoch.
+// Age by this machine's clock since the bridge received the value. Needs synchronized clocks.
 [[nodiscard]] Duration age(const StationSample& sample);
 
 // The pattern that applies at a site of this name: "north:*/m/t" is "*/m/t" at "north", "*" is "*"
@@ -60,9 +56,8 @@ using StationOutcome = tl::expected<StationResult, StationFault>;
 
 class Station {
  public:
-  // Joins the domains of all sites; `name` is the participant name that other tools see. Throws
-  // DdsError, which names the site. REQUIRES: names are unique, and none is empty unless there is
-  // only one site.
+  // Joins the domains of all sites; other tools show `name`. Throws DdsError with the site.
+  // REQUIRES: unique names, not empty unless there is only one site.
   Station(const std::vector<DdsSite>& sites, const std::string& name);
   // Joins one domain, whose buses keep their names.
   Station(const DdsSpec& spec, const std::string& name);
@@ -82,8 +77,7 @@ class Station {
     // No sample of the channel arrived within `deadline`. Called again for each further deadline
     // that passes, also while another callback runs.
     OnMissed on_deadline_missed;
-    // Receives each sample individually (fieldcast/Sample) instead of in blocks; a deadline implies
-    // it.
+    // Receives single samples (fieldcast/Sample) instead of blocks; a deadline implies it.
     bool one_by_one = false;
   };
   void subscribe_samples(OnSample on_sample, OnGone gone, const SampleOptions& options);
@@ -100,8 +94,7 @@ class Station {
   void subscribe_channels(std::function<void(const StationChannel&)> on_channel, OnGone gone = {});
   void subscribe_bus_status(std::function<void(const StationBusStatus&)> on_status,
                             std::function<void(const StationBusStatus& last)> gone = {});
-  // Receives the values of a topic that is a Report (bridge/dds/topics/topics.hpp). REQUIRES: a
-  // topic has values of this type.
+  // Receives the values of a Report (bridge/dds/topics/topics.hpp).
   template <class Value>
   void subscribe(std::function<void(const Value&)> on_value,
                  std::function<void(const Value& last)> gone = {}) {
@@ -121,35 +114,30 @@ class Station {
                         std::function<void(const StationAlarm& last)> gone = {}) {
     subscribe(std::move(on_alarm), std::move(gone));
   }
-  // Actions of users on alarms, in addition to the alarms themselves: acknowledged, shelved,
-  // suppressed.
+  // Actions of users on alarms: acknowledged, shelved, suppressed.
   void subscribe_alarm_status(std::function<void(const StationAlarmStatus&)> on_status,
                               std::function<void(const StationAlarmStatus& last)> gone = {}) {
     subscribe(std::move(on_status), std::move(gone));
   }
 
-  // Rights of this station by DDS Security in addition to reading, at one site at least. Without
-  // DDS Security, everything is allowed.
+  // Rights by DDS Security in addition to reading, at one site at least; all without DDS Security.
   [[nodiscard]] bool may_command() const;
   [[nodiscard]] bool may_declare_interest() const;
 
-  // Declares an interest in channels at a refresh, until it is withdrawn or this process ends, at
-  // every site that the pattern may match and where this station has the right. Throws DdsError if
-  // the only site does not give it.
+  // Declares an interest until it is withdrawn or this process ends, at every site that matches and
+  // permits it. Throws DdsError if the only site does not.
   void declare_interest(const std::string& pattern, Duration refresh);
   void withdraw_interest(const std::string& pattern);
 
-  // Writes the command once the bridge that serves the bus is found (at most wait_for_bridge) and
-  // blocks for its one result, at most lifespan + wait_for_result. A command that was_not_run() is
-  // sent again while its lifespan lasts, here and in send(); the caller sees one command with one
-  // request_id and one result. Sets request_id and requester. Fails with kNoRight and kNoSite, as
-  // all below.
+  // Writes the command once the bridge of the bus is found (at most wait_for_bridge) and blocks for
+  // its one result, at most lifespan + wait_for_result. A command that was_not_run() is sent again
+  // within its lifespan. Sets request_id and requester. Fails with kNoRight and kNoSite, as all
+  // below.
   [[nodiscard]] StationOutcome execute(StationCommand command,
                                        Duration wait_for_bridge = std::chrono::seconds{3},
                                        Duration wait_for_result = std::chrono::seconds{5});
 
-  // Writes one value to a channel, "BUS/DEVICE/CHANNEL", as execute() does. The bridge checks the
-  // value against the channel's type and range.
+  // Writes one value to "BUS/DEVICE/CHANNEL", as execute(). The bridge checks type and range.
   [[nodiscard]] StationOutcome write(std::string_view path, Value value, bool verify = false);
 
   // Does not wait for the result; returns the request_id. The result is passed to the handler of
@@ -157,13 +145,11 @@ class Station {
   [[nodiscard]] tl::expected<std::uint64_t, StationFault> send(
       StationCommand command, Duration wait_for_bridge = std::chrono::seconds{3});
   void on_result(std::function<void(const StationResult&)> handler);
-  // Reserves a request_id for one later command or action, so that the caller can register for its
-  // result before it is sent.
+  // Reserves a request_id, so that the caller can register for its result before it is sent.
   [[nodiscard]] std::uint64_t reserve_request_id();
 
-  // The same for an operator's action on an alarm: acknowledge it, shelve it, put its device into
-  // maintenance. It also has one result, kDone or kRejected, and its ids are from the same
-  // sequence. Sets requester and request_id of the action.
+  // The same for an operator's action on an alarm, with one result, kDone or kRejected, and ids of
+  // the same sequence. Sets requester and request_id.
   [[nodiscard]] StationOutcome execute(AlarmAction action,
                                        Duration wait_for_bridge = std::chrono::seconds{3},
                                        Duration wait_for_result = std::chrono::seconds{5});
@@ -173,8 +159,7 @@ class Station {
   // The configured discovery servers of all sites that do not respond, each once. Any thread.
   [[nodiscard]] std::vector<std::string> missing_servers() const;
 
-  // Unique for each process and object. The requester of a user's command is made from it:
-  // ".../anna".
+  // Unique for each process and object; for a user's command: ".../anna".
   [[nodiscard]] const std::string& requester() const;
 
  private:

@@ -1,5 +1,4 @@
-// A reader of a keyed topic that converts its samples to plain structs and passes them to handlers.
-// Handlers are called on DDS threads, one at a time.
+// Converts samples of a keyed topic to plain structs for handlers, one at a time, on DDS threads.
 #pragma once
 
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
@@ -59,8 +58,7 @@ class Subscription : private dds::DataReaderListener {
       }
     }
   }
-  // A writer that crashes or leaves without disposing changes the state of its instances, but the
-  // library delivers no message for them.
+  // A writer that crashes or leaves changes its instances without a message of the library.
   void on_subscription_matched(dds::DataReader*,
                                const dds::SubscriptionMatchedStatus& status) override {
     const std::lock_guard lock(mutex_);

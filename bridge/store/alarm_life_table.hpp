@@ -18,8 +18,7 @@ class AlarmLifeTable {
   void insert(const KeptMaintenance& maintenance);  // one that has ended is removed
   void insert(const AlarmEvent& event);             // an existing one is not changed
 
-  // Returns the state with which the next bridge continues. Contains the alarms of all bridges,
-  // because a store may be shared.
+  // State with which the next bridge continues, of all bridges: a store may be shared.
   [[nodiscard]] KeptAlarms kept(UtcTime now);
 
   // Reads the events with from <= time < to. newest_log() calls `on_entry` for the newest first, at

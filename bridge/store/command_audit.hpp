@@ -1,5 +1,4 @@
-// Audit of commands: writes one entry with requester and result when the result is known. Any
-// thread.
+// Writes one audit entry with requester and result for each command. Any thread.
 #pragma once
 
 #include <map>

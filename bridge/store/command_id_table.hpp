@@ -1,8 +1,6 @@
-// Stores the identity of each write command before it runs. A command that arrives again after a
-// restart of the bridge, or after a crash, is recognized and does not run a second time.
-//
-// Uses its own thread and connection, so that commands do not wait for a batch of samples. Commands
-// that arrive during a commit are committed together.
+// Stores the identity of each write command before it runs, so that it does not run again after a
+// restart or crash of the bridge. Has its own thread and connection, so that commands do not wait
+// for samples. Commands that arrive during a commit are committed together.
 #pragma once
 
 #include <cstdint>

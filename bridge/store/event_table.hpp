@@ -17,8 +17,7 @@ class EventTable {
 
   void insert(const AuditEntry& entry);
   void insert(const AlarmRecord& alarm);  // an existing one is not changed
-  // Replaces the previous record. An empty protocol or address keeps the previous one; an unchanged
-  // state keeps its time.
+  // Replaces the record; keeps protocol and address if empty, and the time of an unchanged state.
   void insert(const DeviceRecord& device);
 
   // Reads entries with from <= time < to in the order of time, until the function returns false.

@@ -26,7 +26,6 @@ class QuarantineTable {
 };
 
 // Records of the store as text: one line for the log, and JSON for the quarantine. Pure functions.
-
 [[nodiscard]] std::string log_text(const AuditEntry& entry);
 [[nodiscard]] std::string log_text(const AlarmRecord& alarm);
 [[nodiscard]] std::string log_text(const KeptAlarm& alarm);
@@ -34,8 +33,7 @@ class QuarantineTable {
 [[nodiscard]] std::string log_text(const AlarmEvent& event);
 [[nodiscard]] std::string log_text(const DeviceRecord& device);
 
-// One JSON object in ASCII with the table and the values of its columns. Bytes that are not UTF-8
-// are written as \xE4, numbers that are not finite as text.
+// A JSON object in ASCII: table and columns. Invalid UTF-8 as \xE4, non-finite numbers as text.
 struct RecordJson {
   std::string table;
   std::string content;

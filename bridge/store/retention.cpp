@@ -27,8 +27,7 @@ bool is_server(SqlConnection& connection) {
   return connection.dialect() == SqlConnection::Dialect::kPostgres;
 }
 
-// Size that max-size limits. For a file: its used pages; free pages are used again. For a server:
-// the tables of the days, because only dropping them frees space immediately.
+// Size that max-size limits: used pages of a file; on a server the tables of the days.
 std::uint64_t bytes_used(SqlConnection& connection) {
   if (is_server(connection)) return SampleDays(connection).bytes();
   const std::int64_t pages =
@@ -137,8 +136,7 @@ void Retention::begin(SqlConnection& connection, UtcTime utc) {
   if (is_server(connection)) begin_days(connection);
 }
 
-// On a server, whole days are dropped. Single samples are removed only if they are in no day, or if
-// samples are kept for less than two days.
+// On a server, whole days are dropped; single samples if in no day or kept for under two days.
 void Retention::begin_days(SqlConnection& connection) {
   removed_ += drop_days(connection, before_[0]);
   const bool short_time = spec_.keep != Duration{} && spec_.keep < 2 * SampleDays::kDay;

@@ -1,7 +1,6 @@
-// Removes samples and tier rows that are older than the configured time. If the store is too large,
-// each level loses its oldest part. Works in small steps between batches, so that no batch waits.
-// Samples stay until their tiers are written. A SQLite file shrinks; PostgreSQL drops whole days.
-// One owner, on the writer's thread.
+// Removes samples and tier rows that are older than configured, or the oldest part of each level if
+// the store is too large. Small steps between batches. Samples stay until their tiers are written.
+// SQLite files shrink; PostgreSQL drops whole days. One owner, on the writer's thread.
 #pragma once
 
 #include <array>

@@ -1,11 +1,8 @@
-// The store of a bridge. Samples, audit, alarms and device states are queued from any thread
-// without a wait; one thread of low priority writes them in batches, one transaction each. If the
-// database is too slow or not available, the queue becomes full; then samples are dropped, counted
-// and logged. Acquisition never waits for the store.
-//
-// Does not use a Worker with a BoundedQueue: samples and events have separate limits, and a bus
-// puts all samples of a response under one lock. A batch collects for a while before it is written,
-// and flush() waits until it is written.
+// The store of a bridge. Any thread queues samples, audit, alarms and device states without a wait;
+// one thread of low priority writes them in batches, one transaction each. At a full queue, samples
+// are dropped, counted and logged: acquisition never waits. Not a Worker with a BoundedQueue:
+// samples and events have separate limits, a bus puts a response under one lock, and flush() waits
+// until it is written.
 #pragma once
 
 #include <condition_variable>
@@ -48,8 +45,7 @@ class Store final : public Audit, public AlarmSink {
   static constexpr std::size_t kMaxWaitingEvents = 4096;
   static constexpr Duration kGather = std::chrono::milliseconds{250};  // how long a batch collects
 
-  // The writer opens the database, and retries until it opens. Then `opened` is called once, on the
-  // writer's thread, with the alarms of the previous run.
+  // The writer opens the database, with retries, then calls `opened` once with the previous alarms.
   using Opened = std::function<void(Store& store, const KeptAlarms& kept)>;
   explicit Store(const StoreSpec& spec, Opened opened = {});
   ~Store() override;  // writes the waiting records if the database is available
@@ -71,9 +67,9 @@ class Store final : public Audit, public AlarmSink {
   };
   [[nodiscard]] std::unique_ptr<Intake> intake(const BusSpec& bus);
 
-  // For samples with names that do not come from a bus of this process. Returns the channel's
-  // number for put(), valid as long as this object. Ignores `id`; stores unit and type.
-  // `std::nullopt` if no configured pattern matches it, or if there are kMaxChannels already.
+  // For names that are not of a bus of this process. Returns the channel's number for put(), valid
+  // as long as this object; empty if no pattern matches, or there are kMaxChannels already. Ignores
+  // `id`.
   static constexpr std::size_t kMaxChannels = 500'000;
   [[nodiscard]] std::optional<std::int64_t> number_of(const StoredChannel& channel);
   // Puts rows with such numbers. Any thread; never blocks for longer than a copy.

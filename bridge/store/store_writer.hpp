@@ -1,9 +1,7 @@
-// Database side of a Store: opens the database, writes batches, and cleans up. Part of store.cpp;
-// used only on the writer's thread.
-//
-// A batch is one transaction. If the database refuses a row (StoreRowRefused), the transaction is
-// rolled back and the batch is written again in parts, each in a savepoint. A refused part is
-// halved until the refused row is alone; that row is put into the quarantine.
+// Database side of a Store, on the writer's thread: opens the database, writes batches, cleans up.
+// A batch is one transaction. If the database refuses a row, the batch is written again in parts,
+// each in a savepoint; a refused part is halved until the row is alone, which goes to the
+// quarantine.
 #pragma once
 
 #include <memory>
@@ -27,8 +25,7 @@ class Store::Writer {
         mutex_(mutex),
         retention_(spec) {}
 
-  // One attempt: writes the complete batch or nothing. kAway: the database cannot be opened, or
-  // cannot write now, for example because its disk is full.
+  // Writes the batch or nothing. kAway: the database is unavailable, or its disk is full.
   enum class Try : unsigned char { kWritten, kRefused, kAway };
   [[nodiscard]] Try write(const Batch& batch);
   [[nodiscard]] const RefusedRows& refused() const { return refused_; }

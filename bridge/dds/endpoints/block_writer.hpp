@@ -1,8 +1,6 @@
-// Writes the SampleBlock topic of one bus: the samples of an exchange in one message, and snapshots
-// of the last values of all channels in a few messages. It writes only while a reader is matched.
-//
-// Owns the writer and a copy of every last value. write() has one caller at a time (dds_link.hpp);
-// all other functions may be called from any thread. A write never waits for a reader: the writer's
+// Writes the SampleBlock topic of one bus while a reader is matched: the samples of an exchange in
+// one message, and snapshots of all last values in a few. Owns the writer and a copy of every last
+// value. write() has one caller at a time; any thread may call the others. A write never waits: the
 // history is a ring, and a reader that lags loses the oldest blocks.
 #pragma once
 
@@ -26,8 +24,7 @@ class SnapshotSender;
 
 class BlockWriter : private dds::DataWriterListener {
  public:
-  // Largest block in bytes: if all peers are on this machine, and on networks, where a block must
-  // fit into one packet.
+  // Largest block in bytes: with all peers on this machine; on networks, to fit into one packet.
   static constexpr std::size_t kBytesOnLoopback = 32'000, kBytesOnNetworks = 1'300;
 
   struct Stream {
@@ -42,14 +39,12 @@ class BlockWriter : private dds::DataWriterListener {
   BlockWriter(const BlockWriter&) = delete;
   BlockWriter& operator=(const BlockWriter&) = delete;
 
-  // Continues the stream of another bridge after its block `number`, with its last values. Call it
-  // before the first write().
+  // Continues another bridge's stream after its block `number`. Call it before the first write().
   void go_on_with(std::uint64_t epoch, std::uint64_t number, std::span<const Sample> last,
                   const UtcMapping& mapping);
 
   void write(std::span<const Sample> samples, const UtcMapping& mapping);
-  // Writes the last value of every channel that has one, or an empty block. Returns the number of
-  // blocks.
+  // Writes the last value of every channel, or an empty block. Returns the number of blocks.
   std::size_t write_snapshot();
 
   // Returns false if the channel has no value.
@@ -75,18 +70,13 @@ class BlockWriter : private dds::DataWriterListener {
 };
 
 // Decides when the last values of a bus are sent again: for new readers, and for readers that lost
-// blocks and request them (SnapshotRequest). One snapshot serves all requests that arrive
-// meanwhile.
-//
-// request() may be called on any thread, also DDS threads, and never waits. A thread of this object
-// sends the snapshots.
-
+// blocks (SnapshotRequest). One snapshot serves all requests that arrive meanwhile. request() never
+// waits, on any thread; a thread of this object sends the snapshots.
 class SnapshotSender : private dds::DataReaderListener {
  public:
   static constexpr Duration kGather = std::chrono::milliseconds{20};  // after the first request
   static constexpr Duration kRest = std::chrono::milliseconds{100};   // between two rounds
-  // After each block, so that readers on this machine take it before the next one: their sockets
-  // hold only a few.
+  // After each block: sockets of readers on this machine hold only a few.
   static constexpr Duration kPace = std::chrono::microseconds{500};
 
   struct Sent {
@@ -96,8 +86,7 @@ class SnapshotSender : private dds::DataReaderListener {
   enum class Part : std::uint8_t { kFirst, kNext };
   // Writes a part of the snapshot of a bus, or nothing if there is no such bus.
   using Send = std::function<Sent(const std::string& bus, Part part)>;
-  // `asked` is called on a DDS thread for each SnapshotRequest and each matched reader; may be
-  // null.
+  // `asked` is called on a DDS thread for each request and matched reader; may be null.
   SnapshotSender(Domain& domain, Send send, std::function<void()> asked);
   ~SnapshotSender() override;
 

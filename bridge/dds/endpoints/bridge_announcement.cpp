@@ -87,8 +87,7 @@ void BridgeAnnouncement::on_subscription_matched(dds::DataReader*,
   if (status.current_count_change < 0) unmatched(status.last_publication_handle);
 }
 
-// Restores the claims of a bridge that was lost because of the network. Its later announcements
-// arrive after this.
+// Restores the claims of a bridge that was lost because of the network, before its announcements.
 void BridgeAnnouncement::matched(const Handle& writer) {
   const std::lock_guard lock(mutex_);
   handlers_.found(text_of(writer));

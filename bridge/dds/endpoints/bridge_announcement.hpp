@@ -1,8 +1,6 @@
-// Announces the buses that this bridge serves and receives the announcements of other bridges in
-// the domain. Calls the handlers on DDS threads.
-//
-// With DDS Security, an announcement is accepted only from the member that has the name of the
-// bridge, so a bridge cannot announce under the name of another.
+// Announces the buses that this bridge serves and receives the announcements of other bridges, on
+// DDS threads. With DDS Security, an announcement is accepted only from the member that has the
+// name of the bridge, so a bridge cannot announce under the name of another.
 #pragma once
 
 #include <functional>
@@ -51,8 +49,7 @@ class BridgeAnnouncement : private dds::DataReaderListener {
   const std::function<void(std::string)> on_problem_;
   dds::DataWriter* writer_;
   idl::Bridge announced_;
-  // The reader may be called on any thread of the participant; the mutex keeps the order of
-  // announcements.
+  // Keeps the order of announcements, as any thread of the participant may call the reader.
   std::mutex mutex_;
   std::map<Handle, BridgeClaims> known_;  // last announcement, by writer
   LostInstances<BridgeClaims> lost_{kMostLost};
@@ -60,15 +57,12 @@ class BridgeAnnouncement : private dds::DataReaderListener {
   dds::DataReader* reader_;
 };
 
-// Publishes the catalogue of one bus: each channel on the keyed topic, and all channels in blocks.
-// The bridge owns the writer of blocks, which outlives this object. One caller at a time
-// (dds_link.hpp), except flush(), which any thread may call.
-//
-// Owns the writers of fieldcast/Channel, each with at most kChannelsPerCatalogueWriter channels.
-// When a reader is found, Fast DDS 2.9.1 copies, for each message in a writer's history, the list
-// of all earlier messages (ReaderProxy::add_change), and does not process discovery meanwhile. With
-// 64 000 channels in one writer, no new reader was served within 30 s.
-
+// Publishes the catalogue of one bus: each channel on the keyed topic, and all channels in blocks,
+// whose writer outlives this object. One caller at a time, except flush(). Each writer of
+// fieldcast/Channel has at most kChannelsPerCatalogueWriter channels: for a new reader, Fast DDS
+// 2.9.1 copies, for each message in a history, the list of all earlier messages
+// (ReaderProxy::add_change), without discovery meanwhile. With 64 000 channels in one writer, no
+// new reader was served within 30 s.
 class BusCatalogue {
  public:
   BusCatalogue(Domain& domain, dds::DataWriter* blocks, const std::string& bridge,
@@ -80,8 +74,7 @@ class BusCatalogue {
   // Adds a channel; call it before publish(), in the order of the channel indices. Throws DdsError.
   void add(const DeviceSpec& device, const ChannelSpec& channel, std::optional<Duration> refresh);
   [[nodiscard]] bool publish();  // publishes all entries; returns false if they do not fit
-  // Adopts the epoch of an identical catalogue that another bridge has published. Call it before
-  // publish().
+  // Adopts the epoch of another bridge's identical catalogue. Call it before publish().
   void go_on_with(std::uint64_t epoch);
   [[nodiscard]] std::uint64_t epoch() const;
   // The keyed entry is written immediately, its block with flush().

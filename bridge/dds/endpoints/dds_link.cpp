@@ -10,8 +10,7 @@ namespace fieldcast {
 
 namespace {
 
-// Returns true if every peer is on this machine, so that a message may have the maximum length of
-// UDP. Transports of the user's profile are not examined.
+// Returns true if every peer is on this machine. Ignores transports of the user's profile.
 bool stays_on_this_machine(const DdsSpec& spec) {
   const std::vector<std::string> used = used_interfaces(spec);
   return !spec.profile && !used.empty() &&

@@ -1,12 +1,10 @@
 // The bridge's side of DDS: publishes catalogue, samples, results and status of its buses, and
-// receives commands and interests.
+// receives commands and interests. Owns every DDS entity of the process. Handlers are called on DDS
+// threads, must not block, and only post. No DDS type appears here.
 //
-// Owns every DDS entity of the process. Handlers are called on DDS threads, must not block, and
-// only post. No DDS type appears here.
-//
-// Threads. "One caller for a bus" means: any thread, one call at a time for each bus. In the daemon
-// that is the bus's own thread if no item of the bus is queued, else the publisher thread
-// (bridge/publish/bus_output.hpp). Functions of different buses may run at the same time.
+// Threads. "One caller for a bus" means: any thread, one call at a time for each bus, the bus's own
+// thread or the publisher thread (bridge/publish/bus_output.hpp). Functions of different buses may
+// run at the same time.
 #pragma once
 
 #include <cstdint>
@@ -39,8 +37,7 @@ class Domain;
 
 class DdsLink {
  public:
-  // Notifications about other bridges of the domain, each identified by a unique id. Called on DDS
-  // threads.
+  // Notifications about other bridges, each with a unique id. Called on DDS threads.
   struct BridgeHandlers {
     std::function<void(const std::string& id)> found;  // before its first announcement
     std::function<void(const std::string& id, BridgeClaims claims)> received;
@@ -50,16 +47,14 @@ class DdsLink {
   };
   struct Handlers {
     std::function<UtcMapping()> clock;  // reads both clocks now; called on any thread
-    // A command for a bus that was added; others are not delivered. `expires` is its source
-    // timestamp plus the writer's LIFESPAN on the engine's clock. `late`: why it has expired on
-    // arrival, with both clock readings; empty if it has not.
+    // A command for an added bus. `expires`: source timestamp plus the writer's LIFESPAN on the
+    // engine's clock. `late`: why it has expired on arrival; empty if it has not.
     std::function<void(const std::string& bus, Command command, std::string late)> on_command;
     std::function<void(Interest interest)> on_interest;
     // A text for the log: incompatible QoS, a limit reached, a malformed command.
     std::function<void(std::string text)> on_problem;
     BridgeHandlers bridges{};  // set all of them or none
-    // An operator's action on an alarm of an added bus. complete() sends the response. Null: alarm
-    // actions are not received.
+    // An operator's action on an alarm of an added bus; complete() responds. Null: not received.
     std::function<void(AlarmAction action)> on_alarm_action{};
     // Called when readers of samples match or a station requests the last values. May be null.
     std::function<void()> on_readers{};
@@ -73,70 +68,60 @@ class DdsLink {
     std::uint32_t block_readers = 0;    // readers matched by the bus's SampleBlock writer
   };
 
-  // Joins the domain. Throws DdsError, for example if an interface does not exist or a profile
-  // cannot be loaded.
+  // Joins the domain. Throws DdsError, for example for an unknown interface or profile.
   DdsLink(const DdsSpec& spec, const std::string& bridge_name, Handlers handlers);
   ~DdsLink();  // calls close()
   DdsLink(const DdsLink&) = delete;
   DdsLink& operator=(const DdsLink&) = delete;
 
-  // Returns true if the folder of the bridge's identity has a renewed certificate, which a new link
-  // would use. Any thread.
+  // Returns true if a new link would use a renewed certificate. Any thread.
   [[nodiscard]] bool has_new_identity() const;
 
-  // Publishes the catalogue of the bus and creates its Sample writers: one for each distinct
-  // refresh, each with at most 256 channels. Its commands arrive from now on
-  // (listen_for_commands()). One thread at a time. Throws DdsError. REQUIRES: no bus of this name.
+  // Publishes the catalogue of the bus and creates its Sample writers. Its commands arrive from now
+  // on (listen_for_commands()). One thread at a time. Throws DdsError. REQUIRES: no bus of this
+  // name.
   void add_bus(const BusSpec& bus);
-  // Prepares a bus that another bridge of the standby group serves. Creates its writers, which
-  // match their readers, and receives its commands, but writes no data. add_bus() or
-  // take_over_bus() must follow. Threads and exceptions as for add_bus().
+  // Prepares a bus that another bridge of the group serves: creates its writers and receives
+  // commands, but writes no data. add_bus() or take_over_bus() must follow. Threads as for
+  // add_bus().
   void prepare_bus(const BusSpec& bus);
-  // Like add_bus(), for a bus that another bridge has served until now: sample numbers and blocks
-  // continue where that bridge stopped. publish_again() writes the catalogue, and may be called
-  // later.
+  // Like add_bus(), but sample numbers and blocks continue where another bridge stopped.
+  // publish_again() writes the catalogue, and may be called later.
   void take_over_bus(const BusSpec& bus, const FollowedBus& followed);
-  // While another bridge of the group serves the buses, this bridge does not reject malformed
-  // commands.
+  // While another bridge serves the buses, this one does not reject malformed commands.
   void stand_by(bool standing_by);
   [[nodiscard]] std::vector<StandbyBusFigures> stream_figures() const;
   // For endpoints of the standby group, which must be removed before the link is destroyed.
   [[nodiscard]] Domain& domain();
-  // Makes this bridge discoverable by plant systems. Call it on a bridge whose buses are all served
-  // by other bridges: otherwise, commands written at a takeover are lost before discovery has
-  // finished. A second call has no effect. One thread at a time. Throws DdsError.
+  // Makes this bridge discoverable by plant systems, if other bridges serve all its buses: commands
+  // written at a takeover are not lost then. Idempotent. One thread at a time. Throws DdsError.
   void listen_for_commands();
 
-  // The identity of this bridge, and its announcement to other bridges. REQUIRES:
-  // `Handlers::bridges` is set. One thread at a time.
+  // Identity of this bridge, and its announcement. REQUIRES: `Handlers::bridges`. One thread.
   [[nodiscard]] std::string id() const;
   void announce(const BridgeClaims& claims);
-  // Writes again the data that is written only once, after another bridge that also served the bus
-  // has disposed it. One thread at a time.
+  // Writes again what another bridge that also served the bus has disposed. One thread at a time.
   void publish_again(std::string_view bus);
 
-  // Disposes every instance of the bus in all topics, so that stations see its end, and waits at
-  // most `linger` until the readers of its samples have received that. `limit` bounds the disposal,
-  // for a participant that leaves the domain anyway, which ends the remaining instances. Threads as
-  // for add_bus(). REQUIRES: no thread publishes on the bus any more. No effect for an unknown bus.
+  // Disposes every instance of the bus, so that stations see its end, and waits at most `linger`
+  // for the readers of its samples. `limit` bounds the disposal. Threads as for add_bus().
+  // REQUIRES: no thread publishes on the bus any more. No effect for an unknown bus.
   void remove_bus(std::string_view bus, Duration linger = std::chrono::milliseconds{100},
                   Duration limit = Duration::max());
 
-  // Publishes the samples of an exchange: as a block, then one by one for readers of Sample.
-  // Samples of one channel are sent in order; a channel out of range is a bug. One caller for a
-  // bus; the call lasts some 10 us a sample, longer with readers that lag.
+  // Publishes the samples of an exchange: as a block, then one by one for readers of Sample, in
+  // order for each channel. A channel out of range is a bug. One caller for a bus; some 10 us a
+  // sample.
   void publish(std::string_view bus, std::span<const Sample> samples, const UtcMapping& mapping);
-  // The two parts of publish(). Each has one caller for a bus, and the two callers may differ. A
-  // block costs some 10 us, regardless of its number of samples. publish_block() returns true if
-  // readers of Sample are matched, so that publish_each() must follow.
+  // The two parts of publish(); their callers may differ. A block costs some 10 us. publish_block()
+  // returns true if readers of Sample are matched, so that publish_each() must follow.
   [[nodiscard]] bool publish_block(std::string_view bus, std::span<const Sample> samples,
                                    const UtcMapping& mapping);
   void publish_each(std::string_view bus, std::span<const Sample> samples,
                     const UtcMapping& mapping);
 
-  // Moves a channel to the writer of another refresh. Writes its last sample again there, then
-  // unregisters it at the old writer, and republishes the catalogue entry. `std::nullopt` means no
-  // promise (on-demand). One caller for a bus.
+  // Moves a channel to the writer of another refresh (`std::nullopt`: no promise), writes its last
+  // sample again there, and republishes the catalogue entry. One caller for a bus.
   void set_refresh(std::string_view bus, ChannelIndex channel, std::optional<Duration> refresh);
 
   // Publishes the result of a command and releases its instance. Any thread. A result whose
@@ -156,12 +141,10 @@ class DdsLink {
   void report(const Value& value) {
     report(typeid(value), &value);
   }
-  // Publishes that an alarm was raised or cleared. Its instance remains, active or clear, until the
-  // bus is removed. One caller for a bus.
+  // Publishes that an alarm was raised or cleared, until the bus is removed. One caller for a bus.
   void report(std::string_view bus, const AlarmChange& change, const UtcMapping& mapping);
 
-  // Publishes the status of an alarm. Its instance remains until the bus is removed. No effect for
-  // an unknown bus. One caller for a bus.
+  // Publishes the status of an alarm, until the bus is removed. One caller for a bus.
   void report(const AlarmKey& alarm, const AlarmStatus& status);
   // Disposes an alarm whose limit was removed. One caller for its bus.
   void forget(const AlarmKey& alarm);

@@ -1,5 +1,4 @@
-// The state of a DdsLink, private to it. Its functions are in two files: dds_link.cpp joins the
-// domain, adds and removes buses and leaves; dds_link_publish.cpp publishes.
+// The state of a DdsLink: dds_link.cpp joins, adds and removes; dds_link_publish.cpp publishes.
 #pragma once
 
 #include <atomic>
@@ -111,9 +110,8 @@ struct DdsLink::State {
   std::map<std::string, std::unique_ptr<LinkedBus>, std::less<>> buses;
   std::map<std::string, std::unique_ptr<LinkedBus>, std::less<>> prepared;
   std::atomic<bool> standing_by = false;
-  // A copy of the bus names. A DDS thread looks up names while it holds locks of the library, and a
-  // thread that holds `mutex` may wait for these locks when it creates a writer. No function is
-  // called while `names_mutex` is held.
+  // A copy of the bus names: DDS threads look them up while they hold locks of the library, for
+  // which a holder of `mutex` may wait. No function is called while `names_mutex` is held.
   std::mutex names_mutex;
   std::set<std::string, std::less<>> names;
   bool closed = false;

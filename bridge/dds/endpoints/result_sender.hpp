@@ -1,16 +1,12 @@
-// Publishes command results, one for each command.
+// Publishes command results, one for each command. Results are volatile. The command of a requester
+// that has just joined may arrive before its result reader is discovered; its result is held until
+// then, for at most a second. Readers of other vendors get some more time: Cyclone DDS discards
+// messages before the first heartbeat of a writer. Shortly after its result, an instance is
+// unregistered, so that readers can free it.
 //
-// Results are volatile. The command of a requester that has just joined may arrive before its
-// result reader is discovered; its result is held until then, for at most a second. Readers of
-// other vendors get some more time: Cyclone DDS discards messages before the first heartbeat of a
-// writer. Shortly after its result, an instance is unregistered, so that readers can free it.
-//
-// Sending never waits for a reader: the writer's history is a ring (ResultType), and a slow reader
-// loses the oldest results. Any thread; a thread of this object sends held results and unregisters
-// instances.
-//
-// That thread is not a Worker with a BoundedQueue: its next action depends on instants that change
-// when a reader matches, not on the order of arrival.
+// Sending never waits for a reader: the history is a ring (ResultType), and a slow reader loses the
+// oldest results. Any thread. A thread of this object, not a Worker, sends held results and
+// unregisters instances: its next action depends on instants that change when a reader matches.
 #pragma once
 
 #include <condition_variable>
@@ -42,8 +38,7 @@ class ResultSender : private dds::DataWriterListener {
 
   void send(const idl::CommandResult& result);
 
-  // Sends held results, waits at most `linger` until every reader has acknowledged, and removes the
-  // writer. Call it once.
+  // Sends held results, waits at most `linger` for the readers, removes the writer. Call it once.
   void close(Duration linger);
 
  private:
@@ -73,8 +68,7 @@ class ResultSender : private dds::DataWriterListener {
 
   void on_publication_matched(dds::DataWriter* writer,
                               const dds::PublicationMatchedStatus& status) override;
-  // Time until which a result is held; `std::nullopt` to send it immediately. REQUIRES: mutex_
-  // held.
+  // Time until which a result is held; empty: send it now. REQUIRES: mutex_ held.
   [[nodiscard]] std::optional<Instant> hold_until(const Requester& requester, Instant now) const;
   void write(const idl::CommandResult& result);
   void let_go(const idl::CommandResult& sent);

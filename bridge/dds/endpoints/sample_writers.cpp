@@ -143,11 +143,10 @@ bool SampleWriters::write(Slot& slot) {
   return is_taken(slot.writer->entity->write(&outgoing));
 }
 
-// Orders the writes of a block. DEADLINE keeps a timer for the instance of a writer that is due
-// first; a write of that instance makes the library search all instances for the next one, and
-// wakes its timer thread. So the instance that was written least recently is written last: one such
-// search for each block instead of each sample. The others are ordered by their last write, which
-// removes the oldest from the library's history first.
+// Orders the writes of a block. DEADLINE keeps a timer for the instance that is due first; a write
+// of that instance makes the library search all instances for the next one and wake its timer
+// thread. So the least recently written instance is written last: one search per block instead of
+// per sample. The others follow their last write.
 std::vector<SampleWriters::Write>& SampleWriters::in_order(std::span<const Sample> samples) {
   order_.clear();
   for (const Sample& sample : samples) {

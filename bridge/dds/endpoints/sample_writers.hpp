@@ -1,13 +1,9 @@
 // The Sample writers of one bus: one for each distinct promise, each with at most 256 channels,
 // because DEADLINE makes the library scan a writer's instances at nearly every write (100 000
-// writes over 100 instances 0.26 s, over 10 000 instances 25 s).
-//
-// The writers rest while no reader is matched, because a write costs some 10 us even without
-// readers. The first reader wakes them, and gets the last value of every channel, which the bus
-// keeps anyway. They rest again some time after the last reader has left.
-//
-// Owns the writers and the last written value of each channel. Any thread; samples of one channel
-// are in order if one thread at a time writes them (dds_link.hpp).
+// writes over 100 instances 0.26 s, over 10 000 instances 25 s). The writers rest while no reader
+// is matched, because a write costs some 10 us even then. The first reader wakes them, and gets the
+// last value of every channel. Owns the writers and the last written value of each channel. Any
+// thread; samples of one channel are in order if one thread at a time writes them.
 #pragma once
 
 #include <atomic>
@@ -28,9 +24,9 @@ namespace fieldcast {
 
 class SampleWriters {
  public:
-  // Creates the writers of every channel that is read. `most_bytes` bounds a datagram. `blocks` has
-  // the last values. `snapshots` learns of each matched reader; for one that matches while the
-  // writers rest, it must call wake() soon, on another thread. Throws DdsError.
+  // Throws DdsError. `most_bytes` bounds a datagram. `snapshots` is notified of each matched
+  // reader; for one that matches while the writers rest, it must call wake() soon, on another
+  // thread.
   SampleWriters(Domain& domain, const std::string& bridge, const BusSpec& bus,
                 std::size_t most_bytes, const BlockWriter& blocks, SnapshotSender& snapshots);
   ~SampleWriters();  // calls dispose() unless done
@@ -43,25 +39,21 @@ class SampleWriters {
     std::size_t written = 0;
     bool all = true;  // false: call again
   };
-  // Ends the rest if a reader is matched: writes the last value of every channel, at most `most`
-  // with each call. Other threads may write meanwhile.
+  // Ends the rest if a reader is matched: writes the last values, at most `most` with each call.
   Woken wake(std::size_t most);
 
-  // Writes samples of one channel in order and skips one that is not newer than the last written
-  // value. Returns false if the library rejected a sample (limits, or readers that do not
-  // acknowledge); the others are written.
+  // Writes samples of one channel in order; skips those not newer than the last written value.
+  // Returns false if the library rejected a sample (limits, slow readers); the others are written.
   bool write(std::span<const Sample> samples, const UtcMapping& mapping);
 
-  // Returns false if nothing changes. Writes the last sample again at the new writer, so that late
-  // joiners find it, before the old writer unregisters the instance. Throws DdsError if a writer is
-  // needed and cannot be created.
+  // Returns false if nothing changes. Writes the last sample at the new writer before the old one
+  // unregisters the instance. Throws DdsError if a writer cannot be created.
   bool move(ChannelIndex channel, std::optional<Duration> refresh);
   [[nodiscard]] std::optional<Duration> refresh_of(ChannelIndex channel) const;
 
-  // Removes writers whose last channel moved away some time ago, and lets the writers rest some
-  // time after the last reader has left. Call it regularly, also without samples: readers count the
-  // deadlines that such a writer misses. Does not throw: if new writers cannot be created, the old
-  // ones stay.
+  // Removes writers whose last channel moved away, and lets the writers rest some time after the
+  // last reader has left. Call it regularly, also without samples: readers count the deadlines that
+  // such a writer misses. Does not throw; old writers stay if new ones cannot be created.
   void tidy(Instant now);
 
   // Disposes every instance, waits at most `linger` for all readers, and deletes the writers.
@@ -84,16 +76,14 @@ class SampleWriters {
     Slot* slot;
     const Sample* sample;
   };
-  // A writer whose last channel has moved away stays this long, so that its readers receive the
-  // channel from the new writer first.
+  // An empty writer stays this long: its readers first receive the channel from the new writer.
   static constexpr Duration kIdle = std::chrono::seconds{1};
   // Time without readers before the writers rest; a reader that returns earlier finds them awake.
   static constexpr Duration kRestAfter = std::chrono::seconds{10};
   // Samples that wake() writes before it releases the lock: some 100 us.
   static constexpr std::size_t kWakeChunk = 8;
 
-  // A moved channel is unregistered at its old writer after kIdle too, because messages of two
-  // writers may overtake each other.
+  // A moved channel is unregistered after kIdle, as messages of two writers may overtake.
   struct Leaving {
     ChannelIndex channel;
     Writer* old;
@@ -111,8 +101,7 @@ class SampleWriters {
   void rest_if_unread(Instant now);
   bool make_anew();  // false: the library cannot create writers; nothing changed
   void attach(Slot& slot, std::optional<Duration> refresh);  // throws DdsError
-  // Assigns a writer without refresh to a write-only channel that was acquired. Returns false if
-  // the library cannot create a writer.
+  // Assigns a writer without refresh to an acquired write-only channel. False: none can be created.
   bool has_writer(Slot& slot);
   [[nodiscard]] bool has_readers() const;
 

@@ -1,8 +1,6 @@
-// Connects a member of a standby group with the other members: publishes its state, and receives
-// theirs. Handlers are called on DDS threads, must not block, and only post.
-//
-// Owns its endpoints. Created and closed like those of the link (dds_link.hpp). tell() has one
-// caller at a time for each kind of message.
+// Connects a member of a standby group with the others: publishes its state, and receives theirs.
+// Handlers are called on DDS threads and only post. Owns its endpoints; created and closed like
+// those of the link. tell() has one caller at a time for each kind of message.
 #pragma once
 
 #include <functional>
@@ -27,9 +25,9 @@ struct StandbyChannelHandlers {
 
 class StandbyChannel {
  public:
-  // `since` is the start time of the member. Of two writers of one name, the reader accepts the one
-  // that started later. DDS removes a member that was killed only after its lease, and never if a
-  // discovery server has restarted meanwhile. Throws DdsError.
+  // `since`: start time of the member. Of two writers of one name, the reader accepts the later
+  // one: DDS removes a killed member only after its lease, and never if a discovery server has
+  // restarted meanwhile. Throws DdsError.
   StandbyChannel(Domain& domain, const std::string& label, std::string group, UtcTime since,
                  StandbyChannelHandlers handlers);
   ~StandbyChannel();

@@ -44,11 +44,9 @@ class IncomingFilter {
   // Number of messages refused because they are in clear.
   [[nodiscard]] std::uint64_t refused_in_clear() const { return refused_in_clear_; }
 
-  // Messages that notify the library that refused participants have left. Each message is returned
-  // once for every calling thread.
+  // Messages that refused participants have left, each once for every calling thread.
   [[nodiscard]] std::vector<Bytes> goodbyes();
-  // Returns such a message for the sender of a refused message. Empty if the sender is not a
-  // refused participant.
+  // Such a message for the sender of a refused one. Empty if the sender is not refused.
   [[nodiscard]] Bytes goodbye_of_sender(std::span<const std::uint8_t> message);
 
  private:

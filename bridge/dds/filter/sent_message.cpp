@@ -204,8 +204,7 @@ std::size_t find_mark(std::span<const std::uint8_t> message, std::size_t begin, 
   return 0;
 }
 
-// Calls `found` for each marked submessage with its offset and that of its mark. Stops when `found`
-// returns false.
+// Calls `found` with the offsets of each marked submessage and its mark, until it returns false.
 template <class Found>
 void for_each_mark(std::span<const std::uint8_t> message, Found found) {
   if (message.size() < kMessageHeader || std::memcmp(message.data(), "RTPS", 4) != 0) return;

@@ -1,6 +1,5 @@
-// Joins several RTPS messages of one sender into one: the header once, then the submessages of each
-// in their order. RTPS 2.2, 8.3.4: a message is a header and any number of submessages, and a state
-// that one sets, as INFO_DST does, holds for the following ones. Pure; one owner.
+// Joins RTPS messages of one sender: the header once, then all submessages. A state that one sets,
+// as INFO_DST does, holds for the following ones (RTPS 2.2, 8.3.4). Pure; one owner.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +15,7 @@ class JoinedMessage {
  public:
   explicit JoinedMessage(std::size_t most_bytes) : most_bytes_(most_bytes) {}
 
-  // Returns false, without a change, if the result would be too long, the sender differs, or the
-  // message cannot follow others without a change of meaning.
+  // Returns false, without a change, if the message does not fit or would change its meaning.
   [[nodiscard]] bool append(std::span<const std::uint8_t> message);
 
   [[nodiscard]] bool empty() const { return bytes_.empty(); }
@@ -32,14 +30,11 @@ class JoinedMessage {
   bool directed_ = false;           // an INFO_DST is in force at the end
 };
 
-// While an object of this class exists, the messages that its thread sends are joined: messages for
-// the same receivers become one, across writers, up to a size limit. A series of single samples is
-// then sent as a few datagrams instead of one for each sample.
-//
-// Other threads send as usual. Their heartbeats may name samples that are still kept here, which
-// are sent twice at worst. So the object must live only briefly, and the thread must not wait for
-// acknowledgements meanwhile. At most one object for each thread at a time.
-
+// While an object of this class exists, messages of its thread for the same receivers become one,
+// across writers, up to a size limit: a few datagrams instead of one for each sample. Other threads
+// send as usual; their heartbeats may name samples that are still kept here, which are sent twice
+// at worst. So the object must live only briefly, and the thread must not wait for
+// acknowledgements. At most one object per thread at a time.
 class JoinedSending {
  public:
   explicit JoinedSending(std::size_t most_bytes);
@@ -50,8 +45,7 @@ class JoinedSending {
   // Null if this thread sends each message individually.
   static JoinedSending* of_this_thread();
 
-  // Keeps the message. A message that cannot be joined is sent immediately, after the kept messages
-  // for the same receivers. Returns false if that fails.
+  // Keeps the message, or sends it after the kept ones if it cannot be joined; false if that fails.
   bool send(PassingTransport& transport, const OutgoingMessage& message);
 
  private:
@@ -69,23 +63,18 @@ class JoinedSending {
   std::vector<rtps::Locator_t> to_;  // of one call, kept for its memory
 };
 
-// Builds an unregister message that every vendor can read.
-//
-// RTPS 2.2, 9.6.3.4 and 8.7.4: DATA with STATUS_INFO, and the serialized key as its payload. Fast
-// DDS 2.9.1 sends only a hash of the key, from which Cyclone DDS gets no key: it prints an error
-// and keeps the instance. Here the message is written as an ordinary one whose payload is the key.
-// A mark in its inline QoS has exactly the length of the final parameters; the transport replaces
-// the mark when it sends the message. Pure; any thread.
-
-// The mark of an unregister message, for its related sample identity.
+// Builds an unregister message that every vendor can read (RTPS 2.2, 9.6.3.4 and 8.7.4): DATA with
+// STATUS_INFO and the serialized key. Fast DDS 2.9.1 sends only a hash of the key, so Cyclone DDS
+// prints an error and keeps the instance. Here an ordinary message has the key as its payload, and
+// a mark of the same length in its inline QoS, which the transport replaces when it sends the
+// message. Pure; any thread.
 [[nodiscard]] rtps::SampleIdentity unregister_mark(const rtps::InstanceHandle_t& key);
 
 // Returns true if a whole RTPS message contains a marked DATA.
 [[nodiscard]] bool holds_marks(std::span<const std::uint8_t> message);
 
-// Turns every marked DATA of an RTPS message into an unregister message: replaces the mark by
-// KEY_HASH and STATUS_INFO, and flags the payload as a key. The length is unchanged. Other messages
-// are not changed.
+// Turns every marked DATA into an unregister message: replaces the mark by KEY_HASH and
+// STATUS_INFO, and flags the payload as a key. The length and other messages are unchanged.
 void turn_marks_into_notes(std::span<std::uint8_t> message);
 
 }  // namespace fieldcast

@@ -60,9 +60,8 @@ DatagramGuard::Verdict DatagramGuard::check(std::span<const std::uint8_t> datagr
   has_fragments_ = is_changed_ = false;
   before_.clear();
   if (const auto fault = fault_of(datagram, limits_, this)) return {fault, {}, std::move(before_)};
-  // The library copies the last fragment by the size of the first one that it has of the sample
-  // (CacheChange.h), which another datagram may have named. So the buffer is extended: the library
-  // may read memory after the datagram.
+  // The library copies the last fragment by the size of the first one (CacheChange.h), so it may
+  // read memory after the datagram: the buffer is extended.
   if (has_fragments_) {
     scratch.reserve(datagram.size() + limits_.sample_bytes + kBehind);
     copy();

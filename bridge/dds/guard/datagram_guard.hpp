@@ -1,22 +1,15 @@
-// Decides for each datagram from the network whether the DDS library may read it. The rules for a
-// single datagram are in rtps_validator.hpp; the guard adds rules that need memory:
-//
-// - The number of participants and endpoints, and the rate of new participants. At a limit, the
-//   guard removes a participant that has been silent for longer than its lease, or else the oldest
-//   one that has announced no endpoint. The library gets the message that it has left.
-// - The bytes of unfinished fragmented samples.
-// - The sequence numbers that a writer has reached. A GAP makes the library insert each number of
-//   its range into a set. The guard therefore replaces a GAP over a long range by a HEARTBEAT whose
-//   first number is the end of the range. It has the same effect, because a reader has received
-//   everything before the range.
-// - The number of a writer up to which the library has counted. A HEARTBEAT makes it count up to
-//   the first number, one by one (StatefulReader.cpp). The guard replaces a far first number by a
-//   nearer one; the following HEARTBEATs continue from there.
-// - The addresses of a participant: the source of its first announcement, and the addresses in that
-//   announcement. Discovery in its name from another address is refused. Loopback addresses are
-//   accepted: processes of this machine are not distinguished. With relayed discovery the rule does
-//   not apply.
-//
+// Decides for each datagram from the network whether the DDS library may read it.
+// rtps_validator.hpp has the rules for a single datagram; the guard adds rules that need memory:
+// - Number of participants and endpoints, rate of new participants. At a limit, the guard removes a
+//   participant silent for longer than its lease, or the oldest that has announced no endpoint.
+// - Bytes of unfinished fragmented samples.
+// - Sequence numbers in GAPs: the library inserts each number of a range into a set. The guard
+//   replaces a long GAP by a HEARTBEAT whose first number is the end of the range: same effect.
+// - First numbers of HEARTBEATs: the library counts up to them one by one (StatefulReader.cpp). The
+//   guard replaces a far one by a nearer one; the following HEARTBEATs continue from there.
+// - Addresses of a participant: the source of its first announcement, and the addresses in it.
+//   Discovery in its name from another address is refused, except from loopback addresses and with
+//   relayed discovery.
 // Pure: `now` is an argument. One owner; not thread-safe.
 #pragma once
 
@@ -49,8 +42,7 @@ class DatagramGuard final : private RtpsEvents {
 
   explicit DatagramGuard(const RtpsLimits& limits);
 
-  // `scratch` receives the datagram if a part of it must be hidden or replaced, or if the library
-  // needs readable memory after it.
+  // `scratch` receives the datagram if a part of it must be changed, or memory must follow it.
   [[nodiscard]] Verdict check(std::span<const std::uint8_t> datagram, const Address& from,
                               Instant now, Bytes& scratch);
 
@@ -59,11 +51,9 @@ class DatagramGuard final : private RtpsEvents {
 
   // Numbers of one writer in GAPs that the library may hold at a time.
   static constexpr std::int64_t kMostGapped = 65'536;
-  // Limit for the numbers that the HEARTBEATs of a writer may advance after the first one; this
-  // credit is restored at 100 000 numbers a second.
+  // Limit for the advance of a writer's HEARTBEATs, restored at 100 000 numbers a second.
   static constexpr std::int64_t kJump = 1 << 20;
-  // Limit for the numbers that the library may count at a time, and the part of it that is restored
-  // within a second. On Debian 12 a number costs 0.2 to 0.5 us.
+  // Numbers that the library may count at a time, and per second: 0.2 to 0.5 us each (Debian 12).
   static constexpr std::int64_t kStep = 1 << 22, kCountsPerSecond = 1 << 20;
   // Highest first number of a writer's HEARTBEAT.
   static constexpr std::int64_t kFarthest = std::int64_t{1} << 36;
@@ -131,8 +121,7 @@ class DatagramGuard final : private RtpsEvents {
   bool is_changed_ = false;
 };
 
-// The guard of one participant, shared by the threads on which its transports receive; and the
-// counters of all guards of this process.
+// The guard of one participant, shared by the threads of its transports, and the counters of all.
 
 // How many datagrams all guards of this process refused since its start, by cause. Any thread.
 [[nodiscard]] RtpsFaultCounts refused_datagrams();
@@ -141,9 +130,8 @@ class SharedGuard {
  public:
   explicit SharedGuard(const RtpsLimits& limits) : guard_(limits) {}
 
-  // As DatagramGuard::check(), with the time of the call; `scratch` belongs to the caller's thread.
-  // Counts refused datagrams, and logs the first one of a cause, the tenth, the hundredth and so
-  // on.
+  // As DatagramGuard::check(), now; `scratch` belongs to the caller's thread. Counts refused
+  // datagrams, and logs the first of a cause, the tenth, the hundredth and so on.
   [[nodiscard]] DatagramGuard::Verdict check(std::span<const std::uint8_t> datagram,
                                              const DatagramGuard::Address& from,
                                              DatagramGuard::Bytes& scratch);

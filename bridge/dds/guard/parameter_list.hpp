@@ -1,5 +1,4 @@
-// Checks a parameter list of discovery or of inline QoS (RTPS 2.2, 9.4.2.11 and 9.6.2) before the
-// library parses it. Pure.
+// Checks a parameter list (RTPS 2.2, 9.4.2.11 and 9.6.2) before the library parses it. Pure.
 #pragma once
 
 #include <array>
@@ -22,8 +21,7 @@ struct ParameterFacts {
   std::vector<std::span<const std::uint8_t>> addresses;
   std::uint8_t status = 0;  // of PID_STATUS_INFO: 1 disposed, 2 unregistered
   std::size_t size = 0;     // bytes of the list with its sentinel
-  // Offsets in the list of parameters that the library must not parse: descriptions of types and
-  // content filters. Fieldcast needs neither; their parsers are the library's weakest.
+  // Offsets of parameters that the library must not parse: type descriptions, content filters.
   std::vector<std::size_t> hidden;
 };
 
@@ -33,7 +31,6 @@ struct ParameterFacts {
 
 // Builds the message by which a participant leaves the domain (RTPS 2.2, 8.5.3.3.2). It is sent to
 // our library in the participant's name, so that the library removes it.
-
 using ParticipantPrefix = std::array<std::uint8_t, 12>;  // of the GUIDs of a participant
 using EntityBytes = std::array<std::uint8_t, 4>;
 // RTPS 2.2, 9.3.1.2.
@@ -43,10 +40,9 @@ inline constexpr EntityBytes kParticipantReader{0x00, 0x01, 0x00, 0xc7};
 // `number` of the message must be greater than all earlier numbers of the writer.
 [[nodiscard]] std::vector<std::uint8_t> participant_gone(const ParticipantPrefix& prefix,
                                                          std::uint64_t number);
-// Builds such messages for `others` and then for a discovery server itself, in the server's name,
-// numbered from `number`. A heartbeat precedes them, so that a reliable reader does not wait for
-// earlier messages. The reader counts from its last number to this one, so `number` must not be far
-// away.
+// Such messages for `others` and then for a discovery server itself, in its name, numbered from
+// `number`. A heartbeat precedes them, so that a reliable reader does not wait. The reader counts
+// from its last number to this one, so `number` must not be far away.
 [[nodiscard]] std::vector<std::uint8_t> participants_gone(std::span<const ParticipantPrefix> others,
                                                           const ParticipantPrefix& server,
                                                           std::uint64_t number);

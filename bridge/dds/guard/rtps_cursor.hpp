@@ -61,7 +61,6 @@ namespace fieldcast::cdr_walk {
 
 // Walk over CDR values without building them: each function returns false if a length or a count is
 // above its limit or past the end. Pure.
-
 inline constexpr std::uint32_t kLongestText = 256;        // a name of DDS, with its final zero
 inline constexpr std::uint32_t kLongestProperty = 32768;  // a certificate or permissions
 inline constexpr std::uint32_t kMostItems = 128;          // partitions, properties

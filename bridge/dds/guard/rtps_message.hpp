@@ -1,5 +1,4 @@
-// The structure of an RTPS message (RTPS 2.2, 9.4): a header, then submessages, each with a header
-// of kind, flags and length.
+// The structure of an RTPS message (RTPS 2.2, 9.4): header, then submessages.
 #pragma once
 
 #include <array>
@@ -38,8 +37,7 @@ enum class Submessage : std::uint8_t {
   kSrtpsPostfix = 0x34,
 };
 
-// The flag of every submessage for its byte order, and the value that the library writes: the order
-// of this machine.
+// The byte order flag of a submessage, and the value for this machine, which the library writes.
 inline constexpr std::uint8_t kLittleEndianFlag = 1;
 inline constexpr std::uint8_t kOwnOrder =
     std::endian::native == std::endian::little ? kLittleEndianFlag : 0;
@@ -51,8 +49,7 @@ struct SubmessageView {
   std::span<const std::uint8_t> bytes;  // including its header
 };
 
-// Calls `each` for each submessage of any bytes, while it returns true. Stops at a submessage that
-// is longer than the message.
+// Calls `each` for each submessage while it returns true. Stops at one longer than the message.
 template <class Each>
 void for_each_submessage(std::span<const std::uint8_t> message, Each each) {
   for (std::size_t begin = kMessageHeader; begin + kSubmessageHeader <= message.size();) {
@@ -70,9 +67,7 @@ void for_each_submessage(std::span<const std::uint8_t> message, Each each) {
   }
 }
 
-// Causes for which the guard refuses a datagram before the DDS library reads it, and the limits
-// that it applies. Plain values; any thread.
-
+// Causes for which the guard refuses a datagram, and its limits. Plain values; any thread.
 enum class RtpsFault : std::uint8_t {
   kHeader,          // not an RTPS 2 message
   kSubmessage,      // a length or flag that contradicts its content

@@ -1,10 +1,7 @@
 // Validates one RTPS datagram (RTPS 2.2, chapter 9.4; DDS Security 1.1, 7.3.6) before the DDS
-// library reads it. Pure and stateless: returns the cause of the refusal, and reports the facts
-// that the guard needs.
-//
-// Fast DDS 2.9.1 and 3.1.2 trust many lengths and counts of a datagram. The validator accepts a
-// datagram only if every length, count and number that the library uses without its own check is
-// within the bounds of the datagram and of RtpsLimits.
+// library reads it, and reports the facts that the guard needs. Pure and stateless. Fast DDS 2.9.1
+// and 3.1.2 trust many lengths and counts: the validator accepts only those within the bounds of
+// the datagram and of RtpsLimits.
 #pragma once
 
 #include <array>
@@ -38,8 +35,7 @@ struct RtpsEvent {
 class RtpsEvents {
  public:
   virtual ~RtpsEvents() = default;
-  // Called for DATA of discovery, DATA_FRAG, GAP, HEARTBEAT, in their order, after the submessage
-  // was found valid. A returned fault refuses the datagram.
+  // Called in order for DATA of discovery, DATA_FRAG, GAP, HEARTBEAT. A fault refuses the datagram.
   virtual std::optional<RtpsFault> on_event(const RtpsEvent& event) = 0;
 };
 

@@ -1,7 +1,5 @@
-// Reads and writes message bytes with Fast CDR, for types that do not use the generated code. Hides
-// the names that differ between Fast CDR 1 and 2.
-//
-// Objects do not own the bytes. One thread at a time.
+// Reads and writes message bytes with Fast CDR, for types without generated code. Hides the names
+// that differ between Fast CDR 1 and 2. Objects do not own the bytes. One thread at a time.
 #pragma once
 
 #include <fastcdr/Cdr.h>
@@ -76,9 +74,8 @@ class CdrWriter {
 };
 using CdrFull = eprosima::fastcdr::exception::NotEnoughMemoryException;
 
-// Reads the content of a message after its encapsulation, in the byte order that the encapsulation
-// names. Every function throws an exception of Fast CDR, a std::exception, if the bytes end too
-// early.
+// Reads the content of a message after its encapsulation, in its byte order. Every function throws
+// an exception of Fast CDR, a std::exception, if the bytes end too early.
 class CdrReader {
  public:
   CdrReader(const void* bytes, std::size_t size)

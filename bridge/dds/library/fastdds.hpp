@@ -1,10 +1,8 @@
-// Hides the differences between Fast DDS 2.9 and 3.x. All code uses the names of this file for
-// them; headers of fastdds/dds/ are the same in both and are included where they are needed.
-//
+// Hides the differences between Fast DDS 2.9 and 3.x; all code uses the names of this file.
+// Headers of fastdds/dds/ are the same in both. Small classes and stateless functions; any thread.
 // Built and tested with 2.9.1. No package of 3.x exists for Debian 12: only the syntax of this
-// branch was checked with the headers of 3.6.2 and Fast CDR 2 (g++ -fsyntax-only: this header,
-// fastdds.cpp, library.cpp, guard_transport.cpp, unregister_message.cpp, and topic_type.hpp with a
-// type that fastddsgen 4 has made). It has NOT been linked and NOT been run.
+// branch was checked, with the headers of 3.6.2 and Fast CDR 2 (g++ -fsyntax-only). It has NOT been
+// linked and NOT been run.
 //
 // | subject                  | 2.9                                 | 3.x                        |
 // | ------------------------ | ----------------------------------- | -------------------------- |
@@ -18,7 +16,6 @@
 // | discovery, servers       | RemoteServerAttributes              | locators alone             |
 // | settings of the process  | XMLProfileManager                   | DomainParticipantFactory   |
 // | ChainingTransport::send  | one buffer                          | a list of buffers          |
-//
 // | TopicDataType            | getKey, serialize(data, payload)    | compute_key, references,   |
 // |                          |                                     | representation as argument |
 // |                          | createData, deleteData              | create_data, delete_data   |
@@ -27,8 +24,6 @@
 //
 // Not hidden yet, until a 3.x can be built: names of generated files (*.hpp of fastddsgen 4, whose
 // enums are scoped), and CMake's package (fastdds instead of fastrtps).
-//
-// Small classes, and functions without state, for any thread; longer functions are in fastdds.cpp.
 #pragma once
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
@@ -128,8 +123,7 @@ using DiscoveryProtocol = rtps::DiscoveryProtocol_t;
 
 // ---- settings
 
-// Makes participants of one process use their transports. Call it before the first participant is
-// created.
+// Makes participants of one process use their transports. Call it before the first participant.
 void turn_off_intraprocess_delivery();
 
 // Times of a reliable writer for repeating lost messages.
@@ -140,8 +134,7 @@ struct RepairTimes {
 };
 void set_repair_times(dds::DataWriterQos& qos, const RepairTimes& times);
 
-// Makes the participant a client of the server with this identity, 0..255 (`fast-discovery-server
-// -i IDENTITY`), in addition to servers that were set before.
+// Adds the discovery server with this identity, 0..255 (`fast-discovery-server -i IDENTITY`).
 void join_discovery_server(dds::DomainParticipantQos& qos, const rtps::Locator_t& server,
                            unsigned identity);
 
@@ -217,8 +210,7 @@ class DiscoveryListener : public dds::DomainParticipantListener {
 
 // ---- types
 
-// A generated type with one form of the functions that our classes override. By default they call
-// the generated code. The library calls them from any thread.
+// A generated type with one form of the functions that our classes override. Any thread.
 template <class Generated>
 class AdaptedType : public Generated {
  public:
@@ -226,8 +218,7 @@ class AdaptedType : public Generated {
   using Handle = rtps::InstanceHandle_t;
   using Message = typename Generated::type;
 
-  // Creates and deletes the messages that the library makes for itself, for example to find the
-  // keys in a reader.
+  // Messages that the library makes for itself, for example to find the keys in a reader.
   virtual void* new_message() { return new Message(); }
   virtual void delete_message(void* message) { delete static_cast<Message*>(message); }
 
@@ -283,9 +274,8 @@ class AdaptedType : public Generated {
   virtual std::uint32_t size_of(const void* data) {
     return Generated::getSerializedSizeProvider(const_cast<void*>(data))();
   }
-  // The generated function uses members of the one object that all endpoints of a participant
-  // share, and does not clear its buffer: the padding between two strings would hold bytes of an
-  // earlier key.
+  // The generated function shares members between all endpoints of a participant and does not clear
+  // its buffer: paddings would hold bytes of an earlier key.
   virtual bool key_of(const void* data, Handle& key, bool force_md5) {
     thread_local Generated worker;
     std::memset(worker.m_keyBuffer, 0,
@@ -311,7 +301,6 @@ class AdaptedType : public Generated {
 
 // ---- transport
 
-// A message to send.
 struct OutgoingMessage {
   using Deadline = std::chrono::steady_clock::time_point;
   using Locators = rtps_transport::LocatorsIterator;
@@ -334,8 +323,7 @@ struct IncomingMessage {
   }
 };
 
-// A transport above another transport that sees every message before it is sent, and every received
-// one.
+// A transport above another transport: it sees every message before it is sent or delivered.
 class PassingTransport : public rtps_transport::ChainingTransport {
  public:
   using ChainingTransport::ChainingTransport;

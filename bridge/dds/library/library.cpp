@@ -18,8 +18,7 @@ namespace {
 using dds::Log;
 
 // Fast DDS 2.9.1 prints this when an instance with a deadline is unregistered (DataWriterImpl),
-// because the timer has already been removed as intended. Every channel that moves to another
-// writer would print it.
+// which happens for every channel that moves to another writer.
 constexpr std::string_view kHarmless = "Could not set the next deadline in the history";
 
 std::atomic<LibraryLines> elsewhere{nullptr};

@@ -13,9 +13,8 @@ namespace fieldcast {
 //   and go to standard output, between our JSON lines.
 void prepare_library();
 
-// Redirects the library's messages; `lines` is called from any of its threads. A daemon must not
-// wait for the reader of its standard error. `kind` is the library's name for the component that
-// logs the message.
+// Redirects the library's messages: a daemon must not wait for the reader of its standard error.
+// `lines` is called on any of its threads. `kind`: the component that logs.
 using LibraryLines = void (*)(bool error, std::string_view kind, std::string_view text);
 void set_library_lines(LibraryLines lines);
 
@@ -23,9 +22,7 @@ void set_library_lines(LibraryLines lines);
 inline constexpr std::string_view kSecurityLine = "security";
 void say_security(bool error, std::string_view text);
 
-// Thrown if DDS cannot be started or an entity cannot be created. It is the only exception of the
-// DDS folders; main catches it.
-
+// DDS cannot be started, or an entity cannot be created. The only exception of the DDS folders.
 class DdsError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -78,8 +78,7 @@ void InterestReceiver::on_subscription_matched(dds::DataReader*,
   if (status.current_count_change > 0) return_of(status.last_publication_handle);
 }
 
-// Handles a station that crashes or leaves without withdrawing: the library delivers no unregister
-// message for its instances.
+// A station crashed or left without withdrawing: the library delivers no unregister messages.
 void InterestReceiver::end_of(const dds::InstanceHandle_t& writer) {
   for (auto one = known_.begin(); one != known_.end();) {
     if (one->second.writer != writer) {

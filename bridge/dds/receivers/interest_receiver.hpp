@@ -1,10 +1,7 @@
 // Receives Interest: the channels that stations are interested in, and the end of an interest when
-// it is withdrawn or the station crashes. Handlers are called on DDS threads.
-//
-// The default QoS of any vendor must match, so the reader requests no lease. But then the library
-// reports a dead writer only when its whole participant is removed. A second reader requests the
-// lease that our stations offer: it reads no samples, and only learns which of their writers are
-// alive.
+// it is withdrawn or the station crashes. Handlers are called on DDS threads. The default QoS of
+// any vendor must match, so the reader requests no lease. A second reader, without samples,
+// requests the lease that our stations offer, to detect which of their writers are alive.
 #pragma once
 
 #include <atomic>
@@ -19,8 +16,7 @@ namespace fieldcast {
 
 class InterestReceiver : private dds::DataReaderListener {
  public:
-  // `on_problem` is called for refused interests: for the first, the tenth, the hundredth and so
-  // on, so that a station cannot flood the log.
+  // `on_problem`: for the first refused interest, the tenth, the hundredth and so on.
   InterestReceiver(Domain& domain, std::function<void(Interest)> handler,
                    std::function<void(std::string)> on_problem);
   void close();  // no handler is called after it returns

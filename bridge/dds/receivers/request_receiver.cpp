@@ -47,8 +47,7 @@ namespace {
 
 constexpr std::int64_t kLongestAge = std::int64_t{1} << 60;  // nanoseconds, 36 years
 
-// Age by the wall clocks of both machines, never negative. Ages above kLongestAge count as
-// kLongestAge, which prevents overflow of sums.
+// Age by the wall clocks of both machines, 0 to kLongestAge, so that sums do not overflow.
 Duration age_of(UtcTime source, const UtcMapping& now) {
   std::int64_t age = 0;
   if (source.nanoseconds <= 0 ||

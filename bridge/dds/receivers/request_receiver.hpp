@@ -1,12 +1,9 @@
 // Stores the DDS Security subject of each participant, and the subject that each requester name
-// belongs to. Any thread.
-//
-// Fast DDS 2.9.1 does not expose the certificate that it has checked. It does check that the GUID
-// of a participant begins with the hash of the certificate's subject (OMG formal/18-04-01, 9.3.3).
-// So the subject is read from the participant's identity token, and ignored if its hash differs
-// from the GUID. The GUID contains 47 bits of the hash: enough against chance and outsiders. A
-// member that computes some 2^47 names could show a false name here, but gains no right by it: the
-// library checks rights on the certificate itself.
+// belongs to. Any thread. Fast DDS 2.9.1 does not expose the checked certificate, but checks that
+// the GUID of a participant begins with the hash of its subject (OMG formal/18-04-01, 9.3.3). So
+// the subject is read from the identity token, and ignored if its hash differs. The GUID contains
+// 47 bits of the hash: enough against chance and outsiders. A member that computes 2^47 names gains
+// no right: the library checks rights on the certificate itself.
 #pragma once
 
 #include <cstdint>
@@ -40,8 +37,7 @@ class RequesterRegistry {
   // For example "plant mes-1", or kUnknown.
   [[nodiscard]] std::string subject_of(const Participant& participant) const;
 
-  // Assigns the requester name to the subject that uses it first. Returns false if it belongs to
-  // another subject.
+  // Assigns the name to the subject that uses it first; false if it belongs to another subject.
   [[nodiscard]] bool bind(const std::string& requester, const std::string& subject);
 
  private:
@@ -51,8 +47,7 @@ class RequesterRegistry {
   std::deque<std::string> oldest_;             // requesters, oldest first
 };
 
-// The bus that senders are restricted to; `std::nullopt` for requests without a partition. Members
-// restricted to a bus cannot write for other buses: Domain::reader_of_bus().
+// The bus that senders are restricted to, see Domain::reader_of_bus(); empty without a partition.
 using HeldTo = std::optional<std::string>;
 
 // How a request arrived.
@@ -71,8 +66,7 @@ struct RequestTerms {
   std::string too_early;  // why it must be refused: it was written before the bridge listened
 };
 
-// Collects the lifespans of writers from discovery, because LIFESPAN is a QoS of the writer, but
-// the library's reader applies its own. Also collects the DDS Security subjects of participants.
+// Collects LIFESPAN of writers and subjects of participants; the reader applies its own LIFESPAN.
 class RequestWriters : public DiscoveryListener {
  public:
   using Guid = rtps::GUID_t;
@@ -82,15 +76,13 @@ class RequestWriters : public DiscoveryListener {
   static constexpr Duration kLongest = std::chrono::hours{24};
   static constexpr std::size_t kMaxWriters = 4096;  // further writers get the default
 
-  // Authenticates a request and determines its expiry. `std::nullopt`: the requester's name belongs
-  // to another subject. Such a request gets no result, because the result would go to the owner of
-  // the name.
+  // Authenticates a request and determines its expiry. Empty if the requester's name belongs to
+  // another subject; a result would go to the owner of the name.
   [[nodiscard]] std::optional<RequestTerms> terms_of(const Domain& domain,
                                                      const std::string& requester,
                                                      const RequestOrigin& origin,
                                                      const UtcMapping& now) const;
-  // The subject of the writer's participant, for example "bridge line-7", or
-  // RequesterRegistry::kUnknown. Empty without DDS Security.
+  // Subject of the writer's participant: "bridge line-7", kUnknown, or "" without DDS Security.
   [[nodiscard]] std::string subject_of(const Domain& domain, const Guid& writer) const;
 
  private:
@@ -102,23 +94,20 @@ class RequestWriters : public DiscoveryListener {
   mutable RequesterRegistry requesters_;
 };
 
-// Expiry of a request on the engine's clock. Its age is the difference of the wall clocks of both
-// machines, never negative.
+// Expiry on the engine's clock; the age is the difference of both wall clocks, never negative.
 [[nodiscard]] Instant expiry_of(UtcTime source, Duration lifespan, const UtcMapping& now);
 
-// Both clock readings, for the message about a late request: "written at .., received at .. by this
-// bridge's clock: ..". Empty if the request has no source time.
+// Both clock readings, for the message about a late request. Empty without a source time.
 [[nodiscard]] std::string clocks_text(UtcTime source, const UtcMapping& now);
 
-// How long before `listening` the request was written; `std::nullopt` if it was written later. An
-// older request was not for the bridge that listens now, although its writer may keep and repeat
-// it. The source time is of the sender's clock. If that clock is behind by d, requests are refused
-// for the first d of a bridge's life. If it is ahead by d, requests younger than d may be repeated.
+// How long before `listening` the request was written; empty if later. An older request was not for
+// this bridge, although its writer may repeat it. The source time is of the sender's clock: if it
+// is behind by d, requests of the first d of a bridge's life are refused; if ahead by d, requests
+// younger than d may be repeated.
 [[nodiscard]] std::optional<Duration> written_before(Instant listening, UtcTime source,
                                                      const UtcMapping& now);
 
-// Receives `Command` or `AlarmAction` and passes each message to `owner.receive(message, origin)`,
-// on DDS threads.
+// Passes each `Command` or `AlarmAction` to `owner.receive(message, origin)`, on DDS threads.
 template <class Message, class Owner>
 class RequestReceiver : private dds::DataReaderListener {
  public:

@@ -5,11 +5,9 @@
 namespace fieldcast {
 namespace {
 
-// Row of a block: number, kind, quality, value, sequence, and the time if a block has several
-// times.
+// Row of a block: number, kind, quality, value, sequence, and sometimes the time.
 constexpr double kBytesOfSample = 30;
-// Other bytes of a message: headers of RTPS, bus, lengths of columns, a heartbeat. A block on a
-// network has some 35 rows.
+// Headers of RTPS, bus, lengths of columns, a heartbeat. A block on a network has some 35 rows.
 constexpr double kBytesOfMessage = 200, kRowsOfMessage = 35;
 
 }  // namespace

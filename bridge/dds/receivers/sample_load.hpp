@@ -1,5 +1,4 @@
-// Estimates the data rate that the samples of a configuration need for one station that watches all
-// channels. Used for the warning that `max-rate` is too small. Pure.
+// Estimates the data rate of all samples for one station, for the warning about `max-rate`. Pure.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +9,10 @@
 
 namespace fieldcast {
 
-// Bytes per second of SampleBlock if every channel keeps its refresh. This is a lower bound,
-// because blocks are counted as full.
+// Bytes per second of SampleBlock at every refresh; a lower bound, as blocks are counted as full.
 [[nodiscard]] std::uint64_t sample_load(const BridgeSpec& spec);
 
-// A one-line warning with the remedy; `std::nullopt` if `max-rate` is enough for one station or not
-// set.
+// A one-line warning with the remedy; empty if `max-rate` is enough for one station or not set.
 [[nodiscard]] std::optional<std::string> rate_remark(const BridgeSpec& spec);
 
 }  // namespace fieldcast

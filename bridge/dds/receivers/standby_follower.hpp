@@ -1,9 +1,6 @@
-// State of the buses that the master serves, as a waiting member of a standby group collects it:
-// the last samples, device reports, alarms, and which commands have a result. It reads the same
-// topics as stations do.
-//
-// Owns its readers. Created and closed like endpoints of the link. take() may be called from any
-// thread.
+// State of the buses that the master serves, as a waiting member collects it from the topics of
+// stations: last samples, device reports, alarms, and which commands have a result. Owns its
+// readers. Created and closed like endpoints of the link. Any thread may call take().
 #pragma once
 
 #include <condition_variable>

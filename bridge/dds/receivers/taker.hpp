@@ -1,5 +1,4 @@
-// A listener that takes the messages of a reader and passes each one with data to a callback, on
-// threads of the library.
+// Passes each message with data of a reader to a callback, on threads of the library.
 #pragma once
 
 #include <deque>
@@ -31,15 +30,10 @@ class Taker : public dds::DataReaderListener {
   const Take take_;
 };
 
-// Samples of writers that were lost. Fast DDS 2.9.1 delivers each message of a writer once. If a
-// writer is lost for longer than its participant's lease and returns, the library requests only
-// messages written since (RTPSReader::remove_persistence_guid keeps the number of the last
-// message). A reader stores the instances of a lost writer here and restores them when the writer
-// returns.
-//
-// A writer that has ended never returns, so the entries of the writers lost first are dropped when
-// the limit is reached. Not thread-safe.
-
+// Samples of writers that were lost. Fast DDS 2.9.1 delivers each message of a writer once: from a
+// lost writer that returns, it requests only later messages (RTPSReader::remove_persistence_guid).
+// So a reader stores its instances here and restores them. A writer that has ended never returns:
+// at the limit, the writers lost first are dropped. Not thread-safe.
 template <class Kept>
 class LostInstances {
  public:

@@ -1,8 +1,5 @@
-// SampleBlock and CatalogueBlock: conversion from core types, and back row by row. Pure functions;
-// any thread.
-//
-// Data from DDS is not trusted: columns of different lengths and unknown kinds or qualities are
-// rejected.
+// SampleBlock and CatalogueBlock: conversion from core types, and back row by row. Data from DDS is
+// not trusted: columns of different lengths and unknown kinds or qualities are rejected. Pure.
 #pragma once
 
 #include <cstdint>
@@ -39,8 +36,7 @@ class BlockFiller {
 
   // Clears the block, which must outlive the filler. `most_bytes` bounds its size on the wire.
   BlockFiller(idl::SampleBlock& block, std::size_t most_bytes);
-  // Returns false if the row does not fit; it is then not added. An empty block has space for one
-  // row.
+  // Returns false, without the row, if it does not fit. An empty block has space for one row.
   [[nodiscard]] bool add(ChannelIndex channel, const LastValue& value);
   // Shortens columns that have the same value in every row. No rows may be added afterwards.
   void finish();
@@ -54,8 +50,8 @@ class BlockFiller {
 
 // Returns true if the lengths of the columns match.
 [[nodiscard]] bool is_whole(const idl::SampleBlock& block);
-// Fills everything except the names. Returns false for an unknown kind or quality; `out` is then
-// undefined. REQUIRES: is_whole(), row in range.
+// Fills all but the names. False for an unknown kind or quality. REQUIRES: is_whole(), row in
+// range.
 [[nodiscard]] bool read_row(const idl::SampleBlock& block, std::size_t row, StationSample& out);
 
 // ---- catalogue

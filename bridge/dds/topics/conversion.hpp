@@ -1,9 +1,6 @@
-// Converts topic types from core types and back. Pure functions without participant, clock or
-// thread.
-//
-// Towards DDS, a value that exceeds its bound is rejected or cut by a documented rule. Data from
-// DDS is not trusted: enumerators, union discriminants and numbers outside their range are
-// rejected.
+// Converts topic types from core types and back. Pure. Towards DDS, a value that exceeds its bound
+// is rejected or cut by a documented rule. Data from DDS is not trusted: enumerators, union
+// discriminants and numbers outside their range are rejected.
 #pragma once
 
 #include <optional>
@@ -31,16 +28,14 @@ inline constexpr std::size_t kMaxCommandValues = 2048;  // IDL sequence<Value, 2
 
 // ---- values
 
-// Returns false, and writes nothing, for a string that is longer than kMaxTextValue or contains a
-// NUL.
+// Returns false, and writes nothing, for a text longer than kMaxTextValue or with a NUL.
 [[nodiscard]] bool to_idl(const Value& value, idl::Value& out);
 // Returns `std::nullopt` for a discriminant that the IDL does not name.
 [[nodiscard]] std::optional<Value> from_idl(const idl::Value& value);
 
 // ---- samples and catalogue
 
-// Fills everything except the keys. A value that does not fit becomes an empty string of quality
-// BAD_RANGE, never a shortened one.
+// Fills all but the keys. A value that does not fit becomes an empty text of quality BAD_RANGE.
 void to_idl(const Sample& sample, const UtcMapping& mapping, idl::Sample& out);
 // Returns `std::nullopt` for an unknown discriminant or quality.
 [[nodiscard]] std::optional<StationSample> from_idl(const idl::Sample& sample);
@@ -133,8 +128,7 @@ concept HasValue = requires(const Message& message) {
 // The first `limit` bytes of a UTF-8 text, fewer if that would cut a character; ends before a NUL.
 [[nodiscard]] std::string cut_text(std::string_view text, std::size_t limit);
 
-// Converts the messages of a standby group to DDS and back. Pure functions; any thread. Texts are
-// cut at their bounds.
+// Messages of a standby group; texts are cut at their bounds.
 
 namespace idl = ::fieldcast_idl;
 

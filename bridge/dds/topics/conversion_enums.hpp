@@ -32,8 +32,7 @@ namespace idl = ::fieldcast_idl;
 [[nodiscard]] idl::SessionState to_idl(ProgramSessionState value);
 [[nodiscard]] idl::StandbyNoteKind to_idl(StandbyNoteKind value);
 
-// Return `std::nullopt` for a number that the IDL does not name, and for limits that do not raise
-// alarms.
+// Empty for a number that the IDL does not name, and for limits that do not raise alarms.
 [[nodiscard]] std::optional<Quality> from_idl(idl::Quality value);
 [[nodiscard]] std::optional<ValueType> from_idl(idl::ValueType value);
 [[nodiscard]] std::optional<Access> from_idl(idl::Access value);

@@ -1,12 +1,7 @@
-// Caches instance handles by the bytes of their keys, so that a handle is computed once for each
-// instance and not for each sample.
-//
-// Keys arrive in the same order again and again, because buses are read cyclically. So the entry
-// after the last one found is compared first, in contiguous memory. A hash table alone costs as
-// much time in cache misses as MD5 does in instructions.
-//
-// The bytes are from the network: at its limit the cache is cleared, and long keys are not stored.
-// Any thread.
+// Caches instance handles by the bytes of their keys. Keys arrive in the same order again and
+// again, because buses are read cyclically: the entry after the last one found is compared first. A
+// hash table alone costs as much time in cache misses as MD5 does. The bytes are from the network:
+// at its limit the cache is cleared, and long keys are not stored. Any thread.
 #pragma once
 
 #include <algorithm>
@@ -85,12 +80,9 @@ class KeyCache {
 };
 
 // Sample in the form in which a station reads it: parsed from its bytes, without the generated
-// code, which copies strings three times. Its handles are those of the generated type, so that they
-// agree with other vendors'.
-//
-// A reader of Fast DDS 2.9.1 reads each message twice (DataReaderHistory): for its key when it
-// arrives, and completely when it is taken. The first time, only the bytes of the key are parsed.
-
+// code, which copies strings three times. Its handles are those of the generated type, as of other
+// vendors. A reader of Fast DDS 2.9.1 reads each message twice (DataReaderHistory), the first time
+// for its key: then only the bytes of the key are parsed.
 struct ReceivedSample {
   StationSample sample;
   // True if its value and quality are of kinds that the IDL names.
@@ -111,8 +103,8 @@ class ReceivedSampleType : public TopicType<idl::SamplePubSubType> {
   void* new_message() override { return new ReceivedSample{.for_key = true}; }
   void delete_message(void* message) override { delete static_cast<ReceivedSample*>(message); }
 
-  // Returns false for bytes that are not a Sample. A message that ends early belongs to the
-  // instance with empty names, so that it replaces no value.
+  // Returns false for other bytes. A message that ends early gets empty names: it replaces no
+  // value.
   bool from_bytes(Payload& payload, void* data) override;
   // REQUIRES: `data` is a message of new_message() that was read last on this thread.
   bool key_of(const void* data, Handle& key, bool) override {

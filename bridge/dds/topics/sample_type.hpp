@@ -1,6 +1,5 @@
 // Sample in the form in which the bridge writes it: the key of each channel is serialized and
-// hashed once, and the changing members are written after it. The bytes are those of the generated
-// type.
+// hashed once. The bytes are those of the generated type.
 #pragma once
 
 #include <bit>
@@ -50,12 +49,8 @@ class SampleType : public TopicType<idl::SamplePubSubType> {
 };
 
 // CommandResult in the form in which the bridge writes it: results, and unregister messages of
-// their instances.
-//
-// For the library's history all of them belong to one instance, so it is a ring: a new message
-// replaces the oldest one, even if readers have not received it. A slow reader then loses results
-// and delays no other. Readers find the true key in the message.
-
+// their instances. For the library's history all belong to one instance, a ring: a slow reader
+// loses the oldest results and delays no other. Readers find the true key in the message.
 struct OutgoingResult {
   const idl::CommandResult* message;
   bool note = false;  // an unregister message: only the keys are written

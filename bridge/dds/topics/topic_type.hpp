@@ -1,15 +1,10 @@
-// Wraps the generated TopicDataType for safe use with Fast DDS. Stations may use the generated type
-// directly.
-//
-// Code of fastddsgen 2.3 has three defects, fixed here and in AdaptedType (fastdds.hpp):
-// - getKey() uses members of the one type object that all endpoints of a participant share: two
-//   threads mix up their keys.
-// - It does not clear its buffer, so that the padding between two strings contains bytes of an
-//   earlier key: one channel gets many instances, and its dispose message matches none of them.
-// - deserialize() catches a single exception type and trusts lengths from the network: malformed
+// Wraps the generated TopicDataType for safe use with Fast DDS; stations may use the generated one.
+// Any thread. Fixes three defects of fastddsgen 2.3, here and in AdaptedType:
+// - getKey() uses members shared by all endpoints of a participant: threads mix up their keys.
+// - It does not clear its buffer: paddings contain bytes of an earlier key, so a channel gets
+//   many instances, and its dispose message matches none of them.
+// - deserialize() trusts lengths from the network and catches one type of exception: malformed
 //   bytes end the process.
-//
-// Objects of this class may be used from any thread.
 #pragma once
 
 #include <algorithm>
@@ -25,16 +20,14 @@ class TopicType : public AdaptedType<Generated> {
   using Base = AdaptedType<Generated>;
 
  public:
-  // The library allocates a buffer of that size for each sample that it keeps, and enlarges it if
-  // needed. Bounds are far above usual sizes: a Sample is about 120 bytes and could be 500, a
-  // Command 200 and 550 000. Without a key the library enlarges nothing: then the bound is set, and
-  // the library allocates the size of each sample (topics.cpp).
+  // First allocation for each kept sample; the library enlarges it if needed. Bounds are far above
+  // usual sizes: a Sample is about 120 bytes and could be 500, a Command 200 and 550 000. Without a
+  // key nothing is enlarged, and the library allocates the size of each sample (topics.cpp).
   TopicType() : largest_(this->first_allocation()) {
     if (this->is_keyed()) this->set_first_allocation(std::min(largest_, kUsualSize));
   }
 
-  // Rejects messages that are longer than the type can be, and messages for which the generated
-  // code throws (bad lengths, bad encapsulation, no memory).
+  // Rejects messages that are too long, or for which the generated code throws.
   bool from_bytes(typename Base::Payload& payload, void* data) override {
     if (payload.length > largest_) return false;
     try {
@@ -42,8 +35,7 @@ class TopicType : public AdaptedType<Generated> {
     } catch (const std::exception&) { return false; }
   }
 
-  // If a type has a bound, the library uses the first allocation as the limit and enlarges nothing
-  // (Fast DDS 2.9.1, DataWriterImpl::enable): longer messages could not be written.
+  // With a bound the library uses the first allocation as the limit (DataWriterImpl::enable).
   bool is_bounded() const override { return !this->is_keyed() && Base::is_bounded(); }
 
   [[nodiscard]] std::uint32_t largest() const { return largest_; }

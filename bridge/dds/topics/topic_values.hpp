@@ -1,5 +1,4 @@
-// Content of the topics as plain values: what a station receives and sends, and what a bridge
-// receives. No DDS type appears here. Values; any thread.
+// Content of the topics as plain values, without DDS types; any thread.
 #pragma once
 
 #include <cstdint>
@@ -95,8 +94,7 @@ struct StationAlarmStatus {
   AlarmStatus status;
 };
 
-// A command of a station, with its bus. The station sets requester and expires, and also request_id
-// unless it was reserved before.
+// A command of a station. The station sets requester, expires, and request_id unless reserved.
 struct StationCommand {
   std::string bus;
   Command command;

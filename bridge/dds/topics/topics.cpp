@@ -7,10 +7,9 @@ namespace {
 using rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
 using rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
 
-// Settings of all endpoints. The memory policy matters at readers: with the DYNAMIC ones Fast DDS
-// 2.9.1 drops every dispose or unregister message ("Problem copying CacheChange, received data is:
-// 0 bytes"). TopicType sets the size of the first allocation. Topics without a key have no such
-// messages, and their first allocation is never enlarged.
+// Settings of all endpoints. With the DYNAMIC memory policies, readers of Fast DDS 2.9.1 drop every
+// dispose or unregister message ("Problem copying CacheChange, received data is: 0 bytes"). Topics
+// without a key have no such messages, and their first allocation is never enlarged.
 template <class Qos>
 void set_common(Qos& qos, Durability durability, Keys keys = Keys::kKeyed) {
   qos.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;
@@ -40,9 +39,8 @@ void set_holding(Qos& qos, const Holding& holding) {
   limits.allocated_samples = 0;
 }
 
-// The loss of the last message before a pause is noticed only at the next heartbeat: the library's
-// default is 3 s. Heartbeats cost nothing while everything is acknowledged. With a suppression of 0
-// every message would start a timer that locks the writer.
+// The loss of the last message before a pause is noticed only at the next heartbeat (default 3 s).
+// With a suppression of 0 every message would start a timer that locks the writer.
 void set_repair(dds::DataWriterQos& qos, Repair repair) {
   constexpr std::uint32_t kMs = 1'000'000;
   if (repair == Repair::kSoon)

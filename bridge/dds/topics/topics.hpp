@@ -1,8 +1,6 @@
-// The table of topics: one row for each, which both ends use (docs: bridge/dds/README.md). The QoS
-// of every endpoint is derived from its row. Values; any thread.
-//
-// Every keyed endpoint has its own resource limits: the library's default is 10 instances, so that
-// 90 of 100 channels would be lost without a message.
+// The table of topics: one row for each, which both ends use (bridge/dds/README.md) and from which
+// the QoS follows. Values; any thread. Every keyed endpoint has its own resource limits: the
+// library's default is 10 instances, and 90 of 100 channels would be lost without a message.
 #pragma once
 
 #include <array>
@@ -98,9 +96,9 @@ struct TopicRow {
   Holding writer, reader;
   Lease lease = Lease::kNone;
   Unregister unregister = Unregister::kDisposes;
-  // Longest wait of a write, with readers that lag. Fast DDS 2.9.1 also waits at most this long for
-  // the lock of its timers; after that the writer sends no heartbeat any more
-  // (TimedEvent::restart_timer), so it must not be short.
+  // Longest wait of a write, with readers that lag. Fast DDS 2.9.1 waits at most this long for its
+  // timers too, and sends no heartbeat any more after that (TimedEvent::restart_timer): not too
+  // short.
   Duration longest_write = std::chrono::milliseconds{100};
   Keys keys = Keys::kKeyed;
   Repair repair = Repair::kSoon;
@@ -157,10 +155,9 @@ inline constexpr Topic<idl::SnapshotRequestPubSubType> kSnapshotRequestTopic{
 inline constexpr Topic<idl::CatalogueBlockPubSubType> kCatalogueBlockTopic{
     {"fieldcast/CatalogueBlock", kStays, last_of(kMaxChannels / 16), last_of(kMaxChannels / 16)}};
 // With the LIFESPAN of its writer. Two samples of an instance: the command, and its unregister
-// message. At a reader, messages that arrive before a lost message is repeated count against their
-// own instance (Fast DDS 2.9.1, DataReaderHistory): a small limit there would reject the lost
-// message. With a bound on the instances the library reuses empty ones, even if a foreign writer
-// never unregisters.
+// message. At a reader, messages before a lost one count against their instance
+// (DataReaderHistory): a small limit would reject the lost one. With a bound on the instances the
+// library reuses empty ones.
 inline constexpr Topic<idl::CommandPubSubType> kCommandTopic{
     {"fieldcast/Command", kPasses, all_of(kMaxPendingCommands, 2),
      all_of(kMaxPendingCommands, kMaxPendingCommands), Lease::kNone, Unregister::kLetsGo,
@@ -179,8 +176,7 @@ inline constexpr Topic<idl::InterestPubSubType> kInterestTopic{
 // Two bridges of one name share one instance, and both must be received: hence the depth.
 inline constexpr Topic<idl::BridgePubSubType> kBridgeTopic{
     {"fieldcast/Bridge", kStays, last_of(1), last_of(kMaxBridges, 16), Lease::kBoth}};
-// Bridges that stand by for each other. Each has its own instance; of two with the same name,
-// readers accept the one with the higher strength.
+// Each bridge has its own instance; of two with the same name, readers accept the stronger one.
 inline constexpr Topic<idl::StandbyPubSubType> kStandbyTopic{
     {"fieldcast/Standby", kStays, last_of(1), last_of(kMaxStandbyMembers), Lease::kStandby,
      Unregister::kDisposes, std::chrono::milliseconds{10}, Keys::kKeyed, Repair::kSoon,

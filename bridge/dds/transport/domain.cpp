@@ -26,10 +26,9 @@ constexpr const char* kLoopback = "127.0.0.1";
 constexpr const char* kFlowController = "fieldcast";
 constexpr std::uint32_t kHighestDomain = 232;  // the ports of RTPS end there (RTPS 2.2, 9.6.1)
 
-// Uses UDP only, although shared memory is the library's default. In Fast DDS 2.9, a participant
-// that leaves before all others have read its last message leaves a message in freed memory. The
-// others try to read it forever: each uses a whole processor and receives nothing else. Fixed
-// upstream in 2023 (eProsima/Fast-DDS #3759). Tools that join for a short time would do that to the
+// UDP only, although shared memory is the default: in Fast DDS 2.9, a participant that leaves early
+// leaves a message in freed memory, which the others try to read forever, with a whole processor
+// (fixed in 2023, eProsima/Fast-DDS #3759). Tools that join for a short time would do that to the
 // bridge.
 void set_transports(const DdsSpec& spec, dds::DomainParticipantQos& qos) {
   auto& transport = qos.transport();
@@ -40,17 +39,15 @@ void set_transports(const DdsSpec& spec, dds::DomainParticipantQos& qos) {
   transport.user_transports.push_back(udp);
 }
 
-// The checks of received messages. `filter` is null without DDS Security, `restarts` without
-// discovery servers.
+// Checks of received messages. `filter`: with DDS Security; `restarts`: with discovery servers.
 struct Incoming {
   std::shared_ptr<SharedGuard> guard;
   std::shared_ptr<IncomingFilter> filter;
   std::shared_ptr<ServerRestarts> restarts;
 };
 
-// Inserts our transport above each UDP transport. It adds the keys to unregister messages on the
-// way out, and checks messages on the way in. The library's built-in transports cannot be wrapped,
-// so they are replaced by UDP of the user's profile or ours.
+// Inserts our transport above each UDP transport, for unregister messages and checks. Built-in
+// transports cannot be wrapped, so UDP of the user's profile or ours replaces them.
 void pass_through_ours(dds::TransportConfigQos& transport, const Incoming& incoming) {
   if (std::exchange(transport.use_builtin_transports, false) &&
       std::none_of(transport.user_transports.begin(), transport.user_transports.end(),
@@ -92,8 +89,7 @@ bool is_urgent(const std::string& topic) {
          topic == kInterestTopic.name;
 }
 
-// Sets the built-in plugins of DDS Security 1.1, which every vendor supports, and the files of the
-// member.
+// Sets the built-in plugins of DDS Security 1.1 and the files of the member.
 void set_security(const std::string& folder, dds::DomainParticipantQos& qos) {
   const auto set = [&qos](const char* name, std::string value) {
     auto& properties = qos.properties().properties();
@@ -154,10 +150,9 @@ dds::DomainParticipantQos participant_qos(const DdsSpec& spec, const std::string
       throw DdsError("dds: " + *spec.profile + " has no participant profile 'fieldcast'");
     }
   }
-  // A silent peer is removed after 10 s instead of 20. Announcements are sent every half second: if
-  // the first ones crossed those of the peer, the next ones complete the discovery (25 joins: at
-  // most 0.9 s, with the library's 3 s up to 3.1 s). This also replaces the values of a profile,
-  // because other participants rely on these times.
+  // A silent peer is removed after 10 s instead of 20. Announcements every half second complete a
+  // discovery whose first ones crossed (25 joins: at most 0.9 s instead of 3.1 s). Replaces the
+  // values of a profile: other participants rely on these times.
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.leaseDuration = {10, 0};
   discovery.leaseDuration_announcementperiod = {0, 500'000'000};
@@ -242,10 +237,9 @@ Domain::Domain(const DdsSpec& spec, const std::string& name, DiscoveryListener* 
 
 namespace {
 
-// Empties the history before a writer is deleted. Fast DDS 2.9.1 releases a remaining history
-// without the writer's lock (RTPSWriter::deinit; fixed upstream in 2023, eProsima/Fast-DDS #4076).
-// A heartbeat made at that time finds messages with the number 0 and searches for the gap between
-// them forever (StatefulWriter::add_gaps_for_holes_in_history_), and the deletion waits for it.
+// Empties the history before a writer is deleted: Fast DDS 2.9.1 releases it without the writer's
+// lock (RTPSWriter::deinit; fixed in 2023, eProsima/Fast-DDS #4076). A heartbeat made then searches
+// forever for a gap (add_gaps_for_holes_in_history_), and the deletion waits for it.
 void empty(dds::DataWriter* writer) {
   std::size_t removed = 0;
   writer->clear_history(&removed);

@@ -1,6 +1,5 @@
 // One participant in a DDS domain, with the transports, names and topics of Fieldcast. Owns every
-// entity that is created through it. It is created, closed and used to create endpoints on one
-// thread at a time.
+// entity that is created through it. One thread at a time creates, closes and makes endpoints.
 #pragma once
 
 #include <fastdds/dds/publisher/DataWriter.hpp>
@@ -25,8 +24,7 @@
 
 namespace fieldcast {
 
-// The addresses that DDS uses: those of the configuration, and the loopback. The loopback is needed
-// to reach peers on this machine that use it only, which is our default.
+// Addresses that DDS uses: those of the configuration, and the loopback for peers on this machine.
 [[nodiscard]] std::vector<std::string> used_interfaces(const DdsSpec& spec);
 
 class Domain {
@@ -39,8 +37,7 @@ class Domain {
   Domain(const Domain&) = delete;
   Domain& operator=(const Domain&) = delete;
 
-  // Create endpoints of a topic of the table, with `label` as human-readable user data. The
-  // listener must outlive the endpoint; may be null. Throws DdsError.
+  // Create endpoints; `label`: user data. The listener outlives them or is null. Throw DdsError.
   template <class Generated, class Type = TopicType<Generated>>
   dds::DataWriter* writer(const Topic<Generated>& topic, const std::string& label,
                           dds::DataWriterListener* listener = nullptr,
@@ -63,8 +60,7 @@ class Domain {
                           dds::DataReaderListener* listener, dds::StatusMask mask) {
     return make_reader(make_topic(topic, dds::TypeSupport(new Type())), qos, listener, mask);
   }
-  // Creates a reader for members that are restricted to this bus. The library at this end does not
-  // match a writer that is not permitted to write for the bus. REQUIRES: member().
+  // A reader for members that are restricted to this bus, by DDS Security. REQUIRES: member().
   template <class Generated, class Type = TopicType<Generated>>
   dds::DataReader* reader_of_bus(const std::string& bus, const Topic<Generated>& topic,
                                  dds::DataReaderListener* listener, dds::StatusMask mask) {
@@ -74,8 +70,7 @@ class Domain {
   // The DDS Security identity of this participant; `std::nullopt` without DDS Security.
   [[nodiscard]] const std::optional<security::Member>& member() const { return member_; }
 
-  // Returns true if the folder of the member has a renewed certificate, which a new participant
-  // would use.
+  // Returns true if a new participant would use a renewed certificate.
   [[nodiscard]] bool has_new_identity() const { return watch_ && watch_->has_new_identity(); }
   // The configured discovery servers that do not respond. Any thread.
   [[nodiscard]] std::vector<std::string> missing_servers() const { return servers_.missing(); }

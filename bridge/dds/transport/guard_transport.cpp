@@ -99,8 +99,7 @@ std::uint16_t short_at(Span bytes, std::size_t at) {
   return value;
 }
 
-// Offset of the number in a submessage. Returns 0 if it is not an announcement by `prefix`, or not
-// in the byte order in which the library writes.
+// Offset of the number; 0 if it is not an announcement by `prefix` in the library's byte order.
 std::size_t number_in(Span part, Span prefix) {
   if (part.size() < kParameters || (part[1] & kHasParameters) == 0 ||
       (part[1] & kLittleEndianFlag) != kOwnOrder ||

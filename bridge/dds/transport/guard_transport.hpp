@@ -1,12 +1,7 @@
-// A transport above another transport that changes RTPS messages:
-// - It turns marked messages into unregister messages (unregister_message.hpp) when they are sent.
-// - It joins messages that are sent together (joined_sending.hpp).
-// - It passes each received datagram to the guard (transport/) before the library reads it, and
-//   with DDS Security to an IncomingFilter.
-// - With discovery servers, it notifies the library of restarted servers, and changes the number of
-//   its announcements to them (participant_number.hpp).
-//
-// All other messages are sent unchanged.
+// A transport above another transport that changes RTPS messages: turns marked ones into unregister
+// messages, joins those sent together (sent_message.hpp), passes each received datagram to the
+// guard and the IncomingFilter, and, with discovery servers, reports restarted ones and changes the
+// number of its announcements. All other messages are sent unchanged.
 #pragma once
 
 #include <cstdint>
@@ -39,18 +34,14 @@ struct GuardTransportDescriptor : rtps_transport::ChainingTransportDescriptor {
   std::shared_ptr<ServerRestarts> restarts;
 };
 
-// Changes the sequence number of the announcements of a participant to discovery servers.
-//
-// A server of Fast DDS 2.9.1 distinguishes new and old announcements by the writer's number in a
-// parameter of the message. After the server has removed a participant, it compares that number
-// with its own number of the removal message, until all clients have acknowledged it. A participant
-// that returns in that time counts from 1, and its announcement is dropped
-// (DiscoveryDataBase::update_participant_from_change_). The server keeps its endpoints without a
-// participant, so they are not found until the server restarts. Here, the numbers are above all
+// Changes the sequence number of a participant's announcements to discovery servers. A server of
+// Fast DDS 2.9.1 that has removed a participant compares the number of its next announcement with
+// that of its own removal message, until all clients have acknowledged it. A participant that
+// returns meanwhile counts from 1, so its announcement is dropped (update_participant_from_change_)
+// and its endpoints are not found until the server restarts. Here, the numbers are above all
 // numbers of a server. Pure; any thread.
 
-// Returns the message to send in place of `message`. Empty if `message` is not an announcement of
-// this participant.
+// The message to send in its place; empty if it is not an announcement of this participant.
 [[nodiscard]] std::vector<std::uint8_t> with_number_above_servers(
     std::span<const std::uint8_t> message);
 

@@ -56,8 +56,7 @@ bool MemberWatch::has_new_identity() const {
          security::check_member(folder_, utc_now()).faults.empty();
 }
 
-// Reports a renewed certificate when two successive checks have seen it, because files may still be
-// copied.
+// Reports a renewed certificate when two checks have seen it: files may still be copied.
 void MemberWatch::look_at_identity() {
   if (renewed_ >= 2) return;
   renewed_ = has_new_identity() ? renewed_ + 1 : 0;
@@ -68,8 +67,7 @@ void MemberWatch::look_at_identity() {
   }
 }
 
-// Reports the first, the tenth, the hundredth message and so on, so that an outsider cannot flood
-// the log.
+// Reports the first, tenth, hundredth message and so on: an outsider cannot flood the log.
 void MemberWatch::look_at_refused() {
   const std::uint64_t refused = filter_->refused_in_clear();
   if (refused < say_refused_) return;

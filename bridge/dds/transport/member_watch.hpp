@@ -1,10 +1,8 @@
-// Watches the folder of a member while its participant is in the domain. A new list of revoked
-// certificates takes effect immediately, without a restart. A renewed certificate is only reported,
-// because Fast DDS 2.9.1 reads it when a participant is created.
-//
-// Owns a thread, "members", that checks the files every kPeriod. A refused participant stays
-// refused until the process ends, even if the list changes. A list that the authority has not
-// signed is ignored and reported.
+// Watches the folder of a member while its participant is in the domain, on a thread, "members",
+// every kPeriod. A new list of revoked certificates takes effect immediately; a renewed certificate
+// is only reported, because Fast DDS 2.9.1 reads it when a participant is created. A refused
+// participant stays refused until the process ends. A list that the authority has not signed is
+// ignored and reported.
 #pragma once
 
 #include <algorithm>
@@ -35,8 +33,7 @@ class MemberWatch {
   MemberWatch(const MemberWatch&) = delete;
   MemberWatch& operator=(const MemberWatch&) = delete;
 
-  // Returns true if the folder has a valid certificate other than the one at construction. Any
-  // thread.
+  // Returns true if the folder has another valid certificate than at construction. Any thread.
   [[nodiscard]] bool has_new_identity() const;
 
  private:
@@ -59,11 +56,9 @@ class MemberWatch {
   std::thread thread_;  // last member: it uses the members above
 };
 
-// Tracks which configured discovery servers respond: without one, no participant is found, and Fast
-// DDS does not report that. Also tracks bridges that were found but have shown no writer, because
-// DDS Security may still authenticate them. Forwards all discovery to another listener of the
-// participant, and reports servers to ServerRestarts. Called by threads of the library; missing()
-// and unknown_bridges() on any thread.
+// Tracks which configured discovery servers respond, as Fast DDS does not report that, and bridges
+// without a writer, which DDS Security may still authenticate. Forwards all discovery to another
+// listener, and reports servers to ServerRestarts. missing() and unknown_bridges(): any thread.
 
 // Prefix of a bridge's participant name, before the name of the bridge.
 inline constexpr std::string_view kBridgeParticipant = "fieldcast-bridge ";

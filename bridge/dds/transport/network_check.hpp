@@ -1,6 +1,5 @@
-// Checks whether participants can find each other by multicast, which DDS uses unless a discovery
-// server is configured. Fast DDS does not report a group that cannot be joined: the bridge runs,
-// but is not found. Any thread; the functions do not wait or throw.
+// Checks whether participants can find each other by multicast: Fast DDS does not report a group
+// that cannot be joined. Not needed with a discovery server. Any thread; never waits or throws.
 #pragma once
 
 #include <cstdint>
@@ -12,22 +11,18 @@
 
 namespace fieldcast {
 
-// Reason why a socket of this process receives no multicast on the interface with this IPv4
-// address. `std::nullopt` if it does, or if no interface has the address.
+// Why the interface with this IPv4 address receives no multicast; empty if it does or is unknown.
 [[nodiscard]] std::optional<std::string> multicast_fault(const std::string& address);
 
-// A one-line warning for this process, with the remedy. Multicast is not needed with a discovery
-// server; transports of a profile are not checked.
+// A one-line warning with the remedy; not with a discovery server or transports of a profile.
 [[nodiscard]] std::optional<std::string> multicast_remark(const DdsSpec& spec);
 
-// A one-line warning for discovery servers that do not respond; `std::nullopt` if none of `named`
-// is `missing`.
+// A one-line warning for discovery servers of `named` that do not respond; empty if all do.
 [[nodiscard]] std::optional<std::string> servers_remark(const std::vector<std::string>& named,
                                                         const std::vector<std::string>& missing);
 
-// Size of the kernel's receive buffer for UDP. Domain requests kReceiveBuffer; the kernel grants at
-// most net.core.rmem_max, without an error. Datagrams that do not fit are lost and repeated, and
-// delay later ones. Any thread.
+// Size of the kernel's receive buffer for UDP: it grants at most net.core.rmem_max, without an
+// error. Datagrams that do not fit are lost, repeated, and delay later ones. Any thread.
 
 // Bytes for each socket. A datagram needs about 800 bytes there: the usual 200 KiB are full after
 // 270 samples, and a bridge of 32 buses publishes larger bursts.

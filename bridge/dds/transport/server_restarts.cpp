@@ -70,8 +70,7 @@ std::optional<Acknowledgement> acknowledgement_in(Span part, bool little) {
                          integer_at(part, count, 4, little)};
 }
 
-// Calls the callbacks, in message order, for each announcement and heartbeat of the writer of
-// participants and each acknowledgement of endpoints.
+// Calls the callbacks, in message order, for announcements, heartbeats and acknowledgements.
 template <class OnAnnouncement, class OnHeartbeat, class OnAcknowledgement>
 void for_each_news(Span message, OnAnnouncement on_announcement, OnHeartbeat on_heartbeat,
                    OnAcknowledgement on_acknowledgement) {
@@ -151,8 +150,7 @@ std::vector<ParticipantPrefix> ServerRestarts::absent_ones(const Server& server,
   return absent;
 }
 
-// Returns true for a later acknowledgement with base 0 after one with another base: the server has
-// a new reader.
+// A later acknowledgement with base 0 after one with another base: the server has a new reader.
 bool ServerRestarts::begins_anew(Server& server, const Acknowledgement& one) {
   std::uint64_t& known = server.acknowledged[one.of_writers ? 1 : 0];
   if (one.base != 0) {

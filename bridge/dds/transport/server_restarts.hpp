@@ -1,34 +1,23 @@
-// Detects restarts of discovery servers from the messages that they send.
+// Detects restarts of discovery servers from the messages that they send. Any thread.
 //
-// A server of Fast DDS 2.9.1 has the same GUID after a restart, and numbers its messages from 1
-// again. A participant treats them as old ones (WriterProxy::process_heartbeat,
-// StatefulWriter::process_acknack). It accepts no message of the server until the numbers exceed
-// the earlier ones, which may take forever. It would start again with a server that it has removed,
-// but that needs 20 s without a message of the server.
+// A restarted server of Fast DDS 2.9.1 has the same GUID and numbers its messages from 1 again. A
+// participant treats them as old ones (WriterProxy::process_heartbeat,
+// StatefulWriter::process_acknack) until the numbers exceed the earlier ones, which may take
+// forever. This class detects numbers that start again, and returns a message, like that of a
+// server that leaves, which makes the library remove the server and join it again immediately. The
+// same is done if no message of a server arrived for kSilence: a server sends every 2 s, and has
+// removed a participant that was disconnected for so long, but the library would keep the server
+// for 20 s.
 //
-// This class detects a restart by numbers that start again. It then returns a message, like that of
-// a server that leaves, which makes the library remove the server. The library then joins the
-// server again immediately.
+// A server that has removed this participant has announced that to the others, which have removed
+// its endpoints and start again. This participant received no such message and keeps outdated
+// state. That the server starts again is visible in its acknowledgements of our endpoints. Then the
+// library also receives the end of each participant that was silent until then; the server
+// announces those that are present. Participants that were heard all the time have not lost this
+// one: then the server was disconnected, not this participant.
 //
-// The same is done if no message of a server arrived for kSilence. A server sends every 2 s, and
-// has removed a participant that was disconnected for so long. The library would keep the server
-// until 20 s have passed, and would miss everything that the server sent to others meanwhile.
-//
-// A server that has removed this participant and accepts it again has announced its removal to the
-// other participants. They have removed its endpoints and start again. This participant received no
-// such message and keeps outdated state: writers that count the requests of a new reader as
-// acknowledged, and readers and writers of programs that have ended meanwhile. That the server
-// starts again is visible in its acknowledgements of our endpoints. Then the library also receives
-// the end of each participant that was silent until then. The server announces those that are
-// present. Participants that were heard all the time have not lost this one: then the server was
-// disconnected, not this participant.
-//
-// Only a server that had discovered a participant announces its end. So a participant that was
-// killed less than its lease before the server restarted, or while no server was running, would be
-// kept forever. A participant that was neither heard nor announced by a server within kAbsence
-// after the server's restart is removed.
-//
-// Any thread.
+// Only a server that had discovered a participant announces its end. A participant that was neither
+// heard nor announced by a server within kAbsence after the server's restart is removed.
 #pragma once
 
 #include <array>
@@ -49,13 +38,11 @@ class ServerRestarts {
   static constexpr unsigned kMostServers = 256;  // their identity is one byte
   // A message is never delayed by more, so a lower number after this time is not an old message.
   static constexpr Duration kLongestDelay = std::chrono::seconds{1};
-  // Shorter than our lease (10 s), after which a server removes us, by the time of our own
-  // announcements (3 s).
+  // Shorter than our lease at a server (10 s) by the time of our own announcements (3 s).
   static constexpr Duration kSilence = std::chrono::seconds{7};
   // Within this time after participants are heard again, the server starts again with them.
   static constexpr Duration kReturn = std::chrono::seconds{3};
-  // A running participant joins a server again within seconds; one that was disconnected for its
-  // lease needs longer.
+  // A running participant joins again within seconds; one disconnected for its lease needs longer.
   static constexpr Duration kAbsence = std::chrono::seconds{20};
   // Participants that are tracked; and participants whose end is reported in one message.
   static constexpr std::size_t kMostOthers = 4096, kMostEnds = 500;
@@ -65,9 +52,8 @@ class ServerRestarts {
   // The same for a participant that is not a server. Also called for repeated announcements.
   void on_other(const ParticipantPrefix& prefix, bool here);
 
-  // Call it for each message from the network, before the library reads it. If the result is not
-  // empty, the library must read that message first. Empty for a server that the library has not
-  // discovered.
+  // Call it for each message from the network, before the library reads it. The library must read a
+  // result that is not empty first. Empty for servers that the library has not discovered.
   [[nodiscard]] Bytes goodbye_before(std::span<const std::uint8_t> message, Instant now);
 
   struct Announcement {  // of a participant, by the server

@@ -1,5 +1,4 @@
-// Callbacks of the programming server into the bridge: login checks, audit, session reports. Each
-// may be called on the server's thread, must not block, and may be empty.
+// Callbacks of the programming server. On its thread; must not block; may be empty.
 #pragma once
 
 #include <functional>

@@ -18,8 +18,7 @@ using asio::ip::tcp;
 namespace {
 
 constexpr std::chrono::seconds kConnectLimit{10};
-// A refusal arrives within this time: the bridge waits half a second for the end of another
-// connection.
+// A refusal arrives within this time: the bridge waits half a second for an older connection.
 constexpr std::chrono::seconds kRefusalWait{1};
 constexpr std::size_t kMaxGreeting = 256;
 constexpr std::string_view kChallenge = "challenge ", kRefused = "refused: ", kLineEnd = "\r\n";

@@ -1,6 +1,5 @@
-// The module's side of a dial-in: connects to the bridge, authenticates as requested, sends its
-// number, and relays bytes between the bridge and a line. For a small computer in front of a PLC,
-// and for trials. Runs on one io thread, and reconnects when a connection ends.
+// The module's side of a dial-in: authenticates, sends its number, and relays bytes between the
+// bridge and a line. For a small computer in front of a PLC. One io thread; reconnects.
 #pragma once
 
 #include <boost/asio/io_context.hpp>

@@ -1,6 +1,5 @@
-// The secrets of modules, and the proof that a module has one: the bridge sends a new random
-// challenge, and the module responds with the HMAC-SHA-256 of the challenge and its number. The
-// secret itself is never sent. Any thread, one at a time.
+// The secrets of modules, and the proof of one: the module responds to a random challenge with the
+// HMAC-SHA-256 of the challenge and its number. Any thread, one at a time.
 #pragma once
 
 #include <map>
@@ -25,9 +24,8 @@ class ModuleSecrets {
   // bytes: an eavesdropper could try all shorter ones
   static constexpr std::size_t kMinSecret = 16;
 
-  // Reads a text file: each line has a number and its secret, or '*' and the secret of all numbers
-  // without their own line; '#' begins a comment. The error is one line and contains no word of the
-  // file.
+  // Reads lines with a number and its secret, or '*' and the secret of all other numbers; '#'
+  // begins a comment. The error is one line without a word of the file.
   [[nodiscard]] static tl::expected<ModuleSecrets, std::string> read(const std::string& path);
 
   // Also returns false for a number without a secret. Its duration does not depend on the response.
@@ -44,9 +42,7 @@ class ModuleSecrets {
 [[nodiscard]] std::string answer_to(std::string_view challenge, std::string_view number,
                                     const Secret& secret);
 
-// Checks that a module proves the number it sends: its source address, a certificate, a secret.
-// Built from the configuration; runs on the server's io thread.
-
+// Checks a module's proof of its number: address, certificate, secret. On the server's io thread.
 class ModuleGate {
  public:
   // The error is one line: a file that cannot be used.
@@ -56,14 +52,11 @@ class ModuleGate {
   // `host` is an address without its port.
   [[nodiscard]] bool admits(const std::string& host) const;
   [[nodiscard]] TlsServer* tls() { return tls_.get(); }  // null without TLS
-  // Returns true if a module must authenticate; it then receives the reason of a refusal. A module
-  // with only a registration text would pass the reason on to its PLC.
+  // Returns true if a module must authenticate. Other modules would pass a refusal to their PLC.
   [[nodiscard]] bool asks() const { return tls_ || secrets_; }
-  // Returns a new challenge for each module. Reads changed secrets again; while their file is
-  // invalid, no secret is accepted.
+  // A new challenge. Reads changed secrets again; an invalid file accepts no secret.
   [[nodiscard]] Challenge challenge();
-  // Reason why the certificate with this common name is not valid for this number; empty if it is
-  // valid or none is required.
+  // Why the certificate of this common name is not valid for this number; empty if it is.
   [[nodiscard]] std::string fault_of(const std::string& common_name,
                                      const std::string& number) const;
 

@@ -1,7 +1,6 @@
-// Accepts serial-to-network modules that dial in: admits modules that authenticate (ModuleGate),
-// requests the device number of each, and passes its socket to the bus of that number. A module
-// without a bus stays here, for programming, until a bus of its number is added. A reload changes
-// the listening address and the rules; connected modules stay. Runs on the server's io thread.
+// Accepts modules that dial in: admits those that authenticate (ModuleGate), requests their device
+// numbers, and passes each socket to the bus of that number. A module without a bus stays here for
+// programming. A reload changes addresses and rules; modules stay. On the server's io thread.
 #pragma once
 
 #include <boost/asio/ip/tcp.hpp>
@@ -31,8 +30,7 @@ class ModuleServer {
   ModuleServer(boost::asio::io_context& io, DialInRegistry& registry, const Hooks& hooks);
   ~ModuleServer();
 
-  // Listens only at the addresses of `spec` from now on. The error is one line: the reason why no
-  // module can dial in; then it does not listen.
+  // Listens only at the addresses of `spec` from now on. Fails with one line.
   [[nodiscard]] tl::expected<void, std::string> listen(const ModulesSpec& spec);
   [[nodiscard]] std::uint16_t port() const;  // that it listens on; 0: none
   // Disconnects every module.
@@ -40,13 +38,11 @@ class ModuleServer {
 
   // Keeps a module whose bus was removed. Of two with the same number the newer one is kept.
   void keep(const std::string& number, ModuleConnection connection);
-  // Returns a kept module for the added bus. The socket is invalid if there is none or it is
-  // leased; a leased module moves to its bus when its lease ends.
+  // A kept module for the added bus; invalid if none or leased (it moves when its lease ends).
   [[nodiscard]] ModuleConnection hand_over(const std::string& number);
 
-  // Leases a module without a bus to a programming session: returns a descriptor of its socket,
-  // invalid if there is none of this number. `revoked` is called when the module reconnects or the
-  // server closes.
+  // Leases a module without a bus: a descriptor of its socket, or an invalid one. `revoked` is
+  // called when the module reconnects or the server closes.
   [[nodiscard]] FileDescriptor lease(const std::string& number,
                                      std::function<void(std::string reason)> revoked);
   void end_lease(const std::string& number, bool lost);

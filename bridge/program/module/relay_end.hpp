@@ -1,5 +1,4 @@
-// One side of a relay: delivers the bytes of its stream, sends bytes in order, and reports when too
-// many wait to be sent. Runs on one io thread.
+// One side of a relay: delivers and sends bytes, and reports when too many wait. One io thread.
 #pragma once
 
 #include <boost/asio/steady_timer.hpp>
@@ -47,9 +46,8 @@ class RelayEnd : public std::enable_shared_from_this<RelayEnd> {
   [[nodiscard]] bool drained();
   // Closes immediately; no handler is called after it.
   void close();
-  // Stops reading, and closes when everything is sent; the owner may close it earlier. Then calls
-  // `done` once. kLeft: also waits until the kernel has sent the bytes. The kernel does not report
-  // that, so the owner calls settle() regularly.
+  // Stops reading, closes when everything is sent, and calls `done` once. kLeft: also waits for the
+  // kernel, so the owner calls settle() regularly. The owner may close it earlier.
   enum class Until : std::uint8_t { kTaken, kLeft };
   void finish(Until until, std::function<void()> done);
   // Returns true if closed. REQUIRES: finish() was called.
@@ -72,16 +70,13 @@ class RelayEnd : public std::enable_shared_from_this<RelayEnd> {
   bool reading_ = false, paused_ = false, crowded_ = false, closed_ = false;
 };
 
-// Relays the bytes of a TLS connection to a plain socket, for a bus, which has no TLS. Both ends
-// close together. Runs on one io thread.
-
+// Relays a TLS connection to a plain socket, for a bus. Both ends close together. One io thread.
 class TlsPipe : public std::enable_shared_from_this<TlsPipe> {
  public:
   // `socket` is the descriptor below the TLS stream, which owns it.
   TlsPipe(boost::asio::io_context& io, std::unique_ptr<ByteStream> tls, int socket);
 
-  // Returns the plain end, invalid if no descriptors are left. `over` is called once, unless
-  // close() is called earlier.
+  // The plain end, invalid without free descriptors. `over` is called once, unless closed earlier.
   [[nodiscard]] FileDescriptor start(std::function<void()> over);
   // Closes immediately; bytes in flight are lost.
   void close();
@@ -100,11 +95,8 @@ class TlsPipe : public std::enable_shared_from_this<TlsPipe> {
   bool ending_ = false;
 };
 
-// Connections whose peers have not authenticated yet. Their number is bounded, for each address and
-// in total; a further one cuts the oldest. So an address that opens many connections and sends
-// nothing loses its own first, and authenticated connections are never cut. Pure; one owner, one
-// thread.
-
+// Connections whose peers have not authenticated yet, limited per address and in total; a further
+// one cuts the oldest, first of its own address. Authenticated ones are never cut. Pure; one owner.
 class SilentConnections {
  public:
   using Id = std::uint64_t;

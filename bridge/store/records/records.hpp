@@ -26,8 +26,7 @@ struct AuditEntry {
   friend bool operator==(const AuditEntry&, const AuditEntry&) = default;
 };
 
-// A sample of the history. published_at and acquired_at differ for a stale value, which is
-// published again with its old time of acquisition.
+// A sample of the history. A stale value is published again with its old time of acquisition.
 struct StoredSample {
   std::string bus, device, channel, unit;
   std::string type;  // "float32"; empty if an older Fieldcast stored it
@@ -71,7 +70,6 @@ struct AlarmLogEntry {
 };
 
 // Receives the begin and end of alarms, and actions of users on alarms.
-
 class AlarmSink {
  public:
   virtual ~AlarmSink() = default;
@@ -83,7 +81,6 @@ class AlarmSink {
 };
 
 // Records every transmission, command and login.
-
 class Audit {
  public:
   virtual ~Audit() = default;

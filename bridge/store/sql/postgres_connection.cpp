@@ -16,8 +16,7 @@ namespace {
 // Rows in one pipeline: the responses fit in the socket's buffer while libpq still sends.
 constexpr std::size_t kPipelined = 256;
 
-// Timeout for a server that does not respond: longer than its own statement_timeout, so that its
-// error message arrives first.
+// Longer than the server's own statement_timeout, so that its error message arrives first.
 constexpr std::chrono::seconds kPatience{12};
 
 // From pg_type.dat: the column types of the store's tables.

@@ -6,8 +6,7 @@ namespace fieldcast {
 
 namespace {
 
-// postgresql://USER:PASSWORD@HOST: masks from the first ':' after the scheme to the last '@'. An
-// unescaped password may contain any of "/?@", so the mask may cover too much.
+// Masks from the first ':' after the scheme to the last '@': a password may contain any of "/?@".
 std::string without_userinfo_password(std::string text) {
   const std::size_t begin = text.find("://") + 3;
   const std::size_t at = text.rfind('@');

@@ -32,9 +32,8 @@ class StoreAddress {
   std::string text_;
 };
 
-// One connection to a database, SQLite or PostgreSQL, with the common part of SQL: parameters $1,
-// $2, .. in the order of their first appearance, `on conflict`, `returning`. One owner, one thread
-// at a time.
+// One connection to SQLite or PostgreSQL with common SQL: parameters $1, $2, .., `on conflict`,
+// `returning`. One owner, one thread at a time.
 
 // Base of all exceptions of this folder: error of the database and place, without secrets.
 class StoreError : public std::runtime_error {

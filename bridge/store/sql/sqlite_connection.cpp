@@ -1,6 +1,5 @@
-// SQLite in WAL mode: one connection writes while others read. A commit reaches the kernel, so a
-// crash of the process loses nothing. The disk is synchronized only at checkpoints, so a power
-// failure may lose the last seconds (sqlite.org/pragma.html, synchronous).
+// SQLite in WAL mode. A commit reaches the kernel, so a crash of the process loses nothing. The
+// disk is synchronized at checkpoints: a power failure may lose seconds (sqlite.org/pragma.html).
 #include <fcntl.h>
 #include <sqlite3.h>
 #include <unistd.h>
@@ -157,11 +156,10 @@ class SqliteConnection final : public SqlConnection {
   std::map<std::string, Statement> statements_;
 };
 
-// SQLite gives its own files the permissions of the database's: all of them contain hashes of
-// passwords. An existing file is not opened here: closing it would remove the locks of all
-// connections of this process to it (sqlite.org/howtocorrupt.html, 2.2). Another process that
-// disconnects would then delete the log that is still in use. The mutex prevents that another
-// thread opens a new file before this one has closed it.
+// SQLite gives its own files the permissions of the database's: all contain hashes of passwords. An
+// existing file is not opened here: closing it would remove the locks of all connections of this
+// process (sqlite.org/howtocorrupt.html, 2.2), and another process could delete the log. The mutex
+// prevents that another thread opens a new file before this one has closed it.
 void make_private_file(const std::string& path) {
   static std::mutex one;
   const std::lock_guard lock(one);

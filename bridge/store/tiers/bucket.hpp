@@ -1,5 +1,4 @@
-// A bucket of a tier: summary of the samples of one channel in a time interval, such as a minute.
-// Pure values and functions: no database, no clock; any thread. Cannot fail.
+// A bucket of a tier: summary of one channel in a time interval, such as a minute. Pure values.
 #pragma once
 
 #include <array>
@@ -46,10 +45,8 @@ struct Bucket {
   friend bool operator==(const Bucket&, const Bucket&) = default;
 };
 
-// Remembers which buckets of one tier were noted as open, so that the store notes each bucket once
-// and not for every sample. A bucket that is no longer remembered is noted again, which only costs
-// time. Pure; one owner, on the writer's thread.
-
+// Which buckets of one tier were noted as open: the store notes each once, not for every sample. A
+// forgotten one is noted again. Pure; one owner, on the writer's thread.
 class OpenBuckets {
  public:
   explicit OpenBuckets(Duration width) : width_(width) {}
@@ -75,10 +72,8 @@ class OpenBuckets {
   std::unordered_map<std::int64_t, UtcTime> newest_;
 };
 
-// Tiers of the store: samples, then one row per bucket in each tier, from the finest to the
-// coarsest. Each tier is made from the one before it, the first from the samples. Pure: any thread,
-// cannot fail.
-
+// Tiers of the store, from the finest to the coarsest: one row per bucket. Each is made from the
+// one before it, the first from the samples. Pure: any thread, cannot fail.
 struct Tier {
   std::string_view name;
   std::string_view every;

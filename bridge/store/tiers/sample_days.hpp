@@ -1,12 +1,8 @@
-// In PostgreSQL, the samples of each day of UTC are in a separate table, for example
-// samples_20261122. Each table inherits from `samples`, so a query of `samples` includes all days.
-// Removal of a day drops its table, which is fast for any number of samples. Samples written by an
-// older Fieldcast are in `samples` itself.
-//
-// Inheritance instead of declared partitions: an older store is upgraded without reading its
-// samples. Creating or dropping a day does not block readers of other days.
-//
-// Everything throws StoreError. One owner, the thread of the connection. SQLite has no days.
+// In PostgreSQL, the samples of each day of UTC are in a separate table, such as samples_20261122,
+// that inherits from `samples`; older samples are in `samples` itself. Removal of a day drops its
+// table. Not declared partitions: an older store is upgraded without reading its samples, and
+// creating or dropping a day does not block readers of others. Everything throws StoreError. One
+// owner, the thread of the connection. SQLite has no days.
 #pragma once
 
 #include <string>

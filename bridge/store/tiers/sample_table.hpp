@@ -51,9 +51,8 @@ class SampleTable {
   // Must be called in a transaction. Existing rows are not changed.
   void insert(std::span<const SampleRow> samples);
 
-  // Reads the samples of all channels that match the pattern, with from <= published_at < to. The
-  // order is by channel name, then by time. Stops if on_sample returns false. Streams the rows, so
-  // the number is not limited. Returns the number of matching channels in the store.
+  // Reads the samples of matching channels with from <= published_at < to, by channel name, then
+  // time, until on_sample returns false. Streams the rows. Returns the number of matching channels.
   std::size_t history(const Pattern& pattern, UtcTime from, UtcTime to,
                       const std::function<bool(const StoredSample&)>& on_sample);
 

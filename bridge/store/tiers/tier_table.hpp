@@ -1,5 +1,4 @@
-// Rows of the tiers, and notes of the rows that must still be written. Everything throws
-// StoreError. One owner, the thread of the connection.
+// Rows of the tiers, and notes of rows still to write. Throws StoreError. One owner and thread.
 #pragma once
 
 #include <functional>
@@ -23,8 +22,7 @@ class TierTable {
  public:
   explicit TierTable(SqlConnection& connection) : connection_(connection) {}
 
-  // Inserts rows. An existing row is replaced only by one with more samples. Samples never change,
-  // so a row with fewer was made after the retention had removed some.
+  // Replaces a row only by one with more samples: one with fewer was made after a removal.
   void put(const Tier& tier, std::span<const Bucket> buckets);
   // The rows of a channel with from <= start < to, in order, until the function returns false.
   void read(const Tier& tier, std::int64_t channel, UtcTime from, UtcTime to,
@@ -59,10 +57,8 @@ class TierTable {
   SqlConnection& connection_;
 };
 
-// History of channels in equal time intervals, from the coarsest suitable tier. Parts that this
-// tier does not contain, such as the minutes of the present hour, come from finer tiers and finally
-// from the samples. Everything throws StoreError. One owner, the thread of the connection.
-
+// History of channels in equal time intervals, from the coarsest suitable tier; parts that it lacks
+// come from finer tiers and the samples. Throws StoreError. One owner and thread.
 class TierHistory {
  public:
   // `every`: the width of a bucket. REQUIRES: every > 0.

@@ -1,10 +1,7 @@
-// Writes the tiers of a store. With each batch, notes the buckets of its samples. When such a
-// bucket is closed, reads its samples again and writes its row. Late samples, restarts and a second
-// bridge therefore need no special rule: the row is always made from the stored samples.
-//
-// Works in steps between batches, each a short transaction, so that no batch waits. Old samples of
-// a store without tiers are processed the same way. One owner, on the writer's thread. Everything
-// throws StoreError; then call reset().
+// Writes the tiers of a store. With each batch, notes the buckets of its samples; when one is
+// closed, reads its samples again and writes its row. So late samples, restarts and a second bridge
+// need no special rule. Works in short transactions between batches; old samples are processed the
+// same way. One owner, on the writer's thread. Throws StoreError; then call reset().
 #pragma once
 
 #include <span>

@@ -57,7 +57,6 @@ class Logins {
 };
 
 // Checks logins one after the other on its own thread: a password needs 0.1 s and 64 MiB.
-
 class Authenticator final : public Logins {
  public:
   // The audit must outlive this object. The store need not exist yet.

@@ -1,8 +1,6 @@
-// Tokens of a store. Each gives a program or a wall display read access until it expires. A token
-// is 256 random bits and is shown only at its creation; the store contains only its hash. A fast
-// hash is sufficient, because 256 random bits cannot be guessed.
-//
-// Functions that access the store throw StoreError. One owner, the thread of the connection.
+// Tokens of a store: each gives a program or a wall display read access until it expires. A token
+// is 256 random bits, shown only at its creation; the store has a fast hash of it, as it cannot be
+// guessed. Throws StoreError. One owner, the thread of the connection.
 #pragma once
 
 #include <optional>
@@ -46,9 +44,7 @@ class TokenTable {
   SqlConnection& connection_;
 };
 
-// Users of a store. Passwords are stored only as Argon2id hashes (libsodium, its interactive
-// limits: 64 MiB, about 0.1 s each).
-
+// Users of a store. Passwords are Argon2id hashes (libsodium's interactive limits: 64 MiB, 0.1 s).
 struct User {
   std::string name;
   Role role = Role::kViewer;
