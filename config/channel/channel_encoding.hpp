@@ -12,9 +12,8 @@ namespace fieldcast::config {
 
 inline constexpr std::string_view kExponentKey = "exponent-from";
 
-// Reads the key into spec.exponent_from and spec.encoding.exponent_distance. `value` is the address
-// of the channel in `protocol`; null if the address or the type has a fault, then the key is not
-// checked. REQUIRES: the type of spec.encoding fits there.
+// Reads spec.exponent_from and spec.encoding.exponent_distance. `value`: the channel's address;
+// null after a fault: not checked. REQUIRES: the type of spec.encoding fits there.
 void read_exponent(MapReader& map, const Protocol* protocol, const ParsedAddress* value,
                    ChannelSpec& spec);
 

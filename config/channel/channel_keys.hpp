@@ -1,5 +1,4 @@
-// Inherited defaults: of the bus, the device's template, the device and the channel. The last level
-// that sets a key wins.
+// Inherited defaults of bus, template, device and channel. The last level that sets a key wins.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +35,6 @@ void read_options(MapReader& map, DeviceDefaults& defaults);
 void read_allow(MapReader& map, DeviceDefaults& defaults);
 
 // To add a key, add a row in channel_keys.cpp.
-
 [[nodiscard]] const Rows<ChannelDefaults>& channel_rows();
 [[nodiscard]] const Rows<Limits>& limit_rows();
 [[nodiscard]] const Rows<ChannelSpec>& write_rows();

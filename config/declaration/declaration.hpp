@@ -32,9 +32,8 @@ struct ProtocolChoice {
   [[nodiscard]] bool known() const { return built_in != nullptr || declaration; }
 };
 
-// Searches the built-in protocols, then files in protocols/ beside the configuration, then those
-// supplied with Fieldcast. Adds a fault with the nearest name if it finds none. An invalid
-// declaration adds its faults and returns an unknown choice.
+// Searches the built-in protocols, protocols/ beside the configuration, then those supplied. Adds a
+// fault with the nearest name if it finds none. An invalid declaration returns an unknown choice.
 [[nodiscard]] ProtocolChoice read_protocol(const Node& node, std::string_view key,
                                            LoadState& state);
 

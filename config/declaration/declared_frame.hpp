@@ -15,7 +15,6 @@ extern const KeyTable kDeclarationKeys, kAddressesKeys, kAreaKeys, kOperationKey
 [[nodiscard]] std::span<const KeyTable* const> declaration_key_tables();
 
 // A frame of a declared protocol during parsing. Only used in config/.
-
 struct FieldDefaults {
   declared::Notation notation = declared::Notation::kBinary;
   bool little_endian = false;

@@ -20,7 +20,6 @@ namespace fieldcast::config {
 [[nodiscard]] std::string protocol_names();
 
 // "decimal(7)", "decimal-comma(7)", "hex(4)", or a picture such as "+000.00".
-
 inline constexpr std::int64_t kMaxTextCharacters = 250;
 
 inline constexpr std::string_view kTextNumberForms =

@@ -1,5 +1,4 @@
-// A text as a tree of nodes with positions, for YAML and CSV. Nodes and positions point into their
-// Document and have the same lifetime. Neither copied nor moved.
+// A text as a tree of nodes with positions, which point into their Document. Not copied or moved.
 #pragma once
 
 #include <cstdint>
@@ -98,7 +97,6 @@ struct Document {
 [[nodiscard]] std::string resolve(const Source& from, std::string_view path);
 
 // Collects the faults of one load, without duplicates, at most kMaxFaults.
-
 class FaultList {
  public:
   // Ignores a duplicate: a template is read once for each device that uses it.
@@ -122,7 +120,6 @@ class FaultList {
 };
 
 // Adds a fault for the second use of a name.
-
 class UniqueNames {
  public:
   // Ignores an empty name, which already has a fault.

@@ -23,21 +23,17 @@ struct Fault {
 
 [[nodiscard]] std::string to_text(std::span<const Fault> faults);
 
-// Positions of the keys of a loaded configuration.
-
 struct Document;
 
-// The positions of the keys of a configuration, for faults that only the machine shows: a folder
-// that is missing, a certificate that has expired. Keeps the text of the main file. Copies share
-// it; any thread.
+// Positions of keys, for faults that only the machine shows, such as a missing folder. Keeps the
+// text of the main file. Copies share it; any thread.
 class Places {
  public:
   Places() = default;
   explicit Places(std::shared_ptr<const Document> document) : document_(std::move(document)) {}
 
-  // "plant.yaml:7:5": the position of the value at a path of keys, with numbers for the items of a
-  // list: "buses.0.capture.folder". An absent key has the position of the map that it belongs to.
-  // Empty if no file was loaded.
+  // "plant.yaml:7:5": position of a path of keys and list items, "buses.0.capture.folder"; of the
+  // map if the key is absent. Empty if no file was loaded.
   [[nodiscard]] std::string at(std::string_view path) const;
 
  private:

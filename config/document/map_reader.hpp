@@ -35,10 +35,8 @@ struct Column {
 // "(it belongs in 'defaults' of a bus)"; empty if there is no hint.
 [[nodiscard]] std::string where_it_belongs(std::string_view key, const KeyTable& here);
 
-// Reads the keys of one map. The constructor adds faults for unknown keys; known keys are read by
-// name. Borrows the node and the fault list. Aborts at the end if a key of the table was never
-// read, which is a bug.
-
+// Reads the keys of one map by name; the constructor adds faults for unknown keys. Borrows node and
+// fault list. Aborts at the end if a key of the table was never read, which is a bug.
 class MapReader {
  public:
   MapReader(const Node& node, const KeyTable& table, FaultList& faults);
@@ -99,10 +97,8 @@ class MapReader {
   std::vector<std::string> meant_;  // probable meanings of unknown keys
 };
 
-// One key of the format: name, rule for its value, default and description. The parser, fault
-// messages, the JSON Schema and the tables of config/README.md all use these rows, so they cannot
-// differ. Constant once made; any thread.
-
+// One key of the format: name, rule, default and description. Parser, messages, JSON Schema and
+// config/README.md use these rows. Constant once made; any thread.
 inline constexpr std::string_view kNeeded = "needed";  // default of a required key
 inline constexpr bool kFlowsDown = true;               // see Key::flows_down
 

@@ -1,6 +1,5 @@
-// Rules for values of keys, called as rule(node, key, faults). Each returns the value, or adds a
-// fault and returns empty. schema() returns its JSON Schema, form() a human-readable form (empty:
-// the key's text describes it).
+// Rules for values of keys: rule(node, key, faults) returns the value, or adds a fault and returns
+// empty. schema() is its JSON Schema, form() a human-readable form or empty.
 #pragma once
 
 #include <cstdint>

@@ -6,9 +6,8 @@
 
 namespace fieldcast::config {
 
-// The candidate for a "did you mean" hint: another program's word for it, a near miss
-// (core/base/message_text.hpp), or one that begins with the word ("float" for "float32"). Empty if
-// there is none. Pure.
+// The candidate for a "did you mean" hint: another program's word, a near miss, or one that begins
+// with the word ("float" for "float32"). Empty if there is none. Pure.
 [[nodiscard]] std::string closest(std::string_view word,
                                   std::span<const std::string_view> candidates);
 

@@ -1,5 +1,4 @@
-// Access to the files that a configuration names, and where the loader looks for templates and
-// declared protocols.
+// Access to the files that a configuration names, and the search for templates and protocols.
 #pragma once
 
 #include <functional>
@@ -13,7 +12,7 @@
 
 namespace fieldcast::config {
 
-// What can go wrong with a file that a configuration names.
+// Faults of a file that a configuration names.
 enum class FileError { kMissing, kUnreadable, kTooLarge };
 [[nodiscard]] std::string_view to_text(FileError error);
 

@@ -1,5 +1,4 @@
-// The files named by a configuration. Owns their documents during one load; returned nodes point
-// into them.
+// The files named by a configuration; owns their documents during one load.
 #pragma once
 
 #include <map>

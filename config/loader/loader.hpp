@@ -1,6 +1,5 @@
-// Loads a configuration: returns a BridgeSpec with all defaults, or the list of all faults.
-// Stateless functions; any thread. They throw no exception, for any text. See
-// config/document/limits.hpp for size limits.
+// Loads a configuration: a BridgeSpec with all defaults, or the list of all faults. Stateless,
+// without exceptions; any thread. config/document/limits.hpp has the size limits.
 #pragma once
 
 #include <string>

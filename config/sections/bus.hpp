@@ -21,7 +21,6 @@ struct SilenceReader {
 };
 
 // The `capture` section of a bus.
-
 void read_capture(MapReader& bus, std::optional<CaptureSpec>& spec);
 
 }  // namespace fieldcast::config

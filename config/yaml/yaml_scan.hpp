@@ -1,6 +1,5 @@
-// Finds quotes and brackets of a YAML text that the parser rejected; never fails. An open quote or
-// bracket is the cause, often lines above the position where the parser stopped. Pure; one pass
-// over the text.
+// Finds quotes and brackets of a YAML text that the parser rejected: an open one is the cause,
+// often lines above. Pure; one pass over the text; never fails.
 #pragma once
 
 #include <optional>
@@ -39,9 +38,8 @@ struct YamlScan {
 
 [[nodiscard]] std::optional<Quote> quote_at(const Source& source, const Position& begin);
 
-// Estimates the memory that the parser would need for a YAML text. Returns false with a fault where
-// the text exceeds a limit (limits.hpp). Approximate: a bracket or quote within a plain text counts
-// as one.
+// Estimates the memory of the parser for a YAML text. Returns false with a fault where it exceeds a
+// limit. Approximate: brackets and quotes within plain texts count.
 [[nodiscard]] bool check_tokens(const Source& source, FaultList& faults);
 
 }  // namespace fieldcast::config
