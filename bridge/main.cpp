@@ -78,7 +78,7 @@ void print_warning(std::string_view subject, std::string_view text) {
 // Reports buses that cannot keep their refresh times, and the remedy.
 void report_overloads(const BridgeSpec& spec, Report warn) {
   for (const BusSpec& bus : spec.buses) {
-    if (const auto overload = overload_of(bus, kAssumedAnswerTime))
+    if (const auto overload = overload_of(bus, kAssumedResponseTime))
       warn(bus.name, to_text(*overload));
   }
 }

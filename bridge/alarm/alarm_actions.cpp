@@ -24,7 +24,7 @@ AuditEntry audit_entry(const AlarmAction& action) {
   return entry;
 }
 
-bool AlarmActions::answered_elsewhere(const std::string& requester, std::uint64_t request_id) {
+bool AlarmActions::completed_elsewhere(const std::string& requester, std::uint64_t request_id) {
   const std::lock_guard lock(mutex_);
   return ledger_.enter(requester, request_id);
 }

@@ -18,7 +18,7 @@ class AlarmActions {
 
   [[nodiscard]] CommandResult take(const AlarmAction& action, const UtcMapping& now);
   // Another bridge has responded; later copies are duplicates. Returns false if it already was one.
-  bool answered_elsewhere(const std::string& requester, std::uint64_t request_id);
+  bool completed_elsewhere(const std::string& requester, std::uint64_t request_id);
 
  private:
   [[nodiscard]] AlarmOutcome act(const AlarmAction& action, UtcTime now);

@@ -44,7 +44,7 @@ std::string with_port_name(const PortSpec& port, const std::string& reason) {
   return fmt::format("{}: {}", name_of(port), reason);
 }
 
-PortQuietTime& answers_under_way() {
+PortQuietTime& port_quiet_times() {
   static PortQuietTime all;
   return all;
 }
@@ -104,7 +104,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     revoke("the bus stops");
     process(StopRequested{}, steady_now());
     stopped_ = true;
-    answers_under_way().left(name_of(spec_.port), engine_.answers_until(), steady_now());
+    port_quiet_times().left(name_of(spec_.port), engine_.responses_until(), steady_now());
     report(steady_now(), BusState::kStopped);
     timer_.cancel();
     reopening_.cancel();
@@ -128,11 +128,11 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     if (stopped_ || !open_) return granted(tl::make_unexpected(not_open()));
     revoked_ = std::move(revoked);
     report_soon_ = true;
-    const bool answer_comes = engine_.exchanging();
+    const bool response_expected = engine_.exchanging();
     record_.remark("leased to " + who + ": what is said meanwhile is not captured",
                    mapping_.to_utc(steady_now()));
     process(LeaseBegan{who}, steady_now());
-    if (!answer_comes) return grant(granted);
+    if (!response_expected) return grant(granted);
     // The programming software must not receive the response to our last request.
     settling_ = granted;
     Duration longest{};
@@ -172,7 +172,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
     notices_.port_opened();
     record_.remark("the port is open", mapping_.to_utc(now));
     report_soon_ = true;
-    process(Opened{answers_under_way().until(name_of(spec_.port))}, now);
+    process(Opened{port_quiet_times().until(name_of(spec_.port))}, now);
     // The first report is immediate: the caller that started the bus waits for it.
     if (!std::exchange(was_open_, true) && report_soon_) report(now);
   }

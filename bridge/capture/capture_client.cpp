@@ -48,7 +48,7 @@ void CaptureClient::came(std::size_t size) {
   if (!bus_.empty()) read();
 }
 
-void CaptureClient::answer(const std::string& text) {
+void CaptureClient::reply(const std::string& text) {
   waiting_.insert(waiting_.end(), text.begin(), text.end());
   waiting_.push_back('\n');
   ending_ = true;

@@ -20,13 +20,13 @@ class CaptureClient final : public CaptureSink, public std::enable_shared_from_t
   static constexpr Duration kRequestLimit = std::chrono::seconds{5};
   static constexpr Duration kEndLimit = std::chrono::seconds{1};  // for unsent data at the end
 
-  // `asked` receives the request and calls answer() or begin(). `gone` is called once, at the end.
+  // `asked` receives the request and calls reply() or begin(). `gone` is called once, at the end.
   CaptureClient(Socket socket, std::function<void(CaptureClient&, const std::string&)> asked,
                 std::function<void(CaptureClient&)> gone);
 
   void start();
   // Sends one text line, then closes.
-  void answer(const std::string& text);
+  void reply(const std::string& text);
   // Sends "ok" and the head of the file; from then on the client is a sink of the bus `name`.
   void begin(const std::string& name, const Bytes& head, UtcTime now);
   // Called when the bus or the bridge ends.

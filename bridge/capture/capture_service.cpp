@@ -139,12 +139,11 @@ class CaptureService::Loop final : public std::enable_shared_from_this<Loop> {
     static constexpr std::string_view kCapture = "capture ";
     std::string names;
     for (const auto& [name, bus] : buses_) names += ' ' + name;
-    if (!allowed) return client.answer("refused only root and the user of the bridge may");
-    if (request == "list")
-      return client.answer(fmt::format("ok bridge {} buses{}", bridge_, names));
-    if (!request.starts_with(kCapture)) return client.answer("refused nobody understands that");
+    if (!allowed) return client.reply("refused only root and the user of the bridge may");
+    if (request == "list") return client.reply(fmt::format("ok bridge {} buses{}", bridge_, names));
+    if (!request.starts_with(kCapture)) return client.reply("refused nobody understands that");
     const auto found = buses_.find(request.substr(kCapture.size()));
-    if (found == buses_.end()) return client.answer("no" + names);
+    if (found == buses_.end()) return client.reply("no" + names);
     BusCapture& capture = *found->second.capture;
     capture.drain(read_clocks().utc);  // earlier records are not for this client
     capture.add(client);

@@ -156,7 +156,7 @@ DeviceStatus to_public(const StationDeviceStatus& status) {
           .failures = status.report.failures,
           .retries = status.report.retries,
           .missed_refreshes = status.report.deadline_misses,
-          .response_time = status.report.answer_time,
+          .response_time = status.report.response_time,
           .refused = status.report.refused,
           .causes = status.causes,
           .reported_at = to_public(status.reported_at)};

@@ -13,15 +13,15 @@ void CommandRouter::remove(const std::string& bus) {
   runners_.erase(bus);
 }
 
-bool CommandRouter::answered_elsewhere(const std::string& requester, std::uint64_t request_id,
-                                       Instant now) {
+bool CommandRouter::completed_elsewhere(const std::string& requester, std::uint64_t request_id,
+                                        Instant now) {
   const std::lock_guard lock(mutex_);
   const bool is_new = ledger_.enter(requester, request_id);
   if (is_new) elsewhere_.note({requester, request_id}, now);
   return is_new;
 }
 
-bool CommandRouter::was_answered_elsewhere(const Command& command, Instant now) {
+bool CommandRouter::was_completed_elsewhere(const Command& command, Instant now) {
   const std::lock_guard lock(mutex_);
   return elsewhere_.lately({command.requester, command.request_id}, now);
 }

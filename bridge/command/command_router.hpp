@@ -21,9 +21,9 @@ class CommandRouter {
   using Identity = CommandIdTable::Verdict;
 
   // Another bridge has responded; later copies are duplicates. Returns false if it already was one.
-  bool answered_elsewhere(const std::string& requester, std::uint64_t request_id, Instant now);
-  // Returns true if answered_elsewhere() was called for this command, still in flight, recently.
-  [[nodiscard]] bool was_answered_elsewhere(const Command& command, Instant now);
+  bool completed_elsewhere(const std::string& requester, std::uint64_t request_id, Instant now);
+  // Returns true if completed_elsewhere() was called for this command, still in flight, recently.
+  [[nodiscard]] bool was_completed_elsewhere(const Command& command, Instant now);
 
   void add(const std::string& bus, std::shared_ptr<BusRunner> runner);
   void remove(const std::string& bus);

@@ -47,7 +47,7 @@ void CommandService::receive(const std::string& bus, Command command, std::strin
   const Instant now = steady_now();
   if (group_ && (held_commands_.hold(bus, {command.requester, command.request_id}, {bus, command},
                                      command.expires, now) ||
-                 router_.was_answered_elsewhere(command, now)))
+                 router_.was_completed_elsewhere(command, now)))
     return;
   const AuditEntry asked = audit_.asked(bus, command);
   if (group_) ++in_hand_;
@@ -64,7 +64,7 @@ void CommandService::run_noted(const std::string& bus, const Command& command, I
   const auto run = [this, bus, command, received](CommandRouter::Identity identity) {
     const auto refused = router_.route(bus, command, identity, received);
     if (!refused || keeps_result(bus, *refused)) return;
-    audit_.answered(bus, *refused);
+    audit_.completed(bus, *refused);
     link_->complete(bus, *refused, read_clocks());
   };
   const auto keep = [this, run, requester = command.requester, id = command.request_id] {
@@ -114,8 +114,8 @@ bool CommandService::keep_late(const std::string& bus, const CommandResult& resu
   return true;
 }
 
-void CommandService::answer(const std::string& bus, const CommandResult& result) {
-  audit_.answered(bus, result);
+void CommandService::respond(const std::string& bus, const CommandResult& result) {
+  audit_.completed(bus, result);
   note_result(result.requester, result.request_id);
   link_->complete(bus, result, read_clocks());
 }
@@ -130,13 +130,13 @@ bool CommandService::has_result(const std::string& requester, std::uint64_t requ
   return with_result_.lately({requester, request_id}, steady_now());
 }
 
-void CommandService::seen_answer(const std::string& requester, std::uint64_t request_id) {
+void CommandService::seen_result(const std::string& requester, std::uint64_t request_id) {
   const bool waits = held_commands_.waits();
-  held_commands_.answered({requester, request_id});
+  held_commands_.completed({requester, request_id});
   if (waits) roles_.notify();
-  held_actions_.answered({requester, request_id});
+  held_actions_.completed({requester, request_id});
   note_result(requester, request_id);
-  router_.answered_elsewhere(requester, request_id, steady_now());
+  router_.completed_elsewhere(requester, request_id, steady_now());
 }
 
 void CommandService::note(const StandbyNote& note) {
@@ -147,25 +147,25 @@ void CommandService::note(const StandbyNote& note) {
     case StandbyNoteKind::kReturned:
       held_commands_.returned({note.requester, note.request_id});
       return roles_.notify();
-    case StandbyNoteKind::kAnswered: return seen_answer(note.requester, note.request_id);
+    case StandbyNoteKind::kCompleted: return seen_result(note.requester, note.request_id);
   }
 }
 
 // Repeats a result that the other member missed. Ignores requests before this bridge has taken
 // over: the member reports them again.
-void CommandService::answer_unknown(const StandbyNote& held) {
+void CommandService::resolve_unknown(const StandbyNote& held) {
   if (!held_commands_.runs() || !held_actions_.runs()) return;
   // A requester numbers its commands and its alarm actions together.
-  const bool command = router_.answered_elsewhere(held.requester, held.request_id, steady_now());
-  const bool action = actions_.answered_elsewhere(held.requester, held.request_id);
+  const bool command = router_.completed_elsewhere(held.requester, held.request_id, steady_now());
+  const bool action = actions_.completed_elsewhere(held.requester, held.request_id);
   if (!command || !action) {
     if (has_result(held.requester, held.request_id))
-      group_->tell_answered(held.bus, held.requester, held.request_id);
+      group_->tell_completed(held.bus, held.requester, held.request_id);
     return;
   }
   const CommandResult result =
       unfinished(held.requester, held.request_id, held.kind == StandbyNoteKind::kBegun);
-  if (!keep_late(held.bus, result)) answer(held.bus, result);
+  if (!keep_late(held.bus, result)) respond(held.bus, result);
 }
 
 void CommandService::run_held() {
@@ -180,9 +180,9 @@ void CommandService::finish_begun() {
   auto left = held_commands_.give_up();
   for (Held& held : left.to_run) receive(held.bus, std::move(held.command));
   for (const auto& [bus, key] : left.begun) {
-    router_.answered_elsewhere(key.first, key.second, steady_now());
+    router_.completed_elsewhere(key.first, key.second, steady_now());
     const CommandResult failed = unfinished(key.first, key.second, true);
-    if (!keep_late(bus, failed)) answer(bus, failed);
+    if (!keep_late(bus, failed)) respond(bus, failed);
   }
 }
 
@@ -193,7 +193,7 @@ void CommandService::finish_late() {
     const std::lock_guard lock(late_mutex_);
     late.swap(late_);
   }
-  for (const auto& [bus, result] : late) answer(bus, result);
+  for (const auto& [bus, result] : late) respond(bus, result);
 }
 
 bool CommandService::has_late() {
@@ -220,7 +220,7 @@ void CommandService::report_held(bool leaving) {
   const Instant now = steady_now();
   const auto report = [&](auto& held) {
     for (const auto& [bus, key, begun] :
-         leaving ? held.last_words(now) : held.unanswered(view.term, now))
+         leaving ? held.last_words(now) : held.without_result(view.term, now))
       group_->tell_held(bus, key.first, key.second, begun);
   };
   report(held_commands_);

@@ -57,9 +57,9 @@ class CommandService {
   // ---- from other bridges of the group
 
   // A response of another bridge, seen as its result or reported by the master.
-  void seen_answer(const std::string& requester, std::uint64_t request_id);
-  void note(const StandbyNote& note);            // StandbyGroup::Handlers::noted
-  void answer_unknown(const StandbyNote& held);  // StandbyGroup::Handlers::held
+  void seen_result(const std::string& requester, std::uint64_t request_id);
+  void note(const StandbyNote& note);             // StandbyGroup::Handlers::noted
+  void resolve_unknown(const StandbyNote& held);  // StandbyGroup::Handlers::held
 
   // ---- changes of the role, in this order; on the thread of roles
 
@@ -86,7 +86,7 @@ class CommandService {
   };
   void run_noted(const std::string& bus, const Command& command, Instant received);
   void run(const AlarmAction& action);
-  void answer(const std::string& bus, const CommandResult& result);
+  void respond(const std::string& bus, const CommandResult& result);
   [[nodiscard]] bool keep_late(const std::string& bus, const CommandResult& result);
   void note_result(const std::string& requester, std::uint64_t request_id);
   [[nodiscard]] bool has_result(const std::string& requester, std::uint64_t request_id);
@@ -109,7 +109,7 @@ class CommandService {
   // Results that arrived while the lease was not held.
   std::vector<std::pair<std::string, CommandResult>> late_;
   std::mutex with_result_mutex_;
-  RecentCommands with_result_{HeldCommands<Held>::kAnswersFor};
+  RecentCommands with_result_{HeldCommands<Held>::kResultsFor};
 };
 
 }  // namespace fieldcast

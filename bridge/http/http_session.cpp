@@ -227,12 +227,12 @@ void HttpSession::on_request() {
     return respond_last(
         server_.service.refusal(503, "too many requests at a time", "try again later"));
   enter(State::kHandler, server_.limits.handler);
-  server_.service.handle(std::move(raw),
-                         [weak = weak_from_this(), answer = answer_](HttpResponse response) {
-                           const auto self = weak.lock();
-                           if (self && self->state_ == State::kHandler && self->answer_ == answer)
-                             self->respond(std::move(response));
-                         });
+  server_.service.handle(
+      std::move(raw), [weak = weak_from_this(), number = responses_](HttpResponse response) {
+        const auto self = weak.lock();
+        if (self && self->state_ == State::kHandler && self->responses_ == number)
+          self->respond(std::move(response));
+      });
 }
 
 void HttpSession::hand_over(const HttpService::TakeStream& take) {
@@ -259,7 +259,7 @@ void HttpSession::respond_last(HttpResponse response) {
 }
 
 void HttpSession::respond(HttpResponse response) {
-  ++answer_;
+  ++responses_;
   ++server_.requests;
   response_ends_ = steady_now() + server_.limits.response;
   await_client();
@@ -310,13 +310,13 @@ void HttpSession::on_written(std::size_t count) {
 
 void HttpSession::next_piece() {
   const auto next = pieces_;  // keeps the function alive while it runs
-  (*next)([weak = weak_from_this(), answer = answer_](Piece piece) {
-    if (const auto self = weak.lock()) self->on_piece(answer, std::move(piece));
+  (*next)([weak = weak_from_this(), number = responses_](Piece piece) {
+    if (const auto self = weak.lock()) self->on_piece(number, std::move(piece));
   });
 }
 
-void HttpSession::on_piece(std::uint64_t answer, Piece piece) {
-  if (state_ != State::kResponse || answer != answer_ || !pieces_ || !unsent_.empty()) return;
+void HttpSession::on_piece(std::uint64_t number, Piece piece) {
+  if (state_ != State::kResponse || number != responses_ || !pieces_ || !unsent_.empty()) return;
   await_client();
   std::string bytes;
   if (!piece) {

@@ -96,7 +96,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void write();
   void on_written(std::size_t count);
   void next_piece();
-  void on_piece(std::uint64_t answer, Piece piece);
+  void on_piece(std::uint64_t number, Piece piece);
   void finish_response();
 
   Server& server_;
@@ -110,8 +110,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   std::string received_;            // not parsed yet
   std::string room_;                // buffer of the next read
   bool reading_ = false, keep_alive_ = false, chunked_ = false;
-  bool head_only_ = false;    // the request was HEAD: its response has no body
-  std::uint64_t answer_ = 0;  // number of responses; detects a second reply of a handler
+  bool head_only_ = false;       // the request was HEAD: its response has no body
+  std::uint64_t responses_ = 0;  // number of responses; detects a second reply of a handler
   // Source of the streamed body; null if there is none or it has ended.
   std::shared_ptr<const std::function<void(std::function<void(Piece)>)>> pieces_;
   std::deque<std::shared_ptr<const std::string>> unsent_;

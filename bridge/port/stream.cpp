@@ -173,13 +173,13 @@ std::optional<tcp::socket> adopt_socket(asio::io_context& io, FileDescriptor fd)
   return socket;
 }
 
-bool peer_answers(int fd) {
+bool peer_responds(int fd) {
   tcp_info info{};
   socklen_t size = sizeof info;
   if (::getsockopt(fd, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return true;
-  const bool unanswered = info.tcpi_unacked > 0 && info.tcpi_retransmits > 0 &&
-                          std::chrono::milliseconds{info.tcpi_last_ack_recv} >= kUnacknowledged;
-  return !unanswered && info.tcpi_probes < kKeepAliveProbes;
+  const bool unacknowledged = info.tcpi_unacked > 0 && info.tcpi_retransmits > 0 &&
+                              std::chrono::milliseconds{info.tcpi_last_ack_recv} >= kUnacknowledged;
+  return !unacknowledged && info.tcpi_probes < kKeepAliveProbes;
 }
 
 std::optional<Stream::End> SocketStream::restore(int fd) {

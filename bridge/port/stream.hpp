@@ -96,7 +96,7 @@ void tune_socket(int fd, Duration unacknowledged = kUnacknowledged);
 
 // Returns false if the peer has not acknowledged sent bytes for too long. A peer without a window,
 // because its line is slow, is present. True for other descriptors.
-[[nodiscard]] bool peer_answers(int fd);
+[[nodiscard]] bool peer_responds(int fd);
 
 // Number of clients of the peer (`fence: one-client`). With kOne, it may accept a second connection
 // and close it immediately, and must soon detect that its client has disconnected.

@@ -101,20 +101,20 @@ void DeviceRegistry::free(const std::shared_ptr<DeviceLease>& lease) {
 
 void DeviceRegistry::ask_bus(const std::shared_ptr<DeviceLease>& lease,
                              const std::shared_ptr<Handlers>& handlers) {
-  auto answered = [self = shared_from_this(), lease,
-                   handlers](tl::expected<LeasedLine, LeaseRefused> answer) {
+  auto on_response = [self = shared_from_this(), lease,
+                      handlers](tl::expected<LeasedLine, LeaseRefused> response) {
     asio::post(
         self->io_,
         [self, lease, handlers,
-         answer = std::make_shared<tl::expected<LeasedLine, LeaseRefused>>(std::move(answer))] {
-          if (!*answer) {
+         response = std::make_shared<tl::expected<LeasedLine, LeaseRefused>>(std::move(response))] {
+          if (!*response) {
             if (lease->over) return;
             lease->over = true;
             self->free(lease);
-            return handlers->refused({answer->error().in_use ? Reply::kInUse : Reply::kNotOnline,
-                                      answer->error().reason});
+            return handlers->refused({response->error().in_use ? Reply::kInUse : Reply::kNotOnline,
+                                      response->error().reason});
           }
-          LeasedLine& line = answer->value();
+          LeasedLine& line = response->value();
           if (lease->over) {  // given back while the bus request was pending
             line.line.reset();
             return lease->runner->end_lease(line.lease, std::nullopt);
@@ -130,7 +130,7 @@ void DeviceRegistry::ask_bus(const std::shared_ptr<DeviceLease>& lease,
       revoke(reason);
     });
   };
-  lease->runner->lease(lease->who, std::move(answered), std::move(revoked));
+  lease->runner->lease(lease->who, std::move(on_response), std::move(revoked));
 }
 
 void DeviceRegistry::give_back(const std::shared_ptr<DeviceLease>& lease,

@@ -80,24 +80,25 @@ bool EngineerConnection::certificate_is_login() const {
 }
 
 void EngineerConnection::check_certificate() {
-  const auto done = answer_to(certified_);
+  const auto done = response_to(certified_);
   if (certified_.empty()) return done({false, "the certificate has no common name"});
   if (!around_.hooks.certified) return done({true, ""});
   around_.hooks.certified(certified_, host_of(address_), done);
 }
 
 // The returned function may be called on any thread.
-std::function<void(LoginResponse)> EngineerConnection::answer_to(const std::string& user) {
-  return [weak = weak_from_this(), &io = around_.io, user](const LoginResponse& answer) {
-    asio::post(io, [weak, user, answer] {
+std::function<void(LoginResponse)> EngineerConnection::response_to(const std::string& user) {
+  return [weak = weak_from_this(), &io = around_.io, user](const LoginResponse& response) {
+    asio::post(io, [weak, user, response] {
       const auto self = weak.lock();
       if (!self) return;
-      if (answer.allowed) {
+      if (response.allowed) {
         self->user_ = user;
         self->around_.proven(self);
       }
-      self->tell(LoginChecked{
-          answer.allowed, answer.allowed ? "" : fmt::format("user {}: {}", user, answer.reason)});
+      self->tell(
+          LoginChecked{response.allowed,
+                       response.allowed ? "" : fmt::format("user {}: {}", user, response.reason)});
     });
   };
 }
@@ -136,7 +137,7 @@ void EngineerConnection::execute(const ToDevice& what) {
 }
 
 void EngineerConnection::execute(const CheckLogin& what) {
-  const auto done = answer_to(what.user);
+  const auto done = response_to(what.user);
   if (const std::string fault = fault_of_password(what.user); !fault.empty())
     return done({false, fault});
   if (!around_.hooks.login) return done({false, "this bridge has no users"});
@@ -288,7 +289,7 @@ void EngineerConnection::audit(const std::string& result) const {
 void EngineerConnection::tick() {
   if (client_->crowded() && client_->drained()) tell(ClientDrains{});
   if (device_ && device_->crowded() && device_->drained()) tell(DeviceDrains{});
-  if (device_ && !peer_answers(line_)) {
+  if (device_ && !peer_responds(line_)) {
     lost_ = "it no longer responds";
     return tell(DeviceLost{*lost_});
   }

@@ -41,7 +41,7 @@ class EngineerConnection : public std::enable_shared_from_this<EngineerConnectio
   [[nodiscard]] bool certificate_is_login() const;
   void check_certificate();
   // Returns the callback for the verdict on this user.
-  [[nodiscard]] std::function<void(LoginResponse)> answer_to(const std::string& user);
+  [[nodiscard]] std::function<void(LoginResponse)> response_to(const std::string& user);
   // Reason why a password of this user is rejected without a check; empty if it is checked.
   [[nodiscard]] std::string fault_of_password(const std::string& user) const;
   void tell(const EngineerEvent& event);

@@ -73,7 +73,7 @@ void BusOutput::promise(ChannelIndex channel, std::optional<Duration> gap) {
 
 void BusOutput::complete(const CommandResult& result, const UtcMapping& mapping) {
   if (in_group_ && commands_.keeps_result(bus_, result)) return;
-  audit_.answered(bus_, result);
+  audit_.completed(bus_, result);
   post([this, result, mapping] { link_.complete(bus_, result, mapping); });
 }
 

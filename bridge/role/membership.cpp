@@ -64,7 +64,7 @@ Membership::Membership(const Uses& uses, const BridgeSpec& spec, const Memory& b
   follower_ = std::make_unique<StandbyFollower>(
       uses_.link.domain(), spec.buses,
       FollowerHandlers{[this](const std::string& requester, std::uint64_t request_id) {
-        uses_.commands.seen_answer(requester, request_id);
+        uses_.commands.seen_result(requester, request_id);
       }});
   group_->start();
 }
@@ -82,7 +82,7 @@ StandbyGroup::Handlers Membership::group_handlers() {
   handlers.readers_came = [this] { return uses_.readers_came.exchange(false); };
   handlers.changed = [this] { uses_.roles.notify(); };
   handlers.noted = [this](const StandbyNote& note) { uses_.commands.note(note); };
-  handlers.held = [this](const StandbyNote& note) { uses_.commands.answer_unknown(note); };
+  handlers.held = [this](const StandbyNote& note) { uses_.commands.resolve_unknown(note); };
   return handlers;
 }
 

@@ -22,8 +22,8 @@ namespace fieldcast {
 
 // State of bridges that have not announced themselves yet, from DDS.
 struct Finding {
-  bool has_servers = false;     // discovery servers are configured
-  bool server_answers = false;  // at least one of them
+  bool has_servers = false;      // discovery servers are configured
+  bool server_responds = false;  // at least one of them
   // Bridges found without a writer, and announced members without a message of the group.
   std::size_t unknown = 0;
   std::size_t silent = 0;  // bridges that have not announced what they serve; may be dead
@@ -47,13 +47,13 @@ class Settling {
   // Returns what is waited for, or `std::nullopt` if settled.
   [[nodiscard]] std::optional<std::string> waits_for(const Finding& finding, Instant now) {
     const Duration waited = now - began_;
-    if (finding.server_answers) answered_ = std::min(answered_, now);
+    if (finding.server_responds) responded_ = std::min(responded_, now);
     if (finding.unknown + finding.silent > 0) silent_ = now;
     if (waited < kLeast) return "the other bridges";
     if (waited >= (in_group_ ? kMostInGroup : kMost)) return std::nullopt;
     if (in_group_ && finding.has_servers) {
-      if (answered_ == kNever) return "a discovery server: none has responded";
-      if (now - answered_ < kServer) return "what the discovery server knows";
+      if (responded_ == kNever) return "a discovery server: none has responded";
+      if (now - responded_ < kServer) return "what the discovery server knows";
     }
     if (finding.unknown > 0 || (finding.silent > 0 && waited < kMost))
       return std::to_string(finding.unknown + finding.silent) +
@@ -68,8 +68,8 @@ class Settling {
  private:
   const bool in_group_;
   const Instant began_;
-  Instant answered_ = kNever;  // time of the first response
-  Instant silent_ = began_;    // last time at which a bridge was silent
+  Instant responded_ = kNever;  // time of the first response
+  Instant silent_ = began_;     // last time at which a bridge was silent
 };
 
 // Ensures that only one bridge of the domain serves each bus: announces claims, receives those of

@@ -36,7 +36,7 @@ class HeldCommands {
   static constexpr unsigned kMostTold = 10;
   static constexpr std::size_t kMostAtOnce = 64;
   // The master remembers results this long, for late commands and members that join after one.
-  static constexpr Duration kAnswersFor = std::chrono::seconds{30};
+  static constexpr Duration kResultsFor = std::chrono::seconds{30};
   using Key = std::pair<std::string, std::uint64_t>;
 
   // Time that a new master waits for results of begun writes.
@@ -50,7 +50,7 @@ class HeldCommands {
     };
     std::vector<Begun> begun;  // without a result
   };
-  struct Unanswered {
+  struct WithoutResult {
     std::string bus;
     Key key;
     bool begun = false;  // by this or the previous master
@@ -62,7 +62,7 @@ class HeldCommands {
     const std::lock_guard lock(mutex_);
     if (open_ && !entries_.contains(key)) return false;
     expire(now);
-    if (answered_.contains(key) || entries_.size() >= kMost) return true;
+    if (completed_.contains(key) || entries_.size() >= kMost) return true;
     Entry& entry = entries_[key];
     if (!entry.has_item) entry.number = ++last_;
     entry.item = std::move(item);
@@ -75,7 +75,7 @@ class HeldCommands {
   // The master has begun the command. `until`: its result arrives before then, or never.
   void begun(const std::string& bus, const Key& key, Instant until) {
     const std::lock_guard lock(mutex_);
-    if (open_ || answered_.contains(key) || entries_.size() >= kMost) return;
+    if (open_ || completed_.contains(key) || entries_.size() >= kMost) return;
     Entry& entry = entries_[key];
     if (entry.number == 0) entry.number = ++last_;
     entry.begun = true;
@@ -87,14 +87,14 @@ class HeldCommands {
     const std::lock_guard lock(mutex_);
     if (const auto found = entries_.find(key); found != entries_.end()) found->second.begun = false;
   }
-  void answered(const Key& key) {
+  void completed(const Key& key) {
     const std::lock_guard lock(mutex_);
     if (open_ && !entries_.contains(key)) return;
     entries_.erase(key);
-    if (!answered_.insert(key).second) return;
+    if (!completed_.insert(key).second) return;
     order_.push_back(key);
     if (order_.size() <= CommandLedger::kRemembered) return;
-    answered_.erase(order_.front());
+    completed_.erase(order_.front());
     order_.pop_front();
   }
 
@@ -104,9 +104,9 @@ class HeldCommands {
     return open_ && entries_.empty();
   }
   // Returns the commands to report now to the master of this term.
-  [[nodiscard]] std::vector<Unanswered> unanswered(std::uint64_t term, Instant now) {
+  [[nodiscard]] std::vector<WithoutResult> without_result(std::uint64_t term, Instant now) {
     const std::lock_guard lock(mutex_);
-    std::vector<Unanswered> found;
+    std::vector<WithoutResult> found;
     if (open_) return found;
     expire(now);
     if (std::exchange(term_, term) != term) {
@@ -126,9 +126,9 @@ class HeldCommands {
   }
 
   // This bridge leaves its group. Returns commands without a result that no master has begun.
-  [[nodiscard]] std::vector<Unanswered> last_words(Instant now) {
+  [[nodiscard]] std::vector<WithoutResult> last_words(Instant now) {
     const std::lock_guard lock(mutex_);
-    std::vector<Unanswered> found;
+    std::vector<WithoutResult> found;
     if (open_) return found;
     expire(now);
     for (const auto& [key, entry] : entries_) {
@@ -211,7 +211,7 @@ class HeldCommands {
   mutable std::mutex mutex_;
   bool open_ = true;  // a bridge without a group runs everything
   std::map<Key, Entry> entries_;
-  std::set<Key> answered_;
+  std::set<Key> completed_;
   std::deque<Key> order_;
   std::uint64_t last_ = 0;
   std::uint64_t term_ = 0;

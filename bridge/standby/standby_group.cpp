@@ -246,10 +246,10 @@ void StandbyGroup::tell_held(const std::string& bus, const std::string& requeste
   handlers_.note({group_, own_name_, 0, 0, kind, bus, requester, request_id});
 }
 
-void StandbyGroup::tell_answered(const std::string& bus, const std::string& requester,
-                                 std::uint64_t request_id) {
+void StandbyGroup::tell_completed(const std::string& bus, const std::string& requester,
+                                  std::uint64_t request_id) {
   const std::lock_guard one(noting_);
-  const auto kind = StandbyNoteKind::kAnswered;
+  const auto kind = StandbyNoteKind::kCompleted;
   handlers_.note({group_, own_name_, term(), 0, kind, bus, requester, request_id});
 }
 

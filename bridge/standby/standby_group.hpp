@@ -74,8 +74,8 @@ class StandbyGroup {
   void tell_held(const std::string& bus, const std::string& requester, std::uint64_t request_id,
                  bool begun);
   // As master: reports to a waiting member that a command it holds has its result.
-  void tell_answered(const std::string& bus, const std::string& requester,
-                     std::uint64_t request_id);
+  void tell_completed(const std::string& bus, const std::string& requester,
+                      std::uint64_t request_id);
 
   struct View {
     StandbyRole role = StandbyRole::kWaiting;

@@ -75,9 +75,9 @@ struct StandbyMessage {
 };
 
 enum class StandbyNoteKind : std::uint8_t {
-  kBegun,     // from now on the command may have an effect
-  kReturned,  // it had no effect, and the successor must run it
-  kAnswered,  // it has its result; sent to a member that holds it without knowledge of the result
+  kBegun,      // from now on the command may have an effect
+  kReturned,   // it had no effect, and the successor must run it
+  kCompleted,  // it has its result; sent to a member that holds it without knowledge of the result
 };
 struct StandbyNote {
   std::string group, bridge;

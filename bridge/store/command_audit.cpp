@@ -56,7 +56,7 @@ void CommandAudit::refused(AuditEntry asked, const CommandResult& result) {
   append(std::move(asked), result);
 }
 
-void CommandAudit::answered(const std::string& bus, const CommandResult& result) {
+void CommandAudit::completed(const std::string& bus, const CommandResult& result) {
   const std::lock_guard lock(mutex_);
   const auto found = pending_.find({result.requester, result.request_id});
   if (found == pending_.end())

@@ -19,11 +19,11 @@ class CommandAudit {
   // Sets the destination of entries; null: none.
   void open(Audit* audit);
 
-  // Call for each received command. Pass the entry to refused(); a copy is kept for answered().
+  // Call for each received command. Pass the entry to refused(); a copy is kept for completed().
   AuditEntry asked(const std::string& bus, const Command& command);
   // Refused before a bus had it. Its key may be that of another command that still runs.
   void refused(AuditEntry asked, const CommandResult& result);
-  void answered(const std::string& bus, const CommandResult& result);
+  void completed(const std::string& bus, const CommandResult& result);
   void note(AuditEntry entry);  // a complete one
   // For requests that get their result immediately.
   void note(AuditEntry asked, const CommandResult& result);

@@ -60,7 +60,7 @@ class DeclarationReader {
     check_areas();
     for (auto& draft : operations_) {
       draft.operation.request = draft.request.frame();
-      draft.operation.answer = draft.answer.frame();
+      draft.operation.response = draft.response.frame();
       declaration_.operations.push_back(std::move(draft.operation));
     }
     return std::move(declaration_);
@@ -136,7 +136,7 @@ class DeclarationReader {
       return missing;
     };
     draft.request = frame("request");
-    draft.answer = frame("answer");
+    draft.response = frame("answer");
     operations_.push_back(std::move(draft));
   }
 

@@ -26,10 +26,10 @@ class OperationCheck {
 
   void run() {
     check_frame(draft_.request);
-    check_frame(draft_.answer);
+    check_frame(draft_.response);
     check_payload();
     check_addressing();
-    check_variable(draft_.answer);
+    check_variable(draft_.response);
     for (const auto& draft : draft_.request.fields) {
       if (draft.field.variable)
         faults_.add(draft.position, "a variable text in a request",
@@ -134,13 +134,13 @@ class OperationCheck {
   void check_payload() {
     const auto kind = area_.record ? FieldKind::kValue : FieldKind::kItems;
     const std::string wanted = area_.record ? "is: value" : "is: items";
-    const DraftFrame& carrier = operation_.write ? draft_.request : draft_.answer;
+    const DraftFrame& carrier = operation_.write ? draft_.request : draft_.response;
     if (!carrier.good) return;
     const std::string where = operation_.write ? "the request of a write carries no "
                                                : "the response of a read carries no ";
     needs(number_of(carrier, kind) > 0, carrier.position,
           where + (area_.record ? "values" : "items"), "a field that " + wanted);
-    for (const auto* frame : {&draft_.request, &draft_.answer}) {
+    for (const auto* frame : {&draft_.request, &draft_.response}) {
       if (number_of(*frame, FieldKind::kItems) > 1)
         faults_.add(frame->position, "items stand twice in one frame", "one field that is: items");
     }
@@ -208,7 +208,7 @@ class Placing {
                   "one operation that reads it");
       return;
     }
-    for (DraftField& field : draft.answer.fields) {
+    for (DraftField& field : draft.response.fields) {
       if (field.field.kind != FieldKind::kValue) continue;
       const auto items = declared::items_of(field.field);
       for (const auto& other : declaration_.areas) {
@@ -229,7 +229,7 @@ class Placing {
   void resolve(DraftOperation& draft) {
     DeclaredArea& area = declaration_.areas[draft.operation.area];
     std::uint32_t low = UINT32_MAX, high = 0, sum = 0;
-    for (DraftFrame* frame : {&draft.request, &draft.answer}) {
+    for (DraftFrame* frame : {&draft.request, &draft.response}) {
       for (DraftField& field : frame->fields) {
         if (field.field.kind != FieldKind::kValue || !find(area, field)) continue;
         if (frame != &draft.request) continue;
@@ -288,7 +288,7 @@ void place_values(Declaration& declaration, std::vector<DraftOperation>& operati
     if (of_record(draft) && !draft.operation.write) placing.define(draft);
   }
   for (auto& draft : operations) {
-    if (of_record(draft) && draft.operation.write && draft.request.good && draft.answer.good)
+    if (of_record(draft) && draft.operation.write && draft.request.good && draft.response.good)
       placing.resolve(draft);
   }
 }
@@ -329,13 +329,13 @@ std::vector<std::string> marks_of(const DraftFrame& frame) {
 bool are_distinct(const DraftFrame& refusal, const DraftOperation& draft,
                   const DeclaredArea& area) {
   const auto size = declared::size_of(refusal.frame(), 16, 0);
-  const auto answer_size = [&](std::uint32_t count) {
-    return declared::size_of(draft.answer.frame(), area.item_bits, count);
+  const auto response_size = [&](std::uint32_t count) {
+    return declared::size_of(draft.response.frame(), area.item_bits, count);
   };
-  return size < answer_size(draft.operation.min_count) ||
-         size > answer_size(draft.operation.max_count) ||
-         marks_of(refusal) != marks_of(draft.answer) ||
-         draft.answer.find(FieldKind::kError) != nullptr;
+  return size < response_size(draft.operation.min_count) ||
+         size > response_size(draft.operation.max_count) ||
+         marks_of(refusal) != marks_of(draft.response) ||
+         draft.response.find(FieldKind::kError) != nullptr;
 }
 
 }  // namespace
@@ -348,7 +348,7 @@ void check_refusal(const Declaration& declaration, const std::vector<DraftOperat
   for (const DraftField& draft : refusal.fields) check_refusal_field(declaration, draft, faults);
   if (!refusal.good) return;
   for (const auto& draft : operations) {
-    if (!draft.good || !draft.answer.good) continue;
+    if (!draft.good || !draft.response.good) continue;
     if (!are_distinct(refusal, draft, declaration.areas[draft.operation.area]))
       faults.add(refusal.position,
                  fmt::format("a refusal cannot be distinguished from a response of '{}'",

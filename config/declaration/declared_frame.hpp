@@ -43,7 +43,7 @@ struct DraftFrame {
 struct DraftOperation {
   declared::Operation operation;
   Position position, count_position;
-  DraftFrame request, answer;
+  DraftFrame request, response;
   bool has_command = false;
   bool good = true;  // its area is known
 };

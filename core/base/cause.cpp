@@ -15,17 +15,17 @@ struct Row {
 
 constexpr std::array<Row, static_cast<std::size_t>(Cause::kCount)> kRows{{
     {"NONE", "no error", Quality::kGood},
-    {"NO_ANSWER", "no response", Quality::kBadNoAnswer},
+    {"NO_ANSWER", "no response", Quality::kBadNoResponse},
     {"TRUNCATED", "incomplete response", Quality::kBadFrame},
     {"CHECKSUM", "checksum error", Quality::kBadFrame},
     {"MALFORMED", "malformed response", Quality::kBadFrame},
     {"FOREIGN", "response of another device or request", Quality::kBadFrame},
     {"OVERLONG", "response too long", Quality::kBadFrame},
-    {"PORT_CLOSED", "port closed", Quality::kBadNoAnswer},
-    {"PORT_MISSING", "no such device file", Quality::kBadNoAnswer},
-    {"PORT_DENIED", "permission denied", Quality::kBadNoAnswer},
-    {"PORT_IN_USE", "in use by another program", Quality::kBadNoAnswer},
-    {"PORT_UNREACHABLE", "no connection", Quality::kBadNoAnswer},
+    {"PORT_CLOSED", "port closed", Quality::kBadNoResponse},
+    {"PORT_MISSING", "no such device file", Quality::kBadNoResponse},
+    {"PORT_DENIED", "permission denied", Quality::kBadNoResponse},
+    {"PORT_IN_USE", "in use by another program", Quality::kBadNoResponse},
+    {"PORT_UNREACHABLE", "no connection", Quality::kBadNoResponse},
     {"DEVICE_ERROR", "refused by the device", Quality::kBadDeviceError},
     {"DEVICE_BUSY", "device not ready", Quality::kBadDeviceError},
     {"RANGE", "value out of range", Quality::kBadRange},
@@ -43,7 +43,7 @@ constexpr std::array<Row, static_cast<std::size_t>(Cause::kCount)> kRows{{
     {"NOT_VERIFIED", "the value read back differs", Quality::kBadDeviceError},
     {"LEASED", "bus is leased to a programming session", Quality::kUncertain},
     {"FOREIGN_MASTER", "another master is on the wire", Quality::kUncertain},
-    {"OFFLINE", "device is offline", Quality::kBadNoAnswer},
+    {"OFFLINE", "device is offline", Quality::kBadNoResponse},
     {"UNSUPPORTED", "not supported by the device or its protocol", Quality::kBadConfiguration},
     {"SHUTDOWN", "bridge is shutting down", Quality::kUncertain},
     {"WRONG_STATE", "not possible in this state", Quality::kUncertain},
@@ -72,7 +72,7 @@ std::string_view to_text(Quality quality) {
   switch (quality) {
     case Quality::kGood: return "GOOD";
     case Quality::kUncertain: return "UNCERTAIN";
-    case Quality::kBadNoAnswer: return "BAD_NO_ANSWER";
+    case Quality::kBadNoResponse: return "BAD_NO_ANSWER";
     case Quality::kBadFrame: return "BAD_FRAME";
     case Quality::kBadDeviceError: return "BAD_DEVICE_ERROR";
     case Quality::kBadRange: return "BAD_RANGE";

@@ -10,7 +10,7 @@ namespace fieldcast {
 enum class Quality : std::uint8_t {
   kGood,
   kUncertain,       // older than its refresh promises, or from a bus that is leased for programming
-  kBadNoAnswer,     // the device is silent or its port is lost
+  kBadNoResponse,   // the device is silent or its port is lost
   kBadFrame,        // responses are broken
   kBadDeviceError,  // the device refused; the sample contains its code
   // The raw value is invalid for the channel's type, or outside it after scaling.
@@ -26,8 +26,8 @@ enum class Quality : std::uint8_t {
 enum class Cause : std::uint8_t {
   kNone,
   // Wire:
-  kNoAnswer,   // no byte until the timeout
-  kTruncated,  // an incomplete response
+  kNoResponse,  // no byte until the timeout
+  kTruncated,   // an incomplete response
   // A whole frame with a wrong CRC, LRC, sum or XOR; or the device reports that of the request.
   kChecksum,
   kMalformed,   // valid checksum, but lengths or fields contradict each other or the request

@@ -9,7 +9,7 @@ namespace {
 
 std::string text_of(Cause cause) { return std::string(to_text(cause)); }
 
-bool is_answered(ExchangeDriver::Outcome outcome, Cause cause) {
+bool got_response(ExchangeDriver::Outcome outcome, Cause cause) {
   const bool refused = cause == Cause::kDeviceError || cause == Cause::kDeviceBusy;
   return outcome == ExchangeDriver::Outcome::kDone ||
          (outcome == ExchangeDriver::Outcome::kFailed && refused);
@@ -129,7 +129,7 @@ void BusEngine::handle(const LeaseBegan&, Instant now, ActionSink& sink) {
   if (state_ == BusState::kStopped) return;
   const auto broken = break_off();
   if (broken && broken->is_command())
-    parts_.commands.failed(broken->batch, Cause::kLeased, 0, parts_.wire.driver().answered(), now,
+    parts_.commands.failed(broken->batch, Cause::kLeased, 0, parts_.wire.driver().responded(), now,
                            sink);
   state_ = BusState::kLeased;
   parts_.commands.refuse_all(Cause::kLeased, text_of(Cause::kLeased), now, sink);
@@ -207,14 +207,14 @@ void BusEngine::set_timer(ActionSink& sink) {
 }
 
 bool BusEngine::is_too_early(DeviceIndex device) {
-  const Duration began = parts_.wire.driver().answer_began();
+  const Duration began = parts_.wire.driver().response_began();
   return parts_.devices.too_early(device, began) ||
          parts_.fence.doubts_first(began, parts_.setup.line().characters(1));
 }
 
 bool BusEngine::another_asked(ExchangeDriver::Outcome outcome, Instant now, ActionSink& sink) {
-  if (!is_answered(outcome, parts_.wire.driver().cause())) return false;
-  if (!parts_.fence.came_between(parts_.wire.driver().before_answer(), now)) return false;
+  if (!got_response(outcome, parts_.wire.driver().cause())) return false;
+  if (!parts_.fence.came_between(parts_.wire.driver().before_response(), now)) return false;
   let_go(now, sink);
   give_up(Cause::kForeignMaster, now, sink);
   return true;
@@ -228,7 +228,7 @@ void BusEngine::advance(ExchangeDriver::Outcome outcome, Bytes out, Instant now,
     (void)parts_.fence.sending(out, parts_.wire.driver().sent_until());
     return sink.push(Send{std::move(out)});
   }
-  if (parts_.fence.ended(is_answered(outcome, parts_.wire.driver().cause()),
+  if (parts_.fence.ended(got_response(outcome, parts_.wire.driver().cause()),
                          parts_.wire.driver().received(), now))
     let_go(now, sink);
   auto reopen = outcomes_.conclude(outcome == ExchangeDriver::Outcome::kDone, now, sink);
@@ -240,7 +240,7 @@ void BusEngine::advance(ExchangeDriver::Outcome outcome, Bytes out, Instant now,
 std::optional<Flight> BusEngine::break_off() {
   if (parts_.wire.exchanging()) {
     const Asked& asked = parts_.wire.flight().asked;
-    parts_.late.broken_off(asked, parts_.devices.longest_answer(asked.device));
+    parts_.late.broken_off(asked, parts_.devices.longest_response(asked.device));
   }
   return parts_.wire.abort();
 }
@@ -249,7 +249,7 @@ void BusEngine::give_up(Cause cause, Instant now, ActionSink& sink) {
   const auto broken = break_off();
   if (!broken) return;
   if (broken->is_command())
-    parts_.commands.failed(broken->batch, cause, 0, parts_.wire.driver().answered(), now, sink);
+    parts_.commands.failed(broken->batch, cause, 0, parts_.wire.driver().responded(), now, sink);
   if (broken->kind == Flight::Kind::kRead) parts_.reads.broken_off(broken->block, now);
   outcomes_.count(cause);
 }

@@ -49,7 +49,7 @@ class BusEngine {
   void set_fence_order(unsigned rank, std::uint64_t seed) { parts_.fence.set_order(rank, seed); }
 
   // After StopRequested: when pending responses may still arrive; kLongAgo if there are none.
-  [[nodiscard]] Instant answers_until() const {
+  [[nodiscard]] Instant responses_until() const {
     return parts_.setup.plain_tcp() ? kLongAgo : parts_.late.owed_until();
   }
 

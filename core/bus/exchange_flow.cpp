@@ -142,11 +142,11 @@ std::optional<Reopen> OutcomeRouter::conclude(bool done, Instant now, ActionSink
     return std::nullopt;
   }
   const Flight flight = wire_.take();
-  if (done && !flight.unanswered) learn(flight);
+  if (done && !flight.no_response) learn(flight);
   const bool busy = ended.cause == Cause::kDeviceBusy;
-  if (ended.answered && !busy) devices_.answered(device, sink);
+  if (ended.responded && !busy) devices_.responded(device, sink);
   deliver(flight, ended, now, sink);
-  const bool lost = (!ended.answered || busy) && device_failed(device, ended, now, sink);
+  const bool lost = (!ended.responded || busy) && device_failed(device, ended, now, sink);
   arbiter_.suspend(device, now);
   // All devices of this connection are silent: the connection itself may be dead.
   if (lost && !busy && devices_.all_offline() && over_network(setup_.spec().port))
@@ -163,24 +163,24 @@ std::optional<Reopen> OutcomeRouter::conclude(bool done, Instant now, ActionSink
 void OutcomeRouter::learn(const Flight& flight) {
   const DeviceIndex device = flight.asked.device;
   const Request& request = flight.asked.request;
-  const Duration answer_time = wire_.driver().answer_time();
-  devices_.learn(device, request, answer_time);
+  const Duration response_time = wire_.driver().response_time();
+  devices_.learn(device, request, response_time);
   if (std::holds_alternative<ReadRequest>(request))
-    reads_.learn(device, area_of(request), answer_time);
+    reads_.learn(device, area_of(request), response_time);
 }
 
 void OutcomeRouter::note_try(const Wire::Ended& ended, Instant now, ActionSink& sink) {
   const Flight& flight = wire_.flight();
   const ExchangeDriver& driver = wire_.driver();
   const DeviceIndex device = flight.asked.device;
-  const Duration longest = devices_.longest_answer(device);
-  if (ended.answered) {
-    late_.answered(flight.asked, !ended.done, longest, driver, now);
+  const Duration longest = devices_.longest_response(device);
+  if (ended.responded) {
+    late_.responded(flight.asked, !ended.done, longest, driver, now);
     reads_.release_held(now, late_.read_gate());
   } else {
-    late_.unanswered(flight.asked, flight.block, longest, driver, now);
+    late_.timed_out(flight.asked, flight.block, longest, driver, now);
   }
-  devices_.tried({device, ended.cause, flight.rest, driver.answered(), driver.raw_received(),
+  devices_.tried({device, ended.cause, flight.rest, driver.responded(), driver.raw_received(),
                   driver.sent(), driver.echo_alone(), driver.expected()},
                  now, sink);
   if (ended.done) return;
@@ -205,23 +205,23 @@ bool OutcomeRouter::may_repeat(Cause cause) const {
 
 void OutcomeRouter::deliver(const Flight& flight, const Wire::Ended& ended, Instant now,
                             ActionSink& sink) {
-  const Instant acquired = wire_.driver().answered();
+  const Instant acquired = wire_.driver().responded();
   switch (flight.kind) {
     case Flight::Kind::kRead:
       if (ended.done)
-        return reads_.answered(flight.block, ended.exchange->reply(), acquired, now, sink);
+        return reads_.responded(flight.block, ended.exchange->reply(), acquired, now, sink);
       if (ended.cause == Cause::kDeviceBusy && devices_.stays_busy(flight.asked.device))
         devices_.busy(flight.asked.device, now);
       return reads_.failed(flight.block, flight.longer, ended.cause, ended.device_code, now, sink);
     case Flight::Kind::kCommand:
       if (ended.done)
-        return commands_.answered(flight.batch, ended.exchange->reply(), acquired, now, sink);
+        return commands_.responded(flight.batch, ended.exchange->reply(), acquired, now, sink);
       return commands_.failed(flight.batch, ended.cause, ended.device_code, acquired, now, sink,
                               wire_.driver().echo_alone() && !setup_.spec().echo
                                   ? "what was sent comes back, and nothing else"
                                   : "");
     case Flight::Kind::kProbe:
-      if (ended.done) reads_.probe_answered(flight.asked.device);
+      if (ended.done) reads_.probe_responded(flight.asked.device);
       return;
   }
 }
@@ -238,22 +238,22 @@ bool OutcomeRouter::device_failed(DeviceIndex device, const Wire::Ended& ended, 
   return lost;
 }
 
-void OutcomeRouter::take_late(const std::vector<LateResponseFilter::Late>& answers, Instant now,
+void OutcomeRouter::take_late(const std::vector<LateResponseFilter::Late>& responses, Instant now,
                               ActionSink& sink) {
-  for (const LateResponseFilter::Late& answer : answers) {
-    const DeviceIndex device = answer.asked.device;
-    devices_.learn_late(device, answer.taken);
-    const bool awaited = !answer.block.points.empty();
+  for (const LateResponseFilter::Late& response : responses) {
+    const DeviceIndex device = response.asked.device;
+    devices_.learn_late(device, response.taken);
+    const bool awaited = !response.block.points.empty();
     // A response after the short timeout of a probe still shows that the device is back.
-    const bool back = devices_.offline(device) && answer.taken <= setup_.device(device).timeout;
+    const bool back = devices_.offline(device) && response.taken <= setup_.device(device).timeout;
     if (awaited || back) {
-      devices_.answered(device, sink);
+      devices_.responded(device, sink);
       arbiter_.suspend(device, now);  // resumes reading if the device was offline
     }
     if (!awaited) continue;
-    reads_.answered(answer.block, answer.reply, now, now, sink);
+    reads_.responded(response.block, response.reply, now, now, sink);
     const bool waits = wire_.waiting() && wire_.flight().kind == Flight::Kind::kRead;
-    if (waits && same_read(answer.asked, wire_.flight().asked)) wire_.drop();
+    if (waits && same_read(response.asked, wire_.flight().asked)) wire_.drop();
   }
   late_.expire(now);
   reads_.release_held(now, late_.read_gate());

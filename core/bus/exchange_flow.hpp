@@ -62,7 +62,7 @@ class OutcomeRouter {
 
   // Returns Reopen if the port must be opened again.
   [[nodiscard]] std::optional<Reopen> conclude(bool done, Instant now, ActionSink& sink);
-  void take_late(const std::vector<LateResponseFilter::Late>& answers, Instant now,
+  void take_late(const std::vector<LateResponseFilter::Late>& responses, Instant now,
                  ActionSink& sink);
 
   void count(Cause cause) { causes_.add(cause); }

@@ -10,10 +10,10 @@ namespace {
 constexpr std::size_t kNowhere = ~std::size_t{0};
 
 // Points and ranges of a block are both in order, so the range is at or soon after `hint`.
-std::size_t find_range(const Block& block, std::size_t answered, const Range& range,
+std::size_t find_range(const Block& block, std::size_t responded, const Range& range,
                        std::size_t hint) {
-  for (std::size_t tried = 0; tried < answered; ++tried) {
-    const std::size_t i = (hint + tried) % answered;
+  for (std::size_t tried = 0; tried < responded; ++tried) {
+    const std::size_t i = (hint + tried) % responded;
     const Range& whole = block.ranges[i];
     if (whole.area == range.area && range.first >= whole.first && range.end() <= whole.end())
       return i;
@@ -42,9 +42,9 @@ ReadPath::ReadPath(const BusSetup& setup, ChannelTable& channels)
     areas.push_back(setup_.protocol(device).areas().size());
     learned_.emplace_back().areas.resize(areas.back());
   }
-  planned_times_ = PlannedTimes(areas, kAssumedAnswerTime);
+  planned_times_ = PlannedTimes(areas, kAssumedResponseTime);
   scheduler_ =
-      make_scheduler(schedule_input(setup_.spec(), protocols, map_.points, kAssumedAnswerTime),
+      make_scheduler(schedule_input(setup_.spec(), protocols, map_.points, kAssumedResponseTime),
                      setup_.spec().planner);
 }
 
@@ -102,8 +102,8 @@ void ReadPath::release_held(Instant now, const Gate& gate) {
   });
 }
 
-void ReadPath::answered(const Block& block, const Reply& reply, Instant acquired, Instant now,
-                        ActionSink& sink) {
+void ReadPath::responded(const Block& block, const Reply& reply, Instant acquired, Instant now,
+                         ActionSink& sink) {
   learn_blocks(block, reply, now);
   std::vector<Sample> samples;
   std::vector<PointIndex> good;
@@ -111,10 +111,10 @@ void ReadPath::answered(const Block& block, const Reply& reply, Instant acquired
   std::vector<RefusedPart> bad;
   samples.reserve(block.points.size());
   good.reserve(block.points.size());
-  const std::size_t answered = std::min(block.ranges.size(), reply.size());
+  const std::size_t responded = std::min(block.ranges.size(), reply.size());
   std::size_t at = 0;
   for (const PointIndex point : block.points) {
-    const std::size_t found = find_range(block, answered, map_.points[point].range, at);
+    const std::size_t found = find_range(block, responded, map_.points[point].range, at);
     if (found != kNowhere) at = found;
     if (found == kNowhere || reply[found].cause != Cause::kNone) {
       if (bad.empty() || bad.back().range != found) bad.push_back({found, {}});
@@ -130,28 +130,28 @@ void ReadPath::answered(const Block& block, const Reply& reply, Instant acquired
                                  std::to_string(samples.size()) + " samples");
   sink.publish(std::move(samples));
   if (!good.empty()) {
-    others_answered(block.device);
+    others_responded(block.device);
     scheduler_->acquired(part_of(block, std::move(good)), acquired);
   }
   std::vector<Sample> bad_samples;
   for (RefusedPart& part : bad) {
-    const RangeReply answer = part.range == kNowhere ? RangeReply{} : reply[part.range];
-    if (answer.cause == Cause::kDeviceBusy) {
-      busy(part_of(block, std::move(part.points)), answer.device_code, now, sink);
+    const RangeReply response = part.range == kNowhere ? RangeReply{} : reply[part.range];
+    if (response.cause == Cause::kDeviceBusy) {
+      busy(part_of(block, std::move(part.points)), response.device_code, now, sink);
       continue;
     }
-    refused(part_of(block, std::move(part.points)), answer.cause, answer.device_code, now,
+    refused(part_of(block, std::move(part.points)), response.cause, response.device_code, now,
             bad_samples, sink);
   }
   sink.publish(std::move(bad_samples));
 }
 
-// `items`: the items of the range `answered`, which contains the point.
-void ReadPath::accept(PointIndex point, const Range& answered, ByteView items, Instant acquired,
+// `items`: the items of the range `responded`, which contains the point.
+void ReadPath::accept(PointIndex point, const Range& responded, ByteView items, Instant acquired,
                       std::vector<Sample>& samples, ActionSink& sink) {
   const Point& read = map_.points[point];
   const unsigned bits = setup_.area(read.device, read.range.area).item_bits;
-  const ByteView own = items.subspan(image_bytes(bits, read.range.first - answered.first),
+  const ByteView own = items.subspan(image_bytes(bits, read.range.first - responded.first),
                                      image_bytes(bits, read.range.count));
   Learned& learned = learned_[read.device];
   learned.doubted.erase(point);
@@ -175,8 +175,8 @@ void ReadPath::learn_blocks(const Block& block, const Reply& reply, Instant now)
   }
 }
 
-void ReadPath::learn(DeviceIndex device, AreaIndex area, Duration answer_time) {
-  planned_times_.answered(device, area, answer_time, *scheduler_);
+void ReadPath::learn(DeviceIndex device, AreaIndex area, Duration response_time) {
+  planned_times_.responded(device, area, response_time, *scheduler_);
 }
 
 void ReadPath::inherit(ChannelIndex channel, Instant acquired) {
@@ -189,7 +189,7 @@ void ReadPath::inherit(DeviceIndex device, const DeviceReport& learned, Instant 
   for (const AreaReport& of_area : learned.areas) {
     for (AreaIndex area = 0; area < areas.size(); ++area) {
       if (areas[area].name != of_area.area) continue;
-      if (of_area.answer_time > Duration::zero()) learn(device, area, of_area.answer_time);
+      if (of_area.response_time > Duration::zero()) learn(device, area, of_area.response_time);
       if (of_area.longest_block != 0) scheduler_->set_longest(device, area, of_area.longest_block);
     }
   }
@@ -244,7 +244,7 @@ void ReadPath::busy(const Block& block, std::uint16_t code, Instant now, ActionS
   ++busy.times;
   const bool search =
       block.points.size() > 1 &&
-      (learned.searched.contains(first) || (busy.times >= kBusyToSearch && busy.others_answered));
+      (learned.searched.contains(first) || (busy.times >= kBusyToSearch && busy.others_responded));
   if (search) {
     learned.searched.insert(block.points.begin(), block.points.end());
     (void)scheduler_->refused(block, now, kForgetRefused);
@@ -260,8 +260,8 @@ void ReadPath::busy(const Block& block, std::uint16_t code, Instant now, ActionS
   }
 }
 
-void ReadPath::others_answered(DeviceIndex device) {
-  for (auto& [first, busy] : learned_[device].busy) busy.others_answered = true;
+void ReadPath::others_responded(DeviceIndex device) {
+  for (auto& [first, busy] : learned_[device].busy) busy.others_responded = true;
 }
 
 // The scheduler halves the block until bad points are isolated; those are reported immediately.

@@ -59,16 +59,16 @@ class ReadPath {
   // Debts have ended: releases the reads held back for them.
   void release_held(Instant now, const Gate& gate);
 
-  void answered(const Block& block, const Reply& reply, Instant acquired, Instant now,
-                ActionSink& sink);
-  void learn(DeviceIndex device, AreaIndex area, Duration answer_time);
+  void responded(const Block& block, const Reply& reply, Instant acquired, Instant now,
+                 ActionSink& sink);
+  void learn(DeviceIndex device, AreaIndex area, Duration response_time);
   // Another bridge last read the channel at `acquired`. REQUIRES: no read yet.
   void inherit(ChannelIndex channel, Instant acquired);
   void inherit(DeviceIndex device, const DeviceReport& learned, Instant now);
   void failed(const Block& block, bool longer, Cause cause, std::uint16_t code, Instant now,
               ActionSink& sink);
   // The device responded to a probe: what it cannot read at the moment concerns single blocks.
-  void probe_answered(DeviceIndex device) { others_answered(device); }
+  void probe_responded(DeviceIndex device) { others_responded(device); }
   // A block was given up from outside; it is due again.
   void broken_off(const Block& block, Instant now) { scheduler_->failed(block, now, now); }
 
@@ -107,7 +107,7 @@ class ReadPath {
   struct Busy {
     Duration pause{};  // the last one
     unsigned times = 0;
-    bool others_answered =
+    bool others_responded =
         false;  // the device responded to a different request since the first time
   };
   struct Learned {
@@ -126,13 +126,13 @@ class ReadPath {
   [[nodiscard]] bool lengthen(Read& read, Instant now, const Gate& gate) const;
   void hold(const Block& block, Instant until, Instant now);
   void learn_blocks(const Block& block, const Reply& reply, Instant now);
-  void accept(PointIndex point, const Range& answered, ByteView items, Instant acquired,
+  void accept(PointIndex point, const Range& responded, ByteView items, Instant acquired,
               std::vector<Sample>& samples, ActionSink& sink);
   void refused(const Block& block, Cause cause, std::uint16_t code, Instant now,
                std::vector<Sample>& samples, ActionSink& sink);
   // The device cannot read the block at the moment: it is requested again after a pause.
   void busy(const Block& block, std::uint16_t code, Instant now, ActionSink& sink);
-  void others_answered(DeviceIndex device);
+  void others_responded(DeviceIndex device);
   // Returns true if a second refusal of these points is needed before the first one counts.
   [[nodiscard]] bool doubts(const Block& block);
   void point_refused(PointIndex point, Cause cause, std::uint16_t code, Instant now,

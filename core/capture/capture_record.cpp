@@ -24,12 +24,12 @@ void cut(std::string& text, std::size_t limit) {
 void FrameGatherer::take(CaptureRecord record, std::vector<CapturedFrame>& out) {
   // The capture began during an exchange: only the end of its response was recorded.
   if (record.kind != CaptureRecord::Kind::kReceived && !std::exchange(begun_, true) &&
-      std::exchange(answer_, std::nullopt) && record.kind == CaptureRecord::Kind::kRemark)
+      std::exchange(response_, std::nullopt) && record.kind == CaptureRecord::Kind::kRemark)
     return;
   switch (record.kind) {
     case CaptureRecord::Kind::kSent:
       give_request(out);
-      give_answer(out);
+      give_response(out);
       device_ = record.device;
       in_flight_ = true;
       echo_ = record.bytes;
@@ -40,7 +40,7 @@ void FrameGatherer::take(CaptureRecord record, std::vector<CapturedFrame>& out) 
     case CaptureRecord::Kind::kRemark: return remark(record.text, out);
     case CaptureRecord::Kind::kEnded:
       give_request(out);
-      give_answer(out);
+      give_response(out);
       in_flight_ = false;
       return;
   }
@@ -48,32 +48,33 @@ void FrameGatherer::take(CaptureRecord record, std::vector<CapturedFrame>& out) 
 
 void FrameGatherer::take_received(CaptureRecord record, std::vector<CapturedFrame>& out) {
   give_request(out);
-  if (answer_ && !in_flight_ && record.at.nanoseconds - answer_->at.nanoseconds > kQuiet.count())
-    give_answer(out);
-  if (!answer_) answer_ = CapturedFrame{record.at, Direction::kReceived, device_, {}, {}};
-  answer_->at = record.at;
-  append(answer_->bytes, record.bytes);
+  if (response_ && !in_flight_ &&
+      record.at.nanoseconds - response_->at.nanoseconds > kQuiet.count())
+    give_response(out);
+  if (!response_) response_ = CapturedFrame{record.at, Direction::kReceived, device_, {}, {}};
+  response_->at = record.at;
+  append(response_->bytes, record.bytes);
   // Equal bytes alone may be the response of a device that repeats the request.
-  if (!echo_.empty() && answer_->bytes.size() > echo_.size() &&
-      std::equal(echo_.begin(), echo_.end(), answer_->bytes.begin())) {
+  if (!echo_.empty() && response_->bytes.size() > echo_.size() &&
+      std::equal(echo_.begin(), echo_.end(), response_->bytes.begin())) {
     give({record.at, Direction::kSent, device_, echo_, "the line gave the request back (echo)"},
          out);
-    answer_->bytes.erase(answer_->bytes.begin(),
-                         answer_->bytes.begin() + static_cast<std::ptrdiff_t>(echo_.size()));
+    response_->bytes.erase(response_->bytes.begin(),
+                           response_->bytes.begin() + static_cast<std::ptrdiff_t>(echo_.size()));
     echo_.clear();
   }
-  while (answer_->bytes.size() > kMaxFrame) {
-    CapturedFrame part = *answer_;
+  while (response_->bytes.size() > kMaxFrame) {
+    CapturedFrame part = *response_;
     part.bytes.resize(kMaxFrame);
-    answer_->bytes.erase(answer_->bytes.begin(), answer_->bytes.begin() + kMaxFrame);
+    response_->bytes.erase(response_->bytes.begin(), response_->bytes.begin() + kMaxFrame);
     give(std::move(part), out);
   }
 }
 
 void FrameGatherer::remark(const std::string& text, std::vector<CapturedFrame>& out) {
-  if (answer_) {
-    add_line(answer_->comment, text);
-    give_answer(out);
+  if (response_) {
+    add_line(response_->comment, text);
+    give_response(out);
   } else if (request_) {
     add_line(request_->comment, text);
     give_request(out);
@@ -92,13 +93,13 @@ void FrameGatherer::lost(std::uint64_t records, std::vector<CapturedFrame>& out)
 }
 
 void FrameGatherer::look(UtcTime now, std::vector<CapturedFrame>& out) {
-  if (in_flight_ || !answer_) return;
-  if (now.nanoseconds - answer_->at.nanoseconds > kQuiet.count()) give_answer(out);
+  if (in_flight_ || !response_) return;
+  if (now.nanoseconds - response_->at.nanoseconds > kQuiet.count()) give_response(out);
 }
 
 void FrameGatherer::flush(std::vector<CapturedFrame>& out) {
   give_request(out);
-  give_answer(out);
+  give_response(out);
 }
 
 void FrameGatherer::give_request(std::vector<CapturedFrame>& out) {
@@ -107,9 +108,9 @@ void FrameGatherer::give_request(std::vector<CapturedFrame>& out) {
   request_.reset();
 }
 
-void FrameGatherer::give_answer(std::vector<CapturedFrame>& out) {
-  if (answer_ && !answer_->bytes.empty()) give(std::move(*answer_), out);
-  answer_.reset();
+void FrameGatherer::give_response(std::vector<CapturedFrame>& out) {
+  if (response_ && !response_->bytes.empty()) give(std::move(*response_), out);
+  response_.reset();
 }
 
 void FrameGatherer::give(CapturedFrame frame, std::vector<CapturedFrame>& out) {

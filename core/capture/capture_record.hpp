@@ -56,12 +56,12 @@ class FrameGatherer {
   void take_received(CaptureRecord record, std::vector<CapturedFrame>& out);
   void remark(const std::string& text, std::vector<CapturedFrame>& out);
   void give_request(std::vector<CapturedFrame>& out);
-  void give_answer(std::vector<CapturedFrame>& out);
+  void give_response(std::vector<CapturedFrame>& out);
   void give(CapturedFrame frame, std::vector<CapturedFrame>& out);
 
-  std::optional<CapturedFrame> request_;  // without a response so far
-  std::optional<CapturedFrame> answer_;   // received part
-  Bytes echo_;                            // last request, whose echo may precede the response
+  std::optional<CapturedFrame> request_;   // without a response so far
+  std::optional<CapturedFrame> response_;  // received part
+  Bytes echo_;                             // last request, whose echo may precede the response
   std::size_t device_ = 0;
   bool in_flight_ = false;  // an exchange is in flight
   bool begun_ = false;      // an exchange has begun or ended

@@ -37,11 +37,11 @@ void PlanRunner::set_point(PointIndex of, Duration refresh, Mode mode, Instant n
   touch(index);
 }
 
-bool PlanRunner::set_answer_time(DeviceIndex device, AreaIndex area, Duration answer_time) {
+bool PlanRunner::set_response_time(DeviceIndex device, AreaIndex area, Duration response_time) {
   // A list contains ranges of several areas; the last learned time applies to all.
-  if (auto& list = state_.wire.layout.lists[device]) list->set_answer_time(answer_time);
+  if (auto& list = state_.wire.layout.lists[device]) list->set_response_time(response_time);
   return touch_area(device, area, state_.wire.change_cost(device, area, [&](ReadCost& cost) {
-    cost.set_answer_time(answer_time);
+    cost.set_response_time(response_time);
   }));
 }
 

@@ -53,9 +53,9 @@ std::uint64_t count_late(PlanRunner runner, Instant now, std::uint64_t enough) {
       continue;
     }
     const Block& block = std::get<Block>(decision);
-    const Instant answered = now + block.cost - runner.wire().tails[block.device];
-    late += late_in(block, runner, answered);
-    runner.acquired(block, answered);
+    const Instant responded = now + block.cost - runner.wire().tails[block.device];
+    late += late_in(block, runner, responded);
+    runner.acquired(block, responded);
     now += block.cost;
     ++reads;
   }

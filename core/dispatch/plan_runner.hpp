@@ -85,7 +85,7 @@ class PlanRunner {
   [[nodiscard]] Duration slack(Instant now);
   void set_point(PointIndex point, Duration refresh, Mode mode, Instant now);
   // Returns false if no read uses the area.
-  bool set_answer_time(DeviceIndex device, AreaIndex area, Duration answer_time);
+  bool set_response_time(DeviceIndex device, AreaIndex area, Duration response_time);
   bool set_longest(DeviceIndex device, AreaIndex area, std::uint32_t items);
 
   // Every point gets the last of its instants within its allowed gap, as if the table, which starts

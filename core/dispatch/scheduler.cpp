@@ -43,8 +43,8 @@ void Scheduler::acquired(const Block& block, Instant acquired) {
   stale_ = stale_ || runner_.overrun() != before;
 }
 
-void Scheduler::set_answer_time(DeviceIndex device, AreaIndex area, Duration answer_time) {
-  if (runner_.set_answer_time(device, area, answer_time)) stale_ = costs_changed_ = true;
+void Scheduler::set_response_time(DeviceIndex device, AreaIndex area, Duration response_time) {
+  if (runner_.set_response_time(device, area, response_time)) stale_ = costs_changed_ = true;
 }
 
 void Scheduler::set_longest(DeviceIndex device, AreaIndex area, std::uint32_t items) {

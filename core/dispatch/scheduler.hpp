@@ -41,7 +41,7 @@ class Scheduler {
   // No reads of this device before `until` (offline, pausing); kNever stops them.
   void suspend(DeviceIndex device, Instant until) { runner_.suspend(device, until); }
   // Learned values: response time; longest accepted read in items (0: as configured).
-  void set_answer_time(DeviceIndex device, AreaIndex area, Duration answer_time);
+  void set_response_time(DeviceIndex device, AreaIndex area, Duration response_time);
   void set_longest(DeviceIndex device, AreaIndex area, std::uint32_t items);
   // How long the wire may be blocked from `now` on without delaying a point, as by a probe.
   [[nodiscard]] Duration slack(Instant now) { return runner_.slack(now); }

@@ -44,7 +44,7 @@ struct ChannelReport {
 
 struct AreaReport {
   std::string area;
-  Duration answer_time{}, answer_spread{};
+  Duration response_time{}, response_spread{};
   std::uint32_t largest_block = 0;  // items read in one block so far
   // Known once a longer block was refused; 0 if none was refused.
   std::uint32_t longest_block = 0;
@@ -54,8 +54,8 @@ struct AreaReport {
 struct DeviceReport {
   DeviceState state = DeviceState::kUnknown;
   std::uint64_t exchanges = 0, failures = 0, retries = 0, deadline_misses = 0;
-  Duration answer_time{};  // learned: end of request to first byte of the response
-  Duration answer_spread{};
+  Duration response_time{};  // learned: end of request to first byte of the response
+  Duration response_spread{};
   Duration timeout{};                // current one; at most the configured one
   Duration pause{};                  // after its responses: configured, or learned
   std::vector<AreaReport> areas;     // those that were read

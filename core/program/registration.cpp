@@ -67,10 +67,10 @@ Registration::Outcome Registration::follow(const Step& step, Bytes out, Instant 
     case Step::Kind::kSend:
       received_.clear();
       outcome.send = std::move(out);
-      silence_ = now + kAnswerTimeout;
+      silence_ = now + kResponseTimeout;
       break;
     case Step::Kind::kNeedMore:
-      silence_ = now + (step.wait == Wait::kPause ? step.pause : kAnswerTimeout);
+      silence_ = now + (step.wait == Wait::kPause ? step.pause : kResponseTimeout);
       break;
     case Step::Kind::kFailed:
       return ask(now);  // noise, or the PLC was busy: retries until the timeout
@@ -96,7 +96,7 @@ Registration::Outcome Registration::on_bytes(ByteView bytes, Instant now) {
       return refused(step.cause, step.device_code);
     // Retries only after silence, as noise would trigger a storm of requests otherwise.
     if (step.kind != Step::Kind::kFailed) return follow(step, std::move(out), now);
-    silence_ = now + kAnswerTimeout;
+    silence_ = now + kResponseTimeout;
     return {{}, {}, {}, std::min(silence_, deadline_)};
   }
   append(received_, bytes);
@@ -138,21 +138,22 @@ Registration::Outcome Registration::number_or_fault(std::string_view text) const
     }
     number = trimmed(number.substr(rule_.prefix.size()));
   }
-  std::string_view answer;
+  std::string_view response;
   if (!challenge_.text.empty()) {
     const auto blank = std::min(number.find(' '), number.size());
-    answer = trimmed(number.substr(blank));
+    response = trimmed(number.substr(blank));
     number = number.substr(0, blank);
   }
   if (!is_device_number(number)) return failed("'" + printable(number) + "' is no device number");
   return challenge_.text.empty() ? Outcome{{}, std::string(number), {}, kNever}
-                                 : proven(number, answer);
+                                 : proven(number, response);
 }
 
-Registration::Outcome Registration::proven(std::string_view number, std::string_view answer) const {
+Registration::Outcome Registration::proven(std::string_view number,
+                                           std::string_view response) const {
   const std::string module = "module " + std::string(number);
-  if (answer.empty()) return failed(module + " does not respond to the challenge");
-  if (!challenge_.fits(number, answer)) return failed(module + " does not know its secret");
+  if (response.empty()) return failed(module + " does not respond to the challenge");
+  if (!challenge_.fits(number, response)) return failed(module + " does not know its secret");
   return {{}, std::string(number), {}, kNever};
 }
 

@@ -31,7 +31,7 @@ struct RegistrationRule {
 // The proof that a module must send with its number, by text only: "17 ANSWER".
 struct Challenge {
   std::string text;  // sent immediately, as a line "challenge TEXT"; empty: no proof is required
-  std::function<bool(std::string_view number, std::string_view answer)> fits;
+  std::function<bool(std::string_view number, std::string_view response)> fits;
 };
 
 class Registration {
@@ -39,7 +39,7 @@ class Registration {
   static constexpr std::size_t kMaxText = 128;  // prefix, number, response and ends of line
   // A text without an end of line ends after this silence.
   static constexpr Duration kTextEnds = std::chrono::milliseconds{300};
-  static constexpr Duration kAnswerTimeout = std::chrono::milliseconds{1000};
+  static constexpr Duration kResponseTimeout = std::chrono::milliseconds{1000};
 
   explicit Registration(const RegistrationRule& rule, Challenge challenge = {});
 
@@ -59,7 +59,7 @@ class Registration {
   [[nodiscard]] static Outcome refused(Cause cause, std::uint16_t code);
   [[nodiscard]] Outcome number_or_fault(std::string_view text) const;
 
-  [[nodiscard]] Outcome proven(std::string_view number, std::string_view answer) const;
+  [[nodiscard]] Outcome proven(std::string_view number, std::string_view response) const;
 
   RegistrationRule rule_;
   Challenge challenge_;

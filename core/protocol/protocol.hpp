@@ -86,7 +86,7 @@ struct WriteRequest {
   // `items` is the whole item; its other bits are ignored (Area::bit_write).
   std::optional<std::uint8_t> bit;
   // Selects a form whose response cannot equal its request, as an echo would.
-  bool distinct_answer = false;
+  bool distinct_response = false;
   unsigned bits = 1;  // with `bit`: number of bits from there; 8 only with Area::byte_write
 };
 // Writes, then reads, in one round (Modbus function 23); only with Traits::write_read.
@@ -107,20 +107,20 @@ using Reply = std::vector<RangeReply>;
 // Exact, for the cost model.
 struct ExchangeSize {
   std::uint32_t request_characters = 0;
-  std::uint32_t answer_characters = 0;
+  std::uint32_t response_characters = 0;
   std::uint32_t rounds = 1;  // number of device response times and line silences
   // Pauses required by the protocol (PPI between acknowledge and poll).
   Duration pauses{};
 
-  static ExchangeSize of(std::size_t request, std::size_t answer, std::uint32_t rounds = 1,
+  static ExchangeSize of(std::size_t request, std::size_t response, std::uint32_t rounds = 1,
                          Duration pauses = {}) {
-    return {static_cast<std::uint32_t>(request), static_cast<std::uint32_t>(answer), rounds,
+    return {static_cast<std::uint32_t>(request), static_cast<std::uint32_t>(response), rounds,
             pauses};
   }
 };
 
 enum class Wait : std::uint8_t {
-  kAnswer,       // first byte of a response: the device's timeout, from the end of the transmission
+  kResponse,     // first byte of a response: the device's timeout, from the end of the transmission
   kRestOfFrame,  // `characters` more: their wire time and a gap allowance, from now
   kPause,        // calls on_silence() after `pause`
 };
@@ -128,24 +128,24 @@ enum class Wait : std::uint8_t {
 struct Step {
   enum class Kind : std::uint8_t { kSend, kNeedMore, kDone, kFailed };
   Kind kind = Kind::kNeedMore;
-  Wait wait = Wait::kAnswer;  // for kSend, kNeedMore
+  Wait wait = Wait::kResponse;  // for kSend, kNeedMore
   // kSend: length of the whole expected response; kRestOfFrame: minimum of missing characters.
   std::uint32_t characters = 0;
   Duration pause{};
   Cause cause = Cause::kNone;     // for kFailed
   std::uint16_t device_code = 0;  // for kFailed with kDeviceError or kDeviceBusy
 
-  static Step send(std::size_t answer_characters) {
-    return {Kind::kSend, Wait::kAnswer, static_cast<std::uint32_t>(answer_characters)};
+  static Step send(std::size_t response_characters) {
+    return {Kind::kSend, Wait::kResponse, static_cast<std::uint32_t>(response_characters)};
   }
-  static Step need_answer() { return {Kind::kNeedMore, Wait::kAnswer, 0}; }
+  static Step need_response() { return {Kind::kNeedMore, Wait::kResponse, 0}; }
   static Step need_rest(std::size_t missing) {
     return {Kind::kNeedMore, Wait::kRestOfFrame, static_cast<std::uint32_t>(missing)};
   }
   static Step pause_for(Duration time) { return {Kind::kNeedMore, Wait::kPause, 0, time}; }
   static Step done() { return {Kind::kDone}; }
   static Step failed(Cause cause, std::uint16_t code = 0) {
-    return {Kind::kFailed, Wait::kAnswer, 0, Duration{}, cause, code};
+    return {Kind::kFailed, Wait::kResponse, 0, Duration{}, cause, code};
   }
 };
 

@@ -15,7 +15,7 @@ namespace fieldcast {
 
 // The cause if nothing better is found in the bytes.
 [[nodiscard]] inline Cause cause_of_noise(ByteView bytes) {
-  return std::ranges::all_of(bytes, is_turnaround) ? Cause::kNoAnswer : Cause::kMalformed;
+  return std::ranges::all_of(bytes, is_turnaround) ? Cause::kNoResponse : Cause::kMalformed;
 }
 
 // Packs bits of one byte each into eight per byte, from the least significant; unused bits are 0.

@@ -20,7 +20,7 @@ Duration silence_for(const BusSpec& bus) {
 }
 
 ScheduleInput wire_input(const BusSpec& bus, std::span<const Protocol* const> protocols,
-                         std::vector<Point> points, Duration answer_time) {
+                         std::vector<Point> points, Duration response_time) {
   assert(protocols.size() == bus.devices.size());
   ScheduleInput input;
   input.line = line_of(bus.port);
@@ -29,14 +29,14 @@ ScheduleInput wire_input(const BusSpec& bus, std::span<const Protocol* const> pr
   for (std::size_t i = 0; i < protocols.size(); ++i) {
     const DeviceSpec& device = bus.devices[i];
     input.devices.push_back(
-        {protocols[i], answer_time, device.pause, device.max_block, device.max_gap});
+        {protocols[i], response_time, device.pause, device.max_block, device.max_gap});
   }
   return input;
 }
 
 ScheduleInput schedule_input(const BusSpec& bus, std::span<const Protocol* const> protocols,
-                             std::vector<Point> points, Duration answer_time) {
-  ScheduleInput input = wire_input(bus, protocols, std::move(points), answer_time);
+                             std::vector<Point> points, Duration response_time) {
+  ScheduleInput input = wire_input(bus, protocols, std::move(points), response_time);
   if (planned_load_of(input, bus.planner).load <= kLightLoad) input.lead = kEarlyLead;
   return input;
 }

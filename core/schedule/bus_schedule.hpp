@@ -13,7 +13,7 @@
 namespace fieldcast {
 
 // Initial value: from the end of a request to the first byte of the response.
-inline constexpr Duration kAssumedAnswerTime = std::chrono::milliseconds{5};
+inline constexpr Duration kAssumedResponseTime = std::chrono::milliseconds{5};
 
 // The line of a serial server needs it, a plain TCP device does not.
 [[nodiscard]] Duration silence_for(const BusSpec& bus);
@@ -21,12 +21,12 @@ inline constexpr Duration kAssumedAnswerTime = std::chrono::milliseconds{5};
 // Uses the shortest lead. `protocols`: one per device; must outlive the input.
 [[nodiscard]] ScheduleInput wire_input(const BusSpec& bus,
                                        std::span<const Protocol* const> protocols,
-                                       std::vector<Point> points, Duration answer_time);
+                                       std::vector<Point> points, Duration response_time);
 
 // A lightly loaded bus gets a longer lead, to repeat a failed read in time.
 [[nodiscard]] ScheduleInput schedule_input(const BusSpec& bus,
                                            std::span<const Protocol* const> protocols,
-                                           std::vector<Point> points, Duration answer_time);
+                                           std::vector<Point> points, Duration response_time);
 
 // Points of the channels of a bus: channels on the same items of a device share one.
 struct PointMap {

@@ -18,13 +18,13 @@ namespace fieldcast {
 namespace {
 
 struct WiredBus {
-  WiredBus(const BusSpec& bus, Duration answer_time) {
+  WiredBus(const BusSpec& bus, Duration response_time) {
     std::vector<const Protocol*> pointers;
     for (const DeviceSpec& device : bus.devices) {
       protocols.push_back(make_protocol(device, line_of(bus.port)).value());
       pointers.push_back(protocols.back().get());
     }
-    input = wire_input(bus, pointers, map_points(bus).points, answer_time);
+    input = wire_input(bus, pointers, map_points(bus).points, response_time);
   }
   std::vector<std::unique_ptr<Protocol>> protocols;
   ScheduleInput input;
@@ -72,8 +72,8 @@ std::string rounded(double number) {
 
 }  // namespace
 
-std::optional<Overload> overload_of(const BusSpec& bus, Duration answer_time) {
-  const WiredBus wired(bus, answer_time);
+std::optional<Overload> overload_of(const BusSpec& bus, Duration response_time) {
+  const WiredBus wired(bus, response_time);
   const Singly singly = one_by_one(wired.input);
   if (singly.load <= kPlanIsSure) return std::nullopt;
   Overload overload{planned_load(wired.input, singly, bus.planner), 1, std::nullopt};

@@ -23,7 +23,7 @@ struct Overload {
 inline constexpr double kHopelessLoad = 100;
 
 // Empty if the plan fits. On-demand channels have no cost. REQUIRES: the loader validated `bus`.
-[[nodiscard]] std::optional<Overload> overload_of(const BusSpec& bus, Duration answer_time);
+[[nodiscard]] std::optional<Overload> overload_of(const BusSpec& bus, Duration response_time);
 
 // The load if it is hopeless even with immediate responses.
 [[nodiscard]] std::optional<double> hopeless_load_of(const BusSpec& bus);

@@ -19,38 +19,38 @@ PlannedTimes::PlannedTimes(std::span<const std::size_t> areas, Duration assumed)
   for (const std::size_t count : areas) entries_.emplace_back(count, Entry{{}, assumed, 0});
 }
 
-Duration PlannedTimes::rounded(Duration answer_time) {
+Duration PlannedTimes::rounded(Duration response_time) {
   constexpr int kMostSteps = 32;
-  const Duration time = std::max(answer_time, Duration::zero());
+  const Duration time = std::max(response_time, Duration::zero());
   Duration step = kStep;
   while (time >= kMostSteps * step) step *= 2;
   return (time + step * 3 / 4) / step * step;  // rounds up rather than down
 }
 
-std::vector<PlannedTime> PlannedTimes::answered(DeviceIndex device, AreaIndex area,
-                                                Duration measured) {
+std::vector<PlannedTime> PlannedTimes::responded(DeviceIndex device, AreaIndex area,
+                                                 Duration measured) {
   std::vector<PlannedTime> changes;
   Entry& entry = entries_[device][area];
-  const bool first = entry.answers == 0;
-  entry.answers = std::min(entry.answers + 1, kUsualAnswers);
-  entry.usual += (std::max(measured, Duration::zero()) - entry.usual) / entry.answers;
+  const bool first = entry.responses == 0;
+  entry.responses = std::min(entry.responses + 1, kUsualResponses);
+  entry.usual += (std::max(measured, Duration::zero()) - entry.usual) / entry.responses;
   if (differs(entry.planned, entry.usual)) plan_for(device, area, rounded(entry.usual), changes);
   if (!first) return changes;
   for (DeviceIndex other = 0; other < entries_.size(); ++other) plan_for_unknown(other, changes);
   return changes;
 }
 
-void PlannedTimes::answered(DeviceIndex device, AreaIndex area, Duration measured,
-                            Scheduler& scheduler) {
-  for (const PlannedTime& each : answered(device, area, measured))
-    scheduler.set_answer_time(each.device, each.area, each.answer_time);
+void PlannedTimes::responded(DeviceIndex device, AreaIndex area, Duration measured,
+                             Scheduler& scheduler) {
+  for (const PlannedTime& each : responded(device, area, measured))
+    scheduler.set_response_time(each.device, each.area, each.response_time);
 }
 
 void PlannedTimes::plan_for_unknown(DeviceIndex device, std::vector<PlannedTime>& changes) {
   const auto slowest = [](std::span<const Entry> areas) {
     Duration most{-1};
     for (const Entry& entry : areas) {
-      if (entry.answers > 0) most = std::max(most, entry.planned);
+      if (entry.responses > 0) most = std::max(most, entry.planned);
     }
     return most;
   };
@@ -59,7 +59,7 @@ void PlannedTimes::plan_for_unknown(DeviceIndex device, std::vector<PlannedTime>
     for (const auto& others : entries_) most = std::max(most, slowest(others));
   }
   for (AreaIndex area = 0; area < entries_[device].size(); ++area) {
-    if (entries_[device][area].answers == 0) plan_for(device, area, most, changes);
+    if (entries_[device][area].responses == 0) plan_for(device, area, most, changes);
   }
 }
 
@@ -72,7 +72,7 @@ void PlannedTimes::plan_for(DeviceIndex device, AreaIndex area, Duration planned
 }
 
 void PlannedTimes::forget(DeviceIndex device) {
-  for (Entry& entry : entries_[device]) entry.answers = 0;
+  for (Entry& entry : entries_[device]) entry.responses = 0;
 }
 
 }  // namespace fieldcast

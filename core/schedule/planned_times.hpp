@@ -14,7 +14,7 @@ namespace fieldcast {
 struct PlannedTime {
   DeviceIndex device = 0;
   AreaIndex area = 0;
-  Duration answer_time{};
+  Duration response_time{};
   friend bool operator==(const PlannedTime&, const PlannedTime&) = default;
 };
 
@@ -24,21 +24,21 @@ class PlannedTimes {
   PlannedTimes(std::span<const std::size_t> areas, Duration assumed);
 
   // Returns the changes relevant to plans, usually none.
-  [[nodiscard]] std::vector<PlannedTime> answered(DeviceIndex device, AreaIndex area,
-                                                  Duration measured);
-  void answered(DeviceIndex device, AreaIndex area, Duration measured, Scheduler& scheduler);
+  [[nodiscard]] std::vector<PlannedTime> responded(DeviceIndex device, AreaIndex area,
+                                                   Duration measured);
+  void responded(DeviceIndex device, AreaIndex area, Duration measured, Scheduler& scheduler);
   // The device may have been replaced.
   void forget(DeviceIndex device);
 
   // Rounds to steps of 0.25 ms, above 8 ms of 1/32 to 1/16.
-  [[nodiscard]] static Duration rounded(Duration answer_time);
+  [[nodiscard]] static Duration rounded(Duration response_time);
 
  private:
-  static constexpr int kUsualAnswers = 64;  // responses averaged in the usual time
+  static constexpr int kUsualResponses = 64;  // responses averaged in the usual time
   struct Entry {
     Duration usual{};    // a slower mean than for timeouts, so that plans rarely change
     Duration planned{};  // last value passed to the scheduler
-    int answers = 0;     // counted in `usual`
+    int responses = 0;   // counted in `usual`
   };
   void plan_for(DeviceIndex device, AreaIndex area, Duration planned,
                 std::vector<PlannedTime>& changes);

@@ -28,7 +28,7 @@ Duration horizon_of(const ScheduleInput& input, const PredictionOptions& options
 ScheduleInput assumed_of(const ScheduleInput& input, const PredictionOptions& options) {
   ScheduleInput assumed = input;
   for (DeviceTiming& device : assumed.devices)
-    device.answer_time = options.assumed.value_or(device.answer_time);
+    device.response_time = options.assumed.value_or(device.response_time);
   return assumed;
 }
 
@@ -86,7 +86,7 @@ class Run {
       last_[point] = acquired;
     }
     if (options_.assumed)
-      times_.answered(block.device, block.ranges.front().area, device.answer_time, *scheduler_);
+      times_.responded(block.device, block.ranges.front().area, device.response_time, *scheduler_);
     scheduler_->acquired(block, acquired);
     replan(*scheduler_, acquired);
     if (shapes_.size() < kMostShapes) {

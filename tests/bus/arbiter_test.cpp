@@ -24,14 +24,14 @@ class ArbiterTest : public testing::Test {
     if (!arbiter_.next(now)) return std::nullopt;
     const Flight flight = *parts_.wire.abort();
     if (flight.is_command())
-      parts_.commands.answered(flight.batch, {{}}, now, now, sink_);
+      parts_.commands.responded(flight.batch, {{}}, now, now, sink_);
     else if (flight.kind == Kind::kRead)
       parts_.reads.broken_off(flight.block, now);
     last_device_ = flight.asked.device;
     return flight.kind;
   }
   void take_offline(DeviceIndex device, Instant now) {
-    for (int i = 0; i < 2; ++i) (void)parts_.devices.failed(device, Cause::kNoAnswer, now, sink_);
+    for (int i = 0; i < 2; ++i) (void)parts_.devices.failed(device, Cause::kNoResponse, now, sink_);
     arbiter_.suspend(device, now);
   }
 
@@ -89,7 +89,7 @@ TEST_F(ArbiterTest, TheWireRestsForACommandThatHasBegun) {
   write("r0");
   ASSERT_TRUE(arbiter_.next(Instant{}));
   (void)parts_.wire.abort();
-  parts_.commands.failed(1, Cause::kNoAnswer, 0, Instant{}, Instant{}, sink_);
+  parts_.commands.failed(1, Cause::kNoResponse, 0, Instant{}, Instant{}, sink_);
   ASSERT_TRUE(parts_.commands.begun()) << "it reads back";
   parts_.devices.busy(0, Instant{});
   const Instant begin = Instant{} + DeviceMonitor::kBusyPause;

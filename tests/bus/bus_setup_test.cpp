@@ -22,14 +22,14 @@ TEST(BusSetup, DevicesAreFoundByName) {
 TEST(BusSetup, WireTimeIsThatOfEveryCharacter) {
   const BusSetup setup(test::rtu_bus(1));
   const Request read = ReadRequest{{{kHolding, 100, 2}}};
-  EXPECT_EQ(setup.answer_wire_time(0, read), setup.line().characters(9));
+  EXPECT_EQ(setup.response_wire_time(0, read), setup.line().characters(9));
   EXPECT_EQ(setup.wire_time(0, read), setup.line().characters(8 + 9));
 }
 
 TEST(BusSetup, TheResponseToAWriteOfOneRegisterIsItsEchoAndThatToAReadIsNot) {
   const BusSetup setup(test::rtu_bus(1));
-  EXPECT_FALSE(setup.answer_differs(0, WriteRequest{{kHolding, 100, 1}, {0, 1}, {}}));
-  EXPECT_TRUE(setup.answer_differs(0, ReadRequest{{{kHolding, 100, 1}}}));
+  EXPECT_FALSE(setup.response_differs(0, WriteRequest{{kHolding, 100, 1}, {0, 1}, {}}));
+  EXPECT_TRUE(setup.response_differs(0, ReadRequest{{{kHolding, 100, 1}}}));
 }
 
 TEST(BusSetup, ASerialServerIsNotPlainTcp) {
@@ -68,10 +68,10 @@ TEST(Successor, WaitsAsLongAsItsPredecessorSaysResponsesMayCome) {
   BusEngine before(spec);
   Instant now{10s};
   (void)sends(before, Opened{}, now);
-  EXPECT_EQ(before.answers_until(), kLongAgo);
+  EXPECT_EQ(before.responses_until(), kLongAgo);
   while (!sends(before, TimerFired{}, now)) now += 1ms;
   (void)sends(before, StopRequested{}, now);
-  const Instant until = before.answers_until();
+  const Instant until = before.responses_until();
   EXPECT_GE(until, now + PendingResponses::kLateFactor * spec.devices[0].timeout);
 
   BusEngine after(spec);
@@ -86,7 +86,7 @@ TEST(Successor, WaitsForNothingWhereNothingWasAsked) {
   BusEngine before(rtu_bus(1));
   (void)sends(before, Opened{}, Instant{10s});
   (void)sends(before, StopRequested{}, Instant{10s} + 1us);
-  EXPECT_EQ(before.answers_until(), kLongAgo);
+  EXPECT_EQ(before.responses_until(), kLongAgo);
 }
 
 }  // namespace

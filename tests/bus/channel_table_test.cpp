@@ -88,11 +88,11 @@ TEST(ChannelTable, CodeOfNotAvailableEndsWithItsQuality) {
   std::vector<Sample> out;
   table.start(Instant{});
   table.acquired(0, 16, items(0xFFFF), Instant{500ms}, out);
-  table.failing(0, Cause::kNoAnswer, Instant{600ms});
+  table.failing(0, Cause::kNoResponse, Instant{600ms});
   out.clear();
   table.expire(Instant{5s}, out);
   ASSERT_FALSE(out.empty());
-  EXPECT_EQ(out.back().quality, Quality::kBadNoAnswer);
+  EXPECT_EQ(out.back().quality, Quality::kBadNoResponse);
   EXPECT_EQ(out.back().device_code, 0u);
 }
 
@@ -102,13 +102,13 @@ TEST(ChannelTable, MissedRefreshIsReportedOnceWithTheOldInstant) {
   std::vector<Sample> out;
   table.start(Instant{});
   table.acquired(0, 16, items(7), Instant{500ms}, out);
-  table.failing(0, Cause::kNoAnswer, Instant{500ms});
+  table.failing(0, Cause::kNoResponse, Instant{500ms});
   out.clear();
   table.expire(Instant{1502ms}, out);
   EXPECT_TRUE(out.empty());
   table.expire(Instant{1503ms}, out);
   ASSERT_EQ(out.size(), 1u);
-  EXPECT_EQ(out[0].quality, Quality::kBadNoAnswer);
+  EXPECT_EQ(out[0].quality, Quality::kBadNoResponse);
   EXPECT_EQ(out[0].acquired, Instant{500ms});
   EXPECT_EQ(std::get<std::uint64_t>(out[0].value), 7u);
   EXPECT_EQ(table.report(0, Instant{1503ms}).missed, 1u);
@@ -116,7 +116,7 @@ TEST(ChannelTable, MissedRefreshIsReportedOnceWithTheOldInstant) {
   EXPECT_EQ(out.size(), 1u) << "told once";
   EXPECT_EQ(table.report(0, Instant{10s}).missed, 9u)
       << "and counted for every refresh that passes without a sample";
-  EXPECT_EQ(table.misses(Instant{10s})[Cause::kNoAnswer], 9u);
+  EXPECT_EQ(table.misses(Instant{10s})[Cause::kNoResponse], 9u);
   table.acquired(0, 16, items(7), Instant{10s}, out);
   EXPECT_EQ(table.misses(Instant{10900ms}).total(), 9u);
 }
@@ -132,13 +132,13 @@ TEST(ChannelTable, CauseThatIsKnownAfterTheMissIsReportedOnceMore) {
   ASSERT_EQ(out.size(), 1u);
   EXPECT_EQ(out[0].quality, Quality::kUncertain);
   EXPECT_EQ(table.misses(Instant{53ms})[Cause::kLate], 1u);
-  table.failing(0, Cause::kNoAnswer, Instant{100ms});
+  table.failing(0, Cause::kNoResponse, Instant{100ms});
   table.expire(Instant{100ms}, out);
   ASSERT_EQ(out.size(), 2u);
-  EXPECT_EQ(out[1].quality, Quality::kBadNoAnswer);
+  EXPECT_EQ(out[1].quality, Quality::kBadNoResponse);
   EXPECT_EQ(table.misses(Instant{100ms})[Cause::kLate], 0u);
-  EXPECT_EQ(table.misses(Instant{100ms})[Cause::kNoAnswer], 1u) << "one refresh was missed";
-  table.failing(0, Cause::kNoAnswer, Instant{200ms});
+  EXPECT_EQ(table.misses(Instant{100ms})[Cause::kNoResponse], 1u) << "one refresh was missed";
+  table.failing(0, Cause::kNoResponse, Instant{200ms});
   table.expire(Instant{200ms}, out);
   EXPECT_EQ(out.size(), 2u) << "told once";
 }
@@ -151,7 +151,7 @@ TEST(ChannelTable, ChannelThatWasNeverReadIsLateToo) {
   table.failing(0, Cause::kPortClosed, Instant{});
   table.expire(Instant{1003ms}, out);
   ASSERT_EQ(out.size(), 1u);
-  EXPECT_EQ(out[0].quality, Quality::kBadNoAnswer);
+  EXPECT_EQ(out[0].quality, Quality::kBadNoResponse);
   EXPECT_EQ(out[0].acquired, kLongAgo);
 }
 
@@ -211,19 +211,19 @@ TEST(ChannelTable, WhatWasNeverReadIsNotYetReadHoweverLateItIs) {
   ChannelTable table(bus);
   std::vector<Sample> out;
   table.start(Instant{});
-  table.failing(1, Cause::kNoAnswer, Instant{500ms});
+  table.failing(1, Cause::kNoResponse, Instant{500ms});
   table.failing(2, Cause::kLeased, Instant{500ms});
   table.expire(Instant{2s}, out);
   ASSERT_EQ(out.size(), 3u);
   for (const Sample& sample : out) {
-    EXPECT_EQ(sample.quality, sample.channel == 1 ? Quality::kBadNoAnswer : Quality::kNotYetRead);
+    EXPECT_EQ(sample.quality, sample.channel == 1 ? Quality::kBadNoResponse : Quality::kNotYetRead);
     EXPECT_EQ(sample.acquired, kLongAgo);
   }
   out.clear();
-  table.failing(0, Cause::kNoAnswer, Instant{3s});
+  table.failing(0, Cause::kNoResponse, Instant{3s});
   table.expire(Instant{3s}, out);
   ASSERT_EQ(out.size(), 1u);
-  EXPECT_EQ(out[0].quality, Quality::kBadNoAnswer);
+  EXPECT_EQ(out[0].quality, Quality::kBadNoResponse);
 }
 
 TEST(ChannelTable, ShorterRefreshTakesEffectImmediately) {

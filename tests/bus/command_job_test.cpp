@@ -56,7 +56,7 @@ TEST_F(CommandJobTest, WriteIsDoneWhenTheDeviceConfirms) {
   ASSERT_TRUE(job);
   const auto request = job->next();
   EXPECT_EQ(std::get<WriteRequest>(*request).items, (Bytes{0x01, 0xF4}));
-  job->answered({{}});
+  job->responded({{}});
   EXPECT_FALSE(job->next());
   EXPECT_EQ(result(*job).state, CommandState::kDone);
   EXPECT_EQ(job->written_channel(), ChannelIndex{10});
@@ -81,44 +81,44 @@ TEST_F(CommandJobTest, TextIsWrittenInTheCharacterSetOfTheChannel) {
 
 TEST_F(CommandJobTest, VerifyReadsBack) {
   auto job = make(write("setpoint", std::uint64_t{500}, true));
-  job->answered({{}});
+  job->responded({{}});
   ASSERT_TRUE(std::holds_alternative<ReadRequest>(*job->next()));
-  job->answered(items({0x01, 0xF4}));
+  job->responded(items({0x01, 0xF4}));
   EXPECT_EQ(result(*job).state, CommandState::kVerified);
   EXPECT_EQ(result(*job).values, (std::vector<Value>{std::uint64_t{500}}));
 }
 
 TEST_F(CommandJobTest, AnotherValueReadBackIsAFailure) {
   auto job = make(write("setpoint", std::uint64_t{500}, true));
-  job->answered({{}});
-  job->answered(items({0x00, 0x01}));
+  job->responded({{}});
+  job->responded(items({0x00, 0x01}));
   EXPECT_EQ(result(*job).state, CommandState::kFailed);
   EXPECT_EQ(result(*job).cause, Cause::kNotVerified);
 }
 
 TEST_F(CommandJobTest, AWriteWithoutResponseIsReadBackNotRepeated) {
   auto job = make(write("setpoint", std::uint64_t{500}));
-  job->failed(Cause::kNoAnswer, 0);
+  job->failed(Cause::kNoResponse, 0);
   ASSERT_TRUE(std::holds_alternative<ReadRequest>(*job->next()));
-  job->answered(items({0x01, 0xF4}));
+  job->responded(items({0x01, 0xF4}));
   EXPECT_EQ(result(*job).state, CommandState::kDone);
 }
 
 TEST_F(CommandJobTest, WriteThatDidNotTakeEffectIsRepeatedWithinTheRetries) {
   auto job = make(write("setpoint", std::uint64_t{500}));
-  job->failed(Cause::kNoAnswer, 0);
-  job->answered(items({0x00, 0x00}));
+  job->failed(Cause::kNoResponse, 0);
+  job->responded(items({0x00, 0x00}));
   ASSERT_TRUE(std::holds_alternative<WriteRequest>(*job->next()));
-  job->failed(Cause::kNoAnswer, 0);
-  job->answered(items({0x00, 0x00}));
+  job->failed(Cause::kNoResponse, 0);
+  job->responded(items({0x00, 0x00}));
   EXPECT_EQ(result(*job).state, CommandState::kFailed);
-  EXPECT_EQ(result(*job).cause, Cause::kNoAnswer);
+  EXPECT_EQ(result(*job).cause, Cause::kNoResponse);
 }
 
 TEST_F(CommandJobTest, SilenceAfterAWriteWithoutResponseLeavesItOpen) {
   auto job = make(write("setpoint", std::uint64_t{500}));
-  job->failed(Cause::kNoAnswer, 0);
-  job->failed(Cause::kNoAnswer, 0);
+  job->failed(Cause::kNoResponse, 0);
+  job->failed(Cause::kNoResponse, 0);
   EXPECT_EQ(result(*job).state, CommandState::kFailed);
   EXPECT_NE(result(*job).reason.find("unknown whether"), std::string::npos);
 }
@@ -138,7 +138,7 @@ TEST_F(CommandJobTest, AMomentaryCodeAfterWhichAWriteMayHaveTakenEffectIsReadBac
       job->failed(Cause::kDeviceBusy, code);
       const auto request = job->next();
       ASSERT_TRUE(request && std::holds_alternative<ReadRequest>(*request)) << code;
-      job->answered(items(same ? Bytes{0x01, 0xF4} : Bytes{0x00, 0x01}));
+      job->responded(items(same ? Bytes{0x01, 0xF4} : Bytes{0x00, 0x01}));
       EXPECT_FALSE(job->next()) << "it is not written again";
       const auto ended = result(*job);
       EXPECT_EQ(ended.state, same ? CommandState::kDone : CommandState::kFailed);
@@ -179,9 +179,9 @@ TEST_F(CommandJobTest, AMomentaryCodeToAWriteThatCannotBeReadBackLeavesItOpen) {
 TEST_F(CommandJobTest, BitOfAWordKeepsTheOtherBits) {
   auto job = make(write("lamp", true));
   ASSERT_TRUE(std::holds_alternative<ReadRequest>(*job->next()));
-  job->answered(items({0xA0, 0x51}));
+  job->responded(items({0xA0, 0x51}));
   EXPECT_EQ(std::get<WriteRequest>(*job->next()).items, (Bytes{0xA0, 0x59}));
-  job->answered({{}});
+  job->responded({{}});
   EXPECT_EQ(result(*job).state, CommandState::kDone);
 }
 
@@ -198,7 +198,7 @@ TEST_F(CommandJobTest, ARefusedFormIsFollowedByThePlainOneOnce) {
     return frame[1];
   };
   auto job = make(write("setpoint", std::uint64_t{5}));
-  job->use_distinct_answers();
+  job->use_distinct_responses();
   EXPECT_EQ(function(*job), 16);
   job->failed(Cause::kDeviceError, 1);
   ASSERT_TRUE(job->next());
@@ -233,8 +233,8 @@ TEST_F(CommandJobTest, WholeDeviceIsAcquiredInFewReads) {
   command.target = ChannelTarget{};
   auto job = make(command);
   ASSERT_TRUE(job);
-  job->answered(items({1}));
-  job->answered(items({0x00, 0x05, 0x00, 0x06, 0x00, 0x08}));  // three adjacent registers
+  job->responded(items({1}));
+  job->responded(items({0x00, 0x05, 0x00, 0x06, 0x00, 0x08}));  // three adjacent registers
   EXPECT_FALSE(job->next());
   EXPECT_EQ(result(*job).values,
             (std::vector<Value>{std::uint64_t{5}, std::uint64_t{6}, true, true}));
@@ -303,7 +303,7 @@ TEST_F(RawCommandTest, CountIsValuesOfTheTypeOneBehindTheOther) {
   auto job = make(raw_read("VW10", {ValueType::kInt16}, 3));
   ASSERT_TRUE(job);
   EXPECT_EQ(std::get<ReadRequest>(*job->next()).ranges, (std::vector<Range>{{0, 10, 6}}));
-  job->answered(items({0, 1, 0, 2, 0xFF, 0xFD}));
+  job->responded(items({0, 1, 0, 2, 0xFF, 0xFD}));
   EXPECT_EQ(result(*job).values,
             (std::vector<Value>{std::int64_t{1}, std::int64_t{2}, std::int64_t{-3}}));
   job = make(raw_read("VB10", {ValueType::kUint8}, 3));
@@ -315,7 +315,7 @@ TEST_F(RawCommandTest, BitsFollowEachOther) {
   auto job = make(raw_read("V10.6", {ValueType::kBool}, 4));
   ASSERT_TRUE(job) << job.error().reason;
   EXPECT_EQ(std::get<ReadRequest>(*job->next()).ranges, (std::vector<Range>{{0, 10, 2}}));
-  job->answered(items({0x80, 0x01}));  // V10.7 and V11.0
+  job->responded(items({0x80, 0x01}));  // V10.7 and V11.0
   EXPECT_EQ(result(*job).values, (std::vector<Value>{false, true, true, false}));
 }
 
@@ -335,8 +335,8 @@ TEST_F(RawCommandTest, AByteOfARegisterIsWrittenByAMaskOrNotAtAll) {
   Bytes frame;
   (void)protocol_->begin(request, {})->start(frame);
   EXPECT_EQ(to_hex(ByteView(frame).first(8)), to_hex(*from_hex("01 16 00 05 00 FF 1C 00")));
-  job->answered({{}});
-  job->answered(items({0x1C, 0x99}));  // the other byte is not part of the command
+  job->responded({{}});
+  job->responded(items({0x1C, 0x99}));  // the other byte is not part of the command
   EXPECT_EQ(result(*job).state, CommandState::kVerified);
   EXPECT_EQ(result(*job).values, (std::vector<Value>{std::uint64_t{0x1C}}));
 }
@@ -364,7 +364,7 @@ TEST_F(CommandJobTest, AddressesAreAcquiredAsOftenAsAsked) {
   std::size_t reads = 0;
   while (const auto request = job->next()) {
     const Range range = std::get<ReadRequest>(*request).ranges.front();
-    job->answered(items(Bytes(2 * range.count, 0)));
+    job->responded(items(Bytes(2 * range.count, 0)));
     ++reads;
   }
   EXPECT_EQ(reads, 3u);

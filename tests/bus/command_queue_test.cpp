@@ -38,7 +38,7 @@ class CommandQueueTest : public testing::Test {
   }
   std::string serve() {
     if (!next()) return "nobody";
-    queue_.answered(1, test::items({0x01, 0x02}), Instant{}, Instant{}, sink_);
+    queue_.responded(1, test::items({0x01, 0x02}), Instant{}, Instant{}, sink_);
     return results().front().requester;
   }
   std::vector<CommandResult> results() {
@@ -204,7 +204,7 @@ TEST_F(CommandQueueTest, WritesThatTouchTravelInOneRequestAndHaveAResultEach) {
   ASSERT_TRUE(sent);
   EXPECT_EQ(sent->batch, 2u);
   EXPECT_EQ(std::get<WriteRequest>(sent->request).range, (Range{test::kHolding, 100, 2}));
-  queue_.answered(sent->batch, {{}}, Instant{10ms}, Instant{10ms}, sink_);
+  queue_.responded(sent->batch, {{}}, Instant{10ms}, Instant{10ms}, sink_);
   const auto all = results();
   ASSERT_EQ(all.size(), 2u);
   EXPECT_EQ(all[0].request_id, 1u);
@@ -240,7 +240,7 @@ TEST_F(CommandQueueTest, ABatchThatMayHaveTakenEffectIsReadBackAndNotWrittenAgai
   for (const auto value : Bytes{10, 11}) {
     const auto read = next();
     ASSERT_TRUE(read && std::holds_alternative<ReadRequest>(read->request));
-    queue_.answered(1, test::items({0, value}), Instant{}, Instant{}, sink_);
+    queue_.responded(1, test::items({0, value}), Instant{}, Instant{}, sink_);
     const auto all = results();
     ASSERT_EQ(all.size(), 1u);
     EXPECT_EQ(all.back().state, CommandState::kDone);
@@ -296,7 +296,7 @@ TEST_F(CommandQueueTest, AnAcquisitionIsAResultAndSamples) {
   read.values.clear();
   accept(read);
   ASSERT_TRUE(next());
-  queue_.answered(1, test::items({0x01, 0x02}), Instant{5ms}, Instant{6ms}, sink_);
+  queue_.responded(1, test::items({0x01, 0x02}), Instant{5ms}, Instant{6ms}, sink_);
   ASSERT_EQ(actions_.size(), 2u);
   const auto& published = std::get<Publish>(actions_[1]).samples;
   ASSERT_EQ(published.size(), 1u);

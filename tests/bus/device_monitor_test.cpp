@@ -25,8 +25,8 @@ class DeviceMonitorTest : public testing::Test {
     return monitor_.failed(device, cause, at, sink_);
   }
   void take_offline(DeviceIndex device, Instant at) {
-    EXPECT_FALSE(fail(device, Cause::kNoAnswer, at));
-    EXPECT_TRUE(fail(device, Cause::kNoAnswer, at));
+    EXPECT_FALSE(fail(device, Cause::kNoResponse, at));
+    EXPECT_TRUE(fail(device, Cause::kNoResponse, at));
   }
   std::optional<DeviceMonitor::Probe> probe(Instant now, Duration slack = 10s,
                                             Instant gate = kLongAgo) {
@@ -54,14 +54,14 @@ TEST_F(DeviceMonitorTest, SilenceTakesADeviceOfflineAndAResponseBringsItBack) {
   EXPECT_TRUE(monitor_.offline(0));
   EXPECT_FALSE(monitor_.all_offline());
   EXPECT_EQ(notices(), Kinds{Notice::Kind::kDeviceLost});
-  monitor_.answered(0, sink_);
+  monitor_.responded(0, sink_);
   EXPECT_FALSE(monitor_.offline(0));
   EXPECT_EQ(notices(), Kinds{Notice::Kind::kDeviceBack});
   EXPECT_EQ(monitor_.report(0).failures, 2u);
 }
 
 TEST_F(DeviceMonitorTest, BrokenResponsesAreErrorsAndNoLoss) {
-  monitor_.answered(0, sink_);
+  monitor_.responded(0, sink_);
   EXPECT_FALSE(fail(0, Cause::kChecksum, Instant{1s}));
   EXPECT_EQ(notices(), Kinds{Notice::Kind::kDeviceErrors});
   EXPECT_EQ(monitor_.report(0).causes[Cause::kChecksum], 1u);
@@ -79,8 +79,9 @@ TEST_F(DeviceMonitorTest, AnEchoIsSaidWhereNobodyEverResponded) {
   const Bytes request{1, 3, 0, 0, 0, 1, 0x84, 0x0A};
   const auto echoed = [&] {
     for (int i = 0; i < 3; ++i)
-      monitor_.tried({.device = 0, .cause = Cause::kNoAnswer, .sent = request, .echo_alone = true},
-                     Instant{1s}, sink_);
+      monitor_.tried(
+          {.device = 0, .cause = Cause::kNoResponse, .sent = request, .echo_alone = true},
+          Instant{1s}, sink_);
   };
   echoed();
   EXPECT_EQ(notices(), Kinds{Notice::Kind::kGarbage});
@@ -114,8 +115,8 @@ TEST_F(DeviceMonitorTest, ALostDeviceIsForgotten) {
 TEST_F(DeviceMonitorTest, LateResponsesCountForTheLongest) {
   monitor_.learn(0, kRead, 5ms);
   monitor_.learn_late(0, 150ms);
-  EXPECT_EQ(monitor_.longest_answer(0), 150ms);
-  EXPECT_EQ(monitor_.longest_answer(1), 0ms);
+  EXPECT_EQ(monitor_.longest_response(0), 150ms);
+  EXPECT_EQ(monitor_.longest_response(1), 0ms);
 }
 
 TEST_F(DeviceMonitorTest, ABusyDeviceIsLeftAlone) {
@@ -159,7 +160,7 @@ TEST_F(DeviceMonitorTest, AnOfflineDeviceIsProbedEverMoreRarely) {
   const auto due = probe(Instant{1500ms});
   ASSERT_TRUE(due);
   EXPECT_EQ(due->timeout, 200ms);
-  EXPECT_FALSE(fail(0, Cause::kNoAnswer, Instant{1700ms}));
+  EXPECT_FALSE(fail(0, Cause::kNoResponse, Instant{1700ms}));
   EXPECT_EQ(monitor_.next_probe(), Instant{2700ms});
 }
 
@@ -192,16 +193,16 @@ TEST_F(DeviceMonitorTest, ADeviceWithoutPointsIsNeverProbed) {
 
 TEST(DeviceHealth, SilenceTakesItOffline) {
   DeviceHealth health;
-  EXPECT_TRUE(health.answered());
-  EXPECT_TRUE(health.failed(Cause::kNoAnswer, Instant{1s}));
+  EXPECT_TRUE(health.responded());
+  EXPECT_TRUE(health.failed(Cause::kNoResponse, Instant{1s}));
   EXPECT_EQ(health.state(), DeviceState::kDegraded);
-  EXPECT_TRUE(health.failed(Cause::kNoAnswer, Instant{2s}));
+  EXPECT_TRUE(health.failed(Cause::kNoResponse, Instant{2s}));
   EXPECT_TRUE(health.offline());
 }
 
 TEST(DeviceHealth, BrokenResponsesShowThatSomebodyIsThere) {
   DeviceHealth health;
-  (void)health.answered();
+  (void)health.responded();
   for (int i = 0; i < 100; ++i) (void)health.failed(Cause::kChecksum, Instant{1s});
   EXPECT_EQ(health.state(), DeviceState::kDegraded);
 }
@@ -211,21 +212,21 @@ TEST(DeviceHealth, WhatRespondsBrokenFromTheBeginningIsNotUnknown) {
   EXPECT_TRUE(health.failed(Cause::kForeign, Instant{1s}));
   EXPECT_EQ(health.state(), DeviceState::kDegraded);
   DeviceHealth silent;
-  EXPECT_FALSE(silent.failed(Cause::kNoAnswer, Instant{1s}));
+  EXPECT_FALSE(silent.failed(Cause::kNoResponse, Instant{1s}));
   EXPECT_EQ(silent.state(), DeviceState::kUnknown);
 }
 
 // Busy is a temporary state, unless it lasts long without any other response.
 TEST(DeviceHealth, ADeviceThatStaysBusyGoesOffline) {
   DeviceHealth health;
-  (void)health.answered();
+  (void)health.responded();
   EXPECT_FALSE(health.failed(Cause::kDeviceBusy, Instant{1s})) << "one answer shows little";
   EXPECT_TRUE(health.failed(Cause::kDeviceBusy, Instant{2s}));
   EXPECT_EQ(health.state(), DeviceState::kDegraded);
   EXPECT_FALSE(health.failed(Cause::kDeviceBusy, Instant{10s}));
   EXPECT_TRUE(health.failed(Cause::kDeviceBusy, Instant{1s} + DeviceHealth::kBusyToOffline));
   EXPECT_TRUE(health.offline());
-  EXPECT_TRUE(health.answered());
+  EXPECT_TRUE(health.responded());
   EXPECT_FALSE(health.failed(Cause::kDeviceBusy, Instant{20s})) << "the time begins again";
   EXPECT_EQ(health.state(), DeviceState::kOnline);
 }
@@ -234,7 +235,7 @@ TEST(DeviceHealth, IsProbedEverMoreRarely) {
   DeviceHealth health;
   Instant now{};
   for (unsigned i = 0; i < DeviceHealth::kFailuresToOffline; ++i)
-    (void)health.failed(Cause::kNoAnswer, now);
+    (void)health.failed(Cause::kNoResponse, now);
   Duration before{};
   for (int i = 0; i < 10; ++i) {
     const Duration interval = health.probe_at() - now;
@@ -242,18 +243,18 @@ TEST(DeviceHealth, IsProbedEverMoreRarely) {
     EXPECT_LE(interval, DeviceHealth::kLastProbe);
     before = interval;
     now = health.probe_at();
-    EXPECT_FALSE(health.failed(Cause::kNoAnswer, now)) << "no news";
+    EXPECT_FALSE(health.failed(Cause::kNoResponse, now)) << "no news";
   }
   EXPECT_EQ(before, DeviceHealth::kLastProbe);
 }
 
 TEST(DeviceHealth, OneResponseBringsItBack) {
   DeviceHealth health;
-  for (int i = 0; i < 5; ++i) (void)health.failed(Cause::kNoAnswer, Instant{1s});
-  EXPECT_TRUE(health.answered());
+  for (int i = 0; i < 5; ++i) (void)health.failed(Cause::kNoResponse, Instant{1s});
+  EXPECT_TRUE(health.responded());
   EXPECT_EQ(health.state(), DeviceState::kOnline);
   EXPECT_EQ(health.probe_at(), kNever);
-  EXPECT_FALSE(health.answered());
+  EXPECT_FALSE(health.responded());
 }
 
 }  // namespace

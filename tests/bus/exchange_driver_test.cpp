@@ -32,7 +32,7 @@ TEST(ExchangeDriver, RequestsAndGetsAResponse) {
   EXPECT_EQ(line.out, kRequest);
   EXPECT_EQ(line.receive(kAnswer, Instant{20ms}), Outcome::kDone);
   EXPECT_EQ(line.driver.exchange().reply().front().items, (Bytes{0x00, 0x2A}));
-  EXPECT_EQ(line.driver.answered(), Instant{20ms});
+  EXPECT_EQ(line.driver.responded(), Instant{20ms});
 }
 
 TEST(ExchangeDriver, ResponseTimeIsWithoutTheWire) {
@@ -40,7 +40,7 @@ TEST(ExchangeDriver, ResponseTimeIsWithoutTheWire) {
   line.ask(Instant{});
   const Duration wire = kLine.characters(8) + kLine.characters(7);
   (void)line.receive(kAnswer, Instant{wire + 5ms});
-  EXPECT_NEAR(to_seconds(line.driver.answer_time()), 0.005, 1e-6);
+  EXPECT_NEAR(to_seconds(line.driver.response_time()), 0.005, 1e-6);
 }
 
 TEST(ExchangeDriver, ReturnsWhatTheResponseLacks) {
@@ -61,7 +61,7 @@ TEST(ExchangeDriver, SilenceEndsItAfterTheTimeout) {
   line.ask(Instant{});
   EXPECT_EQ(line.driver.deadline(), Instant{200ms} + kLine.characters(8));
   EXPECT_EQ(line.driver.on_timer(line.driver.deadline(), line.out), Outcome::kFailed);
-  EXPECT_EQ(line.driver.cause(), Cause::kNoAnswer);
+  EXPECT_EQ(line.driver.cause(), Cause::kNoResponse);
 }
 
 TEST(ExchangeDriver, BrokenResponseEndsSoonAfterItsWireTime) {
@@ -117,7 +117,7 @@ TEST(ExchangeDriver, EchoOfAWriteIsNotAResponse) {
   const Bytes sent = line.out;
   EXPECT_EQ(line.receive(sent, Instant{5ms}), Outcome::kWaiting);
   EXPECT_EQ(line.driver.on_timer(line.driver.deadline(), line.out), Outcome::kFailed);
-  EXPECT_EQ(line.driver.cause(), Cause::kNoAnswer);
+  EXPECT_EQ(line.driver.cause(), Cause::kNoResponse);
 }
 
 TEST(ExchangeDriver, SecondCopyOfAWriteIsTheResponse) {

@@ -76,12 +76,12 @@ Bytes FreeportStations::answer(ByteView received) {
 }
 
 FreeportBus::FreeportBus(unsigned stations, double bit_error_rate, std::uint64_t seed,
-                         Duration answer_time)
+                         Duration response_time)
     : engine_(spec_of(stations)),
       stations_(stations, seed),
       to_stations_(bit_error_rate, seed + 1),
       to_master_(bit_error_rate, seed + 2),
-      answer_time_(answer_time) {
+      answer_time_(response_time) {
   feed(Opened{});
 }
 

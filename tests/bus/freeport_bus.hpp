@@ -38,7 +38,7 @@ class FreeportBus {
     std::uint64_t bad = 0;
   };
 
-  FreeportBus(unsigned stations, double bit_error_rate, std::uint64_t seed, Duration answer_time);
+  FreeportBus(unsigned stations, double bit_error_rate, std::uint64_t seed, Duration response_time);
   void run(std::uint64_t exchanges);
 
   [[nodiscard]] const Counts& counts() const { return counts_; }

@@ -35,32 +35,32 @@ TEST_F(FreshnessTest, AMissIsReportedAMomentAfterThePromiseBroke) {
 
 TEST_F(FreshnessTest, AMissWithACauseIsReportedOnce) {
   Freshness fresh = read_at_zero();
-  EXPECT_FALSE(fresh.failing(Cause::kNoAnswer, false, Instant{500ms})) << "in time until then";
+  EXPECT_FALSE(fresh.failing(Cause::kNoResponse, false, Instant{500ms})) << "in time until then";
   EXPECT_TRUE(fresh.expire(fresh.due(), misses_));
   EXPECT_EQ(fresh.state(), State::kTold);
   EXPECT_FALSE(fresh.failing(Cause::kChecksum, false, Instant{2s}));
   EXPECT_EQ(fresh.due(), kNever);
-  EXPECT_EQ(misses_[Cause::kNoAnswer], 1u);
+  EXPECT_EQ(misses_[Cause::kNoResponse], 1u);
   EXPECT_EQ(misses_.total(), 1u);
 }
 
 TEST_F(FreshnessTest, ACauseThatBecomesKnownTakesOverTheMiss) {
   Freshness fresh = missed();
-  EXPECT_TRUE(fresh.failing(Cause::kNoAnswer, true, Instant{1500ms}));
+  EXPECT_TRUE(fresh.failing(Cause::kNoResponse, true, Instant{1500ms}));
   EXPECT_EQ(fresh.state(), State::kMissedExplained);
   EXPECT_EQ(fresh.due(), Instant{1500ms});
   EXPECT_TRUE(fresh.expire(Instant{1500ms}, misses_));
   EXPECT_EQ(fresh.state(), State::kTold);
   EXPECT_EQ(misses_[Cause::kLate], 0u);
-  EXPECT_EQ(misses_[Cause::kNoAnswer], 1u);
-  EXPECT_EQ(fresh.last_miss(), Cause::kNoAnswer);
+  EXPECT_EQ(misses_[Cause::kNoResponse], 1u);
+  EXPECT_EQ(fresh.last_miss(), Cause::kNoResponse);
 }
 
 TEST_F(FreshnessTest, ACauseAfterALeaseIsReportedAndTakesOverNothing) {
   Freshness fresh = read_at_zero();
   fresh.leased(true, Instant{500ms}, misses_);
   EXPECT_EQ(fresh.state(), State::kTold);
-  EXPECT_TRUE(fresh.failing(Cause::kNoAnswer, true, Instant{800ms}));
+  EXPECT_TRUE(fresh.failing(Cause::kNoResponse, true, Instant{800ms}));
   EXPECT_EQ(fresh.state(), State::kToldExplained);
   EXPECT_TRUE(fresh.expire(Instant{800ms}, misses_));
   EXPECT_EQ(fresh.state(), State::kTold);

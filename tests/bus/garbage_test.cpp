@@ -117,8 +117,8 @@ TEST(Garbage, IsWorthSayingWhenItIsNotASingleNoise) {
       garbage.text(k8N1, false),
       StartsWith("bytes arrive that are not a response: 4 in 3 exchanges, the last ones 12 34 56 "
                  "78: no frame of this protocol: try another baud"));
-  EXPECT_TRUE(garbage.answered());
-  EXPECT_FALSE(garbage.answered());
+  EXPECT_TRUE(garbage.responded());
+  EXPECT_FALSE(garbage.responded());
   EXPECT_FALSE(garbage.received(Bytes{1}, kRequest, 9));
 }
 
@@ -154,8 +154,8 @@ TEST(Garbage, BytesThatBeginOtherwiseAreJudgedByTheirBits) {
   for (unsigned i = 0; i < Garbage::kWorthSaying; ++i)
     (void)garbage.received(Bytes{1, 0, 0, 0x20, 0, 0, 0, 0}, kRequest, 9);
   EXPECT_THAT(garbage.text(k8E1, false), HasSubstr("try 8N1"));
-  EXPECT_EQ(answer_shape(kRequest, kRequest, 9), ResponseShape::kOther) << "an echo";
-  EXPECT_EQ(answer_shape(Bytes{1, 3, 4}, kRequest, 0), ResponseShape::kOther)
+  EXPECT_EQ(response_shape(kRequest, kRequest, 9), ResponseShape::kOther) << "an echo";
+  EXPECT_EQ(response_shape(Bytes{1, 3, 4}, kRequest, 0), ResponseShape::kOther)
       << "of unknown length";
 }
 

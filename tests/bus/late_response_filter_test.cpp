@@ -44,7 +44,7 @@ class LateResponseFilterTest : public testing::Test {
     (void)driver_.on_timer(now, out);
     (void)driver_.finish();
     const Range range = std::get<ReadRequest>(asked.request).ranges[0];
-    late_.unanswered(std::move(asked), Block{0, {range}, {7}, {}}, 0ms, driver_, now);
+    late_.timed_out(std::move(asked), Block{0, {range}, {7}, {}}, 0ms, driver_, now);
   }
   Instant sendable_from(const Request& request, Purpose purpose = Purpose::kRead) const {
     return late_.sendable_from(0, request, purpose);
@@ -93,7 +93,7 @@ TEST_F(LateResponseFilterTest, ALateResponseIsFoundAmongTheBytesOfAnotherExchang
   EXPECT_EQ(late_.in_exchange(other, driver_, Instant{260ms}).size(), 1u);
   (void)driver_.on_bytes(frame_of({1, 2}), Instant{280ms}, out);
   EXPECT_TRUE(late_.in_exchange(other, driver_, Instant{280ms}).empty()) << "bytes count once";
-  late_.answered(other, false, 0ms, driver_, Instant{280ms});
+  late_.responded(other, false, 0ms, driver_, Instant{280ms});
   EXPECT_TRUE(late_.none_owed());
 }
 
@@ -103,7 +103,7 @@ TEST_F(LateResponseFilterTest, ThePendingExchangeAcceptsWhatMayBeItsOwn) {
   Bytes out;
   ASSERT_EQ(driver_.on_bytes(frame_of({42}), Instant{260ms}, out), ExchangeDriver::Outcome::kDone);
   EXPECT_TRUE(late_.in_exchange(again, driver_, Instant{260ms}).empty());
-  late_.answered(again, false, 0ms, driver_, Instant{260ms});
+  late_.responded(again, false, 0ms, driver_, Instant{260ms});
   EXPECT_FALSE(late_.none_owed()) << "asked twice and answered once";
 }
 
@@ -121,7 +121,7 @@ TEST_F(LateResponseFilterTest, ABrokenResponseOfTheRightLengthAndHeadPays) {
   Bytes out;
   (void)driver_.on_bytes(frame_of({42}), Instant{20ms}, out);
   (void)driver_.finish();
-  late_.answered(well, false, 0ms, driver_, Instant{20ms});
+  late_.responded(well, false, 0ms, driver_, Instant{20ms});
   const Asked broken = ask(read(100, 1), Instant{100ms});
   Bytes noisy = frame_of({42});
   noisy.back() ^= 1;

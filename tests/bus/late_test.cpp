@@ -336,7 +336,7 @@ TEST(PendingResponses, WhatCouldBeMistakenWaitsForTheBound) {
 TEST(PendingResponses, TwoRequestsAndOneResponseLeaveOnePending) {
   PendingResponses owed = alike_by_length();
   owe(owed, read(1, 100, 2));
-  owed.answered(read(1, 100, 2, Instant{200ms}), false, 600ms, Instant{250ms});
+  owed.responded(read(1, 100, 2, Instant{200ms}), false, 600ms, Instant{250ms});
   ASSERT_EQ(owed.debts().size(), 1u);
   EXPECT_EQ(owed.askable_from(read(1, 200, 2), true), Instant{800ms});
   (void)owed.take(0, Instant{300ms});
@@ -358,9 +358,9 @@ TEST(PendingResponses, AResponseThatIsCertainEndsWhatWasAskedBefore) {
   PendingResponses owed = alike_by_length();
   owe(owed, read(1, 100, 2));
   owe(owed, read(2, 100, 2));
-  owed.answered(read(1, 100, 3, Instant{200ms}), true, 600ms, Instant{210ms});
+  owed.responded(read(1, 100, 3, Instant{200ms}), true, 600ms, Instant{210ms});
   EXPECT_EQ(owed.debts().size(), 2u) << "a refusal shows nothing of its length";
-  owed.answered(read(1, 100, 3, Instant{200ms}), false, 600ms, Instant{210ms});
+  owed.responded(read(1, 100, 3, Instant{200ms}), false, 600ms, Instant{210ms});
   ASSERT_EQ(owed.debts().size(), 1u);
   EXPECT_EQ(owed.debts()[0].asked.device, 2u);
 }

@@ -74,7 +74,7 @@ TEST_F(OutcomeRouterTest, AReadIsRepeatedAsOftenAsConfigured) {
   ask(failed + 10ms);
   (void)time_out();
   EXPECT_FALSE(parts_.wire.waiting());
-  EXPECT_EQ(outcomes_.causes()[Cause::kNoAnswer], 2u);
+  EXPECT_EQ(outcomes_.causes()[Cause::kNoResponse], 2u);
   EXPECT_EQ(parts_.devices.report(0).failures, 1u);
   EXPECT_EQ(parts_.devices.report(0).retries, 1u);
   EXPECT_FALSE(parts_.late.none_owed());

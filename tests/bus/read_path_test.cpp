@@ -33,7 +33,7 @@ class ReadPathTest : public testing::Test {
   }
   Read next(Instant now) { return next(now, at_once_); }
   void answer(const Read& read, const Reply& reply, Instant at) {
-    reads_.answered(read.block, reply, at, at, sink_);
+    reads_.responded(read.block, reply, at, at, sink_);
   }
   void refuse(const Read& read, Instant at) {
     reads_.failed(read.block, read.longer, Cause::kDeviceError, 2, at, sink_);
@@ -186,7 +186,7 @@ TEST_F(ReadPathTest, ADeviceThatIsBusyAsAWholeIsNotSearched) {
   EXPECT_GT(reads, 5u);
   EXPECT_TRUE(notices().empty());
   // A probe of one address has a response: the block itself is what the device cannot read.
-  reads_.probe_answered(0);
+  reads_.probe_responded(0);
   const Read whole = next(now + 30s);
   reads_.failed(whole.block, whole.longer, Cause::kDeviceBusy, 0x0B, now + 30s, sink_);
   EXPECT_EQ(next(now + 31s).block.ranges[0].count, 2u);

@@ -42,7 +42,7 @@ TEST(Simulation, DeadDeviceCostsTheOthersNothing) {
     const auto& channel = bus.channels()[c];
     if (c / 12 == 3) {
       EXPECT_EQ(channel.good, 0u);
-      EXPECT_EQ(channel.quality, Quality::kBadNoAnswer);
+      EXPECT_EQ(channel.quality, Quality::kBadNoResponse);
     } else {
       EXPECT_LE(channel.longest_gap, 1s) << "channel " << c;
     }
@@ -167,7 +167,7 @@ TEST(Simulation, LearnsGapsAndForgetsThemWithTheDevice) {
             1u);
   ASSERT_EQ(learned.areas.size(), 1u);
   EXPECT_EQ(learned.areas[0].area, "holding");
-  EXPECT_NEAR(to_seconds(learned.areas[0].answer_time), 0.002, 0.0005);
+  EXPECT_NEAR(to_seconds(learned.areas[0].response_time), 0.002, 0.0005);
   EXPECT_EQ(learned.pause, Duration::zero());
   bus.run_until(Instant{75s});
   const DeviceReport lost = bus.engine().device_report(0, bus.now());

@@ -36,7 +36,7 @@ TEST_F(WireTest, AFlightIsSentAcknowledgedAndAccepted) {
   EXPECT_FALSE(wire_.waiting());
   ASSERT_EQ(wire_.on_bytes(kAnswer, Instant{20ms}, out_), Outcome::kDone);
   const Wire::Ended ended = wire_.conclude(true, Instant{20ms});
-  EXPECT_TRUE(ended.done && ended.answered);
+  EXPECT_TRUE(ended.done && ended.responded);
   EXPECT_EQ(ended.exchange->reply()[0].items, (Bytes{0x00, 0x2A}));
   EXPECT_EQ(ended.spent, 20ms + setup_.silence());
   EXPECT_EQ(wire_.take().tries, 0u);
@@ -58,14 +58,14 @@ TEST_F(WireTest, ARepeatedFlightKeepsItsStartAndHasNoResponse) {
   const Instant deadline = wire_.driver().deadline();
   ASSERT_EQ(wire_.on_timer(deadline, out_), Outcome::kFailed);
   const Wire::Ended ended = wire_.conclude(false, deadline);
-  EXPECT_EQ(ended.cause, Cause::kNoAnswer);
-  EXPECT_FALSE(ended.answered);
+  EXPECT_EQ(ended.cause, Cause::kNoResponse);
+  EXPECT_FALSE(ended.responded);
   wire_.repeat();
   EXPECT_TRUE(wire_.waiting());
   (void)send(Instant{300ms});
   EXPECT_EQ(wire_.flight().started, Instant{});
   EXPECT_EQ(wire_.flight().tries, 1u);
-  EXPECT_TRUE(wire_.flight().unanswered);
+  EXPECT_TRUE(wire_.flight().no_response);
   EXPECT_EQ(wire_.flight().asked.sent_until, Instant{300ms} + setup_.line().characters(8));
   (void)wire_.on_bytes(kAnswer, Instant{330ms}, out_);
   EXPECT_EQ(wire_.conclude(true, Instant{330ms}).spent, ended.spent + 30ms + setup_.silence())
@@ -95,7 +95,7 @@ TEST_F(WireTest, ARefusalIsAResponse) {
   ASSERT_EQ(wire_.on_bytes(refusal, Instant{20ms}, out_), Outcome::kFailed);
   const Wire::Ended ended = wire_.conclude(false, Instant{20ms});
   EXPECT_FALSE(ended.done);
-  EXPECT_TRUE(ended.answered);
+  EXPECT_TRUE(ended.responded);
   EXPECT_EQ(ended.device_code, 2);
 }
 

@@ -161,7 +161,7 @@ void BusDay::replace_engine(bool in_order) {
     if (!pending_.empty())
       return violate("a stop left command " + std::to_string(pending_.begin()->first) +
                      " without a result");
-    opened.quiet_until = bus_->engine().answers_until();
+    opened.quiet_until = bus_->engine().responses_until();
     variant_ = random_() % variants_.size();
   } else {
     if (transcribing_) note("-- the engine is killed");

@@ -40,7 +40,7 @@ void GroupMember::start(Instant now) {
   held_ = std::make_unique<HeldCommands<Command>>();
   ledger_ = std::make_unique<CommandLedger>();
   elsewhere_ = begun_elsewhere_ = {};
-  with_result_ = RecentCommands{HeldCommands<Command>::kAnswersFor};
+  with_result_ = RecentCommands{HeldCommands<Command>::kResultsFor};
   join(now);
 }
 
@@ -274,12 +274,12 @@ void GroupMember::receive(const GroupMessage& message, Instant now) {
     follow_role(now);
     if (election_) settle_notes(now);
   } else if (const auto* noted = std::get_if<StandbyNote>(&message)) {
-    noted->term == 0 ? answer_unknown(*noted, now) : on_note(*noted, now);
+    noted->term == 0 ? resolve_unknown(*noted, now) : on_note(*noted, now);
   } else if (const auto* block = std::get_if<GroupBlock>(&message)) {
     if (!serving_) follow(*block);
   } else if (const auto* result = std::get_if<CommandResult>(&message)) {
     if (serving_ && !held_->waits()) return;
-    seen_answer({result->requester, result->request_id}, now);
+    seen_result({result->requester, result->request_id}, now);
   } else if (const auto* command = std::get_if<Command>(&message)) {
     const Key key{command->requester, command->request_id};
     if (!held_->hold(spec_.name, key, *command, command->expires, now)) run(*command, now);
@@ -305,8 +305,8 @@ void GroupMember::on_note(const StandbyNote& note, Instant now) {
   give_up_begun(note, now);
   if (note.kind == StandbyNoteKind::kReturned)
     held_->returned(key);
-  else if (note.kind == StandbyNoteKind::kAnswered)
-    seen_answer(key, now);
+  else if (note.kind == StandbyNoteKind::kCompleted)
+    seen_result(key, now);
   else if (outside_.sabotage != GroupSabotage::kTwoRuns)
     held_->begun(note.bus, key, outside_.wire.now() + 1min);
   if (note.term < noted_term_) return;

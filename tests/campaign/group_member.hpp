@@ -109,11 +109,11 @@ class GroupMember {
   void settle_notes(Instant now);
   [[nodiscard]] bool noted_by_all(std::uint64_t number, Instant now) const;
   void tell_note(StandbyNoteKind kind, const Key& key, std::uint64_t number);
-  bool answered_elsewhere(const Key& key, Instant now);
-  void seen_answer(const Key& key, Instant now);
+  bool completed_elsewhere(const Key& key, Instant now);
+  void seen_result(const Key& key, Instant now);
   void tell_held(Instant now);
   void tell_last_words(Instant now);
-  void answer_unknown(const StandbyNote& held, Instant now);
+  void resolve_unknown(const StandbyNote& held, Instant now);
   void refuse(const Command& command, Cause cause, Instant now);
   [[nodiscard]] static CommandResult unfinished(const Key& key, bool begun);
   void answer(const CommandResult& result, Instant now);

@@ -26,7 +26,7 @@ void GroupMember::finish_begun(Instant now) {
   auto left = held_->give_up();
   for (Command& command : left.to_run) run(std::move(command), now);
   for (const auto& [bus, key] : left.begun) {
-    answered_elsewhere(key, now);
+    completed_elsewhere(key, now);
     answer(unfinished(key, true), now);
   }
 }
@@ -46,17 +46,17 @@ void GroupMember::answer(const CommandResult& result, Instant now) {
   outside_.tell(result);
 }
 
-// Mirrors CommandRouter::answered_elsewhere().
-bool GroupMember::answered_elsewhere(const Key& key, Instant now) {
+// Mirrors CommandRouter::completed_elsewhere().
+bool GroupMember::completed_elsewhere(const Key& key, Instant now) {
   const bool is_new = ledger_->enter(key.first, key.second);
   if (is_new) elsewhere_.note(key, now);
   return is_new;
 }
 
-// Mirrors CommandService::seen_answer().
-void GroupMember::seen_answer(const Key& key, Instant now) {
-  held_->answered(key);
-  answered_elsewhere(key, now);
+// Mirrors CommandService::seen_result().
+void GroupMember::seen_result(const Key& key, Instant now) {
+  held_->completed(key);
+  completed_elsewhere(key, now);
   with_result_.note(key, now);
 }
 
@@ -94,13 +94,13 @@ void GroupMember::begin(Command command, Instant now) {
   settle_notes(now);
 }
 
-// Mirrors CommandService::report_held() and answer_unknown().
+// Mirrors CommandService::report_held() and resolve_unknown().
 void GroupMember::tell_held(Instant now) {
   next_look_ = now + kLook;
   const auto master = election_->master(now);
   const auto known = master ? others_.find(*master) : others_.end();
   if (election_->role() != StandbyRole::kWaiting || known == others_.end()) return;
-  for (const auto& [bus, key, begun] : held_->unanswered(known->second.member.term, now)) {
+  for (const auto& [bus, key, begun] : held_->without_result(known->second.member.term, now)) {
     StandbyNote note;
     note.bridge = name_;
     note.kind = begun ? StandbyNoteKind::kBegun : StandbyNoteKind::kReturned;
@@ -123,11 +123,11 @@ void GroupMember::tell_last_words(Instant now) {
   }
 }
 
-void GroupMember::answer_unknown(const StandbyNote& held, Instant now) {
+void GroupMember::resolve_unknown(const StandbyNote& held, Instant now) {
   if (election_->role() != StandbyRole::kMaster || !held_->runs()) return;
   const Key key{held.requester, held.request_id};
-  if (!answered_elsewhere(key, now)) {
-    if (with_result_.lately(key, now)) tell_note(StandbyNoteKind::kAnswered, key, 0);
+  if (!completed_elsewhere(key, now)) {
+    if (with_result_.lately(key, now)) tell_note(StandbyNoteKind::kCompleted, key, 0);
     return;
   }
   answer(unfinished(key, held.kind == StandbyNoteKind::kBegun), now);

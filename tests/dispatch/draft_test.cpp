@@ -22,10 +22,10 @@ TEST(Draft, ThereIsNoneWithoutAChangeAndOneAtATime) {
   const ScheduleInput input = plant_of(1);
   const auto scheduler = make_scheduler(input);
   EXPECT_EQ(scheduler->draft(), nullptr);
-  scheduler->set_answer_time(0, test::kRegisters, 9ms);
+  scheduler->set_response_time(0, test::kRegisters, 9ms);
   const auto draft = scheduler->draft();
   ASSERT_NE(draft, nullptr);
-  scheduler->set_answer_time(0, test::kRegisters, 12ms);
+  scheduler->set_response_time(0, test::kRegisters, 12ms);
   EXPECT_EQ(scheduler->draft(), nullptr) << "one is out";
   draft->make();
   scheduler->adopt(*draft, Instant{1s});
@@ -39,7 +39,7 @@ TEST(Draft, ItsPlanIsTakenAsItIs) {
   wire.run(3s);
   const ReadPlan before = scheduler->plan();
   for (DeviceIndex device = 0; device < input.devices.size(); ++device)
-    scheduler->set_answer_time(device, test::kRegisters, 40ms);
+    scheduler->set_response_time(device, test::kRegisters, 40ms);
   const auto draft = scheduler->draft();
   ASSERT_NE(draft, nullptr);
   draft->make();
@@ -60,8 +60,8 @@ TEST_P(ChangingBus, KeepsWhatIsAskedForWhileAPlanIsMade) {
   for (int round = 0; round < 6; ++round) {
     wire.run(3s);
     for (DeviceIndex device = 0; device < input.devices.size(); ++device)
-      scheduler->set_answer_time(device, test::kRegisters,
-                                 std::chrono::microseconds{200 + random() % 20'000});
+      scheduler->set_response_time(device, test::kRegisters,
+                                   std::chrono::microseconds{200 + random() % 20'000});
     const auto draft = scheduler->draft();
     ASSERT_NE(draft, nullptr);
     wire.run(std::chrono::milliseconds{random() % 500});
@@ -112,7 +112,7 @@ TEST(Rehearsal, APlanForALightWireKeepsEveryRefresh) {
 TEST(Rehearsal, DevicesThatRespondLaterThanPlannedMakePointsLate) {
   PlanRunner runner = runner_of(plant_at(0.5));
   for (DeviceIndex device = 0; device < runner.wire().tails.size(); ++device)
-    runner.set_answer_time(device, test::kRegisters, 40ms);
+    runner.set_response_time(device, test::kRegisters, 40ms);
   EXPECT_GT(count_late(runner, Instant{1s}), 0u);
   EXPECT_EQ(count_late(runner, Instant{1s}, 3), 3u) << "enough";
 }

@@ -32,7 +32,7 @@ ScheduleInput plant(unsigned devices, std::uint32_t baud = 19200) {
   ScheduleInput input = test::input_of({}, kFakeProtocol, baud);
   DeviceTiming device;
   device.protocol = &kFakeProtocol;
-  device.answer_time = 4ms;
+  device.response_time = 4ms;
   input.devices.assign(devices, device);
   return input;
 }

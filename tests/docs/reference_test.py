@@ -74,8 +74,9 @@ class Causes(unittest.TestCase):
         self.assertGreater(len(rows), 25)
         page = section("docs/qualities.md", "The table")
         lines = {row.split("|")[1].strip(" `"): row for row in page.splitlines() if row.startswith("| `")}
+        names = dict(re.findall(r"case Quality::k(\w+): return idl::Quality::([A-Z_]+);", read("bridge/dds/topics/conversion_enums.cpp")))
         for cause, quality in rows:
-            name = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", quality).upper()
+            name = names[quality]
             if cause != "NONE" and f"`{cause}`" not in lines[name]:
                 self.assertIn(f"`{cause}`", page.split("Five more causes")[1], f"{cause} is {name}")
 

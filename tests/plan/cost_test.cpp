@@ -20,7 +20,7 @@ const LineFormat kLine{9600, 8, Parity::kNone, 1};  // 10 bits: 1.0417 ms per ch
 DeviceTiming timing() {
   DeviceTiming device;
   device.protocol = &kFakeProtocol;
-  device.answer_time = 2ms;
+  device.response_time = 2ms;
   return device;
 }
 
@@ -73,11 +73,11 @@ TEST(ReadCost, SlowerDevicesBridgeMoreButNeverBeyondTheirLimit) {
   DeviceTiming device = timing();
   ReadCost cost(device, kRegisters, kLine, 3ms, 125);
   const std::uint32_t before = cost.bridge();
-  cost.set_answer_time(40ms);
+  cost.set_response_time(40ms);
   EXPECT_GT(cost.bridge(), before);
   device.max_gap = 4;
   ReadCost limited(device, kRegisters, kLine, 3ms, 125);
-  limited.set_answer_time(40ms);
+  limited.set_response_time(40ms);
   EXPECT_EQ(limited.bridge(), 4u);
 }
 

@@ -53,7 +53,7 @@ ScheduleInput input_of(const Map& map, const Protocol& protocol, std::uint32_t b
   for (const MapRow& row : map) units = std::max(units, row.unit);
   DeviceTiming device;
   device.protocol = &protocol;
-  device.answer_time = input.line.characters(3.5) + delay;
+  device.response_time = input.line.characters(3.5) + delay;
   input.devices.assign(units, device);
   for (const MapRow& row : map) {
     Point point;

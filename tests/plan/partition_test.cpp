@@ -44,7 +44,7 @@ TEST(Partition, EqualsTheBestOfAllPartitionsOnRandomLists) {
   for (int round = 0; round < 400; ++round) {
     DeviceTiming device;
     device.protocol = &kFakeProtocol;
-    device.answer_time = Duration{random() % 8'000'000};
+    device.response_time = Duration{random() % 8'000'000};
     if (random() % 2) device.max_block = static_cast<std::uint16_t>(4 + random() % 40);
     if (random() % 3 == 0) device.max_gap = static_cast<std::uint16_t>(random() % 6);
     const AreaIndex area = static_cast<AreaIndex>(random() % 3);

@@ -200,7 +200,7 @@ TEST(FxExchange, SilenceBehindARefusalIsNotARefusal) {
   const Device device = plc();
   for (const Request& request : {device.write("D0", "0001"), device.read("D0")}) {
     const auto exchange = device.begin(request);
-    EXPECT_EQ(drive(*exchange, std::vector<Bytes>{{0x15}, {}}).cause, Cause::kNoAnswer);
+    EXPECT_EQ(drive(*exchange, std::vector<Bytes>{{0x15}, {}}).cause, Cause::kNoResponse);
   }
 }
 
@@ -221,7 +221,7 @@ TEST(FxExchange, SizesAreExact) {
       ASSERT_TRUE(size.has_value());
       EXPECT_EQ(size->request_characters, device.request_bytes(request).size());
       Bytes out;
-      EXPECT_EQ(device.begin(request)->start(out).characters, size->answer_characters);
+      EXPECT_EQ(device.begin(request)->start(out).characters, size->response_characters);
     }
     EXPECT_TRUE(device.protocol().size(device.read("D0", 32)).has_value());
     EXPECT_FALSE(device.protocol().size(device.read("D0", 33)).has_value());

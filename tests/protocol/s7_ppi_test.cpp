@@ -216,7 +216,8 @@ TEST(PpiExchange, SizesAreExact) {
     EXPECT_EQ(size->request_characters, device.request_bytes(request).size() + 6);
     EXPECT_EQ(size->rounds, 2u);
   }
-  EXPECT_EQ(device.protocol().size(device.read("VB100", 3))->answer_characters, 1 + kAnswer.size());
+  EXPECT_EQ(device.protocol().size(device.read("VB100", 3))->response_characters,
+            1 + kAnswer.size());
 }
 
 TEST(PpiExchange, NotReadyIsPolledAgainWithTheOtherBit) {

@@ -28,7 +28,7 @@ struct Bus {
     protocol = *find_protocol(name)->make(
         {.address = 1, .options = std::move(options), .line = input.line});
     input.silence = 2ms;
-    input.devices.assign(devices, {.protocol = protocol.get(), .answer_time = 5ms});
+    input.devices.assign(devices, {.protocol = protocol.get(), .response_time = 5ms});
   }
   PointIndex add(DeviceIndex device, const std::string& at, std::uint32_t items, Duration refresh,
                  Mode mode = Mode::kScheduled) {

@@ -122,14 +122,14 @@ TEST(PlannedTimes, MicrosecondsMakeNoOtherPlan) {
 
 TEST(PlannedTimes, WhatHasNotRespondedIsTakenToBeLikeWhatHas) {
   PlannedTimes times(kAreas, 5ms);
-  EXPECT_EQ(times.answered(0, 1, 2005us), (Changes{{0, 1, 2ms}, {0, 0, 2ms}, {1, 0, 2ms}}));
-  EXPECT_EQ(times.answered(1, 0, 9ms), (Changes{{1, 0, 9ms}})) << "the others are known";
+  EXPECT_EQ(times.responded(0, 1, 2005us), (Changes{{0, 1, 2ms}, {0, 0, 2ms}, {1, 0, 2ms}}));
+  EXPECT_EQ(times.responded(1, 0, 9ms), (Changes{{1, 0, 9ms}})) << "the others are known";
 }
 
 TEST(PlannedTimes, SmallChangesAreNotReported) {
   PlannedTimes times(kAreas, 5ms);
   for (int i = 0; i < 200; ++i)
-    EXPECT_EQ(times.answered(0, 0, i % 2 == 0 ? 4700us : 5200us), Changes{});
+    EXPECT_EQ(times.responded(0, 0, i % 2 == 0 ? 4700us : 5200us), Changes{});
 }
 
 BusSpec bus_of(std::uint32_t registers, Duration refresh, std::uint32_t baud) {

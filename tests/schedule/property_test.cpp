@@ -25,7 +25,7 @@ ScheduleInput random_input(std::uint64_t seed) {
   for (unsigned unit = 0; unit < units; ++unit) {
     DeviceTiming device;
     device.protocol = &kFakeProtocol;
-    device.answer_time = Duration{static_cast<std::int64_t>(below(12'000'000))};
+    device.response_time = Duration{static_cast<std::int64_t>(below(12'000'000))};
     if (below(4) == 0) device.pause = 3ms;
     if (below(3) == 0) device.max_block = static_cast<std::uint16_t>(8 + below(40));
     if (below(3) == 0) device.max_gap = static_cast<std::uint16_t>(below(8));
@@ -241,12 +241,12 @@ TEST(Overload, NewResponseTimeChangesThePlan) {
   VirtualWire wire(input, *scheduler);
   wire.run(5s);
   for (DeviceIndex device = 0; device < input.devices.size(); ++device)
-    scheduler->set_answer_time(device, test::kRegisters, 60ms);
+    scheduler->set_response_time(device, test::kRegisters, 60ms);
   wire.run(1s);
   EXPECT_GT(scheduler->planned_load(), 1.0);
   EXPECT_GT(scheduler->stretch(), 1.1);
   for (DeviceIndex device = 0; device < input.devices.size(); ++device)
-    scheduler->set_answer_time(device, test::kRegisters, 2ms);
+    scheduler->set_response_time(device, test::kRegisters, 2ms);
   wire.run(1s);
   EXPECT_EQ(scheduler->stretch(), 1.0);
 }

@@ -52,7 +52,7 @@ struct Wire {
 
 Duration modbus_round(const Units& units, const Wire& wire) {
   const auto protocol = *find_protocol("modbus-rtu")->make({.address = 1});
-  const DeviceTiming timing{.protocol = protocol.get(), .answer_time = kAnswerTime};
+  const DeviceTiming timing{.protocol = protocol.get(), .response_time = kAnswerTime};
   Duration sum{};
   for (const auto& [unit, addresses] : units) {
     std::vector<Wanted> wanted;
@@ -68,7 +68,7 @@ std::vector<ReadRequest> dtc_requests(const Protocol& protocol,
                                       const Wire& wire) {
   std::vector<Range> wanted;
   for (const auto address : addresses) wanted.push_back({kInt16, address, 1});
-  const DeviceTiming timing{.protocol = &protocol, .answer_time = kAnswerTime};
+  const DeviceTiming timing{.protocol = &protocol, .response_time = kAnswerTime};
   return test::best_requests(wanted, ListCost(timing, wire.line, wire.silence())).requests;
 }
 

@@ -50,7 +50,7 @@ Bus bus_of(const Family& family, const test::Map& map, Duration delay, double st
   if (!at) throw std::runtime_error(std::string(family.at) + ": " + at.error().what);
   bus.input.line = family.line;
   bus.input.silence = silence_of(StandardSilence{}, family.line);
-  bus.input.devices.assign(3, {.protocol = bus.protocol.get(), .answer_time = delay});
+  bus.input.devices.assign(3, {.protocol = bus.protocol.get(), .response_time = delay});
   for (const test::MapRow& row : map) {
     Point point;
     point.device = static_cast<DeviceIndex>(row.unit - 1);

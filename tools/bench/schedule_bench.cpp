@@ -236,7 +236,7 @@ MixedBus mixed_bus(std::uint64_t seed) {
                                          .options = family.options,
                                          .line = bus.input.line}));
     bus.input.devices.push_back({.protocol = bus.protocols.back().get(),
-                                 .answer_time = std::chrono::microseconds{500 + below(10'000)}});
+                                 .response_time = std::chrono::microseconds{500 + below(10'000)}});
     const std::uint32_t points = 10 + below(50);
     for (std::uint32_t i = 0, at = below(20); i < points;
          ++i, at += below(6) == 0 ? 12 + below(60) : 1 + below(4)) {

@@ -169,7 +169,7 @@ class Acceptance {
           factor));
     if (options_.as_template) return files;
     for (const BusSpec& bus : result.spec->buses) {
-      if (const auto overload = overload_of(bus, kAssumedAnswerTime))
+      if (const auto overload = overload_of(bus, kAssumedResponseTime))
         found_.notes.push_back(fmt::format("{}: {}", bus.name, to_text(*overload)));
     }
     return files;

@@ -203,12 +203,12 @@ class NoteBytes {
   std::vector<std::uint8_t> bytes_;
 };
 
-constexpr std::uint8_t kHasKeys = 2, kWantsNoAnswer = 2;
+constexpr std::uint8_t kHasKeys = 2, kWantsNoResponse = 2;
 constexpr std::uint32_t kOurCount = 0x7fffffff;  // higher than the count of any writer
 
 void add_heartbeat(NoteBytes& message, std::uint64_t number) {
   message.add({static_cast<std::uint8_t>(Submessage::kHeartbeat),
-               kLittleEndianFlag | kWantsNoAnswer, 28, 0});
+               kLittleEndianFlag | kWantsNoResponse, 28, 0});
   message.add(kParticipantReader);
   message.add(kParticipantWriter);
   message.add_number(number);  // the first number that it has, and the last

@@ -16,9 +16,9 @@ StandbyFollower::StandbyFollower(Domain& domain, const std::vector<BusSpec>& bus
           [this](const idl::DeviceStatus& status, const dds::SampleInfo&) { on_device(status); }),
       alarm_taker_(
           [this](const idl::AlarmStatus& status, const dds::SampleInfo&) { on_alarm(status); }),
-      results_([answered = std::move(handlers.answered)](const idl::CommandResult& result,
-                                                         const dds::SampleInfo&) {
-        answered(result.requester().c_str(), result.request_id());
+      results_([completed = std::move(handlers.completed)](const idl::CommandResult& result,
+                                                           const dds::SampleInfo&) {
+        completed(result.requester().c_str(), result.request_id());
       }) {
   for (const BusSpec& spec : buses) {
     std::size_t channels = 0;

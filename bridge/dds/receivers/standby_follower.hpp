@@ -22,7 +22,7 @@ namespace fieldcast {
 
 struct FollowerHandlers {
   // A command has its result. Called on a DDS thread.
-  std::function<void(const std::string& requester, std::uint64_t request_id)> answered;
+  std::function<void(const std::string& requester, std::uint64_t request_id)> completed;
 };
 
 class StandbyFollower {

@@ -11,7 +11,7 @@ constexpr std::optional<idl::Quality> idl_of(Quality value) {
   switch (value) {
     case Quality::kGood: return idl::Quality::GOOD;
     case Quality::kUncertain: return idl::Quality::UNCERTAIN;
-    case Quality::kBadNoAnswer: return idl::Quality::BAD_NO_ANSWER;
+    case Quality::kBadNoResponse: return idl::Quality::BAD_NO_ANSWER;
     case Quality::kBadFrame: return idl::Quality::BAD_FRAME;
     case Quality::kBadDeviceError: return idl::Quality::BAD_DEVICE_ERROR;
     case Quality::kBadRange: return idl::Quality::BAD_RANGE;
@@ -162,7 +162,7 @@ constexpr std::optional<idl::StandbyNoteKind> idl_of(StandbyNoteKind value) {
   switch (value) {
     case StandbyNoteKind::kBegun: return idl::StandbyNoteKind::NOTE_BEGUN;
     case StandbyNoteKind::kReturned: return idl::StandbyNoteKind::NOTE_RETURNED;
-    case StandbyNoteKind::kAnswered: return idl::StandbyNoteKind::NOTE_ANSWERED;
+    case StandbyNoteKind::kCompleted: return idl::StandbyNoteKind::NOTE_ANSWERED;
   }
   return std::nullopt;
 }

@@ -100,8 +100,8 @@ void to_idl(std::string_view bus, std::string_view device, const DeviceReport& r
   out.failures(report.failures);
   out.retries(report.retries);
   out.deadline_misses(report.deadline_misses);
-  out.answer_time(report.answer_time.count());
-  out.answer_spread(report.answer_spread.count());
+  out.answer_time(report.response_time.count());
+  out.answer_spread(report.response_spread.count());
   out.timeout(report.timeout.count());
   out.pause(report.pause.count());
   out.areas().resize(std::min(report.areas.size(), kMaxAreas));
@@ -109,8 +109,8 @@ void to_idl(std::string_view bus, std::string_view device, const DeviceReport& r
     const AreaReport& learned = report.areas[i];
     idl::LearnedArea& area = out.areas()[i];
     area.area() = cut_text(learned.area, kMaxAreaText);
-    area.answer_time(learned.answer_time.count());
-    area.answer_spread(learned.answer_spread.count());
+    area.answer_time(learned.response_time.count());
+    area.answer_spread(learned.response_spread.count());
     area.largest_block(learned.largest_block);
     area.longest_block(learned.longest_block);
   }
@@ -130,8 +130,8 @@ StationDeviceStatus from_idl(const idl::DeviceStatus& status) {
   report.failures = status.failures();
   report.retries = status.retries();
   report.deadline_misses = status.deadline_misses();
-  report.answer_time = Duration{status.answer_time()};
-  report.answer_spread = Duration{status.answer_spread()};
+  report.response_time = Duration{status.answer_time()};
+  report.response_spread = Duration{status.answer_spread()};
   report.timeout = Duration{status.timeout()};
   report.pause = Duration{status.pause()};
   for (const idl::LearnedArea& area : status.areas())

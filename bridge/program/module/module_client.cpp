@@ -110,7 +110,7 @@ void ModuleClient::from_bridge(ByteView bytes) {
 void ModuleClient::tell_number(std::string_view challenge) {
   std::string text = options_.prefix + options_.number;
   if (!options_.secret.empty())
-    text += ' ' + answer_to(challenge, options_.number, options_.secret);
+    text += ' ' + response_to(challenge, options_.number, options_.secret);
   text += kLineEnd;
   told_ = true;
   say_(fmt::format("connected to {}:{} as module {}", options_.host, options_.port,

@@ -74,10 +74,11 @@ tl::expected<ModuleSecrets, std::string> ModuleSecrets::read(const std::string& 
 }
 
 bool ModuleSecrets::fits(std::string_view number, std::string_view challenge,
-                         std::string_view answer) const {
+                         std::string_view response) const {
   auto found = secrets_.find(number);
   if (found == secrets_.end()) found = secrets_.find(kAny);
-  return found != secrets_.end() && same_bytes(answer, answer_to(challenge, number, found->second));
+  return found != secrets_.end() &&
+         same_bytes(response, response_to(challenge, number, found->second));
 }
 
 std::string new_challenge() {
@@ -87,7 +88,7 @@ std::string new_challenge() {
   return hexadecimal(chance);
 }
 
-std::string answer_to(std::string_view challenge, std::string_view number, const Secret& secret) {
+std::string response_to(std::string_view challenge, std::string_view number, const Secret& secret) {
   start_sodium();
   const std::string text = fmt::format("{}{} {}", kPurpose, number, challenge);
   crypto_auth_hmacsha256_state state;
@@ -137,8 +138,8 @@ Challenge ModuleGate::challenge() {
         std::make_shared<const ModuleSecrets>(secrets ? *std::move(secrets) : ModuleSecrets{});
   }
   const std::string text = new_challenge();
-  return {text, [secrets = secrets_, text](std::string_view number, std::string_view answer) {
-            return secrets->fits(number, text, answer);
+  return {text, [secrets = secrets_, text](std::string_view number, std::string_view response) {
+            return secrets->fits(number, text, response);
           }};
 }
 

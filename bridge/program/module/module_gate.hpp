@@ -30,7 +30,7 @@ class ModuleSecrets {
 
   // Also returns false for a number without a secret. Its duration does not depend on the response.
   [[nodiscard]] bool fits(std::string_view number, std::string_view challenge,
-                          std::string_view answer) const;
+                          std::string_view response) const;
 
  private:
   std::map<std::string, Secret, std::less<>> secrets_;
@@ -39,8 +39,8 @@ class ModuleSecrets {
 // 64 random hexadecimal digits.
 [[nodiscard]] std::string new_challenge();
 // The response of a module: 64 hexadecimal digits.
-[[nodiscard]] std::string answer_to(std::string_view challenge, std::string_view number,
-                                    const Secret& secret);
+[[nodiscard]] std::string response_to(std::string_view challenge, std::string_view number,
+                                      const Secret& secret);
 
 // Checks a module's proof of its number: address, certificate, secret. On the server's io thread.
 class ModuleGate {

@@ -156,7 +156,7 @@ void TlsPipe::watch() {
   timer_.async_wait([weak = weak_from_this()](boost::system::error_code cancelled) {
     const auto self = weak.lock();
     if (cancelled || !self || self->ending_) return;
-    if (!peer_answers(self->socket_)) return self->finish();
+    if (!peer_responds(self->socket_)) return self->finish();
     self->watch();
   });
 }

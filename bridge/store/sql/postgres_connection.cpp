@@ -124,7 +124,7 @@ class PostgresConnection final : public SqlConnection {
 
   void script(const std::string& sql) override {
     if (PQsendQuery(connection_.get(), sql.c_str()) != 1) fail();
-    answer();
+    read_results();
   }
 
   std::uint64_t execute(const std::string& sql, std::span<const SqlRow> rows) override {
@@ -135,7 +135,7 @@ class PostgresConnection final : public SqlConnection {
       if (PQsendQueryPrepared(connection_.get(), name.c_str(), parameters.count(),
                               parameters.data(), nullptr, nullptr, 0) != 1)
         fail();
-      return answer();
+      return read_results();
     }
     std::uint64_t changed = 0;
     for (std::size_t at = 0; at < rows.size(); at += kPipelined) {
@@ -232,7 +232,7 @@ class PostgresConnection final : public SqlConnection {
     return Result(PQgetResult(connection_.get()));
   }
 
-  std::uint64_t answer() {
+  std::uint64_t read_results() {
     std::uint64_t changed = 0;
     Problem problem;
     while (const Result result = next()) {
@@ -259,7 +259,7 @@ class PostgresConnection final : public SqlConnection {
     if (found != statements_.end()) return found->second;
     const std::string name = "s" + std::to_string(statements_.size());
     if (PQsendPrepare(connection_.get(), name.c_str(), sql.c_str(), 0, nullptr) != 1) fail();
-    answer();
+    read_results();
     return statements_.emplace(sql, name).first->second;
   }
 

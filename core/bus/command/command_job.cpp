@@ -72,7 +72,7 @@ bool CommandJob::has_plainer_form() const {
   WriteRequest write = write_request();
   Bytes distinct, plain;
   (void)protocol_->begin(write, {})->start(distinct);
-  write.distinct_answer = false;
+  write.distinct_response = false;
   (void)protocol_->begin(write, {})->start(plain);
   return distinct != plain;
 }
@@ -84,7 +84,7 @@ void CommandJob::wrote() {
     finish(CommandState::kDone);
 }
 
-void CommandJob::answered(const Reply& reply) {
+void CommandJob::responded(const Reply& reply) {
   asked_ = true;
   for (const RangeReply& range : reply) {
     if (range.cause != Cause::kNone) return failed(range.cause, range.device_code);
@@ -132,15 +132,15 @@ void CommandJob::verify(const Bytes& items) {
 
 // The items show whether a write without a response took effect.
 void CommandJob::resolve_doubt(const Bytes& items) {
-  const bool responded = cause_ == Cause::kDeviceBusy;
-  const std::string what = responded ? error_text(cause_, device_code_, protocol_->traits()) : "";
+  const bool was_busy = cause_ == Cause::kDeviceBusy;
+  const std::string what = was_busy ? error_text(cause_, device_code_, protocol_->traits()) : "";
   if (reads_back_same(items)) {
     read_back_ = items;
     if (command_.verify) return finish(CommandState::kVerified);
     return finish(CommandState::kDone, Cause::kNone, 0,
-                  (responded ? what : "the response was lost") + "; reading back shows the value");
+                  (was_busy ? what : "the response was lost") + "; reading back shows the value");
   }
-  if (responded) {
+  if (was_busy) {
     read_back_ = items;
     return finish(CommandState::kFailed, cause_, device_code_,
                   what + "; reading back shows a different value");
@@ -152,7 +152,7 @@ void CommandJob::resolve_doubt(const Bytes& items) {
     return;
   }
   read_back_ = items;
-  finish(CommandState::kFailed, Cause::kNoAnswer, 0,
+  finish(CommandState::kFailed, Cause::kNoResponse, 0,
          "no response, and reading back shows a different value");
 }
 

@@ -42,14 +42,14 @@ class CommandJob {
   [[nodiscard]] std::optional<WriteRequest> batchable() const;
   // Sends the commands of a refused request one by one, to find the refused ones.
   void go_alone() { alone_ = true; }
-  void answered(const Reply& reply);
+  void responded(const Reply& reply);
   // Whether the device did not carry out the request that failed so. A momentary code may leave it
   // open whether a write took effect (may_have_written() in device_code.hpp).
   [[nodiscard]] bool refuses(Cause cause, std::uint16_t device_code) const;
   // `seen`: the failure in place of a response, for the reason.
   void failed(Cause cause, std::uint16_t device_code, std::string_view seen = {});
   // Requests a write response that differs from its request, as an echo would equal it.
-  void use_distinct_answers() { distinct_ = true; }
+  void use_distinct_responses() { distinct_ = true; }
   // For devices without such a form: a read before the write shows whether the line echoes.
   void read_first();
 

@@ -17,7 +17,7 @@ bool join(WriteRequest& write, const WriteRequest& other, const Protocol& protoc
                 write.range.count + other.range.count};
   both.items.insert(after ? both.items.end() : both.items.begin(), other.items.begin(),
                     other.items.end());
-  both.distinct_answer = write.distinct_answer || other.distinct_answer;
+  both.distinct_response = write.distinct_response || other.distinct_response;
   if (!protocol.size(both)) return false;
   write = std::move(both);
   return true;
@@ -153,8 +153,8 @@ std::optional<CommandQueue::Next> CommandQueue::next(Instant now, const Gate& ga
   if (gate(job) > now) return std::nullopt;
   job.start(now);
   if (echo_unknown && setup_.protocol(job.device()).traits().echo_is_ambiguous) {
-    job.use_distinct_answers();
-    if (!setup_.answer_differs(job.device(), *job.next())) job.read_first();
+    job.use_distinct_responses();
+    if (!setup_.response_differs(job.device(), *job.next())) job.read_first();
   }
   Next next{job.device(), *job.next()};
   if (auto write = job.batchable()) {
@@ -193,9 +193,9 @@ std::size_t CommandQueue::gather(WriteRequest& write) {
   return batch;
 }
 
-void CommandQueue::answered(std::size_t batch, const Reply& reply, Instant acquired, Instant now,
-                            ActionSink& sink) {
-  for (std::size_t i = 0; i < batch; ++i) waiting_[i].job.answered(reply);
+void CommandQueue::responded(std::size_t batch, const Reply& reply, Instant acquired, Instant now,
+                             ActionSink& sink) {
+  for (std::size_t i = 0; i < batch; ++i) waiting_[i].job.responded(reply);
   finish(batch, acquired, now, sink);
 }
 

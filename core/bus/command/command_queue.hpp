@@ -45,8 +45,8 @@ class CommandQueue {
   // The first command whose device can be polled; it stays first until it is finished.
   [[nodiscard]] std::optional<Next> next(Instant now, const Gate& gate, bool echo_unknown);
   // Result of the request of the last next(). `acquired`: arrival of the response.
-  void answered(std::size_t batch, const Reply& reply, Instant acquired, Instant now,
-                ActionSink& sink);
+  void responded(std::size_t batch, const Reply& reply, Instant acquired, Instant now,
+                 ActionSink& sink);
   void failed(std::size_t batch, Cause cause, std::uint16_t code, Instant acquired, Instant now,
               ActionSink& sink, std::string_view seen = {});
   void not_sent(std::size_t batch);

@@ -4,7 +4,7 @@
 
 namespace fieldcast {
 
-bool DeviceHealth::answered() {
+bool DeviceHealth::responded() {
   const bool changed = state_ != DeviceState::kOnline;
   state_ = DeviceState::kOnline;
   cause_ = Cause::kNone;
@@ -25,7 +25,7 @@ bool DeviceHealth::failed(Cause cause, Instant now) {
   const DeviceState before = state_;
   // Only silence, or busy responses for a long time, take a device offline: a broken response shows
   // that it is present.
-  if (cause == Cause::kNoAnswer) ++failures_;
+  if (cause == Cause::kNoResponse) ++failures_;
   bool busy_too_long = false;
   if (cause == Cause::kDeviceBusy) {
     if (busy_since_ == kNever) {
@@ -38,7 +38,7 @@ bool DeviceHealth::failed(Cause cause, Instant now) {
     state_ = DeviceState::kOffline;
     probe_at_ = now + probe_interval_;
   } else if (state_ == DeviceState::kOnline ||
-             (state_ == DeviceState::kUnknown && cause != Cause::kNoAnswer)) {
+             (state_ == DeviceState::kUnknown && cause != Cause::kNoResponse)) {
     state_ = DeviceState::kDegraded;
   }
   return state_ != before;

@@ -18,7 +18,7 @@ class DeviceHealth {
   static constexpr Duration kLastProbe = std::chrono::seconds{30};
 
   // Each returns true if the state changed.
-  bool answered();  // any valid response, including a refusal
+  bool responded();  // any valid response, including a refusal
   bool failed(Cause cause, Instant now);
 
   [[nodiscard]] DeviceState state() const { return state_; }

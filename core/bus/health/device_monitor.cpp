@@ -15,15 +15,15 @@ DeviceMonitor::DeviceMonitor(const BusSetup& setup, std::vector<std::optional<Ra
 }
 
 void DeviceMonitor::Device::forget() {
-  answer_time.forget();
+  response_time.forget();
   for (ResponseTime& area : area_times) area.forget();
   pauses.forget();
-  answered_at = kLongAgo;
+  responded_at = kLongAgo;
 }
 
 Duration DeviceMonitor::rest_before(DeviceIndex index, Instant now) const {
-  const Instant answered = devices_[index].answered_at;
-  return answered == kLongAgo ? Duration::max() : now - answered;
+  const Instant responded = devices_[index].responded_at;
+  return responded == kLongAgo ? Duration::max() : now - responded;
 }
 
 Duration DeviceMonitor::timeout(DeviceIndex index, const Request& request, bool command) const {
@@ -35,32 +35,32 @@ Duration DeviceMonitor::timeout(DeviceIndex index, const Request& request, bool 
 void DeviceMonitor::tried(const Try& ended, Instant now, ActionSink& sink) {
   Device& device = devices_[ended.device];
   const bool done = ended.cause == Cause::kNone;
-  const bool answered =
+  const bool responded =
       done || ended.cause == Cause::kDeviceError || ended.cause == Cause::kDeviceBusy;
-  if (done || ended.cause == Cause::kNoAnswer) device.pauses.tried(ended.rest, done);
-  if (done) device.answered_at = ended.answered;
+  if (done || ended.cause == Cause::kNoResponse) device.pauses.tried(ended.rest, done);
+  if (done) device.responded_at = ended.responded;
   if (ended.cause == Cause::kDeviceBusy)
     ++device.busy_in_a_row;
-  else if (answered)
+  else if (responded)
     device.busy_in_a_row = 0;
   device.paused_until =
       now + std::max(setup_.device(ended.device).pause, device.pauses.next_pause());
-  if (ended.cause == Cause::kNoAnswer || ended.cause == Cause::kTruncated) {
-    device.answer_time.timed_out();
+  if (ended.cause == Cause::kNoResponse || ended.cause == Cause::kTruncated) {
+    device.response_time.timed_out();
     for (ResponseTime& area : device.area_times) area.timed_out();
   }
-  device.failure_share += ((answered && !device.busy() ? 0.0 : 1.0) - device.failure_share) / 8;
-  judge_garbage(ended, answered, sink);
+  device.failure_share += ((responded && !device.busy() ? 0.0 : 1.0) - device.failure_share) / 8;
+  judge_garbage(ended, responded, sink);
   if (!done) device.report.causes.add(ended.cause);
 }
 
-void DeviceMonitor::judge_garbage(const Try& ended, bool answered, ActionSink& sink) {
+void DeviceMonitor::judge_garbage(const Try& ended, bool responded, ActionSink& sink) {
   Garbage& garbage = devices_[ended.device].garbage;
-  anybody_answered_ = anybody_answered_ || answered;
+  anybody_responded_ = anybody_responded_ || responded;
   // An echo alone is reported only if no device ever responded and `echo` is not configured.
-  const bool echo = ended.echo_alone && !anybody_answered_ && !setup_.spec().echo;
-  if (answered) {
-    if (garbage.answered())
+  const bool echo = ended.echo_alone && !anybody_responded_ && !setup_.spec().echo;
+  if (responded) {
+    if (garbage.responded())
       sink.notice(Notice::Kind::kGarbageEnded, ended.device, Cause::kNone,
                   "its responses can be read again");
   } else if (garbage.received(echo ? ended.sent : ended.received, ended.sent, ended.expected)) {
@@ -69,34 +69,34 @@ void DeviceMonitor::judge_garbage(const Try& ended, bool answered, ActionSink& s
   }
 }
 
-void DeviceMonitor::answered(DeviceIndex index, ActionSink& sink) {
+void DeviceMonitor::responded(DeviceIndex index, ActionSink& sink) {
   DeviceHealth& health = devices_[index].health;
   const bool was_offline = health.offline();
-  if (health.answered() && was_offline)
+  if (health.responded() && was_offline)
     sink.notice(Notice::Kind::kDeviceBack, index, Cause::kNone, "responds again");
 }
 
-void DeviceMonitor::learn(DeviceIndex index, const Request& request, Duration answer_time) {
-  devices_[index].answer_time.learn(answer_time);
+void DeviceMonitor::learn(DeviceIndex index, const Request& request, Duration response_time) {
+  devices_[index].response_time.learn(response_time);
   if (std::holds_alternative<ReadRequest>(request))
-    devices_[index].area_times[area_of(request)].learn(answer_time);
+    devices_[index].area_times[area_of(request)].learn(response_time);
 }
 
 void DeviceMonitor::inherit(DeviceIndex index, const DeviceReport& learned) {
-  if (learned.answer_time > Duration::zero())
-    devices_[index].answer_time.learn(learned.answer_time);
+  if (learned.response_time > Duration::zero())
+    devices_[index].response_time.learn(learned.response_time);
   const auto areas = setup_.protocol(index).areas();
   for (const AreaReport& of_area : learned.areas) {
     for (std::size_t area = 0; area < areas.size(); ++area) {
-      if (areas[area].name == of_area.area && of_area.answer_time > Duration::zero())
-        devices_[index].area_times[area].learn(of_area.answer_time);
+      if (areas[area].name == of_area.area && of_area.response_time > Duration::zero())
+        devices_[index].area_times[area].learn(of_area.response_time);
     }
   }
 }
 
-void DeviceMonitor::learn_late(DeviceIndex index, Duration answer_time) {
-  devices_[index].answer_time.late(answer_time);
-  for (ResponseTime& area : devices_[index].area_times) area.late(answer_time);
+void DeviceMonitor::learn_late(DeviceIndex index, Duration response_time) {
+  devices_[index].response_time.late(response_time);
+  for (ResponseTime& area : devices_[index].area_times) area.late(response_time);
 }
 
 void DeviceMonitor::busy(DeviceIndex index, Instant now) {
@@ -186,7 +186,7 @@ std::optional<DeviceMonitor::Probe> DeviceMonitor::sign(Instant now, const Gate&
     if (gate(index, request) > now) continue;
     const bool sick = device.deferred_until != kLongAgo;
     const Duration takes =
-        setup_.wire_time(index, request) + longest_answer(index) + setup_.silence();
+        setup_.wire_time(index, request) + longest_response(index) + setup_.silence();
     const bool better = !best || (sick == best_is_sick ? takes < best->timeout : best_is_sick);
     if (!better) continue;
     best = Probe{index, std::move(request), takes};
@@ -230,16 +230,16 @@ void DeviceMonitor::opened(Instant now) {
 }
 
 bool DeviceMonitor::too_early(DeviceIndex index, Duration began) const {
-  return devices_[index].answer_time.too_early(began, setup_.line().characters(1));
+  return devices_[index].response_time.too_early(began, setup_.line().characters(1));
 }
 
 DeviceReport DeviceMonitor::report(DeviceIndex index) const {
   const Device& device = devices_[index];
   DeviceReport report = device.report;
   report.state = device.health.state();
-  report.answer_time = device.answer_time.mean();
-  report.answer_spread = device.answer_time.spread();
-  report.timeout = device.answer_time.timeout();
+  report.response_time = device.response_time.mean();
+  report.response_spread = device.response_time.spread();
+  report.timeout = device.response_time.timeout();
   report.pause = std::max(setup_.device(index).pause, device.pauses.pause());
   for (AreaIndex area = 0; area < device.area_times.size(); ++area) {
     const ResponseTime& time = device.area_times[area];

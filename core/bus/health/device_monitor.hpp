@@ -30,7 +30,7 @@ class DeviceMonitor {
     DeviceIndex device = 0;
     Cause cause = Cause::kNone;  // kNone if it succeeded
     Duration rest{};             // between the device's last response and the request
-    Instant answered{};
+    Instant responded{};
     ByteView received, sent;
     bool echo_alone = false;   // only the echo arrived; `received` does not contain it
     std::size_t expected = 0;  // characters of the whole response; 0 if unknown
@@ -62,10 +62,10 @@ class DeviceMonitor {
   void repeated(DeviceIndex device) { ++devices_[device].report.retries; }
 
   // A valid response or a refusal, but not Cause::kDeviceBusy.
-  void answered(DeviceIndex device, ActionSink& sink);
-  void learn(DeviceIndex device, const Request& request, Duration answer_time);
+  void responded(DeviceIndex device, ActionSink& sink);
+  void learn(DeviceIndex device, const Request& request, Duration response_time);
   void inherit(DeviceIndex device, const DeviceReport& learned);
-  void learn_late(DeviceIndex device, Duration answer_time);
+  void learn_late(DeviceIndex device, Duration response_time);
   void busy(DeviceIndex device, Instant now);
   // True after two such responses; a single one may concern its block only.
   [[nodiscard]] bool stays_busy(DeviceIndex device) const { return devices_[device].busy(); }
@@ -89,8 +89,8 @@ class DeviceMonitor {
   [[nodiscard]] bool offline(DeviceIndex device) const { return devices_[device].health.offline(); }
   [[nodiscard]] bool all_offline() const;
   [[nodiscard]] bool sick(DeviceIndex device) const { return devices_[device].sick(); }
-  [[nodiscard]] Duration longest_answer(DeviceIndex device) const {
-    return devices_[device].answer_time.longest();
+  [[nodiscard]] Duration longest_response(DeviceIndex device) const {
+    return devices_[device].response_time.longest();
   }
   // `began`: after the end of the request, usually negative here.
   [[nodiscard]] bool too_early(DeviceIndex device, Duration began) const;
@@ -99,13 +99,13 @@ class DeviceMonitor {
 
  private:
   struct Device {
-    explicit Device(const ResponseTime& unknown) : answer_time(unknown) {}
+    explicit Device(const ResponseTime& unknown) : response_time(unknown) {}
     DeviceHealth health;
-    ResponseTime answer_time;
+    ResponseTime response_time;
     std::vector<ResponseTime> area_times;
     PauseLearning pauses;
     Garbage garbage;
-    Instant answered_at = kLongAgo;
+    Instant responded_at = kLongAgo;
     Instant paused_until = kLongAgo;
     double failure_share = 0;           // of the last tries, 0..1
     unsigned busy_in_a_row = 0;         // consecutive Cause::kDeviceBusy responses
@@ -119,7 +119,7 @@ class DeviceMonitor {
     [[nodiscard]] bool sick() const { return failure_share > 0.2; }
     void forget();
   };
-  void judge_garbage(const Try& ended, bool answered, ActionSink& sink);
+  void judge_garbage(const Try& ended, bool responded, ActionSink& sink);
   [[nodiscard]] Instant next_probe_of(DeviceIndex device) const;
   [[nodiscard]] std::optional<Duration> probe_timeout(DeviceIndex device, const Request& request,
                                                       Instant now, const Slack& slack) const;
@@ -127,7 +127,7 @@ class DeviceMonitor {
   const BusSetup& setup_;
   std::vector<std::optional<Range>> probed_;
   std::vector<Device> devices_;
-  bool anybody_answered_ = false;
+  bool anybody_responded_ = false;
 };
 
 }  // namespace fieldcast

@@ -94,7 +94,7 @@ std::string looks_like(ByteView bytes, const LineFormat& line, bool over_network
          ", and look for a second device with this address or another master";
 }
 
-ResponseShape answer_shape(ByteView bytes, ByteView request, std::size_t expected) {
+ResponseShape response_shape(ByteView bytes, ByteView request, std::size_t expected) {
   constexpr std::size_t kHead = 2;
   if (expected == 0 || bytes.size() < kHead || request.size() < kHead ||
       !std::equal(bytes.begin(), bytes.begin() + kHead, request.begin()))
@@ -107,7 +107,7 @@ ResponseShape answer_shape(ByteView bytes, ByteView request, std::size_t expecte
   return bytes.size() < expected ? ResponseShape::kCut : ResponseShape::kLong;
 }
 
-std::string_view broken_answer_text(ResponseShape shape) {
+std::string_view broken_response_text(ResponseShape shape) {
   switch (shape) {
     case ResponseShape::kWhole:
       return "they begin like its response and have the right length, but a wrong checksum, so "
@@ -131,7 +131,7 @@ std::string_view broken_answer_text(ResponseShape shape) {
 bool Garbage::received(ByteView bytes, ByteView request, std::size_t expected) {
   if (bytes.empty()) return false;
   ++exchanges_;
-  ++shapes_[static_cast<std::size_t>(answer_shape(bytes, request, expected))];
+  ++shapes_[static_cast<std::size_t>(response_shape(bytes, request, expected))];
   bytes_ += bytes.size();
   echo_ = echo_ && bytes.size() <= request.size() &&
           std::equal(bytes.begin(), bytes.end(), request.begin());
@@ -147,7 +147,7 @@ ResponseShape Garbage::shape() const {
   return static_cast<ResponseShape>(most - shapes_.begin());
 }
 
-bool Garbage::answered() {
+bool Garbage::responded() {
   const bool said = exchanges_ >= kWorthSaying;
   if (exchanges_ != 0) *this = {};
   return said;
@@ -161,7 +161,7 @@ std::string Garbage::text(const LineFormat& line, bool over_network) const {
          to_hex(all.last(std::min(all.size(), kShown))) + ": " +
          (echo_ ? "what was sent comes back, and nothing else: an adapter that gives back what it "
                   "sends, and a device that does not respond; check the device and its address"
-          : broken != ResponseShape::kOther ? std::string(broken_answer_text(broken))
+          : broken != ResponseShape::kOther ? std::string(broken_response_text(broken))
                                             : looks_like(all, line, over_network));
 }
 

@@ -17,10 +17,10 @@ enum class ResponseShape : std::uint8_t { kOther, kCut, kWhole, kLong };
 
 // Compares bytes with the first two characters of the request, which Modbus and Host Link repeat,
 // and with the `expected` length of the response (0: unknown).
-[[nodiscard]] ResponseShape answer_shape(ByteView bytes, ByteView request, std::size_t expected);
+[[nodiscard]] ResponseShape response_shape(ByteView bytes, ByteView request, std::size_t expected);
 
 // Diagnosis and fix as one clause for users. REQUIRES: not kOther.
-[[nodiscard]] std::string_view broken_answer_text(ResponseShape shape);
+[[nodiscard]] std::string_view broken_response_text(ResponseShape shape);
 
 class Garbage {
  public:
@@ -32,7 +32,7 @@ class Garbage {
   // Returns true if text() should be reported now. `expected`: response length; 0 if unknown.
   [[nodiscard]] bool received(ByteView bytes, ByteView request, std::size_t expected);
   // Returns true if text() was reported before.
-  bool answered();
+  bool responded();
 
   // One line with the number of bytes, the last ones, the diagnosis and the fix.
   [[nodiscard]] std::string text(const LineFormat& line, bool over_network) const;

@@ -53,10 +53,10 @@ Duration ResponseTime::timeout() const {
   return std::min(std::max(learned, longest() + allowance_), configured_);
 }
 
-void PauseLearning::Share::count(bool answered) {
+void PauseLearning::Share::count(bool responded) {
   ++tries;
   const double weight = 1.0 / std::min(tries, kMemory);
-  failures += ((answered ? 0.0 : 1.0) - failures) * weight;
+  failures += ((responded ? 0.0 : 1.0) - failures) * weight;
 }
 
 void PauseLearning::Share::add(const Share& other) {
@@ -65,12 +65,12 @@ void PauseLearning::Share::add(const Share& other) {
   tries += other.tries;
 }
 
-void PauseLearning::tried(Duration rest, bool answered) {
+void PauseLearning::tried(Duration rest, bool responded) {
   const auto step = static_cast<std::size_t>(
       std::upper_bound(kPauses.begin(), kPauses.end(), rest) - kPauses.begin());
-  shares_[step].count(answered);
+  shares_[step].count(responded);
   lengthen();
-  if (step_ > 0) shorten(step, answered);
+  if (step_ > 0) shorten(step, responded);
 }
 
 void PauseLearning::lengthen() {
@@ -83,24 +83,24 @@ void PauseLearning::lengthen() {
     step_ = i;
     shares_ = {};
     trial_.reset();
-    answers_ = 0;
+    responses_ = 0;
     return;
   }
 }
 
-void PauseLearning::shorten(std::size_t step, bool answered) {
+void PauseLearning::shorten(std::size_t step, bool responded) {
   if (!trial_) {
-    if (answered && ++answers_ >= next_trial_) begin_trial(1);
+    if (responded && ++responses_ >= next_trial_) begin_trial(1);
     return;
   }
   // Longer rests than the tested one do not count.
   if (whole_pauses_ == 0 && step <= trial_->step + 1 && step < step_) {
     ++trial_->tries;
-    if (!answered) ++trial_->failures;
+    if (!responded) ++trial_->failures;
     if (trial_->failures >= 2 && 2 * trial_->failures > trial_->tries) return end_trial(false);
     if (trial_->tries >= kFewest) return end_trial(4 * trial_->failures <= trial_->tries);
   }
-  if (!answered)
+  if (!responded)
     whole_pauses_ = kAfterFailure;
   else if (whole_pauses_ > 0)
     --whole_pauses_;
@@ -109,7 +109,7 @@ void PauseLearning::shorten(std::size_t step, bool answered) {
 void PauseLearning::begin_trial(std::size_t less) {
   trial_ = Trial{.step = step_ - std::min(less, step_), .less = less};
   whole_pauses_ = 0;
-  answers_ = 0;
+  responses_ = 0;
 }
 
 // If a greater step fails, smaller steps are tried.

@@ -84,7 +84,7 @@ class PauseLearning {
   static constexpr unsigned kFirstTrial = 64, kRarestTrial = 8192;
 
   // `rest`: since the device's last response.
-  void tried(Duration rest, bool answered);
+  void tried(Duration rest, bool responded);
   void forget() { *this = {}; }
 
   [[nodiscard]] Duration pause() const { return of_step(step_); }
@@ -101,7 +101,7 @@ class PauseLearning {
   struct Share {
     unsigned tries = 0;
     double failures = 0;
-    void count(bool answered);
+    void count(bool responded);
     void add(const Share& other);
   };
   struct Trial {
@@ -113,7 +113,7 @@ class PauseLearning {
     return step == 0 ? Duration{} : kPauses[step - 1];
   }
   void lengthen();
-  void shorten(std::size_t step, bool answered);
+  void shorten(std::size_t step, bool responded);
   void begin_trial(std::size_t less);
   void end_trial(bool held);
 
@@ -122,7 +122,7 @@ class PauseLearning {
   std::size_t step_ = 0;
   std::optional<Trial> trial_;
   unsigned whole_pauses_ = 0;  // responses before the test continues
-  unsigned answers_ = 0;       // since the last test
+  unsigned responses_ = 0;     // since the last test
   unsigned next_trial_ = kFirstTrial;
 };
 

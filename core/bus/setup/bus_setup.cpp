@@ -30,15 +30,15 @@ std::optional<DeviceIndex> BusSetup::find(std::string_view name) const {
 
 Duration BusSetup::wire_time(DeviceIndex device, const Request& request) const {
   const auto size = protocol(device).size(request);
-  return line_.characters(size ? size->request_characters + size->answer_characters : 0);
+  return line_.characters(size ? size->request_characters + size->response_characters : 0);
 }
 
-Duration BusSetup::answer_wire_time(DeviceIndex device, const Request& request) const {
+Duration BusSetup::response_wire_time(DeviceIndex device, const Request& request) const {
   const auto size = protocol(device).size(request);
-  return line_.characters(size ? size->answer_characters : 0);
+  return line_.characters(size ? size->response_characters : 0);
 }
 
-bool BusSetup::answer_differs(DeviceIndex device, const Request& request) const {
+bool BusSetup::response_differs(DeviceIndex device, const Request& request) const {
   if (!protocol(device).traits().echo_is_ambiguous) return true;
   const auto exchange = protocol(device).begin(request, {});
   Bytes sent, out;

@@ -41,9 +41,9 @@ class BusSetup {
 
   // Both exclude the device's own response time.
   [[nodiscard]] Duration wire_time(DeviceIndex device, const Request& request) const;
-  [[nodiscard]] Duration answer_wire_time(DeviceIndex device, const Request& request) const;
+  [[nodiscard]] Duration response_wire_time(DeviceIndex device, const Request& request) const;
   // Returns true if bytes that equal the request can only be an echo.
-  [[nodiscard]] bool answer_differs(DeviceIndex device, const Request& request) const;
+  [[nodiscard]] bool response_differs(DeviceIndex device, const Request& request) const;
 
   // Human-readable, for example "holding:105..107".
   [[nodiscard]] std::string text(DeviceIndex device, const Range& range) const;

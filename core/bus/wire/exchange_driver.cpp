@@ -26,9 +26,10 @@ void ExchangeDriver::sending(const Step& step, Instant now, const Bytes& out) {
   expected_ = step.characters;
   bytes_sent_ += out.size();
   sent_until_ = now + line_.characters(static_cast<double>(out.size()));
-  answer_deadline_ = sent_until_ + timeout_;
-  hard_deadline_ = answer_deadline_ + line_.characters(1.25 * step.characters) + 2 * gap_allowance_;
-  deadline_ = answer_deadline_;
+  response_deadline_ = sent_until_ + timeout_;
+  hard_deadline_ =
+      response_deadline_ + line_.characters(1.25 * step.characters) + 2 * gap_allowance_;
+  deadline_ = response_deadline_;
   last_byte_ = now;
 }
 
@@ -80,7 +81,7 @@ ExchangeDriver::Outcome ExchangeDriver::follow(const Step& step, Instant now, By
     case Step::Kind::kSend: sending(step, now, out); return Outcome::kSend;
     case Step::Kind::kNeedMore:
       switch (step.wait) {
-        case Wait::kAnswer: deadline_ = answer_deadline_; break;
+        case Wait::kResponse: deadline_ = response_deadline_; break;
         case Wait::kRestOfFrame:
           deadline_ =
               std::min(now + line_.characters(step.characters) + gap_allowance_, hard_deadline_);
@@ -112,17 +113,17 @@ void ExchangeDriver::wait_on(std::unique_ptr<Exchange> again) {
   received_.clear();
   missing_ = 0;
   cause_ = Cause::kNone;
-  deadline_ = answer_deadline_;
+  deadline_ = response_deadline_;
 }
 
-Duration ExchangeDriver::answer_time() const {
+Duration ExchangeDriver::response_time() const {
   return last_byte_ - sent_until_ - line_.characters(static_cast<double>(received_.size()));
 }
 
-Duration ExchangeDriver::answer_began() const {
-  const std::size_t answer =
+Duration ExchangeDriver::response_began() const {
+  const std::size_t response =
       expected_ > 0 ? std::min<std::size_t>(received_.size(), expected_) : received_.size();
-  return last_byte_ - sent_until_ - line_.characters(static_cast<double>(answer));
+  return last_byte_ - sent_until_ - line_.characters(static_cast<double>(response));
 }
 
 }  // namespace fieldcast

@@ -52,21 +52,21 @@ class ExchangeDriver {
   [[nodiscard]] unsigned requests() const { return requests_; }
   // Latest time at which the last request left the wire.
   [[nodiscard]] Instant sent_until() const { return sent_until_; }
-  [[nodiscard]] Instant answered() const { return last_byte_; }
+  [[nodiscard]] Instant responded() const { return last_byte_; }
   // `raw_received` may contain an echo. Valid until the next begin().
   [[nodiscard]] ByteView sent() const { return sent_; }
   [[nodiscard]] ByteView raw_received() const { return received_; }
   // Computed from the last byte and the wire time, so that split responses do not affect it.
-  [[nodiscard]] Duration answer_time() const;
+  [[nodiscard]] Duration response_time() const;
   // The same for a response after noise or foreign frames.
-  [[nodiscard]] Duration answer_began() const;
+  [[nodiscard]] Duration response_began() const;
   // Bytes without the echo; empty while an echo may still arrive.
   [[nodiscard]] ByteView received() const { return echo_stripped_ ? received_ : ByteView{}; }
   // Characters of the whole response; 0 if unknown.
   [[nodiscard]] std::size_t expected() const { return expected_; }
   [[nodiscard]] bool enough_came() const { return expected_ > 0 && received().size() >= expected_; }
   // After kDone these bytes are unsolicited.
-  [[nodiscard]] ByteView before_answer() const {
+  [[nodiscard]] ByteView before_response() const {
     const ByteView all = received();
     return all.first(all.size() - std::min<std::size_t>(all.size(), expected_));
   }
@@ -94,8 +94,8 @@ class ExchangeDriver {
   Bytes sent_;
   Bytes received_;  // since the last send, without the echo
   Instant sent_until_{};
-  Instant answer_deadline_{};  // for the first byte of the response
-  Instant hard_deadline_{};    // for its last byte, even while other bytes arrive
+  Instant response_deadline_{};  // for the first byte of the response
+  Instant hard_deadline_{};      // for its last byte, even while other bytes arrive
   Instant deadline_ = kNever;
   std::uint32_t missing_ = 0;
   std::uint32_t expected_ = 0;

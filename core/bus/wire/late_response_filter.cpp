@@ -20,7 +20,7 @@ bool mistakable(const BusSetup& setup, const Asked& earlier, const Asked& later)
   return first.mistakable(earlier.request, earlier.context, later.request, later.context);
 }
 
-bool is_answer(const Step& step) {
+bool is_response(const Step& step) {
   return step.kind == Step::Kind::kDone ||
          (step.kind == Step::Kind::kFailed &&
           (step.cause == Cause::kDeviceError || step.cause == Cause::kDeviceBusy));
@@ -53,32 +53,32 @@ Duration LateResponseFilter::bound(const Asked& asked, Duration longest) const {
   const Duration timeout = setup_.device(asked.device).timeout;
   return std::clamp(longest * 2, timeout * PendingResponses::kLateFactor,
                     timeout * PendingResponses::kMostFactor) +
-         setup_.answer_wire_time(asked.device, asked.request);
+         setup_.response_wire_time(asked.device, asked.request);
 }
 
-void LateResponseFilter::answered(const Asked& asked, bool refused, Duration longest,
-                                  const ExchangeDriver& driver, Instant now) {
+void LateResponseFilter::responded(const Asked& asked, bool refused, Duration longest,
+                                   const ExchangeDriver& driver, Instant now) {
   expire(now);
-  last_answer_ = driver.answered();
+  last_response_ = driver.responded();
   if (!refused) learn_head(asked, driver.received());
   start_anew();
-  owed_.answered(asked, refused, bound(asked, longest), now);
+  owed_.responded(asked, refused, bound(asked, longest), now);
 }
 
-void LateResponseFilter::unanswered(Asked asked, Block block, Duration longest,
-                                    const ExchangeDriver& driver, Instant now) {
+void LateResponseFilter::timed_out(Asked asked, Block block, Duration longest,
+                                   const ExchangeDriver& driver, Instant now) {
   expire(now);
   const ByteView received = driver.received();
   const ByteView unclaimed = received.subspan(std::min(claimed_, received.size()));
   strays_.assign(unclaimed.begin(), unclaimed.end());
-  const bool broken = broken_answer_came(asked, driver);
+  const bool broken = broken_response_came(asked, driver);
   claimed_ = 0;
   if (broken) return strays_.clear();
   PendingResponses::Debt debt;
   debt.bound = bound(asked, longest);
   debt.block = std::move(block);
   debt.counts_until = asked.sent_until + setup_.device(asked.device).timeout +
-                      setup_.answer_wire_time(asked.device, asked.request) +
+                      setup_.response_wire_time(asked.device, asked.request) +
                       setup_.spec().gap_allowance;
   debt.asked = std::move(asked);
   owed_.owe(std::move(debt));
@@ -91,9 +91,9 @@ void LateResponseFilter::broken_off(Asked asked, Duration longest) {
   owed_.owe(std::move(debt));
 }
 
-LateResponseFilter::Head LateResponseFilter::head_of(ByteView answer) {
+LateResponseFilter::Head LateResponseFilter::head_of(ByteView response) {
   Head head{};
-  std::copy_n(answer.begin(), std::min(answer.size(), head.size()), head.begin());
+  std::copy_n(response.begin(), std::min(response.size(), head.size()), head.begin());
   return head;
 }
 
@@ -102,19 +102,19 @@ LateResponseFilter::Shape LateResponseFilter::shape_of(const ReadRequest& read) 
   return {first.area, first.first, first.count, static_cast<std::uint32_t>(read.ranges.size())};
 }
 
-void LateResponseFilter::learn_head(const Asked& read, ByteView answer) {
+void LateResponseFilter::learn_head(const Asked& read, ByteView response) {
   const auto* request = std::get_if<ReadRequest>(&read.request);
   if (request == nullptr) return;
   auto& heads = devices_[read.device].heads;
   if (heads.size() >= kMaxHeads) heads.clear();
-  heads[shape_of(*request)] = head_of(answer);
+  heads[shape_of(*request)] = head_of(response);
 }
 
 // Returns true if the response arrived but noise broke it: it has the expected length and the known
 // beginning, so no other response will follow. In case of doubt returns false, since broken foreign
 // frames look alike.
-bool LateResponseFilter::broken_answer_came(const Asked& asked,
-                                            const ExchangeDriver& driver) const {
+bool LateResponseFilter::broken_response_came(const Asked& asked,
+                                              const ExchangeDriver& driver) const {
   const auto* request = std::get_if<ReadRequest>(&asked.request);
   const bool broken = driver.cause() == Cause::kChecksum || driver.cause() == Cause::kTruncated;
   if (request == nullptr || !broken || claimed_ > 0 || !driver.enough_came()) return false;
@@ -159,16 +159,16 @@ std::size_t LateResponseFilter::find(ByteView bytes, const Asked* under_way, Ins
     out.clear();
     const Step step = owing.exchange->on_bytes(bytes, out);
     const bool mine = under_way != nullptr && mistakable(setup_, owing.asked, *under_way);
-    if (mine || !is_answer(step)) {
+    if (mine || !is_response(step)) {
       ++i;
       continue;
     }
-    bytes = bytes.subspan(end_of_answer(owing.asked, bytes));
-    const Instant began = now - setup_.answer_wire_time(owing.asked.device, owing.asked.request);
-    const bool once_more = began < last_answer_ + setup_.line().characters(kBetweenAnswers);
+    bytes = bytes.subspan(end_of_response(owing.asked, bytes));
+    const Instant began = now - setup_.response_wire_time(owing.asked.device, owing.asked.request);
+    const bool once_more = began < last_response_ + setup_.line().characters(kBetweenResponses);
     if (!once_more) {
-      last_answer_ = now;
-      found.push_back(late_answer(owed_.take(i, now), step.kind == Step::Kind::kFailed, now));
+      last_response_ = now;
+      found.push_back(late_response(owed_.take(i, now), step.kind == Step::Kind::kFailed, now));
     }
     owed_.forget_bytes();
     i = 0;  // earlier debts may have been removed too
@@ -176,20 +176,20 @@ std::size_t LateResponseFilter::find(ByteView bytes, const Asked* under_way, Ins
   return whole - bytes.size();
 }
 
-std::size_t LateResponseFilter::end_of_answer(const Asked& asked, ByteView bytes) const {
+std::size_t LateResponseFilter::end_of_response(const Asked& asked, ByteView bytes) const {
   Bytes out;
   for (std::size_t end = 1; end < bytes.size(); ++end) {
     out.clear();
-    if (is_answer(begin(setup_, asked)->on_bytes(bytes.first(end), out))) return end;
+    if (is_response(begin(setup_, asked)->on_bytes(bytes.first(end), out))) return end;
   }
   return bytes.size();
 }
 
-LateResponseFilter::Late LateResponseFilter::late_answer(PendingResponses::Debt paid, bool refused,
-                                                         Instant now) const {
+LateResponseFilter::Late LateResponseFilter::late_response(PendingResponses::Debt paid,
+                                                           bool refused, Instant now) const {
   Late late;
   late.taken = std::max(paid.before, now - paid.asked.sent_until) -
-               setup_.answer_wire_time(paid.asked.device, paid.asked.request);
+               setup_.response_wire_time(paid.asked.device, paid.asked.request);
   const bool counts = !refused && now <= paid.counts_until;
   if (counts && !paid.block.points.empty()) {
     late.block = std::move(paid.block);

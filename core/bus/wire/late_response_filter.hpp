@@ -18,7 +18,7 @@ class LateResponseFilter {
  public:
   static constexpr std::size_t kMaxHeads = 1024;  // of a device
   // Minimum pause between responses of a device, in characters; earlier bytes repeat the last one.
-  static constexpr double kBetweenAnswers = 2;
+  static constexpr double kBetweenResponses = 2;
 
   struct Late {
     Asked asked;
@@ -49,11 +49,11 @@ class LateResponseFilter {
   [[nodiscard]] bool owes_same(const Asked& asked) const { return owed_.owes_same(asked); }
 
   // `refused`: by a refusal. `longest`: longest recent response time.
-  void answered(const Asked& asked, bool refused, Duration longest, const ExchangeDriver& driver,
-                Instant now);
+  void responded(const Asked& asked, bool refused, Duration longest, const ExchangeDriver& driver,
+                 Instant now);
   // The exchange timed out. `block`: the values of its response.
-  void unanswered(Asked asked, Block block, Duration longest, const ExchangeDriver& driver,
-                  Instant now);
+  void timed_out(Asked asked, Block block, Duration longest, const ExchangeDriver& driver,
+                 Instant now);
   void broken_off(Asked asked, Duration longest);
 
   [[nodiscard]] std::vector<Late> in_exchange(const Asked& under_way, const ExchangeDriver& driver,
@@ -73,20 +73,20 @@ class LateResponseFilter {
     std::uint16_t sequence = 0;
     std::map<Shape, Head> heads;
   };
-  [[nodiscard]] static Head head_of(ByteView answer);
+  [[nodiscard]] static Head head_of(ByteView response);
   [[nodiscard]] static Shape shape_of(const ReadRequest& read);
-  void learn_head(const Asked& read, ByteView answer);
-  [[nodiscard]] bool broken_answer_came(const Asked& asked, const ExchangeDriver& driver) const;
+  void learn_head(const Asked& read, ByteView response);
+  [[nodiscard]] bool broken_response_came(const Asked& asked, const ExchangeDriver& driver) const;
   [[nodiscard]] Duration bound(const Asked& asked, Duration longest) const;
-  [[nodiscard]] std::size_t end_of_answer(const Asked& asked, ByteView bytes) const;
+  [[nodiscard]] std::size_t end_of_response(const Asked& asked, ByteView bytes) const;
   [[nodiscard]] std::size_t find(ByteView bytes, const Asked* under_way, Instant now,
                                  std::vector<Late>& found);
-  [[nodiscard]] Late late_answer(PendingResponses::Debt paid, bool refused, Instant now) const;
+  [[nodiscard]] Late late_response(PendingResponses::Debt paid, bool refused, Instant now) const;
 
   const BusSetup& setup_;
   PendingResponses owed_;
   std::vector<Device> devices_;
-  Instant last_answer_{};    // end of the last response
+  Instant last_response_{};  // end of the last response
   std::size_t claimed_ = 0;  // bytes of the exchange in flight that were late responses
   Bytes strays_;             // bytes since the last exchange that were not late responses
 };

@@ -27,7 +27,7 @@ void PendingResponses::begin_next(DeviceIndex device, Instant now) {
   }
 }
 
-void PendingResponses::answered(const Asked& asked, bool refused, Duration bound, Instant now) {
+void PendingResponses::responded(const Asked& asked, bool refused, Duration bound, Instant now) {
   if (debts_.empty()) return;
   const auto oldest = std::find_if(debts_.begin(), debts_.end(), [&](const Debt& debt) {
     return mistakable_(debt.asked, asked);
@@ -41,13 +41,13 @@ void PendingResponses::answered(const Asked& asked, bool refused, Duration bound
     for (Debt& debt : debts_) {
       if (!same_read(debt.asked, asked)) continue;
       debt.block = {};
-      debt.unanswered = false;
+      debt.no_response = false;
     }
     Debt own;
     own.asked = asked;
     own.bound = bound;
     own.before = took;
-    own.unanswered = false;
+    own.no_response = false;
     owe(std::move(own));
     return;
   }
@@ -78,7 +78,7 @@ bool PendingResponses::owes_same(const Asked& asked) const {
 Instant PendingResponses::askable_from(const Asked& next, bool same_is_fine) const {
   Instant from = kLongAgo;
   for (const Debt& debt : debts_) {
-    if (same_is_fine && debt.unanswered && same_read(debt.asked, next)) continue;
+    if (same_is_fine && debt.no_response && same_read(debt.asked, next)) continue;
     if (mistakable_(debt.asked, next)) from = std::max(from, debt.until());
   }
   return from;

@@ -49,7 +49,7 @@ class PendingResponses {
     Duration before{};
     std::unique_ptr<Exchange> exchange;  // recognises the response; created on demand
     // This read has no response yet, so it may be repeated.
-    bool unanswered = true;
+    bool no_response = true;
     Instant began{};
     [[nodiscard]] Instant until() const { return began + bound; }
   };
@@ -58,7 +58,7 @@ class PendingResponses {
 
   void owe(Debt debt);
   // `refused`: the response was a refusal, which identifies its request less.
-  void answered(const Asked& asked, bool refused, Duration bound, Instant now);
+  void responded(const Asked& asked, bool refused, Duration bound, Instant now);
   // The late response of this debt arrived.
   Debt take(std::size_t index, Instant now);
   bool expire(Instant now);

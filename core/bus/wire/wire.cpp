@@ -35,7 +35,7 @@ Bytes Wire::send(const Send& with, Instant now) {
   strays_since_ = kNever;
   ++exchanges_;
   const bool echo_is_distinct =
-      driver_.echo() != Echo::kUnknown || setup_.answer_differs(asked.device, asked.request);
+      driver_.echo() != Echo::kUnknown || setup_.response_differs(asked.device, asked.request);
   Bytes out;
   driver_.begin(setup_.protocol(asked.device).begin(asked.request, asked.context), with.timeout,
                 echo_is_distinct, now, out);
@@ -73,14 +73,14 @@ Wire::Ended Wire::conclude(bool done, Instant now) {
   Ended ended;
   ended.done = done;
   ended.cause = done ? Cause::kNone : driver_.cause();
-  ended.answered = done || ended.cause == Cause::kDeviceError || ended.cause == Cause::kDeviceBusy;
+  ended.responded = done || ended.cause == Cause::kDeviceError || ended.cause == Cause::kDeviceBusy;
   ended.device_code = driver_.device_code();
   ended.exchange = driver_.finish();
   free_at_ = std::max(now, driver_.sent_until()) + setup_.silence();
   spent_ = free_at_ - flight_->started;
   ended.spent = spent_ - flight_->idle;
-  if (ended.cause == Cause::kNoAnswer || ended.cause == Cause::kTruncated)
-    flight_->unanswered = true;
+  if (ended.cause == Cause::kNoResponse || ended.cause == Cause::kTruncated)
+    flight_->no_response = true;
   return ended;
 }
 

@@ -130,7 +130,7 @@ void WireFence::heard(Instant now) {
 
 // Repetition of the last sent or received frame: a late echo, or a device that repeats itself.
 bool WireFence::own(ByteView frame) const {
-  return std::ranges::equal(frame, sent_) || std::ranges::equal(frame, answer_);
+  return std::ranges::equal(frame, sent_) || std::ranges::equal(frame, response_);
 }
 
 bool WireFence::believe(const RequestFinder::Found& found, Instant now) {
@@ -194,11 +194,11 @@ bool WireFence::came_between(ByteView bytes, Instant now) {
   return on_ && holding_ && find_foreign(bytes, now);
 }
 
-bool WireFence::ended(bool answered, ByteView received, Instant now) {
+bool WireFence::ended(bool responded, ByteView received, Instant now) {
   if (!on_ || !holding_) return false;
-  if (answered) {
+  if (responded) {
     confirmed_ = true;
-    answer_.assign(received.begin(), received.end());
+    response_.assign(received.begin(), received.end());
     return false;
   }
   if (find_foreign(received, now)) return true;

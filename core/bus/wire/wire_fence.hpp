@@ -72,7 +72,7 @@ class WireFence {
   // `bytes`: before the response. Returns true, as stray(), if another master sent a request.
   [[nodiscard]] bool came_between(ByteView bytes, Instant now);
   // `received`: the bytes of the exchange without an echo. Returns true as stray().
-  [[nodiscard]] bool ended(bool answered, ByteView received, Instant now);
+  [[nodiscard]] bool ended(bool responded, ByteView received, Instant now);
 
   [[nodiscard]] std::uint64_t foreign_masters() const { return foreign_masters_; }
   // Describes the other master's frame.
@@ -107,7 +107,7 @@ class WireFence {
   bool doubted_ = false;           // the first response was doubted
   Instant busy_until_ = kLongAgo;  // others could hear bytes until then
   Instant heard_ = kLongAgo;       // from others
-  Bytes sent_, answer_;            // last ones
+  Bytes sent_, response_;          // last ones
   unsigned doubtful_ = 0;          // requests that could be responses
   Instant doubtful_since_ = kLongAgo;
   // Always:

@@ -14,8 +14,8 @@ Range ReadCost::aligned(std::uint32_t first, std::uint32_t end) const {
 
 Duration wire_time(const ExchangeSize& size, const LineFormat& line, Duration silence,
                    const DeviceTiming& device) {
-  return line.characters(size.request_characters + size.answer_characters) +
-         size.rounds * (device.answer_time + silence) + size.pauses + device.pause;
+  return line.characters(size.request_characters + size.response_characters) +
+         size.rounds * (device.response_time + silence) + size.pauses + device.pause;
 }
 
 ReadCost::ReadCost(const DeviceTiming& device, AreaIndex area, const LineFormat& line,
@@ -45,13 +45,13 @@ ReadCost::ReadCost(const DeviceTiming& device, AreaIndex area, const LineFormat&
     rounds_ = size->rounds;
     pauses_ = size->rounds * silence + device.pause;
     variable_[count] =
-        line.characters(size->request_characters + size->answer_characters) + size->pauses;
+        line.characters(size->request_characters + size->response_characters) + size->pauses;
   }
-  set_answer_time(device.answer_time);
+  set_response_time(device.response_time);
 }
 
-void ReadCost::set_answer_time(Duration answer_time) {
-  fixed_ = pauses_ + rounds_ * answer_time;
+void ReadCost::set_response_time(Duration response_time) {
+  fixed_ = pauses_ + rounds_ * response_time;
   find_bridge();
 }
 
@@ -86,7 +86,7 @@ ListCost::ListCost(const DeviceTiming& device, const LineFormat& line, Duration 
       line_(line),
       silence_(silence),
       pause_(device.pause),
-      answer_time_(device.answer_time),
+      response_time_(device.response_time),
       max_items_(device.max_block) {
   const std::size_t count = protocol_->areas().size();
   for (std::size_t area = 0; area < count; ++area)
@@ -96,7 +96,7 @@ ListCost::ListCost(const DeviceTiming& device, const LineFormat& line, Duration 
 std::optional<Duration> ListCost::ask(const Request& request) const {
   const auto size = protocol_->size(request);
   if (!size) return std::nullopt;
-  return line_.characters(size->request_characters + size->answer_characters) +
+  return line_.characters(size->request_characters + size->response_characters) +
          size->rounds * silence_ + size->pauses + pause_;
 }
 
@@ -146,7 +146,7 @@ std::optional<Duration> ListCost::of(const Request& request, bool only_point) co
   }
   const auto time = ask(request);
   if (!time) return std::nullopt;
-  return *time + rounds_ * answer_time_;
+  return *time + rounds_ * response_time_;
 }
 
 }  // namespace fieldcast

@@ -17,7 +17,7 @@ namespace fieldcast {
 
 struct DeviceTiming {
   const Protocol* protocol = nullptr;  // limits and exact sizes; must outlive its users
-  Duration answer_time{};              // expected: end of request to first byte of the response
+  Duration response_time{};            // expected: end of request to first byte of the response
   Duration pause{};                    // after each exchange with this device
   std::uint16_t max_block = 0;         // in items; 0: the protocol's limit
   // Unwanted items that a read may bridge; empty: as many as save time.
@@ -59,7 +59,7 @@ class ReadCost {
   [[nodiscard]] double item_ns() const { return item_ns_; }
 
   [[nodiscard]] std::uint32_t limit() const { return limit_; }
-  void set_answer_time(Duration answer_time);
+  void set_response_time(Duration response_time);
   // In items; 0 restores the initial limit.
   void set_longest(std::uint32_t items);
 
@@ -114,9 +114,9 @@ class ListCost {
   // Returns true if the items cost less as part of `range`, which begins before them.
   [[nodiscard]] bool joins(const Range& range, AreaIndex area, std::uint32_t first,
                            std::uint32_t end) const;
-  [[nodiscard]] Duration request_cost() const { return request_cost_ + rounds_ * answer_time_; }
+  [[nodiscard]] Duration request_cost() const { return request_cost_ + rounds_ * response_time_; }
 
-  void set_answer_time(Duration answer_time) { answer_time_ = answer_time; }
+  void set_response_time(Duration response_time) { response_time_ = response_time; }
 
  private:
   struct PerArea {
@@ -131,7 +131,7 @@ class ListCost {
   const Protocol* protocol_;
   LineFormat line_;
   Duration silence_, pause_;
-  Duration answer_time_;
+  Duration response_time_;
   unsigned rounds_ = 1;      // requests and responses in one read
   Duration request_cost_{};  // without the response time
   std::uint32_t max_items_;  // 0: the protocol's limit

@@ -107,8 +107,8 @@ struct Operation {
   // Items; for a write to a record, the items of its values.
   std::uint16_t min_count = 1, max_count = 1;
   std::uint16_t first = 0;  // for a write to a record: its first item
-  Frame request, answer;
-  [[nodiscard]] bool echoes() const { return write && request == answer; }
+  Frame request, response;
+  [[nodiscard]] bool echoes() const { return write && request == response; }
   friend bool operator==(const Operation&, const Operation&) = default;
 };
 

@@ -15,7 +15,7 @@ std::size_t most_received(const Declaration& declaration) {
   std::size_t longest = 0;
   for (const Operation& operation : declaration.operations) {
     const unsigned item_bits = declaration.areas[operation.area].item_bits;
-    longest = std::max(longest, size_of(operation.answer, item_bits, operation.max_count));
+    longest = std::max(longest, size_of(operation.response, item_bits, operation.max_count));
   }
   return 2 * longest + 64;
 }
@@ -36,7 +36,7 @@ class Search {
     refused_.refusal = true;
     const DeclaredArea& area = declaration.areas[operation.area];
     record_items_ = area.record ? area.items : 0;
-    expected_ = size_of(operation.answer, context.item_bits, context.count);
+    expected_ = size_of(operation.response, context.item_bits, context.count);
   }
 
   void run() {
@@ -60,12 +60,12 @@ class Search {
     if (broken_) return Cause::kChecksum;
     if (cut_) return Cause::kTruncated;
     if (foreign_) return Cause::kForeign;
-    return noise_ > 0 ? Cause::kMalformed : Cause::kNoAnswer;
+    return noise_ > 0 ? Cause::kMalformed : Cause::kNoResponse;
   }
 
  private:
   void parse_here() {
-    if (try_frame(operation_.answer, context_, record_items_, true)) return;
+    if (try_frame(operation_.response, context_, record_items_, true)) return;
     if (!declaration_.refusal.fields.empty() && try_frame(declaration_.refusal, refused_, 0, true))
       return;
     if (boundary_ && try_others()) return;
@@ -82,7 +82,7 @@ class Search {
                            .sequence = context_.sequence,
                            .item_bits = area.item_bits};
       if (&other != &operation_ &&
-          try_frame(other.answer, context, area.record ? area.items : 0, false))
+          try_frame(other.response, context, area.record ? area.items : 0, false))
         return true;
       context.refusal = true;
       if (!declaration_.refusal.fields.empty() &&
@@ -162,9 +162,9 @@ DeclaredExchange::DeclaredExchange(std::shared_ptr<const Declaration> declaratio
 
 Step DeclaredExchange::start(Bytes& out) {
   append_frame(out, operation_.request, context_);
-  silence_ = Cause::kNoAnswer;
+  silence_ = Cause::kNoResponse;
   fallback_.reset();
-  return Step::send(size_of(operation_.answer, context_.item_bits, context_.count));
+  return Step::send(size_of(operation_.response, context_.item_bits, context_.count));
 }
 
 Step DeclaredExchange::on_bytes(ByteView all, Bytes&) {
@@ -173,7 +173,7 @@ Step DeclaredExchange::on_bytes(ByteView all, Bytes&) {
   search.run();
   silence_ = search.cause();
   fallback_.reset();
-  if (!search.found) return search.begun ? Step::need_rest(search.missing) : Step::need_answer();
+  if (!search.found) return search.begun ? Step::need_rest(search.missing) : Step::need_response();
   Step step = Step::done();
   if (search.refusal) {
     const bool busy =

@@ -25,7 +25,7 @@ class DeclaredExchange final : public Exchange {
   // Limit of searched characters; more means that the line never becomes silent.
   const std::size_t most_;
   Reply reply_;
-  Cause silence_ = Cause::kNoAnswer;
+  Cause silence_ = Cause::kNoResponse;
   // Result after silence: a response behind what looked like another frame.
   std::optional<Step> fallback_;
 };

@@ -15,7 +15,7 @@ bool has(const Frame& frame, FieldKind kind) {
 ResponseIdentity identity_of(const Declaration& declaration) {
   const auto all = [&](FieldKind kind) {
     return std::ranges::all_of(declaration.operations,
-                               [&](const Operation& each) { return has(each.answer, kind); }) &&
+                               [&](const Operation& each) { return has(each.response, kind); }) &&
            (declaration.refusal.fields.empty() || has(declaration.refusal, kind));
   };
   if (all(FieldKind::kSequence)) return ResponseIdentity::kSequence;
@@ -54,8 +54,8 @@ class DeclaredProtocol final : public Protocol {
       const auto fixed = [&](const Frame& frame) {
         return static_cast<std::uint32_t>(size_of(frame, bits, 0));
       };
-      prepared_.push_back({fixed(operation.request), fixed(operation.answer),
-                           items_field(operation.request), items_field(operation.answer), bits,
+      prepared_.push_back({fixed(operation.request), fixed(operation.response),
+                           items_field(operation.request), items_field(operation.response), bits,
                            record, operation.echoes()});
     }
   }
@@ -80,7 +80,7 @@ class DeclaredProtocol final : public Protocol {
     const Operation& operation = declaration_->operations[*at];
     return ExchangeSize{
         .request_characters = sizes.request + items(sizes.request_items, operation.request),
-        .answer_characters = sizes.answer + items(sizes.answer_items, operation.answer)};
+        .response_characters = sizes.response + items(sizes.response_items, operation.response)};
   }
 
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext exchange) const override {
@@ -106,19 +106,19 @@ class DeclaredProtocol final : public Protocol {
     const auto first = operation_for(earlier), second = operation_for(later);
     if (!first || !second) return true;
     const Operation &a = declaration_->operations[*first], &b = declaration_->operations[*second];
-    if (has(a.answer, FieldKind::kCommand) && has(b.answer, FieldKind::kCommand) &&
+    if (has(a.response, FieldKind::kCommand) && has(b.response, FieldKind::kCommand) &&
         a.command != b.command)
       return false;
-    const bool bound = has(a.answer, FieldKind::kChecksum) || has(a.answer, FieldKind::kLength);
+    const bool bound = has(a.response, FieldKind::kChecksum) || has(a.response, FieldKind::kLength);
     if (*first != *second || !bound) return true;
     const auto x = size(earlier), y = size(later);
-    return !x || !y || x->answer_characters == y->answer_characters;
+    return !x || !y || x->response_characters == y->response_characters;
   }
 
  private:
   struct Prepared {
-    std::uint32_t request = 0, answer = 0;            // characters without items
-    std::size_t request_items = 0, answer_items = 0;  // index of the items field, or the end
+    std::uint32_t request = 0, response = 0;            // characters without items
+    std::size_t request_items = 0, response_items = 0;  // index of the items field, or the end
     unsigned item_bits = 16;
     bool record = false;
     bool echoes = false;
@@ -157,7 +157,7 @@ class DeclaredProtocol final : public Protocol {
                  (range.count < operation.min_count || range.count > operation.max_count)) {
         continue;
       }
-      if (write == nullptr || !write->distinct_answer || !prepared_[i].echoes) return i;
+      if (write == nullptr || !write->distinct_response || !prepared_[i].echoes) return i;
       if (!echoing) echoing = i;
     }
     return echoing;

@@ -164,7 +164,7 @@ std::vector<FrameField> explain(const Declaration& declaration, ByteView frame) 
     const unsigned bits = declaration.areas[operation.area].item_bits;
     offer(Reader(declaration, operation.request, frame, operation.command, bits)
               .run("request: " + operation.name, false));
-    offer(Reader(declaration, operation.answer, frame, operation.command, bits)
+    offer(Reader(declaration, operation.response, frame, operation.command, bits)
               .run("response: " + operation.name, false));
     if (declaration.refusal.fields.empty()) continue;
     offer(Reader(declaration, declaration.refusal, frame, operation.command, bits)
@@ -221,7 +221,7 @@ SeenRequest seen_request(const Declaration& declaration, ByteView bytes) {
   const ByteView frame = bytes.first(seen.size);
   for (const Operation& operation : declaration.operations) {
     const bool alike =
-        match(declaration, operation, operation.answer, frame, false).size == seen.size ||
+        match(declaration, operation, operation.response, frame, false).size == seen.size ||
         match(declaration, operation, declaration.refusal, frame, true).size == seen.size;
     if (alike) seen.certain = false;
   }

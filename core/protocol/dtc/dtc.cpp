@@ -41,15 +41,15 @@ class DtcExchange final : public Exchange {
       : link_(link),
         request_(std::move(request)),
         sent_(message_of(link.address, request_)),
-        answer_size_(message_sizes(request_, link.longest)->answer) {}
+        response_size_(message_sizes(request_, link.longest)->response) {}
 
   Step start(Bytes& out) override {
     append_packet(out, sent_, link_.threshold);
-    return Step::send(kPacketHead + answer_size_);
+    return Step::send(kPacketHead + response_size_);
   }
 
   Step on_bytes(ByteView all, Bytes&) override {
-    if (all.size() > kPacketHead + answer_size_ + kNoiseAllowed)
+    if (all.size() > kPacketHead + response_size_ + kNoiseAllowed)
       return Step::failed(Cause::kOverlong);
     const Step step = scan(all);
     if (open_) received_.assign(all.begin(), all.end());
@@ -84,14 +84,15 @@ class DtcExchange final : public Exchange {
         return Step::need_rest(parsed.size - bytes.size());
       }
       if (parsed.kind == ParseResult::Kind::kNoise) {
-        if (silence_ == Cause::kNoAnswer && !is_turnaround(bytes[0])) silence_ = Cause::kMalformed;
+        if (silence_ == Cause::kNoResponse && !is_turnaround(bytes[0]))
+          silence_ = Cause::kMalformed;
         ++judged_;
         continue;
       }
       const auto step = judge(parsed);
       if (step) return *step;
     }
-    return waited_out_ ? Step::need_rest(0) : Step::need_answer();
+    return waited_out_ ? Step::need_rest(0) : Step::need_response();
   }
 
   // Empty if it is not the response and was skipped.
@@ -112,7 +113,7 @@ class DtcExchange final : public Exchange {
       if (message.size() != kRefusalSize) return broken(Cause::kMalformed, parsed.size);
       return Step::failed(Cause::kDeviceError, message[kMessageHead]);
     }
-    if (message.size() != answer_size_) return broken(Cause::kMalformed, parsed.size);
+    if (message.size() != response_size_) return broken(Cause::kMalformed, parsed.size);
     reply_ = reply_of(request_,
                       message.subspan(kMessageHead, message.size() - kMessageHead - kCrcBytes));
     return Step::done();
@@ -128,13 +129,13 @@ class DtcExchange final : public Exchange {
   const Link link_;
   const Request request_;
   const Bytes sent_;  // the message
-  const std::size_t answer_size_;
+  const std::size_t response_size_;
   std::size_t judged_ = 0;   // bytes that do not begin a response
   bool open_ = false;        // the bytes at judged_ may be an incomplete packet
   bool waited_out_ = false;  // the last packet was broken; it may have been the response
   Bytes received_;           // while open_
   Reply reply_;
-  Cause silence_ = Cause::kNoAnswer;
+  Cause silence_ = Cause::kNoResponse;
 };
 
 class DtcProtocol final : public Protocol {
@@ -164,7 +165,7 @@ class DtcProtocol final : public Protocol {
   std::optional<ExchangeSize> size(const Request& request) const override {
     const auto sizes = message_sizes(request, link_.longest);
     if (!sizes) return std::nullopt;
-    return ExchangeSize::of(kPacketHead + sizes->request, kPacketHead + sizes->answer);
+    return ExchangeSize::of(kPacketHead + sizes->request, kPacketHead + sizes->response);
   }
 
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext) const override {
@@ -178,7 +179,7 @@ class DtcProtocol final : public Protocol {
       return false;
     const auto first = message_sizes(earlier, link_.longest);
     const auto second = message_sizes(later, link_.longest);
-    return !first || !second || first->answer == second->answer;
+    return !first || !second || first->response == second->response;
   }
 
  private:

@@ -85,7 +85,7 @@ std::optional<MessageSizes> message_sizes(const Request& request, std::size_t lo
     for (const Range& range : read->ranges) {
       if (!fits(range)) return std::nullopt;
       sizes.request += kGroupHead;
-      sizes.answer += data_bytes(range.area, range.count);
+      sizes.response += data_bytes(range.area, range.count);
     }
   } else if (const auto* write = std::get_if<WriteRequest>(&request)) {
     const Range& range = write->range;
@@ -96,7 +96,7 @@ std::optional<MessageSizes> message_sizes(const Request& request, std::size_t lo
   } else {
     return std::nullopt;
   }
-  if (sizes.request > longest || sizes.answer > longest) return std::nullopt;
+  if (sizes.request > longest || sizes.response > longest) return std::nullopt;
   return sizes;
 }
 

@@ -41,7 +41,7 @@ inline constexpr std::size_t kMessageHead = 2, kCrcBytes = 2, kGroupHead = 5, kR
 
 struct MessageSizes {
   std::size_t request = 0;
-  std::size_t answer = 0;
+  std::size_t response = 0;
 };
 // Empty if a limit is exceeded, or a message would be longer than `longest`. Does not allocate.
 [[nodiscard]] std::optional<MessageSizes> message_sizes(const Request& request,
@@ -50,7 +50,7 @@ struct MessageSizes {
 // REQUIRES: message_sizes(request) holds a value.
 [[nodiscard]] Bytes message_of(std::uint8_t address, const Request& request);
 
-// REQUIRES: `data` has the size given by message_sizes().answer.
+// REQUIRES: `data` has the size given by message_sizes().response.
 [[nodiscard]] Reply reply_of(const Request& request, ByteView data);
 
 inline constexpr std::array kRefusals{

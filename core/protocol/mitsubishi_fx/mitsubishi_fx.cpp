@@ -84,14 +84,14 @@ class FxExchange : public Exchange {
     if (silence_ != Cause::kDeviceError) return Step::failed(silence_);
     if (sent_twice_) return Step::failed(silence_, kNak);
     sent_twice_ = true;
-    silence_ = Cause::kNoAnswer;  // until bytes of this request arrive
+    silence_ = Cause::kNoResponse;  // until bytes of this request arrive
     return start(out);
   }
   const Reply& reply() const final { return reply_; }
 
  protected:
   Reply reply_;
-  Cause silence_ = Cause::kNoAnswer;
+  Cause silence_ = Cause::kNoResponse;
 
  private:
   bool sent_twice_ = false;
@@ -122,7 +122,7 @@ class FxRead final : public FxExchange {
     // A refusal is one unprotected character: it only counts alone.
     const bool refused = all.size() == 1 && all[0] == kNak;
     if (refused) silence_ = Cause::kDeviceError;
-    Step step = refused ? Step::need_rest(0) : Step::need_answer();
+    Step step = refused ? Step::need_rest(0) : Step::need_response();
     // STX begins a frame at any time.
     for (auto stx = std::ranges::find(all, kStx); stx != all.end();) {
       const auto next = std::find(stx + 1, all.end(), kStx);
@@ -201,7 +201,7 @@ class FxWrite final : public FxExchange {
   Step on_bytes(ByteView all, Bytes&) override {
     if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
     const auto first = std::ranges::find_if_not(all, is_turnaround);
-    if (first == all.end()) return Step::need_answer();
+    if (first == all.end()) return Step::need_response();
     if (*first == kAck) {
       reply_.resize(1);
       return Step::done();

@@ -77,7 +77,7 @@ void explain_request(ByteView body, const CommandRow& row, FieldWriter& writer) 
     writer.add(1 + at + 6, body.size() - at - 6, "data", printable(body.subspan(at + 6)));
 }
 
-void explain_answer(ByteView body, FieldWriter& writer) {
+void explain_response(ByteView body, FieldWriter& writer) {
   writer.remark("response");
   const bool digits = read_hex_bytes(body).has_value();
   writer.add(1, body.size(), "data", printable(body),
@@ -111,7 +111,7 @@ std::vector<FrameField> explain(ByteView frame) {
   if (const CommandRow* row = command_of(body))
     explain_request(body, *row, writer);
   else
-    explain_answer(body, writer);
+    explain_response(body, writer);
   const ByteView sum = frame.subspan(end + 1, std::min<std::size_t>(2, frame.size() - end - 1));
   Bytes right;
   append_digits(right, sum8(frame.subspan(1, end)), 2);

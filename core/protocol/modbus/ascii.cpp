@@ -51,7 +51,7 @@ class AsciiSearch {
 
   ParseResult run() {
     auto colon = std::ranges::find(all_, kColon);
-    noise_ = cause_of_noise({all_.begin(), colon}) != Cause::kNoAnswer;
+    noise_ = cause_of_noise({all_.begin(), colon}) != Cause::kNoResponse;
     while (colon != all_.end() && result_.pdu.empty()) {
       const auto next = std::find(colon + 1, all_.end(), kColon);
       examine({colon + 1, next}, next == all_.end());
@@ -84,10 +84,10 @@ class AsciiSearch {
   void whole(ByteView frame) {
     const ByteView pdu = frame.subspan(1, frame.size() - 2);
     const Verdict verdict = frame[0] == unit_ ? request_.judge(pdu) : Verdict::kForeign;
-    if (verdict == Verdict::kAnswer || verdict == Verdict::kException) {
+    if (verdict == Verdict::kResponse || verdict == Verdict::kException) {
       result_.pdu = pdu;
-      result_.kind =
-          verdict == Verdict::kAnswer ? ParseResult::Kind::kAnswer : ParseResult::Kind::kException;
+      result_.kind = verdict == Verdict::kResponse ? ParseResult::Kind::kResponse
+                                                   : ParseResult::Kind::kException;
       return;
     }
     (verdict == Verdict::kMismatch ? mismatch_ : foreign_) = true;
@@ -99,7 +99,7 @@ class AsciiSearch {
   void begin(ByteView bytes, std::size_t received) {
     const bool exception = bytes.size() > 1 && (bytes[1] & kExceptionFlag) != 0;
     // Characters after the colon.
-    const std::size_t length = ascii_size(exception ? 2 : request_.answer_size()) - 1;
+    const std::size_t length = ascii_size(exception ? 2 : request_.response_size()) - 1;
     result_.kind = ParseResult::Kind::kBegun;
     result_.missing = static_cast<std::uint32_t>(received < length ? length - received : 1);
     truncated_ = true;
@@ -116,7 +116,7 @@ class AsciiSearch {
     if (truncated_) return Cause::kTruncated;
     if (broken_) return Cause::kChecksum;
     if (foreign_) return Cause::kForeign;
-    return noise_ ? Cause::kMalformed : Cause::kNoAnswer;
+    return noise_ ? Cause::kMalformed : Cause::kNoResponse;
   }
 
   const ByteView all_;

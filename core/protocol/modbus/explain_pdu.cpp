@@ -95,13 +95,13 @@ class PduExplainer {
   void read() {
     const bool request_fits =
         pdu_.size() == 5 && quantity_fault(3, row_of_function(pdu_[0]).most).empty();
-    const bool answer_fits = has(1, 1) && pdu_.size() == 2u + pdu_[1] && pdu_[1] != 0 &&
-                             (reads_bits(pdu_[0]) || pdu_[1] % 2 == 0);
-    if (request_fits && answer_fits)
+    const bool response_fits = has(1, 1) && pdu_.size() == 2u + pdu_[1] && pdu_[1] != 0 &&
+                               (reads_bits(pdu_[0]) || pdu_[1] % 2 == 0);
+    if (request_fits && response_fits)
       writer_.remark("request; could also be a response of " + number(pdu_[1]) + " bytes");
     else
-      writer_.remark(request_fits || (!answer_fits && pdu_.size() == 5) ? "request" : "response");
-    if (request_fits || (!answer_fits && pdu_.size() == 5)) {
+      writer_.remark(request_fits || (!response_fits && pdu_.size() == 5) ? "request" : "response");
+    if (request_fits || (!response_fits && pdu_.size() == 5)) {
       address(1, "first");
       return word(3, "quantity", {}, quantity_fault(3, row_of_function(pdu_[0]).most));
     }
@@ -157,11 +157,11 @@ class PduExplainer {
 
   void write_multiple() {
     const bool bits = pdu_[0] == 15;
-    const bool answer = pdu_.size() <= 5;
-    writer_.remark(answer ? "response" : "request");
+    const bool response = pdu_.size() <= 5;
+    writer_.remark(response ? "response" : "request");
     address(1, "first");
     word(3, "quantity", {}, quantity_fault(3, row_of_function(pdu_[0]).most));
-    if (answer) return;
+    if (response) return;
     const std::size_t quantity = read_u16(pdu_, 3);
     const std::size_t needed = bits ? (quantity + 7) / 8 : quantity * 2;
     if (pdu_[5] != needed)
@@ -179,13 +179,13 @@ class PduExplainer {
   }
 
   void read_write() {
-    const bool answer = has(1, 1) && pdu_.size() == 2u + pdu_[1] && pdu_[1] % 2 == 0;
+    const bool response = has(1, 1) && pdu_.size() == 2u + pdu_[1] && pdu_[1] % 2 == 0;
     const bool request = pdu_.size() == request_pdu_size(pdu_);
-    if (answer && !request) {
+    if (response && !request) {
       writer_.remark("response");
       return counted_data(1, false);
     }
-    writer_.remark(answer ? "request; could also be a response" : "request");
+    writer_.remark(response ? "request; could also be a response" : "request");
     address(1, "read first");
     word(3, "read quantity", {}, quantity_fault(3, kMaxReadRegisters));
     address(5, "write first");
@@ -198,8 +198,8 @@ class PduExplainer {
 
   // Unused by Fieldcast: only a length fixed by the standard is checked.
   void other() {
-    const bool has_length = answer_pdu_size(pdu_) != 0 || request_pdu_size(pdu_) != 0;
-    const bool fits = pdu_.size() == answer_pdu_size(pdu_) ||
+    const bool has_length = response_pdu_size(pdu_) != 0 || request_pdu_size(pdu_) != 0;
+    const bool fits = pdu_.size() == response_pdu_size(pdu_) ||
                       pdu_.size() == request_pdu_size(pdu_) || pdu_[0] == 8 || pdu_[0] == 43;
     const bool cut = pdu_[0] == 8 && pdu_.size() < 5;
     writer_.add(

@@ -6,9 +6,9 @@ namespace fieldcast::modbus {
 
 Step ModbusExchange::start(Bytes& out) {
   framing_.wrap(header_, request_.pdu(), out);
-  silence_ = Cause::kNoAnswer;
+  silence_ = Cause::kNoResponse;
   fallback_.clear();
-  return Step::send(framing_.size(request_.answer_size()));
+  return Step::send(framing_.size(request_.response_size()));
 }
 
 Step ModbusExchange::on_bytes(ByteView all, Bytes&) {
@@ -17,9 +17,9 @@ Step ModbusExchange::on_bytes(ByteView all, Bytes&) {
   silence_ = parsed.cause;
   fallback_.assign(parsed.fallback.begin(), parsed.fallback.end());
   switch (parsed.kind) {
-    case ParseResult::Kind::kAnswer:
+    case ParseResult::Kind::kResponse:
     case ParseResult::Kind::kException: return take(parsed.pdu);
-    case ParseResult::Kind::kNothing: return Step::need_answer();
+    case ParseResult::Kind::kNothing: return Step::need_response();
     case ParseResult::Kind::kBegun: return Step::need_rest(parsed.missing);
     case ParseResult::Kind::kHopeless: break;
   }
@@ -78,16 +78,16 @@ ParseResult find_in_tcp(ByteView all, const Header& header, const RequestPdu& re
       // Not kBegun: a network may pause between segments, so the wait for the rest lasts the whole
       // timeout.
       const bool ours = all.size() < 2 || read_u16(all) == header.transaction;
-      if (ours || result.cause == Cause::kNoAnswer)
+      if (ours || result.cause == Cause::kNoResponse)
         result.cause = ours ? Cause::kTruncated : Cause::kForeign;
       return result;
     }
     const ByteView pdu = all.first(length).subspan(kHeader);
     if (read_u16(all) != header.transaction || all[6] != header.unit) {
-      if (result.cause == Cause::kNoAnswer) result.cause = Cause::kForeign;
+      if (result.cause == Cause::kNoResponse) result.cause = Cause::kForeign;
     } else {
       const Verdict verdict = request.judge(pdu);
-      if (verdict == Verdict::kAnswer) return {.kind = ParseResult::Kind::kAnswer, .pdu = pdu};
+      if (verdict == Verdict::kResponse) return {.kind = ParseResult::Kind::kResponse, .pdu = pdu};
       if (verdict == Verdict::kException)
         return {.kind = ParseResult::Kind::kException, .pdu = pdu};
       result.cause = verdict == Verdict::kMismatch ? Cause::kMalformed : Cause::kForeign;

@@ -25,14 +25,14 @@ struct ParseResult {
   enum class Kind : std::uint8_t {
     kNothing,    // no response yet: at most foreign frames or noise
     kBegun,      // a response has begun or is broken; `missing` characters may complete it
-    kAnswer,     // `pdu` is the response
+    kResponse,   // `pdu` is the response
     kException,  // `pdu` is an exception of the requested function
     kHopeless,   // the stream has lost its framing
   };
   Kind kind = Kind::kNothing;
   std::uint32_t missing = 0;
-  Cause cause = Cause::kNoAnswer;  // cause of the failure if no more bytes arrive
-  ByteView pdu;                    // refers to the given bytes, or to the scratch buffer
+  Cause cause = Cause::kNoResponse;  // cause of the failure if no more bytes arrive
+  ByteView pdu;                      // refers to the given bytes, or to the scratch buffer
   // kBegun: response behind what looks like another frame, which is noise if it never ends.
   ByteView fallback;
 };
@@ -90,7 +90,7 @@ class ModbusExchange final : public Exchange {
   const RequestPdu request_;
   Scratch scratch_;
   Reply reply_;
-  Cause silence_ = Cause::kNoAnswer;  // cause of a failure if no more bytes arrive
+  Cause silence_ = Cause::kNoResponse;  // cause of a failure if no more bytes arrive
   Bytes fallback_;  // the response, if silence shows that the bytes before it were noise
 };
 

@@ -52,7 +52,7 @@ class ModbusProtocol final : public Protocol {
   std::optional<ExchangeSize> size(const Request& request) const override {
     const auto pdu = pdu_sizes(request, options_);
     if (!pdu) return std::nullopt;
-    return ExchangeSize::of(framing_.size(pdu->request), framing_.size(pdu->answer));
+    return ExchangeSize::of(framing_.size(pdu->request), framing_.size(pdu->response));
   }
 
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext context) const override {
@@ -69,7 +69,7 @@ class ModbusProtocol final : public Protocol {
     const RequestPdu first(earlier, options_), second(later, options_);
     if (first.function() != second.function()) return false;
     return !std::holds_alternative<ReadRequest>(earlier) ||
-           first.answer_size() == second.answer_size();
+           first.response_size() == second.response_size();
   }
 
  private:

@@ -55,14 +55,14 @@ std::string_view exception_text(std::uint8_t code) {
   return text.empty() ? "unknown exception" : text;
 }
 
-std::size_t answer_pdu_size(ByteView pdu) {
+std::size_t response_pdu_size(ByteView pdu) {
   if (pdu.empty()) return 0;
   if ((pdu[0] & kExceptionFlag) != 0) {
     const auto refused = static_cast<std::uint8_t>(pdu[0] & ~kExceptionFlag);
-    return answer_pdu_size({&refused, 1}) != 0 ? 2 : 0;
+    return response_pdu_size({&refused, 1}) != 0 ? 2 : 0;
   }
   if (pdu[0] == kReadFifo) return pdu.size() < 3 ? 3 : std::size_t{3} + read_u16(pdu, 1);
-  return size_in(pdu, row_of_function(pdu[0]).answer);
+  return size_in(pdu, row_of_function(pdu[0]).response);
 }
 
 std::size_t request_pdu_size(ByteView pdu) {
@@ -99,7 +99,7 @@ std::optional<Function> function_of(const WriteRequest& write, const Options& op
       return std::nullopt;
     return Function::kMaskWrite;
   }
-  const bool single = write.range.count == 1 && !options.write_multiple && !write.distinct_answer;
+  const bool single = write.range.count == 1 && !options.write_multiple && !write.distinct_response;
   if (coil) return single ? Function::kWriteCoil : Function::kWriteCoils;
   return single ? Function::kWriteRegister : Function::kWriteRegisters;
 }
@@ -182,7 +182,7 @@ RequestPdu::RequestPdu(const Request& request, const Options& options) {
   const auto sizes = pdu_sizes(request, options);
   if (!sizes) std::abort();  // see REQUIRES of the constructor
   pdu_.reserve(sizes->request);
-  answer_size_ = sizes->answer;
+  response_size_ = sizes->response;
   if (const auto* read = std::get_if<ReadRequest>(&request)) {
     const Range& range = read->ranges.front();
     pdu_.push_back(static_cast<std::uint8_t>(function_of(range)));
@@ -203,22 +203,22 @@ RequestPdu::RequestPdu(const Request& request, const Options& options) {
   }
 }
 
-Verdict RequestPdu::judge(ByteView answer) const {
-  if (answer.empty()) return Verdict::kMismatch;
-  if (answer[0] == (function() | kExceptionFlag)) {
-    return answer.size() == 2 && answer[1] != 0 ? Verdict::kException : Verdict::kMismatch;
+Verdict RequestPdu::judge(ByteView response) const {
+  if (response.empty()) return Verdict::kMismatch;
+  if (response[0] == (function() | kExceptionFlag)) {
+    return response.size() == 2 && response[1] != 0 ? Verdict::kException : Verdict::kMismatch;
   }
-  if (answer[0] != function()) return Verdict::kForeign;
-  if (answer.size() != answer_size_) return Verdict::kMismatch;
-  const bool right = read_count_ != 0 ? answer[1] == answer_size_ - 2
-                                      : std::equal(answer.begin(), answer.end(), pdu_.begin());
-  return right ? Verdict::kAnswer : Verdict::kMismatch;
+  if (response[0] != function()) return Verdict::kForeign;
+  if (response.size() != response_size_) return Verdict::kMismatch;
+  const bool right = read_count_ != 0 ? response[1] == response_size_ - 2
+                                      : std::equal(response.begin(), response.end(), pdu_.begin());
+  return right ? Verdict::kResponse : Verdict::kMismatch;
 }
 
-Reply RequestPdu::unpack(ByteView answer) const {
+Reply RequestPdu::unpack(ByteView response) const {
   Reply reply(writes_and_reads_ ? 2 : 1);
   if (read_count_ == 0) return reply;
-  const ByteView data = answer.subspan(2);
+  const ByteView data = response.subspan(2);
   Bytes& items = reply.back().items;
   if (bits_)
     items = unpack_bits(data, read_count_);

@@ -35,7 +35,7 @@ struct PduSize {
 };
 struct FunctionRow {
   std::string_view text = "unknown function";
-  PduSize request, answer;
+  PduSize request, response;
   std::string_view area = "holding";  // of its addresses
   std::uint16_t most = 0;             // items in its first quantity; 0: no limit
 };
@@ -64,7 +64,7 @@ inline constexpr std::array kExceptions{
 
 // Size of the response PDU that begins with `pdu`, function first; or the bytes needed to read its
 // length. 0 if the function has no length field, or `pdu` is empty.
-[[nodiscard]] std::size_t answer_pdu_size(ByteView pdu);
+[[nodiscard]] std::size_t response_pdu_size(ByteView pdu);
 
 // The same for requests.
 [[nodiscard]] std::size_t request_pdu_size(ByteView pdu);
@@ -93,14 +93,14 @@ struct Options {
 
 struct PduSizes {
   std::size_t request = 0;
-  std::size_t answer = 0;
+  std::size_t response = 0;
 };
 
 // Empty if the request exceeds a limit or these functions do not support it. Does not allocate.
 [[nodiscard]] std::optional<PduSizes> pdu_sizes(const Request& request, const Options& options);
 
 enum class Verdict : std::uint8_t {
-  kAnswer,
+  kResponse,
   kException,  // of the requested function
   // A wrong byte count or echo: a response to an earlier request, or a faulty device.
   kMismatch,
@@ -114,17 +114,17 @@ class RequestPdu {
   RequestPdu(const Request& request, const Options& options);
 
   [[nodiscard]] ByteView pdu() const { return pdu_; }
-  [[nodiscard]] std::size_t answer_size() const { return answer_size_; }
+  [[nodiscard]] std::size_t response_size() const { return response_size_; }
   [[nodiscard]] std::uint8_t function() const { return pdu_[0]; }
 
-  // REQUIRES: `answer` is one whole PDU, checked by its framing.
-  [[nodiscard]] Verdict judge(ByteView answer) const;
-  // REQUIRES: judge(answer) == kAnswer.
-  [[nodiscard]] Reply unpack(ByteView answer) const;
+  // REQUIRES: `response` is one whole PDU, checked by its framing.
+  [[nodiscard]] Verdict judge(ByteView response) const;
+  // REQUIRES: judge(response) == kResponse.
+  [[nodiscard]] Reply unpack(ByteView response) const;
 
  private:
   Bytes pdu_;
-  std::size_t answer_size_ = 0;
+  std::size_t response_size_ = 0;
   // Items in the response; 0 if it echoes the start of the request.
   std::uint16_t read_count_ = 0;
   bool bits_ = false;

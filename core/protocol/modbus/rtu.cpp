@@ -29,7 +29,7 @@ class RtuSearch {
       : all_(all),
         unit_(header.unit),
         request_(request),
-        expected_(rtu_size(request.answer_size())) {}
+        expected_(rtu_size(request.response_size())) {}
 
   ParseResult run() {
     while (at_ < all_.size() && result_.pdu.empty() && result_.fallback.empty()) examine();
@@ -67,7 +67,7 @@ class RtuSearch {
   std::size_t length_of(ByteView bytes, bool mine) const {
     const bool exception = bytes.size() > 1 && (bytes[1] & kExceptionFlag) != 0;
     if (mine && bytes.size() < 3 && !exception) return expected_;
-    const std::size_t pdu_size = answer_pdu_size(bytes.subspan(1));
+    const std::size_t pdu_size = response_pdu_size(bytes.subspan(1));
     const std::size_t length = rtu_size(pdu_size);
     return pdu_size == 0 || length > kMaxRtuFrame ? 0 : length;
   }
@@ -75,13 +75,13 @@ class RtuSearch {
   void whole(ByteView frame, bool mine) {
     const ByteView pdu = frame.subspan(1, frame.size() - kOverhead);
     const Verdict verdict = mine ? request_.judge(pdu) : Verdict::kForeign;
-    if (verdict == Verdict::kAnswer || verdict == Verdict::kException) {
+    if (verdict == Verdict::kResponse || verdict == Verdict::kException) {
       if (open_at_boundary_) {
         result_.fallback = pdu;
       } else {
         result_.pdu = pdu;
-        result_.kind = verdict == Verdict::kAnswer ? ParseResult::Kind::kAnswer
-                                                   : ParseResult::Kind::kException;
+        result_.kind = verdict == Verdict::kResponse ? ParseResult::Kind::kResponse
+                                                     : ParseResult::Kind::kException;
       }
       return;
     }
@@ -128,7 +128,7 @@ class RtuSearch {
     if (broken_) return Cause::kChecksum;
     if (cut_) return Cause::kTruncated;
     if (foreign_) return Cause::kForeign;
-    return noise_ > 0 ? Cause::kMalformed : Cause::kNoAnswer;
+    return noise_ > 0 ? Cause::kMalformed : Cause::kNoResponse;
   }
 
   const ByteView all_;

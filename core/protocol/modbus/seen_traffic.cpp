@@ -30,7 +30,7 @@ std::size_t first_frame(ByteView bytes) {
   if (has_right_crc(bytes) && bytes.size() <= kMaxRtuFrame) return bytes.size();
   if (bytes.size() < 2) return bytes.size();
   for (const std::size_t pdu :
-       {answer_pdu_size(bytes.subspan(1)), request_pdu_size(bytes.subspan(1))}) {
+       {response_pdu_size(bytes.subspan(1)), request_pdu_size(bytes.subspan(1))}) {
     if (pdu != 0 && pdu + 3 <= bytes.size() && has_right_crc(bytes.first(pdu + 3))) return pdu + 3;
   }
   return bytes.size();
@@ -199,9 +199,9 @@ bool fields_fit(ByteView pdu) {
 }
 
 // Responses to single writes repeat the request; those to reads may have its length.
-bool differs_from_answers(ByteView pdu) {
+bool differs_from_responses(ByteView pdu) {
   const bool repeated = pdu[0] == 5 || pdu[0] == 6 || pdu[0] == 22;
-  return !repeated && answer_pdu_size(pdu) != pdu.size();
+  return !repeated && response_pdu_size(pdu) != pdu.size();
 }
 
 }  // namespace
@@ -214,7 +214,7 @@ SeenRequest seen_rtu_request(ByteView bytes) {
   const ByteView pdu = bytes.subspan(1, pdu_size);
   if (!fields_fit(pdu)) return {};
   if (!ends_with_crc16(bytes.first(size))) return {};
-  return {size, differs_from_answers(pdu)};
+  return {size, differs_from_responses(pdu)};
 }
 
 SeenRequest seen_ascii_request(ByteView bytes) {
@@ -227,7 +227,7 @@ SeenRequest seen_ascii_request(ByteView bytes) {
   if (sum8(*frame) != 0 || frame->front() > kLastUnit) return {};
   const ByteView pdu = ByteView(*frame).subspan(1, frame->size() - 2);
   if (request_pdu_size(pdu) != pdu.size() || !fields_fit(pdu)) return {};
-  return {static_cast<std::size_t>(cr - bytes.begin()) + 2, differs_from_answers(pdu)};
+  return {static_cast<std::size_t>(cr - bytes.begin()) + 2, differs_from_responses(pdu)};
 }
 
 }  // namespace fieldcast::modbus

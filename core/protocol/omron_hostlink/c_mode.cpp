@@ -48,7 +48,7 @@ class CModeExchange : public Exchange {
   CModeExchange(std::uint16_t unit, std::string header) : unit_(unit), header_(std::move(header)) {}
 
   Step on_bytes(ByteView all, Bytes& out) final {
-    if (giving_up_) return Step::need_answer();
+    if (giving_up_) return Step::need_response();
     if (all.size() > kMaxReceived) return fail(Cause::kOverlong, out);
     return take(all, out);
   }
@@ -66,7 +66,7 @@ class CModeExchange : public Exchange {
   // `expected`: characters of the whole expected frame.
   Step search(ByteView all, std::size_t expected, Bytes& out) {
     silence_ = cause_of_noise(all);
-    Step step = Step::need_answer();
+    Step step = Step::need_response();
     for (;;) {
       const ParseResult parsed = first_frame(all);
       if (parsed.kind == ParseResult::Kind::kNothing) return step;
@@ -100,7 +100,7 @@ class CModeExchange : public Exchange {
   const std::uint16_t unit_;
   const std::string header_;
   Reply reply_;
-  Cause silence_ = Cause::kNoAnswer;
+  Cause silence_ = Cause::kNoResponse;
   bool open_ = false;  // more frames are expected or to be sent
 
  private:
@@ -108,18 +108,18 @@ class CModeExchange : public Exchange {
     const ByteView text = parsed.text;
     silence_ = Cause::kForeign;
     if (text.size() < kHeadSize || read_digits(text.subspan(1, 2), 10) != unit_)
-      return Step::need_answer();
+      return Step::need_response();
     const std::string header(text.begin() + 3, text.begin() + kHeadSize);
     if (header == "IC" && parsed.last) return Step::failed(Cause::kDeviceError, kNotSupported);
-    if (header != header_) return Step::need_answer();
+    if (header != header_) return Step::need_response();
     silence_ = Cause::kMalformed;
-    if (text.size() < kHeadSize + kEndCodeSize) return Step::need_answer();
+    if (text.size() < kHeadSize + kEndCodeSize) return Step::need_response();
     const auto code = read_digits(text.subspan(kHeadSize, kEndCodeSize));
-    if (!code) return Step::need_answer();
+    if (!code) return Step::need_response();
     const ByteView data = text.subspan(kHeadSize + kEndCodeSize);
     if (*code == 0) return accept(data, parsed.last, out);
     // The XOR does not detect the loss of two equal characters.
-    if (!data.empty() || !parsed.last) return Step::need_answer();
+    if (!data.empty() || !parsed.last) return Step::need_response();
     const auto refused = static_cast<std::uint16_t>(*code);
     return Step::failed(device_code_cause(kEndCodes, refused), refused);
   }
@@ -172,7 +172,7 @@ class CModeRead final : public CModeExchange {
     if (!fits) {
       silence_ = Cause::kMalformed;
       // Before the first frame, this is a response to an earlier request.
-      return open_ ? fail(Cause::kMalformed, out) : Step::need_answer();
+      return open_ ? fail(Cause::kMalformed, out) : Step::need_response();
     }
     append(data_, text);
     if (!last) {
@@ -224,7 +224,7 @@ class CModeWrite final : public CModeExchange {
   }
 
  private:
-  static constexpr std::size_t kAnswer = kHeadSize + kEndCodeSize + kFcsSize + 2;
+  static constexpr std::size_t kResponse = kHeadSize + kEndCodeSize + kFcsSize + 2;
 
   Step send_next(std::size_t capacity, std::size_t start, Bytes& out) {
     const std::size_t size = std::min(capacity, data_.size() - sent_);
@@ -232,7 +232,7 @@ class CModeWrite final : public CModeExchange {
     sent_ += size;
     open_ = sent_ < data_.size();
     append_end(out, start, !open_);
-    return Step::send(open_ ? 1 : kAnswer);
+    return Step::send(open_ ? 1 : kResponse);
   }
 
   Step take(ByteView all, Bytes& out) override {
@@ -241,11 +241,11 @@ class CModeWrite final : public CModeExchange {
       out.clear();
       return send_next(kWriteLater, 0, out);
     }
-    return search(all, kAnswer, out);
+    return search(all, kResponse, out);
   }
 
   Step accept(ByteView text, bool last, Bytes&) override {
-    if (open_ || !last || !text.empty()) return Step::need_answer();
+    if (open_ || !last || !text.empty()) return Step::need_response();
     reply_.emplace_back();
     return Step::done();
   }

@@ -246,9 +246,9 @@ class HostLinkExplainer {
       inner.add(0, bytes.size(), "message", to_hex(bytes), "too short");
       return writer_.append(inner.take());
     }
-    const bool answer_flag = (bytes[0] & 0x40) != 0;
-    inner.add(0, 1, "ICF", to_hex(bytes.first(1)) + (answer_flag ? " response" : " request"),
-              answer_flag != request ? "" : "the other direction's flag");
+    const bool response_flag = (bytes[0] & 0x40) != 0;
+    inner.add(0, 1, "ICF", to_hex(bytes.first(1)) + (response_flag ? " response" : " request"),
+              response_flag != request ? "" : "the other direction's flag");
     inner.add(1, head - 2, head == 4 ? "DA2 SA2" : "RSV GCT DNA DA1 DA2 SNA SA1 SA2",
               to_hex(bytes.subspan(1, head - 2)));
     inner.add(head - 1, 1, "SID", to_hex(bytes.subspan(head - 1, 1)));

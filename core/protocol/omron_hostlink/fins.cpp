@@ -14,11 +14,11 @@ constexpr std::size_t kMaxFinsReceived = 4096;  // three of the largest frames
 constexpr std::uint16_t kRead = 0x0101, kWrite = 0x0102, kReadMany = 0x0104;
 constexpr std::size_t kDirectHeader = 4, kRelayedHeader = 10;  // bytes up to SID, inclusive
 constexpr std::size_t kCommandSize = 2, kEndSize = 2, kItemSize = 4, kCountSize = 2;
-constexpr std::uint8_t kAnswerFlag = 0x40, kRelayedFlag = 0x80;
+constexpr std::uint8_t kResponseFlag = 0x40, kRelayedFlag = 0x80;
 constexpr std::uint8_t kGatewayCount = 0x02;
 // Host Link part of a request and of a response: @uuFA and w or ee, FCS * CR.
 constexpr std::size_t kRequestFrame = kHeadSize + 1 + kFcsSize + 2;
-constexpr std::size_t kAnswerFrame = kHeadSize + kEndCodeSize + kFcsSize + 2;
+constexpr std::size_t kResponseFrame = kHeadSize + kEndCodeSize + kFcsSize + 2;
 
 const AreaRow& fins_row(const Range& range) { return *reached_in(Mode::kFins).rows[range.area]; }
 std::size_t header_size(const FinsRoute& route) {
@@ -47,8 +47,8 @@ void append_address(Bytes& out, const Range& range, std::optional<std::uint8_t> 
 }
 
 struct Sizes {
-  std::size_t request = 0;  // bytes of command and parameters
-  std::size_t answer = 0;   // bytes of data
+  std::size_t request = 0;   // bytes of command and parameters
+  std::size_t response = 0;  // bytes of data
 };
 
 std::optional<Sizes> sizes_of(const ReadRequest& read) {
@@ -65,7 +65,7 @@ std::optional<Sizes> sizes_of(const ReadRequest& read) {
   for (const Range& range : read.ranges) {
     items += range.count;
     sizes.request += range.count * kItemSize;
-    sizes.answer += range.count * (1 + item_bytes(range));
+    sizes.response += range.count * (1 + item_bytes(range));
   }
   if (items > kFinsItems) return std::nullopt;
   return sizes;
@@ -91,7 +91,7 @@ class FinsExchange final : public Exchange {
   FinsExchange(const FinsRoute& route, std::uint8_t sid, const Request& request) : route_(route) {
     const auto sizes = sizes_of(request);
     if (!sizes) std::abort();  // see REQUIRES of begin_fins()
-    answer_size_ = sizes->answer;
+    response_size_ = sizes->response;
     append_header(sid);
     if (const auto* write = std::get_if<WriteRequest>(&request)) {
       append_write(*write);
@@ -112,7 +112,7 @@ class FinsExchange final : public Exchange {
   Step on_bytes(ByteView all, Bytes&) override {
     if (all.size() > kMaxFinsReceived) return Step::failed(Cause::kOverlong);
     silence_ = cause_of_noise(all);
-    Step step = Step::need_answer();
+    Step step = Step::need_response();
     for (;;) {
       const ParseResult parsed = first_frame(all);
       if (parsed.kind == ParseResult::Kind::kNothing) return step;
@@ -137,7 +137,7 @@ class FinsExchange final : public Exchange {
 
  private:
   std::size_t frame_size() const {
-    return kAnswerFrame + 2 * (header_size(route_) + kCommandSize + kEndSize + answer_size_);
+    return kResponseFrame + 2 * (header_size(route_) + kCommandSize + kEndSize + response_size_);
   }
 
   void append_header(std::uint8_t sid) {
@@ -175,38 +175,38 @@ class FinsExchange final : public Exchange {
   Step judge(ByteView text, bool last) {
     silence_ = Cause::kForeign;
     if (text.size() < kHeadSize || read_digits(text.subspan(1, 2), 10) != route_.host_unit)
-      return Step::need_answer();
-    if (text[3] != 'F' || text[4] != 'A') return Step::need_answer();
+      return Step::need_response();
+    if (text[3] != 'F' || text[4] != 'A') return Step::need_response();
     silence_ = Cause::kMalformed;
     const auto bytes = read_hex_bytes(text.subspan(kHeadSize));
-    if (!last || !bytes || bytes->empty()) return Step::need_answer();
+    if (!last || !bytes || bytes->empty()) return Step::need_response();
     const std::uint8_t end_code = bytes->front();
     const std::size_t head = header_size(route_);
     const ByteView message = ByteView(*bytes).subspan(1);
-    if (message.size() >= head && (message[0] & kAnswerFlag) != 0 &&
+    if (message.size() >= head && (message[0] & kResponseFlag) != 0 &&
         message[head - 1] != message_[head - 1]) {
       silence_ = Cause::kForeign;  // a response to an earlier request
-      return Step::need_answer();
+      return Step::need_response();
     }
     if (end_code != 0) {
       const bool shaped =
-          message.empty() || (message.size() > head && (message[0] & kAnswerFlag) != 0);
+          message.empty() || (message.size() > head && (message[0] & kResponseFlag) != 0);
       return shaped ? Step::failed(device_code_cause(kEndCodes, end_code), end_code)
-                    : Step::need_answer();
+                    : Step::need_response();
     }
     return judge_message(message, head);
   }
 
   Step judge_message(ByteView message, std::size_t head) {
-    if (message.size() < head + kCommandSize + kEndSize) return Step::need_answer();
+    if (message.size() < head + kCommandSize + kEndSize) return Step::need_response();
     const std::uint8_t flags = message[0];
-    if ((flags & kAnswerFlag) == 0 || ((flags & kRelayedFlag) != 0) != route_.relayed)
-      return Step::need_answer();
+    if ((flags & kResponseFlag) == 0 || ((flags & kRelayedFlag) != 0) != route_.relayed)
+      return Step::need_response();
     if (!std::equal(message.begin() + static_cast<std::ptrdiff_t>(head),
                     message.begin() + static_cast<std::ptrdiff_t>(head + kCommandSize),
                     message_.begin() + static_cast<std::ptrdiff_t>(head))) {
       silence_ = Cause::kForeign;
-      return Step::need_answer();
+      return Step::need_response();
     }
     // Bit 7 of the first byte: a relay failed. Bits 7 and 6 of the second byte only report errors
     // of the CPU.
@@ -217,16 +217,16 @@ class FinsExchange final : public Exchange {
       // characters.
       const bool shaped = data.empty() || ((end & 0x8000) != 0 && data.size() == 2);
       const Cause cause = device_code_cause(kFinsCodes, end & 0x7FFF);
-      return shaped ? Step::failed(cause, end) : Step::need_answer();
+      return shaped ? Step::failed(cause, end) : Step::need_response();
     }
-    if (data.size() != answer_size_) return Step::need_answer();
+    if (data.size() != response_size_) return Step::need_response();
     return ranges_.size() > 1 ? unpack_many(data) : unpack(data);
   }
 
   Step unpack(ByteView data) {
     RangeReply reply{.items = Bytes(data.begin(), data.end())};
     if (!ranges_.empty() && fins_row(ranges_[0]).flags && !are_bits(reply.items))
-      return Step::need_answer();
+      return Step::need_response();
     reply_.push_back(std::move(reply));
     return Step::done();
   }
@@ -238,12 +238,12 @@ class FinsExchange final : public Exchange {
     for (std::size_t r = 0; r < ranges_.size(); ++r) {
       const std::size_t size = item_bytes(ranges_[r]);
       for (std::uint32_t i = 0; i < ranges_[r].count; ++i) {
-        if (data[0] != requested[0]) return Step::need_answer();
+        if (data[0] != requested[0]) return Step::need_response();
         append(reply[r].items, data.subspan(1, size));
         data = data.subspan(1 + size);
         requested = requested.subspan(kItemSize);
       }
-      if (fins_row(ranges_[r]).flags && !are_bits(reply[r].items)) return Step::need_answer();
+      if (fins_row(ranges_[r]).flags && !are_bits(reply[r].items)) return Step::need_response();
     }
     reply_ = std::move(reply);
     return Step::done();
@@ -256,9 +256,9 @@ class FinsExchange final : public Exchange {
   const FinsRoute route_;
   Bytes message_;              // header and command
   std::vector<Range> ranges_;  // of a read
-  std::size_t answer_size_ = 0;
+  std::size_t response_size_ = 0;
   Reply reply_;
-  Cause silence_ = Cause::kNoAnswer;
+  Cause silence_ = Cause::kNoResponse;
 };
 
 }  // namespace
@@ -268,11 +268,11 @@ std::optional<ExchangeSize> fins_size(const FinsRoute& route, const Request& req
   if (!sizes) return std::nullopt;
   const std::size_t head = header_size(route);
   const bool long_request = head + sizes->request > kFinsRequestBytes;
-  if (long_request || head + kCommandSize + kEndSize + sizes->answer > kFinsAnswerBytes)
+  if (long_request || head + kCommandSize + kEndSize + sizes->response > kFinsResponseBytes)
     return std::nullopt;
   return ExchangeSize::of(kRequestFrame + 2 * (head + sizes->request),
-                          kAnswerFrame + 2 * (head + kCommandSize + kEndSize + sizes->answer), 1,
-                          std::chrono::milliseconds{10} * route.wait);
+                          kResponseFrame + 2 * (head + kCommandSize + kEndSize + sizes->response),
+                          1, std::chrono::milliseconds{10} * route.wait);
 }
 
 std::unique_ptr<Exchange> begin_fins(const FinsRoute& route, std::uint8_t sid,

@@ -25,7 +25,7 @@ inline constexpr std::uint16_t kCWriteFlags = 116;
 
 // FINS: 540 bytes of request, 538 of response. A relayed message has six more bytes of header.
 inline constexpr std::size_t kFinsRequestBytes = 540;
-inline constexpr std::size_t kFinsAnswerBytes = 538;
+inline constexpr std::size_t kFinsResponseBytes = 538;
 inline constexpr std::uint16_t kFinsReadWords = 264;
 inline constexpr std::uint16_t kFinsReadFlags = 528;
 inline constexpr std::uint16_t kFinsWriteWords = 260;

@@ -139,10 +139,10 @@ SeenRequest seen_c_mode(ByteView rest, char command, char area, std::size_t size
 }
 
 SeenRequest seen_fins(ByteView rest, std::size_t size) {
-  constexpr std::uint8_t kAnswer = 0x40;  // in ICF
-  if (rest.size() % 2 == 0) return {};    // a response: its end code has two digits, `w` has one
+  constexpr std::uint8_t kResponse = 0x40;  // in ICF
+  if (rest.size() % 2 == 0) return {};      // a response: its end code has two digits, `w` has one
   const auto message = read_hex_bytes(rest.subspan(1));
-  if (!message || message->empty() || (message->front() & kAnswer) != 0) return {};
+  if (!message || message->empty() || (message->front() & kResponse) != 0) return {};
   return {size, true};
 }
 

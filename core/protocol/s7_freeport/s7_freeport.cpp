@@ -72,12 +72,12 @@ class FreeportExchange final : public Exchange {
     append_hex_bytes(out, sent_);
     append_digits(out, xor8(ByteView(out).subspan(1)), 2);
     out.push_back('Q');
-    return Step::send(kAnswer);
+    return Step::send(kResponse);
   }
 
   Step on_bytes(ByteView all, Bytes&) override {
     if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
-    Step step = Step::need_answer();
+    Step step = Step::need_response();
     silence_ = cause_of_noise(all);
     for (auto q = std::ranges::find(all, 'q');
          q != all.end();) {  // a `q` begins a frame at any time
@@ -97,12 +97,12 @@ class FreeportExchange final : public Exchange {
     const auto end = std::ranges::find(text, 'Q');
     if (end == text.end() && text.size() < kRequest) {
       silence_ = Cause::kTruncated;
-      return Step::need_rest(text.size() < kAnswer ? kAnswer - text.size() : 1);
+      return Step::need_rest(text.size() < kResponse ? kResponse - text.size() : 1);
     }
     const ByteView frame =
         text.first(static_cast<std::size_t>(end - text.begin()) + (end != text.end() ? 1 : 0));
     if (frame.size() == kRefusal && frame[1] == 'E') return refusal(frame);
-    if (frame.size() != kAnswer) return broken(Cause::kMalformed);
+    if (frame.size() != kResponse) return broken(Cause::kMalformed);
     const auto data = read_hex_bytes(frame.subspan(1, 2 * kBytes));
     if (!data || !check_is_right(frame)) return broken(data ? Cause::kChecksum : Cause::kMalformed);
     const auto length = static_cast<std::ptrdiff_t>(length_);
@@ -140,7 +140,7 @@ class FreeportExchange final : public Exchange {
   const Range wanted_;     // count 0 if no range is read
   Window* const written_;  // destination for the window that the station reports after a write
   Reply reply_;
-  Cause silence_ = Cause::kNoAnswer;
+  Cause silence_ = Cause::kNoResponse;
 };
 
 class FreeportProtocol final : public Protocol {
@@ -170,7 +170,7 @@ class FreeportProtocol final : public Protocol {
 
   std::optional<ExchangeSize> size(const Request& request) const override {
     if (!std::visit([](const auto& each) { return fits(each); }, request)) return std::nullopt;
-    return ExchangeSize::of(kRequest, kAnswer);
+    return ExchangeSize::of(kRequest, kResponse);
   }
 
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext) const override {

@@ -8,7 +8,7 @@
 namespace fieldcast::s7_freeport {
 
 // Characters of each frame.
-inline constexpr std::size_t kRequest = 17, kAnswer = 12, kRefusal = 7;
+inline constexpr std::size_t kRequest = 17, kResponse = 12, kRefusal = 7;
 
 // Codes of refusals. The first three report that the line damaged the request.
 inline constexpr std::array kRefusals{

@@ -71,7 +71,7 @@ std::vector<FrameField> explain(ByteView frame) {
   if (frame.empty()) return {FrameField{.name = "frame", .fault = "no character"}};
   const bool marked = frame.size() > 2 && frame.front() == 'q' && frame.back() == 'Q';
   const bool request = frame.size() == kRequest, refusal = frame.size() == kRefusal;
-  if (!marked || (!request && !refusal && frame.size() != kAnswer)) {
+  if (!marked || (!request && !refusal && frame.size() != kResponse)) {
     explain_no_frame(writer, frame);
     return writer.take();
   }

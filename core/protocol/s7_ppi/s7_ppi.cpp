@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::uint8_t kFirst = 0x6C, kOdd = 0x5C,
                        kEven = 0x7C;  // frame control: first request, then alternating
-constexpr std::uint8_t kDataAnswer = 0x08;
+constexpr std::uint8_t kDataResponse = 0x08;
 constexpr std::uint8_t kControlMask = 0x0F;
 constexpr unsigned kMaxPolls = 10;
 constexpr std::size_t kMaxReceived = 1024;  // four of the largest telegrams
@@ -49,7 +49,7 @@ class PpiExchange final : public Exchange {
       : link_(link),
         request_(std::move(request)),
         reference_(reference),
-        answer_size_(unit_sizes(request_)->answer + kLinkHead + kLongFrame) {}
+        response_size_(unit_sizes(request_)->response + kLinkHead + kLongFrame) {}
 
   Step start(Bytes& out) override {
     const std::uint8_t control = reference_ == 0 ? kFirst : reference_ % 2 != 0 ? kOdd : kEven;
@@ -62,7 +62,7 @@ class PpiExchange final : public Exchange {
     if (all.size() > kMaxReceived) return Step::failed(Cause::kOverlong);
     silence_ = cause_of_noise(all);
     acknowledged_ = false;
-    Step step = Step::need_answer();
+    Step step = Step::need_response();
     for (std::size_t at = 0; at < all.size();) {
       const Telegram telegram = parse_telegram(all.subspan(at));
       if (telegram.kind == Telegram::Kind::kOpen) {
@@ -84,10 +84,10 @@ class PpiExchange final : public Exchange {
     if (polls_ == kMaxPolls) return Step::failed(Cause::kDeviceBusy);
     ++polls_;
     acknowledged_ = false;
-    silence_ = Cause::kNoAnswer;
+    silence_ = Cause::kNoResponse;
     append_short(out, link_.station, link_.master, poll_);
     poll_ = poll_ == kOdd ? kEven : kOdd;
-    return Step::send(answer_size_);
+    return Step::send(response_size_);
   }
 
   const Reply& reply() const override { return reply_; }
@@ -121,12 +121,12 @@ class PpiExchange final : public Exchange {
   Step take_long(const Telegram& telegram, const Step& before) {
     Judgement judgement{Judgement::Kind::kForeign};
     if (ours(telegram)) {
-      judgement = (telegram.control & kControlMask) == kDataAnswer
+      judgement = (telegram.control & kControlMask) == kDataResponse
                       ? judge_unit(telegram.unit, request_, reference_)
                       : Judgement{Judgement::Kind::kMalformed};
     }
     switch (judgement.kind) {
-      case Judgement::Kind::kAnswer: reply_ = std::move(judgement.reply); return Step::done();
+      case Judgement::Kind::kResponse: reply_ = std::move(judgement.reply); return Step::done();
       case Judgement::Kind::kRefused:
         return Step::failed(device_code_cause(kErrorCodes, judgement.code), judgement.code);
       case Judgement::Kind::kMalformed: silence_ = Cause::kMalformed; break;
@@ -138,13 +138,13 @@ class PpiExchange final : public Exchange {
   const Link link_;
   const Request request_;
   const std::uint16_t reference_;
-  const std::size_t answer_size_;
+  const std::size_t response_size_;
   std::uint8_t poll_ = kOdd;
   unsigned polls_ = 0;
   // E5 arrived since the last send: the pause before the next poll runs.
   bool acknowledged_ = false;
   Reply reply_;
-  Cause silence_ = Cause::kNoAnswer;
+  Cause silence_ = Cause::kNoResponse;
 };
 
 class PpiProtocol final : public Protocol {
@@ -160,7 +160,7 @@ class PpiProtocol final : public Protocol {
     const auto unit = unit_sizes(request);
     if (!unit) return std::nullopt;
     return ExchangeSize::of(unit->request + kLinkHead + kLongFrame + kShortSize,
-                            1 + unit->answer + kLinkHead + kLongFrame, 2, link_.poll_delay);
+                            1 + unit->response + kLinkHead + kLongFrame, 2, link_.poll_delay);
   }
 
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext context) const override {

@@ -118,10 +118,10 @@ class PpiExplainer {
   void unit(std::size_t at, ByteView bytes) {
     if (bytes.size() < 10 || bytes[0] != 0x32)
       return writer_.add(at, bytes.size(), "unit", to_hex(bytes), "no S7 unit");
-    const bool answer = bytes[1] == 0x02 || bytes[1] == 0x03;
-    const std::size_t head = answer ? 12 : 10;
+    const bool response = bytes[1] == 0x02 || bytes[1] == 0x03;
+    const std::size_t head = response ? 12 : 10;
     const char* kind = bytes[1] == 0x01   ? "01 request"
-                       : answer           ? "response"
+                       : response         ? "response"
                        : bytes[1] == 0x07 ? "07 user data"
                                           : "unknown";
     writer_.add(at + 1, 1, "kind", kind);
@@ -133,16 +133,16 @@ class PpiExplainer {
                 "parameters " + std::to_string(parameters) + ", data " + std::to_string(data),
                 fits ? "" : "they do not fit the telegram");
     if (!fits) return;
-    if (answer) {
+    if (response) {
       writer_.add(
           at + 10, 2, "error",
           read_u16(bytes, 10) == 0 ? "none" : device_code_words(kErrorCodes, read_u16(bytes, 10)));
     }
     parameters_and_data(at + head, bytes.subspan(head, parameters),
-                        bytes.subspan(head + parameters), answer);
+                        bytes.subspan(head + parameters), response);
   }
 
-  void parameters_and_data(std::size_t at, ByteView parameters, ByteView data, bool answer) {
+  void parameters_and_data(std::size_t at, ByteView parameters, ByteView data, bool response) {
     if (parameters.empty()) return;
     const bool memory = (parameters[0] == 0x04 || parameters[0] == 0x05) && parameters.size() >= 2;
     if (!memory) {
@@ -152,7 +152,7 @@ class PpiExplainer {
     }
     const bool read = parameters[0] == 0x04;
     const std::size_t items = parameters[1];
-    const std::size_t needed = 2 + (answer ? 0 : 12 * items);
+    const std::size_t needed = 2 + (response ? 0 : 12 * items);
     writer_.add(at, 2, "function",
                 std::string(read ? "04 read, " : "05 write, ") + std::to_string(items) +
                     (items == 1 ? " item" : " items"),
@@ -161,14 +161,14 @@ class PpiExplainer {
                     : "the parameters are " + std::to_string(parameters.size()) +
                           " bytes, should be " + std::to_string(needed));
     writer_.deeper();
-    for (std::size_t i = 0; !answer && i < items && 2 + 12 * (i + 1) <= parameters.size(); ++i) {
+    for (std::size_t i = 0; !response && i < items && 2 + 12 * (i + 1) <= parameters.size(); ++i) {
       item(at + 2 + 12 * i, parameters.subspan(2 + 12 * i, 12));
     }
     const std::size_t start = at + parameters.size();
-    if (answer && !read)
+    if (response && !read)
       codes(start, data);
     else
-      blocks(start, data, answer);
+      blocks(start, data, response);
     writer_.higher();
   }
 
@@ -195,14 +195,14 @@ class PpiExplainer {
       writer_.add(at + i, 1, "result", hex(data[i]) + " " + std::string(item_code_text(data[i])));
   }
 
-  void blocks(std::size_t at, ByteView data, bool answer) {
+  void blocks(std::size_t at, ByteView data, bool response) {
     std::size_t start = 0;
     while (start + 4 <= data.size()) {
       const ByteView head = data.subspan(start, 4);
       std::size_t size = read_u16(head, 2);
       if (head[1] == 0x04) size /= 8;
       const bool fits = size <= data.size() - start - 4;
-      if (answer)
+      if (response)
         writer_.add(at + start, 1, "result",
                     hex(head[0]) + " " + std::string(item_code_text(head[0])));
       size = std::min(size, data.size() - start - 4);

@@ -94,9 +94,9 @@ std::optional<UnitSizes> sizes_of(const ReadRequest& read) {
   for (const Range& range : read.ranges) {
     if (!fits(kAreas, range, false)) return std::nullopt;
     const bool last = &range == &read.ranges.back();
-    sizes.answer += kDataHead + (last ? data_size(range) : even(data_size(range)));
+    sizes.response += kDataHead + (last ? data_size(range) : even(data_size(range)));
   }
-  if (sizes.request > kMaxPdu || sizes.answer > kMaxPdu) return std::nullopt;
+  if (sizes.request > kMaxPdu || sizes.response > kMaxPdu) return std::nullopt;
   return sizes;
 }
 
@@ -220,13 +220,13 @@ Judgement judge_unit(ByteView unit, const Request& request, std::uint16_t refere
   if (read == nullptr) {
     if (body.size() != 1) return {Kind::kMalformed};
     if (body[0] != kGood) return {Kind::kRefused, body[0]};
-    return {Kind::kAnswer, 0, Reply(1)};
+    return {Kind::kResponse, 0, Reply(1)};
   }
   auto reply = read_reply(body, *read);
   if (!reply) return {Kind::kMalformed};
   if (items == 1 && reply->front().cause != Cause::kNone)
     return {Kind::kRefused, reply->front().device_code};
-  return {Kind::kAnswer, 0, std::move(*reply)};
+  return {Kind::kResponse, 0, std::move(*reply)};
 }
 
 std::string_view item_code_text(std::uint8_t code) {

@@ -58,7 +58,7 @@ inline constexpr std::size_t kMaxItems = 19;  // Siemens allows twenty, but 240 
 
 struct UnitSizes {
   std::size_t request = 0;
-  std::size_t answer = 0;
+  std::size_t response = 0;
 };
 // Empty if a limit is exceeded. Does not allocate.
 [[nodiscard]] std::optional<UnitSizes> unit_sizes(const Request& request);
@@ -67,10 +67,10 @@ struct UnitSizes {
 [[nodiscard]] Bytes unit_of(const Request& request, std::uint16_t reference);
 
 struct Judgement {
-  enum class Kind : std::uint8_t { kAnswer, kRefused, kMalformed, kForeign };
+  enum class Kind : std::uint8_t { kResponse, kRefused, kMalformed, kForeign };
   Kind kind = Kind::kMalformed;
   std::uint16_t code = 0;  // kRefused: class and code of the header, or the code of the only item
-  Reply reply;             // for kAnswer
+  Reply reply;             // for kResponse
 };
 [[nodiscard]] Judgement judge_unit(ByteView unit, const Request& request, std::uint16_t reference);
 

@@ -180,7 +180,7 @@ TEST_F(BusRunnerTest, ADeadDeviceIsBadAndNeverGood) {
   begin(bus_at(pty.path()));
   ASSERT_TRUE(sink.wait_for([](const Record& r) {
     return std::any_of(r.samples.begin(), r.samples.end(),
-                       [](const Sample& s) { return s.quality == Quality::kBadNoAnswer; });
+                       [](const Sample& s) { return s.quality == Quality::kBadNoResponse; });
   }));
   stop();
   EXPECT_EQ(good_samples(sink.record()), 0u);

@@ -48,9 +48,9 @@ TEST(CommandAudit, HasOneEntryForEachCommandWithWhatBecameOfIt) {
   second.target = AddressTarget{"holding:100", {}};
   commands.asked("line", first);
   commands.asked("line", second);
-  commands.answered("line",
-                    result_of(second, CommandState::kFailed, Cause::kNoAnswer, "no response"));
-  commands.answered("line", result_of(first, CommandState::kVerified));
+  commands.completed("line",
+                     result_of(second, CommandState::kFailed, Cause::kNoResponse, "no response"));
+  commands.completed("line", result_of(first, CommandState::kVerified));
   EXPECT_EQ(audit.rows(), (std::vector<std::string>{
                               "panel | acquire | line/press at holding:100 | failed: no response",
                               "panel | write 21.5 | line/press/setpoint | verified"}));
@@ -66,7 +66,7 @@ TEST(CommandAudit, ARefusedDuplicateLeavesTheCommandThatRuns) {
   const AuditEntry again = commands.asked("line", write_of(1, {std::int64_t{8}}));
   commands.refused(again,
                    result_of(command, CommandState::kRejected, Cause::kDuplicate, "seen before"));
-  commands.answered("line", result_of(command, CommandState::kDone));
+  commands.completed("line", result_of(command, CommandState::kDone));
   const auto entries = audit.entries();
   ASSERT_EQ(entries.size(), 2u);
   EXPECT_EQ(entries[0].what + ": " + entries[0].result, "write 8: rejected: seen before");
@@ -85,7 +85,7 @@ TEST(CommandAudit, WithoutAStoreNothingIsHeld) {
   commands.asked("line", command);
   RecordingAudit audit;
   commands.open(&audit);
-  commands.answered("line", result_of(command, CommandState::kDone));
+  commands.completed("line", result_of(command, CommandState::kDone));
   ASSERT_EQ(audit.entries().size(), 1u);
   EXPECT_EQ(audit.entries()[0].what, "command") << "asked before there was a store";
 }

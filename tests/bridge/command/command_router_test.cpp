@@ -64,11 +64,11 @@ TEST_F(CommandRouterTest, ADuplicateIsRefusedAndNeverReachesTheBus) {
 
 TEST_F(CommandRouterTest, ACommandWithAFreshResultOfAnotherBridgeGetsNoSecondResult) {
   const Instant now = steady_now(), later = now + RecentCommands::kFor;
-  EXPECT_TRUE(router.answered_elsewhere("test", 1, now));
-  EXPECT_FALSE(router.answered_elsewhere("test", 1, now)) << "it was known";
-  EXPECT_TRUE(router.was_answered_elsewhere(command(1), later - std::chrono::milliseconds{1}));
-  EXPECT_FALSE(router.was_answered_elsewhere(command(2), now));
-  EXPECT_FALSE(router.was_answered_elsewhere(command(1), later));
+  EXPECT_TRUE(router.completed_elsewhere("test", 1, now));
+  EXPECT_FALSE(router.completed_elsewhere("test", 1, now)) << "it was known";
+  EXPECT_TRUE(router.was_completed_elsewhere(command(1), later - std::chrono::milliseconds{1}));
+  EXPECT_FALSE(router.was_completed_elsewhere(command(2), now));
+  EXPECT_FALSE(router.was_completed_elsewhere(command(1), later));
   const auto again = take(1, later);
   ASSERT_TRUE(again);
   EXPECT_EQ(again->cause, Cause::kDuplicate);

@@ -36,7 +36,7 @@ TEST(EnumConversion, Quality) {
   constexpr Row<Quality, idl::Quality> kRows[] = {
       {Quality::kGood, idl::Quality::GOOD, 0},
       {Quality::kUncertain, idl::Quality::UNCERTAIN, 1},
-      {Quality::kBadNoAnswer, idl::Quality::BAD_NO_ANSWER, 2},
+      {Quality::kBadNoResponse, idl::Quality::BAD_NO_ANSWER, 2},
       {Quality::kBadFrame, idl::Quality::BAD_FRAME, 3},
       {Quality::kBadDeviceError, idl::Quality::BAD_DEVICE_ERROR, 4},
       {Quality::kBadRange, idl::Quality::BAD_RANGE, 5},
@@ -178,7 +178,7 @@ TEST(EnumConversion, StandbyNoteKind) {
   constexpr Row<StandbyNoteKind, idl::StandbyNoteKind> kRows[] = {
       {StandbyNoteKind::kBegun, idl::StandbyNoteKind::NOTE_BEGUN, 0},
       {StandbyNoteKind::kReturned, idl::StandbyNoteKind::NOTE_RETURNED, 1},
-      {StandbyNoteKind::kAnswered, idl::StandbyNoteKind::NOTE_ANSWERED, 2},
+      {StandbyNoteKind::kCompleted, idl::StandbyNoteKind::NOTE_ANSWERED, 2},
   };
   expect_all(kRows);
 }

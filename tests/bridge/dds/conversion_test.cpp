@@ -313,7 +313,7 @@ TEST(StatusConversion, BusComesBackWithItsCauses) {
   report.bytes_sent = 5, report.bytes_received = 6, report.reopened = 7;
   report.causes.add(Cause::kChecksum);
   report.causes.add(Cause::kChecksum);
-  report.causes.add(Cause::kNoAnswer);
+  report.causes.add(Cause::kNoResponse);
   report.misses.add(Cause::kLate);
   idl::BusStatus topic;
   to_idl("line-7", "b", report, {77}, topic);
@@ -334,7 +334,7 @@ TEST(StatusConversion, BusComesBackWithItsCauses) {
   EXPECT_EQ(back.report.bytes_received, 6u);
   EXPECT_EQ(back.report.reopened, 7u);
   EXPECT_EQ(back.causes, (CauseCounts{{std::string(to_name(Cause::kChecksum)), 2},
-                                      {std::string(to_name(Cause::kNoAnswer)), 1}}));
+                                      {std::string(to_name(Cause::kNoResponse)), 1}}));
   EXPECT_EQ(back.misses, (CauseCounts{{std::string(to_name(Cause::kLate)), 1}}));
   EXPECT_EQ(back.dds_deadline_misses, 8u);
   EXPECT_EQ(back.reported_at.nanoseconds, 77);
@@ -358,7 +358,7 @@ TEST(StatusConversion, DeviceComesBackWithAtMost64Refusals) {
   DeviceReport report;
   report.state = DeviceState::kDegraded;
   report.exchanges = 1, report.failures = 2, report.retries = 3, report.deadline_misses = 4;
-  report.answer_time = 5ms, report.answer_spread = 6ms, report.timeout = 7ms;
+  report.response_time = 5ms, report.response_spread = 6ms, report.timeout = 7ms;
   report.pause = 8ms;
   report.areas.assign(40, {"holding", 9ms, 10ms, 125, 64});
   report.refused.assign(70, "holding:107");
@@ -372,8 +372,8 @@ TEST(StatusConversion, DeviceComesBackWithAtMost64Refusals) {
   EXPECT_EQ(back.report.failures, 2u);
   EXPECT_EQ(back.report.retries, 3u);
   EXPECT_EQ(back.report.deadline_misses, 4u);
-  EXPECT_EQ(back.report.answer_time, 5ms);
-  EXPECT_EQ(back.report.answer_spread, 6ms);
+  EXPECT_EQ(back.report.response_time, 5ms);
+  EXPECT_EQ(back.report.response_spread, 6ms);
   EXPECT_EQ(back.report.timeout, 7ms);
   EXPECT_EQ(back.report.pause, 8ms);
   EXPECT_EQ(back.report.areas, std::vector<AreaReport>(32, {"holding", 9ms, 10ms, 125, 64}));

@@ -54,13 +54,13 @@ DeviceFigures press() {
   device.report.failures = 32;
   device.report.retries = 33;
   device.report.deadline_misses = 34;
-  device.report.answer_time = milliseconds{2};
-  device.report.answer_spread = microseconds{250};
+  device.report.response_time = milliseconds{2};
+  device.report.response_spread = microseconds{250};
   device.report.timeout = milliseconds{200};
   device.report.pause = milliseconds{5};
   device.report.refused = {"holding:1", "holding:2"};
   device.report.refused_gaps = {"holding:5..7"};
-  device.report.causes.add(Cause::kNoAnswer, 35);
+  device.report.causes.add(Cause::kNoResponse, 35);
   device.report.areas.push_back({"holding", milliseconds{3}, microseconds{100}, 36, 37});
   return device;
 }

@@ -127,7 +127,7 @@ TEST_F(ModuleSecret, AModuleThatKnowsItsSecretIsLetIn) {
   start();
   TcpClient module = this->module("");
   const std::string challenge = challenge_of(module);
-  module.send("ID=17 " + program::answer_to(challenge, "17", Secret(kSecret)) + "\r\n");
+  module.send("ID=17 " + program::response_to(challenge, "17", Secret(kSecret)) + "\r\n");
   expect_programmable("17", module);
 }
 
@@ -154,7 +154,7 @@ TEST_F(ModuleSecret, AResponseIsGoodForOneChallengeAndOneNumber) {
   start();
   TcpClient first = this->module("");
   const std::string challenge = challenge_of(first);
-  const std::string answer = program::answer_to(challenge, "17", Secret(kSecret));
+  const std::string answer = program::response_to(challenge, "17", Secret(kSecret));
   TcpClient again = this->module("");
   EXPECT_NE(challenge_of(again), challenge);
   again.send("ID=17 " + answer + "\r\n");
@@ -167,9 +167,9 @@ TEST_F(ModuleSecret, ASecretOfAllIsForNumbersWithoutOneOfTheirOwn) {
   start();
   const Secret all("another secret of all");
   TcpClient own = this->module(""), other = this->module("");
-  own.send("ID=17 " + program::answer_to(challenge_of(own), "17", all) + "\r\n");
+  own.send("ID=17 " + program::response_to(challenge_of(own), "17", all) + "\r\n");
   EXPECT_THAT(own.receive("\r\n"), StartsWith("refused"));
-  other.send("ID=18 " + program::answer_to(challenge_of(other), "18", all) + "\r\n");
+  other.send("ID=18 " + program::response_to(challenge_of(other), "18", all) + "\r\n");
   expect_programmable("18", other);
 }
 
@@ -177,7 +177,8 @@ TEST_F(ModuleSecret, ASecretThatChangesHoldsForTheNextModule) {
   start();
   const auto answered = [this](std::string_view secret) {
     TcpClient module = this->module("");
-    module.send("ID=17 " + program::answer_to(challenge_of(module), "17", Secret(secret)) + "\r\n");
+    module.send("ID=17 " + program::response_to(challenge_of(module), "17", Secret(secret)) +
+                "\r\n");
     return module.receive("\r\n", std::chrono::milliseconds{200});
   };
   files.write("secrets", "17 a new secret of the hut\n");
@@ -189,7 +190,7 @@ TEST_F(ModuleSecret, ASecretThatChangesHoldsForTheNextModule) {
 
 TEST_F(ModuleSecret, TheResponseIsTheOneOfTheDocument) {
   // printf 'fieldcast module 17 abc' | openssl dgst -sha256 -hmac 'a secret of twenty-six let'
-  EXPECT_EQ(program::answer_to("abc", "17", Secret(kSecret)),
+  EXPECT_EQ(program::response_to("abc", "17", Secret(kSecret)),
             "df89db7b9a7c20adb50053f8988a45494c3036a86ba1326f302ad1ddfdb977fb");
 }
 

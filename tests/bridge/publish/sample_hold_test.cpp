@@ -28,7 +28,7 @@ using Sequences = std::vector<std::uint64_t>;
 
 TEST(SampleHold, LetsEverythingPassImmediatelyWhereNothingSpeaksAgainstIt) {
   SampleHold hold;
-  EXPECT_EQ(sequences(hold.pass({sample_of(1, Quality::kBadNoAnswer, 7)}, true, kNow)),
+  EXPECT_EQ(sequences(hold.pass({sample_of(1, Quality::kBadNoResponse, 7)}, true, kNow)),
             Sequences{7});
 }
 
@@ -37,7 +37,7 @@ TEST(SampleHold, WhatStayedWhileAnotherMasterHadTheWireLeavesWithTheFirstGoodVal
   hold.foreign_master(kNow - 1ms);
   EXPECT_TRUE(hold.pass({sample_of(1, Quality::kUncertain, 7)}, true, kNow).empty());
   EXPECT_TRUE(hold.pass({sample_of(2, Quality::kUncertain, 8)}, true, kNow).empty());
-  EXPECT_TRUE(hold.pass({sample_of(1, Quality::kBadNoAnswer, 9)}, true, kNow).empty());
+  EXPECT_TRUE(hold.pass({sample_of(1, Quality::kBadNoResponse, 9)}, true, kNow).empty());
   EXPECT_EQ(sequences(hold.pass({sample_of(2, Quality::kGood, 10)}, true, kNow)),
             (Sequences{9, 10}));
   EXPECT_EQ(sequences(hold.pass({}, true, kNow)), Sequences{});
@@ -46,7 +46,7 @@ TEST(SampleHold, WhatStayedWhileAnotherMasterHadTheWireLeavesWithTheFirstGoodVal
 TEST(SampleHold, AfterATakeoverBadValuesWaitForTheFirstGoodOneOrForTheirTime) {
   SampleHold hold;
   hold.prove_until(kNow + 3s, kNow - 1ms);
-  EXPECT_TRUE(hold.pass({sample_of(1, Quality::kBadNoAnswer, 7)}, true, kNow).empty());
+  EXPECT_TRUE(hold.pass({sample_of(1, Quality::kBadNoResponse, 7)}, true, kNow).empty());
   EXPECT_TRUE(hold.pass({}, true, kNow + 2s).empty());
   EXPECT_EQ(sequences(hold.pass({}, true, kNow + 3s)), Sequences{7});
 }

@@ -133,7 +133,7 @@ class PlayedMember {
   void on_note(const StandbyNote& note) {
     const std::lock_guard lock(mutex_);
     if (note.bridge != "real") return;
-    if (note.kind == StandbyNoteKind::kAnswered) answered_.insert(note.request_id);
+    if (note.kind == StandbyNoteKind::kCompleted) answered_.insert(note.request_id);
     if (note.term != 0) return;
     EXPECT_EQ(note.kind, StandbyNoteKind::kReturned) << "nobody has begun it";
     EXPECT_EQ(note.bus, "one");

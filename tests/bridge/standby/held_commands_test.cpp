@@ -24,7 +24,7 @@ TEST_F(HeldCommandsTest, WhatHasNoResponseRunsInTheOrderInWhichItCame) {
   hold(3);
   hold(1);
   hold(2);
-  held.answered({"mes", 1});
+  held.completed({"mes", 1});
   EXPECT_THAT(held.take_over(kNow), ElementsAre("3", "2"));
 }
 
@@ -34,7 +34,7 @@ TEST_F(HeldCommandsTest, WhatTheMasterHasBegunIsNeverRunAgain) {
   held.begun("bus", {"mes", 2}, kSoon);  // the note arrived before the command
   hold(2);
   held.begun("bus", {"mes", 3}, kSoon);
-  held.answered({"mes", 3});
+  held.completed({"mes", 3});
   EXPECT_THAT(held.take_over(kNow), IsEmpty());
   EXPECT_TRUE(held.waits());
   const auto left = held.give_up();
@@ -58,7 +58,7 @@ TEST_F(HeldCommandsTest, ANewMasterWaitsForWhatTheOneBeforeHasBegun) {
   for (const std::uint64_t id : {1, 2, 3}) hold(id);
   for (const std::uint64_t id : {1, 2, 3, 4}) held.begun("bus", {"mes", id}, kSoon);
   EXPECT_THAT(held.take_over(kNow), IsEmpty());
-  held.answered({"mes", 1});
+  held.completed({"mes", 1});
   held.returned({"mes", 2});
   EXPECT_TRUE(held.waits());
   EXPECT_TRUE(held.hold("bus", {"mes", 4}, "4", kSoon, kNow)) << "it comes late, and was begun";
@@ -72,7 +72,7 @@ TEST_F(HeldCommandsTest, ANewMasterWaitsForWhatTheOneBeforeHasBegun) {
 }
 
 TEST_F(HeldCommandsTest, AResponseMayComeBeforeItsCommand) {
-  held.answered({"mes", 1});
+  held.completed({"mes", 1});
   hold(1);
   EXPECT_THAT(held.take_over(kNow), IsEmpty());
 }
@@ -86,7 +86,7 @@ TEST_F(HeldCommandsTest, WhatIsTooOldIsForgotten) {
 TEST_F(HeldCommandsTest, WhoJoinsOnceMoreRunsNothingOfBefore) {
   hold(1);
   held.begun("bus", {"mes", 2}, kSoon);
-  held.answered({"mes", 3});
+  held.completed({"mes", 3});
   held.join();
   hold(3);
   EXPECT_EQ(held.size(), 0u) << "what was heard stays heard";
@@ -99,23 +99,23 @@ TEST_F(HeldCommandsTest, WhoJoinsOnceMoreRunsNothingOfBefore) {
 TEST_F(HeldCommandsTest, TheMasterIsNotifiedOfWhatHasNoResult) {
   hold(1);
   hold(2);
-  EXPECT_THAT(held.unanswered(1, kNow), IsEmpty()) << "most have their result soon";
+  EXPECT_THAT(held.without_result(1, kNow), IsEmpty()) << "most have their result soon";
   const Instant later = kNow + Held::kTellAfter;
-  held.answered({"mes", 2});
-  const auto told = held.unanswered(1, later);
+  held.completed({"mes", 2});
+  const auto told = held.without_result(1, later);
   ASSERT_EQ(told.size(), 1u);
   EXPECT_EQ(told[0].bus, "bus");
   EXPECT_EQ(told[0].key.second, 1u);
   EXPECT_FALSE(told[0].begun);
-  EXPECT_THAT(held.unanswered(1, later), IsEmpty()) << "not at once again";
-  EXPECT_EQ(held.unanswered(1, later + Held::kTellAfter).size(), 1u) << "it may not have heard";
+  EXPECT_THAT(held.without_result(1, later), IsEmpty()) << "not at once again";
+  EXPECT_EQ(held.without_result(1, later + Held::kTellAfter).size(), 1u) << "it may not have heard";
 }
 
 TEST_F(HeldCommandsTest, ANewMasterIsNotifiedOfWhatTheOneBeforeHasBegun) {
   held.begun("bus", {"mes", 1}, kNow + std::chrono::minutes{1});
-  EXPECT_THAT(held.unanswered(1, kNow), IsEmpty());
-  EXPECT_THAT(held.unanswered(2, kNow + Held::kTellAfter), IsEmpty());
-  const auto told = held.unanswered(2, kNow + 2 * Held::kTellAfter);
+  EXPECT_THAT(held.without_result(1, kNow), IsEmpty());
+  EXPECT_THAT(held.without_result(2, kNow + Held::kTellAfter), IsEmpty());
+  const auto told = held.without_result(2, kNow + 2 * Held::kTellAfter);
   ASSERT_EQ(told.size(), 1u);
   EXPECT_TRUE(told[0].begun);
 }
@@ -124,9 +124,9 @@ TEST_F(HeldCommandsTest, AMasterIsNotNotifiedForEver) {
   EXPECT_TRUE(held.hold("bus", {"mes", 1}, "1", kNever, kNow));
   Instant now = kNow;
   std::size_t told = 0;
-  for (int i = 0; i < 60; ++i) told += held.unanswered(1, now += Held::kTellAfter).size();
+  for (int i = 0; i < 60; ++i) told += held.without_result(1, now += Held::kTellAfter).size();
   EXPECT_EQ(told, Held::kMostTold);
-  for (int i = 0; i < 60; ++i) told += held.unanswered(2, now += Held::kTellAfter).size();
+  for (int i = 0; i < 60; ++i) told += held.without_result(2, now += Held::kTellAfter).size();
   EXPECT_EQ(told, 2 * Held::kMostTold);
 }
 
@@ -135,7 +135,7 @@ TEST_F(HeldCommandsTest, TheMasterIsImmediatelyNotifiedOfWhatWouldBeForgotten) {
   hold(1);
   hold(2);
   hold(3);
-  held.answered({"mes", 2});
+  held.completed({"mes", 2});
   held.begun("bus", {"mes", 3}, kNow + std::chrono::minutes{1});
   const auto told = held.last_words(kNow);
   ASSERT_EQ(told.size(), 1u) << "the master has 3";

@@ -69,14 +69,14 @@ TEST_F(StandbyGroupTest, AWriteThatArrivesAfterASecondBridgeHasBegunItDoesNotRun
 
 TEST_F(StandbyGroupTest, AWriteWithTheResultOfASecondBridgeDoesNotRunAgain) {
   begin(7);
-  other_says(StandbyNoteKind::kAnswered, 7);
+  other_says(StandbyNoteKind::kCompleted, 7);
   EXPECT_EQ(noted_, false);
 }
 
 TEST_F(StandbyGroupTest, AMemberIsNotifiedOfWhatHasItsResult) {
-  group_.tell_answered("bus", "plant", 7);
+  group_.tell_completed("bus", "plant", 7);
   ASSERT_EQ(told_.size(), 1u);
-  EXPECT_EQ(told_[0].kind, StandbyNoteKind::kAnswered);
+  EXPECT_EQ(told_[0].kind, StandbyNoteKind::kCompleted);
   EXPECT_EQ(told_[0].request_id, 7u);
   EXPECT_EQ(told_[0].number, 0u) << "not all have to note it";
 }

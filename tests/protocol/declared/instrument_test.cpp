@@ -29,7 +29,7 @@ TEST(Instrument, IsAskedByHeaderAddressCommandAndSum) {
   const auto size = device.protocol().size(device.read("status"));
   ASSERT_TRUE(size);
   EXPECT_EQ(size->request_characters, 4u);
-  EXPECT_EQ(size->answer_characters, 9u);
+  EXPECT_EQ(size->response_characters, 9u);
 }
 
 TEST(Instrument, ItsResponseIsCutIntoItsFields) {

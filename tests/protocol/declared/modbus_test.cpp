@@ -33,7 +33,7 @@ class Requests {
     if (below(3) == 0) range.count = 1;
     WriteRequest write{.range = range,
                        .items = Bytes(image_bytes(bits ? 1 : 16, range.count)),
-                       .distinct_answer = below(4) == 0};
+                       .distinct_response = below(4) == 0};
     for (auto& byte : write.items)
       byte = static_cast<std::uint8_t>(bits ? random_() % 2 : random_());
     return write;
@@ -99,7 +99,7 @@ TEST(DeclaredModbus, SendsByteForByteWhatTheBuiltInOneSends) {
     if (!ours) continue;
     ++sent;
     EXPECT_EQ(ours->request_characters, theirs->request_characters);
-    EXPECT_EQ(ours->answer_characters, theirs->answer_characters);
+    EXPECT_EQ(ours->response_characters, theirs->response_characters);
     const Bytes bytes = declared_modbus().request_bytes(request);
     ASSERT_EQ(to_hex(bytes), to_hex(built_in().request_bytes(request)));
     ASSERT_EQ(bytes.size(), ours->request_characters);

@@ -65,8 +65,8 @@ TEST(DeclaredText, ModbusAsciiIsThatOfTheBuiltInOne) {
     const std::string at = "holding:" + std::to_string(random() % 65000);
     const Request request = ours.read(at, count), same = theirs.read(at, count);
     ASSERT_EQ(to_hex(ours.request_bytes(request)), to_hex(theirs.request_bytes(same)));
-    EXPECT_EQ(ours.protocol().size(request)->answer_characters,
-              theirs.protocol().size(same)->answer_characters);
+    EXPECT_EQ(ours.protocol().size(request)->response_characters,
+              theirs.protocol().size(same)->response_characters);
     const Bytes answer = ascii_answer(9, count, random);
     const auto mine = drive(*ours.begin(request), answer),
                built_in = drive(*theirs.begin(same), answer);

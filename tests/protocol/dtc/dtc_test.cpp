@@ -126,7 +126,7 @@ TEST(DtcExchange, CausesAreReported) {
     return drive(*exchange, answer).cause;
   };
   Bytes wrong = dtc_plain(dtc_message("05 00 0A0B"));
-  EXPECT_EQ(cause({}), Cause::kNoAnswer);
+  EXPECT_EQ(cause({}), Cause::kNoResponse);
   EXPECT_EQ(cause(Bytes(wrong.begin(), wrong.end() - 1)), Cause::kTruncated);
   wrong.back() ^= 1;
   EXPECT_EQ(cause(wrong), Cause::kChecksum);

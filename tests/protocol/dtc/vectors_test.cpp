@@ -105,7 +105,7 @@ TEST(DtcVectors, ReadRequestsAndResponsesAreAsPrinted) {
     const auto size = device.protocol().size(read);
     ASSERT_TRUE(size.has_value());
     if (vector.request[0] == 0) { EXPECT_EQ(size->request_characters, vector.request.size()); }
-    if (vector.response[0] == 0) { EXPECT_EQ(size->answer_characters, vector.response.size()); }
+    if (vector.response[0] == 0) { EXPECT_EQ(size->response_characters, vector.response.size()); }
   }
   EXPECT_GE(seen, 24);
 }

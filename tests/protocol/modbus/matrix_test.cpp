@@ -84,8 +84,8 @@ TEST_P(ModbusMatrix, AnnouncedSizesAreExact) {
   const Step step = exchange.start(request);
   EXPECT_EQ(step.kind, Step::Kind::kSend);
   EXPECT_EQ(request.size(), wire.framing().size(sizes->request));
-  EXPECT_EQ(step.characters, wire.framing().size(sizes->answer));
-  if (hex(row.answer)[0] < kExceptionFlag) { EXPECT_EQ(sizes->answer, hex(row.answer).size()); }
+  EXPECT_EQ(step.characters, wire.framing().size(sizes->response));
+  if (hex(row.answer)[0] < kExceptionFlag) { EXPECT_EQ(sizes->response, hex(row.answer).size()); }
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ModbusMatrix,

@@ -64,7 +64,7 @@ TEST(RtuExchange, ForeignResponseIsSkippedAndTheWaitGoesOn) {
   (void)exchange.start(out);
   const Step step = exchange.on_bytes(foreign, out);
   EXPECT_EQ(step.kind, Step::Kind::kNeedMore);
-  EXPECT_EQ(step.wait, Wait::kAnswer);
+  EXPECT_EQ(step.wait, Wait::kResponse);
   const Outcome outcome = drive(exchange, joined({foreign, kAnswer}));
   ASSERT_TRUE(outcome.done());
   EXPECT_EQ(outcome.reply.at(0).items, kItems);
@@ -129,8 +129,8 @@ TEST(RtuExchange, EveryFailureHasItsCause) {
   };
   Bytes broken = kAnswer;
   broken.back() ^= 1;
-  EXPECT_EQ(cause_of({}), Cause::kNoAnswer);
-  EXPECT_EQ(cause_of(hex("00 FF")), Cause::kNoAnswer);
+  EXPECT_EQ(cause_of({}), Cause::kNoResponse);
+  EXPECT_EQ(cause_of(hex("00 FF")), Cause::kNoResponse);
   EXPECT_EQ(cause_of(hex("11 03 06 AE 41")), Cause::kTruncated);
   EXPECT_EQ(cause_of(hex("11")), Cause::kTruncated);
   EXPECT_EQ(cause_of(broken), Cause::kChecksum);

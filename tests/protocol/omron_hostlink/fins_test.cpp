@@ -162,7 +162,7 @@ TEST(Fins, ScatteredWordsComeInOneRequest) {
   const auto size = device.protocol().size(request);
   ASSERT_TRUE(size.has_value());
   EXPECT_EQ(size->request_characters, device.request_bytes(request).size());
-  EXPECT_EQ(size->answer_characters, answer.size());
+  EXPECT_EQ(size->response_characters, answer.size());
   expect_matrix({.begin = [&] { return device.begin(request); }, .answers = {answer}});
   expect_random_bytes_are_refused(
       {.begin = [&] { return device.begin(request); }, .answers = {answer}}, 5, 5000);

@@ -159,7 +159,7 @@ TEST(HostLink, SizesAreExact) {
     const Outcome outcome = drive(*exchange, answers);
     ASSERT_TRUE(outcome.done()) << count << ": " << to_text(outcome);
     EXPECT_EQ(size->rounds, answers.size());
-    EXPECT_EQ(size->answer_characters, characters);
+    EXPECT_EQ(size->response_characters, characters);
     std::size_t sent = 0;
     for (const Bytes& each : outcome.sent) sent += each.size();
     EXPECT_EQ(size->request_characters, sent);

@@ -177,9 +177,9 @@ TEST(Arguments, DurationsAreOfOneGrammarAndANumberAloneIsSeconds) {
     return options_of<PlanOptions>(
         parse({"plan", "/dev/null", "--answer", answer, "--simulate", simulate}));
   };
-  EXPECT_EQ(plan("0s", "30m").answer_time, Duration{});
+  EXPECT_EQ(plan("0s", "30m").response_time, Duration{});
   EXPECT_EQ(plan("0s", "30m").simulate, Duration{30min});
-  EXPECT_EQ(plan("500us", "1h").answer_time, Duration{500us});
+  EXPECT_EQ(plan("500us", "1h").response_time, Duration{500us});
   EXPECT_EQ(plan("500us", "1d").simulate, Duration{24h});
   EXPECT_EQ(options_of<WatchOptions>(parse({"watch", "--for", "20"})).time, Duration{20s});
   EXPECT_THAT(parse({"watch", "--for", "0s"}).error().text,

@@ -94,7 +94,7 @@ TEST(Outcomes, EachHasItsExitCode) {
   EXPECT_EQ(exit_code_of(outcome(CommandState::kExpired)), ExitCode::kExpired);
   auto silent = outcome(CommandState::kDone);
   silent.state = Outcome::State::kNoResult;
-  EXPECT_EQ(exit_code_of(silent), ExitCode::kNoAnswer);
+  EXPECT_EQ(exit_code_of(silent), ExitCode::kNoResponse);
   EXPECT_EQ(exit_code_of(refused_here({"a", "b", "c"}, true, Cause::kUnknownChannel, "?")),
             ExitCode::kRejected);
 }

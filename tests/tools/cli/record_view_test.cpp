@@ -41,7 +41,7 @@ TEST(RecordView, UsersSeeTheAgeOfAValueThatIsPublishedAgain) {
   EXPECT_EQ(history_line(sample(21.5)),
             "2023-11-14T22:13:20.005Z  press-shop/press-1/oil  21.5 °C  GOOD");
   StoredSample stale = sample(21.5);
-  stale.quality = Quality::kBadNoAnswer;
+  stale.quality = Quality::kBadNoResponse;
   EXPECT_THAT(history_line(stale), HasSubstr("BAD_NO_ANSWER (of 2023-11-14T22:13:20.000Z)"));
   EXPECT_THAT(history_line(sample(std::string("a\nb\x1b[2J"))), HasSubstr("a\\nb\\x1B[2J"));
 }

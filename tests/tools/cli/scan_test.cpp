@@ -32,7 +32,7 @@ std::vector<ScanLine> lines_of(std::size_t formats, std::vector<std::uint16_t> a
 }
 
 ScanResponse value() { return {.device = true, .took = std::chrono::milliseconds{3}, .bytes = 7}; }
-ScanResponse silence() { return {.cause = Cause::kNoAnswer}; }
+ScanResponse silence() { return {.cause = Cause::kNoResponse}; }
 ScanResponse noise() { return {.cause = Cause::kChecksum, .bytes = 3}; }
 
 TEST(ScanPlan, ReadsAddresses) {
@@ -249,7 +249,7 @@ TEST(Scanner, BrokenResponsesThatBeginRightSettleTheLine) {
 TEST(Scanner, AnEchoIsNobodyWhoSpeaks) {
   Scanner scanner(lines_of(1, {1, 2, 3, 4, 5, 6, 7, 8, 9, 10}));
   while (scanner.next())
-    scanner.answered({.cause = Cause::kNoAnswer, .bytes = 8, .echo_alone = true});
+    scanner.answered({.cause = Cause::kNoResponse, .bytes = 8, .echo_alone = true});
   EXPECT_EQ(scanner.asked(), 20u);
   EXPECT_TRUE(scanner.echoed());
   EXPECT_THAT(scanner.noisy_lines(), IsEmpty());

@@ -45,7 +45,7 @@ TEST(BusSimulation, WhatIsPredictedHappens) {
   const BusSimulation simulation = simulate(plan, {}, {10min, 1});
   EXPECT_EQ(simulation.bus.deadline_misses, 0u);
   EXPECT_NEAR(simulation.bus.measured_load, plan.prediction.load, 0.05 * plan.prediction.load);
-  EXPECT_NEAR(to_seconds(simulation.devices[0].answer_time), 0.005, 0.0005);
+  EXPECT_NEAR(to_seconds(simulation.devices[0].response_time), 0.005, 0.0005);
   for (const ChannelIndex channel : {0u, 1u, 3u, 4u}) {
     EXPECT_GT(simulation.channels[channel].readings, 1000u) << channel;
     EXPECT_GT(simulation.channels[channel].worst_gap, Duration::zero()) << channel;
@@ -127,7 +127,7 @@ TEST(BusSimulation, EveryMissHasItsCauseAndItsChannel) {
   faults.devices["b"].silence.push_back({60s, 90s});
   faults.unplugged.push_back({120s, 130s});
   const BusSimulation simulation = simulate(plan, faults, {5min, 1});
-  EXPECT_GT(simulation.bus.misses[Cause::kNoAnswer], 0u);
+  EXPECT_GT(simulation.bus.misses[Cause::kNoResponse], 0u);
   EXPECT_GT(simulation.bus.misses[Cause::kPortClosed], 0u);
   EXPECT_EQ(simulation.bus.misses.total(), simulation.bus.deadline_misses);
   std::uint64_t sum = 0;
@@ -137,7 +137,7 @@ TEST(BusSimulation, EveryMissHasItsCauseAndItsChannel) {
   EXPECT_NEAR(static_cast<double>(simulation.channels[0].missed), 50, 2);
   EXPECT_EQ(simulation.channels[0].last_miss, Cause::kPortClosed);
   const auto json = parsed(simulation_json(simulation));
-  EXPECT_EQ(json["causes"]["NO_ANSWER"], simulation.bus.misses[Cause::kNoAnswer]);
+  EXPECT_EQ(json["causes"]["NO_ANSWER"], simulation.bus.misses[Cause::kNoResponse]);
   EXPECT_GE(json["channels"][0]["missed"], json["channels"][1]["missed"])
       << "the worst comes first";
 }
@@ -172,7 +172,7 @@ TEST(BusSimulation, DeclaredDevicesTakeTheirTimeOnTheWire) {
   faults.devices["a"].truncate = 0.1;
   faults.devices["a"].garble = 0.1;
   const BusSimulation faulty = simulate(plan, faults, {5min, 1});
-  EXPECT_GT(faulty.bus.causes[Cause::kNoAnswer], 0u);
+  EXPECT_GT(faulty.bus.causes[Cause::kNoResponse], 0u);
   EXPECT_GT(faulty.bus.causes[Cause::kTruncated], 0u);
   EXPECT_GT(faulty.bus.causes[Cause::kChecksum], 0u);
 }

@@ -21,7 +21,7 @@ StatusModel plant() {
   model.buses[bus.bus] = bus;
   StationDeviceStatus device{"press-shop", "press-1", {}, {}, UtcTime{1'000'000'000}};
   device.report.state = DeviceState::kOnline;
-  device.report.answer_time = 2150us;
+  device.report.response_time = 2150us;
   device.report.refused = {"holding:107"};
   device.report.refused_gaps = {"holding:110..115"};
   device.report.areas = {{"holding", 2100us, 40us, 60, 64}};

@@ -116,7 +116,7 @@ TEST(SunSpecWalk, ADeviceWithoutTheMarkerIsReadThreeTimes) {
 
 TEST(SunSpecWalk, ADeviceThatIsSilentAtTheMarkerCostsOneTimeout) {
   SunSpecWalk walk;
-  walk.failed(Cause::kNoAnswer);
+  walk.failed(Cause::kNoResponse);
   EXPECT_FALSE(walk.next());
   EXPECT_FALSE(walk.map());
 }
@@ -224,7 +224,7 @@ TEST(SunSpecWalk, EndsWhateverADeviceSends) {
       if (!walk.map()) bytes = {'S', 'u', 'n', 'S'};
       if (random >> 28 == 0) bytes.pop_back();
       if (random >> 28 == 1)
-        walk.failed(Cause::kNoAnswer);
+        walk.failed(Cause::kNoResponse);
       else
         walk.answered(bytes);
     }

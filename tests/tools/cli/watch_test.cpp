@@ -47,7 +47,7 @@ TEST(WatchModel, AwaitsChannelsThatPromiseSamplesOnly) {
   model.on_sample(sample("d", "promised", false, Quality::kNotYetRead), kStart);
   EXPECT_EQ(model.awaited(), 1u);
   EXPECT_EQ(model.awaited(true), 2u);
-  model.on_sample(sample("d", "promised", false, Quality::kBadNoAnswer),
+  model.on_sample(sample("d", "promised", false, Quality::kBadNoResponse),
                   kStart);  // a bad value counts too
   EXPECT_EQ(model.awaited(), 0u);
 }

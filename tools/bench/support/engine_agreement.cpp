@@ -38,7 +38,7 @@ std::uint64_t missed(const test::Map& map, Duration answer, double share, Durati
   const BridgeSpec spec = load(map, bound(map, answer) / share);
   cli::BusPlan plan;  // its prediction is not needed
   plan.bus = &spec.buses[0];
-  plan.answer_time = answer;
+  plan.response_time = answer;
   return cli::simulate(plan, {}, {length, 1}).bus.deadline_misses;
 }
 

@@ -112,7 +112,7 @@ class Hours {
     } else {
       sample.value = static_cast<double>(random_() % 1000);
     }
-    sample.quality = random_() % 1000 == 0 ? Quality::kBadNoAnswer : Quality::kGood;
+    sample.quality = random_() % 1000 == 0 ? Quality::kBadNoResponse : Quality::kGood;
     sample.acquired_at = {utc_};
     sample.sequence = ++sequence_;
     inbox_.on_sample(sample);

@@ -83,7 +83,7 @@ ExitCode simulate_all(const BridgeSpec& spec, const PlanOptions& options, const 
   auto verdict = ExitCode::kOk;
   bool first = true;
   for (const auto& bus : spec.buses) {
-    const auto plan = make_plan(bus, options.answer_time);
+    const auto plan = make_plan(bus, options.response_time);
     const auto began = std::chrono::steady_clock::now();
     ProgressLine progress(to.err);
     const auto show = [&](double share) {
@@ -119,7 +119,7 @@ ExitCode plan(const PlanOptions& options, const Streams& to) {
   auto verdict = ExitCode::kOk;
   bool first = true;
   for (const auto& bus : loaded->buses) {
-    const auto plan = make_plan(bus, options.answer_time);
+    const auto plan = make_plan(bus, options.response_time);
     if (!plan.prediction.feasible) verdict = ExitCode::kFound;
     if (options.json) {
       to.out << plan_json(plan).text() << '\n';
@@ -136,7 +136,7 @@ namespace {
 
 void describe_plan(CommandLine& line, PlanOptions& options) {
   line.text("CONFIG", options.config, "The configuration file").required().existing_file();
-  line.duration("--answer", options.answer_time, Duration{},
+  line.duration("--answer", options.response_time, Duration{},
                 "The assumed time of each device before it responds (5ms)");
   line.duration("--simulate", options.simulate, CommandLine::kShortest,
                 "Run the whole engine in virtual time for so long (1h) against simulated devices");

@@ -24,7 +24,7 @@ struct DoctorOptions {
 struct PlanOptions {
   std::string config;
   bool json = false;
-  Duration answer_time = kAssumedAnswerTime;
+  Duration response_time = kAssumedResponseTime;
   Duration simulate{};  // virtual time with simulated devices; 0: only plan
   std::uint64_t seed = 1;
   std::string faults;  // file with the faults of the simulated plant; empty: none

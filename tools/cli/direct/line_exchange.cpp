@@ -245,15 +245,15 @@ tl::expected<LineExchange::Answer, std::string> LineExchange::ask(
   answer.bytes = state.strays;
   answer.heard = state.heard_others();
   if (state.outcome == ExchangeDriver::Outcome::kDone) {
-    answer.took = state.driver->answer_time();
+    answer.took = state.driver->response_time();
     answer.reply = state.driver->exchange().reply();
   } else {
     answer.cause = state.driver->cause();
     answer.device_code = state.driver->device_code();
-    answer.took = state.driver->answer_time();
+    answer.took = state.driver->response_time();
     answer.echo_alone = state.driver->echo_alone();
-    answer.shape =
-        answer_shape(state.driver->raw_received(), state.driver->sent(), state.driver->expected());
+    answer.shape = response_shape(state.driver->raw_received(), state.driver->sent(),
+                                  state.driver->expected());
   }
   (void)state.driver->finish();
   state.record_end(answer);

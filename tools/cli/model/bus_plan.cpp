@@ -9,10 +9,10 @@
 
 namespace fieldcast::cli {
 
-BusPlan make_plan(const BusSpec& bus, Duration answer_time) {
+BusPlan make_plan(const BusSpec& bus, Duration response_time) {
   BusPlan plan;
   plan.bus = &bus;
-  plan.answer_time = answer_time;
+  plan.response_time = response_time;
   PointMap map = map_points(bus);
   std::vector<const Protocol*> protocols;
   for (const DeviceSpec& device : bus.devices) {
@@ -23,10 +23,10 @@ BusPlan make_plan(const BusSpec& bus, Duration answer_time) {
                                                       : std::nullopt);
     }
   }
-  // The schedule starts with the engine's assumption; the devices then respond after answer_time.
-  plan.input = schedule_input(bus, protocols, std::move(map.points), kAssumedAnswerTime);
-  for (DeviceTiming& device : plan.input.devices) device.answer_time = answer_time;
-  plan.prediction = predict(plan.input, {.planner = bus.planner, .assumed = kAssumedAnswerTime});
+  // The schedule starts with the engine's assumption; the devices then respond after response_time.
+  plan.input = schedule_input(bus, protocols, std::move(map.points), kAssumedResponseTime);
+  for (DeviceTiming& device : plan.input.devices) device.response_time = response_time;
+  plan.prediction = predict(plan.input, {.planner = bus.planner, .assumed = kAssumedResponseTime});
   return plan;
 }
 
@@ -74,7 +74,7 @@ BusSimulation simulate(const BusPlan& plan, const sim::BusFaults& faults,
   for (const DeviceSpec& device : plan.bus->devices) {
     all.devices.try_emplace(device.name).first->second.delay.base =
         faults.devices.contains(device.name) ? faults.devices.at(device.name).delay.base
-                                             : plan.answer_time;
+                                             : plan.response_time;
   }
   sim::VirtualBus bus(*plan.bus, all, options.seed);
   (void)bus.engine().bus_report(bus.now());

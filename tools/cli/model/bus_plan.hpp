@@ -20,7 +20,7 @@ namespace fieldcast::cli {
 struct BusPlan {
   const BusSpec* bus = nullptr;                      // outlives the plan
   std::vector<std::unique_ptr<Protocol>> protocols;  // one for each device; `input` points to them
-  Duration answer_time{};                            // assumed for every device
+  Duration response_time{};                          // assumed for every device
   ScheduleInput input;
   // For each channel in the order of the spec; empty if it is never read by itself.
   std::vector<std::optional<PointIndex>> point_of;
@@ -29,7 +29,7 @@ struct BusPlan {
 
 // REQUIRES: `bus` is valid as from the loader. Channels on the same items share a point.
 // Write-only, on-demand and on-interest channels cause no load.
-[[nodiscard]] BusPlan make_plan(const BusSpec& bus, Duration answer_time);
+[[nodiscard]] BusPlan make_plan(const BusSpec& bus, Duration response_time);
 
 // Runs the whole engine of a bus against simulated devices in virtual time. Pure.
 

@@ -122,7 +122,7 @@ ExitCode exit_code_of(const Outcome& outcome) {
   switch (outcome.state) {
     case Outcome::State::kResult: break;
     case Outcome::State::kRefusedHere: return ExitCode::kRejected;
-    case Outcome::State::kNoResult: return ExitCode::kNoAnswer;
+    case Outcome::State::kNoResult: return ExitCode::kNoResponse;
     case Outcome::State::kNotSent: return ExitCode::kUsage;
   }
   return exit_code_of(outcome.result.state);

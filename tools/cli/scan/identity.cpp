@@ -107,7 +107,7 @@ class ModbusIdentity final : public Exchange {
     reply_.assign(1, RangeReply{Cause::kNone, 0, Bytes(text.begin(), text.end())});
     return Step::done();
   }
-  Step on_silence(Bytes&) override { return Step::failed(Cause::kNoAnswer); }
+  Step on_silence(Bytes&) override { return Step::failed(Cause::kNoResponse); }
   const Reply& reply() const override { return reply_; }
 
  private:
@@ -197,7 +197,7 @@ class HostLinkIdentity final : public Exchange {
     if (all.size() > kMostReceived) return give_up(Cause::kOverlong);
     for (;;) {
       const ParseResult parsed = omron::first_frame(all);
-      if (parsed.kind == ParseResult::Kind::kNothing) return Step::need_answer();
+      if (parsed.kind == ParseResult::Kind::kNothing) return Step::need_response();
       if (parsed.kind == ParseResult::Kind::kOpen) return Step::need_rest(1);
       if (parsed.kind == ParseResult::Kind::kFrame && parsed.last) {
         const Step step = take(parsed.text, out);
@@ -207,28 +207,28 @@ class HostLinkIdentity final : public Exchange {
     }
   }
 
-  Step on_silence(Bytes&) override { return give_up(Cause::kNoAnswer); }
+  Step on_silence(Bytes&) override { return give_up(Cause::kNoResponse); }
   const Reply& reply() const override { return reply_; }
 
  private:
   // Processes a frame with a valid FCS of any unit.
   Step take(ByteView text, Bytes& out) {
     if (text.size() < omron::kHeadSize || read_digits(text.subspan(1, 2), 10) != unit_)
-      return Step::need_answer();
+      return Step::need_response();
     const std::string header(text.begin() + 3, text.begin() + omron::kHeadSize);
     const ByteView rest = text.subspan(omron::kHeadSize);
     if (header == "IC") return give_up(Cause::kDeviceError, 0x16);
-    if (text_.empty()) return header == "MM" ? take_model(rest, out) : Step::need_answer();
-    return header == "FA" ? take_cpu_data(rest) : Step::need_answer();
+    if (text_.empty()) return header == "MM" ? take_model(rest, out) : Step::need_response();
+    return header == "FA" ? take_cpu_data(rest) : Step::need_response();
   }
 
   // ee cc
   Step take_model(ByteView rest, Bytes& out) {
     const auto end = rest.size() >= 2 ? read_digits(rest.first(2)) : std::nullopt;
-    if (!end) return Step::need_answer();
+    if (!end) return Step::need_response();
     if (*end != 0) return give_up(Cause::kDeviceError, static_cast<std::uint16_t>(*end));
     const auto code = rest.size() == 4 ? read_digits(rest.last(2)) : std::nullopt;
-    if (!code) return Step::need_answer();
+    if (!code) return Step::need_response();
     text_ = hostlink_model_text(static_cast<std::uint8_t>(*code));
     if (*code != kFinsModel) return done();
     omron::append_head(out, unit_, "FA");
@@ -241,11 +241,11 @@ class HostLinkIdentity final : public Exchange {
   // ee, then the message as digits
   Step take_cpu_data(ByteView rest) {
     const auto bytes = read_hex_bytes(rest);
-    if (!bytes || bytes->empty()) return Step::need_answer();
+    if (!bytes || bytes->empty()) return Step::need_response();
     const ByteView message = ByteView(*bytes).subspan(1);
     if (bytes->front() != 0 || message.size() < kTextAt + kTextSize) return done();
     if (message[3] != kReadCpuData[3] || read_u16(message, kCommandAt) != 0x0501)
-      return Step::need_answer();
+      return Step::need_response();
     // Bits 6 and 7 only report CPU errors.
     if ((read_u16(message, kEndAt) & 0xFF3F) != 0) return done();
     add(field_text(message.subspan(kTextAt, kTextSize)));

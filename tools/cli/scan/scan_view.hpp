@@ -30,7 +30,7 @@ namespace fieldcast::cli {
                                                      const Scanner& scanner, bool serial,
                                                      Duration timeout);
 // {"port", "protocol", "baud", "format", "address", "answer", "device_code", "answer_time",
-// "identity", "sunspec" (only if it has SunSpec models: sunspec_json())}; answer_time in
+// "identity", "sunspec" (only if it has SunSpec models: sunspec_json())}; response_time in
 // nanoseconds.
 [[nodiscard]] Json found_json(const std::string& port, const ScanLine& line, const ScanFound& found,
                               bool serial);

@@ -61,7 +61,7 @@ void SunSpecWalk::answered(ByteView registers) {
 
 void SunSpecWalk::failed(Cause cause) {
   const bool refused = cause == Cause::kDeviceError || cause == Cause::kUnsupported;
-  const bool silent_marker = phase_ == Phase::kMarker && cause == Cause::kNoAnswer;
+  const bool silent_marker = phase_ == Phase::kMarker && cause == Cause::kNoResponse;
   if (!refused && !silent_marker && ++tries_ < kMostTries) return;
   tries_ = 0;
   if (phase_ == Phase::kMarker) {

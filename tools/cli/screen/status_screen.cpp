@@ -112,7 +112,7 @@ StatusCells bus_cells(const StationBusStatus& bus) {
 StatusCells device_cells(const StationDeviceStatus& device) {
   StatusCells cells;
   cells.state = {std::string(to_text(device.report.state)), tone_of(device.report.state)};
-  cells.load = milliseconds_text(device.report.answer_time);
+  cells.load = milliseconds_text(device.report.response_time);
   cells.exchanges = std::to_string(device.report.exchanges);
   cells.failed = std::to_string(device.report.failures);
   cells.missed = std::to_string(device.report.deadline_misses);

@@ -23,7 +23,7 @@ enum class ExitCode : int {
   kRejected = 5,
   kFailed = 6,         // a command failed on the wire or in the device
   kExpired = 7,        // a command expired
-  kNoAnswer = 8,       // no result within the timeout
+  kNoResponse = 8,     // no result within the timeout
   kTrouble = 9,        // a fault of the machine: DDS cannot start, the output is closed
   kInterrupted = 130,  // Ctrl-C
 };

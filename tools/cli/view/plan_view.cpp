@@ -94,7 +94,7 @@ std::string verdict(const BusPlan& plan) {
       : prediction.narrow ? "TOO NARROW"
                           : "NOT FEASIBLE",
       load_text(prediction.planned_load), prediction.reads, to_text(rounded(prediction.horizon)),
-      prediction.missed, to_text(plan.answer_time));
+      prediction.missed, to_text(plan.response_time));
 }
 
 // "uint32, low word first": the type, and its order if it has one.
@@ -237,7 +237,7 @@ Json plan_json(const BusPlan& plan) {
           {"horizon", prediction.horizon.count()},
           {"reads", prediction.reads},
           {"missed", prediction.missed},
-          {"answer_time", plan.answer_time.count()},
+          {"answer_time", plan.response_time.count()},
           {"channels", channels},
           {"blocks", blocks},
           {"plan", read_plan_json(plan)},

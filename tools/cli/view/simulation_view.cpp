@@ -206,8 +206,8 @@ Json simulation_json(const BusSimulation& simulation) {
                        {"exchanges", device.exchanges},
                        {"failures", device.failures},
                        {"retries", device.retries},
-                       {"answer_time", device.answer_time.count()},
-                       {"answer_spread", device.answer_spread.count()}});
+                       {"answer_time", device.response_time.count()},
+                       {"answer_spread", device.response_spread.count()}});
   }
   return {{"bus", simulation.plan->bus->name},
           {"simulated", simulation.options.length.count()},

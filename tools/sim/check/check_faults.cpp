@@ -185,7 +185,7 @@ void refusals(const Subject& subject, const Requests& requests, CheckRows& rows)
         });
     const bool refused =
         each || outcome.cause == Cause::kDeviceError || outcome.cause == Cause::kDeviceBusy;
-    (silent ? outcome.cause == Cause::kNoAnswer : refused)
+    (silent ? outcome.cause == Cause::kNoResponse : refused)
         ? row.pass()
         : row.fail(fmt::format("{}: {}", example.name, outcome.text()), frames(outcome.answers));
   }
@@ -200,7 +200,7 @@ void silence(const Subject& subject, const Requests& requests, CheckRows& rows) 
   std::uint16_t sequence = 0;
   for (const NamedRequest& example : requests.examples()) {
     const RunOutcome outcome = live.run(requests.protocol().begin(example.request, {++sequence}));
-    outcome.cause == Cause::kNoAnswer && !outcome.done
+    outcome.cause == Cause::kNoResponse && !outcome.done
         ? row.pass()
         : row.fail(fmt::format("{}: {}", example.name, outcome.text()), frames(outcome.sent));
   }

@@ -47,7 +47,7 @@ std::vector<Slot> Requests::places(AreaIndex area) const {
   for (const declared::Place& place : declaration.areas[area].places) {
     Slot slot{{area, place.first, place.items}, 16, place.bits, place.is_signed};
     for (const declared::Operation& operation : declaration.operations) {
-      if (operation.area == area && !operation.write) describe(operation.answer, slot);
+      if (operation.area == area && !operation.write) describe(operation.response, slot);
     }
     slots.push_back(slot);
   }

@@ -131,7 +131,7 @@ Bytes DeclaredDevice::execute(const Operation& operation, DeclaredText text, Ins
   if (operation.write) store(operation, text);
   fill(operation, now, text);
   ++statistics_.answers;
-  return say(operation.answer, declaration_->areas[operation.area].item_bits, text);
+  return say(operation.response, declaration_->areas[operation.area].item_bits, text);
 }
 
 void DeclaredDevice::store(const Operation& operation, const DeclaredText& text) {
@@ -169,7 +169,7 @@ void DeclaredDevice::fill(const Operation& operation, Instant now, DeclaredText&
     }
     return;
   }
-  for (const Field& field : operation.answer.fields) {
+  for (const Field& field : operation.response.fields) {
     if (field.kind != FieldKind::kValue) continue;
     std::uint64_t number = 0;
     std::string characters;

@@ -23,8 +23,8 @@ std::string areas_json(const std::vector<AreaReport>& areas) {
   return json_array(areas, [](std::string& out, const AreaReport& area) {
     out += JsonObject()
                .add("area", area.area)
-               .add("answer_time_ms", milliseconds(area.answer_time))
-               .add("answer_spread_ms", milliseconds(area.answer_spread))
+               .add("answer_time_ms", milliseconds(area.response_time))
+               .add("answer_spread_ms", milliseconds(area.response_spread))
                .add("largest_block", area.largest_block)
                .add("longest_block", area.longest_block)
                .take();
@@ -140,8 +140,8 @@ std::string device_json(const StationDeviceStatus& device) {
       .add("failures", report.failures)
       .add("retries", report.retries)
       .add("deadline_misses", report.deadline_misses)
-      .add("answer_time_ms", milliseconds(report.answer_time))
-      .add("answer_spread_ms", milliseconds(report.answer_spread))
+      .add("answer_time_ms", milliseconds(report.response_time))
+      .add("answer_spread_ms", milliseconds(report.response_spread))
       .add("timeout_ms", milliseconds(report.timeout))
       .add("pause_ms", milliseconds(report.pause))
       .add_json("areas", areas_json(report.areas))

@@ -29,7 +29,7 @@ using Value = std::variant<bool, std::int64_t, std::uint64_t, double, std::strin
 enum class Quality : std::uint8_t {
   kGood,
   kUncertain,         ///< older than its refresh promises
-  kBadNoAnswer,       ///< the device does not respond, or its port is closed
+  kBadNoResponse,     ///< the device does not respond, or its port is closed
   kBadFrame,          ///< responses arrive damaged
   kBadDeviceError,    ///< the device refused; Sample::device_code holds its code
   kBadRange,          ///< the raw value has no meaning in the type of the channel

@@ -30,7 +30,7 @@ TEST(Bucket, CountsGoodNumbersAndHowManySamplesWereNot) {
   Bucket bucket;
   EXPECT_TRUE(bucket.empty());
   EXPECT_FALSE(bucket.average());
-  bucket.add(Quality::kBadNoAnswer, 900.0);
+  bucket.add(Quality::kBadNoResponse, 900.0);
   EXPECT_FALSE(bucket.empty());
   EXPECT_FALSE(bucket.average()) << "no sample is good";
   for (const double value : {3.0, -1.0, 4.0}) bucket.add(Quality::kGood, value);
@@ -63,7 +63,7 @@ TEST(Bucket, OfPartsIsTheBucketOfTheWhole) {
     for (int i = 0; i < 50; ++i) {
       // integers, so that sums are exact
       const auto value = static_cast<std::int64_t>(random() % 100) - 50;
-      const Quality quality = random() % 4 == 0 ? Quality::kBadNoAnswer : Quality::kGood;
+      const Quality quality = random() % 4 == 0 ? Quality::kBadNoResponse : Quality::kGood;
       whole.add(quality, value);
       part.add(quality, value);
       if (random() % 5 != 0) continue;

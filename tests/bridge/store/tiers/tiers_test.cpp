@@ -80,7 +80,7 @@ void writes_a_minute_when_it_is_closed(const StoreAddress& address) {
   const std::int64_t channel = recorder.channel("closed");
   recorder.store(channel, 1, 3.0);
   recorder.store(channel, 30, std::int64_t{-1});
-  recorder.store(channel, 59, 4.0, Quality::kBadNoAnswer);
+  recorder.store(channel, 59, 4.0, Quality::kBadNoResponse);
   recorder.write_tiers(at_second(64));
   EXPECT_THAT(rows(recorder.connection(), kMinute, channel), IsEmpty());
   recorder.write_tiers(at_second(65));

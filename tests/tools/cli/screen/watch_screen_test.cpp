@@ -19,7 +19,7 @@ class WatchScreenTest : public testing::Test {
   WatchScreenTest() {
     add("press", "p1", "pressure", 12.5, Quality::kGood);
     add("press", "p1", "setpoint", 21.5, Quality::kGood, Access::kReadWrite);
-    add("press", "p2", "count", 7.0, Quality::kBadNoAnswer);
+    add("press", "p2", "count", 7.0, Quality::kBadNoResponse);
     add("a-line", "d", "level", 3.0, Quality::kGood);
   }
 

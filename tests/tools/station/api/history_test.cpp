@@ -71,7 +71,7 @@ TEST_F(HistoryApiTest, BadSamplesAreCountedAndGiveNoNumber) {
     const SampleRow row{.channel = *number,
                         .published_at = utc(1),
                         .sequence = 1,
-                        .quality = Quality::kBadNoAnswer,
+                        .quality = Quality::kBadNoResponse,
                         .value = 7.0};
     to.put(std::span(&row, 1));
   });

@@ -30,7 +30,7 @@ struct FrameWriter : ::testing::Test {
 
 TEST_F(FrameWriter, ColumnsStandSideBySide) {
   add("a", 21.5, 5'000);
-  add("b", true, 3'000, Quality::kBadNoAnswer);
+  add("b", true, 3'000, Quality::kBadNoResponse);
   const std::string frame = binary_frame(all());
   ASSERT_EQ(frame.size(), kFrameHeader + 2 * kFrameRow);
   EXPECT_EQ(at<std::uint32_t>(frame, 0), 1u);      // kind, zeros

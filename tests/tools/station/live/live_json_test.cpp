@@ -48,7 +48,7 @@ TEST(LiveJson, HostileCausesStayKeys) {
 
 TEST(LiveJson, ADeviceReportsWhatWasLearnedInMilliseconds) {
   StationDeviceStatus device = device_of("press", 1);
-  device.report.answer_time = std::chrono::microseconds{1500};
+  device.report.response_time = std::chrono::microseconds{1500};
   device.report.areas.push_back({"holding", std::chrono::milliseconds{2}, {}, 60, 0});
   device.report.refused = {"holding:107"};
   const Json json = Json::parse(device_json(device));

@@ -102,7 +102,7 @@ TEST_F(RecorderTest, TheLastValueThatComesAgainIsRecordedOnce) {
 
 TEST_F(RecorderTest, ARestartedRecorderKnowsWhatItsStoreHas) {
   StationSample stale = sample_of("east", "p", 1, 42);
-  stale.quality = Quality::kBadNoAnswer;
+  stale.quality = Quality::kBadNoResponse;
   start();
   recorder_->on_sample(sample_of("east", "p", 1, 41), utc(1));
   recorder_->on_sample(stale, utc(9));

@@ -25,7 +25,7 @@ TEST(SampleStamp, TheSameSampleOnceMoreIsNone) {
   SampleStamp stamp;
   EXPECT_TRUE(stamp.next(reading(1, 7), at(1.2), 0ns, true));
   EXPECT_FALSE(stamp.next(reading(1, 7), at(9), 0ns, true));
-  EXPECT_TRUE(stamp.next(reading(1, 8, Quality::kBadNoAnswer), at(9), 0ns, false));
+  EXPECT_TRUE(stamp.next(reading(1, 8, Quality::kBadNoResponse), at(9), 0ns, false));
 }
 
 TEST(SampleStamp, ASequenceThatRestartsIsNotARepetition) {
@@ -37,12 +37,12 @@ TEST(SampleStamp, ASequenceThatRestartsIsNotARepetition) {
 
 TEST(SampleStamp, ABadSampleCountsFromItsArrivalByTheClockOfItsBridge) {
   SampleStamp stamp;
-  EXPECT_EQ(stamp.next(reading(1, 1, Quality::kBadNoAnswer), at(31.2), 30s, true), at(1.2));
+  EXPECT_EQ(stamp.next(reading(1, 1, Quality::kBadNoResponse), at(31.2), 30s, true), at(1.2));
 }
 
 TEST(SampleStamp, OrderIsKeptWhereADelayOnTheWayWouldTurnItRound) {
   SampleStamp stamp;
-  EXPECT_EQ(stamp.next(reading(1, 1, Quality::kBadNoAnswer), at(5.5), 0ns, true), at(5.5));
+  EXPECT_EQ(stamp.next(reading(1, 1, Quality::kBadNoResponse), at(5.5), 0ns, true), at(5.5));
   EXPECT_EQ(stamp.next(reading(5.4, 2), at(5.6), 0ns, false), (UtcTime{at(5.5).nanoseconds + 1}));
   EXPECT_EQ(stamp.next(reading(6, 3), at(6.1), 0ns, false), at(6));
 }
@@ -84,7 +84,7 @@ TEST(SampleStamp, TimesAtTheEndsOf64BitsAreNotBelieved) {
 
 TEST(SampleStamp, AClockOfThisMachineAtTheEndOf64BitsDoesNotWrap) {
   SampleStamp stamp;
-  const StationSample bad{.quality = Quality::kBadNoAnswer, .acquired_at = {}, .sequence = 1};
+  const StationSample bad{.quality = Quality::kBadNoResponse, .acquired_at = {}, .sequence = 1};
   EXPECT_EQ(stamp.next(bad, {INT64_MAX}, -10s, true), UtcTime{INT64_MAX});
   EXPECT_EQ(stamp.next({.sequence = 2}, {INT64_MAX}, 0ns, false), UtcTime{INT64_MAX});
 }

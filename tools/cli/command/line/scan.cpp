@@ -266,7 +266,7 @@ class Scan {
 void explain_broken(const Scanner& scanner, bool serial, std::ostream& err) {
   for (const ScanBroken& broken : scanner.broken())
     err << "address " << broken.address << ", " << line_text(scanner.lines()[broken.line], serial)
-        << ": bytes arrive that are not a valid response; " << broken_answer_text(broken.shape)
+        << ": bytes arrive that are not a valid response; " << broken_response_text(broken.shape)
         << '\n';
 }
 

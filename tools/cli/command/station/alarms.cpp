@@ -118,7 +118,7 @@ std::vector<AlarmAction> actions_of(const AlarmsOptions& options, const std::str
 
 ExitCode code_of(const StationOutcome& outcome) {
   if (outcome) return exit_code_of(outcome->state);
-  return outcome.error() == StationFault::kNoBridge ? ExitCode::kNoBridge : ExitCode::kNoAnswer;
+  return outcome.error() == StationFault::kNoBridge ? ExitCode::kNoBridge : ExitCode::kNoResponse;
 }
 
 Json outcome_json(const AlarmAction& action, const StationOutcome& outcome) {

@@ -145,14 +145,14 @@ ExitCode take(const StandbyOptions& options, StandbyWatch& members, const GiveUp
       !members.until(taken, instant_now() + kTakeLimit, give_up)) {
     to.err << fmt::format("fieldcast standby: {} did not hand over; its log says why\n",
                           old.empty() ? "the group has no master, and" : old);
-    return ExitCode::kNoAnswer;
+    return ExitCode::kNoResponse;
   }
   to.out << fmt::format("{} is master of group {}\n", now, request->group);
   return ExitCode::kOk;
 }
 
 // Returns kNoBridge if no member reported. For `take`: returns kNothing for an unknown name,
-// kRejected if it is not ready, kNoAnswer if nothing changed.
+// kRejected if it is not ready, kNoResponse if nothing changed.
 ExitCode standby(const StandbyOptions& options, const Connection& connection, Interrupt& interrupt,
                  const Streams& to) {
   StandbyWatch members(connection);

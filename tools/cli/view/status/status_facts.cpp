@@ -86,7 +86,7 @@ std::string misses_text(std::uint64_t count, const CauseCounts& misses) {
 
 std::string area_text(const AreaReport& area) {
   std::string text = fmt::format("{}: responds in {}, blocks to {} items so far", area.area,
-                                 milliseconds_text(area.answer_time), area.largest_block);
+                                 milliseconds_text(area.response_time), area.largest_block);
   if (area.longest_block != 0) text += fmt::format("; it accepts {} at most", area.longest_block);
   return text;
 }
@@ -150,10 +150,10 @@ std::vector<StatusFact> device_facts(const StationDeviceStatus& device,
   const DeviceReport& report = device.report;
   std::vector<StatusFact> facts{
       {"state", device_words(device, bus), tone_of(report.state)},
-      {"times",
-       fmt::format("responds in {}, spread {}; timeout {}; pause after responses {}",
-                   milliseconds_text(report.answer_time), milliseconds_text(report.answer_spread),
-                   milliseconds_text(report.timeout), milliseconds_text(report.pause))},
+      {"times", fmt::format("responds in {}, spread {}; timeout {}; pause after responses {}",
+                            milliseconds_text(report.response_time),
+                            milliseconds_text(report.response_spread),
+                            milliseconds_text(report.timeout), milliseconds_text(report.pause))},
       {"so far",
        fmt::format("{}, {} failed, {} tried again; {} missed",
                    times(report.exchanges, "exchange", "exchanges"), report.failures,

@@ -108,7 +108,7 @@ TextTable device_table(const std::vector<const DeviceEntry*>& devices) {
     table.add_row(
         {{"  " + entry->first.first + '/' + entry->first.second},
          {std::string(to_text(report.state)), tone_of(report.state)},
-         {milliseconds_text(report.answer_time)},
+         {milliseconds_text(report.response_time)},
          {milliseconds_text(report.timeout)},
          {std::to_string(report.exchanges)},
          {std::to_string(report.failures), report.failures == 0 ? Tone::kPlain : Tone::kWarning},
@@ -207,8 +207,8 @@ Json status_json(const StationDeviceStatus& status) {
   Json areas = Json::array();
   for (const AreaReport& area : report.areas)
     areas.push_back({{"area", area.area},
-                     {"answer_time", area.answer_time.count()},
-                     {"answer_spread", area.answer_spread.count()},
+                     {"answer_time", area.response_time.count()},
+                     {"answer_spread", area.response_spread.count()},
                      {"largest_block", area.largest_block},
                      {"longest_block", area.longest_block}});
   return {{"topic", "DeviceStatus"},
@@ -219,8 +219,8 @@ Json status_json(const StationDeviceStatus& status) {
           {"failures", report.failures},
           {"retries", report.retries},
           {"deadline_misses", report.deadline_misses},
-          {"answer_time", report.answer_time.count()},
-          {"answer_spread", report.answer_spread.count()},
+          {"answer_time", report.response_time.count()},
+          {"answer_spread", report.response_spread.count()},
           {"timeout", report.timeout.count()},
           {"pause", report.pause.count()},
           {"areas", areas},

@@ -21,7 +21,7 @@ constexpr std::string_view kLineSettings =
     "bytes arrive that are not responses: check baud rate, parity and stop bits, and for a second "
     "device of this address; the bridge's log says what the bytes look like";
 constexpr std::array kAdvice{
-    Advice{Cause::kNoAnswer, "look at its power, its cable, its address and the baud rate"},
+    Advice{Cause::kNoResponse, "look at its power, its cable, its address and the baud rate"},
     Advice{Cause::kTruncated, kLineSettings},
     Advice{Cause::kChecksum, kLineSettings},
     Advice{Cause::kMalformed, kLineSettings},
@@ -71,7 +71,7 @@ std::string_view quality_words(Quality quality) {
     case Quality::kGood: return "the device gave this value, and its refresh is kept";
     case Quality::kUncertain:
       return "the value was good once and is old now; nothing is known to be broken";
-    case Quality::kBadNoAnswer:
+    case Quality::kBadNoResponse:
       return "the device, or the way to it, is silent: look at power, cable, address and port";
     case Quality::kBadFrame:
       return "bytes arrive that are not a valid response: check parity, baud rate, wiring, and for "
