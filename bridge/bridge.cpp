@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <thread>
-
 #include "bridge/base/check.hpp"
 #include "bridge/base/clock.hpp"
 #include "bridge/dds/library/library.hpp"
@@ -53,7 +51,10 @@ void Bridge::stop() {
     serving = membership_ && membership_->is_serving();
   }
   // Without the lock, so that the thread of roles can release the buses.
-  if (serving) handed_over = membership_->hand_over_before_stop();
+  if (serving)
+    handed_over = membership_->hand_over_before_stop();
+  else if (handed_over)
+    membership_->finish_pause();
   {
     const std::lock_guard lock(changing_);
     stop_all(Modules::kLetGo, handed_over ? DdsLink::Leave::kHandOver : DdsLink::Leave::kDispose);
@@ -159,7 +160,6 @@ bool Bridge::follow_role() {
 // Restarts everything without disposing the instances that another bridge now serves.
 void Bridge::restart_as_standby() {
   const BridgeSpec same = spec_;
-  if (link_ && commands_.is_handing_over()) std::this_thread::sleep_for(Membership::kAfterHandOver);
   stop_all(Modules::kKeep, DdsLink::Leave::kHandOver);
   commands_.handed_over();
   const auto started = start_all(same, Modules::kKeep, [this] { return leaving_.load(); });
@@ -167,6 +167,11 @@ void Bridge::restart_as_standby() {
 }
 
 tl::expected<Bridge::Reloaded, std::string> Bridge::reload(const BridgeSpec& wanted) {
+  // If another bridge has just taken over, the thread of roles restarts this one first.
+  (void)roles_.wait_until(steady_now() + 2 * HandOverPause::kLength, [this] {
+    const std::lock_guard lock(changing_);
+    return !membership_ || !membership_->is_pausing();
+  });
   const std::lock_guard lock(changing_);
   const auto done = [](const Started& result) { return result.map([] { return Reloaded{}; }); };
   // An earlier reload failed, and the previous configuration could not be restored.

@@ -91,6 +91,7 @@ BusGuard::Handlers Bridge::guard_handlers() {
   handlers.changed = [this](const std::set<std::string>& uncontested) {
     const std::unique_lock lock(changing_, std::try_to_lock);
     if (!lock) return false;  // the main thread stops or reloads
+    if (membership_ && membership_->is_pausing()) return false;
     buses_->follow_guard(uncontested);
     return true;
   };

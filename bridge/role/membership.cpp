@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <thread>
 
 #include "bridge/base/clock.hpp"
 #include "bridge/dds/endpoints/standby_channel.hpp"
@@ -131,8 +130,14 @@ bool Membership::hand_over_before_stop() {
         const StandbyGroup::View view = group_->view();
         return view.role == StandbyRole::kWaiting && view.master.has_value();
       });
-  if (replaced) std::this_thread::sleep_for(kAfterHandOver);
+  if (replaced) pause_.begin(steady_now());
+  finish_pause();
   return replaced;
+}
+
+void Membership::finish_pause() {
+  const Instant now = steady_now();
+  (void)uses_.roles.wait_until(now + pause_.left(now), [] { return false; });
 }
 
 Membership::Next Membership::follow_role(bool leaving) {
@@ -150,7 +155,9 @@ Membership::Next Membership::follow_role(bool leaving) {
     uses_.buses.stop_runners();
     serves_.reset();
   } else if (commands.is_handing_over() && role != StandbyRole::kReleased && !leaving) {
-    return Next::kRestart;
+    const Instant now = steady_now();
+    pause_.begin(now);
+    return pause_.left(now) > Duration::zero() ? Next::kSoon : Next::kRestart;
   } else if (role == StandbyRole::kMaster && serves_ && group_->term() != *serves_) {
     remain_master();
   }

@@ -17,6 +17,7 @@
 #include "bridge/metrics/metrics_snapshot.hpp"
 #include "bridge/standby/bus_guard.hpp"
 #include "bridge/standby/election.hpp"
+#include "bridge/standby/hand_over_pause.hpp"
 #include "bridge/standby/master_lease.hpp"
 #include "bridge/standby/role_thread.hpp"
 #include "bridge/standby/standby_group.hpp"
@@ -29,9 +30,6 @@ class StandbyFollower;
 
 class Membership {
  public:
-  // Delay after the handover, so that the successor has written everything before this one leaves.
-  static constexpr Duration kAfterHandOver = std::chrono::milliseconds{500};
-
   // All outlive this object.
   struct Uses {
     DdsLink& link;
@@ -75,6 +73,10 @@ class Membership {
   // Hands over and waits for the successor, while the thread of roles continues. Returns false if
   // no other bridge takes over.
   [[nodiscard]] bool hand_over_before_stop();
+  // Returns true between a hand-over and the restart that follows. REQUIRES: the bridge's lock.
+  [[nodiscard]] bool is_pausing() const { return pause_.has_begun(); }
+  // Waits for the end of a pause that has begun. REQUIRES: follow_role() does not restart any more.
+  void finish_pause();
   // Announces the end. Destroy this object when the link is closed.
   [[nodiscard]] Memory leave();
 
@@ -102,6 +104,7 @@ class Membership {
   std::optional<StandbyTerm> serves_;
   // Why it must not become master: a bridge of the same name was first; empty if none.
   std::string shadowed_ = "it has not looked";
+  HandOverPause pause_;
   std::unique_ptr<StandbyGroup> group_;  // outlives the endpoints
   std::unique_ptr<StandbyChannel> channel_;
   std::mutex follower_mutex_;                  // guards the creation and the end of the follower
