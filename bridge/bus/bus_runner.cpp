@@ -16,7 +16,6 @@
 #include "bridge/bus/iconv_codec.hpp"
 #include "bridge/bus/runner_timing.hpp"
 #include "bridge/bus/wire_record.hpp"
-#include "bridge/log/log.hpp"
 #include "bridge/log/notice_log.hpp"
 #include "bridge/port/device_watch.hpp"
 #include "bridge/port/port.hpp"

@@ -2,8 +2,6 @@
 
 #include <iconv.h>
 
-#include <cerrno>
-
 #include "core/base/message_text.hpp"
 
 namespace fieldcast {

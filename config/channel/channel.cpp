@@ -6,7 +6,6 @@
 #include "config/channel/channel_keys.hpp"
 #include "config/channel/channel_limits.hpp"
 #include "config/document/common_forms.hpp"
-#include "config/document/limits.hpp"
 #include "config/document/scalars.hpp"
 #include "core/model/fit.hpp"
 

@@ -4,7 +4,6 @@
 
 #include "config/declaration/declared_frame.hpp"
 #include "config/document/common_forms.hpp"
-#include "config/document/limits.hpp"
 #include "config/document/scalars.hpp"
 
 namespace fieldcast::config {

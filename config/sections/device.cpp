@@ -9,7 +9,6 @@
 #include "config/document/scalars.hpp"
 #include "config/sections/bus_keys.hpp"
 #include "config/sections/port.hpp"
-#include "config/sections/program.hpp"
 #include "core/model/bus_spec.hpp"
 
 namespace fieldcast::config {

@@ -1,7 +1,5 @@
 #include "core/frame/line.hpp"
 
-#include <algorithm>
-
 namespace fieldcast {
 
 Duration silence_of(const SilenceRule& rule, const LineFormat& line) {

@@ -18,6 +18,24 @@ namespace fieldcast {
   return std::ranges::all_of(bytes, is_turnaround) ? Cause::kNoResponse : Cause::kMalformed;
 }
 
+// Findings of a search that has not found the response.
+struct SearchFaults {
+  bool truncated = false;  // an incomplete frame of the polled device
+  bool cut = false;        // as `truncated`, but within noise
+  bool mismatch = false, foreign = false, broken = false;
+  std::size_t noise = 0;  // bytes
+
+  // The most specific cause for the polled device.
+  [[nodiscard]] Cause cause() const {
+    if (mismatch) return Cause::kMalformed;
+    if (truncated) return Cause::kTruncated;
+    if (broken) return Cause::kChecksum;
+    if (cut) return Cause::kTruncated;
+    if (foreign) return Cause::kForeign;
+    return noise > 0 ? Cause::kMalformed : Cause::kNoResponse;
+  }
+};
+
 // Packs bits of one byte each into eight per byte, from the least significant; unused bits are 0.
 inline void append_bits(Bytes& out, ByteView bits) {
   for (std::size_t i = 0; i < bits.size(); ++i) {

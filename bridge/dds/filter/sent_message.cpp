@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <optional>
-#include <utility>
 
 #include "bridge/base/check.hpp"
 #include "bridge/dds/guard/rtps_message.hpp"

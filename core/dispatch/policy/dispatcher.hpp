@@ -30,10 +30,9 @@ class CyclicDispatcher {
   std::vector<std::size_t> walk_;  // scratch of delays_another()
 };
 
-// For comparison: reads up to twenty of the most urgent groups, then selects again.
-class DynamicBlocksDispatcher {
+// Common part of the dispatchers without a timetable, for planners that only serve comparison.
+class LookAheadDispatcher {
  public:
-  [[nodiscard]] Decision next(const ReadPlan& plan, DispatchState& state, Instant now);
   [[nodiscard]] Duration slack(const ReadPlan& plan, const DispatchState& state, Instant now) {
     if (state.queues.due.empty()) return Duration::max();
     return std::max(Duration::zero(), look_ahead_.rest(plan, state, now));
@@ -45,35 +44,29 @@ class DynamicBlocksDispatcher {
   void renew(const DispatchState&, const GroupState&, PointState& point, Instant acquired) const {
     LookAhead::renew(point, acquired);
   }
+
+ protected:
+  LookAhead look_ahead_;
+};
+
+// Reads up to twenty of the most urgent groups, then selects again.
+class DynamicBlocksDispatcher : public LookAheadDispatcher {
+ public:
+  [[nodiscard]] Decision next(const ReadPlan& plan, DispatchState& state, Instant now);
   void forget() { batch_.clear(); }
 
  private:
   void fill(const ReadPlan& plan, DispatchState& state, Instant now);
 
   static constexpr std::size_t kMostBatch = 20;
-  LookAhead look_ahead_;
   std::vector<Block> batch_;  // last first
 };
 
-// Earliest due first, without a timetable. For planners that only serve comparison.
-class EarliestDueDispatcher {
+// Earliest due first.
+class EarliestDueDispatcher : public LookAheadDispatcher {
  public:
   [[nodiscard]] Decision next(const ReadPlan& plan, DispatchState& state, Instant now);
-  [[nodiscard]] Duration slack(const ReadPlan& plan, const DispatchState& state, Instant now) {
-    if (state.queues.due.empty()) return Duration::max();
-    return std::max(Duration::zero(), look_ahead_.rest(plan, state, now));
-  }
-  void enqueue(const ReadPlan& plan, DispatchState& state, GroupIndex group, Instant due,
-               Instant now) {
-    look_ahead_.enqueue(plan, state, group, due, now);
-  }
-  void renew(const DispatchState&, const GroupState&, PointState& point, Instant acquired) const {
-    LookAhead::renew(point, acquired);
-  }
   void forget() {}
-
- private:
-  LookAhead look_ahead_;
 };
 
 // For a bus without periods: always selects the group with the least time left. Stateless.

@@ -42,7 +42,7 @@ class Search {
   void run() {
     while (at_ < all_.size() && !found) parse_here();
     if (found) return;
-    if (noise_ >= expected_ || broken_)
+    if (faults_.noise >= expected_ || faults_.broken)
       // As many broken bytes as a response has: a valid one follows immediately, or not at all.
       begun = true;
   }
@@ -53,15 +53,7 @@ class Search {
   bool begun = false;
   std::size_t missing = 0;
 
-  // The most specific cause for the polled device.
-  [[nodiscard]] Cause cause() const {
-    if (mismatch_) return Cause::kMalformed;
-    if (truncated_) return Cause::kTruncated;
-    if (broken_) return Cause::kChecksum;
-    if (cut_) return Cause::kTruncated;
-    if (foreign_) return Cause::kForeign;
-    return noise_ > 0 ? Cause::kMalformed : Cause::kNoResponse;
-  }
+  [[nodiscard]] Cause cause() const { return faults_.cause(); }
 
  private:
   void parse_here() {
@@ -69,7 +61,7 @@ class Search {
     if (!declaration_.refusal.fields.empty() && try_frame(declaration_.refusal, refused_, 0, true))
       return;
     if (boundary_ && try_others()) return;
-    if (!is_turnaround(all_[at_])) boundary_ = false, ++noise_;
+    if (!is_turnaround(all_[at_])) boundary_ = false, ++faults_.noise;
     ++at_;
   }
 
@@ -103,7 +95,7 @@ class Search {
       return false;
     }
     if (result.bad_check) {
-      broken_ = broken_ || ours;
+      faults_.broken = faults_.broken || ours;
       return false;
     }
     if (ours) {
@@ -113,10 +105,10 @@ class Search {
       return true;
     }
     if (!result.checked) {  // without a checksum it may not be a frame
-      mismatch_ = mismatch_ || (boundary_ && !result.foreign);
+      faults_.mismatch = faults_.mismatch || (boundary_ && !result.foreign);
       return false;
     }
-    (result.foreign || !mine ? foreign_ : mismatch_) = true;
+    (result.foreign || !mine ? faults_.foreign : faults_.mismatch) = true;
     at_ += result.size;
     boundary_ = true;
     return true;
@@ -131,9 +123,9 @@ class Search {
     begun = true;
     held_ = held_ || boundary_;
     if (!ours)
-      foreign_ = true;
+      faults_.foreign = true;
     else
-      (boundary_ ? truncated_ : cut_) = true;
+      (boundary_ ? faults_.truncated : faults_.cut) = true;
   }
 
   const ByteView all_;
@@ -144,10 +136,9 @@ class Search {
   std::size_t record_items_ = 0;
   std::size_t expected_ = 0;
   std::size_t at_ = 0;
-  std::size_t noise_ = 0;
+  SearchFaults faults_;
   bool boundary_ = true;
-  bool held_ = false, truncated_ = false, cut_ = false, mismatch_ = false, foreign_ = false,
-       broken_ = false;
+  bool held_ = false;
 };
 
 }  // namespace

@@ -35,9 +35,9 @@ class RtuSearch {
     while (at_ < all_.size() && result_.pdu.empty() && result_.fallback.empty()) examine();
     if (!result_.pdu.empty()) return result_;
     // As many broken bytes as a response has: a valid one follows immediately, or not at all.
-    const bool spoilt = broken_ || noise_ >= expected_;
+    const bool spoilt = faults_.broken || faults_.noise >= expected_;
     if (begun_ || spoilt) result_.kind = ParseResult::Kind::kBegun;
-    result_.cause = cause();
+    result_.cause = faults_.cause();
     return result_;
   }
 
@@ -54,11 +54,11 @@ class RtuSearch {
       return whole(bytes.first(length), mine);
     // A wrong byte count in an otherwise valid frame.
     if (mine && bytes.size() >= expected_ && ends_with_crc16(bytes.first(expected_)))
-      return skip(expected_, mismatch_);
+      return skip(expected_, faults_.mismatch);
     if (bytes.size() < length) {
       if (mine || at_boundary_) begin(bytes, length, mine);
     } else if (mine || at_boundary_) {
-      broken_ = true;
+      faults_.broken = true;
     }
     slide();
   }
@@ -85,7 +85,7 @@ class RtuSearch {
       }
       return;
     }
-    skip(frame.size(), verdict == Verdict::kMismatch ? mismatch_ : foreign_);
+    skip(frame.size(), verdict == Verdict::kMismatch ? faults_.mismatch : faults_.foreign);
   }
 
   void skip(std::size_t size, bool& seen) {
@@ -106,29 +106,19 @@ class RtuSearch {
     begun_ = true;
     if (at_boundary_) open_at_boundary_ = true;
     if (!mine)
-      foreign_ = true;
+      faults_.foreign = true;
     else if (at_boundary_)
-      truncated_ = true;
+      faults_.truncated = true;
     else
-      cut_ = true;
+      faults_.cut = true;
   }
 
   void slide() {
     if (!is_turnaround(all_[at_])) {
       at_boundary_ = false;
-      ++noise_;
+      ++faults_.noise;
     }
     ++at_;
-  }
-
-  // The most specific cause for the polled device.
-  Cause cause() const {
-    if (mismatch_) return Cause::kMalformed;
-    if (truncated_) return Cause::kTruncated;
-    if (broken_) return Cause::kChecksum;
-    if (cut_) return Cause::kTruncated;
-    if (foreign_) return Cause::kForeign;
-    return noise_ > 0 ? Cause::kMalformed : Cause::kNoResponse;
   }
 
   const ByteView all_;
@@ -137,15 +127,10 @@ class RtuSearch {
   const std::size_t expected_;  // size of the expected frame
   ParseResult result_;
   std::size_t at_ = 0;
-  std::size_t noise_ = 0;
   bool at_boundary_ = true;
   bool begun_ = false;             // some frame is incomplete
   bool open_at_boundary_ = false;  // that frame began at a boundary
-  bool truncated_ = false;         // it is from the polled device
-  bool cut_ = false;               // as truncated_, but within noise
-  bool mismatch_ = false;
-  bool foreign_ = false;
-  bool broken_ = false;
+  SearchFaults faults_;
 };
 
 ParseResult find_in_rtu(ByteView all, const Header& header, const RequestPdu& request, Scratch&) {

@@ -65,24 +65,8 @@ class CModeExchange : public Exchange {
 
   // `expected`: characters of the whole expected frame.
   Step search(ByteView all, std::size_t expected, Bytes& out) {
-    silence_ = cause_of_noise(all);
-    Step step = Step::need_response();
-    for (;;) {
-      const ParseResult parsed = first_frame(all);
-      if (parsed.kind == ParseResult::Kind::kNothing) return step;
-      if (parsed.kind == ParseResult::Kind::kOpen) {
-        silence_ = Cause::kTruncated;
-        return Step::need_rest(expected > parsed.text.size() ? expected - parsed.text.size() : 1);
-      }
-      if (parsed.kind == ParseResult::Kind::kBroken) {
-        silence_ = Cause::kChecksum;
-        step = Step::need_rest(0);
-      } else {
-        step = judge(parsed, out);
-        if (step.kind != Step::Kind::kNeedMore) return step;
-      }
-      all = all.subspan(parsed.end);
-    }
+    return search_frames(all, expected, silence_,
+                         [&](const ParseResult& parsed) { return judge(parsed, out); });
   }
 
   // While a transfer is open, the PLC treats any command as a delimiter. XZ closes it and has no

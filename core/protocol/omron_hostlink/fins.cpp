@@ -111,25 +111,9 @@ class FinsExchange final : public Exchange {
 
   Step on_bytes(ByteView all, Bytes&) override {
     if (all.size() > kMaxFinsReceived) return Step::failed(Cause::kOverlong);
-    silence_ = cause_of_noise(all);
-    Step step = Step::need_response();
-    for (;;) {
-      const ParseResult parsed = first_frame(all);
-      if (parsed.kind == ParseResult::Kind::kNothing) return step;
-      if (parsed.kind == ParseResult::Kind::kOpen) {
-        silence_ = Cause::kTruncated;
-        return Step::need_rest(frame_size() > parsed.text.size() ? frame_size() - parsed.text.size()
-                                                                 : 1);
-      }
-      if (parsed.kind == ParseResult::Kind::kBroken) {
-        silence_ = Cause::kChecksum;
-        step = Step::need_rest(0);
-      } else {
-        step = judge(parsed.text, parsed.last);
-        if (step.kind != Step::Kind::kNeedMore) return step;
-      }
-      all = all.subspan(parsed.end);
-    }
+    return search_frames(all, frame_size(), silence_, [&](const ParseResult& parsed) {
+      return judge(parsed.text, parsed.last);
+    });
   }
 
   Step on_silence(Bytes&) override { return Step::failed(silence_); }

@@ -8,6 +8,8 @@
 #include "core/base/bytes.hpp"
 #include "core/base/cause.hpp"
 #include "core/protocol/device_code.hpp"
+#include "core/protocol/protocol.hpp"
+#include "core/protocol/received.hpp"
 
 namespace fieldcast::omron {
 
@@ -62,6 +64,30 @@ struct ParseResult {
 // First frame that begins with `@`; another `@` restarts it, earlier characters are noise.
 [[nodiscard]] ParseResult first_frame(ByteView bytes);
 [[nodiscard]] ParseResult later_frame(ByteView bytes);
+
+// Searches a response of `expected` characters: returns the first step of `judge(frame)` that ends
+// the wait. `silence` becomes the cause that applies if no more bytes arrive.
+template <typename Judge>
+[[nodiscard]] Step search_frames(ByteView all, std::size_t expected, Cause& silence, Judge judge) {
+  silence = cause_of_noise(all);
+  Step step = Step::need_response();
+  for (;;) {
+    const ParseResult parsed = first_frame(all);
+    if (parsed.kind == ParseResult::Kind::kNothing) return step;
+    if (parsed.kind == ParseResult::Kind::kOpen) {
+      silence = Cause::kTruncated;
+      return Step::need_rest(expected > parsed.text.size() ? expected - parsed.text.size() : 1);
+    }
+    if (parsed.kind == ParseResult::Kind::kBroken) {
+      silence = Cause::kChecksum;
+      step = Step::need_rest(0);
+    } else {
+      step = judge(parsed);
+      if (step.kind != Step::Kind::kNeedMore) return step;
+    }
+    all = all.subspan(parsed.end);
+  }
+}
 
 // End codes of Host Link frames (W342, 4-3). Requests are sent with a valid FCS: if the PLC reports
 // a wrong one, the line damaged them, and they may be sent again. A CPU mode that forbids the
