@@ -133,7 +133,7 @@ Bytes answer_to(SimDevice& device, const Protocol& protocol, const Request& requ
   Reaction reaction;
   Instant now{std::chrono::seconds{1}};
   for (const std::uint8_t character : sent) receiver->on_character(character, now, reaction);
-  return reaction.answer;
+  return reaction.response;
 }
 
 bool takes(const Protocol& protocol, const Request& request, std::uint16_t sequence,
@@ -236,9 +236,9 @@ Conversation talk(SimDevice& device, const Protocol& protocol, const Request& re
     talk.sent.push_back(sent);
     Reaction reaction;
     for (const std::uint8_t character : sent) receiver->on_character(character, now, reaction);
-    talk.answered.push_back(reaction.answer);
+    talk.answered.push_back(reaction.response);
     sent.clear();
-    step = exchange->on_bytes(reaction.answer, sent);
+    step = exchange->on_bytes(reaction.response, sent);
     if (step.kind == Step::Kind::kNeedMore && step.wait == Wait::kPause)
       step = exchange->on_silence(sent);
   }

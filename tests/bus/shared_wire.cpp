@@ -189,14 +189,14 @@ void SharedWire::to_devices(int sender, std::uint8_t character, Instant end) {
 }
 
 void SharedWire::react(std::size_t index, sim::Reaction& reaction, Instant at) {
-  if (reaction.answer.empty()) return;
+  if (reaction.response.empty()) return;
   Device& device = devices_[index];
   Duration after = faults_.answer_after + reaction.pause;
   if (faults_.late > 0 && std::bernoulli_distribution(faults_.late)(random_))
     after += faults_.late_by;
   const Instant start = std::max(at + after, device.sends_until);
-  device.sends_until = start + character_ * static_cast<std::int64_t>(reaction.answer.size());
-  transmit(kDevices + static_cast<int>(index), reaction.answer, start);
+  device.sends_until = start + character_ * static_cast<std::int64_t>(reaction.response.size());
+  transmit(kDevices + static_cast<int>(index), reaction.response, start);
 }
 
 void SharedWire::to_masters(int sender, std::uint8_t character, Instant end) {

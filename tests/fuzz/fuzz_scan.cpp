@@ -19,11 +19,11 @@ void run_walk(ByteView data) {
   constexpr std::array<std::uint8_t, 4> kMark{'S', 'u', 'n', 'S'};
   constexpr std::size_t kMostReads = 2 * SunSpecWalk::kMostModels + 2;
   SunSpecWalk walk;
-  walk.answered(kMark);
+  walk.on_response(kMark);
   for (std::size_t reads = 0; const auto read = walk.next(); ++reads) {
     if (reads > kMostReads || read->first + read->count > 65536) std::abort();
     const std::size_t size = std::min(data.size(), 2 * std::size_t{read->count});
-    walk.answered(data.first(size));
+    walk.on_response(data.first(size));
     data = data.subspan(size);
     if (data.empty()) walk.failed(Cause::kDeviceError);
   }

@@ -53,14 +53,14 @@ void talk(const DeviceKind& kind, unsigned pause, ByteView bytes) {
     Reaction reaction;
     if (receiver->silence_due() <= now) receiver->on_silence(now, reaction);
     receiver->on_character(bytes[i], now, reaction);
-    require(reaction.answer.size() <= kLongestAnswer);
+    require(reaction.response.size() <= kLongestAnswer);
     if (reaction.hang_up) return;
   }
   for (int i = 0; i < 4 && receiver->silence_due() != kNever; ++i) {
     now = std::max(now, receiver->silence_due());
     Reaction reaction;
     receiver->on_silence(now, reaction);
-    require(reaction.answer.size() <= kLongestAnswer);
+    require(reaction.response.size() <= kLongestAnswer);
   }
 }
 

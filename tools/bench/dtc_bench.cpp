@@ -26,7 +26,7 @@ namespace {
 
 using namespace fieldcast;
 
-constexpr Duration kAnswerTime = std::chrono::milliseconds{2};
+constexpr Duration kResponseTime = std::chrono::milliseconds{2};
 constexpr AreaIndex kHolding = 2, kInt16 = 1;
 constexpr int kRounds = 50;  // rounds of data, for compressed figures
 
@@ -46,13 +46,13 @@ struct Wire {
   SilenceRule rule = CharacterSilence{7};
   [[nodiscard]] Duration silence() const { return silence_of(rule, line); }
   [[nodiscard]] Duration time(std::size_t characters) const {
-    return line.characters(static_cast<double>(characters)) + kAnswerTime + silence();
+    return line.characters(static_cast<double>(characters)) + kResponseTime + silence();
   }
 };
 
 Duration modbus_round(const Units& units, const Wire& wire) {
   const auto protocol = *find_protocol("modbus-rtu")->make({.address = 1});
-  const DeviceTiming timing{.protocol = protocol.get(), .response_time = kAnswerTime};
+  const DeviceTiming timing{.protocol = protocol.get(), .response_time = kResponseTime};
   Duration sum{};
   for (const auto& [unit, addresses] : units) {
     std::vector<Wanted> wanted;
@@ -68,7 +68,7 @@ std::vector<ReadRequest> dtc_requests(const Protocol& protocol,
                                       const Wire& wire) {
   std::vector<Range> wanted;
   for (const auto address : addresses) wanted.push_back({kInt16, address, 1});
-  const DeviceTiming timing{.protocol = &protocol, .response_time = kAnswerTime};
+  const DeviceTiming timing{.protocol = &protocol, .response_time = kResponseTime};
   return test::best_requests(wanted, ListCost(timing, wire.line, wire.silence())).requests;
 }
 
@@ -105,7 +105,7 @@ class Registers {
   std::map<std::uint32_t, std::uint16_t> values_;
 };
 
-Bytes answer_to(const ReadRequest& request, Registers& registers) {
+Bytes response_to(const ReadRequest& request, Registers& registers) {
   Bytes message{1, 0};
   for (const Range& range : request.ranges) {
     for (std::uint32_t address = range.first; address < range.end(); ++address)
@@ -117,7 +117,7 @@ Bytes answer_to(const ReadRequest& request, Registers& registers) {
 
 struct Round {
   double time = 0;  // seconds on the wire
-  double request_bytes = 0, answer_bytes = 0, requests = 0;
+  double request_bytes = 0, response_bytes = 0, requests = 0;
 };
 
 // Without `data`: uncompressed packets with the protocol's sizes.
@@ -133,10 +133,11 @@ Round dtc_round(const Units& units, const Wire& wire, std::optional<Data> data) 
       Bytes sent;
       (void)protocol->begin(request, {})->start(sent);
       for (int round = 0; round < kRounds; ++round) {
-        Bytes answer;
-        dtc::append_packet(answer, answer_to(request, registers), data ? threshold : dtc::kNever);
-        sum.time += to_seconds(wire.time(sent.size() + answer.size())) / kRounds;
-        sum.answer_bytes += static_cast<double>(answer.size()) / kRounds;
+        Bytes response;
+        dtc::append_packet(response, response_to(request, registers),
+                           data ? threshold : dtc::kNever);
+        sum.time += to_seconds(wire.time(sent.size() + response.size())) / kRounds;
+        sum.response_bytes += static_cast<double>(response.size()) / kRounds;
         registers.next_round();
       }
       sum.request_bytes += static_cast<double>(sent.size());
@@ -154,7 +155,7 @@ void compare(const std::string& name, const Units& units, const Wire& wire, Rati
   const auto print = [&](const std::string& what, const Round& round) {
     std::printf("  dtc %-28s %7.1f ms  %.3f of Modbus  (%.0f requests, %.0f + %.0f bytes)\n",
                 what.c_str(), round.time * 1e3, round.time / modbus, round.requests,
-                round.request_bytes, round.answer_bytes);
+                round.request_bytes, round.response_bytes);
     ratios[std::to_string(wire.line.baud) + " " + what].push_back(round.time / modbus);
   };
   print("plain", dtc_round(units, wire, std::nullopt));

@@ -18,7 +18,7 @@
 namespace fieldcast::bench {
 namespace {
 
-constexpr auto kAnswerTime = std::chrono::milliseconds(2);  // of the simulated devices
+constexpr auto kResponseTime = std::chrono::milliseconds(2);  // of the simulated devices
 constexpr double kSettle = 20;  // seconds; nearly twice the slowest refresh of a map
 
 struct Line {
@@ -32,7 +32,7 @@ struct Line {
 
 std::string bus_of(const Line& line, const test::Map& map,
                    std::map<std::string, double>& refreshes) {
-  const double stretch = test::least_load(map, line.baud, kAnswerTime) / line.load;
+  const double stretch = test::least_load(map, line.baud, kResponseTime) / line.load;
   std::string devices;
   unsigned unit = 0;
   for (const test::MapRow& row : map) {  // sorted by unit

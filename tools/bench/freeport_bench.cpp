@@ -19,10 +19,10 @@ using namespace fieldcast;
 
 constexpr unsigned kStations = 8;
 constexpr double kRate = 1e-4;
-constexpr Duration kAnswerTime = std::chrono::milliseconds{5};  // one scan of the PLC
+constexpr Duration kResponseTime = std::chrono::milliseconds{5};  // one scan of the PLC
 
 void print_run(const char* line, double rate, std::uint64_t exchanges) {
-  test::FreeportBus bus(kStations, rate, 2026, kAnswerTime);
+  test::FreeportBus bus(kStations, rate, 2026, kResponseTime);
   {
     constexpr std::uint64_t kPart = 10'000;
     ProgressLine progress(std::cerr);

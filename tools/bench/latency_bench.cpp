@@ -75,15 +75,15 @@ class CountingDevice {
       request.insert(request.end(), buffer, buffer + got);
       if (request.size() < 8) continue;
       const unsigned count = read_u16(request, 4);
-      Bytes answer{request[0], request[1], static_cast<std::uint8_t>(2 * count)};
+      Bytes response{request[0], request[1], static_cast<std::uint8_t>(2 * count)};
       request.clear();
       ++number;
-      for (unsigned i = 0; i < count; ++i) append_u16(answer, number);
-      append_crc16(answer);
+      for (unsigned i = 0; i < count; ++i) append_u16(response, number);
+      append_crc16(response);
       std::this_thread::sleep_for(
           std::chrono::milliseconds(2));  // simulated response time, not a wait
       handed_over_[number] = Clock::now();
-      if (write(line_, answer.data(), answer.size()) < 0) return;
+      if (write(line_, response.data(), response.size()) < 0) return;
     }
   }
 

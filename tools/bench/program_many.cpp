@@ -66,10 +66,10 @@ class Modules {
         } else if (bytes[0] == '@') {
           send_all(one.fd, bytes);
         } else if (bytes.size() >= 8 && bytes[1] == 3) {
-          Bytes answer{bytes[0], 3, static_cast<std::uint8_t>(2 * bytes[5])};
-          for (int i = 0; i < bytes[5]; ++i) append_u16(answer, static_cast<std::uint16_t>(i));
-          append_crc16(answer);
-          send_all(one.fd, answer);
+          Bytes response{bytes[0], 3, static_cast<std::uint8_t>(2 * bytes[5])};
+          for (int i = 0; i < bytes[5]; ++i) append_u16(response, static_cast<std::uint16_t>(i));
+          append_crc16(response);
+          send_all(one.fd, response);
         }
       }
     }

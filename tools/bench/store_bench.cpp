@@ -27,7 +27,7 @@ namespace {
 constexpr std::size_t kChannels = 1000;
 constexpr std::size_t kBlock = 100;                         // samples of one response
 constexpr Duration kPeriod = std::chrono::milliseconds{5};  // 200 responses a second
-constexpr unsigned kAnswers = 200;                          // in a second
+constexpr unsigned kResponses = 200;                        // in a second
 
 BusSpec bus() {
   BusSpec made;
@@ -40,10 +40,10 @@ BusSpec bus() {
   return made;
 }
 
-std::vector<Sample> block(std::uint64_t answer, Instant now) {
+std::vector<Sample> block(std::uint64_t response, Instant now) {
   std::vector<Sample> samples(kBlock);
   for (std::size_t i = 0; i < kBlock; ++i) {
-    const std::uint64_t number = answer * kBlock + i;
+    const std::uint64_t number = response * kBlock + i;
     Sample& sample = samples[i];
     sample.channel = static_cast<ChannelIndex>(number % kChannels);
     sample.value = 0.001 * static_cast<double>(number);
@@ -62,13 +62,13 @@ Costs acquire(Store::Intake* intake, double seconds, Duration ahead) {
   prctl(PR_SET_TIMERSLACK, 1000UL);
   Costs costs;
   auto next = Clock::now();
-  const auto answers = static_cast<std::uint64_t>(seconds * kAnswers);
-  for (std::uint64_t answer = 0; answer < answers; ++answer) {
+  const auto responses = static_cast<std::uint64_t>(seconds * kResponses);
+  for (std::uint64_t response = 0; response < responses; ++response) {
     next += kPeriod;
     std::this_thread::sleep_until(next);
     const auto began = Clock::now();
     const UtcMapping mapping = read_clocks();
-    const auto samples = block(answer, mapping.instant);
+    const auto samples = block(response, mapping.instant);
     const auto made = Clock::now();
     if (intake) intake->put(samples, mapping, {mapping.utc.nanoseconds + ahead.count()});
     costs.lateness.push_back(std::chrono::duration<double, std::micro>(began - next).count());
@@ -101,7 +101,7 @@ Stored store_for(const std::string& address, double seconds, Duration ahead) {
   const auto counters = store.counters();
   const bool flushed = store.flush(std::chrono::seconds{30});
   result.processor = (process_seconds() - cpu) / seconds;
-  const double put = seconds * kAnswers * kBlock;
+  const double put = seconds * kResponses * kBlock;
   print_figure("  samples stored of those put", static_cast<double>(store.counters().stored) / put,
                "", flushed ? "goal 1" : "not flushed");
   print_figure("  samples dropped", store.counters().dropped, "", "goal 0");
@@ -133,7 +133,7 @@ void throughput(const std::string& address, double seconds) {
   if (!StoreAddress(address).is_server()) {
     print_figure(
         "  file for one sample",
-        static_cast<double>(std::filesystem::file_size(address)) / (seconds * kAnswers * kBlock),
+        static_cast<double>(std::filesystem::file_size(address)) / (seconds * kResponses * kBlock),
         "bytes");
   }
   // Minutes in the future are not finished, so none is written.
@@ -197,10 +197,10 @@ void saturated(double seconds) {
   Store store(StoreSpec{address});
   const auto intake = store.intake(bus());
   auto next = Clock::now();
-  for (std::uint64_t answer = 0;; ++answer) {
+  for (std::uint64_t response = 0;; ++response) {
     std::this_thread::sleep_until(next += kPeriod);
     const UtcMapping mapping = read_clocks();
-    intake->put(block(answer, mapping.instant), mapping, mapping.utc);
+    intake->put(block(response, mapping.instant), mapping, mapping.utc);
     const std::uint64_t stored = store.counters().stored;
     if (::write(report_to, &stored, sizeof stored) != sizeof stored) ::_exit(1);
   }

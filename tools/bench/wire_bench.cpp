@@ -28,7 +28,7 @@ namespace {
 
 constexpr int kUnits = 3;
 constexpr int kRegisters = 100;
-constexpr auto kAnswerTime = std::chrono::milliseconds(2);
+constexpr auto kResponseTime = std::chrono::milliseconds(2);
 
 std::string buses() {
   return serial_bus("bus", 115200, "refresh: 1s, mode: intensive, silence: 3.5c",
@@ -37,7 +37,7 @@ std::string buses() {
 
 struct BareRead {
   Bytes request;
-  std::size_t answer = 0;    // bytes
+  std::size_t response = 0;  // bytes
   std::size_t channels = 0;  // channels refreshed by the read
 };
 
@@ -55,7 +55,7 @@ BarePlan optimal_plan(const BusSpec& bus) {
     std::vector<Wanted> wanted;
     for (const ChannelSpec& channel : device.channels)
       wanted.push_back({channel.range.first, channel.range.end()});
-    const DeviceTiming timing{protocol->get(), kAnswerTime};
+    const DeviceTiming timing{protocol->get(), kResponseTime};
     const ReadCost cost(timing, device.channels.front().range.area, line, silence, 125);
     const auto slices = optimal_partition(wanted, cost);
     plan.theory += cost_of(wanted, slices, cost);
@@ -99,7 +99,7 @@ double bare_loop(const BarePlan& plan, const std::string& path, Duration silence
     for (const BareRead& one : plan.reads) {
       if (write(line, one.request.data(), one.request.size()) < 0)
         throw std::runtime_error("the bare loop cannot write");
-      read_exactly(line, one.answer);
+      read_exactly(line, one.response);
       refreshes += one.channels;
       const timespec rest{0, silence.count()};
       clock_nanosleep(CLOCK_MONOTONIC, 0, &rest, nullptr);

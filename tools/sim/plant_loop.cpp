@@ -152,7 +152,7 @@ Json device_report(const SimBus::Member& member) {
   return {{"name", member.name},
           {"requests", requests},
           {"requests_by_function", counted.requests},
-          {"answers", counted.answers},
+          {"answers", counted.responses},
           {"exceptions", exceptions},
           {"write_requests", counted.write_requests},
           {"writes", counted.writes},

@@ -36,7 +36,7 @@ using boost::system::error_code;
 
 constexpr std::chrono::milliseconds kTurn{500};  // heartbeat of the io thread for the watchdog
 // a missing server is reported only after this time
-constexpr std::chrono::seconds kServersAnswer{3};
+constexpr std::chrono::seconds kServersReply{3};
 constexpr std::chrono::milliseconds kStopLimit{2500};  // for the farewell to pages
 constexpr Duration kFlushLimit = std::chrono::seconds{2};
 
@@ -122,7 +122,7 @@ void WebStation::State::open_store() {
 void WebStation::State::join_domain() {
   domain = std::make_unique<LiveDomain>(io.context(), spec.sites, spec.name, version, store.get(),
                                         recorder.get());
-  servers_from = steady_now() + kServersAnswer;
+  servers_from = steady_now() + kServersReply;
 }
 
 LoginCheck WebStation::State::login_check() {
@@ -152,7 +152,7 @@ UserWatch::Ask WebStation::State::ask_users() {
     tokens->names([this](const std::optional<std::vector<std::string>>& names) {
       if (names && site) site->book().tokens_are(*names);
     });
-    database->ask<std::vector<User>>(
+    database->query<std::vector<User>>(
         [](SqlConnection& connection) { return UserTable(connection).list(); },
         [done = std::move(done)](tl::expected<std::vector<User>, DatabaseFault> found) {
           done(found ? UserWatch::Users(*std::move(found)) : std::nullopt);

@@ -119,7 +119,7 @@ TEST(Scanner, ASilentLineIsProbedOnce) {
     EXPECT_EQ(scanner.left(), left--);
     EXPECT_TRUE(ask->wait);
     EXPECT_EQ(ask->first, ask->address == 2);
-    scanner.answered(silence());
+    scanner.on_response(silence());
   }
   EXPECT_EQ(scanner.asked(), 6u);
   EXPECT_TRUE(scanner.silent());
@@ -145,7 +145,7 @@ TEST(Scanner, ALineOnWhichBytesAreReceivedTwiceIsSearched) {
     const bool late = ask->line == 1 && ask->address == 3 && ask->wait.has_value();
     ScanResponse answer = there && !ask->wait ? value() : silence();
     answer.heard = late;
-    scanner.answered(answer);
+    scanner.on_response(answer);
   }
   EXPECT_THAT(asked, ElementsAre("0?2", "0?3", "0?1", "1?2", "1?3", "1?2", "1?3", "1:1", "1:2",
                                  "1:3", "1:1", "1:3"));
@@ -161,7 +161,7 @@ TEST(Scanner, AByteThatIsReceivedOnceStartsNoSearch) {
     ASSERT_TRUE(ask->wait);
     ScanResponse answer = silence();
     answer.heard = asked[ask->line]++ == 0;
-    scanner.answered(answer);
+    scanner.on_response(answer);
   }
   EXPECT_EQ(asked[0], 4u);
   EXPECT_TRUE(scanner.silent());
@@ -179,7 +179,7 @@ TEST(Scanner, AfterALineWithBytesButNoDeviceTheNextIsProbed) {
     const bool there = ask->line == 1 && ask->address == 2;
     ScanResponse answer = there ? value() : ask->line == 0 ? noise() : silence();
     answer.heard = ask->line == 0;
-    scanner.answered(answer);
+    scanner.on_response(answer);
   }
   EXPECT_EQ(probes, 3u) << "two of line 0, one of line 1, which brought a value";
   EXPECT_THAT(searched, ElementsAre(0, 1));
@@ -193,7 +193,7 @@ TEST(Scanner, AsksEveryLineTwiceWhenNobodyResponds) {
   while (const auto ask = scanner.next()) {
     EXPECT_EQ(scanner.left(), left--);
     asked.insert({ask->line, ask->address, ask->question});
-    scanner.answered(silence());
+    scanner.on_response(silence());
   }
   EXPECT_EQ(asked.size(), 12u);
   EXPECT_EQ((std::set(asked.begin(), asked.end()).size()), 12u);
@@ -209,7 +209,7 @@ TEST(Scanner, AResponseSettlesTheLineAndTheSilentAreAskedAgain) {
                     std::to_string(ask->question));
     const bool first = ask->line == 1 && ask->address == 2;
     const bool second = ask->line == 1 && ask->address == 3 && ask->question == 1;
-    scanner.answered(first || second ? value() : silence());
+    scanner.on_response(first || second ? value() : silence());
   }
   EXPECT_THAT(asked, ElementsAre("0:1/0", "0:2/0", "0:3/0", "0:4/0", "1:1/0", "1:2/0", "1:3/0",
                                  "1:4/0", "1:1/1", "1:3/1", "1:4/1"));
@@ -223,7 +223,7 @@ TEST(Scanner, ALineOnWhichOthersSpeakIsLeft) {
   std::map<std::size_t, unsigned> asked;
   while (const auto ask = scanner.next()) {
     ++asked[ask->line];
-    scanner.answered(ask->line == 0 ? noise() : silence());
+    scanner.on_response(ask->line == 0 ? noise() : silence());
   }
   EXPECT_EQ(asked[0], Scanner::kBabble + 1);
   EXPECT_EQ(asked[1], 20u);
@@ -238,7 +238,7 @@ TEST(Scanner, BrokenResponsesThatBeginRightSettleTheLine) {
     const bool valid = ask->address == 3 && ask->question == 1;
     const ScanResponse broken{
         .cause = Cause::kChecksum, .bytes = 7, .shape = ResponseShape::kWhole};
-    scanner.answered(ask->address == 1 ? silence() : valid ? value() : broken);
+    scanner.on_response(ask->address == 1 ? silence() : valid ? value() : broken);
   }
   EXPECT_THAT(lines, ElementsAre(0));
   ASSERT_EQ(scanner.broken().size(), 1u) << "address 3 answered the second question";
@@ -249,7 +249,7 @@ TEST(Scanner, BrokenResponsesThatBeginRightSettleTheLine) {
 TEST(Scanner, AnEchoIsNobodyWhoSpeaks) {
   Scanner scanner(lines_of(1, {1, 2, 3, 4, 5, 6, 7, 8, 9, 10}));
   while (scanner.next())
-    scanner.answered({.cause = Cause::kNoResponse, .bytes = 8, .echo_alone = true});
+    scanner.on_response({.cause = Cause::kNoResponse, .bytes = 8, .echo_alone = true});
   EXPECT_EQ(scanner.asked(), 20u);
   EXPECT_TRUE(scanner.echoed());
   EXPECT_THAT(scanner.noisy_lines(), IsEmpty());
@@ -259,7 +259,7 @@ TEST(Scanner, AllRespondTogether) {
   Scanner scanner(lines_of(2, {1, 2}));
   unsigned asked = 0;
   while (scanner.next()) {
-    scanner.answered(value());
+    scanner.on_response(value());
     ++asked;
   }
   EXPECT_EQ(asked, 2u);
@@ -364,7 +364,7 @@ TEST(ScanIdentity, ANewerOmronIsAskedByFinsToo) {
   Step step = exchange->start(out);
   for (int question = 0; question < 2; ++question) {
     ASSERT_EQ(step.kind, Step::Kind::kSend);
-    const Bytes answer = sim::test::listen(*receiver, out).answer;
+    const Bytes answer = sim::test::listen(*receiver, out).response;
     EXPECT_EQ(answer.size(), step.characters);
     out.clear();
     step = exchange->on_bytes(answer, out);
@@ -423,7 +423,7 @@ TEST(ScanTemplates, AHeadIsReadFromTheText) {
 
 TEST(ScanTemplates, AreWrittenIntoTheConfiguration) {
   Scanner scanner(lines_of(1, {1, 2, 3}));
-  for (int i = 0; i < 3; ++i) scanner.answered(value());
+  for (int i = 0; i < 3; ++i) scanner.on_response(value());
   scanner.set_templates(0, {"siemens-pac3200"});
   scanner.set_templates(1, {"huawei-sun2000", "huawei-sun2000-storage"});
   const std::string text = configuration_text("/dev/ttyUSB0", true, scanner);
@@ -441,8 +441,8 @@ TEST(ScanTemplates, AreWrittenIntoTheConfiguration) {
 
 TEST(ScanView, WhatDevicesSayStaysAComment) {
   Scanner scanner(lines_of(1, {1, 2}));
-  scanner.answered(value());
-  scanner.answered({.device = true, .cause = Cause::kDeviceError, .device_code = 2, .bytes = 5});
+  scanner.on_response(value());
+  scanner.on_response({.device = true, .cause = Cause::kDeviceError, .device_code = 2, .bytes = 5});
   scanner.set_identity(0, "Evil\n      - name: more\x1b[2J");
   const std::string text = configuration_text("/dev/ttyUSB0", true, scanner);
   EXPECT_THAT(text, HasSubstr("baud: 19200, format: 8E1"));

@@ -83,7 +83,7 @@ Walked walk_over(const Registers& registers) {
     EXPECT_LE(read->count, 125u);
     const auto bytes = registers.read(*read);
     if (bytes)
-      walked.walk.answered(*bytes);
+      walked.walk.on_response(*bytes);
     else
       walked.walk.failed(Cause::kDeviceError);
   }
@@ -140,7 +140,7 @@ TEST(SunSpecWalk, AResponseThatIsCutEndsTheListWithAReason) {
     ASSERT_LE(++reads, 20u);
     Bytes bytes = registers.read(*read).value();
     if (read->first == 40070) bytes.pop_back();
-    walk.answered(bytes);
+    walk.on_response(bytes);
   }
   ASSERT_TRUE(walk.map());
   EXPECT_EQ(walk.map()->models.size(), 1u);
@@ -226,7 +226,7 @@ TEST(SunSpecWalk, EndsWhateverADeviceSends) {
       if (random >> 28 == 1)
         walk.failed(Cause::kNoResponse);
       else
-        walk.answered(bytes);
+        walk.on_response(bytes);
     }
     if (walk.map()) (void)sunspec_channels(*walk.map());
   }
@@ -272,8 +272,8 @@ TEST(SunSpecChannels, InputsOfAModelAndSecondModelsHaveNumbers) {
 TEST(SunSpecChannels, TheConfigurationOfAScanLoads) {
   std::vector<ScanLine> scan_line{{{find_protocol("modbus-tcp"), {}}, LineFormat{}, {1, 2}}};
   Scanner scanner(scan_line);
-  scanner.answered({.device = true});
-  scanner.answered({.device = true, .cause = Cause::kDeviceError, .device_code = 2});
+  scanner.on_response({.device = true});
+  scanner.on_response({.device = true, .cause = Cause::kDeviceError, .device_code = 2});
   Registers registers = device(40000, {{101, 50},
                                        {102, 50},
                                        {103, 50},

@@ -32,7 +32,7 @@ DeviceSetup setup(std::uint16_t address, const std::string& threshold = "65535")
 }
 
 Bytes said(DtcDevice& device, ByteView packet) {
-  return test::listen(*device.open_receiver(), packet).answer;
+  return test::listen(*device.open_receiver(), packet).response;
 }
 
 Bytes plain(std::string_view hex_without_crc) {
@@ -158,10 +158,10 @@ TEST(DtcDevice, AfterNoiseOnlySilenceHelps) {
   const auto receiver = device.open_receiver();
   const Bytes request = plain("07 00 0000 01 0001");
   const Instant hard_upon = test::kBegin + test::kLine.characters(1);
-  EXPECT_TRUE(test::listen(*receiver, *from_hex("55"), test::kBegin, false).answer.empty());
-  EXPECT_TRUE(test::listen(*receiver, request, hard_upon, false).answer.empty());
+  EXPECT_TRUE(test::listen(*receiver, *from_hex("55"), test::kBegin, false).response.empty());
+  EXPECT_TRUE(test::listen(*receiver, request, hard_upon, false).response.empty());
   EXPECT_FALSE(test::listen(*receiver, request, hard_upon + test::kLine.characters(20), false)
-                   .answer.empty());
+                   .response.empty());
 }
 
 TEST(DtcDevice, AddressesAreReadAndChannelsLive) {

@@ -15,7 +15,7 @@ using fieldcast::test::GoldenVector;
 using test::device_setup;
 
 std::string said(FreeportDevice& device, const std::string& request) {
-  const Bytes answer = test::listen(*device.open_receiver(), test::bytes(request)).answer;
+  const Bytes answer = test::listen(*device.open_receiver(), test::bytes(request)).response;
   return {answer.begin(), answer.end()};
 }
 

@@ -16,7 +16,7 @@ namespace {
 using fieldcast::test::GoldenVector;
 
 Bytes said(FxDevice& device, const Bytes& request) {
-  return test::listen(*device.open_receiver(), request).answer;
+  return test::listen(*device.open_receiver(), request).response;
 }
 
 Bytes framed(const std::string& text) {

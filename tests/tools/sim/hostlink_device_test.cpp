@@ -18,7 +18,7 @@ using fieldcast::test::GoldenVector;
 
 std::string text(ByteView bytes) { return {bytes.begin(), bytes.end()}; }
 std::string said(HostLinkDevice& device, const std::string& request) {
-  return text(test::listen(*device.open_receiver(), test::bytes(request)).answer);
+  return text(test::listen(*device.open_receiver(), test::bytes(request)).response);
 }
 
 std::string framed(const std::string& body, bool last = true) {
@@ -186,7 +186,7 @@ TEST(HostLinkDevice, WaitsAsLongAsAFinsRequestSays) {
       "@00FAF00000000010182000000"
       "0001");
   device.take(test::bytes(frame.substr(0, frame.size() - 1)), test::kBegin, reaction);
-  EXPECT_FALSE(reaction.answer.empty());
+  EXPECT_FALSE(reaction.response.empty());
   EXPECT_EQ(reaction.pause, Duration{150'000'000});
 }
 

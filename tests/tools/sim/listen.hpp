@@ -16,7 +16,7 @@ inline Reaction listen(Receiver& receiver, ByteView bytes, Instant start = kBegi
   Reaction all;
   Instant end = start;
   const auto take = [&](const Reaction& one) {
-    if (!one.answer.empty()) all.answer = one.answer;
+    if (!one.response.empty()) all.response = one.response;
     all.hang_up = all.hang_up || one.hang_up;
   };
   for (const std::uint8_t byte : bytes) {

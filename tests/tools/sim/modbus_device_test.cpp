@@ -17,7 +17,7 @@ Bytes rtu(Bytes frame) {
 
 Bytes said(ModbusUnit& unit, const Bytes& frame) {
   RtuReceiver receiver(unit, test::kLine, false);
-  return test::listen(receiver, frame).answer;
+  return test::listen(receiver, frame).response;
 }
 
 TEST(ModbusAddressText, ReadsNamesAndReferenceNumbers) {
@@ -62,10 +62,10 @@ TEST(RtuReceiver, AfterABrokenFrameOnlySilenceHelps) {
   broken[3] = 9;
   const Bytes good = rtu({1, 3, 0, 0, 0, 1});
   const Instant next = test::kBegin + test::kLine.characters(8);
-  EXPECT_TRUE(test::listen(receiver, broken, test::kBegin, false).answer.empty());
-  EXPECT_TRUE(test::listen(receiver, good, next, false).answer.empty());  // immediately after it
+  EXPECT_TRUE(test::listen(receiver, broken, test::kBegin, false).response.empty());
+  EXPECT_TRUE(test::listen(receiver, good, next, false).response.empty());  // immediately after it
   EXPECT_FALSE(
-      test::listen(receiver, good, next + test::kLine.characters(13), false).answer.empty());
+      test::listen(receiver, good, next + test::kLine.characters(13), false).response.empty());
 }
 
 TEST(RtuReceiver, ForeignResponseThatHoldsARequestForUsIsNotExecuted) {
@@ -73,7 +73,7 @@ TEST(RtuReceiver, ForeignResponseThatHoldsARequestForUsIsNotExecuted) {
   RtuReceiver receiver(unit, test::kLine, false);
   Bytes answer{2, 3, 8};
   append(answer, rtu({1, 6, 0, 1, 0, 1}));
-  EXPECT_TRUE(test::listen(receiver, rtu(answer)).answer.empty());
+  EXPECT_TRUE(test::listen(receiver, rtu(answer)).response.empty());
   EXPECT_TRUE(unit.statistics().requests.empty());
 }
 
@@ -85,10 +85,10 @@ TEST(RtuReceiver, ForeignResponseThatBeginsLikeARequestDoesNotHideTheNextOne) {
   ASSERT_EQ(rtu({0x01, 0x03, 0x04, 0x03, 0x80, 0x01, 0x14}), answer);
   Instant at = test::kBegin;
   for (const Bytes& frame : {rtu({1, 3, 3, 0x0A, 0, 2}), answer}) {
-    EXPECT_TRUE(test::listen(receiver, frame, at, false).answer.empty());
+    EXPECT_TRUE(test::listen(receiver, frame, at, false).response.empty());
     at += test::kLine.characters(static_cast<std::uint32_t>(frame.size()) + 2);
   }
-  EXPECT_FALSE(test::listen(receiver, rtu({3, 3, 0, 0xFB, 0, 0x0B}), at, false).answer.empty());
+  EXPECT_FALSE(test::listen(receiver, rtu({3, 3, 0, 0xFB, 0, 0x0B}), at, false).response.empty());
   EXPECT_EQ(unit.statistics().bad_frames, 0u);
 }
 
@@ -98,9 +98,10 @@ TEST(RtuReceiver, HeldBackHalfOfAFrameIsAFrameOnAStream) {
     ModbusUnitWithMemory unit(1);
     RtuReceiver receiver(unit, test::kLine, stream);
     EXPECT_TRUE(
-        test::listen(receiver, ByteView(request).first(3), test::kBegin, false).answer.empty());
+        test::listen(receiver, ByteView(request).first(3), test::kBegin, false).response.empty());
     const Instant later = test::kBegin + std::chrono::milliseconds{20};
-    EXPECT_EQ(test::listen(receiver, ByteView(request).subspan(3), later).answer.empty(), !stream);
+    EXPECT_EQ(test::listen(receiver, ByteView(request).subspan(3), later).response.empty(),
+              !stream);
   }
 }
 

@@ -106,7 +106,7 @@ TEST(ModbusVectors, DeviceRespondsAsPrinted) {
     const bool ok = vector.kind == "ok";
     ModbusUnitWithMemory unit(request[0], ok ? DeviceSetup{} : refusing(answer[2]));
     if (ok) prepare(unit, request, answer);
-    const Bytes said = test::listen(*receiver_for(vector, unit), vector.request).answer;
+    const Bytes said = test::listen(*receiver_for(vector, unit), vector.request).response;
     if (vector.framing != "tcp" && request[0] == 0) {
       EXPECT_TRUE(said.empty()) << "a broadcast has no response";
     } else if (unsupported(request[1])) {
@@ -131,7 +131,7 @@ TEST(ModbusVectors, WritesLandInMemory) {
   };
   const auto written = [](ModbusUnit& unit, const char* request) {
     RtuReceiver receiver(unit, test::kLine, false);
-    return test::listen(receiver, *from_hex(request)).answer;
+    return test::listen(receiver, *from_hex(request)).response;
   };
   ModbusUnitWithMemory unit(0x2A), seventeen(0x11);
   EXPECT_FALSE(written(unit, "2A06001012348363").empty());
@@ -186,10 +186,10 @@ TEST(ModbusVectors, MalformedRequestsDoNoHarm) {
     EXPECT_TRUE(unit.statistics().writes.empty());
     EXPECT_EQ(unit.statistics().broadcasts, row.expected == Malformed::kBroadcast ? 1u : 0u);
     if (row.expected == Malformed::kRefusal1 || row.expected == Malformed::kRefusal3) {
-      ASSERT_EQ(reaction.answer.size(), 9u);
-      EXPECT_EQ(reaction.answer[8], row.expected == Malformed::kRefusal1 ? 1 : 3);
+      ASSERT_EQ(reaction.response.size(), 9u);
+      EXPECT_EQ(reaction.response[8], row.expected == Malformed::kRefusal1 ? 1 : 3);
     } else {
-      EXPECT_EQ(reaction.answer.empty(), row.expected != Malformed::kAnswer);
+      EXPECT_EQ(reaction.response.empty(), row.expected != Malformed::kAnswer);
     }
   }
 }
@@ -199,7 +199,7 @@ TEST(ModbusVectors, TwoSlavesBackToBack) {
   ModbusUnitWithMemory unit(1);
   unit.memory.write(ModbusArea::kHolding, 0, 0);
   RtuReceiver receiver(unit, test::kLine, false);
-  EXPECT_EQ(to_hex(test::listen(receiver, stream, test::kBegin, false).answer, '\0'),
+  EXPECT_EQ(to_hex(test::listen(receiver, stream, test::kBegin, false).response, '\0'),
             "0103020000B844");
   EXPECT_EQ(unit.statistics().requests.at("03"), 1u);
   EXPECT_EQ(unit.statistics().bad_frames, 0u);

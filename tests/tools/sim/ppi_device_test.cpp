@@ -14,7 +14,7 @@ namespace {
 using fieldcast::test::GoldenVector;
 
 Bytes said(PpiDevice& device, const Bytes& request) {
-  return test::listen(*device.open_receiver(), request).answer;
+  return test::listen(*device.open_receiver(), request).response;
 }
 std::string asked(PpiDevice& device, std::string_view hex) {
   return to_hex(said(device, *from_hex(hex)), '\0');
@@ -118,10 +118,10 @@ TEST(PpiDevice, OthersGetSilenceAndTelegramsAreFoundInNoise) {
   EXPECT_EQ(asked(device, "00FF6868" + std::string(kReadVb0)), "E5");
   // after a silence, an incomplete telegram is dropped
   const auto receiver = device.open_receiver();
-  EXPECT_TRUE(test::listen(*receiver, *from_hex("681B1B68")).answer.empty());
+  EXPECT_TRUE(test::listen(*receiver, *from_hex("681B1B68")).response.empty());
   EXPECT_EQ(
       to_hex(test::listen(*receiver, *from_hex(kReadVb0), test::kBegin + Duration{100'000'000})
-                 .answer),
+                 .response),
       "E5");
 }
 

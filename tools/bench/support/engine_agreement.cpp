@@ -30,23 +30,23 @@ BridgeSpec load(const test::Map& map, double stretch, const test::Notation& nota
 }
 
 // The bound counts the response time from the end of the request's silence.
-double bound(const test::Map& map, Duration answer) {
-  return test::least_load(map, kBaud, answer - kSilence);
+double bound(const test::Map& map, Duration response) {
+  return test::least_load(map, kBaud, response - kSilence);
 }
 
-std::uint64_t missed(const test::Map& map, Duration answer, double share, Duration length) {
-  const BridgeSpec spec = load(map, bound(map, answer) / share);
+std::uint64_t missed(const test::Map& map, Duration response, double share, Duration length) {
+  const BridgeSpec spec = load(map, bound(map, response) / share);
   cli::BusPlan plan;  // its prediction is not needed
   plan.bus = &spec.buses[0];
-  plan.response_time = answer;
+  plan.response_time = response;
   return cli::simulate(plan, {}, {length, 1}).bus.deadline_misses;
 }
 
-std::uint64_t scheduler_missed(const test::Map& map, Duration answer, double share,
+std::uint64_t scheduler_missed(const test::Map& map, Duration response, double share,
                                Duration length) {
   const test::FakeProtocol protocol;
   const ScheduleInput input =
-      test::input_of(map, protocol, kBaud, answer - kSilence, bound(map, answer) / share);
+      test::input_of(map, protocol, kBaud, response - kSilence, bound(map, response) / share);
   const auto scheduler = make_scheduler(input);
   test::VirtualWire wire(input, *scheduler);
   wire.run(length);
@@ -57,8 +57,8 @@ struct Agreement {
   unsigned runs = 0, feasible = 0, disagree = 0, careful = 0;
 
   // Returns whether the engine kept the refreshes of its plan.
-  bool add(const BridgeSpec& spec, Duration answer) {
-    const cli::BusPlan plan = cli::make_plan(spec.buses[0], answer);
+  bool add(const BridgeSpec& spec, Duration response) {
+    const cli::BusPlan plan = cli::make_plan(spec.buses[0], response);
     const std::uint64_t late = cli::simulate(plan, {}, {20min, 1}).bus.deadline_misses;
     const bool promised = plan.prediction.feasible;
     ++runs;
@@ -76,11 +76,11 @@ struct Agreement {
 
 // Scales refreshes to a planned load of 0.45 to 0.84 of the wire.
 double stretch_of(const test::Map& map, const test::Notation& notation, std::uint64_t seed,
-                  Duration answer) {
+                  Duration response) {
   constexpr double kRoomy = 4;
   const BridgeSpec spec = load(map, kRoomy, notation);
   const auto load =
-      planned_load_of(cli::make_plan(spec.buses[0], answer).input, Planner::kCyclic).load;
+      planned_load_of(cli::make_plan(spec.buses[0], response).input, Planner::kCyclic).load;
   return kRoomy * load / (0.45 + 0.01 * static_cast<double>(seed * 7 % 40));
 }
 
@@ -92,27 +92,27 @@ void print_agreement(std::uint64_t first_seed, unsigned maps) {
       "engine\n",
       maps, kChannels);
   const auto report = [](StepProgress& progress, const char* of, std::uint64_t seed,
-                         Duration answer) {
+                         Duration response) {
     progress.clear();
     std::printf("  %s, seed %llu, responses after %.0f ms: called feasible, and missed\n", of,
-                static_cast<unsigned long long>(seed), to_seconds(answer) * 1e3);
+                static_cast<unsigned long long>(seed), to_seconds(response) * 1e3);
   };
-  constexpr Duration kAnswers[] = {Duration{0}, Duration{2ms}, Duration{5ms}, Duration{20ms}};
-  StepProgress maps_done("random maps", std::size(kAnswers) * maps);
-  for (const Duration answer : kAnswers) {
+  constexpr Duration kResponses[] = {Duration{0}, Duration{2ms}, Duration{5ms}, Duration{20ms}};
+  StepProgress maps_done("random maps", std::size(kResponses) * maps);
+  for (const Duration response : kResponses) {
     Agreement all;
     for (std::uint64_t seed = first_seed; seed < first_seed + maps; ++seed, maps_done.step()) {
       const test::Map map = test::random_map(seed, kChannels);
       const double share = 0.30 + 0.01 * static_cast<double>(seed * 7 % 40);
-      if (!all.add(load(map, bound(map, answer) / share), answer))
-        report(maps_done, "modbus", seed, answer);
+      if (!all.add(load(map, bound(map, response) / share), response))
+        report(maps_done, "modbus", seed, response);
     }
     maps_done.clear();
-    all.print(("modbus, " + to_text(answer)).c_str());
+    all.print(("modbus, " + to_text(response)).c_str());
   }
   std::puts("a tenth as many of 60 registers in other families, 0.45 to 0.84 of the wire");
   const unsigned tenth = (maps + 9) / 10;
-  StepProgress others_done("maps of other families", 4 * tenth * std::size(kAnswers));
+  StepProgress others_done("maps of other families", 4 * tenth * std::size(kResponses));
   for (const test::Notation notation :
        {test::Notation{"s7-ppi", "VW", 2}, test::Notation{"omron-hostlink", "DM", 1},
         test::Notation{"dtc", "int16:", 1}, test::Notation{"mitsubishi-fx", "D", 1}}) {
@@ -120,10 +120,10 @@ void print_agreement(std::uint64_t first_seed, unsigned maps) {
     for (std::uint64_t seed = first_seed; seed < first_seed + tenth; ++seed) {
       const bool one = std::string_view(notation.protocol) == "mitsubishi-fx";
       const test::Map map = test::random_map(seed, 60, one ? 1 : 3);
-      for (const Duration answer : kAnswers) {
-        const double stretch = stretch_of(map, notation, seed, answer);
-        if (!all.add(load(map, stretch, notation), answer))
-          report(others_done, notation.protocol, seed, answer);
+      for (const Duration response : kResponses) {
+        const double stretch = stretch_of(map, notation, seed, response);
+        if (!all.add(load(map, stretch, notation), response))
+          report(others_done, notation.protocol, seed, response);
         others_done.step();
       }
     }
@@ -139,22 +139,22 @@ void print_engine(std::uint64_t first_seed, unsigned maps) {
       "its start included;\n"
       "beside it the scheduler alone, which knows the response time from the start");
   StepProgress progress("sustained load", 3 * 2 * maps * trials_below(kMost));
-  for (const Duration answer : {kSilence, Duration{5ms}, kSilence + 5ms}) {
+  for (const Duration response : {kSilence, Duration{5ms}, kSilence + 5ms}) {
     double engine = 0, alone = 0, least = 1;
     for (std::uint64_t seed = first_seed; seed < first_seed + maps; ++seed) {
       const test::Map map = test::random_map(seed, kChannels);
       const double whole = greatest_share(
-          kMost, progress, [&](double share) { return missed(map, answer, share, 10min) == 0; });
+          kMost, progress, [&](double share) { return missed(map, response, share, 10min) == 0; });
       engine += whole / maps;
       least = std::min(least, whole);
       const double scheduler = greatest_share(kMost, progress, [&](double share) {
-        return scheduler_missed(map, answer, share, 10min) == 0;
+        return scheduler_missed(map, response, share, 10min) == 0;
       });
       alone += scheduler / maps;
     }
     progress.clear();
     std::printf("responses after %.3f ms: engine %.3f on average, %.3f at worst; scheduler %.3f\n",
-                to_seconds(answer) * 1e3, engine, least, alone);
+                to_seconds(response) * 1e3, engine, least, alone);
     std::fflush(stdout);
   }
   std::puts("");

@@ -106,7 +106,7 @@ namespace {
 
 constexpr double kCharacter = 11.0 / 115200;  // 7E2: start, seven bits, parity, two stops
 // Like a program upload: 0306 for 512 bytes, response in hexadecimal digits (FINS).
-constexpr std::size_t kRequest = 38, kAnswer = 1067;
+constexpr std::size_t kRequest = 38, kResponse = 1067;
 constexpr std::size_t kPiece = 64;  // characters of one piece of a module or UART
 
 void wait_for_line(Clock::time_point& line, std::size_t characters) {
@@ -118,8 +118,8 @@ void wait_for_line(Clock::time_point& line, std::size_t characters) {
 
 // Responds to every request until its stream ends.
 void serve_as_plc(int fd) {
-  Bytes answer(kAnswer, '5');
-  answer.back() = '\r';
+  Bytes response(kResponse, '5');
+  response.back() = '\r';
   std::size_t received = 0;
   Clock::time_point line{};
   while (true) {
@@ -128,10 +128,10 @@ void serve_as_plc(int fd) {
     received += bytes.size();
     if (bytes.back() != '\r') continue;
     wait_for_line(line, std::exchange(received, 0));
-    for (std::size_t at = 0; at < answer.size(); at += kPiece) {
-      const std::size_t count = std::min(kPiece, answer.size() - at);
+    for (std::size_t at = 0; at < response.size(); at += kPiece) {
+      const std::size_t count = std::min(kPiece, response.size() - at);
       wait_for_line(line, count);
-      send_all(fd, ByteView(answer).subspan(at, count));
+      send_all(fd, ByteView(response).subspan(at, count));
     }
   }
 }
@@ -140,11 +140,11 @@ double run_software(int fd, double bytes) {
   Bytes request(kRequest, '0');
   request.back() = '\r';
   const int exchanges =
-      std::max(3, static_cast<int>(bytes / static_cast<double>(kRequest + kAnswer)));
+      std::max(3, static_cast<int>(bytes / static_cast<double>(kRequest + kResponse)));
   const auto start = Clock::now();
   for (int i = 0; i < exchanges; ++i) {
     send_all(fd, request);
-    for (std::size_t received = 0; received < kAnswer;) {
+    for (std::size_t received = 0; received < kResponse;) {
       const Bytes part = receive_some(fd, 4096);
       if (part.empty()) throw std::runtime_error("the line ended");
       received += part.size();

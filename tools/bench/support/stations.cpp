@@ -28,11 +28,11 @@ std::string scrape(std::uint16_t port) {
   if (::connect(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
     return {};
   if (::send(fd.get(), kRequest.data(), kRequest.size(), MSG_NOSIGNAL) < 0) return {};
-  std::string answer;
+  std::string response;
   char piece[65536];
   for (ssize_t count = 0; (count = ::recv(fd.get(), piece, sizeof piece, 0)) > 0;)
-    answer.append(piece, static_cast<std::size_t>(count));
-  return answer.ends_with("# EOF\n") ? answer : std::string{};
+    response.append(piece, static_cast<std::size_t>(count));
+  return response.ends_with("# EOF\n") ? response : std::string{};
 }
 
 }  // namespace
@@ -47,8 +47,8 @@ Scraper::~Scraper() {
 void Scraper::run() {
   for (auto due = std::chrono::steady_clock::now(); !ending_; due += std::chrono::seconds{1}) {
     std::this_thread::sleep_until(due);
-    if (const std::string answer = scrape(port_); !answer.empty()) {
-      bytes_ = answer.size();
+    if (const std::string response = scrape(port_); !response.empty()) {
+      bytes_ = response.size();
       ++scrapes_;
     }
   }

@@ -45,9 +45,9 @@ std::vector<BlockCutter::Block> BlockCutter::take(ByteView bytes) {
 
 namespace {
 
-constexpr std::size_t kMaxAnswer = 65536;  // characters: 256 bus names
-constexpr std::size_t kMaxBridges = 64;    // bridges requested
-constexpr timeval kAnswerLimit{1, 0};
+constexpr std::size_t kMaxResponse = 65536;  // characters: 256 bus names
+constexpr std::size_t kMaxBridges = 64;      // bridges requested
+constexpr timeval kResponseLimit{1, 0};
 
 // Fails with errno.
 tl::expected<FileDescriptor, int> connect_to(const CaptureSocketName& socket) {
@@ -63,7 +63,7 @@ tl::expected<FileDescriptor, int> connect_to(const CaptureSocketName& socket) {
     return tl::unexpected(errno);
   // Any user can bind such a name.
   if (peer_user(made.get()) != socket.user) return tl::unexpected(EPERM);
-  (void)::setsockopt(made.get(), SOL_SOCKET, SO_RCVTIMEO, &kAnswerLimit, sizeof kAnswerLimit);
+  (void)::setsockopt(made.get(), SOL_SOCKET, SO_RCVTIMEO, &kResponseLimit, sizeof kResponseLimit);
   return made;
 }
 
@@ -73,12 +73,12 @@ tl::expected<std::string, int> ask(const FileDescriptor& socket, const std::stri
   if (::send(socket.get(), line.data(), line.size(), MSG_NOSIGNAL) !=
       static_cast<ssize_t>(line.size()))
     return tl::unexpected(errno);
-  std::string answer;
-  for (char c{}; answer.size() < kMaxAnswer; answer += c) {
+  std::string response;
+  for (char c{}; response.size() < kMaxResponse; response += c) {
     const auto got = ::recv(socket.get(), &c, 1, 0);
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) return tl::unexpected(got == 0 ? ECONNRESET : errno);
-    if (c == '\n') return answer;
+    if (c == '\n') return response;
   }
   return tl::unexpected(EMSGSIZE);
 }
@@ -99,9 +99,9 @@ Bridges find_bridges() {
     }
     const auto connection = connect_to(socket);
     if (!connection) continue;
-    const auto answer = ask(*connection, "list");
-    if (!answer) continue;
-    std::istringstream words(*answer);
+    const auto response = ask(*connection, "list");
+    if (!response) continue;
+    std::istringstream words(*response);
     std::string ok, word;
     FoundBridge found{socket};
     words >> ok >> word >> found.name >> word;
@@ -117,10 +117,11 @@ tl::expected<FileDescriptor, std::string> ask_for_capture(const CaptureSocketNam
   auto connection = connect_to(socket);
   if (!connection)
     return tl::unexpected("the bridge does not respond: " + errno_text(connection.error()));
-  const auto answer = ask(*connection, "capture " + bus);
-  if (!answer) return tl::unexpected("the bridge does not respond: " + errno_text(answer.error()));
-  if (*answer == "ok") return *std::move(connection);
-  return tl::unexpected("the bridge says: " + *answer);
+  const auto response = ask(*connection, "capture " + bus);
+  if (!response)
+    return tl::unexpected("the bridge does not respond: " + errno_text(response.error()));
+  if (*response == "ok") return *std::move(connection);
+  return tl::unexpected("the bridge says: " + *response);
 }
 
 }  // namespace fieldcast::cli

@@ -130,9 +130,9 @@ std::optional<CommandResult> DirectBus::run(fieldcast::Command command,
   command.request_id = ++state_->commands;
   state_->results.forget_result();
   if (!state_->runner.post(std::move(command))) return std::nullopt;
-  const auto answered = [](const Results::Heard& heard) { return heard.result.has_value(); };
-  const auto heard =
-      state_->results.wait(interrupt, kResultLimit, answered, [this] { state_->write_capture(); });
+  const auto has_result = [](const Results::Heard& heard) { return heard.result.has_value(); };
+  const auto heard = state_->results.wait(interrupt, kResultLimit, has_result,
+                                          [this] { state_->write_capture(); });
   return heard ? heard->result : std::nullopt;
 }
 

@@ -128,9 +128,9 @@ struct LineExchange::State final : PortListener {
     return heard.size() > said.size() || !std::equal(heard.begin(), heard.end(), said.begin());
   }
   // Records the result of the exchange in the capture.
-  void record_end(const LineExchange::Answer& answer) const {
-    if (answer.cause != Cause::kNone)
-      record(CaptureRecord::Kind::kRemark, {}, std::string(to_text(answer.cause)), steady_now());
+  void record_end(const LineExchange::Response& response) const {
+    if (response.cause != Cause::kNone)
+      record(CaptureRecord::Kind::kRemark, {}, std::string(to_text(response.cause)), steady_now());
     record(CaptureRecord::Kind::kEnded, {}, {}, steady_now());
   }
   [[nodiscard]] std::string why_closed() const {
@@ -204,7 +204,7 @@ tl::expected<void, std::string> LineExchange::open(const PortSpec& spec) {
   return tl::unexpected(state.why_closed());
 }
 
-tl::expected<LineExchange::Answer, std::string> LineExchange::ask(
+tl::expected<LineExchange::Response, std::string> LineExchange::ask(
     std::unique_ptr<Exchange> exchange, Duration timeout, const LineEvent& note) {
   State& state = *state_;
   const Instant limit = steady_now() + kLongestStray;
@@ -241,23 +241,23 @@ tl::expected<LineExchange::Answer, std::string> LineExchange::ask(
     state.driver->abort();
     return tl::unexpected(state.why_closed());
   }
-  Answer answer;
-  answer.bytes = state.strays;
-  answer.heard = state.heard_others();
+  Response response;
+  response.bytes = state.strays;
+  response.heard = state.heard_others();
   if (state.outcome == ExchangeDriver::Outcome::kDone) {
-    answer.took = state.driver->response_time();
-    answer.reply = state.driver->exchange().reply();
+    response.took = state.driver->response_time();
+    response.reply = state.driver->exchange().reply();
   } else {
-    answer.cause = state.driver->cause();
-    answer.device_code = state.driver->device_code();
-    answer.took = state.driver->response_time();
-    answer.echo_alone = state.driver->echo_alone();
-    answer.shape = response_shape(state.driver->raw_received(), state.driver->sent(),
-                                  state.driver->expected());
+    response.cause = state.driver->cause();
+    response.device_code = state.driver->device_code();
+    response.took = state.driver->response_time();
+    response.echo_alone = state.driver->echo_alone();
+    response.shape =
+        response_shape(state.driver->raw_received(), state.driver->sent(), state.driver->expected());
   }
   (void)state.driver->finish();
-  state.record_end(answer);
-  return answer;
+  state.record_end(response);
+  return response;
 }
 
 }  // namespace fieldcast::cli

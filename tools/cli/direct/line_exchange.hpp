@@ -72,7 +72,7 @@ struct LineEvent {
 class LineExchange {
  public:
   // Result of an exchange; `device_code` is set with Cause::kDeviceError.
-  struct Answer {
+  struct Response {
     Cause cause = Cause::kNone;  // kNone: `reply` is valid
     std::uint16_t device_code = 0;
     Reply reply;
@@ -93,9 +93,10 @@ class LineExchange {
   [[nodiscard]] tl::expected<void, std::string> open(const PortSpec& port);
   // Waits for silence, sends, and waits for the response, whose first byte must arrive within
   // `timeout`. Fails like open() if the port is lost. REQUIRES: open() was successful.
-  [[nodiscard]] tl::expected<Answer, std::string> ask(std::unique_ptr<Exchange> exchange,
-                                                      Duration timeout, const LineEvent& note = {});
-  // Restarts the detection for Answer::heard: bytes received since this call that are not an echo.
+  [[nodiscard]] tl::expected<Response, std::string> ask(std::unique_ptr<Exchange> exchange,
+                                                        Duration timeout,
+                                                        const LineEvent& note = {});
+  // Restarts the detection for Response::heard: bytes received since this call that are not an echo.
   void listen_again();
   // Calls `meanwhile` several times a second during waits, for the progress.
   void while_waiting(std::function<void()> meanwhile);

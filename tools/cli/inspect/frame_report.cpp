@@ -227,9 +227,9 @@ ExitCode show_capture(std::istream& in, const std::string& name, FrameReport& re
 bool show_trace(std::string_view text, FrameReport& report) {
   bool any = false;
   // By bus: a response arrives in pieces and ends when another line follows.
-  std::map<std::string, SeenFrame> answers;
-  const auto end_answer = [&](const std::string& bus) {
-    if (const auto answer = answers.extract(bus)) report.show(answer.mapped());
+  std::map<std::string, SeenFrame> responses;
+  const auto end_response = [&](const std::string& bus) {
+    if (const auto response = responses.extract(bus)) report.show(response.mapped());
   };
   while (!text.empty()) {
     const auto end = text.find('\n');
@@ -239,22 +239,22 @@ bool show_trace(std::string_view text, FrameReport& report) {
     any = true;
     const std::string time(line->time), bus(line->bus);
     if (line->mark == TraceText::Mark::kReceived) {
-      if (answers[bus].bytes.size() + line->bytes.size() > FrameGatherer::kMaxFrame)
-        end_answer(bus);
-      SeenFrame& piece = answers[bus];
+      if (responses[bus].bytes.size() + line->bytes.size() > FrameGatherer::kMaxFrame)
+        end_response(bus);
+      SeenFrame& piece = responses[bus];
       piece.time = time;
       piece.bus = bus;
       piece.direction = Direction::kReceived;
       append(piece.bytes, line->bytes);
       continue;
     }
-    end_answer(bus);
+    end_response(bus);
     if (line->mark == TraceText::Mark::kRemark)
       report.remark(time, bus, std::string(line->text));
     else
       report.show({time, bus, Direction::kSent, {}, std::move(line->bytes), {}});
   }
-  while (!answers.empty()) end_answer(std::string(answers.begin()->first));
+  while (!responses.empty()) end_response(std::string(responses.begin()->first));
   return any;
 }
 

@@ -12,9 +12,9 @@
 namespace fieldcast::cli {
 namespace {
 
-constexpr std::size_t kMaxKnown = 1024;    // stored requests
-constexpr std::size_t kMaxAnswer = 65536;  // bytes
-constexpr std::uint32_t kMostLonger = 4;   // items that a read may have after its last channel
+constexpr std::size_t kMaxKnown = 1024;      // stored requests
+constexpr std::size_t kMaxResponse = 65536;  // bytes
+constexpr std::uint32_t kMostLonger = 4;     // items that a read may have after its last channel
 constexpr unsigned kSequences = 65536;
 
 Bytes request_of(const Protocol& protocol, const std::vector<Range>& ranges,
@@ -188,7 +188,7 @@ std::vector<DecodedValue> ValueDecoder::take(Direction direction, ByteView frame
     if (asked) (void)begin(*asked, frame);
     return {};
   }
-  if (!exchange_ || received_.size() + frame.size() > kMaxAnswer) return {};
+  if (!exchange_ || received_.size() + frame.size() > kMaxResponse) return {};
   append(received_, frame);
   next_.clear();
   const Step step = exchange_->on_bytes(received_, next_);

@@ -19,7 +19,7 @@ namespace {
 constexpr std::uint8_t kFunction = 0x2B, kMeiType = 0x0E, kBasic = 0x01, kException = 0x80;
 constexpr std::size_t kHeader = 7;   // function .. number of objects
 constexpr std::size_t kObjects = 3;  // basic category: vendor, product code, revision
-constexpr std::uint32_t kUsualAnswer = 60;
+constexpr std::uint32_t kUsualResponse = 60;
 constexpr std::size_t kTcpHeader = 7;
 
 enum class Form : std::uint8_t { kRtu, kAscii, kTcp };
@@ -96,7 +96,7 @@ class ModbusIdentity final : public Exchange {
   Step start(Bytes& out) override {
     constexpr std::array<std::uint8_t, 4> kRequest{kFunction, kMeiType, kBasic, 0};
     framing_.wrap({unit_, 1}, kRequest, out);
-    return Step::send(kUsualAnswer);
+    return Step::send(kUsualResponse);
   }
   Step on_bytes(ByteView all, Bytes&) override {
     if (all.size() > modbus::kMaxReceived) return Step::failed(Cause::kOverlong);
@@ -169,8 +169,8 @@ constexpr std::array kModels{
 
 constexpr std::uint8_t kFinsModel = 0x30;  // a model that also supports FINS
 constexpr std::size_t kMostReceived = 2048;
-constexpr std::uint32_t kModelAnswer = 13;  // @uuMM ee cc FCS * CR
-constexpr std::uint32_t kFinsAnswer = 211;  // @uuFA ee, 100 bytes as digits, FCS * CR
+constexpr std::uint32_t kModelResponse = 13;  // @uuMM ee cc FCS * CR
+constexpr std::uint32_t kFinsResponse = 211;  // @uuFA ee, 100 bytes as digits, FCS * CR
 // FINS response: ICF DA2 SA2 SID, command, end code, and two texts (W342, 5-3-15).
 constexpr std::size_t kCommandAt = 4, kEndAt = 6, kTextAt = 8, kTextSize = 20;
 constexpr std::array<std::uint8_t, 7> kReadCpuData{0, 0, 0, 0x01, 0x05, 0x01, 0};
@@ -190,7 +190,7 @@ class HostLinkIdentity final : public Exchange {
   Step start(Bytes& out) override {
     omron::append_head(out, unit_, "MM");
     omron::append_end(out, 0, true);
-    return Step::send(kModelAnswer);
+    return Step::send(kModelResponse);
   }
 
   Step on_bytes(ByteView all, Bytes& out) override {
@@ -235,7 +235,7 @@ class HostLinkIdentity final : public Exchange {
     append_digits(out, 0, 1);  // no wait
     append_hex_bytes(out, kReadCpuData);
     omron::append_end(out, 0, true);
-    return Step::send(kFinsAnswer);
+    return Step::send(kFinsResponse);
   }
 
   // ee, then the message as digits

@@ -16,12 +16,12 @@ std::string format_text(const LineFormat& format) {
   return text.substr(text.find(' ') + 1);
 }
 
-std::string answer_text(const ScanLine& line, const ScanResponse& answer) {
-  if (answer.cause == Cause::kNone) return "value";
-  if (answer.cause == Cause::kDeviceError || answer.device_code != 0)
+std::string response_text(const ScanLine& line, const ScanResponse& response) {
+  if (response.cause == Cause::kNone) return "value";
+  if (response.cause == Cause::kDeviceError || response.device_code != 0)
     return "refuses: " +
-           device_code_words(scan_protocol(line.protocol)->traits().codes, answer.device_code);
-  return std::string(to_text(answer.cause));
+           device_code_words(scan_protocol(line.protocol)->traits().codes, response.device_code);
+  return std::string(to_text(response.cause));
 }
 
 // Makes a device's text a single line.
@@ -70,9 +70,9 @@ std::vector<std::string> found_lines(const Scanner& scanner, bool serial, const 
     const ScanLine& line = scanner.lines()[found.line];
     table.add_row({{std::to_string(found.address)},
                    {line_text(line, serial)},
-                   {answer_text(line, found.answer),
-                    found.answer.cause == Cause::kNone ? Tone::kGood : Tone::kPlain},
-                   {fmt::format("{:.1f} ms", to_seconds(found.answer.took) * 1e3)},
+                   {response_text(line, found.response),
+                    found.response.cause == Cause::kNone ? Tone::kGood : Tone::kPlain},
+                   {fmt::format("{:.1f} ms", to_seconds(found.response.took) * 1e3)},
                    {comment_text(identity_text(found))}});
   }
   std::vector<std::string> lines = table.render(screen);
@@ -133,9 +133,10 @@ Json found_json(const std::string& port, const ScanLine& line, const ScanFound& 
     json.add("format", format_text(line.format));
   }
   json.add("address", found.address);
-  json.add("answer", found.answer.cause == Cause::kNone ? "value" : to_name(found.answer.cause));
-  json.add("device_code", found.answer.device_code);
-  json.add("answer_time", found.answer.took.count());
+  json.add("answer",
+           found.response.cause == Cause::kNone ? "value" : to_name(found.response.cause));
+  json.add("device_code", found.response.device_code);
+  json.add("answer_time", found.response.took.count());
   json.add("identity", found.identity);
   json.add("templates", found.templates);
   if (found.sunspec) json.add("sunspec", sunspec_json(*found.sunspec));
@@ -167,8 +168,8 @@ std::string configuration_text(const std::string& port, bool serial, const Scann
         fmt::format("      - name: device-{}\n        address: {}\n", found.address, found.address);
     if (const std::string identity = identity_text(found); !identity.empty())
       text += fmt::format("        # it says: {}\n", comment_text(identity));
-    if (found.answer.cause != Cause::kNone)
-      text += fmt::format("        # it responds, but {} {}\n", answer_text(line, found.answer),
+    if (found.response.cause != Cause::kNone)
+      text += fmt::format("        # it responds, but {} {}\n", response_text(line, found.response),
                           asked.at);
     if (found.templates.size() == 1) {
       text += fmt::format("        template: {}\n", found.templates.front());

@@ -20,23 +20,23 @@ std::optional<ScanAsk> Scanner::next() const {
                  first};
 }
 
-void Scanner::answered(const ScanResponse& answer) {
+void Scanner::on_response(const ScanResponse& response) {
   ++asked_;
-  if (probing_) return probed(answer);
-  if (answer.device) {
+  if (probing_) return probed(response);
+  if (response.device) {
     settled_ = line_;
-    found_.push_back({line_, lines_[line_].addresses[index_], pass_, answer, {}});
+    found_.push_back({line_, lines_[line_].addresses[index_], pass_, response, {}});
     babble_ = 0;
     return advance();
   }
-  echoed_ = echoed_ || answer.echo_alone;
-  const bool noise = answer.bytes > 0 && !answer.echo_alone;
+  echoed_ = echoed_ || response.echo_alone;
+  const bool noise = response.bytes > 0 && !response.echo_alone;
   babble_ = noise ? babble_ + 1 : 0;
-  if (answer.shape != ResponseShape::kOther) {
+  if (response.shape != ResponseShape::kOther) {
     // The second request may match by chance: a response with a different parity can start
     // correctly.
     if (pass_ == 0) settled_ = line_;
-    broken_.push_back({line_, lines_[line_].addresses[index_], answer.shape});
+    broken_.push_back({line_, lines_[line_].addresses[index_], response.shape});
   }
   if (noise && std::find(noisy_.begin(), noisy_.end(), line_) == noisy_.end())
     noisy_.push_back(line_);
@@ -47,10 +47,10 @@ void Scanner::answered(const ScanResponse& answer) {
   advance();
 }
 
-void Scanner::probed(const ScanResponse& answer) {
-  echoed_ = echoed_ || answer.echo_alone;
-  const bool heard = answer.heard || answer.device;
-  if (heard && (heard_once_ || answer.device)) {
+void Scanner::probed(const ScanResponse& response) {
+  echoed_ = echoed_ || response.echo_alone;
+  const bool heard = response.heard || response.device;
+  if (heard && (heard_once_ || response.device)) {
     heard_any_ = true;
     probing_ = heard_once_ = false;
     index_ = 0;

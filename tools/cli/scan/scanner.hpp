@@ -1,4 +1,4 @@
-// State machine of a scan: next() returns the next request, answered() processes its result. The
+// State machine of a scan: next() returns the next request, on_response() processes its result. The
 // scan settles on the first line with a response and skips the others. Silent addresses there get a
 // second, different request.
 //
@@ -45,7 +45,7 @@ struct ScanFound {
   std::size_t line = 0;
   std::uint16_t address = 1;
   std::size_t question = 0;
-  ScanResponse answer;
+  ScanResponse response;
   std::string identity;                  // identification text of the device; empty: none
   std::vector<std::string> templates{};  // that match the identity equally well
   std::optional<SunSpecMap> sunspec{};
@@ -70,7 +70,7 @@ class Scanner {
   // Empty at the end of the scan.
   [[nodiscard]] std::optional<ScanAsk> next() const;
   // Result of the request of next().
-  void answered(const ScanResponse& answer);
+  void on_response(const ScanResponse& response);
   // Skips the line of next(), because its port does not accept the settings.
   void skip_line();
 
@@ -98,7 +98,7 @@ class Scanner {
  private:
   void advance();
   void next_line();
-  void probed(const ScanResponse& answer);
+  void probed(const ScanResponse& response);
   void search_or_probe_next();
   [[nodiscard]] bool babbles() const;
   [[nodiscard]] bool over() const { return pass_ == kPasses; }

@@ -46,7 +46,7 @@ std::optional<SunSpecWalk::Read> SunSpecWalk::next() const {
   return std::nullopt;
 }
 
-void SunSpecWalk::answered(ByteView registers) {
+void SunSpecWalk::on_response(ByteView registers) {
   const auto read = next();
   if (!read) return;
   if (registers.size() != 2 * std::size_t{read->count}) return failed(Cause::kMalformed);

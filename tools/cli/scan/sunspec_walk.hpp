@@ -1,5 +1,5 @@
 // State machine that finds the SunSpec models of a Modbus device: next() returns the next read,
-// answered() and failed() process its result. The marker "SunS" is at one of three holding
+// on_response() and failed() process its result. The marker "SunS" is at one of three holding
 // registers. A chain of models follows, each with a header of two registers (number, length), until
 // the number 0xFFFF (SunSpec Device Information Model Specification). Replies are untrusted: the
 // chain is limited, and an early end has a reason. Pure.
@@ -45,7 +45,7 @@ class SunSpecWalk {
   // Empty at the end of the walk.
   [[nodiscard]] std::optional<Read> next() const;
   // The registers of next(), two bytes each. Another number of bytes is a malformed response.
-  void answered(ByteView registers);
+  void on_response(ByteView registers);
   // After a refused read of the marker, the next base is read. After a silent one the walk ends, so
   // that the search takes at most one timeout.
   void failed(Cause cause);

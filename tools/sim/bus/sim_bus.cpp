@@ -127,7 +127,7 @@ void BusLine::plan_foreign(Instant from) {
 void BusLine::send_to_foreign(Instant now) {
   constexpr std::uint32_t kMostItems = 16;
   constexpr int kMostRounds = 8;
-  constexpr Duration kAnswerAfter = std::chrono::milliseconds{2};
+  constexpr Duration kResponseAfter = std::chrono::milliseconds{2};
   plan_foreign(now);
   const SimBus::Foreign& foreign = bus_.foreign_;
   const auto& channels = foreign.spec.channels;
@@ -148,10 +148,10 @@ void BusLine::send_to_foreign(Instant now) {
     }
     Reaction reaction;
     for (const std::uint8_t character : request) receiver->on_character(character, now, reaction);
-    wire_.from_device(kNobody, reaction.answer, now + kAnswerAfter);
-    now = std::max(now, wire_.sends_until(kNobody)) + kAnswerAfter;
+    wire_.from_device(kNobody, reaction.response, now + kResponseAfter);
+    now = std::max(now, wire_.sends_until(kNobody)) + kResponseAfter;
     request.clear();
-    step = exchange->on_bytes(reaction.answer, request);
+    step = exchange->on_bytes(reaction.response, request);
     if (step.kind == Step::Kind::kNeedMore && step.wait == Wait::kPause)
       step = exchange->on_silence(request);
   }
@@ -242,23 +242,23 @@ void BusLine::be_silent(Instant at) {
 
 void BusLine::say(std::size_t device, Reaction& reaction, Instant at) {
   hung_up_ = hung_up_ || reaction.hang_up;
-  if (reaction.answer.empty()) return;
+  if (reaction.response.empty()) return;
   SimBus::Member& member = bus_.members_[device];
-  const Bytes meant = reaction.answer;
-  const FaultyResponse answer = member.dice.roll(std::move(reaction.answer));
-  if (answer.characters != meant) ++member.spoiled;
+  const Bytes meant = reaction.response;
+  const FaultyResponse response = member.dice.roll(std::move(reaction.response));
+  if (response.characters != meant) ++member.spoiled;
   const auto sender = static_cast<Sender>(device);
   const std::uint64_t collisions = wire_.collisions();
   const Instant free = wire_.sends_until(sender);
-  const Duration delay = answer.delay + reaction.pause;
+  const Duration delay = response.delay + reaction.pause;
   const bool queues = member.dice.faults().queues;
-  wire_.from_device(sender, answer.characters,
+  wire_.from_device(sender, response.characters,
                     queues ? std::max(at, free) + delay : std::max(at + delay, free));
-  if (answer.doubled && !answer.characters.empty()) {
-    wire_.from_device(sender, answer.characters,
+  if (response.doubled && !response.characters.empty()) {
+    wire_.from_device(sender, response.characters,
                       wire_.sends_until(sender) + member.dice.faults().doubled_after);
   }
-  if (!answer.characters.empty()) spoke_until_[device] = wire_.sends_until(sender);
+  if (!response.characters.empty()) spoke_until_[device] = wire_.sends_until(sender);
   bus_.statistics_.collisions += wire_.collisions() - collisions;
 }
 

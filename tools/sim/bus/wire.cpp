@@ -184,8 +184,8 @@ bool FaultDice::dead(Duration since_start) const {
                              [&](const Window& window) { return window.holds(since_start); });
 }
 
-FaultyResponse FaultDice::roll(Bytes answer) {
-  FaultyResponse out{std::move(answer), faults_.delay.base};
+FaultyResponse FaultDice::roll(Bytes response) {
+  FaultyResponse out{std::move(response), faults_.delay.base};
   if (faults_.delay.spread > Duration{}) {
     out.delay +=
         Duration{static_cast<std::int64_t>(std::generate_canonical<double, 53>(random_) *

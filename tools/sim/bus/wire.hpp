@@ -179,7 +179,7 @@ struct FaultyResponse {
 class FaultDice {
  public:
   FaultDice(const DeviceFaults& faults, std::uint64_t seed) : faults_(faults), random_(seed) {}
-  [[nodiscard]] FaultyResponse roll(Bytes answer);
+  [[nodiscard]] FaultyResponse roll(Bytes response);
   [[nodiscard]] bool dead(Duration since_start) const;
   [[nodiscard]] const DeviceFaults& faults() const { return faults_; }
   [[nodiscard]] std::uint64_t late() const { return late_; }        // late responses so far

@@ -187,7 +187,7 @@ void refusals(const Subject& subject, const Requests& requests, CheckRows& rows)
         each || outcome.cause == Cause::kDeviceError || outcome.cause == Cause::kDeviceBusy;
     (silent ? outcome.cause == Cause::kNoResponse : refused)
         ? row.pass()
-        : row.fail(fmt::format("{}: {}", example.name, outcome.text()), frames(outcome.answers));
+        : row.fail(fmt::format("{}: {}", example.name, outcome.text()), frames(outcome.responses));
   }
   rows.push_back(std::move(row));
 }
@@ -225,12 +225,12 @@ void foreign_responses(const Subject& subject, const Requests& requests, CheckRo
   std::uint16_t sequence = 0;
   for (const NamedRequest& example : requests.examples()) {
     ++sequence;
-    const auto check_replay = [&](CheckRow& into, const RunOutcome& answered) {
+    const auto check_replay = [&](CheckRow& into, const RunOutcome& recorded) {
       const RunOutcome outcome = replay(requests.protocol().begin(example.request, {sequence}),
-                                        subject.line(), answered.answers);
-      outcome.is_definite()
-          ? into.fail(fmt::format("{}: {}", example.name, outcome.text()), frames(answered.answers))
-          : into.pass();
+                                        subject.line(), recorded.responses);
+      outcome.is_definite() ? into.fail(fmt::format("{}: {}", example.name, outcome.text()),
+                                        frames(recorded.responses))
+                            : into.pass();
     };
     if (identity != ResponseIdentity::kNone && neighbour)
       check_replay(row, there.run(other->begin(example.request, {sequence})));

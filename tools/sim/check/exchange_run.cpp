@@ -161,7 +161,7 @@ RunOutcome LiveDevice::run(std::unique_ptr<Exchange> exchange) {
   const auto send = [&] {
     line_->receive(out, now_);
     outcome.sent.push_back(out);
-    outcome.answers.emplace_back();
+    outcome.responses.emplace_back();
     how = ExchangeDriver::Outcome::kWaiting;
   };
   driver.begin(std::move(exchange), kTimeout, true, now_, out);
@@ -172,7 +172,7 @@ RunOutcome LiveDevice::run(std::unique_ptr<Exchange> exchange) {
     Bytes received;
     line_->advance(now_, received);
     if (!received.empty()) {
-      append(outcome.answers.back(), received);
+      append(outcome.responses.back(), received);
       how = driver.on_bytes(received, now_, out);
     } else if (now_ >= driver.deadline()) {
       how = driver.on_timer(now_, out);
@@ -186,7 +186,7 @@ RunOutcome LiveDevice::run(std::unique_ptr<Exchange> exchange) {
 }
 
 RunOutcome replay(std::unique_ptr<Exchange> exchange, const LineFormat& line,
-                  std::span<const Bytes> answers, std::span<const std::size_t> cuts) {
+                  std::span<const Bytes> responses, std::span<const std::size_t> cuts) {
   ExchangeDriver driver(line, kGapAllowance, Echo::kAbsent);
   RunOutcome outcome;
   Bytes out;
@@ -198,16 +198,16 @@ RunOutcome replay(std::unique_ptr<Exchange> exchange, const LineFormat& line,
        ++step) {
     const std::size_t round = outcome.sent.size();
     const Bytes none;
-    const Bytes& answer = round <= answers.size() ? answers[round - 1] : none;
+    const Bytes& response = round <= responses.size() ? responses[round - 1] : none;
     now = std::max(now, driver.sent_until());
     how = ExchangeDriver::Outcome::kWaiting;
     for (std::size_t from = 0, piece = 0;
-         from < answer.size() && how == ExchangeDriver::Outcome::kWaiting; ++piece) {
+         from < response.size() && how == ExchangeDriver::Outcome::kWaiting; ++piece) {
       const std::size_t to =
-          piece < cuts.size() ? std::min(cuts[piece], answer.size()) : answer.size();
+          piece < cuts.size() ? std::min(cuts[piece], response.size()) : response.size();
       if (to <= from) continue;
       now += kPiece;
-      how = driver.on_bytes(ByteView(answer).subspan(from, to - from), now, out);
+      how = driver.on_bytes(ByteView(response).subspan(from, to - from), now, out);
       from = to;
     }
     while (how == ExchangeDriver::Outcome::kWaiting && step++ < kMostSteps) {

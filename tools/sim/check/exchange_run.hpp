@@ -38,7 +38,7 @@ struct RunOutcome {
   std::uint16_t code = 0;
   Reply reply;  // if done
   std::vector<Bytes> sent;
-  std::vector<Bytes> answers;
+  std::vector<Bytes> responses;
   // True for a value or a device error: a disturbed response must not become one of these.
   [[nodiscard]] bool is_definite() const {
     return done || cause == Cause::kDeviceError || cause == Cause::kDeviceBusy;
@@ -64,9 +64,9 @@ class LiveDevice {
   Instant now_{};
 };
 
-// Replays answers[n] after the n-th request, in pieces that end at `cuts`; afterwards silence.
+// Replays responses[n] after the n-th request, in pieces that end at `cuts`; afterwards silence.
 [[nodiscard]] RunOutcome replay(std::unique_ptr<Exchange> exchange, const LineFormat& line,
-                                std::span<const Bytes> answers,
+                                std::span<const Bytes> responses,
                                 std::span<const std::size_t> cuts = {});
 
 }  // namespace fieldcast::sim

@@ -13,7 +13,7 @@
 namespace fieldcast::sim {
 
 CheckRows sim_check(const Subject& subject, const std::function<void(double share)>& on_share) {
-  constexpr std::array kParts{check_values, check_notation, check_answers, check_faults,
+  constexpr std::array kParts{check_values, check_notation, check_responses, check_faults,
                               check_late};
   CheckRows rows;
   for (std::size_t i = 0; i < kParts.size(); ++i) {
@@ -63,12 +63,12 @@ class ResponseCheck {
     const RunOutcome& clean = example.clean;
     if (!clean.done && clean.cause != Cause::kDeviceError) {
       splits_->fail(fmt::format("{}: the undisturbed response: {}", named.name, clean.text()),
-                    to_hex(clean.answers.back()));
+                    to_hex(clean.responses.back()));
       return;
     }
-    for (std::size_t round = 0; round < clean.answers.size(); ++round) {
+    for (std::size_t round = 0; round < clean.responses.size(); ++round) {
       const std::string in_round =
-          clean.answers.size() > 1 ? fmt::format(" of response {}", round + 1) : "";
+          clean.responses.size() > 1 ? fmt::format(" of response {}", round + 1) : "";
       split(example, round, in_round);
       truncate(example, round, in_round);
       flip_bits(example, round, in_round);
@@ -78,59 +78,60 @@ class ResponseCheck {
 
   // Splits one response in two parts at every byte, then in single bytes.
   void split(const Example& example, std::size_t round, const std::string& in_round) {
-    const Bytes& answer = example.clean.answers[round];
-    for (std::size_t cut = 0; cut < answer.size(); ++cut) {
+    const Bytes& response = example.clean.responses[round];
+    for (std::size_t cut = 0; cut < response.size(); ++cut) {
       std::vector<std::size_t> cuts{cut};
-      if (cut == 0) cuts.resize(answer.size()), std::iota(cuts.begin(), cuts.end(), 1);
-      const RunOutcome outcome = run(example, example.clean.answers, cuts);
+      if (cut == 0) cuts.resize(response.size()), std::iota(cuts.begin(), cuts.end(), 1);
+      const RunOutcome outcome = run(example, example.clean.responses, cuts);
       judge(*splits_, example, outcome, outcome.same_as(example.clean),
-            fmt::format("split at {}{}", cut, in_round), answer);
+            fmt::format("split at {}{}", cut, in_round), response);
     }
   }
 
   void truncate(const Example& example, std::size_t round, const std::string& in_round) {
-    for (std::size_t size = 0; size < example.clean.answers[round].size(); ++size) {
-      auto answers = example.clean.answers;
-      answers.resize(round + 1);
-      answers[round].resize(size);
-      const RunOutcome outcome = run(example, answers);
+    for (std::size_t size = 0; size < example.clean.responses[round].size(); ++size) {
+      auto responses = example.clean.responses;
+      responses.resize(round + 1);
+      responses[round].resize(size);
+      const RunOutcome outcome = run(example, responses);
       judge(*cuts_, example, outcome, !outcome.is_definite(),
-            fmt::format("cut to {}{}", size, in_round), answers[round]);
+            fmt::format("cut to {}{}", size, in_round), responses[round]);
     }
   }
 
   void flip_bits(const Example& example, std::size_t round, const std::string& in_round) {
-    const std::size_t size = example.clean.answers[round].size();
+    const std::size_t size = example.clean.responses[round].size();
     const std::size_t step = size > kMostFlipped ? 9 : 1;
     for (std::size_t bit = 0; bit < size * 8; bit += step) {
-      auto answers = example.clean.answers;
-      answers[round][bit / 8] ^= static_cast<std::uint8_t>(1u << bit % 8);
-      const RunOutcome outcome = run(example, answers);
+      auto responses = example.clean.responses;
+      responses[round][bit / 8] ^= static_cast<std::uint8_t>(1u << bit % 8);
+      const RunOutcome outcome = run(example, responses);
       const bool right = !outcome.is_definite() || outcome.same_as(example.clean);
       unseen_ += right ? 0 : 1;
       judge(*flips_, example, outcome, right || !subject_.checked,
-            fmt::format("bit {} of byte {}{} flipped", bit % 8, bit / 8, in_round), answers[round]);
+            fmt::format("bit {} of byte {}{} flipped", bit % 8, bit / 8, in_round),
+            responses[round]);
     }
   }
 
   void add_noise(const Example& example) {
-    auto answers = example.clean.answers;
+    auto responses = example.clean.responses;
     Bytes noise(1 + random_() % 12);
     for (std::uint8_t& byte : noise) byte = static_cast<std::uint8_t>(random_());
-    answers.front().insert(answers.front().begin(), noise.begin(), noise.end());
-    const RunOutcome outcome = run(example, answers);
+    responses.front().insert(responses.front().begin(), noise.begin(), noise.end());
+    const RunOutcome outcome = run(example, responses);
     const bool right = !outcome.is_definite() || outcome.same_as(example.clean);
     judge(*noise_, example, outcome, right || !subject_.checked, "behind " + to_hex(noise),
-          answers.front());
+          responses.front());
   }
 
   [[nodiscard]] std::unique_ptr<Exchange> begin(const NamedRequest& named,
                                                 std::uint16_t sequence) const {
     return requests_.protocol().begin(named.request, {sequence});
   }
-  [[nodiscard]] RunOutcome run(const Example& example, const std::vector<Bytes>& answers,
+  [[nodiscard]] RunOutcome run(const Example& example, const std::vector<Bytes>& responses,
                                const std::vector<std::size_t>& cuts = {}) const {
-    return replay(begin(example.named, example.sequence), subject_.line(), answers, cuts);
+    return replay(begin(example.named, example.sequence), subject_.line(), responses, cuts);
   }
   static void judge(CheckRow& row, const Example& example, const RunOutcome& outcome, bool right,
                     const std::string& what, const Bytes& frame) {
@@ -152,7 +153,9 @@ class ResponseCheck {
 
 }  // namespace
 
-void check_answers(const Subject& subject, CheckRows& rows) { ResponseCheck(subject, rows).run(); }
+void check_responses(const Subject& subject, CheckRows& rows) {
+  ResponseCheck(subject, rows).run();
+}
 
 // Checks that every form of an address means the same item to the bridge and the simulated device.
 

@@ -42,7 +42,7 @@ using CheckRows = std::vector<CheckRow>;
 void check_values(const Subject& subject, CheckRows& rows);
 void check_notation(const Subject& subject, CheckRows& rows);
 // Splits, truncations, flipped bits, leading noise.
-void check_answers(const Subject& subject, CheckRows& rows);
+void check_responses(const Subject& subject, CheckRows& rows);
 void check_faults(const Subject& subject, CheckRows& rows);
 void check_late(const Subject& subject, CheckRows& rows);
 

@@ -27,9 +27,9 @@ class DeclaredReceiver : public GapReceiver {
     heard(end, reaction);
     if (lost_) return;
     received_.push_back(character);
-    const auto taken = device_.take(received_, end, reaction.answer);
+    const auto taken = device_.take(received_, end, reaction.response);
     if (taken == DeclaredDevice::Taken::kMore) return;
-    ready(taken == DeclaredDevice::Taken::kNothing || reaction.answer.empty());
+    ready(taken == DeclaredDevice::Taken::kNothing || reaction.response.empty());
   }
 
  private:
@@ -78,7 +78,7 @@ std::unique_ptr<Receiver> DeclaredDevice::open_receiver() {
   return std::make_unique<DeclaredReceiver>(*this, line_, stream_);
 }
 
-DeclaredDevice::Taken DeclaredDevice::take(ByteView bytes, Instant now, Bytes& answer) {
+DeclaredDevice::Taken DeclaredDevice::take(ByteView bytes, Instant now, Bytes& response) {
   bool more = false;
   for (const Operation& operation : declaration_->operations) {
     DeclaredMatch received = on_request(*declaration_, operation, bytes);
@@ -90,7 +90,7 @@ DeclaredDevice::Taken DeclaredDevice::take(ByteView bytes, Instant now, Bytes& a
     }
     if (has_address(operation.request) && received.text.address != address_) return Taken::kDone;
     received.text.address = address_;
-    answer = execute(operation, std::move(received.text), now);
+    response = execute(operation, std::move(received.text), now);
     return Taken::kDone;
   }
   return more && bytes.size() < declared::kMaxFrame ? Taken::kMore : Taken::kNothing;
@@ -120,7 +120,7 @@ Bytes DeclaredDevice::refuse(const Operation& operation, DeclaredText text, std:
   ++statistics_.exceptions[code];
   if (declaration_->refusal.fields.empty()) return {};
   text.error = code;
-  ++statistics_.answers;
+  ++statistics_.responses;
   return say(declaration_->refusal, declaration_->areas[operation.area].item_bits, text);
 }
 
@@ -130,7 +130,7 @@ Bytes DeclaredDevice::execute(const Operation& operation, DeclaredText text, Ins
     return refuse(operation, std::move(text), code);
   if (operation.write) store(operation, text);
   fill(operation, now, text);
-  ++statistics_.answers;
+  ++statistics_.responses;
   return say(operation.response, declaration_->areas[operation.area].item_bits, text);
 }
 

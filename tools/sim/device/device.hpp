@@ -32,11 +32,11 @@ struct DeviceStatistics {
   std::uint64_t write_requests = 0;  // executed
   std::uint64_t broadcasts = 0;      // executed without a response
   std::uint64_t bad_frames = 0;      // received with wrong checksum, length or characters
-  std::uint64_t answers = 0;         // created; faults may still drop them
+  std::uint64_t responses = 0;       // created; faults may still drop them
 };
 
 struct Reaction {
-  Bytes answer;  // empty: no response
+  Bytes response;  // empty: no response
   // Delay before the response that the request demands, in addition to the device's own.
   Duration pause{};
   bool hang_up = false;  // TCP: the stream cannot be parsed further; close the connection

@@ -115,8 +115,8 @@ class DtcReceiver : public GapReceiver {
     const std::size_t length = read_u16(received_, 1);
     if (length < 3 || length > kMostBytes) return ready(true);
     if (received_.size() < kHead + length) return;
-    ready(
-        !device_.take(received_[0] == 1, ByteView(received_).subspan(kHead), end, reaction.answer));
+    ready(!device_.take(received_[0] == 1, ByteView(received_).subspan(kHead), end,
+                        reaction.response));
   }
 
  private:
@@ -172,7 +172,7 @@ std::unique_ptr<Receiver> DtcDevice::open_receiver() {
   return std::make_unique<DtcReceiver>(*this, line_, stream_);
 }
 
-bool DtcDevice::take(bool compressed, ByteView body, Instant now, Bytes& answer) {
+bool DtcDevice::take(bool compressed, ByteView body, Instant now, Bytes& response) {
   std::optional<Bytes> message(Bytes(body.begin(), body.end()));
   if (compressed) {
     const std::size_t length = read_u16(body);
@@ -185,8 +185,8 @@ bool DtcDevice::take(bool compressed, ByteView body, Instant now, Bytes& answer)
   const std::uint8_t command = (*message)[1];
   if ((*message)[0] != address_ || command >= 0x80) return true;
   ++statistics_.requests[command == 0 ? "read" : command == 1 ? "write" : "other"];
-  answer = packet(execute(*message, now));
-  ++statistics_.answers;
+  response = packet(execute(*message, now));
+  ++statistics_.responses;
   return true;
 }
 
@@ -204,10 +204,10 @@ Bytes DtcDevice::execute(ByteView message, Instant now) {
   std::size_t size = kLeastMessage;
   for (const Group& group : *groups) size += write ? 0 : size_of(group.type, group.count);
   if (size > max_message_) return refused(kTooLong);
-  Bytes answer{address_, command};
-  for (const Group& group : *groups) write ? store(group) : append_values(group, now, answer);
+  Bytes response{address_, command};
+  for (const Group& group : *groups) write ? store(group) : append_values(group, now, response);
   if (write) ++statistics_.write_requests;
-  return answer;
+  return response;
 }
 
 tl::expected<std::vector<DtcDevice::Group>, std::uint8_t> DtcDevice::groups_of(ByteView bytes,

@@ -39,8 +39,8 @@ class DtcDevice : public MemoryDevice {
 
   [[nodiscard]] std::unique_ptr<Receiver> open_receiver() override;
 
-  // `body`: of a complete packet. Empty `answer`: stay silent. Returns false if invalid.
-  bool take(bool compressed, ByteView body, Instant now, Bytes& answer);
+  // `body`: of a complete packet. Empty `response`: stay silent. Returns false if invalid.
+  bool take(bool compressed, ByteView body, Instant now, Bytes& response);
 
  private:
   struct Group {

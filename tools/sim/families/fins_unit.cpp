@@ -57,10 +57,10 @@ std::optional<ItemAddress> parse_omron_address(std::string_view at) {
 
 namespace {
 
-constexpr std::size_t kAddressSize = 4, kMostAnswer = 538, kMostItems = 128;
+constexpr std::size_t kAddressSize = 4, kMostResponse = 538, kMostItems = 128;
 constexpr std::uint16_t kUndefined = 0x0401, kCommandTooLong = 0x1001, kCommandTooShort = 0x1002,
                         kCountDiffers = 0x1003, kNoArea = 0x1101, kStartOutside = 0x1103,
-                        kEndOutside = 0x1104, kAnswerTooLong = 0x110B, kParameter = 0x110C;
+                        kEndOutside = 0x1104, kResponseTooLong = 0x110B, kParameter = 0x110C;
 constexpr std::string_view kCpuModel = "CS1H-CPU67H", kCpuVersion = "04.00";
 constexpr std::size_t kCpuText = 20, kCpuSystem = 40, kCpuAreas = 12, kBusUnits = 65;
 
@@ -71,20 +71,20 @@ Bytes FinsUnit::execute(ByteView message, Instant now) {
   const std::size_t head = relayed ? 10 : 4;
   if (message.size() < head + 2 || (message[0] & 0x40u) != 0) return {};
   const std::uint16_t command = read_u16(message, head);
-  Bytes answer(message.begin(), message.begin() + static_cast<std::ptrdiff_t>(head));
-  answer[0] = relayed ? 0xC0 : 0x40;
+  Bytes response(message.begin(), message.begin() + static_cast<std::ptrdiff_t>(head));
+  response[0] = relayed ? 0xC0 : 0x40;
   if (relayed) {
-    answer[2] = 0x02;
-    std::swap_ranges(answer.begin() + 3, answer.begin() + 6, answer.begin() + 6);
+    response[2] = 0x02;
+    std::swap_ranges(response.begin() + 3, response.begin() + 6, response.begin() + 6);
   }
-  append_u16(answer, command);
+  append_u16(response, command);
   ++statistics_.requests["FA " + to_hex(message.subspan(head, 2), '\0')];
   Result result = dispatch(command, message.subspan(head + 2), now);
-  if (answer.size() + 2 + result.data.size() > kMostAnswer) result = {kAnswerTooLong, {}};
+  if (response.size() + 2 + result.data.size() > kMostResponse) result = {kResponseTooLong, {}};
   if (result.end != 0) ++statistics_.exceptions[result.end];
-  append_u16(answer, result.end);
-  append(answer, result.data);
-  return answer;
+  append_u16(response, result.end);
+  append(response, result.data);
+  return response;
 }
 
 FinsUnit::Result FinsUnit::dispatch(std::uint16_t command, ByteView text, Instant now) {

@@ -10,7 +10,7 @@
 namespace fieldcast::sim {
 namespace {
 
-constexpr std::size_t kRequest = 17, kAnswer = 12, kRefusal = 7, kMostReceived = 64;
+constexpr std::size_t kRequest = 17, kResponse = 12, kRefusal = 7, kMostReceived = 64;
 enum Code : std::uint8_t { kCheck = 1, kLength, kDigits, kCommand };
 
 // Data never contains `q`, so it starts a frame at any position.
@@ -23,7 +23,7 @@ class FreeportReceiver : public Receiver {
     if (frame_.size() == kMostReceived) return;  // babble; the next `q` ends it
     frame_.push_back(character);
     if (character != 'Q') return;
-    reaction.answer = device_.take(frame_, end);
+    reaction.response = device_.take(frame_, end);
     frame_.clear();
   }
 
@@ -89,7 +89,7 @@ std::unique_ptr<Receiver> FreeportDevice::open_receiver() {
 }
 
 Bytes FreeportDevice::take(ByteView frame, Instant now) {
-  if (frame.size() == kAnswer || frame.size() == kRefusal || frame.size() < 5) return {};
+  if (frame.size() == kResponse || frame.size() == kRefusal || frame.size() < 5) return {};
   if (number_in(frame.subspan(2, 2)) != station_) return {};
   const auto length = number_in(frame.subspan(4, 2));
   if (frame.size() != kRequest || (length && (*length < 1 || *length > kBytes)))
@@ -104,12 +104,12 @@ Bytes FreeportDevice::take(ByteView frame, Instant now) {
   ++statistics_.requests[command == read_ ? "read" : "write"];
   if (const std::uint8_t code = memory_.refusal(0, 0, bytes, kLength); code != 0)
     return refuse(code);
-  ++statistics_.answers;
+  ++statistics_.responses;
   return command == read_ ? show(bytes, now) : store(*data, bytes);
 }
 
 Bytes FreeportDevice::refuse(std::uint8_t code) {
-  ++statistics_.answers;
+  ++statistics_.responses;
   ++statistics_.exceptions[code];
   Bytes text{'E'};
   append_hex(text, code, 2);

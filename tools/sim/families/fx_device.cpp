@@ -70,12 +70,12 @@ class FxReceiver : public Receiver {
       sum_at_ = 0;
       text_.clear();
     } else if (!inside_) {
-      if (character == kEnq) reaction.answer = {kAck};
+      if (character == kEnq) reaction.response = {kAck};
     } else {
       text_.push_back(character);
       if (sum_at_ == 0 && character == kEtx) sum_at_ = text_.size();
       if (sum_at_ != 0 && text_.size() == sum_at_ + 2) {
-        reaction.answer =
+        reaction.response =
             device_.take(ByteView(text_).first(sum_at_), ByteView(text_).last(2), end);
         inside_ = false;
       }
@@ -122,14 +122,14 @@ FxDevice::FxDevice(const DeviceSetup& setup) : MemoryDevice({fx_areas(), setup})
 std::unique_ptr<Receiver> FxDevice::open_receiver() { return std::make_unique<FxReceiver>(*this); }
 
 Bytes FxDevice::take(ByteView text, ByteView sum, Instant now) {
-  ++statistics_.answers;
+  ++statistics_.responses;
   if (number_in(sum) != sum8(text)) {
     ++statistics_.bad_frames;
     return {kNak};
   }
-  Bytes answer = execute(text.first(text.size() - 1), now);
-  if (answer == Bytes{kNak}) ++statistics_.exceptions[kNak];
-  return answer;
+  Bytes response = execute(text.first(text.size() - 1), now);
+  if (response == Bytes{kNak}) ++statistics_.exceptions[kNak];
+  return response;
 }
 
 Bytes FxDevice::execute(ByteView text, Instant now) {
@@ -202,10 +202,10 @@ Bytes FxDevice::read(bool extended, ByteView range, Instant now) const {
     append_hex(text, load(*cell, now), 2);
   }
   text.push_back(kEtx);
-  Bytes answer{kStx};
-  append(answer, text);
-  append_hex(answer, sum8(text), 2);
-  return answer;
+  Bytes response{kStx};
+  append(response, text);
+  append_hex(response, sum8(text), 2);
+  return response;
 }
 
 // address(4) count(2) data -> 06

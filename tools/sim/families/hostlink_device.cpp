@@ -78,11 +78,11 @@ void HostLinkDevice::forget_transfer() {
   writing_.clear();
 }
 
-Bytes HostLinkDevice::answer(std::string_view header, std::string_view end_code,
-                             std::string_view text) {
+Bytes HostLinkDevice::respond(std::string_view header, std::string_view end_code,
+                              std::string_view text) {
   if (!end_code.empty() && end_code != "00")
     ++statistics_.exceptions[static_cast<unsigned>(*number_in(end_code, 16))];
-  ++statistics_.answers;
+  ++statistics_.responses;
   return framed(fmt::format("@{}{}{}{}", decimal(unit_), header, end_code, text), true);
 }
 
@@ -90,7 +90,7 @@ void HostLinkDevice::take(ByteView line, Instant now, Reaction& reaction) {
   if (!line.empty() && line[0] == '@') return take_command(line, now, reaction);
   if (!writing_.empty()) return take_write_part(line, reaction);
   if (later_frames_.empty()) return;
-  reaction.answer = later_frames_.front();  // any line counts as the delimiter
+  reaction.response = later_frames_.front();  // any line counts as the delimiter
   later_frames_.pop_front();
 }
 
@@ -102,7 +102,7 @@ void HostLinkDevice::take_command(ByteView line, Instant now, Reaction& reaction
   const std::string header(line.begin() + 3, line.begin() + 5);
   const bool abort = header == "XZ";
   if (!later_frames_.empty() && !abort) {  // any other command counts as a delimiter
-    reaction.answer = later_frames_.front();
+    reaction.response = later_frames_.front();
     later_frames_.pop_front();
     return;
   }
@@ -115,7 +115,7 @@ void HostLinkDevice::take_command(ByteView line, Instant now, Reaction& reaction
   }
   if (number_in(line.subspan(end - 2, 2)) != xor8(line.first(end - 2))) {
     ++statistics_.bad_frames;
-    reaction.answer = answer(header, "13");
+    reaction.response = respond(header, "13");
     return;
   }
   if (abort) return;
@@ -124,10 +124,11 @@ void HostLinkDevice::take_command(ByteView line, Instant now, Reaction& reaction
       last};
   ++statistics_.requests[header];
   if (header == "FA") {
-    reaction.answer =
-        line.size() + 1 > kMostFins ? answer(header, "18") : fins(command, now, reaction.pause);
+    reaction.response =
+        line.size() + 1 > kMostFins ? respond(header, "18") : fins(command, now, reaction.pause);
   } else {
-    reaction.answer = line.size() + 1 > kMostCMode ? answer(header, "18") : execute(command, now);
+    reaction.response =
+        line.size() + 1 > kMostCMode ? respond(header, "18") : execute(command, now);
   }
 }
 
@@ -135,20 +136,20 @@ Bytes HostLinkDevice::execute(const Command& command, Instant now) {
   const std::string& header = command.header;
   const bool known = is_served(header[1]);
   if (header[0] == 'W' && known) return begin_write(command);
-  if (!command.last) return answer(header, "14");
+  if (!command.last) return respond(header, "14");
   if (header[0] == 'R' && known) return read(command, now);
-  if (header == "TS") return answer(header, "", command.text);
-  if (header == "MM") return answer(header, "00", "30");
+  if (header == "TS") return respond(header, "", command.text);
+  if (header == "MM") return respond(header, "00", "30");
   if (header == "MS")
-    return answer(header, "00", mode_ == 0 ? "00A8" : mode_ == 2 ? "03A8" : "02A8");
+    return respond(header, "00", mode_ == 0 ? "00A8" : mode_ == 2 ? "03A8" : "02A8");
   if (header == "SC") {
     const auto mode = number_in(command.text, 16);
-    if (command.text.size() != 2) return answer(header, "14");
-    if (!mode || (*mode != 0 && *mode != 2 && *mode != 3)) return answer(header, "15");
+    if (command.text.size() != 2) return respond(header, "14");
+    if (!mode || (*mode != 0 && *mode != 2 && *mode != 3)) return respond(header, "15");
     mode_ = static_cast<unsigned>(*mode);
-    return answer(header, "00");
+    return respond(header, "00");
   }
-  return answer("IC", "");
+  return respond("IC", "");
 }
 
 tl::expected<HostLinkDevice::Address, std::string> HostLinkDevice::address_of(
@@ -176,13 +177,13 @@ tl::expected<HostLinkDevice::Address, std::string> HostLinkDevice::address_of(
 Bytes HostLinkDevice::read(const Command& command, Instant now) {
   const char letter = command.header[1];
   const std::size_t digits = address_digits(letter);
-  if (command.text.size() != digits + 4) return answer(command.header, "14");
+  if (command.text.size() != digits + 4) return respond(command.header, "14");
   const std::string_view text = command.text;
   const auto requested = number_in(text.substr(digits), 10);
-  if (!requested || (*requested == 0 && letter != 'D')) return answer(command.header, "15");
+  if (!requested || (*requested == 0 && letter != 'D')) return respond(command.header, "15");
   const auto count = static_cast<std::uint32_t>(*requested == 0 ? 10000 : *requested);
   const auto address = address_of(letter, text.substr(0, digits), count);
-  if (!address) return answer(command.header, address.error());
+  if (!address) return respond(command.header, address.error());
   const bool flags = letter == 'G';
   std::string data;
   for (std::uint32_t i = 0; i < count; ++i)
@@ -195,14 +196,14 @@ Bytes HostLinkDevice::read(const Command& command, Instant now) {
     later_frames_.push_back(framed(data.substr(taken, size), taken + size == data.size()));
     taken += size;
   }
-  ++statistics_.answers;
+  ++statistics_.responses;
   return first;
 }
 
 // first item, data; further frames have the rest of the data
 Bytes HostLinkDevice::begin_write(const Command& command) {
   const std::size_t digits = address_digits(command.header[1]);
-  if (command.text.size() <= digits) return answer(command.header, "14");
+  if (command.text.size() <= digits) return respond(command.header, "14");
   writing_ = command.header;
   write_address_ = command.text.substr(0, digits);
   write_data_ = command.text.substr(digits);
@@ -214,7 +215,7 @@ void HostLinkDevice::take_write_part(ByteView line, Reaction& reaction) {
   const bool last = !line.empty() && line.back() == '*';
   const std::size_t end = line.size() - (last ? 1 : 0);
   const auto abort = [&](std::string_view code) {
-    reaction.answer = answer(writing_, code);
+    reaction.response = respond(writing_, code);
     forget_transfer();
   };
   if (end < 3) return abort("A4");
@@ -225,7 +226,7 @@ void HostLinkDevice::take_write_part(ByteView line, Reaction& reaction) {
   }
   if (text.size() > kWriteLater) return abort("A8");
   write_data_.append(text.begin(), text.end());
-  reaction.answer = last ? finish_write() : Bytes{'\r'};
+  reaction.response = last ? finish_write() : Bytes{'\r'};
 }
 
 Bytes HostLinkDevice::finish_write() {
@@ -233,21 +234,21 @@ Bytes HostLinkDevice::finish_write() {
   writing_.clear();
   const bool flags = header[1] == 'G';
   const std::size_t each = flags ? 1 : 4;
-  if (write_data_.size() % each != 0) return answer(header, "14");
+  if (write_data_.size() % each != 0) return respond(header, "14");
   const auto count = static_cast<std::uint32_t>(write_data_.size() / each);
   const auto address = address_of(header[1], write_address_, count);
-  if (!address) return answer(header, address.error());
+  if (!address) return respond(header, address.error());
   std::vector<std::uint64_t> items;
   for (std::size_t at = 0; at < write_data_.size(); at += each) {
     const auto item = number_in(view(write_data_).subspan(at, each), flags ? 2 : 16);
-    if (!item) return answer(header, "15");
+    if (!item) return respond(header, "15");
     items.push_back(*item);
   }
-  if (mode_ == 3) return answer(header, "01");
+  if (mode_ == 3) return respond(header, "01");
   for (std::uint32_t i = 0; i < count; ++i)
     memory_.write(address->area, address->first + i, items[i], statistics_);
   ++statistics_.write_requests;
-  return answer(header, "00");
+  return respond(header, "00");
 }
 
 // response wait(1, tens of ms) message -> 00 message
@@ -256,13 +257,13 @@ Bytes HostLinkDevice::fins(const Command& command, Instant now, Duration& pause)
       number_in(view(command.text).first(std::min<std::size_t>(1, command.text.size())));
   const auto message =
       command.text.empty() ? std::nullopt : bytes_in(view(command.text).subspan(1));
-  if (!command.last || !wait || !message) return answer(command.header, "14");
+  if (!command.last || !wait || !message) return respond(command.header, "14");
   const Bytes response = fins_.execute(*message, now);
-  if (response.empty()) return answer(command.header, "14");
+  if (response.empty()) return respond(command.header, "14");
   pause = std::chrono::milliseconds{10} * static_cast<int>(*wait);
   Bytes digits;
   for (const std::uint8_t byte : response) append_hex(digits, byte, 2);
-  return answer(command.header, "00", std::string(digits.begin(), digits.end()));
+  return respond(command.header, "00", std::string(digits.begin(), digits.end()));
 }
 
 tl::expected<std::unique_ptr<SimDevice>, std::string> make_hostlink_device(

@@ -45,8 +45,8 @@ class HostLinkDevice : public MemoryDevice {
   [[nodiscard]] tl::expected<Address, std::string> address_of(char letter, std::string_view digits,
                                                               std::uint32_t count) const;
   [[nodiscard]] std::uint8_t refusal(const Address& address, std::uint32_t count) const;
-  [[nodiscard]] Bytes answer(std::string_view header, std::string_view end_code,
-                             std::string_view text = {});
+  [[nodiscard]] Bytes respond(std::string_view header, std::string_view end_code,
+                              std::string_view text = {});
   void forget_transfer();
 
   const unsigned unit_;

@@ -34,7 +34,7 @@ class PpiReceiver : public GapReceiver {
         if (received_.size() < kShortSize) return 0;
         if (received_[4] != sum8(ByteView(received_).subspan(1, 3)) || received_[5] != kEnd)
           return 1;
-        reaction.answer = device_.take_short(received_[1], received_[2], received_[3]);
+        reaction.response = device_.take_short(received_[1], received_[2], received_[3]);
         return kShortSize;
       case kToken: return received_.size() < kTokenSize ? 0 : kTokenSize;
       default: return 1;
@@ -49,7 +49,7 @@ class PpiReceiver : public GapReceiver {
     if (received_.size() < counted + 6) return 0;
     const ByteView telegram = ByteView(received_).subspan(4, counted);
     if (sum8(telegram) != received_[4 + counted] || received_[5 + counted] != kEnd) return 1;
-    reaction.answer = device_.take_long(telegram, end);
+    reaction.response = device_.take_long(telegram, end);
     return counted + 6;
   }
 
@@ -89,9 +89,9 @@ Bytes PpiDevice::take_long(ByteView telegram, Instant now) {
   const std::uint8_t control = telegram[2];
   const bool sends_data = (control & 0x0Fu) == 0x0C || (control & 0x0Fu) == 0x0D;
   if (telegram[0] != station_ || (control & kRequest) == 0 || !sends_data) return {};
-  const Bytes answer = unit_.execute(telegram.subspan(3), now);
-  if (answer.empty()) return {};
-  queued_ = long_telegram(telegram[1], station_, answer);
+  const Bytes response = unit_.execute(telegram.subspan(3), now);
+  if (response.empty()) return {};
+  queued_ = long_telegram(telegram[1], station_, response);
   last_poll_.reset();
   return {kAcknowledge};
 }

@@ -42,21 +42,21 @@ std::optional<ItemAddress> parse_ppi_address(std::string_view at) {
 
 namespace {
 
-constexpr std::size_t kHead = 10, kItem = 12, kMostAnswer = 240;
+constexpr std::size_t kHead = 10, kItem = 12, kMostResponse = 240;
 constexpr std::uint8_t kGood = 0xFF, kNotAccessible = 0x03, kOutOfRange = 0x05, kTypeWrong = 0x06,
                        kSizeWrong = 0x07, kMissing = 0x0A;
 constexpr std::uint16_t kUnknownFunction = 0x8104, kTooLong = 0x8500;
 
 Bytes acknowledge(ByteView reference, std::uint16_t error, ByteView parameters, ByteView data) {
   const std::uint8_t kind = error == 0 ? 0x03 : 0x02;  // with data, without data
-  Bytes answer{0x32, kind, 0x00, 0x00};
-  append(answer, reference);
-  append_u16(answer, static_cast<std::uint16_t>(parameters.size()));
-  append_u16(answer, static_cast<std::uint16_t>(data.size()));
-  append_u16(answer, error);
-  append(answer, parameters);
-  append(answer, data);
-  return answer;
+  Bytes response{0x32, kind, 0x00, 0x00};
+  append(response, reference);
+  append_u16(response, static_cast<std::uint16_t>(parameters.size()));
+  append_u16(response, static_cast<std::uint16_t>(data.size()));
+  append_u16(response, error);
+  append(response, parameters);
+  append(response, data);
+  return response;
 }
 
 }  // namespace
@@ -78,11 +78,11 @@ Bytes PpiUnit::execute(ByteView job, Instant now) {
   if (parameter_size == 0 || kHead + parameter_size + data_size != job.size()) return {};
   const ByteView parameters = job.subspan(kHead, parameter_size),
                  data = job.subspan(kHead + parameter_size);
-  ++statistics_.answers;
+  ++statistics_.responses;
   const std::uint8_t function = parameters[0];
   const bool items = function == 0x04 || function == 0x05;
   if (items && (parameter_size < 2 || parameter_size != 2 + kItem * parameters[1])) {
-    --statistics_.answers;
+    --statistics_.responses;
     return {};
   }
   switch (function) {
@@ -94,7 +94,7 @@ Bytes PpiUnit::execute(ByteView job, Instant now) {
       return acknowledge(reference, 0, parameters.first(1), {});
     case 0xF0: {
       ++statistics_.requests["negotiate"];
-      const Bytes granted{0xF0, 0x00, 0x00, 0x01, 0x00, 0x01, 0x00, kMostAnswer};
+      const Bytes granted{0xF0, 0x00, 0x00, 0x01, 0x00, 0x01, 0x00, kMostResponse};
       return acknowledge(reference, 0, granted, {});
     }
     default: ++statistics_.requests["other"]; return refuse(reference, kUnknownFunction);
@@ -169,10 +169,10 @@ Bytes PpiUnit::read(ByteView reference, ByteView items, Instant now) {
     append_u16(data,
                static_cast<std::uint16_t>(item.bit || octets ? value.size() : 8 * value.size()));
     append(data, value);
-    if (data.size() > kMostAnswer) return refuse(reference, kTooLong);
+    if (data.size() > kMostResponse) return refuse(reference, kTooLong);
   }
   const Bytes parameters{0x04, static_cast<std::uint8_t>(items.size() / kItem)};
-  if (12 + parameters.size() + data.size() > kMostAnswer) return refuse(reference, kTooLong);
+  if (12 + parameters.size() + data.size() > kMostResponse) return refuse(reference, kTooLong);
   return acknowledge(reference, 0, parameters, data);
 }
 

@@ -30,7 +30,7 @@ std::vector<Metric> metrics_of(const Database* database, const Store* store,
   if (database != nullptr) {
     const Database::Counters counters = database->counters();
     add("database_questions_total", true, "Queries to the store that had a response.",
-        counters.answered);
+        counters.completed);
     add("database_busy_total", true, "Questions refused since too many waited.", counters.busy);
     add("database_too_slow_total", true, "Questions that took too long.", counters.too_slow);
     add("database_away_total", true, "Queries to which the store did not respond.", counters.away);
@@ -109,7 +109,7 @@ void Tokens::check(std::string token, const std::string& peer,
   }
   using Found = std::optional<Token>;
   const auto secret = std::make_shared<std::string>(std::move(token));
-  database_.ask<Found>(
+  database_.query<Found>(
       [secret, at = utc_()](SqlConnection& connection) {
         Found found = TokenTable(connection).find(*secret, at);
         wipe(*secret);
@@ -138,7 +138,7 @@ void Tokens::check(std::string token, const std::string& peer,
 
 void Tokens::names(std::function<void(std::optional<std::vector<std::string>>)> done) {
   using Names = std::vector<std::string>;
-  database_.ask<Names>(
+  database_.query<Names>(
       [at = utc_()](SqlConnection& connection) {
         Names names;
         for (const Token& each : TokenTable(connection).list()) {
@@ -192,7 +192,7 @@ void show_audit(const Api& api, const HttpRequest& request, const Caller&, const
   if (!span) return reply(std::move(span.error()));
   auto limit = parameters.number("limit", 1, kMostEntries, 1000);
   if (!limit) return reply(std::move(limit.error()));
-  api.database->answer(
+  api.database->respond(
       [span = *span, limit = *limit, compress = request.accepts_gzip](SqlConnection& connection) {
         std::vector<AuditEntry> entries;
         EventTable(connection)
@@ -205,7 +205,7 @@ void show_audit(const Api& api, const HttpRequest& request, const Caller&, const
 
 void show_users(const Api& api, const HttpRequest& request, const Caller&, const Reply& reply) {
   if (auto fault = Parameters(request, {}).fault()) return reply(*std::move(fault));
-  api.database->answer(
+  api.database->respond(
       [](SqlConnection& connection) {
         return json_response(list_json("users", UserTable(connection).list(), user_json));
       },

@@ -133,7 +133,7 @@ void show_past(Database& database, UtcTime now, const HttpRequest& request, cons
   if (!span) return reply(std::move(span.error()));
   auto limit = parameters.number("limit", 1, kMostEvents, 1000);
   if (!limit) return reply(std::move(limit.error()));
-  database.answer(
+  database.respond(
       [span = *span, limit = *limit, compress = request.accepts_gzip](SqlConnection& connection) {
         std::string events = "[";
         AlarmLifeTable(connection)

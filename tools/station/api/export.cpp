@@ -29,7 +29,7 @@ class ExportStream {
   static void next(const std::shared_ptr<ExportStream>& self, std::function<void(Piece)> give) {
     if (self->broken_) return give(std::nullopt);
     // The query keeps the stream alive if the client disconnects meanwhile.
-    self->database_.ask_further<Piece>(
+    self->database_.query_further<Piece>(
         [self](SqlConnection& connection) { return self->exporter_.next(connection); },
         [self, give = std::move(give)](tl::expected<Piece, DatabaseFault> piece) mutable {
           if (!piece) {

@@ -160,7 +160,7 @@ void show_history(const Api& api, const HttpRequest& request, const Caller&, con
   auto points = parameters.number("points", 2, kMaxHistoryPoints, 1000);
   if (!points) return reply(std::move(points.error()));
   const HistoryQuestion question{*std::move(channels), span->from, span->to, *points};
-  api.database->answer(
+  api.database->respond(
       [question, compress = request.accepts_gzip](SqlConnection& connection) {
         return json_response(
             history_json(question.from, question.to, read_history(connection, question)), compress);

@@ -26,14 +26,14 @@ TEST_F(DatabaseTest, RespondsOnTheIoThread) {
   store([](Store&) {});
   std::optional<Result> result;
   std::thread::id answered;
-  database()->ask<std::int64_t>(count, [&](Result given) {
+  database()->query<std::int64_t>(count, [&](Result given) {
     result = given;
     answered = std::this_thread::get_id();
   });
   ASSERT_TRUE(io_.run_until([&] { return result.has_value(); }));
   EXPECT_EQ(*result, 0);
   EXPECT_EQ(answered, std::this_thread::get_id());
-  EXPECT_EQ(database()->counters().answered, 1u);
+  EXPECT_EQ(database()->counters().completed, 1u);
 }
 
 TEST_F(DatabaseTest, OneQuestionTooManyIsRefused) {
@@ -44,7 +44,7 @@ TEST_F(DatabaseTest, OneQuestionTooManyIsRefused) {
     ++(given ? answers : refusals);
     EXPECT_TRUE(given || given.error() == DatabaseFault::kBusy);
   };
-  database()->ask<std::int64_t>(
+  database()->query<std::int64_t>(
       [&](SqlConnection& connection) {
         begun.set_value();
         end.get_future().wait();
@@ -53,9 +53,9 @@ TEST_F(DatabaseTest, OneQuestionTooManyIsRefused) {
       done);
   begun.get_future().wait();
   for (std::size_t i = 1; i < Database::kMaxWaiting; ++i)
-    database()->ask<std::int64_t>(count, done);
-  database()->ask<std::int64_t>(count, done);
-  database()->ask_further<std::int64_t>(count, done);
+    database()->query<std::int64_t>(count, done);
+  database()->query<std::int64_t>(count, done);
+  database()->query_further<std::int64_t>(count, done);
   end.set_value();
   ASSERT_TRUE(io_.run_until([&] { return answers + refusals == 66; }));
   EXPECT_EQ(refusals, 1);
@@ -67,7 +67,7 @@ TEST_F(DatabaseTest, AStoreThatIsNotThereYetIsOpenedWhenItIs) {
   std::optional<Result> result;
   const auto ask = [&] {
     result.reset();
-    database()->ask<std::int64_t>(count, [&](Result given) { result = given; });
+    database()->query<std::int64_t>(count, [&](Result given) { result = given; });
     ASSERT_TRUE(io_.run_until([&] { return result.has_value(); }));
   };
   ask();
@@ -82,14 +82,14 @@ TEST_F(DatabaseTest, WhoStillWaitsAtTheEndIsNotified) {
   std::promise<void> begun;
   int answers = 0, refusals = 0;
   const auto done = [&](Result given) { ++(given ? answers : refusals); };
-  database()->ask<std::int64_t>(
+  database()->query<std::int64_t>(
       [&](SqlConnection& connection) {
         begun.set_value();
         std::this_thread::sleep_for(100ms);
         return count(connection);
       },
       done);
-  database()->ask<std::int64_t>(count, done);
+  database()->query<std::int64_t>(count, done);
   begun.get_future().wait();
   database_.reset();
   ASSERT_TRUE(io_.run_until([&] { return answers + refusals == 2; }));

@@ -126,10 +126,10 @@ class Scan {
         scanner_.skip_line();
         continue;
       }
-      const auto answer = question(*ask);
+      const auto response = question(*ask);
       if (interrupt_.raised()) return {};
-      if (!answer) return tl::unexpected(answer.error());
-      scanner_.answered(*answer);
+      if (!response) return tl::unexpected(response.error());
+      scanner_.on_response(*response);
     }
     const auto heads = template_heads(config::disk_reader(), config::default_options());
     for (; named_ < scanner_.found().size() && !interrupt_.raised(); ++named_) {
@@ -171,26 +171,27 @@ class Scan {
     auto heard = talk(protocol->begin(ReadRequest{{asked.range}}, {++sequence_}), ask.address,
                       "reads " + asked.at, timeout);
     if (!heard) return tl::unexpected(std::move(heard.error()));
-    ScanResponse answer{.cause = heard->cause,
-                        .device_code = heard->device_code,
-                        .took = heard->took,
-                        .bytes = heard->bytes,
-                        .echo_alone = heard->echo_alone,
-                        .heard = heard->heard,
-                        .shape = heard->shape};
-    if (answer.cause == Cause::kNone && !heard->reply.empty()) {
-      answer.cause = heard->reply.front().cause;
-      answer.device_code = heard->reply.front().device_code;
+    ScanResponse response{.cause = heard->cause,
+                          .device_code = heard->device_code,
+                          .took = heard->took,
+                          .bytes = heard->bytes,
+                          .echo_alone = heard->echo_alone,
+                          .heard = heard->heard,
+                          .shape = heard->shape};
+    if (response.cause == Cause::kNone && !heard->reply.empty()) {
+      response.cause = heard->reply.front().cause;
+      response.device_code = heard->reply.front().device_code;
     }
-    if (answer.cause == Cause::kNone) answer.shape = ResponseShape::kOther;
-    answer.device = answer.cause == Cause::kNone || answer.cause == Cause::kDeviceError ||
-                    answer.cause == Cause::kDeviceBusy;
-    return answer;
+    if (response.cause == Cause::kNone) response.shape = ResponseShape::kOther;
+    response.device = response.cause == Cause::kNone || response.cause == Cause::kDeviceError ||
+                      response.cause == Cause::kDeviceBusy;
+    return response;
   }
 
-  tl::expected<LineExchange::Answer, std::string> talk(std::unique_ptr<Exchange> exchange,
-                                                       std::uint16_t address,
-                                                       const std::string& what, Duration timeout) {
+  tl::expected<LineExchange::Response, std::string> talk(std::unique_ptr<Exchange> exchange,
+                                                         std::uint16_t address,
+                                                         const std::string& what,
+                                                         Duration timeout) {
     auto heard = talk_.ask(
         std::move(exchange), timeout,
         {protocol_index(scanner_.lines(), *line_), fmt::format("address {}: {}", address, what)});
@@ -240,7 +241,7 @@ class Scan {
                               ? heard->cause
                               : heard->reply.front().cause;
       if (cause == Cause::kNone && !heard->reply.empty())
-        walk.answered(heard->reply.front().items);
+        walk.on_response(heard->reply.front().items);
       else
         walk.failed(cause);
     }

@@ -47,7 +47,7 @@ Length request_length(ByteView frame) {
   }
 }
 
-Length answer_length(ByteView frame) {
+Length response_length(ByteView frame) {
   if (frame.size() < 2) return kNotYet;
   if ((frame[1] & 0x80u) != 0) return exactly(5);
   switch (frame[1]) {
@@ -96,20 +96,20 @@ void RtuReceiver::on_character(std::uint8_t character, Instant end, Reaction& re
   const Fit as_request = fit(request_length(received_), received_);
   // Only other units send responses, and none to a broadcast.
   const bool others = received_[0] != 0 && received_[0] != unit_.address();
-  const Fit as_answer = others ? fit(answer_length(received_), received_) : Fit::kNot;
+  const Fit as_response = others ? fit(response_length(received_), received_) : Fit::kNot;
   const bool awaited = requested_.size() == 2 && received_.size() >= 2 &&
                        received_[0] == requested_[0] && received_[1] == requested_[1];
   if (as_request == Fit::kWhole && !others) {
-    answer(end, reaction);
+    respond(end, reaction);
     received_.clear();
     requested_.clear();
-  } else if (as_answer == Fit::kWhole && (awaited || as_request != Fit::kWhole)) {
+  } else if (as_response == Fit::kWhole && (awaited || as_request != Fit::kWhole)) {
     received_.clear();
     requested_.clear();
-  } else if (as_request == Fit::kWhole && !(awaited && as_answer == Fit::kOpen)) {
+  } else if (as_request == Fit::kWhole && !(awaited && as_response == Fit::kOpen)) {
     requested_.assign(received_.begin(), received_.begin() + 2);
     received_.clear();
-  } else if ((as_request == Fit::kNot && as_answer == Fit::kNot) ||
+  } else if ((as_request == Fit::kNot && as_response == Fit::kNot) ||
              received_.size() >= kMaxRtuFrame) {
     ++unit_.statistics().bad_frames;
     ready(true);
@@ -123,21 +123,21 @@ void RtuReceiver::on_silence(Instant now, Reaction& reaction) {
     if (!crc_holds(received_)) {
       ++unit_.statistics().bad_frames;
     } else if (mine) {
-      answer(now, reaction);
+      respond(now, reaction);
     }
   }
   ready(false);
 }
 
-void RtuReceiver::answer(Instant now, Reaction& reaction) {
+void RtuReceiver::respond(Instant now, Reaction& reaction) {
   const Bytes pdu = unit_.execute(ByteView(received_).subspan(1, received_.size() - 3), now);
   if (received_[0] == 0) {
     ++unit_.statistics().broadcasts;
     return;
   }
-  reaction.answer.push_back(unit_.address());
-  append(reaction.answer, pdu);
-  append_crc16(reaction.answer);
+  reaction.response.push_back(unit_.address());
+  append(reaction.response, pdu);
+  append_crc16(reaction.response);
 }
 
 void AsciiReceiver::on_character(std::uint8_t character, Instant end, Reaction& reaction) {
@@ -146,7 +146,7 @@ void AsciiReceiver::on_character(std::uint8_t character, Instant end, Reaction& 
     inside_ = true;
   } else if (inside_ && character == '\n') {
     inside_ = false;
-    answer(end, reaction);
+    respond(end, reaction);
   } else if (inside_) {
     digits_.push_back(character);
     if (digits_.size() > kMaxAsciiDigits + 1) {  // includes the CR
@@ -156,7 +156,7 @@ void AsciiReceiver::on_character(std::uint8_t character, Instant end, Reaction& 
   }
 }
 
-void AsciiReceiver::answer(Instant now, Reaction& reaction) {
+void AsciiReceiver::respond(Instant now, Reaction& reaction) {
   Bytes frame;
   const bool ended = !digits_.empty() && digits_.back() == '\r';
   if (ended) frame = bytes_in(ByteView(digits_).first(digits_.size() - 1)).value_or(Bytes{});
@@ -174,10 +174,10 @@ void AsciiReceiver::answer(Instant now, Reaction& reaction) {
     return;
   }
   response.push_back(lrc8(response));
-  reaction.answer.push_back(':');
-  for (const std::uint8_t byte : response) append_hex(reaction.answer, byte, 2);
-  reaction.answer.push_back('\r');
-  reaction.answer.push_back('\n');
+  reaction.response.push_back(':');
+  for (const std::uint8_t byte : response) append_hex(reaction.response, byte, 2);
+  reaction.response.push_back('\r');
+  reaction.response.push_back('\n');
 }
 
 void TcpReceiver::on_character(std::uint8_t character, Instant end, Reaction& reaction) {
@@ -195,10 +195,10 @@ void TcpReceiver::on_character(std::uint8_t character, Instant end, Reaction& re
       frame_[6] == unit_.address() || (any_unit_ && (frame_[6] == 0 || frame_[6] == 255));
   if (mine) {
     const Bytes pdu = unit_.execute(ByteView(frame_).subspan(kTcpHeader), end);
-    reaction.answer.assign(frame_.begin(), frame_.begin() + 4);
-    append_u16(reaction.answer, static_cast<std::uint16_t>(1 + pdu.size()));
-    reaction.answer.push_back(frame_[6]);
-    append(reaction.answer, pdu);
+    reaction.response.assign(frame_.begin(), frame_.begin() + 4);
+    append_u16(reaction.response, static_cast<std::uint16_t>(1 + pdu.size()));
+    reaction.response.push_back(frame_[6]);
+    append(reaction.response, pdu);
   }
   frame_.clear();
 }

@@ -24,7 +24,7 @@ class RtuReceiver : public GapReceiver {
   void on_silence(Instant now, Reaction& reaction) override;
 
  private:
-  void answer(Instant now, Reaction& reaction);
+  void respond(Instant now, Reaction& reaction);
   ModbusUnit& unit_;
   // unit and function of the last request to another unit, until its response; empty: none
   Bytes requested_;
@@ -36,7 +36,7 @@ class AsciiReceiver : public Receiver {
   void on_character(std::uint8_t character, Instant end, Reaction& reaction) override;
 
  private:
-  void answer(Instant now, Reaction& reaction);
+  void respond(Instant now, Reaction& reaction);
   ModbusUnit& unit_;
   bool inside_ = false;
   Bytes digits_;  // characters after ':'

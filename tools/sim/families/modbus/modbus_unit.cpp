@@ -62,9 +62,9 @@ Bytes ModbusUnit::exception(ByteView pdu, std::uint8_t code) {
 }
 
 Bytes ModbusUnit::registers(std::uint8_t function, const Items& items, Instant now) const {
-  Bytes answer{function, static_cast<std::uint8_t>(2 * items.count)};
-  for (std::uint32_t i = 0; i < items.count; ++i) append_u16(answer, value(items, i, now));
-  return answer;
+  Bytes response{function, static_cast<std::uint8_t>(2 * items.count)};
+  for (std::uint32_t i = 0; i < items.count; ++i) append_u16(response, value(items, i, now));
+  return response;
 }
 
 void ModbusUnit::store(const Items& items, ByteView data) {
@@ -79,9 +79,9 @@ void ModbusUnit::store(const Items& items, ByteView data) {
 Bytes ModbusUnit::execute(ByteView pdu, Instant now) {
   if (pdu.empty()) return {};
   ++statistics_.requests[fmt::format("{:02X}", pdu[0])];
-  Bytes answer = dispatch(pdu, now);
-  ++statistics_.answers;
-  return answer;
+  Bytes response = dispatch(pdu, now);
+  ++statistics_.responses;
+  return response;
 }
 
 Bytes ModbusUnit::dispatch(ByteView pdu, Instant now) {
@@ -111,14 +111,14 @@ Bytes ModbusUnit::read(std::size_t area, ByteView pdu, Instant now) {
     return exception(pdu, kValue);
   if (const auto code = refusal(items)) return exception(pdu, code);
   if (!is_bits(area)) return registers(pdu[0], items, now);
-  Bytes answer(2 + (items.count + 7) / 8);
-  answer[0] = pdu[0];
-  answer[1] = static_cast<std::uint8_t>(answer.size() - 2);
+  Bytes response(2 + (items.count + 7) / 8);
+  response[0] = pdu[0];
+  response[1] = static_cast<std::uint8_t>(response.size() - 2);
   for (std::uint32_t i = 0; i < items.count; ++i) {
-    std::uint8_t& byte = answer[2 + i / 8];
+    std::uint8_t& byte = response[2 + i / 8];
     byte = static_cast<std::uint8_t>(byte | (value(items, i, now) != 0 ? 1u : 0u) << i % 8);
   }
-  return answer;
+  return response;
 }
 
 // 05 address(2) 0000|FF00 -> the request
@@ -203,14 +203,14 @@ Bytes ModbusUnit::identification(ByteView pdu) {
   if (pdu.size() != 4 || pdu[2] != 0x01) return exception(pdu, kValue);
   if (pdu[3] >= identification_.size()) return exception(pdu, kAddress);
   const auto left = static_cast<std::uint8_t>(identification_.size() - pdu[3]);
-  Bytes answer{0x2B, 0x0E, 0x01, 0x01, 0x00, 0x00, left};
+  Bytes response{0x2B, 0x0E, 0x01, 0x01, 0x00, 0x00, left};
   for (std::size_t id = pdu[3]; id < identification_.size(); ++id) {
     const std::string& text = identification_[id];
-    answer.push_back(static_cast<std::uint8_t>(id));
-    answer.push_back(static_cast<std::uint8_t>(text.size()));
-    answer.insert(answer.end(), text.begin(), text.end());
+    response.push_back(static_cast<std::uint8_t>(id));
+    response.push_back(static_cast<std::uint8_t>(text.size()));
+    response.insert(response.end(), text.begin(), text.end());
   }
-  return answer;
+  return response;
 }
 
 }  // namespace fieldcast::sim

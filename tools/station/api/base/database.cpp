@@ -43,8 +43,8 @@ void Database::refuse(Task task) {
   task.refuse(DatabaseFault::kBusy);
 }
 
-void Database::answer(Question question, Reply reply) {
-  ask<HttpResponse>(std::move(question), [reply = std::move(reply)](auto result) {
+void Database::respond(Responder read, Reply reply) {
+  query<HttpResponse>(std::move(read), [reply = std::move(reply)](auto result) {
     reply(result ? *std::move(result) : response_of(result.error()));
   });
 }
@@ -81,7 +81,7 @@ void Database::fail(Task& task, DatabaseFault fault, const char* reason) {
 }
 
 Database::Counters Database::counters() const {
-  return {answered_.load(), busy_.load(), too_slow_.load(), away_.load(), waiting_.load()};
+  return {completed_.load(), busy_.load(), too_slow_.load(), away_.load(), waiting_.load()};
 }
 
 }  // namespace fieldcast::web

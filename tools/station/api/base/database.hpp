@@ -35,25 +35,25 @@ class Database {
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;
 
-  // `question` runs on the database thread and may throw StoreError; `done` on the io thread, once.
-  template <class Answer>
-  using Done = std::function<void(tl::expected<Answer, DatabaseFault>)>;
-  template <class Answer>
-  void ask(std::function<Answer(SqlConnection&)> question, Done<Answer> done) {
-    Task task = task_of(std::move(question), std::move(done));
+  // `read` runs on the database thread and may throw StoreError; `done` on the io thread, once.
+  template <class Result>
+  using Done = std::function<void(tl::expected<Result, DatabaseFault>)>;
+  template <class Result>
+  void query(std::function<Result(SqlConnection&)> read, Done<Result> done) {
+    Task task = task_of(std::move(read), std::move(done));
     if (waiting_.load() >= kMaxWaiting) return refuse(std::move(task));
     put(std::move(task));
   }
   // Follow-up query; never fails with kBusy. REQUIRES: at most one for each server connection.
-  template <class Answer>
-  void ask_further(std::function<Answer(SqlConnection&)> question, Done<Answer> done) {
-    put(task_of(std::move(question), std::move(done)));
+  template <class Result>
+  void query_further(std::function<Result(SqlConnection&)> read, Done<Result> done) {
+    put(task_of(std::move(read), std::move(done)));
   }
-  using Question = std::function<HttpResponse(SqlConnection&)>;
-  void answer(Question question, Reply reply);
+  using Responder = std::function<HttpResponse(SqlConnection&)>;
+  void respond(Responder read, Reply reply);
 
   struct Counters {
-    std::uint64_t answered = 0;
+    std::uint64_t completed = 0;
     std::uint64_t busy = 0, too_slow = 0, away = 0;  // failed queries
     std::size_t waiting = 0;
   };
@@ -64,13 +64,13 @@ class Database {
     std::function<void(SqlConnection&)> run;  // may throw StoreError, before it posts a result
     std::function<void(DatabaseFault)> refuse;
   };
-  template <class Answer>
-  Task task_of(std::function<Answer(SqlConnection&)> question, Done<Answer> done) {
-    auto shared = std::make_shared<Done<Answer>>(std::move(done));
-    return {[this, question = std::move(question), shared](SqlConnection& connection) {
-              auto answer = std::make_shared<Answer>(question(connection));
-              ++answered_;
-              post_([shared, answer] { (*shared)(std::move(*answer)); });
+  template <class Result>
+  Task task_of(std::function<Result(SqlConnection&)> read, Done<Result> done) {
+    auto shared = std::make_shared<Done<Result>>(std::move(done));
+    return {[this, read = std::move(read), shared](SqlConnection& connection) {
+              auto result = std::make_shared<Result>(read(connection));
+              ++completed_;
+              post_([shared, result] { (*shared)(std::move(*result)); });
             },
             [this, shared](DatabaseFault fault) {
               post_([shared, fault] { (*shared)(tl::make_unexpected(fault)); });
@@ -82,14 +82,14 @@ class Database {
   void serve(Task task);
   void fail(Task& task, DatabaseFault fault, const char* reason);
 
-  // Larger than kMaxWaiting, because ask_further() has no limit of its own.
+  // Larger than kMaxWaiting, because query_further() has no limit of its own.
   static constexpr std::size_t kQueue = 4096;
 
   const StoreAddress address_;
   const PostToIo post_;
   std::unique_ptr<SqlConnection> connection_;  // used on the database thread only; null: not open
   std::atomic<std::size_t> waiting_{0};
-  std::atomic<std::uint64_t> answered_{0}, busy_{0}, too_slow_{0}, away_{0};
+  std::atomic<std::uint64_t> completed_{0}, busy_{0}, too_slow_{0}, away_{0};
   Worker<Task> worker_;  // last member: its thread uses the members above
 };
 
