@@ -105,7 +105,6 @@ class Acceptance {
     return text;
   }
 
-  // Returns false if no fault belongs to a point, a device or a bus.
   bool take_out(const std::vector<WrittenFile>& files, const std::vector<config::Fault>& faults) {
     // The first fault of each; a bus comes after its devices, a device after its points.
     std::map<std::tuple<std::size_t, std::size_t, std::size_t>, std::string> bad;
@@ -122,7 +121,7 @@ class Acceptance {
       const auto [bus, device, index] = place;
       if (index == WrittenPart::kNone) continue;
       auto& points = found_.buses[bus].devices[device].points;
-      found_.refusals.push_back({points[index].listed, points[index].origin, reason});
+      found_.refuse(points[index].listed, points[index].origin, reason);
       points.erase(points.begin() + static_cast<std::ptrdiff_t>(index));
     }
     for (const auto& [place, reason] : bad) {
@@ -150,7 +149,6 @@ class Acceptance {
     }
   }
 
-  // Lengthens the refresh times of an overloaded bus; adds a note for a late one.
   Result<std::vector<WrittenFile>> stretched(std::vector<WrittenFile> files) {
     tell(0, 0.8);
     Checked result = checked(files, true);
@@ -163,14 +161,14 @@ class Acceptance {
     }
     if (!result.spec) return tl::unexpected(config::to_text(result.faults.front()));
     if (factor > 1)
-      found_.notes.push_back(fmt::format(
+      found_.note(
           "the line is far too slow for the refreshes of the list: all are {} times as long; say "
           "--refresh for one of your own",
-          factor));
+          factor);
     if (options_.as_template) return files;
     for (const BusSpec& bus : result.spec->buses) {
-      if (const auto overload = overload_of(bus, kAssumedResponseTime))
-        found_.notes.push_back(fmt::format("{}: {}", bus.name, to_text(*overload)));
+      if (const auto overload = overload_of(bus, kAssumedAnswerTime))
+        found_.note("{}: {}", bus.name, to_text(*overload));
     }
     return files;
   }

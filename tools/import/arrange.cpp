@@ -72,13 +72,12 @@ bool set_ports(std::vector<Bus>& buses, const ImportOptions& options, Found& fou
     if (!bus.port.tcp.empty() && bus.protocol == "modbus-tcp") bus.port.line = {};
   }
   if (guessed && !options.as_template)
-    found.notes.push_back(
-        fmt::format("the list says no port: {} is a guess; say --port, and --baud, --format of a "
-                    "serial line",
-                    kGuessedPort));
+    found.note(
+        "the list says no port: {} is a guess; say --port, and --baud, --format of a "
+        "serial line",
+        kGuessedPort);
   if (said && own > 0)
-    found.notes.push_back(fmt::format(
-        "{} buses keep the port that their files name; --port is that of the others", own));
+    found.note("{} buses keep the port that their files name; --port is that of the others", own);
   return guessed;
 }
 
@@ -90,7 +89,6 @@ Line line_of_family(std::string_view protocol) {
   return {entry->factory_line.baud, text.substr(text.find(' ') + 1)};
 }
 
-// The default of the list's program, or the usual one.
 void fill_line(Bus& bus, bool tell, Found& found) {
   Port& port = bus.port;
   if (port.serial.empty() || (port.line.baud && !port.line.format.empty())) return;
@@ -100,10 +98,9 @@ void fill_line(Bus& bus, bool tell, Found& found) {
   if (!port.line.baud) port.line.baud = program ? port.usual.baud : family.baud;
   if (port.line.format.empty()) port.line.format = family.format;
   if (!tell) return;
-  found.notes.push_back(fmt::format(
-      "{}: the list says no {}: {} {} is taken{}{}; --port, --baud, --format say another",
-      port.serial, missing, *port.line.baud, port.line.format, program ? ", the baud rate of " : "",
-      program ? port.usual.program : ""));
+  found.note("{}: the list says no {}: {} {} is taken{}{}; --port, --baud, --format say another",
+             port.serial, missing, *port.line.baud, port.line.format,
+             program ? ", the baud rate of " : "", program ? port.usual.program : "");
 }
 
 void set_addresses(Bus& bus, const ImportOptions& options, Found& found) {
@@ -118,13 +115,11 @@ void set_addresses(Bus& bus, const ImportOptions& options, Found& found) {
     device.address = next;
     taken.insert(next);
     if (!options.address && !options.as_template)
-      found.notes.push_back(fmt::format(
-          "device '{}': the list says no address on the bus: {} is a guess; say --address",
-          device.name, next));
+      found.note("device '{}': the list says no address on the bus: {} is a guess; say --address",
+                 device.name, next);
   }
 }
 
-// Templates need only unique names.
 void forget_buses(std::vector<Bus>& buses) {
   for (std::size_t i = 1; i < buses.size(); ++i)
     std::ranges::move(buses[i].devices, std::back_inserter(buses[0].devices));
@@ -147,15 +142,14 @@ void name_points(Device& device) {
     if (foreign && point.description.empty()) point.description = point.name;
     if (point.unit.size() > config::kMaxUnit) {
       point.unit = cut_text(point.unit, config::kMaxUnit);
-      point.changes.push_back("the unit is cut");
+      point.change("the unit is cut");
     }
     if (point.description.size() > config::kMaxDescription) {
       point.description = cut_text(point.description, config::kMaxDescription);
-      point.changes.push_back("the description is cut");
+      point.change("the description is cut");
     }
     std::string unique = names.unique(name);
-    if (unique != name)
-      point.changes.push_back(fmt::format("the name '{}' stands more than once", point.name));
+    if (unique != name) point.change("the name '{}' stands more than once", point.name);
     point.listed = std::exchange(point.name, std::move(unique));
   }
 }
@@ -201,7 +195,7 @@ void refuse_faulty(Found& found) {
     for (Device& device : bus.devices) {
       std::erase_if(device.points, [&](const Point& point) {
         const auto fault = fault_of_scale(point);
-        if (fault) found.refusals.push_back({point.name, point.origin, *fault});
+        if (fault) found.refuse(point.name, point.origin, *fault);
         return fault.has_value();
       });
       if (!bus.fault.empty()) {

@@ -1,5 +1,4 @@
-// Prepares imported data for a configuration, writes it and validates it with the bridge's loader.
-// Pure.
+// Prepares imported data for a configuration, and validates it with the bridge's loader. Pure.
 #pragma once
 
 #include "config/document/fault.hpp"
@@ -18,10 +17,8 @@ void arrange(Found& found, const ImportOptions& options);
                                                               const std::string& head,
                                                               const Progress& progress = {});
 
-// "what; allowed: this", without the place.
 [[nodiscard]] std::string reason_of(const config::Fault& fault);
 
-// Removes devices without points and buses without devices.
 void drop_empty(Found& found);
 
 // Refuses all points of the device: "its bus (telegraf.conf:12): REASON".

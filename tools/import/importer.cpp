@@ -81,7 +81,6 @@ std::size_t count_points(const Found& found) {
   return points;
 }
 
-// A command that reads one value of the file.
 std::string reading_of(const Found& found, const std::string& file) {
   for (const Bus& bus : found.buses) {
     for (const Device& device : bus.devices) {
@@ -107,10 +106,10 @@ void tell_guesses(Found& found) {
   for (const BaseGuess& guess : found.guesses) {
     const std::string reading = reading_of(found, guess.file);
     if (reading.empty()) continue;
-    found.notes.push_back(
-        fmt::format("{}: the addresses are taken to count from {}: {}; compare one value with the "
-                    "device's display: {}; if it differs, try --base {}",
-                    guess.file, guess.base, guess.reason, reading, 1 - guess.base));
+    found.note(
+        "{}: the addresses are taken to count from {}: {}; compare one value with the "
+        "device's display: {}; if it differs, try --base {}",
+        guess.file, guess.base, guess.reason, reading, 1 - guess.base);
   }
 }
 
@@ -174,8 +173,8 @@ Result<Outcome> run_import(const std::vector<InputFile>& inputs, const ImportOpt
   const ReadOptions read_options{options.word_order, options.base, options.protocol};
   for (const Group& group : *groups) {
     if (options.base && !group.format->base.empty())
-      found.notes.push_back(fmt::format("--base is not used: addresses of {} count from {}",
-                                        group.format->title, group.format->base));
+      found.note("--base is not used: addresses of {} count from {}", group.format->title,
+                 group.format->base);
     auto read = group.format->read(group.sources, read_options);
     if (!read) return tl::unexpected(read.error());
     if (count_points(*read) == 0 && read->refusals.empty())
@@ -201,7 +200,6 @@ Result<Outcome> run_import(const std::vector<InputFile>& inputs, const ImportOpt
 
 namespace {
 
-// Line in configuration_of() that uses the options.
 struct OptionLine {
   unsigned line;
   std::string_view options;

@@ -61,10 +61,8 @@ struct Outcome {
   [[nodiscard]] std::size_t count(Fate fate) const;
 };
 
-// `done`: 0 to 1.
 using Progress = std::function<void(double done)>;
 
-// The error is one line: no file can be read.
 [[nodiscard]] Result<Outcome> run_import(const std::vector<InputFile>& inputs,
                                          const ImportOptions& options,
                                          const Progress& progress = {});

@@ -1,29 +1,26 @@
 #include "tools/import/formats/expression.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <charconv>
-#include <functional>
 
 namespace fieldcast::importing {
 namespace {
 
-constexpr unsigned kMaxSumDepth = 20, kMaxConditionDepth = 50;
+constexpr unsigned kMaxDepth = 50;
 
 class Scanner {
  public:
   explicit Scanner(std::string_view text) : rest_(text) {}
 
   bool take(std::string_view word) {
+    skip_blanks();
     if (!rest_.starts_with(word)) return false;
     rest_.remove_prefix(word.size());
     return true;
   }
-  void skip(std::string_view characters) {
-    rest_.remove_prefix(std::min(rest_.find_first_not_of(characters), rest_.size()));
-  }
   std::optional<double> number() {
+    skip_blanks();
     double value = 0;
     const auto [end, fault] = std::from_chars(rest_.data(), rest_.data() + rest_.size(), value);
     if (fault != std::errc{}) return std::nullopt;
@@ -31,15 +28,22 @@ class Scanner {
     return value;
   }
   std::string_view identifier() {
+    skip_blanks();
     const auto end = std::ranges::find_if_not(
         rest_, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; });
     const std::string_view name = rest_.substr(0, static_cast<std::size_t>(end - rest_.begin()));
     rest_.remove_prefix(name.size());
     return name;
   }
-  [[nodiscard]] bool at_end() const { return rest_.empty(); }
+  bool at_end() {
+    skip_blanks();
+    return rest_.empty();
+  }
 
  private:
+  void skip_blanks() {
+    rest_.remove_prefix(std::min(rest_.find_first_not_of(" \t\n"), rest_.size()));
+  }
   std::string_view rest_;
 };
 
@@ -47,172 +51,92 @@ class Scanner {
 struct Linear {
   double scale = 0, offset = 0;
 };
+using Operand = std::optional<Linear>;  // empty: an unset parameter
 
-class LinearParser {
- public:
-  explicit LinearParser(std::string_view text) : scanner_(text) {}
+constexpr Linear truth(bool holds) { return {0, holds ? 1.0 : 0.0}; }
 
-  std::optional<LinearForm> parse() {
-    const auto sum = parse_sum(0);
-    if (!sum || !scanner_.at_end() || !seen_ || sum->scale == 0) return std::nullopt;
-    form_.scale = sum->scale;
-    form_.offset = sum->offset;
-    return form_;
-  }
+Operand product(const Linear& a, const Linear& b) {
+  if (a.scale != 0 && b.scale != 0) return std::nullopt;
+  const auto& [value, by] = a.scale == 0 ? std::pair(b, a.offset) : std::pair(a, b.offset);
+  return Linear{value.scale * by, value.offset * by};
+}
 
- private:
-  using Value = std::optional<Linear>;
+enum Level : unsigned { kOr, kAnd, kComparison, kSum, kProduct };
 
-  Value parse_sum(unsigned depth) {
-    Value left = depth > kMaxSumDepth ? std::nullopt : parse_product(depth);
-    while (left) {
-      const bool plus = scanner_.take("+");
-      if (!plus && !scanner_.take("-")) break;
-      const Value right = parse_product(depth);
-      if (!right) return std::nullopt;
-      const double sign = plus ? 1 : -1;
-      left = Linear{left->scale + sign * right->scale, left->offset + sign * right->offset};
-    }
-    return left;
-  }
-
-  Value parse_product(unsigned depth) {
-    Value left = parse_factor(depth);
-    while (left) {
-      const bool times = scanner_.take("*");
-      if (!times && !scanner_.take("/")) break;
-      const Value right = parse_factor(depth);
-      if (!right) return std::nullopt;
-      if (times && left->scale == 0) {
-        left = Linear{right->scale * left->offset, right->offset * left->offset};
-      } else if (right->scale != 0 || (!times && right->offset == 0)) {
-        return std::nullopt;  // a square, or a division by the value
-      } else {
-        const double by = times ? right->offset : 1 / right->offset;
-        left = Linear{left->scale * by, left->offset * by};
-      }
-    }
-    return left;
-  }
-
-  Value parse_factor(unsigned depth) {
-    if (scanner_.take("-")) {
-      Value value = depth > kMaxSumDepth ? std::nullopt : parse_factor(depth + 1);
-      if (value) value = Linear{-value->scale, -value->offset};
-      return value;
-    }
-    if (scanner_.take("(")) {
-      const Value value = parse_sum(depth + 1);
-      return value && scanner_.take(")") ? value : std::nullopt;
-    }
-    for (const std::string_view function : {"int32bs", "int32", "uint32bs", "uint32", "flt32bs",
-                                            "flt32", "int16bs", "int16", "uint16bs"}) {
-      if (!scanner_.take(function)) continue;
-      if (scanner_.take("(R0,R1)") || scanner_.take("(R0)")) return the_value(function, false);
-      return scanner_.take("(R1,R0)") ? the_value(function, true) : std::nullopt;
-    }
-    if (scanner_.take("R0")) return the_value({}, false);
-    const auto number = scanner_.number();
-    return number ? Value(Linear{0, *number}) : std::nullopt;
-  }
-
-  // The expression may use only one value, but several times.
-  Value the_value(std::string_view function, bool low_first) {
-    if (seen_ && (form_.function != function || form_.low_first != low_first)) return std::nullopt;
-    seen_ = true;
-    form_.function = function;
-    form_.low_first = low_first;
-    return Linear{1, 0};
-  }
-
-  Scanner scanner_;
-  bool seen_ = false;
-  LinearForm form_;
+// `apply` returns empty if the result is not linear.
+struct Operator {
+  Level level;
+  std::string_view sign;
+  Operand (*apply)(const Linear& a, const Linear& b);
 };
+using L = const Linear&;
+constexpr Operator kOperators[] = {
+    {kOr, "||", [](L a, L b) -> Operand { return truth(a.offset != 0 || b.offset != 0); }},
+    {kAnd, "&&", [](L a, L b) -> Operand { return truth(a.offset != 0 && b.offset != 0); }},
+    {kComparison, "==", [](L a, L b) -> Operand { return truth(a.offset == b.offset); }},
+    {kComparison, "!=", [](L a, L b) -> Operand { return truth(a.offset != b.offset); }},
+    {kComparison, ">=", [](L a, L b) -> Operand { return truth(a.offset >= b.offset); }},
+    {kComparison, "<=", [](L a, L b) -> Operand { return truth(a.offset <= b.offset); }},
+    {kComparison, ">", [](L a, L b) -> Operand { return truth(a.offset > b.offset); }},
+    {kComparison, "<", [](L a, L b) -> Operand { return truth(a.offset < b.offset); }},
+    {kSum, "+",
+     [](L a, L b) -> Operand {
+       return {{a.scale + b.scale, a.offset + b.offset}};
+     }},
+    {kSum, "-",
+     [](L a, L b) -> Operand {
+       return {{a.scale - b.scale, a.offset - b.offset}};
+     }},
+    {kProduct, "*", product},
+    {kProduct, "/", [](L a, L b) -> Operand {
+       if (b.scale != 0 || b.offset == 0) return std::nullopt;
+       return product(a, {0, 1 / b.offset});
+     }}};
 
-// or := and {"||" and}; and := comparison {"&&" comparison}; comparison := value [op value]
-class ConditionParser {
+class ExpressionParser {
  public:
-  ConditionParser(std::string_view text, const ParameterValue& value_of)
-      : scanner_(text), value_of_(value_of) {}
+  using Primary = std::function<bool(Scanner&, Operand&)>;
 
-  std::optional<bool> parse() {
-    const Value value = parse_or(0);
-    skip_blanks();
-    if (broken_ || !scanner_.at_end()) return std::nullopt;
-    return value && *value != 0;
-  }
+  ExpressionParser(std::string_view text, Level first, Level last, Primary primary)
+      : scanner_(text), first_(first), last_(last), primary_(std::move(primary)) {}
+
+  // Returns false if the text is not an expression with the operators of the levels.
+  bool parse(Operand& value) { return parse_level(first_, 0, value) && scanner_.at_end(); }
 
  private:
-  using Value = std::optional<double>;  // empty: an unset parameter
-
-  void skip_blanks() { scanner_.skip(" \t\n"); }
-  bool take(std::string_view word) {
-    skip_blanks();
-    return scanner_.take(word);
-  }
-  Value fail() {
-    broken_ = true;
-    return std::nullopt;
-  }
-
-  Value parse_or(unsigned depth) {
-    if (depth > kMaxConditionDepth) return fail();
-    Value left = parse_and(depth);
-    while (!broken_ && take("||")) {
-      const Value right = parse_and(depth);
-      left = left && right && (*left != 0 || *right != 0) ? 1 : 0;
+  bool parse_level(unsigned level, unsigned depth, Operand& left) {
+    if (level > last_) return parse_factor(depth, left);
+    if (!parse_level(level + 1, depth, left)) return false;
+    while (const Operator* op = take_operator(level)) {
+      Operand right;
+      if (!parse_level(level + 1, depth, right)) return false;
+      const bool both = left && right;
+      left = both ? op->apply(*left, *right) : truth(op->sign == "!=");
+      if (!left) return false;
+      if (level == kComparison) break;
     }
-    return left;
+    return true;
   }
 
-  Value parse_and(unsigned depth) {
-    Value left = parse_comparison(depth);
-    while (!broken_ && take("&&")) {
-      const Value right = parse_comparison(depth);
-      left = left && right && *left != 0 && *right != 0 ? 1 : 0;
-    }
-    return left;
+  bool parse_factor(unsigned depth, Operand& value) {
+    if (depth > kMaxDepth) return false;
+    if (scanner_.take("(")) return parse_level(first_, depth + 1, value) && scanner_.take(")");
+    if (last_ != kProduct || !scanner_.take("-")) return primary_(scanner_, value);
+    if (!parse_factor(depth + 1, value)) return false;
+    value = Linear{-value->scale, -value->offset};
+    return true;
   }
 
-  Value parse_comparison(unsigned depth) {
-    using Compare = bool (*)(double, double);
-    constexpr std::pair<std::string_view, Compare> kOperators[] = {
-        {"==", [](double a, double b) { return a == b; }},
-        {"!=", [](double a, double b) { return a != b; }},
-        {">=", [](double a, double b) { return a >= b; }},
-        {"<=", [](double a, double b) { return a <= b; }},
-        {">", [](double a, double b) { return a > b; }},
-        {"<", [](double a, double b) { return a < b; }}};
-    const Value left = parse_value(depth);
-    if (broken_) return left;
-    for (const auto& [op, holds] : kOperators) {
-      if (!take(op)) continue;
-      const Value right = parse_value(depth);
-      return (left && right ? holds(*left, *right) : op == "!=") ? 1 : 0;
-    }
-    return left;
-  }
-
-  Value parse_value(unsigned depth) {
-    if (take("(")) {
-      const Value value = parse_or(depth + 1);
-      return take(")") ? value : fail();
-    }
-    skip_blanks();
-    if (const auto number = scanner_.number()) return number;
-    const std::string_view name = scanner_.identifier();
-    if (name.empty()) return fail();
-    if (name != "isDefined") return value_of_(name);
-    if (!take("(")) return fail();
-    skip_blanks();
-    const bool defined = value_of_(scanner_.identifier()).has_value();
-    return take(")") ? Value(defined ? 1 : 0) : fail();
+  const Operator* take_operator(unsigned level) {
+    const auto* found = std::ranges::find_if(kOperators, [&](const Operator& op) {
+      return op.level == level && scanner_.take(op.sign);
+    });
+    return found == std::end(kOperators) ? nullptr : found;
   }
 
   Scanner scanner_;
-  const ParameterValue& value_of_;
-  bool broken_ = false;
+  const Level first_, last_;
+  const Primary primary_;
 };
 
 }  // namespace
@@ -221,11 +145,54 @@ std::optional<LinearForm> linear_form(std::string_view expression) {
   if (expression.size() > 500) return std::nullopt;
   std::string text(expression);
   std::erase_if(text, [](char c) { return c == ' ' || c == '\t'; });
-  return LinearParser(text).parse();
+  LinearForm form;
+  bool seen = false;
+  // The expression may use only one value, but several times.
+  const auto use = [&](std::string_view function, bool low_first, Operand& value) {
+    if (seen && (form.function != function || form.low_first != low_first)) return false;
+    seen = true;
+    form.function = function;
+    form.low_first = low_first;
+    value = Linear{1, 0};
+    return true;
+  };
+  Operand sum;
+  const auto primary = [&](Scanner& scanner, Operand& value) {
+    for (const std::string_view function : {"int32bs", "int32", "uint32bs", "uint32", "flt32bs",
+                                            "flt32", "int16bs", "int16", "uint16bs"}) {
+      if (!scanner.take(function)) continue;
+      if (scanner.take("(R0,R1)") || scanner.take("(R0)")) return use(function, false, value);
+      return scanner.take("(R1,R0)") && use(function, true, value);
+    }
+    if (scanner.take("R0")) return use({}, false, value);
+    const auto number = scanner.number();
+    if (number) value = Linear{0, *number};
+    return number.has_value();
+  };
+  const bool whole = ExpressionParser(text, kSum, kProduct, primary).parse(sum);
+  if (!whole || !seen || sum->scale == 0) return std::nullopt;
+  form.scale = sum->scale;
+  form.offset = sum->offset;
+  return form;
 }
 
 std::optional<bool> condition_holds(std::string_view condition, const ParameterValue& value_of) {
-  return condition.size() > 10'000 ? std::nullopt : ConditionParser(condition, value_of).parse();
+  if (condition.size() > 10'000) return std::nullopt;
+  const auto primary = [&](Scanner& scanner, Operand& value) {
+    auto number = scanner.number();
+    if (number) return value = Linear{0, *number}, true;
+    std::string_view name = scanner.identifier();
+    if (name == "isDefined") {
+      if (!scanner.take("(")) return false;
+      value = truth(value_of(scanner.identifier()).has_value());
+      return scanner.take(")");
+    }
+    if ((number = name.empty() ? number : value_of(name))) value = Linear{0, *number};
+    return !name.empty();
+  };
+  Operand value;
+  if (!ExpressionParser(condition, kOr, kComparison, primary).parse(value)) return std::nullopt;
+  return value && value->offset != 0;
 }
 
 }  // namespace fieldcast::importing

@@ -36,13 +36,25 @@ Device& device_at(Bus& bus, std::uint16_t address) {
 
 Line line_at(const Node& map, const LineKeys& keys) {
   Line line;
-  if (const auto baud = whole_at(map, keys.baud); baud && *baud < 10'000'000)
-    line.baud = static_cast<std::uint32_t>(*baud);
+  line.baud = small_at<std::uint32_t>(map, keys.baud, 0, 9'999'999);
   const std::string_view parity = text_at(map, keys.parity);
   line.format = fmt::format("{}{}{}", whole_at(map, keys.data_bits).value_or(8),
                             parity.empty() ? keys.usual_parity : parity[0],
                             whole_at(map, keys.stop_bits).value_or(1));
   return line;
+}
+
+std::string tcp_at(const Node& map, std::string_view host, std::string_view port) {
+  return fmt::format("{}:{}", text_at(map, host), whole_at(map, port).value_or(502));
+}
+
+Confidence confidence_by(std::string_view text, std::initializer_list<Sign> signs) {
+  for (const Sign& sign : signs) {
+    const auto words = split(sign.words, ' ');
+    if (std::ranges::all_of(words, [&](std::string_view word) { return contains(text, word); }))
+      return sign.confidence;
+  }
+  return 0;
 }
 
 std::string_view to_text_of(Confidence confidence) {

@@ -29,7 +29,6 @@ constexpr Words<Field> kKepwareColumns[] = {
     {"clamplow", Field::kClampLow},   {"clamphigh", Field::kClampHigh},
     {"engunits", Field::kUnit},       {"description", Field::kDescription},
     {"negatevalue", Field::kNegate}};
-// Columns without a counterpart in a channel.
 constexpr std::string_view kWithoutMeaning = "respectdatatype scaleddatatype";
 
 constexpr unsigned kMaxArray = 1000;
@@ -48,23 +47,23 @@ Result<unsigned> elements_of(std::string_view brackets) {
   while (!brackets.empty()) {
     const auto [inside, rest] = halves(brackets, ']');
     const auto count = inside.starts_with('[') && inside.size() < brackets.size()
-                           ? whole_from(inside.substr(1), 1, kMaxArray)
+                           ? whole_from<unsigned>(inside.substr(1), 1, kMaxArray)
                            : std::nullopt;
     if (!count || elements * *count > kMaxArray)
       return refused("'{}' is no array of 1 to {}", brackets, kMaxArray);
-    elements *= static_cast<unsigned>(*count);
+    elements *= *count;
     brackets = trimmed(rest);
   }
   return elements;
 }
 
-// "H400A1": hexadecimal after the digit of the area, counted from `base`.
 ParsedKepware hexadecimal(std::string_view text, unsigned base) {
   if (text.empty()) return refused("'H' is no address");
-  const auto digits = whole_from(fmt::format("0x{}", text.substr(1)), base, 65535 + base);
+  const auto digits =
+      whole_from<std::uint32_t>(fmt::format("0x{}", text.substr(1)), base, 65535 + base);
   const auto area = area_of_digit(text[0]);
   if (!digits || !area) return refused("'H{}' is no address", text);
-  return KepwareAddress{{area, static_cast<std::uint32_t>(*digits - base), {}}};
+  return KepwareAddress{{area, *digits - base, {}}};
 }
 
 ParsedKepware string_address(std::string_view text, unsigned base) {
@@ -73,12 +72,12 @@ ParsedKepware string_address(std::string_view text, unsigned base) {
   const std::string order = length.empty() ? "" : lower(length.substr(length.size() - 1));
   address.low_first = order == "l";
   if (is_one_of(order, "l h")) length.remove_suffix(1);
-  const auto bytes = whole_from(length, 1, kMaxStringBytes);
+  const auto bytes = whole_from<std::uint16_t>(length, 1, kMaxStringBytes);
   if (!bytes) return refused("a text of '{}' bytes; 1 to {} can be read", length, kMaxStringBytes);
   auto reference = reference_from(place, base);
   if (!reference) return tl::unexpected(reference.error());
   address.reference = *reference;
-  address.string_bytes = static_cast<std::uint16_t>(*bytes);
+  address.string_bytes = *bytes;
   return address;
 }
 
@@ -121,10 +120,9 @@ std::optional<AddressParts> parts_of(std::string_view text) {
   for (; !text.empty() && is_digit(text[0]); text.remove_prefix(1)) parts.digits += text[0];
   if (parts.area.empty() || parts.digits.empty() || parts.digits.size() > 6) return std::nullopt;
   if (text.starts_with('[') && text.ends_with(']')) {
-    const auto count = whole_from(text.substr(1, text.size() - 2), 1, kMaxArray);
-    if (!count) return std::nullopt;
-    parts.elements = static_cast<unsigned>(*count);
-    return parts;
+    const auto count = whole_from<unsigned>(text.substr(1, text.size() - 2), 1, kMaxArray);
+    parts.elements = count.value_or(0);
+    return count ? std::optional(parts) : std::nullopt;
   }
   if (!text.empty() && text[0] != '.') return std::nullopt;
   parts.suffix = text.substr(text.empty() ? 0 : 1);
@@ -168,16 +166,17 @@ MayFail omron_point(const AddressParts& parts, Point& point) {
     const std::size_t digits = parts.suffix.size() - (parts.suffix.empty() ? 0 : 1);
     const std::string order = lower(parts.suffix.substr(digits));
     if (is_one_of(order, "d e")) return "a text with one character in a word";
-    const auto bytes = whole_from(parts.suffix.substr(0, digits), 1, kMaxStringBytes);
+    const auto bytes =
+        whole_from<std::uint16_t>(parts.suffix.substr(0, digits), 1, kMaxStringBytes);
     if (!bytes || !is_one_of(order, "h l")) return "a text without a length (DM0100.20H)";
     point.at = parts.area + parts.digits;
-    point.string_bytes = static_cast<std::uint16_t>(*bytes);
-    if (order == "l") point.byte_order = ByteOrder::kLittleEndian;
+    point.string_bytes = *bytes;
+    point.set_orders(false, order == "l");
     return std::nullopt;
   }
   // Timers and counters share their numbers, so both letters name the same item.
   const std::string area = parts.area == "TC" ? "T" : parts.area == "TS" ? "TF" : parts.area;
-  if (area != parts.area) point.changes.push_back(fmt::format("{} is {} here", parts.area, area));
+  if (area != parts.area) point.change("{} is {} here", parts.area, area);
   point.at =
       fmt::format("{}{}{}{}", area, parts.digits, parts.suffix.empty() ? "" : ".", parts.suffix);
   return std::nullopt;
@@ -193,7 +192,7 @@ MayFail append_elements(bool s7, AddressParts parts, const Point& first,
     Point point = first;
     if (auto fault = s7 ? s7_point(parts, point) : omron_point(parts, point)) return fault;
     point.name = fmt::format("{}-{}", first.name, i);
-    point.changes.push_back(fmt::format("element {} of an array of {}", i, parts.elements));
+    point.change("element {} of an array of {}", i, parts.elements);
     points.push_back(std::move(point));
   }
   return std::nullopt;
@@ -257,9 +256,7 @@ class TagRow {
     const std::string access = column_word(cell(Field::kAccess));
     if (access.empty() || is_one_of(access, "rw readwrite")) point.access = Access::kReadWrite;
     if (is_one_of(access, "wo writeonly")) point.access = Access::kWriteOnly;
-    const auto rate = number_from(cell(Field::kRefresh));
-    if (rate && *rate > 0 && *rate < 1e10)
-      point.refresh = std::chrono::microseconds{static_cast<std::int64_t>(*rate * 1000)};
+    point.refresh = milliseconds_from(cell(Field::kRefresh), 0.001, 1e10);
   }
 
   MayFail read_scaling(Point& point) const {
@@ -281,8 +278,7 @@ class TagRow {
       for (const auto& [field, side] :
            {std::pair{Field::kClampLow, "below"}, std::pair{Field::kClampHigh, "above"}}) {
         if (whole_from(cell(field)) == 1u)
-          point.changes.push_back(
-              fmt::format("values {} the scaled range are shown as they are, not clamped", side));
+          point.change("values {} the scaled range are shown as they are, not clamped", side);
       }
     }
     if (whole_from(cell(Field::kNegate)) == 1u) {
@@ -307,7 +303,7 @@ class TagRow {
     if (point.type == ValueType::kString) {
       if (address.string_bytes == 0) return "a text without a length (400001.20H)";
       point.string_bytes = address.string_bytes;
-      if (address.low_first) point.byte_order = ByteOrder::kLittleEndian;
+      point.set_orders(false, address.low_first);
     } else if (is_byte(point.type)) {
       point.byte = 0;
     } else if (registers_of(point.type, 0) > 1) {
@@ -330,42 +326,46 @@ Confidence recognise_kepware(const SourceText& source) {
   return columns.known() >= 5 ? kCertain : columns.known() >= 3 ? kLikely : 0;
 }
 
-Read read_kepware(std::span<const SourceText> sources, const ReadOptions& options) {
-  Found found;
-  Bus& bus = found.buses.emplace_back();
-  bool wide = false;
-  for (const SourceText& source : sources) {
-    const auto table = read_table(source.text);
-    if (!table) return refused("{}: {}", source.file, table.error());
-    if (table->rows.empty()) continue;
-    const Columns columns(table->rows.front(), kKepwareColumns);
-    if (!columns.has(Field::kName) || !columns.has(Field::kAddress))
-      return refused("{}: no columns 'Tag Name' and 'Address' in its first row", source.file);
-    Device& device = bus.devices.emplace_back();
-    device.name = stem_of(source.file);
-    for (const Row& row : std::span(table->rows).subspan(1)) {
-      Point point;
-      point.name = columns.cell(row, Field::kName);
-      point.origin = {source.file, row.line};
-      if (auto fault = TagRow(columns, row, options).read(point, device.points))
-        found.refusals.push_back({point.name, point.origin, std::move(*fault)});
-    }
-    // Lists of other families use their driver's order and base.
-    for (const Point& point : device.points)
-      wide |= options.is_modbus() && point.type != ValueType::kString &&
-              registers_of(point.type, 0) > 1;
-    if (options.is_modbus() && !options.base)
-      found.guesses.push_back(
-          {source.file, 1,
-           "400001 is register 0 where the setting Zero-Based Addressing of the device is on, as "
-           "the driver has it by default"});
-    for (const std::string& title : columns.ignored()) {
-      if (!is_one_of(column_word(title), kWithoutMeaning))
-        found.notes.push_back(fmt::format("{}: column '{}' is not used", source.file, title));
-    }
+MayFail read_tags(const SourceText& source, const ReadOptions& options, Found& found, bool& wide) {
+  const auto table = read_table(source.text);
+  if (!table) return table.error();
+  if (found.buses.empty()) found.buses.emplace_back();
+  if (table->rows.empty()) return std::nullopt;
+  const Columns columns(table->rows.front(), kKepwareColumns);
+  if (!columns.has(Field::kName) || !columns.has(Field::kAddress))
+    return "no columns 'Tag Name' and 'Address' in its first row";
+  Device& device = found.buses.front().devices.emplace_back();
+  device.name = stem_of(source.file);
+  for (const Row& row : std::span(table->rows).subspan(1)) {
+    Point point;
+    point.name = columns.cell(row, Field::kName);
+    point.origin = {source.file, row.line};
+    if (auto fault = TagRow(columns, row, options).read(point, device.points))
+      found.refuse(point.name, point.origin, std::move(*fault));
   }
-  if (wide && !options.word_order)
-    found.notes.push_back(
+  // Lists of other families use their driver's order and base.
+  for (const Point& point : device.points)
+    wide |=
+        options.is_modbus() && point.type != ValueType::kString && registers_of(point.type, 0) > 1;
+  if (options.is_modbus() && !options.base)
+    found.guesses.push_back(
+        {source.file, 1,
+         "400001 is register 0 where the setting Zero-Based Addressing of the device is on, as the "
+         "driver has it by default"});
+  for (const std::string& title : columns.ignored()) {
+    if (!is_one_of(column_word(title), kWithoutMeaning))
+      found.note("{}: column '{}' is not used", source.file, title);
+  }
+  return std::nullopt;
+}
+
+Read read_kepware(Sources sources, const ReadOptions& options) {
+  bool wide = false;
+  auto found = read_each(sources, [&](const SourceText& source, Found& all) {
+    return read_tags(source, options, all, wide);
+  });
+  if (found && wide && !options.word_order)
+    found->note(
         "values of 32 and 64 bits have their low word first, as the driver has it where nobody "
         "changed it; where the device's page Data Encoding says otherwise: --word-order "
         "big-endian");

@@ -1,22 +1,183 @@
 // mqmgateway (modmqttd): networks become buses, slaves become devices, and values of topics become
 // channels. Decimal registers count from 1, hexadecimal ones from 0.
 //
-// Source: BlackZork/mqmgateway README.md, Configuration.
+// Source: BlackZork/mqmgateway README.md (Configuration, Data conversion), and stdconv/*.hpp: divide
+// and multiply treat two registers as signed, and bits count from 1.
 #include <algorithm>
 #include <map>
 
 #include "core/base/duration_text.hpp"
+#include "tools/import/formats/expression.hpp"
 #include "tools/import/formats/format.hpp"
-#include "tools/import/formats/mqm_converter.hpp"
 #include "tools/import/points/address.hpp"
 
 namespace fieldcast::importing {
 namespace {
 
+struct Arguments {
+  std::vector<std::string> positional;
+  std::map<std::string, std::string, std::less<>> named;
+
+  [[nodiscard]] std::string get(std::string_view name, std::size_t index) const {
+    if (const auto found = named.find(name); found != named.end()) return found->second;
+    return index < positional.size() ? positional[index] : std::string();
+  }
+  [[nodiscard]] bool flag(std::string_view name, std::size_t index) const {
+    const std::string word = lower(get(name, index));
+    return word == name || is_one_of(word, "true 1");
+  }
+};
+
+std::string without_quotes(std::string_view text) {
+  text = trimmed(text);
+  const bool quoted =
+      text.size() > 1 && (text[0] == '"' || text[0] == '\'') && text.back() == text[0];
+  return std::string(quoted ? text.substr(1, text.size() - 2) : text);
+}
+
+void add_argument(std::string_view text, Arguments& arguments) {
+  const auto [name, value] = halves(text, '=');
+  const std::string_view key = trimmed(name);
+  const bool named = name.size() < text.size() && !key.empty() &&
+                     key.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") == std::string::npos;
+  if (named) {
+    arguments.named.try_emplace(std::string(key), without_quotes(value));
+  } else if (!trimmed(text).empty()) {
+    arguments.positional.push_back(without_quotes(text));
+  }
+}
+
+// Commas inside quotes and brackets do not separate arguments.
+Arguments arguments_of(std::string_view text) {
+  Arguments arguments;
+  char quote = '\0';
+  int depth = 0;
+  std::size_t begin = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (quote != '\0') {
+      if (c == quote) quote = '\0';
+    } else if (c == '"' || c == '\'') {
+      quote = c;
+    } else if (c == '(' || c == '{') {
+      ++depth;
+    } else if (c == ')' || c == '}') {
+      --depth;
+    } else if (c == ',' && depth == 0) {
+      add_argument(text.substr(begin, i - begin), arguments);
+      begin = i + 1;
+    }
+  }
+  add_argument(text.substr(begin), arguments);
+  return arguments;
+}
+
+MayFail scaled(const Arguments& arguments, unsigned count, bool divide, Point& point) {
+  const auto number = number_from(arguments.get(divide ? "divisor" : "multipler", 0));
+  if (!number || *number == 0) return "a scale that is no number";
+  if (count > 2) return fmt::format("a scale of {} registers", count);
+  point.type = count == 2 ? ValueType::kInt32 : ValueType::kUint16;
+  point.scale = divide ? 1 / *number : *number;
+  point.set_orders(arguments.flag("low_first", 2), arguments.flag("swap_bytes", 3));
+  return std::nullopt;
+}
+
+MayFail expression(const Arguments& arguments, unsigned count, Point& point) {
+  const std::string text = arguments.get("expression", 0);
+  const auto form = linear_form(text);
+  if (!form) return fmt::format("the expression {} is not linear in one value", text);
+  std::string_view function = form->function;
+  const bool swapped = function.ends_with("bs");
+  if (swapped) function.remove_suffix(2);
+  constexpr Words<ValueType> kTypes[] = {{"int32", ValueType::kInt32},
+                                         {"uint32", ValueType::kUint32},
+                                         {"flt32", ValueType::kFloat32},
+                                         {"int16", ValueType::kInt16}};
+  point.type = value_of(kTypes, function).value_or(ValueType::kUint16);
+  if (function.ends_with("32") && count < 2) return fmt::format("{} of one register", function);
+  point.set_orders(form->low_first, swapped);
+  point.scale = form->scale;
+  point.offset = form->offset;
+  return std::nullopt;
+}
+
+// Converters that are a type: the number of their registers, and where their flags are among the
+// arguments without a name.
+struct TypeConverter {
+  std::string_view names;
+  ValueType type;
+  unsigned registers;
+  std::optional<std::size_t> first, low_first, swap_bytes;
+};
+constexpr TypeConverter kTypeConverters[] = {
+    {"int8", ValueType::kInt8, 1, 0, {}, {}},
+    {"uint8", ValueType::kUint8, 1, 0, {}, {}},
+    {"int16", ValueType::kInt16, 1, {}, {}, 0},
+    {"uint16", ValueType::kUint16, 1, {}, {}, 0},
+    {"int32", ValueType::kInt32, 2, {}, 0, 1},
+    {"uint32", ValueType::kUint32, 2, {}, 0, 1},
+    {"float32 float", ValueType::kFloat32, 2, {}, 1, 2}};  // after the precision
+
+MayFail standard(std::string_view name, const Arguments& arguments, unsigned count, Point& point) {
+  if (is_one_of(name, "divide multiply")) return scaled(arguments, count, name == "divide", point);
+  for (const TypeConverter& converter : kTypeConverters) {
+    if (!is_one_of(name, converter.names)) continue;
+    if (count != converter.registers)
+      return fmt::format("{} of {} registers", to_text(converter.type), count);
+    const auto flag = [&](std::string_view flag_name, std::optional<std::size_t> index) {
+      return index && arguments.flag(flag_name, *index);
+    };
+    point.type = converter.type;
+    if (converter.first) point.byte = flag("first", converter.first) ? 1 : 0;
+    point.set_orders(flag("low_first", converter.low_first),
+                     flag("swap_bytes", converter.swap_bytes));
+    return std::nullopt;
+  }
+  if (name == "bit") {
+    const auto number = whole_from<std::uint8_t>(arguments.get("bit", 0), 1, 16);
+    if (!number) return "a bit that is not 1 to 16";
+    point.type = ValueType::kBool;
+    point.bit = *number - 1;
+    point.changes.emplace_back(kTruthNotNumber);
+  } else if (name == "bitmask") {
+    const std::string mask = arguments.get("mask", 0);
+    if (!mask.empty() && whole_from(mask) != 0xFFFFu)
+      return "some bits of a register; a channel has one bit or all";
+  } else if (name == "string") {
+    if (2 * count > kMaxStringBytes) return fmt::format("a text of {} registers", count);
+    point.type = ValueType::kString;
+    point.string_bytes = static_cast<std::uint16_t>(2 * count);
+  } else if (name == "map") {
+    if (count != 1) return "a map of several registers";
+    point.change("the number of the register, not the text that it is mapped to");
+  } else {
+    return fmt::format("the converter std.{} has no counterpart", name);
+  }
+  return std::nullopt;
+}
+
+// `std.divide(10)` or `expr.evaluate("int32(R0, R1) / 100")`: fills type, bit, orders, scale and
+// changes of a point of 1 to 125 registers.
+MayFail convert(std::string_view converter, unsigned count, Point& point) {
+  converter = trimmed(converter);
+  const std::size_t open = std::min(converter.find('('), converter.size());
+  const std::string_view name = trimmed(converter.substr(0, open));
+  std::string_view inside = converter.substr(open);
+  if (!inside.empty()) {
+    const std::size_t close = inside.rfind(')');
+    if (close == std::string_view::npos)
+      return fmt::format("the converter '{}' has no ')'", converter);
+    inside = inside.substr(1, close - 1);
+  }
+  const Arguments arguments = arguments_of(inside);
+  if (name.starts_with("std.")) return standard(name.substr(4), arguments, count, point);
+  if (name == "expr.evaluate") return expression(arguments, count, point);
+  return fmt::format("the converter {} has no counterpart", name);
+}
+
 constexpr unsigned kMaxCount = 125;
 constexpr unsigned kMaxNested = 8;
 
-// "1,2,3-10": the slaves of an entry.
 std::vector<std::uint16_t> slaves_from(std::string_view text) {
   std::vector<std::uint16_t> slaves;
   for (const std::string_view part : split(text, ',')) {
@@ -41,7 +202,6 @@ struct Defaults {
   std::optional<Duration> refresh;
 };
 
-// Where a value is, on each slave of the list.
 struct Place {
   std::string_view network;
   std::vector<std::uint16_t> slaves;
@@ -70,7 +230,6 @@ constexpr Words<ModbusArea> kMqmAreas[] = {{"coil", ModbusArea::kCoil},
                                            {"input", ModbusArea::kInputRegister},
                                            {"holding", ModbusArea::kHolding}};
 
-// One value of a state or a command.
 struct MqmValue {
   Place place;
   ModbusArea area = ModbusArea::kHolding;
@@ -80,9 +239,22 @@ struct MqmValue {
 
 class MqmReader : TreeReader {
  public:
-  MqmReader(const SourceText& source, Found& found) : TreeReader(source, found) {}
+  using TreeReader::TreeReader;
 
-  MayFail read(const Node& root);
+  MayFail read(const Node& root) {
+    const Node* modbus = child(root, "modbus");
+    const Node* networks = modbus == nullptr ? nullptr : child(*modbus, "networks");
+    const Node* mqtt = child(root, "mqtt");
+    const Node* objects = mqtt == nullptr ? nullptr : child(*mqtt, "objects");
+    if (!is_list(networks)) return "it names no networks (modbus: networks:)";
+    if (!is_list(objects)) return "it names no objects (mqtt: objects:)";
+    for (const Node* network : networks->items) read_network(*network);
+    Defaults defaults;
+    defaults.refresh = span_at(*mqtt, "refresh").value_or(std::chrono::seconds{5});
+    for (const Node* object : objects->items) read_object(*object, defaults);
+    tell_others();
+    return std::nullopt;
+  }
 
  private:
   void read_network(const Node& network) {
@@ -101,14 +273,12 @@ class MqmReader : TreeReader {
       bus.port.line = line_at(network, {"baud", "data_bit", "parity", "stop_bit"});
       bus.protocol = "modbus-rtu";
     } else {
-      bus.port.tcp = fmt::format("{}:{}", text_at(network, "address"),
-                                 whole_at(network, "port").value_or(502));
+      bus.port.tcp = tcp_at(network, "address", "port");
       bus.protocol = "modbus-tcp";
     }
     networks_[bus.name] = &network;
   }
 
-  // With the settings of the network and of `slaves`.
   Device& device_of(Bus& bus, std::uint16_t slave) {
     Device& device = device_at(bus, slave);
     if (!device.name.empty()) return device;
@@ -210,7 +380,6 @@ class MqmReader : TreeReader {
     });
   }
 
-  // `command`: the registers must be writable.
   Result<MqmValue> value_at(const Node& node, const Defaults& defaults, bool command) const {
     MqmValue value;
     auto place = place_of(text_at(node, "register"), defaults);
@@ -228,20 +397,18 @@ class MqmReader : TreeReader {
     value.point.origin = origin_of(node);
     const std::string_view converter = text_at(node, "converter");
     if (*count > 1 && (holds_bits(*area) || converter.empty())) value.elements = *count;
-    std::optional<std::uint8_t> bit;
     if (holds_bits(*area)) {
       if (!converter.empty()) return refused("the converter {} of bits", converter);
       value.point.type = ValueType::kBool;
       value.point.changes.emplace_back(kTruthNotNumber);
     } else if (!converter.empty()) {
-      if (auto fault = convert_mqm(converter, *count, value.point, bit))
+      if (auto fault = convert(converter, *count, value.point))
         return tl::unexpected(std::move(*fault));
     }
-    value.point.at = address_text(*area, value.place.first, bit);
+    value.point.at = address_text(*area, value.place.first, value.point.bit);
     return value;
   }
 
-  // Stops when `action` returns false.
   template <typename Action>
   void on_each_device(const Node& node, const Place& place, const std::string& name,
                       const Action& action) {
@@ -289,38 +456,16 @@ class MqmReader : TreeReader {
   std::size_t made_ = 0;  // points
 };
 
-MayFail MqmReader::read(const Node& root) {
-  const Node* modbus = child(root, "modbus");
-  const Node* networks = modbus == nullptr ? nullptr : child(*modbus, "networks");
-  const Node* mqtt = child(root, "mqtt");
-  const Node* objects = mqtt == nullptr ? nullptr : child(*mqtt, "objects");
-  if (!is_list(networks)) return "it names no networks (modbus: networks:)";
-  if (!is_list(objects)) return "it names no objects (mqtt: objects:)";
-  for (const Node* network : networks->items) read_network(*network);
-  Defaults defaults;
-  defaults.refresh = span_at(*mqtt, "refresh");
-  if (!defaults.refresh) defaults.refresh = std::chrono::seconds{5};
-  for (const Node* object : objects->items) read_object(*object, defaults);
-  tell_others();
-  return std::nullopt;
-}
-
 Confidence recognise_mqmgateway(const SourceText& source) {
-  const std::string_view text = source.text;
-  const auto has = [&](std::string_view word) { return contains(text, word); };
-  if (has("modbus:") && has("networks:") && has("mqtt:") && has("objects:")) return kCertain;
-  return has("modmqttd:") ? kLikely : 0;
+  return confidence_by(source.text,
+                       {{"modbus: networks: mqtt: objects:", kCertain}, {"modmqttd:", kLikely}});
 }
 
-Read read_mqmgateway(std::span<const SourceText> sources, const ReadOptions&) {
-  Found found;
-  for (const SourceText& source : sources) {
-    const auto tree = read_yaml_tree(source.text);
-    if (!tree) return refused("{}: {}", source.file, tree.error());
-    if (const auto fault = MqmReader(source, found).read(*(*tree)->root))
-      return refused("{}: {}", source.file, *fault);
-  }
-  return found;
+Read read_mqmgateway(Sources sources, const ReadOptions&) {
+  return read_each_tree(sources, read_yaml_tree,
+                        [](const SourceText& source, const Node& root, Found& found) {
+                          return MqmReader(source, found).read(root);
+                        });
 }
 
 }  // namespace

@@ -37,7 +37,6 @@ constexpr NeuronOrder kOrders[] = {
     {"BB B", 3, {WordOrder::kLittleEndian, ByteOrder::kLittleEndian}},
     {"BL", 4, {WordOrder::kLittleEndian, ByteOrder::kBigEndian}}};
 
-// Settings of the node; 1 is the default.
 struct NeuronOrders {
   unsigned of_32 = 1, of_64 = 1;
   std::uint32_t base = 1;  // first address
@@ -61,7 +60,6 @@ class TagReader {
     point.offset = number_from(at_("bias")).value_or(0);
     return std::nullopt;
   }
-  // REQUIRES: read() has returned no fault.
   [[nodiscard]] std::uint16_t slave() const { return slave_; }
 
  private:
@@ -81,37 +79,34 @@ class TagReader {
     const auto [slave_text, behind] = halves(trimmed(text), '!');
     const auto [place, suffix] = halves(behind, '#');
     const auto [digits, part] = halves(place, '.');
-    const auto slave = whole_from(slave_text, 0, 255);
+    const auto slave = whole_from<std::uint16_t>(slave_text, 0, 255);
     const auto area = digits.empty() ? std::nullopt : area_of_digit(digits[0]);
     const auto number =
         area ? whole_from(digits.substr(1), orders_.base, 65535 + std::uint64_t{orders_.base})
              : std::nullopt;
     if (!slave || !number) return fmt::format("'{}' is no address of Modbus (1!400001)", text);
-    slave_ = static_cast<std::uint16_t>(*slave);
+    slave_ = *slave;
     suffix_ = suffix;
     area_ = *area;
-    std::optional<std::uint8_t> bit;
-    if (auto fault = read_part(part, point, bit)) return fault;
-    point.at = address_text(area_, *number - orders_.base, bit);
+    if (auto fault = read_part(part, point)) return fault;
+    point.at = address_text(area_, *number - orders_.base, point.bit);
     return std::nullopt;
   }
 
-  // The part of a register, or the length of a text.
-  MayFail read_part(std::string_view part, Point& point, std::optional<std::uint8_t>& bit) const {
+  MayFail read_part(std::string_view part, Point& point) const {
     if (point.type == ValueType::kString) {
       const bool low = part.ends_with('L');
       if (part.ends_with('D') || part.ends_with('E')) return kSparseText;
       if (low || part.ends_with('H')) part.remove_suffix(1);
-      const auto bytes = whole_from(part, 1, kMaxStringBytes);
+      const auto bytes = whole_from<std::uint16_t>(part, 1, kMaxStringBytes);
       if (!bytes) return "a text without a length of 1 to 250 bytes";
-      point.string_bytes = static_cast<std::uint16_t>(*bytes);
-      if (low) point.byte_order = ByteOrder::kLittleEndian;
+      point.string_bytes = *bytes;
+      point.set_orders(false, low);
     } else if (holds_bits(area_)) {
       if (point.type != ValueType::kBool) return "a number at a single bit";
     } else if (point.type == ValueType::kBool) {
-      const auto number = whole_from(part, 0, 15);
-      if (!number) return "a bit of a register without its number";
-      bit = static_cast<std::uint8_t>(*number);
+      point.bit = whole_from<std::uint8_t>(part, 0, 15);
+      if (!point.bit) return "a bit of a register without its number";
     } else if (is_byte(point.type)) {
       point.byte = 0;
     }
@@ -154,18 +149,10 @@ class NeuronReader : TreeReader {
  public:
   NeuronReader(const SourceText& source, const ReadOptions& options, Found& found)
       : TreeReader(source, found), base_(options.base) {}
-  using TreeReader::tell_others;
 
-  void read(const Node& node, unsigned depth) {
-    if (depth > kMaxShells) return;
-    if (is_list(&node)) {
-      for (const Node* item : node.items) read(*item, depth + 1);
-      return;
-    }
-    for (const std::string_view shell : {"nodes", "drivers", "data"}) {
-      if (const Node* inner = child(node, shell); is_list(inner)) return read(*inner, depth + 1);
-    }
-    if (is_list(child(node, "groups")) || is_list(child(node, "tags"))) read_node(node);
+  void read_tree(const Node& root) {
+    read(root, 0);
+    tell_others();
   }
 
   void read_table(const Table& table) {
@@ -173,7 +160,7 @@ class NeuronReader : TreeReader {
     for (const std::string& title : table.rows[0].cells) {
       const std::string& word = titles.emplace_back(column_word(title));
       if (!word.empty() && !is_one_of(word, kTagKeys) && !is_one_of(word, "group interval"))
-        found_.notes.push_back(fmt::format("{}: column '{}' is not moved", source_.file, title));
+        found_.note("{}: column '{}' is not moved", source_.file, title);
     }
     const auto cell_at = [&](const Row& row, std::string_view key) {
       return row.cell(static_cast<std::size_t>(std::ranges::find(titles, key) - titles.begin()));
@@ -193,6 +180,18 @@ class NeuronReader : TreeReader {
   }
 
  private:
+  void read(const Node& node, unsigned depth) {
+    if (depth > kMaxShells) return;
+    if (is_list(&node)) {
+      for (const Node* item : node.items) read(*item, depth + 1);
+      return;
+    }
+    for (const std::string_view shell : {"nodes", "drivers", "data"}) {
+      if (const Node* inner = child(node, shell); is_list(inner)) return read(*inner, depth + 1);
+    }
+    if (is_list(child(node, "groups")) || is_list(child(node, "tags"))) read_node(node);
+  }
+
   void read_node(const Node& node) {
     other_keys_.look(node, "a node", "name node plugin params setting groups tags group interval");
     const std::string name(first_text(node, {"name", "node"}));
@@ -228,7 +227,6 @@ class NeuronReader : TreeReader {
     other_keys_.look(settings, "the settings",
                      "host port device link baud parity data stop connection_mode timeout interval "
                      "address_base endianess endianess_64");
-    const auto host = text_at(settings, "host");
     const auto device = text_at(settings, "device");
     if (!device.empty() && whole_at(settings, "link").value_or(0) == 0) {
       bus.port.serial = device;
@@ -243,21 +241,15 @@ class NeuronReader : TreeReader {
           "{}{}{}", 5 + std::min<std::uint64_t>(whole_at(settings, "data").value_or(3), 3),
           std::string_view("NOE")[parity < 3 ? parity : 0],
           whole_at(settings, "stop") == 1u ? 2 : 1);
-    } else if (!host.empty()) {
-      bus.port.tcp = fmt::format("{}:{}", host, whole_at(settings, "port").value_or(502));
+    } else if (!text_at(settings, "host").empty()) {
+      bus.port.tcp = tcp_at(settings, "host", "port");
       bus.protocol = contains(plugin, "rtu") ? "modbus-rtu" : "modbus-tcp";
     }
     if (whole_at(settings, "connection_mode") == 1u)
-      found_.notes.push_back(
-          fmt::format("{}: devices that connect to Neuron are not moved; they are asked at {}",
-                      bus.name, bus.port.tcp));
-    const auto span = [&](std::string_view key) -> std::optional<Duration> {
-      const auto number = number_at(settings, key);
-      if (!number || *number < 1 || *number > 60'000) return std::nullopt;
-      return std::chrono::milliseconds{static_cast<std::int64_t>(*number)};
-    };
-    common.timeout = span("timeout");
-    common.pause = span("interval");
+      found_.note("{}: devices that connect to Neuron are not moved; they are asked at {}",
+                  bus.name, bus.port.tcp);
+    common.timeout = milliseconds_from(text_at(settings, "timeout"), 1, 60'001);
+    common.pause = milliseconds_from(text_at(settings, "interval"), 1, 60'001);
     orders.of_32 = static_cast<unsigned>(whole_at(settings, "endianess").value_or(1));
     orders.of_64 = static_cast<unsigned>(whole_at(settings, "endianess_64").value_or(1));
   }
@@ -281,13 +273,10 @@ class NeuronReader : TreeReader {
     Point point;
     point.name = in_group ? fmt::format("{}.{}", group, text("name")) : std::string(text("name"));
     point.origin = {source_.file, line};
-    if (const auto ms = number_from(interval); ms && *ms >= 1 && *ms < 8e7)
-      point.refresh = std::chrono::milliseconds{static_cast<std::int64_t>(*ms)};
+    point.refresh = milliseconds_from(interval, 1, 8e7);
     TagReader tag(text, orders);
-    if (auto fault = tag.read(point)) {
-      found_.refusals.push_back({point.name, point.origin, std::move(*fault)});
-      return;
-    }
+    if (auto fault = tag.read(point))
+      return found_.refuse(point.name, point.origin, std::move(*fault));
     Device& device = device_at(bus, tag.slave());
     if (device.name.empty()) device.name = fmt::format("{}-{}", node, tag.slave());
     device.points.push_back(std::move(point));
@@ -318,34 +307,30 @@ bool is_json(std::string_view text) {
 
 Confidence recognise_neuron(const SourceText& source) {
   const std::string_view text = source.text;
-  if (is_json(text)) {
-    if (!contains(text, "\"tags\"") || !contains(text, "\"address\"")) return 0;
-    return contains(text, "\"attribute\"") && contains(text, "!") ? kCertain : kLikely;
-  }
+  if (is_json(text))
+    return confidence_by(
+        text, {{R"("tags" "address" "attribute" !)", kCertain}, {R"("tags" "address")", kLikely}});
   const auto table = read_table(text.substr(0, text.find('\n', 4096)));
   if (!table || !is_neuron_table(*table)) return 0;
   return contains(text, "!") ? kCertain : kLikely;
 }
 
-Read read_neuron(std::span<const SourceText> sources, const ReadOptions& options) {
-  Found found;
-  for (const SourceText& source : sources) {
+Read read_neuron(Sources sources, const ReadOptions& options) {
+  return read_each(sources, [&](const SourceText& source, Found& found) -> MayFail {
     NeuronReader reader(source, options, found);
     if (is_json(source.text)) {
       const auto tree = read_json(source.text);
-      if (!tree) return refused("{}: {}", source.file, tree.error());
-      reader.read(*(*tree)->root, 0);
-      reader.tell_others();
+      if (!tree) return tree.error();
+      reader.read_tree(*(*tree)->root);
     } else {
       const auto table = read_table(source.text);
-      if (!table) return refused("{}: {}", source.file, table.error());
+      if (!table) return table.error();
       if (!is_neuron_table(*table))
-        return refused("{}: no columns group, name, address, attribute, type in its first row",
-                       source.file);
+        return "no columns group, name, address, attribute, type in its first row";
       reader.read_table(*table);
     }
-  }
-  return found;
+    return std::nullopt;
+  });
 }
 
 }  // namespace

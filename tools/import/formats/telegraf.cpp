@@ -10,16 +10,15 @@
 namespace fieldcast::importing {
 namespace {
 
-// Lists of the style "register"; other styles use the values of `register`.
-constexpr std::pair<std::string_view, ModbusArea> kRegisterLists[] = {
-    {"coils", ModbusArea::kCoil},
-    {"discrete_inputs", ModbusArea::kInput},
-    {"input_registers", ModbusArea::kInputRegister},
-    {"holding_registers", ModbusArea::kHolding}};
-constexpr Words<ModbusArea> kRegisterWords[] = {{"coil", ModbusArea::kCoil},
-                                                {"discrete", ModbusArea::kInput},
-                                                {"input", ModbusArea::kInputRegister},
-                                                {"holding", ModbusArea::kHolding}};
+// A list of the style "register", and the value of `register` in the other styles.
+struct TelegrafArea {
+  std::string_view list, word;
+  ModbusArea area;
+};
+constexpr TelegrafArea kTelegrafAreas[] = {{"coils", "coil", ModbusArea::kCoil},
+                                           {"discrete_inputs", "discrete", ModbusArea::kInput},
+                                           {"input_registers", "input", ModbusArea::kInputRegister},
+                                           {"holding_registers", "holding", ModbusArea::kHolding}};
 
 // Parses "1s", "500ms"; does not support "1m30s".
 std::optional<Duration> go_duration(std::string_view text) {
@@ -48,8 +47,7 @@ Port port_of_controller(const Node& plugin) {
 std::string protocol_of(const Node& plugin, const Port& port) {
   const std::string mode = lower(text_at(plugin, "transmission_mode"));
   if (mode.starts_with("ascii")) return "modbus-ascii";
-  if (mode.starts_with("rtu") || port.tcp.empty()) return "modbus-rtu";
-  return "modbus-tcp";
+  return mode.starts_with("rtu") || port.tcp.empty() ? "modbus-rtu" : "modbus-tcp";
 }
 
 struct FieldPlace {
@@ -58,7 +56,6 @@ struct FieldPlace {
   bool in_register_style = false;
 };
 
-// Consecutive registers.
 struct FieldRegisters {
   std::uint64_t first = 0, count = 0;  // count 0: the type determines it
 };
@@ -86,7 +83,7 @@ Result<FieldRegisters> registers_at(const Node& field) {
 
 class TelegrafReader : TreeReader {
  public:
-  TelegrafReader(const SourceText& source, Found& found) : TreeReader(source, found) {}
+  using TreeReader::TreeReader;
 
   void read(const Node& root) {
     if (const Node* agent = child(root, "agent"))
@@ -106,8 +103,7 @@ class TelegrafReader : TreeReader {
                      "discrete_inputs input_registers holding_registers request metric");
     Bus bus;
     bus.origin = origin_of(plugin);
-    if (const std::string_view controller = text_at(plugin, "controller");
-        controller.starts_with("udp:"))
+    if (const auto controller = text_at(plugin, "controller"); controller.starts_with("udp:"))
       bus.fault = fmt::format("its controller {}: a bus has no port of UDP", controller);
     bus.port = port_of_controller(plugin);
     bus.protocol = protocol_of(plugin, bus.port);
@@ -120,11 +116,11 @@ class TelegrafReader : TreeReader {
     }
     refresh_ = go_duration(text_at(plugin, "interval"));
     if (!refresh_) refresh_ = interval_;
-    for (const auto& [list, area] : kRegisterLists) {
-      const Node* fields = child(plugin, list);
+    for (const TelegrafArea& row : kTelegrafAreas) {
+      const Node* fields = child(plugin, row.list);
       if (!is_list(fields)) continue;
       Device& device = device_of(bus, plugin, plugin);
-      for (const Node* field : fields->items) read_field(*field, {area, {}, {}, true}, device);
+      for (const Node* field : fields->items) read_field(*field, {row.area, {}, {}, true}, device);
     }
     for (const std::string_view style : {"request", "metric"}) {
       for (const Node* block : items_of(child(plugin, style))) read_block(*block, plugin, bus);
@@ -142,12 +138,12 @@ class TelegrafReader : TreeReader {
       std::string_view word = text_at(*field, "register");
       if (word.empty()) word = text_at(block, "register");
       if (word.empty()) word = "holding";
-      const auto area = value_of(kRegisterWords, word);
-      if (!area) {
+      const auto* row = std::ranges::find(kTelegrafAreas, word, &TelegrafArea::word);
+      if (row == std::end(kTelegrafAreas)) {
         refuse(*field, text_at(*field, "name"), fmt::format("register '{}' is unknown", word));
         continue;
       }
-      read_field(*field, {*area, text_at(block, "byte_order"), text_at(block, "measurement")},
+      read_field(*field, {row->area, text_at(block, "byte_order"), text_at(block, "measurement")},
                  device);
     }
   }
@@ -186,43 +182,40 @@ class TelegrafReader : TreeReader {
     point.name = text_at(field, "name");
     point.origin = origin_of(field);
     point.refresh = refresh_;
+    if (MayFail fault = read_point(field, place, point))
+      return refuse(field, point.name, std::move(*fault));
     std::string_view measurement = text_at(field, "measurement");
     if (measurement.empty()) measurement = place.measurement;
-    MayFail fault = read_point(field, place, point);
-    if (!measurement.empty() && measurement != "modbus" && !fault)
+    if (!measurement.empty() && measurement != "modbus")
       point.name = fmt::format("{}.{}", measurement, point.name);
-    if (fault) return refuse(field, point.name, std::move(*fault));
     device.points.push_back(std::move(point));
   }
 
   MayFail read_point(const Node& field, const FieldPlace& place, Point& point) const {
     const auto registers = registers_at(field);
     if (!registers) return registers.error();
-    if (!holds_bits(place.area)) return read_register(field, place, *registers, point);
-    const std::string type = lower(text_at(field, "data_type")) + lower(text_at(field, "output"));
-    if (!contains(type, "bool")) point.changes.emplace_back(kTruthNotNumber);
-    point.type = ValueType::kBool;
-    point.at = address_text(place.area, registers->first);
-    return read_scale_at(field, "scale", point.scale);
-  }
-
-  MayFail read_register(const Node& field, const FieldPlace& place, const FieldRegisters& registers,
-                        Point& point) const {
-    std::string_view letters = text_at(field, "byte_order");
-    if (letters.empty()) letters = place.byte_order;
-    const auto orders = letters.empty() ? Orders{} : orders_by_letters(letters);
-    if (!orders) return fmt::format("byte order '{}' is unknown", letters);
-    point.word_order = orders->words;
-    point.byte_order = orders->bytes;
+    if (holds_bits(place.area)) {
+      const std::string type = lower(text_at(field, "data_type")) + lower(text_at(field, "output"));
+      if (!contains(type, "bool")) point.changes.emplace_back(kTruthNotNumber);
+      point.type = ValueType::kBool;
+    } else {
+      std::string_view letters = text_at(field, "byte_order");
+      if (letters.empty()) letters = place.byte_order;
+      const auto orders = letters.empty() ? Orders{} : orders_by_letters(letters);
+      if (!orders) return fmt::format("byte order '{}' is unknown", letters);
+      point.word_order = orders->words;
+      point.byte_order = orders->bytes;
+    }
     if (auto fault = read_scale_at(field, "scale", point.scale)) return fault;
-    std::optional<std::uint8_t> bit;
-    if (auto fault = read_type(field, place, registers, point, bit)) return fault;
-    point.at = address_text(place.area, registers.first, bit);
+    if (!holds_bits(place.area)) {
+      if (auto fault = read_type(field, place, registers->count, point)) return fault;
+    }
+    point.at = address_text(place.area, registers->first, point.bit);
     return std::nullopt;
   }
 
-  MayFail read_type(const Node& field, const FieldPlace& place, const FieldRegisters& registers,
-                    Point& point, std::optional<std::uint8_t>& bit) const {
+  MayFail read_type(const Node& field, const FieldPlace& place, std::uint64_t count,
+                    Point& point) const {
     const std::string name = lower(first_text(field, {"data_type", "type"}));
     const bool swapped = point.byte_order == ByteOrder::kLittleEndian;
     // In the style "register", FLOAT32 is an unsigned number; FLOAT32-IEEE is a float.
@@ -231,10 +224,10 @@ class TelegrafReader : TreeReader {
       const std::uint64_t number = whole_at(field, "bit").value_or(0);
       if (number > 15) return fmt::format("bit {} is not 0 to 15", number);
       // With swapped bytes the bit is in the other byte.
-      bit = static_cast<std::uint8_t>(swapped ? (number + 8) % 16 : number);
+      point.bit = static_cast<std::uint8_t>(swapped ? (number + 8) % 16 : number);
       point.type = ValueType::kBool;
     } else if (name == "string") {
-      const std::uint64_t length = whole_at(field, "length").value_or(registers.count);
+      const std::uint64_t length = whole_at(field, "length").value_or(count);
       if (length == 0 || length > kMaxStringBytes / 2) return kTextLength;
       if (!strings_.empty() && strings_ != "both") return kSparseText;
       point.type = ValueType::kString;
@@ -242,11 +235,11 @@ class TelegrafReader : TreeReader {
     } else if (name.starts_with("float16")) {
       return "half-precision floats are no type of a channel";
     } else if (name == "fixed" || name == "ufixed" || old_float) {
-      const auto type = integer_of(static_cast<unsigned>(16 * registers.count), name == "fixed");
-      if (!type) return fmt::format("{} of {} registers", name, registers.count);
+      const auto type = integer_of(static_cast<unsigned>(16 * count), name == "fixed");
+      if (!type) return fmt::format("{} of {} registers", name, count);
       point.type = *type;
-      if (old_float && registers.count == 2)
-        point.changes.emplace_back(
+      if (old_float && count == 2)
+        point.change(
             "FLOAT32 is an unsigned number, as up to Telegraf 1.36; from 1.37 on it is one of "
             "IEEE: FLOAT32-IEEE says that in each of them");
     } else {
@@ -264,17 +257,15 @@ class TelegrafReader : TreeReader {
 };
 
 Confidence recognise_telegraf(const SourceText& source) {
-  return contains(source.text, "[[inputs.modbus]]") ? kCertain : 0;
+  return confidence_by(source.text, {{"[[inputs.modbus]]", kCertain}});
 }
 
-Read read_telegraf(std::span<const SourceText> sources, const ReadOptions&) {
-  Found found;
-  for (const SourceText& source : sources) {
-    const auto tree = read_toml(source.text);
-    if (!tree) return refused("{}: {}", source.file, tree.error());
-    TelegrafReader(source, found).read(*(*tree)->root);
-  }
-  return found;
+Read read_telegraf(Sources sources, const ReadOptions&) {
+  return read_each_tree(sources, read_toml,
+                        [](const SourceText& source, const Node& root, Found& found) {
+                          TelegrafReader(source, found).read(root);
+                          return MayFail();
+                        });
 }
 
 }  // namespace

@@ -1,13 +1,14 @@
 // wb-mqtt-serial: device templates, and configurations whose devices use them.
 //
-// Source: wirenboard/wb-mqtt-serial README.md, templates/.
+// Source: wirenboard/wb-mqtt-serial README.md (keys of a channel), templates/, src/register.cpp
+// (addresses of parts), docs of Wiren Board MQTT conventions (units by control type).
 #include <algorithm>
 #include <map>
 
 #include "tools/import/formats/expression.hpp"
 #include "tools/import/formats/format.hpp"
-#include "tools/import/formats/wb_channel.hpp"
 #include "tools/import/points/address.hpp"
+#include "tools/import/points/types.hpp"
 
 namespace fieldcast::importing {
 namespace {
@@ -15,17 +16,183 @@ namespace {
 constexpr unsigned kMaxParts = 8;         // nesting depth of parts
 constexpr unsigned kMaxPartsRead = 5000;  // of a device
 
+constexpr Words<ModbusArea> kWbAreas[] = {
+    {"coil", ModbusArea::kCoil},
+    {"discrete", ModbusArea::kInput},
+    {"input press_counter", ModbusArea::kInputRegister},
+    {"holding holding_single holding_multi", ModbusArea::kHolding}};
+constexpr std::string_view kFormats =
+    "u16 s16 u8 s8 u32 s32 u64 s64 float double bcd8 bcd16 bcd32 string8";
+
+struct WbUnit {
+  std::string_view word, unit;
+};
+constexpr WbUnit kUnits[] = {{"deg C", "°C"},   {"%, RH", "% RH"}, {"m^3", "m³"}, {"m^3/h", "m³/h"},
+                             {"g/m^3", "g/m³"}, {"Па", "Pa"},      {"deg", "°"}};
+constexpr WbUnit kUnitsOfTypes[] = {{"temperature", "°C"},
+                                    {"rel_humidity", "% RH"},
+                                    {"voltage", "V"},
+                                    {"current", "A"},
+                                    {"power", "W"},
+                                    {"power_consumption", "kWh"},
+                                    {"lux", "lx"},
+                                    {"sound_level", "dB"},
+                                    {"concentration", "ppm"},
+                                    {"pressure", "bar"},
+                                    {"resistance", "Ω"},
+                                    {"atmospheric_pressure", "mbar"},
+                                    {"heat_power", "Gcal/h"},
+                                    {"heat_energy", "Gcal"},
+                                    {"water_flow", "m³/h"},
+                                    {"water_consumption", "m³"}};
+
+std::string unit_of(const Node& channel) {
+  const std::string_view said = text_at(channel, "units");
+  const auto known = std::ranges::find(kUnits, said, &WbUnit::word);
+  if (known != std::end(kUnits)) return std::string(known->unit);
+  if (!said.empty()) return std::string(said);
+  const auto by_type = std::ranges::find(kUnitsOfTypes, text_at(channel, "type"), &WbUnit::word);
+  return by_type == std::end(kUnitsOfTypes) ? std::string() : std::string(by_type->unit);
+}
+
+// "109", "0x6D", "109:1:2": some bits of a register.
+struct WbAddress {
+  std::uint32_t first = 0;
+  std::optional<std::uint64_t> shift, width;  // of some bits
+};
+
+Result<WbAddress> address_of(const Node& channel, Point& point) {
+  std::string_view text = text_at(channel, "address");
+  const std::string_view other = text_at(channel, "write_address");
+  if (text.empty()) {
+    if (other.empty()) return refused("no address");
+    text = other;
+    point.access = Access::kWriteOnly;
+  } else if (!other.empty() && whole_from(other) != whole_from(text)) {
+    point.access = Access::kReadOnly;
+    point.change("read only: it is written at the address {}", other);
+  }
+  const auto parts = split(text, ':');
+  const auto first = whole_from<std::uint32_t>(parts[0], 0, 65535);
+  const auto shift = parts.size() > 1 ? whole_from(parts[1], 0, 63) : std::nullopt;
+  const auto width = parts.size() > 2 ? whole_from(parts[2], 1, 64) : std::nullopt;
+  if (!first || (parts.size() > 1 && (!shift || !width)))
+    return refused("'{}' is no address of Modbus", text);
+  return WbAddress{*first, shift, width};
+}
+
+MayFail read_format(const Node& channel, Point& point) {
+  std::string_view format = text_at(channel, "format");
+  if (format.empty()) format = "u16";
+  if (format == "string") return kSparseText;
+  if (!is_one_of(format, kFormats)) return fmt::format("the format {} has no counterpart", format);
+  point.type = type_by_name(format)->type;
+  if (is_byte(point.type) || point.type == ValueType::kBcd8) point.byte = 0;
+  if (point.type == ValueType::kString) {
+    const auto registers = small_at(channel, "string_data_size", 1, kMaxStringBytes / 2);
+    if (!registers) return kTextLength;
+    point.string_bytes = static_cast<std::uint16_t>(2 * *registers);
+  }
+  const bool low_byte_first = text_at(channel, "byte_order") == "little_endian";
+  point.set_orders(text_at(channel, "word_order") == "little_endian", low_byte_first);
+  if (point.byte && low_byte_first) point.byte = 1;
+  return std::nullopt;
+}
+
+MayFail read_register_part(const WbAddress& address, Point& point) {
+  if (!address.width) return std::nullopt;
+  const bool swapped = point.byte_order == ByteOrder::kLittleEndian;
+  const bool one_register = registers_of(point.type, 2) == 1;
+  if (*address.width == 16 && *address.shift == 0 && one_register) return std::nullopt;
+  if (!one_register || *address.shift > 15) return "bits of a value of several registers";
+  if (*address.width == 1) {
+    point.type = ValueType::kBool;
+    point.bit = static_cast<std::uint8_t>(swapped ? (*address.shift + 8) % 16 : *address.shift);
+    point.byte.reset();
+    return std::nullopt;
+  }
+  if (*address.width == 8 && *address.shift % 8 == 0) {
+    const bool with_sign = point.type == ValueType::kInt8 || point.type == ValueType::kInt16;
+    point.type = with_sign ? ValueType::kInt8 : ValueType::kUint8;
+    point.byte = (*address.shift == 8) != swapped ? 1 : 0;
+    return std::nullopt;
+  }
+  return fmt::format("{} bits of a register; a channel has one bit, a byte or all", *address.width);
+}
+
+MayFail read_numbers(const Node& channel, Point& point) {
+  if (auto fault = read_scale_at(channel, "scale", point.scale)) return fault;
+  if (auto fault = fault_of_number(channel, "offset")) return fault;
+  point.offset = number_at(channel, "offset").value_or(0);
+  if (const std::string_view error = text_at(channel, "error_value"); !error.empty())
+    point.change("the raw value {} means an error", error);
+  if (point.access == Access::kReadOnly || !is_number(point.type)) return std::nullopt;
+  const auto low = number_at(channel, "min"), high = number_at(channel, "max");
+  if (low && high && *low <= *high) {
+    point.write_min = low;
+    point.write_max = high;
+  }
+  return std::nullopt;
+}
+
+// Values for on and off. For a single bit, 1 is always on.
+MayFail read_switch(const Node& channel, Point& point) {
+  std::string_view on = text_at(channel, "on_value"), off = text_at(channel, "off_value");
+  if (on.empty() && off.empty()) return std::nullopt;
+  if (on.empty()) on = "1";
+  if (off.empty()) off = "0";
+  if (point.type != ValueType::kBool) {
+    point.change("a number: {} is on, {} is off", on, off);
+  } else if (whole_from(on) == 0u || whole_from(off) != 0u) {
+    return fmt::format(
+        "a bit that means the opposite (on_value {}, off_value {}); a channel's is on at 1", on,
+        off);
+  }
+  return std::nullopt;
+}
+
+struct WbBase {
+  std::uint32_t shift = 0;   // registers
+  std::uint32_t stride = 0;  // multiplied by the registers of each value
+};
+
+// An entry of `channels`. `point` has its name and origin.
+MayFail read_wb_channel(const Node& channel, const WbBase& base, Point& point) {
+  if (child(channel, "consists_of") != nullptr)
+    return "one control of several registers; write a channel for each";
+  std::string_view type = text_at(channel, "reg_type");
+  if (type.empty()) type = "holding";
+  const auto area = value_of(kWbAreas, type);
+  if (!area) return fmt::format("register type '{}' is not of Modbus", type);
+  point.access = can_be_written(*area) && bool_at(channel, "readonly") != true ? Access::kReadWrite
+                                                                               : Access::kReadOnly;
+  const auto address = address_of(channel, point);
+  if (!address) return address.error();
+  if (point.access == Access::kWriteOnly && !can_be_written(*area))
+    return "a write address of an area that cannot be written";
+  if (holds_bits(*area)) {
+    point.type = ValueType::kBool;
+  } else {
+    if (auto fault = read_format(channel, point)) return fault;
+    if (auto fault = read_register_part(*address, point)) return fault;
+  }
+  const std::uint64_t wide = holds_bits(*area) ? 1 : registers_of(point.type, point.string_bytes);
+  point.at = address_text(*area, std::uint64_t{address->first} + base.shift + base.stride * wide,
+                          point.bit);
+  point.unit = point.type == ValueType::kBool ? std::string() : unit_of(channel);
+  if (point.byte && point.access != Access::kReadOnly) {
+    point.access = Access::kReadOnly;
+    point.change("read only: half of a register");
+  }
+  if (auto fault = read_numbers(channel, point)) return fault;
+  return read_switch(channel, point);
+}
+
 struct WbFile {
   const SourceText* source = nullptr;
   std::unique_ptr<config::Document> document;
   [[nodiscard]] const Node& root() const { return *document->root; }
 };
-
-std::optional<Duration> milliseconds_at(const Node& map, std::string_view key) {
-  const auto number = number_at(map, key);
-  if (!number || *number <= 0 || *number > 60'000) return std::nullopt;
-  return std::chrono::microseconds{static_cast<std::int64_t>(*number * 1000)};
-}
 
 class WbDeviceReader : TreeReader {
  public:
@@ -46,9 +213,8 @@ class WbDeviceReader : TreeReader {
   }
 
   void describe(Device& device) {
-    if (const auto timeout = milliseconds_at(device_, "response_timeout_ms");
-        timeout && *timeout >= std::chrono::milliseconds{50})
-      device.timeout = timeout;  // shorter timeouts exclude the time of the line
+    // Shorter timeouts exclude the time of the line.
+    device.timeout = milliseconds_from(text_at(device_, "response_timeout_ms"), 50, 60'001);
     if (const auto guard = number_at(device_, "guard_interval_us");
         guard && *guard > 0 && *guard <= 60e6)
       device.pause = std::chrono::microseconds{static_cast<std::int64_t>(*guard)};
@@ -63,12 +229,9 @@ class WbDeviceReader : TreeReader {
     const Node* list = child(device_, key);
     const std::size_t count =
         list == nullptr ? 0 : std::max(list->items.size(), list->entries.size());
-    if (count > 0)
-      found_.notes.push_back(
-          fmt::format("{}: {} {} of the device are not moved", source_.file, count, words));
+    if (count > 0) found_.note("{}: {} {} of the device are not moved", source_.file, count, words);
   }
 
-  // Of duplicates the last.
   using ByName = std::map<std::string_view, const Node*>;
   static ByName by_name(const Node* channels) {
     ByName named;
@@ -137,10 +300,9 @@ class WbDeviceReader : TreeReader {
       point.write_max.reset();
     }
     for (const std::string_view key : {"read_period_ms", "read_rate_limit_ms", "poll_interval"}) {
-      auto period = number_at(channel, key);
-      if (word != nullptr && number_at(*word, key)) period = number_at(*word, key);
-      if (period && *period >= 1 && *period < 8e7)
-        point.refresh = std::chrono::milliseconds{static_cast<std::int64_t>(*period)};
+      const bool own = word != nullptr && number_at(*word, key);
+      if (const auto period = milliseconds_from(text_at(own ? *word : channel, key), 1, 8e7))
+        point.refresh = period;
     }
     read_presence(channel, word, point);
     device.points.push_back(std::move(point));
@@ -154,21 +316,19 @@ class WbDeviceReader : TreeReader {
     const bool on = said.value_or(bool_at(channel, "enabled") != false) || hidden;
     if (!on && point.access != Access::kWriteOnly) {
       point.on_demand = true;
-      point.changes.push_back(
-          fmt::format("off in the {}: read by command only",
-                      said || settings_ == &device_ ? "configuration" : "template"));
+      point.change("off in the {}: read by command only",
+                   said || settings_ == &device_ ? "configuration" : "template");
     }
     if (condition.empty()) return;
     const auto holds =
         condition_holds(condition, [this](std::string_view name) { return parameter(name); });
     if (holds == true || point.on_demand) return;
     if (point.access != Access::kWriteOnly) point.on_demand = true;
-    point.changes.push_back(fmt::format(
+    point.change(
         "read by command only: the device has it where {}, and that is not its usual setting",
-        condition));
+        condition);
   }
 
-  // From the configuration, or the template's default.
   [[nodiscard]] std::optional<double> parameter(std::string_view name) const {
     if (settings_ != nullptr) {
       if (const auto set = number_at(*settings_, name)) return set;
@@ -219,8 +379,7 @@ class WbReader {
   };
 
   void refuse(const WbFile& file, const Node& at, std::string_view name, std::string reason) {
-    found_.refusals.push_back(
-        {std::string(name), {file.source->file, line_of(at)}, std::move(reason)});
+    found_.refuse(name, {file.source->file, line_of(at)}, std::move(reason));
   }
 
   bool is_modbus(const WbFile& file, const Node& device) {
@@ -249,8 +408,8 @@ class WbReader {
     if (bool_at(node, "enabled") == false)
       return refuse(file, node, first_text(node, {"path", "address"}),
                     "the port is off (\"enabled\": false), with what is on it");
-    if (const auto address = text_at(node, "address"); !address.empty()) {
-      bus.port.tcp = fmt::format("{}:{}", address, whole_at(node, "port").value_or(502));
+    if (!text_at(node, "address").empty()) {
+      bus.port.tcp = tcp_at(node, "address", "port");
       bus.protocol = text_at(node, "port_type") == "modbus tcp" ? "modbus-tcp" : "modbus-rtu";
     } else {
       bus.port.serial = text_at(node, "path");
@@ -303,17 +462,13 @@ class WbReader {
   std::map<std::string, Template, std::less<>> templates_;
 };
 
-bool is_jinja(std::string_view text) { return contains(text, "{%") || contains(text, "{{"); }
-
 Confidence recognise_wb(const SourceText& source) {
-  const std::string_view text = source.text;
-  const auto has = [&](std::string_view word) { return contains(text, word); };
-  if (has("\"device_type\"") && has("\"channels\"") && has("\"device\"")) return kCertain;
-  if (has("\"ports\"") && has("\"devices\"") && has("\"slave_id\"")) return kLikely;
-  return has("\"reg_type\"") && has("\"channels\"") ? kLikely : 0;
+  return confidence_by(source.text, {{R"("device_type" "channels" "device")", kCertain},
+                                     {R"("ports" "devices" "slave_id")", kLikely},
+                                     {R"("reg_type" "channels")", kLikely}});
 }
 
-Read read_wb(std::span<const SourceText> sources, const ReadOptions&) {
+Read read_wb(Sources sources, const ReadOptions&) {
   Found found;
   std::vector<WbFile> files;
   for (const SourceText& source : sources) {
@@ -322,13 +477,11 @@ Read read_wb(std::span<const SourceText> sources, const ReadOptions&) {
       files.push_back({&source, std::move(*tree)});
       continue;
     }
-    found.refusals.push_back(
-        {stem_of(source.file),
-         {source.file, 1},
-         is_jinja(source.text)
-             ? "a Jinja template, no JSON yet: `make templates` of wb-mqtt-serial "
-               "makes it, and installed systems have it made"
-             : tree.error()});
+    const bool jinja = contains(source.text, "{%") || contains(source.text, "{{");
+    found.refuse(stem_of(source.file), {source.file, 1},
+                 jinja ? "a Jinja template, no JSON yet: `make templates` of wb-mqtt-serial "
+                         "makes it, and installed systems have it made"
+                       : tree.error());
   }
   WbReader(found).read(files);
   return found;

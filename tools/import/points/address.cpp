@@ -23,7 +23,6 @@ constexpr Words<ModbusArea> kWords[] = {
      "writemultipleregisters writesingleregister hr ao 4x register registers",
      ModbusArea::kHolding}};
 
-// Parts of longer names.
 constexpr Words<ModbusArea> kParts[] = {{"holding halteregister", ModbusArea::kHolding},
                                         {"inputreg eingangsregister", ModbusArea::kInputRegister},
                                         {"discretein discretestat", ModbusArea::kInput},
@@ -84,7 +83,6 @@ std::optional<ModbusArea> area_of_word(std::string_view word) {
 
 using Parsed = Result<Reference>;
 
-// `base`: the first number of the area.
 Parsed counted(std::optional<ModbusArea> area, std::string_view digits, unsigned base) {
   const auto number = whole_from(digits, 0, 65535 + base);
   if (!number) return refused("'{}' is no number from {} to {}", digits, base, 65535 + base);
@@ -113,7 +111,6 @@ Parsed without_bit(std::string_view text, unsigned base) {
     if (const auto area = area_of_digit(text[0]))
       return counted(area, text.substr(marked ? 2 : 1), base);
   }
-  // "HR100", "holding:100"
   const std::size_t digit = text.find_first_of("0123456789");
   if (digit != std::string_view::npos && digit > 1) {
     std::string_view word = text.substr(0, digit);
@@ -184,7 +181,7 @@ void append_points(std::vector<Point>& points, Point point, ModbusArea area, std
     Point& element = points.emplace_back(point);
     element.name = fmt::format("{}-{}", point.name, i);
     element.at = address_text(area, address + std::uint64_t{i} * step);
-    element.changes.push_back(fmt::format("element {} of an array of {}", i, elements));
+    element.change("element {} of an array of {}", i, elements);
   }
 }
 

@@ -24,7 +24,6 @@ enum class ModbusArea : std::uint8_t { kCoil, kInput, kInputRegister, kHolding }
 [[nodiscard]] std::string address_text(ModbusArea area, std::uint64_t first,
                                        std::optional<std::uint8_t> bit = {});
 
-// '0', '1', '3' or '4' in front of a number.
 [[nodiscard]] std::optional<ModbusArea> area_of_digit(char digit);
 
 // Table of a word: "Holding Register", "4x", "AI", "input", "03", "FC4".

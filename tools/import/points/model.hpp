@@ -1,10 +1,13 @@
 // Imported data in a common form for all formats. Plain values.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/base/time.hpp"
@@ -31,6 +34,7 @@ struct Point {
   ValueType type = ValueType::kUint16;
   std::uint16_t string_bytes = 0;    // of a text
   std::optional<std::uint8_t> byte;  // of the register, for 8-bit types: 0 low, 1 high
+  std::optional<std::uint8_t> bit;   // of the register, for kBool; part of `at`
   WordOrder word_order = WordOrder::kBigEndian;
   ByteOrder byte_order = ByteOrder::kBigEndian;
   double scale = 1, offset = 0;
@@ -40,6 +44,15 @@ struct Point {
   std::optional<Duration> refresh;
   std::optional<double> low_low, low, high, high_high, hysteresis, deadband, write_min, write_max;
   std::vector<std::string> changes;  // differences from the list, a few words each
+
+  template <typename... Args>
+  void change(fmt::format_string<Args...> text, Args&&... args) {
+    changes.push_back(fmt::format(text, std::forward<Args>(args)...));
+  }
+  void set_orders(bool low_word_first, bool low_byte_first) {
+    word_order = low_word_first ? WordOrder::kLittleEndian : WordOrder::kBigEndian;
+    byte_order = low_byte_first ? ByteOrder::kLittleEndian : ByteOrder::kBigEndian;
+  }
 };
 
 struct Device {
@@ -59,13 +72,11 @@ struct Line {
   std::string format;  // "8N1"; empty: unknown
 };
 
-// Default baud rate of the list's program.
 struct UsualBaud {
   std::uint32_t baud = 0;  // 0: unknown
   std::string_view program;
 };
 
-// Port of a bus; empty if the list has none.
 struct Port {
   std::string serial;  // a path
   std::string tcp;     // HOST:PORT
@@ -82,7 +93,6 @@ struct Bus {
   std::string fault;  // reason to refuse all its points; empty: none
 };
 
-// A value that cannot be imported.
 struct Refusal {
   std::string name;
   Origin origin;
@@ -101,6 +111,14 @@ struct Found {
   std::vector<Refusal> refusals;
   std::vector<std::string> notes;  // about the whole list: assumptions and omissions
   std::vector<BaseGuess> guesses;
+
+  template <typename... Args>
+  void note(fmt::format_string<Args...> text, Args&&... args) {
+    notes.push_back(fmt::format(text, std::forward<Args>(args)...));
+  }
+  void refuse(std::string_view name, const Origin& origin, std::string reason) {
+    refusals.push_back({std::string(name), origin, std::move(reason)});
+  }
 };
 
 }  // namespace fieldcast::importing

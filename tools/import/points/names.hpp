@@ -17,7 +17,6 @@ namespace fieldcast::importing {
 // Truncates to `bytes` at a character boundary.
 [[nodiscard]] std::string cut_text(std::string_view utf8, std::size_t bytes);
 
-// Makes names unique: the second "power" becomes "power-2".
 class UniqueNames {
  public:
   [[nodiscard]] std::string unique(std::string name);
@@ -26,15 +25,12 @@ class UniqueNames {
   std::map<std::string, unsigned> given_;
 };
 
-// Reports unknown keys of a file, each once. Pure.
-
 class OtherKeys {
  public:
   // `of` describes the map: "a request". `known`: separated by blanks.
   void look(const Node& map, std::string_view of, std::string_view known);
   // A key that is not used. REQUIRES: key and `of` outlive this.
   void add(std::string_view key, std::string_view of, unsigned line);
-  // A note for each key, with the line where it stands first.
   void tell(const std::string& file, Found& found) const;
 
  private:
@@ -43,7 +39,7 @@ class OtherKeys {
     unsigned line = 0;
     std::size_t count = 0;
   };
-  // at most kMaxOthers; refers to keys of the tree, which must outlive it
+  // at most kMaxOthers; refers to keys of the tree
   std::vector<Other> others_;
 };
 

@@ -5,7 +5,6 @@
 namespace fieldcast::importing {
 namespace {
 
-// Letters and digits only, lower case.
 constexpr Words<ValueType> kNames[] = {
     {"bool boolean bit coil binary digital onoff discrete", ValueType::kBool},
     {"int8 s8 i8 sint8 sint char", ValueType::kInt8},
@@ -47,7 +46,6 @@ constexpr auto kBigWords = WordOrder::kBigEndian;
 constexpr auto kLittleBytes = ByteOrder::kLittleEndian;
 constexpr auto kBigBytes = ByteOrder::kBigEndian;
 
-// Ends of the name of a type.
 struct OrderWords {
   std::string_view words;
   WordOrder word_order;

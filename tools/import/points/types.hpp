@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <string_view>
 
 #include "tools/import/points/model.hpp"
@@ -32,7 +31,6 @@ struct Orders {
 [[nodiscard]] inline bool is_number(ValueType type) {
   return type != ValueType::kBool && type != ValueType::kString;
 }
-// Half of a register.
 [[nodiscard]] inline bool is_byte(ValueType type) {
   return type == ValueType::kInt8 || type == ValueType::kUint8;
 }

@@ -44,7 +44,6 @@ struct ChannelKey {
   std::optional<std::string> value;  // empty: not written
 };
 
-// All keys of a channel, in the order in which they are written.
 std::vector<ChannelKey> keys_of(const Point& point, const SharedKeys& shared) {
   using Text = std::optional<std::string>;
   const auto when = [](bool used, std::string_view text) { return used ? Text(text) : Text(); };
@@ -108,7 +107,6 @@ std::string csv_cell(std::string_view text) {
   return fmt::format("\"{}\"", with_replaced(text, kEscapes));
 }
 
-// Not quoted in YAML.
 bool is_word(std::string_view text) {
   const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
   if (text.empty() || !letter(text[0])) return false;
@@ -168,7 +166,6 @@ std::vector<std::string> device_lines(const Device& device, const SharedKeys& sh
 
 constexpr std::string_view kWriteMultiple = "options: { write-single: multiple }";
 
-// With the columns that any channel has.
 WrittenFile channel_list(const Device& device, const SharedKeys& shared, WrittenPart where) {
   WrittenFile file;
   LineWriter out;

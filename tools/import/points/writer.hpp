@@ -1,7 +1,6 @@
 // Writes a readable configuration: YAML, channel lists, or a device template. Pure.
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,8 +31,7 @@ struct WriteOptions {
   bool lists = false;  // writes a channel list for each device
 };
 
-// The configuration is first. REQUIRES: names are unique, every bus has devices, every device has
-// points and an address.
+// REQUIRES: names are unique, every bus has devices, every device has points and an address.
 [[nodiscard]] std::vector<WrittenFile> write_configuration(const std::vector<Bus>& buses,
                                                            const WriteOptions& options);
 
@@ -43,10 +41,8 @@ struct WriteOptions {
 // "serial: /dev/ttyS1, baud: 9600, format: 8N1": the keys of a port.
 [[nodiscard]] std::string port_text(const Port& port);
 
-// A YAML scalar, quoted if necessary.
 [[nodiscard]] std::string yaml_text(std::string_view text);
 
-// "uint16", "string(20)".
 [[nodiscard]] std::string type_text(const Point& point);
 
 }  // namespace fieldcast::importing

@@ -29,7 +29,6 @@ struct Table {
   char separator = ',';
 };
 
-// The error has the fault and its line.
 [[nodiscard]] Result<Table> read_table(std::string_view text);
 
 inline constexpr std::size_t kMaxUnpacked = 32u << 20;  // bytes of a part of a workbook
@@ -41,11 +40,8 @@ inline constexpr std::size_t kMaxUnpacked = 32u << 20;  // bytes of a part of a 
 // Lower case, letters and digits only: "Eng. Units" becomes "engunits".
 [[nodiscard]] std::string column_word(std::string_view title);
 
-// Maps the titles of a list to fields. Pure.
-
 enum class Field : std::uint8_t {
   kName,
-  kGroup,
   kAddress,
   kArea,
   kType,
@@ -69,9 +65,7 @@ enum class Field : std::uint8_t {
   kLength,
   kWordOrder,
   kDevice,  // device address on the bus
-  kMin,
-  kMax,
-  kCount  // number of fields
+  kCount    // number of fields
 };
 
 class Columns {
@@ -87,7 +81,6 @@ class Columns {
     return indexes_[static_cast<std::size_t>(field)];
   }
   [[nodiscard]] std::vector<std::size_t> others(Field field) const;
-  // Assigns a different column to the field, or none. Assigned titles count as known.
   void set(Field field, std::optional<std::size_t> column);
   [[nodiscard]] std::size_t known() const { return known_; }
   [[nodiscard]] std::vector<std::string> ignored() const;

@@ -57,10 +57,10 @@ std::optional<std::uint64_t> whole_from(std::string_view text) {
   return digits_from(text, 10);
 }
 
-std::optional<std::uint64_t> whole_from(std::string_view text, std::uint64_t least,
-                                        std::uint64_t most) {
-  const auto number = whole_from(text);
-  return number && *number >= least && *number <= most ? number : std::nullopt;
+std::optional<Duration> milliseconds_from(std::string_view text, double least, double most) {
+  const auto number = number_from(text);
+  if (!number || *number < least || *number >= most) return std::nullopt;
+  return std::chrono::microseconds{static_cast<std::int64_t>(*number * 1000)};
 }
 
 namespace {
@@ -139,10 +139,8 @@ bool is_control(char c) {
 }
 bool has_control(std::string_view text) { return std::ranges::any_of(text, is_control); }
 
-// A text may contain a few control characters by accident.
 constexpr std::ptrdiff_t kFewControls = 10;
 
-// Describes the first control character; empty if there are too many.
 std::optional<std::string> few_controls(std::string_view text) {
   if (std::ranges::count_if(text, is_control) > kFewControls) return std::nullopt;
   const auto first = std::ranges::find_if(text, is_control);

@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/time.hpp"
+
 namespace fieldcast::importing {
 
 // The error is one line: why a text cannot be read.
@@ -32,8 +34,16 @@ template <typename... Args>
 // A whole number without sign: "100", "0x64", "64h", "100.0". Empty for other text.
 [[nodiscard]] std::optional<std::uint64_t> whole_from(std::string_view text);
 // The same from `least` to `most`.
-[[nodiscard]] std::optional<std::uint64_t> whole_from(std::string_view text, std::uint64_t least,
-                                                      std::uint64_t most);
+template <typename T = std::uint64_t>
+[[nodiscard]] std::optional<T> whole_from(std::string_view text, std::uint64_t least,
+                                          std::uint64_t most) {
+  const auto number = whole_from(text);
+  if (!number || *number < least || *number > most) return std::nullopt;
+  return static_cast<T>(*number);
+}
+// A time in ms, at least `least` and below `most`.
+[[nodiscard]] std::optional<Duration> milliseconds_from(std::string_view text, double least,
+                                                        double most);
 
 struct Decoded {
   std::string text;           // UTF-8 without a byte order mark; lines end with '\n'
@@ -62,7 +72,6 @@ using Replacement = std::pair<std::string_view, std::string_view>;
 // Whether `word` is one of `words`, which are separated by single blanks.
 [[nodiscard]] bool is_one_of(std::string_view word, std::string_view words);
 
-// A row of a table: several words for one value.
 template <typename T>
 struct Words {
   std::string_view words;  // separated by single blanks

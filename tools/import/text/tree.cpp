@@ -60,12 +60,6 @@ std::optional<std::uint64_t> whole_at(const Node& map, std::string_view key) {
   return whole_from(text_at(map, key));
 }
 
-std::optional<unsigned> small_at(const Node& map, std::string_view key, unsigned least,
-                                 unsigned most) {
-  const auto number = whole_from(text_at(map, key), least, most);
-  return number ? std::optional(static_cast<unsigned>(*number)) : std::nullopt;
-}
-
 std::optional<bool> bool_at(const Node& map, std::string_view key) {
   const std::string word = lower(text_at(map, key));
   if (word.empty()) return std::nullopt;
@@ -80,11 +74,9 @@ const config::LeanList<const Node*>& items_of(const Node* node) {
   return is_list(node) ? node->items : kNone;
 }
 
-// Builds the tree from nlohmann's SAX events. The iterator counts lines, because events have none.
-
 namespace {
 
-// Reads characters and counts line ends. Copies share the count.
+// Counts lines, because SAX events have none. Copies share the count.
 class CountingIterator {
  public:
   using iterator_category = std::input_iterator_tag;

@@ -5,7 +5,6 @@
 #include <initializer_list>
 #include <memory>
 #include <optional>
-#include <string>
 #include <string_view>
 
 #include "config/document/document.hpp"
@@ -24,27 +23,25 @@ using Tree = Result<std::unique_ptr<config::Document>>;
 [[nodiscard]] Tree read_toml(std::string_view text);
 [[nodiscard]] Tree read_yaml_tree(std::string_view text);
 
-// Null if the node is not a map or has no such key.
 [[nodiscard]] const Node* child(const Node& map, std::string_view key);
 [[nodiscard]] std::string_view text_of(const Node* node);
 [[nodiscard]] std::string_view text_at(const Node& map, std::string_view key);
-// The first text of several keys that is not empty.
 [[nodiscard]] std::string_view first_text(const Node& map,
                                           std::initializer_list<std::string_view> keys);
 [[nodiscard]] std::optional<double> number_at(const Node& map, std::string_view key);
-// Describes a value that is not a finite number.
 [[nodiscard]] MayFail fault_of_number(const Node& map, std::string_view key);
 // Reads a scale. Without the key, or for 0, the scale stays.
 [[nodiscard]] MayFail read_scale_at(const Node& map, std::string_view key, double& scale);
 [[nodiscard]] std::optional<std::uint64_t> whole_at(const Node& map, std::string_view key);
-// A whole number from `least` to `most`.
-[[nodiscard]] std::optional<unsigned> small_at(const Node& map, std::string_view key,
-                                               unsigned least, unsigned most);
+template <typename T = unsigned>
+[[nodiscard]] std::optional<T> small_at(const Node& map, std::string_view key, std::uint64_t least,
+                                        std::uint64_t most) {
+  return whole_from<T>(text_at(map, key), least, most);
+}
 // true, yes, on, 1; empty if the key is missing.
 [[nodiscard]] std::optional<bool> bool_at(const Node& map, std::string_view key);
 [[nodiscard]] bool is_list(const Node* node);
 [[nodiscard]] bool is_map(const Node* node);
-// Empty if the node is null or not a list.
 [[nodiscard]] const config::LeanList<const Node*>& items_of(const Node* node);
 [[nodiscard]] inline unsigned line_of(const Node& node) { return node.position.line + 1; }
 

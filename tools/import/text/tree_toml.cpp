@@ -34,7 +34,6 @@ class TomlTree {
  public:
   explicit TomlTree(config::Document& document) : document_(document) {}
 
-  // Null beyond the limits.
   const Node* add(const toml::node& from, std::size_t depth) {
     if (depth == kMaxTreeDepth || document_.nodes.size() >= kMaxTreeNodes) return nullptr;
     Node& node = make(from.source());

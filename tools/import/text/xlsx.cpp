@@ -32,7 +32,6 @@ class Archive {
   [[nodiscard]] bool has(const std::string& name) const {
     return zip_name_locate(archive_, name.c_str(), 0) >= 0;
   }
-  // Empty if the part is missing, damaged, or too large.
   [[nodiscard]] std::optional<std::string> part(const std::string& name) const {
     zip_stat_t stat;
     if (zip_stat(archive_, name.c_str(), 0, &stat) != 0 || (stat.valid & ZIP_STAT_SIZE) == 0 ||
@@ -63,7 +62,6 @@ class Archive {
   zip_t* archive_ = nullptr;
 };
 
-// Joins all texts below an element; a text in several fonts has several.
 std::string text_below(const tinyxml2::XMLElement& element) {
   std::string text;
   for (const auto* child = element.FirstChildElement(); child != nullptr;
@@ -79,7 +77,6 @@ std::string text_below(const tinyxml2::XMLElement& element) {
 
 using Document = tinyxml2::XMLDocument;
 
-// Guarantees a root element; the error names the part.
 Result<std::unique_ptr<Document>> read_part(const Archive& archive, const std::string& name) {
   const auto part = archive.part(name);
   auto document = std::make_unique<Document>();

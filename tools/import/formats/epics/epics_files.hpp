@@ -20,7 +20,6 @@ using Macros = std::map<std::string, std::string, std::less<>>;
 
 // Expands "$(P)$(R=x)"; an unknown macro without a default stays unchanged.
 [[nodiscard]] std::string expand(std::string_view text, const Macros& macros);
-// "P=IOC:, R=ai1"
 [[nodiscard]] Macros macros_from(std::string_view text);
 
 struct EpicsRecord {
@@ -47,13 +46,6 @@ struct EpicsFiles {
 };
 
 [[nodiscard]] EpicsFiles load_epics(std::span<const SourceText> sources);
-
-// Record templates of the EPICS modbus module, which users need not pass.
-
-// Its macros are unexpanded; empty for other files.
-[[nodiscard]] std::optional<EpicsRecord> module_template(std::string_view file);
-// Records about the driver itself: statistics, delays, the asyn record.
-[[nodiscard]] bool is_driver_template(std::string_view file);
 
 [[nodiscard]] bool is_startup_script(std::string_view text);
 [[nodiscard]] bool is_database(std::string_view text);

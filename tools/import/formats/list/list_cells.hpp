@@ -1,4 +1,4 @@
-// Parses the cells for address and factor of a register list. Pure.
+// Parses the cells of a register list: address, factor, type, length, word order and access. Pure.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +7,8 @@
 #include <string_view>
 
 #include "tools/import/points/address.hpp"
+#include "tools/import/points/types.hpp"
+#include "tools/import/text/text.hpp"
 
 namespace fieldcast::importing {
 
@@ -23,7 +25,6 @@ struct ListAddress {
   unsigned registers = 0;   // "100-101" has 2; 0: a single number
   bool marked_hex = false;  // "0x10", "10h", "$10"
 
-  // Five or six digits. The first one may be the area.
   [[nodiscard]] bool is_open() const { return reference && plain; }
 };
 
@@ -59,5 +60,43 @@ struct NumberStyle {
 
 // "Value weight: Volt*10" in a remark: the device has multiplied by it. Empty if there is none.
 [[nodiscard]] std::optional<double> weight_from(std::string_view remark);
+
+struct ListOrder {
+  std::optional<WordOrder> words;
+  std::optional<ByteOrder> bytes;
+  bool little_alone = false;  // "little endian": certain for words, possible for bytes
+};
+
+// "CDAB", "3412", "LSW first", "low/high", "swapped", "Little-Endian", "big-endian byte swap".
+// Empty for an empty cell. `of_bytes`: the title is about bytes, so "swapped" is ambiguous. Fails
+// for other text.
+[[nodiscard]] Result<ListOrder> list_order_from(std::string_view cell, bool of_bytes);
+
+// "RO", "R/W", "R(W)", "lesen/schreiben", "W"; empty for other text.
+[[nodiscard]] std::optional<Access> access_from(std::string_view cell);
+
+enum class LengthUnit : std::uint8_t { kWords, kBytes, kBits };
+
+struct Length {
+  unsigned number = 0;
+  std::optional<LengthUnit> unit;  // "32 bits", "2 words"; empty: a number only
+  [[nodiscard]] unsigned bits(LengthUnit as) const;
+};
+
+[[nodiscard]] Result<std::optional<Length>> length_from(std::string_view cell);
+
+struct ListType {
+  std::optional<TypeName> type;  // empty: the cell has no type
+  bool open = false;             // "INT", "signed", "BCD", "Float": the length determines the width
+  unsigned bits = 0;             // "2 words", "32 bits": only a width; else 0
+};
+
+[[nodiscard]] Result<ListType> list_type_from(std::string_view cell);
+
+// Width of the name alone; 0: a text without a length, or a bit.
+[[nodiscard]] unsigned bits_of(const TypeName& type);
+
+// "INT" of 32 bits is int32, "BCD" of 32 bits is bcd32. Empty if there is no such type.
+[[nodiscard]] std::optional<ValueType> as_wide(ValueType type, unsigned bits);
 
 }  // namespace fieldcast::importing

@@ -54,7 +54,6 @@ constexpr Replacement kPlainLetters[] = {{"ä", "ae"}, {"ö", "oe"}, {"ü", "ue"
                                          {"è", "e"},  {"ó", "o"},  {"ñ", "n"},  {"à", "a"},
                                          {"á", "a"},  {"í", "i"},  {"ç", "c"}};
 
-// Suffixes allowed after the word of a title.
 constexpr std::string_view kRemarks =
     "dec decimal dez dezimal hex hexadecimal hexadezimal 1based 0based onebased zerobased base1 "
     "base0 words bytes registers bits ms";
@@ -87,7 +86,6 @@ std::optional<LengthUnit> length_unit_of_title(std::string_view word) {
   return std::nullopt;
 }
 
-// Whether each cell of the column that is not empty names a table.
 bool names_areas(std::span<const Row> rows, std::size_t column) {
   bool any = false;
   for (const Row& row : rows) {

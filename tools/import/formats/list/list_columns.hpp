@@ -4,10 +4,8 @@
 
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "tools/import/formats/list/list_cells.hpp"
-#include "tools/import/formats/list/list_type.hpp"
 #include "tools/import/text/table.hpp"
 
 namespace fieldcast::importing {
@@ -17,7 +15,6 @@ namespace fieldcast::importing {
 [[nodiscard]] Columns list_columns(const Row& header);
 
 struct ListColumns {
-  // `header`: row with the titles.
   ListColumns(const Table& table, std::size_t header);
 
   enum class Gain { kNone, kDivides, kMultiplies, kUnclear };

@@ -1,6 +1,8 @@
 #include "tools/import/formats/list/list_point.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "core/base/value.hpp"
 #include "tools/import/formats/format.hpp"
@@ -30,13 +32,12 @@ MayFail read_decimals(std::string_view cell, bool scaled, Point& point) {
     if (places < 0.5 || std::abs(places - std::round(places)) > 1e-9)
       return fmt::format("decimals '{}' is no count of places", cell);
     scale = *number;
-    if (!scaled)
-      point.changes.push_back(fmt::format("decimals '{}' is taken for the resolution", cell));
+    if (!scaled) point.change("decimals '{}' is taken for the resolution", cell);
   }
   if (!scaled) {
     point.scale = scale;
   } else if (scale != 1 && std::abs(point.scale / scale - 1) > 1e-9) {
-    point.changes.push_back(fmt::format("decimals '{}' is left out, the scale is taken", cell));
+    point.change("decimals '{}' is left out, the scale is taken", cell);
   }
   return std::nullopt;
 }
@@ -76,7 +77,7 @@ class ListPointReader {
   [[nodiscard]] bool has(Field field) const { return !is_empty_cell(cell(field)); }
   template <typename... Args>
   void change(fmt::format_string<Args...> text, Args&&... args) const {
-    point_.changes.push_back(fmt::format(text, std::forward<Args>(args)...));
+    point_.change(text, std::forward<Args>(args)...);
   }
 
   // Reads the scale from the unit or the remarks if the row has no column for it.
@@ -195,6 +196,135 @@ class ListPointReader {
 MayFail read_list_point(const ListColumns& list, const Row& titles, std::optional<WordOrder> usual,
                         ListEntry& entry, Reference reference) {
   return ListPointReader(list, titles, usual, entry).read(reference);
+}
+
+namespace {
+
+constexpr std::array kLengthUnits{LengthUnit::kWords, LengthUnit::kBytes, LengthUnit::kBits};
+constexpr std::size_t kRowsNamed = 3;
+
+}  // namespace
+
+void vote(UnitVotes& votes, const Length& length, unsigned bits) {
+  for (const LengthUnit unit : kLengthUnits) {
+    if (length.unit.value_or(unit) == unit && length.bits(unit) == bits)
+      ++votes[static_cast<std::size_t>(unit)];
+  }
+}
+
+std::optional<LengthUnit> most(const UnitVotes& votes) {
+  for (const LengthUnit unit : kLengthUnits) {
+    if (2 * votes[static_cast<std::size_t>(unit)] > votes[0] + votes[1] + votes[2]) return unit;
+  }
+  return std::nullopt;
+}
+
+namespace {
+
+enum class Say { kNothing, kConfirms, kContradicts, kIsNone };
+
+Say say_of(const ListEntry& entry) {
+  const bool number = !entry.no_type && is_number(entry.type.type->type);
+  if (!entry.address.is_open()) return Say::kIsNone;
+  const ModbusArea area = *entry.address.reference->area;
+  if (holds_bits(area) && number) return Say::kIsNone;
+  if (!entry.said) return Say::kNothing;
+  return *entry.said == area ? Say::kConfirms : Say::kContradicts;
+}
+
+bool is_voter(const ListEntry& entry) { return !entry.fault && entry.address.plain; }
+
+}  // namespace
+
+bool references_count_from_one(std::span<const ListEntry> entries) {
+  std::vector<const ListEntry*> voters;
+  for (const ListEntry& entry : entries) {
+    if (is_voter(entry)) voters.push_back(&entry);
+  }
+  if (voters.empty()) return false;
+  std::size_t confirm = 0, contradict = 0, confirmed_areas = 0;
+  bool most_of_each = true;
+  for (const ModbusArea area :
+       {ModbusArea::kCoil, ModbusArea::kInput, ModbusArea::kInputRegister, ModbusArea::kHolding}) {
+    const auto count = [&](Say say) {
+      return static_cast<std::size_t>(std::ranges::count_if(voters, [&](const ListEntry* entry) {
+        return say_of(*entry) == say && entry->address.reference->area == area;
+      }));
+    };
+    const std::size_t yes = count(Say::kConfirms), no = count(Say::kContradicts);
+    confirm += yes;
+    contradict += no;
+    confirmed_areas += yes > 0;
+    most_of_each = most_of_each && (no == 0 || yes > no);
+  }
+  for (const ListEntry* entry : voters) {
+    if (say_of(*entry) == Say::kIsNone) return false;
+  }
+  if (contradict == 0) return true;
+  return confirm > contradict && (confirmed_areas >= 2 || most_of_each);
+}
+
+std::string note_of_references(std::span<const ListEntry> entries, const Columns& columns) {
+  if (references_count_from_one(entries)) return {};
+  const auto cell_of = [&](const ListEntry& entry) {
+    return columns.cell(*entry.row, Field::kAddress);
+  };
+  const ListEntry* example = nullptr;
+  std::string against;
+  std::size_t count = 0;
+  for (const ListEntry& entry : entries) {
+    if (!is_voter(entry)) continue;
+    const Say say = say_of(entry);
+    if (say == Say::kNothing || say == Say::kConfirms) {
+      if (example == nullptr) example = &entry;
+      continue;
+    }
+    if (++count > kRowsNamed) continue;
+    against += fmt::format("{}line {} ('{}'{})", against.empty() ? "" : ", ", entry.row->line,
+                           cell_of(entry), say == Say::kContradicts ? " of another function" : "");
+  }
+  if (example == nullptr) return {};
+  if (count > kRowsNamed) against += fmt::format(" and {} more", count - kRowsNamed);
+  return fmt::format(
+      "numbers such as '{}' (line {}) are taken as they are, not as references that count from 1, "
+      "for this cannot be one: {}; if that row is wrong, take it out",
+      cell_of(*example), example->row->line, against);
+}
+
+namespace {
+
+bool same_table(const Placed& a, const Placed& b) {
+  return a.device == b.device && a.area == b.area;
+}
+
+void note_both(const Placed& a, const Placed& b, std::string_view what) {
+  for (const auto& [own, other] : {std::pair(&a, &b), std::pair(&b, &a)})
+    own->point->change("{} of '{}' (line {}) too", what, other->point->name,
+                       other->point->origin.line);
+}
+
+}  // namespace
+
+void note_overlaps(std::vector<Placed> values) {
+  std::ranges::stable_sort(values, {}, [](const Placed& value) {
+    return std::tuple(value.device, value.area, value.bit.has_value(), value.first,
+                      value.bit.value_or(0));
+  });
+  // The previous value with the highest end.
+  const Placed* last = nullptr;
+  for (const Placed& value : values) {
+    if (last && (!same_table(*last, value) || last->bit.has_value() != value.bit.has_value()))
+      last = nullptr;
+    if (last && value.bit) {
+      if (last->first == value.first && last->bit == value.bit)
+        note_both(*last, value, "is the bit");
+    } else if (last && last->first + last->registers > value.first) {
+      if (last->first != value.first || last->registers != value.registers)
+        note_both(*last, value, "lies on registers");
+    }
+    if (!last || value.bit || value.first + value.registers > last->first + last->registers)
+      last = &value;
+  }
 }
 
 }  // namespace fieldcast::importing

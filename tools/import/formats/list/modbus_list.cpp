@@ -5,14 +5,12 @@
 
 #include "tools/import/formats/format.hpp"
 #include "tools/import/formats/list/list_point.hpp"
-#include "tools/import/formats/list/list_vote.hpp"
 
 namespace fieldcast::importing {
 namespace {
 
 constexpr unsigned kTitleRows = 20;  // a title may stand above the header row
 
-// The row that names the columns: the first one with an address and three names that are known.
 std::optional<std::size_t> header_row(const Table& table) {
   for (std::size_t i = 0; i < std::min<std::size_t>(table.rows.size(), kTitleRows); ++i) {
     const Columns columns = list_columns(table.rows[i]);
@@ -57,7 +55,7 @@ class ListReader {
     for (ListEntry& entry : entries_) {
       Point& point = entry.point;
       if (entry.fault) {
-        found.refusals.push_back({point.name, point.origin, *entry.fault});
+        found.refuse(point.name, point.origin, *entry.fault);
       } else {
         device_of(entry, bus).points.push_back(std::move(point));
       }
@@ -68,8 +66,7 @@ class ListReader {
     if (took_unsigned_) tell("values without a data type are taken for unsigned numbers");
     if (took_holding_)
       tell("no function code: addresses without one are taken for holding registers");
-    for (const std::string& note : notes_)
-      found.notes.push_back(fmt::format("{}: {}", source_.file, note));
+    for (const std::string& note : notes_) found.note("{}: {}", source_.file, note);
   }
 
  private:
@@ -103,7 +100,6 @@ class ListReader {
     return device;
   }
 
-  // What the row says by itself.
   MayFail read_cells(ListEntry& entry) {
     const auto address =
         list_address_from(cell(entry, Field::kAddress), {list_.hex, options_.base.value_or(1)});
@@ -143,17 +139,17 @@ class ListReader {
     return std::nullopt;
   }
 
-  // Words, bytes or bits: decided by all rows that are understood.
   void decide_lengths() {
     if (length_unit_ || !columns_.has(Field::kLength)) return;
-    LengthVote vote;
+    // By types of known width, or else by the distances of consecutive addresses.
+    UnitVotes by_type{}, by_step{};
     std::map<std::string, std::map<std::uint32_t, const ListEntry*>> places;
     for (const ListEntry& entry : entries_) {
       if (entry.fault) continue;
       const bool explicit_width = entry.type.type && !entry.type.open;
       // Of a byte, "1" may be its register too.
       if (entry.length && explicit_width && bits_of(*entry.type.type) > 8)
-        vote.add_type(*entry.length, bits_of(*entry.type.type));
+        vote(by_type, *entry.length, bits_of(*entry.type.type));
       const std::string where = fmt::format("{}/{}", entry.unit.value_or(0),
                                             entry.said ? static_cast<int>(*entry.said) : -1);
       const auto& address = entry.address;
@@ -161,11 +157,12 @@ class ListReader {
     }
     for (const auto& [where, entries] : places) {
       for (auto it = entries.begin(); std::next(it) != entries.end(); ++it) {
-        if (it->second->length)
-          vote.add_step(*it->second->length, std::next(it)->first - it->first);
+        const std::uint32_t step = std::next(it)->first - it->first;
+        if (it->second->length && step <= 4) vote(by_step, *it->second->length, 16 * step);
       }
     }
-    length_unit_ = vote.unit();
+    length_unit_ = most(by_type);
+    if (!length_unit_) length_unit_ = most(by_step);
   }
 
   // Number of bits that the row states in addition to its type; empty if it states none.
@@ -184,15 +181,13 @@ class ListReader {
         if (!text) return length.number;
       }
       if (entry.type.open || !entry.type.type || bits_of(*entry.type.type) == 0)
-        entry.point.changes.push_back(
-            fmt::format("length {} is taken as registers", length.number));
+        entry.point.change("length {} is taken as registers", length.number);
       return length.bits(LengthUnit::kWords);
     }
     if (entry.address.registers > 0) return entry.address.registers * 16;
     return std::nullopt;
   }
 
-  // The type as wide as the row says.
   MayFail set_width(ListEntry& entry) {
     auto& type = entry.type.type;
     if (type && type->type == ValueType::kBool) return std::nullopt;
@@ -222,8 +217,8 @@ class ListReader {
       if (bytes == 0 || bytes > kMaxStringBytes) return kTextLength;
       type->string_bytes = static_cast<std::uint16_t>(bytes);
     } else if ((own + 15) / 16 != (*bits + 15) / 16) {
-      entry.point.changes.push_back(fmt::format("the type '{}' is taken, which {} bits do not fit",
-                                                cell(entry, Field::kType), *bits));
+      entry.point.change("the type '{}' is taken, which {} bits do not fit",
+                         cell(entry, Field::kType), *bits);
     }
     return std::nullopt;
   }
@@ -258,8 +253,7 @@ class ListReader {
       if (text.size() > 1 && text[0] == '0') {
         entry.fault = fmt::format("address '{}' may be hexadecimal, as others of the list", text);
       } else {
-        entry.point.changes.push_back(
-            fmt::format("address '{}' is read as decimal, others are hexadecimal", text));
+        entry.point.change("address '{}' is read as decimal, others are hexadecimal", text);
       }
     }
   }
@@ -283,7 +277,6 @@ class ListReader {
     }
   }
 
-  // Empty if the base is known.
   [[nodiscard]] std::optional<BaseGuess> base_guess() const {
     if (base_) return std::nullopt;
     for (const ListEntry& entry : entries_) {
@@ -321,7 +314,6 @@ class ListReader {
     }
   }
 
-  // The address as the whole list has it, and the type that depends on it.
   MayFail place(ListEntry& entry, std::vector<Placed>& placed) {
     const ListAddress& address = entry.address;
     Reference reference;
