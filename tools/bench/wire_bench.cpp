@@ -71,7 +71,6 @@ BarePlan optimal_plan(const BusSpec& bus) {
   return plan;
 }
 
-// Throws on any fault.
 void read_exactly(int line, std::size_t bytes) {
   std::uint8_t buffer[512];
   for (std::size_t got = 0; got < bytes;) {

@@ -8,7 +8,6 @@
 
 namespace fieldcast::cli {
 
-// Help, the version, or a fault.
 struct NoCommand {
   ExitCode code = ExitCode::kOk;
   std::string text;

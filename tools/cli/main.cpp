@@ -2,7 +2,6 @@
 #include <cerrno>
 #include <exception>
 #include <iostream>
-#include <string>
 
 #include "bridge/base/file_descriptor.hpp"
 #include "bridge/base/write_faults.hpp"

@@ -30,7 +30,6 @@ class PortSession {
   // Owns the virtual port; `report` must outlive the session.
   PortSession(boost::asio::io_context& io, PortOptions options, sim::PtyPort pty,
               PortReport& report);
-  // Everything runs in io.run(), which then returns.
   void start();
   [[nodiscard]] const program::PortEnd& end() const { return end_; }
 

@@ -25,7 +25,6 @@ struct ProgressText {
 // "120000 lines, 40000 each second", if the total is unknown.
 [[nodiscard]] ProgressText progress_count_text(std::string_view what, std::uint64_t count,
                                                std::string_view unit, Duration elapsed);
-
 // "what: how far" in at most `columns`. Shortens `what` first, then truncates `how_far`.
 [[nodiscard]] std::string progress_line_text(const ProgressText& text, std::size_t columns);
 
@@ -36,7 +35,6 @@ class ProgressLine {
  public:
   using Text = std::function<ProgressText(Duration elapsed)>;
 
-  // `err` writes to standard error.
   explicit ProgressLine(std::ostream& err);
   ~ProgressLine() { clear(); }
   ProgressLine(const ProgressLine&) = delete;
@@ -53,7 +51,6 @@ class ProgressLine {
   const std::chrono::steady_clock::time_point began_;
   std::chrono::steady_clock::time_point next_;
 };
-
 // Clears the line when a signal ends the process from another thread.
 void wipe_progress_at_end() noexcept;
 

@@ -57,7 +57,6 @@ class PlantLoop : private Watcher {
   bool stopping_ = false, reported_ = true;
 };
 
-// Location of a bus as one JSON line without line end.
 [[nodiscard]] std::string location_line(const BusSpec& bus, const std::string& location);
 
 [[nodiscard]] std::string report_of(std::span<const std::unique_ptr<SimBus>> buses,

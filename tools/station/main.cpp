@@ -3,9 +3,7 @@
 #include <signal.h>
 
 #include <cstdio>
-#include <cstring>
 #include <exception>
-#include <memory>
 #include <utility>
 #include <vector>
 
@@ -48,7 +46,6 @@ void log_library(bool error, std::string_view kind, std::string_view text) {
                          "Fast DDS", fmt::format("messages of {}", kind), text);
 }
 
-// Empty if the options or the configuration are invalid; all faults are printed to stderr.
 std::optional<StationSpec> spec_of(const Options& options, fieldcast::config::Places& places) {
   StationSpec spec;
   if (!options.config.empty()) {
@@ -81,7 +78,6 @@ std::optional<StationSpec> spec_of(const Options& options, fieldcast::config::Pl
   return spec;
 }
 
-// Place of a fault: in the file or on the command line.
 class Origin {
  public:
   Origin(const Options& options, const fieldcast::config::Places& places)

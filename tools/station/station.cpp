@@ -85,7 +85,6 @@ struct WebStation::State {
 
   const StationSpec spec;
   const std::string version;
-  // monotonic time of the io thread's last heartbeat
   std::atomic<std::chrono::nanoseconds::rep> turned{0};
   std::atomic<const char*> busy = "starting";
   bool started = false;

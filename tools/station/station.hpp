@@ -29,7 +29,6 @@ class WebStation {
   // "http://127.0.0.1:8090/". REQUIRES: started.
   [[nodiscard]] std::string address() const;
 
-  // The error is one line.
   [[nodiscard]] tl::expected<void, std::string> renew_certificate();
 
   // Last heartbeat of the io thread for the watchdog; at least once a second.

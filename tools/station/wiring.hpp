@@ -3,7 +3,6 @@
 #include <boost/asio/steady_timer.hpp>
 #include <functional>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "bridge/store/users/user_table.hpp"
@@ -15,16 +14,14 @@
 
 namespace fieldcast::web {
 
-// Counters of the live values and of the server, for /metrics.
 [[nodiscard]] std::vector<Metric> metrics_of(const LiveDomain& domain, const StationServer& server);
-
-// Reads the users of the store periodically. Ends logins of removed or changed users, and updates
-// the role of clients without a login. Runs on the io thread.
 
 // Empty if clients must log in. `users`: number of users; empty if unknown.
 [[nodiscard]] std::optional<Role> local_role_of(const StationSpec& spec,
                                                 std::optional<std::size_t> users);
 
+// Reads the users of the store periodically. Ends logins of removed or changed users, and updates
+// the role of clients without a login. Runs on the io thread.
 class UserWatch {
  public:
   static constexpr Duration kPeriod = std::chrono::seconds{5};

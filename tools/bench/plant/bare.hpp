@@ -51,8 +51,6 @@ class BareReader {
   std::unique_ptr<State> state_;
 };
 
-// Measures a bare Fast DDS writer and reader (bare.hpp), each in its own process. Main thread.
-
 struct BareLoad {
   std::size_t channels = 0;
   std::size_t rows = 0;  // of a block

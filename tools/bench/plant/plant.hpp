@@ -47,9 +47,7 @@ class Process {
   pid_t id_ = -1;
 };
 
-// 0 if the process has ended.
 [[nodiscard]] double resident_mb(pid_t process);
-// Processor time of this process, user and system.
 [[nodiscard]] double process_seconds();
 
 // A temporary directory that is removed when this process ends, also by a signal.
@@ -75,8 +73,6 @@ class ScratchFolder {
 // A probably unused DDS domain: 100..199 by the process id.
 [[nodiscard]] unsigned own_domain();
 
-// A simulated plant and the bridge that reads it, as processes, and a station in this one.
-
 struct Seen {
   std::uint64_t samples = 0;
   std::uint64_t bad = 0;
@@ -85,6 +81,7 @@ struct Seen {
   std::int64_t shortest_gap = INT64_MAX;
 };
 
+// A simulated plant and the bridge that reads it, as processes, and a station in this one.
 class Plant {
  public:
   // `buses`: YAML list below `buses:`, with {dir} for serial links. `more`: further lines.

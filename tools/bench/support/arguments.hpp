@@ -1,4 +1,3 @@
-// The command line and the exit code of a bench.
 #pragma once
 
 #include <algorithm>

@@ -56,7 +56,6 @@ std::uint64_t scheduler_missed(const test::Map& map, Duration response, double s
 struct Agreement {
   unsigned runs = 0, feasible = 0, disagree = 0, careful = 0;
 
-  // Returns whether the engine kept the refreshes of its plan.
   bool add(const BridgeSpec& spec, Duration response) {
     const cli::BusPlan plan = cli::make_plan(spec.buses[0], response);
     const std::uint64_t late = cli::simulate(plan, {}, {20min, 1}).bus.deadline_misses;

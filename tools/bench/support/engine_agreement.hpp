@@ -1,4 +1,3 @@
-// Finds the greatest sustainable load by bisection, for the scheduler benches.
 #pragma once
 
 #include <cstddef>
@@ -27,8 +26,6 @@ template <typename Holds>
   }
   return good;
 }
-
-// Compares the engine with its plan in virtual time, for schedule_bench.
 
 // Random maps: `fieldcast plan` and `--simulate` must agree.
 void print_agreement(std::uint64_t first_seed, unsigned maps);

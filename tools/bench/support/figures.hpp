@@ -1,4 +1,3 @@
-// Printing and statistics of benches.
 #pragma once
 
 #include <algorithm>

@@ -3,7 +3,6 @@
 
 namespace fieldcast::bench {
 
-// Prints the heap after each hour and its growth since the first hour.
 void run_hours(double hours);
 
 }  // namespace fieldcast::bench

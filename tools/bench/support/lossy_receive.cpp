@@ -28,7 +28,6 @@ bool is_datagram(int socket) {
   return getsockopt(socket, SOL_SOCKET, SO_TYPE, &type, &size) == 0 && type == SOCK_DGRAM;
 }
 
-// size -1: nothing received.
 bool is_lost(int socket, ssize_t size) {
   const bool is_one = until_lost.load(std::memory_order_relaxed) >= 0;
   if (size < 0 || !(is_one || lost()) || !is_datagram(socket)) return false;

@@ -1,4 +1,3 @@
-// Simulates packet loss (lossy_receive.cpp). Thread-safe.
 #pragma once
 
 #include <cstdint>

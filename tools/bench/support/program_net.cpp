@@ -101,7 +101,6 @@ ProgramBridge::ProgramBridge(const std::string& buses) {
 // pseudo-terminal pair, and through fieldcast-port, a network with a delay, the bridge and a
 // module. The simulated PLC is the same in both and uses the wire time of every character. Both run
 // concurrently, because they nearly always sleep.
-
 namespace {
 
 constexpr double kCharacter = 11.0 / 115200;  // 7E2: start, seven bits, parity, two stops
@@ -116,7 +115,6 @@ void wait_for_line(Clock::time_point& line, std::size_t characters) {
   std::this_thread::sleep_until(line);
 }
 
-// Responds to every request until its stream ends.
 void serve_as_plc(int fd) {
   Bytes response(kResponse, '5');
   response.back() = '\r';

@@ -77,7 +77,6 @@ class Unframed {
   std::uint32_t left_ = 0;
 };
 
-// Returns the number of correct bytes before the first wrong one.
 std::uint64_t compare(int fd, std::uint64_t seed, std::uint64_t total, bool framed,
                       std::atomic<std::uint64_t>& so_far) {
   Stream stream(seed);

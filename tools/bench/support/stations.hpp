@@ -29,8 +29,6 @@ class Scraper {
   std::thread thread_;  // last member: it uses the members above
 };
 
-// Stations in separate processes with their counters. Main thread.
-
 struct Received {
   std::uint64_t samples = 0, missing = 0;  // by sequence
   std::uint64_t channels = 0;              // with a value
@@ -38,6 +36,7 @@ struct Received {
   std::uint64_t missing_blocks = 0;
 };
 
+// Stations in separate processes with their counters. Main thread.
 class StationProcess {
  public:
   // `one_by_one`: fieldcast/Sample instead of blocks. `loss`: share of dropped datagrams.
@@ -55,7 +54,6 @@ class StationProcess {
 
 // Datagrams that the kernel dropped since boot because a socket buffer was full.
 [[nodiscard]] std::uint64_t dropped_datagrams();
-// The same for the open sockets of a process (/proc/net/udp).
 [[nodiscard]] std::uint64_t dropped_datagrams(pid_t process);
 
 }  // namespace fieldcast::bench

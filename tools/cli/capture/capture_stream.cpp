@@ -5,7 +5,6 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -49,7 +48,6 @@ constexpr std::size_t kMaxResponse = 65536;  // characters: 256 bus names
 constexpr std::size_t kMaxBridges = 64;      // bridges requested
 constexpr timeval kResponseLimit{1, 0};
 
-// Fails with errno.
 tl::expected<FileDescriptor, int> connect_to(const CaptureSocketName& socket) {
   FileDescriptor made(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
   sockaddr_un address{};

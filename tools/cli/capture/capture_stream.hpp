@@ -18,7 +18,6 @@ class BlockCutter {
     std::uint32_t type = 0;
     Bytes bytes;
   };
-  // Adds bytes and returns the complete blocks.
   [[nodiscard]] std::vector<Block> take(ByteView bytes);
   [[nodiscard]] bool broken() const { return broken_; }  // the stream is not pcapng
 
@@ -26,9 +25,6 @@ class BlockCutter {
   Bytes waiting_;
   bool broken_ = false;
 };
-
-// Finds the bridges that allow this user to capture, and requests captures
-// (bridge/capture/capture_socket.hpp). Blocks, with a time limit. Main thread.
 
 struct FoundBridge {
   CaptureSocketName socket;
@@ -39,9 +35,12 @@ struct Bridges {
   std::vector<FoundBridge> found;
   std::vector<std::string> refused;  // names of bridges that refuse this user
 };
+
+// Finds the bridges that allow this user to capture, and requests captures
+// (bridge/capture/capture_socket.hpp). Blocks, with a time limit. Main thread.
 [[nodiscard]] Bridges find_bridges();
 
-// Returns a connection that sends pcapng. The error is one line.
+// Returns a connection that sends pcapng.
 [[nodiscard]] tl::expected<FileDescriptor, std::string> ask_for_capture(
     const CaptureSocketName& socket, const std::string& bus);
 

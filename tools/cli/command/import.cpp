@@ -1,5 +1,3 @@
-// `fieldcast import`: converts channel lists of other programs to a configuration or to device
-// templates. Needs no bridge and no device.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -38,7 +36,6 @@ bool is_folder(const std::string& out) {
   return out.ends_with('/') || fs::is_directory(out, ignored);
 }
 
-// Returns an error, or an empty text.
 std::string set_port(const std::string& port, ImportOptions& options) {
   if (port.empty()) return {};
   if (port.find('/') != std::string::npos) {
@@ -61,7 +58,6 @@ ImportOptions import_options(const ImportCommandOptions& options) {
   return import;
 }
 
-// The error is one line.
 tl::expected<std::vector<NewFile>, std::string> placed(const ImportCommandOptions& options,
                                                        const Outcome& outcome) {
   std::vector<NewFile> files;

@@ -1,4 +1,3 @@
-// `fieldcast module`: connects a serial line of this machine to a bridge as a dialling module.
 #include <fcntl.h>
 #include <fmt/format.h>
 

@@ -1,4 +1,3 @@
-// `fieldcast doctor [CONFIG]`: finds problems of this machine, without a bridge and DDS.
 #pragma once
 
 #include <string>
@@ -17,9 +16,6 @@ struct DoctorOptions {
 
 // Returns kFound if part of the configuration cannot run, kUsage if the file has faults.
 [[nodiscard]] ExitCode doctor(const DoctorOptions& options, const Streams& to);
-
-// `fieldcast plan CONFIG`: calculates the bus load; with --simulate runs the whole engine in
-// virtual time. Needs no DDS.
 
 struct PlanOptions {
   std::string config;

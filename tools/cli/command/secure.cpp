@@ -10,6 +10,7 @@
 
 #include "bridge/security/member_folder.hpp"
 #include "core/base/json.hpp"
+#include "tools/cli/command/base/command.hpp"
 #include "tools/cli/command/base/command_options.hpp"
 #include "tools/cli/terminal/interrupt.hpp"
 

@@ -1,4 +1,3 @@
-// `fieldcast secure init|add|renew|revoke|show|check`: manages the files for DDS Security.
 #pragma once
 
 #include <string>

@@ -29,7 +29,6 @@ void audit_access(SqlConnection& store, const char* what, const std::string& nam
                             .result = std::move(result)});
 }
 
-// `kind`: "token" or "user".
 ExitCode remove_access(bool removed, SqlConnection& store, const std::string& kind,
                        const std::string& name, std::ostream& err) {
   if (!removed) {

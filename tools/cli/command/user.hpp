@@ -1,5 +1,3 @@
-// `fieldcast user` and `fieldcast token` `add|list|remove`: manage the users of the store and the
-// read-only tokens for a station. Need no bridge.
 #pragma once
 
 #include <cstdint>

@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <filesystem>
 #include <mutex>
+#include <ostream>
 
 #include "bridge/base/io_thread.hpp"
 #include "bridge/bus/bus_runner.hpp"

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <iosfwd>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +16,7 @@
 #include "core/model/command.hpp"
 #include "tools/cli/model/address_notation.hpp"
 #include "tools/cli/terminal/interrupt.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 
@@ -55,7 +58,6 @@ struct LineOptions {
   Duration timeout = std::chrono::milliseconds{500};
   std::uint32_t retries = 1;
 };
-
 // "ttyUSB0" becomes /dev/ttyUSB0; "./NAME" is a file of the working directory. HOST:PORT, a path,
 // or another name is returned unchanged.
 [[nodiscard]] std::string full_port(const std::string& port);
@@ -65,12 +67,11 @@ void add_line_options(CommandLine& line, LineOptions& options);
 
 [[nodiscard]] std::string protocol_of(const LineOptions& options);
 
-// `factory`: default line format. The error is one line.
+// `factory`: default line format.
 [[nodiscard]] tl::expected<PortSpec, std::string> port_of(const LineOptions& options,
                                                           const LineFormat& factory);
 
-// A bus with one device "device" without channels; every address may be read and written. The error
-// is one line.
+// A bus with one device "device" without channels; every address may be read and written.
 [[nodiscard]] tl::expected<BusSpec, std::string> bus_of(const LineOptions& options,
                                                         const NamedProtocol& protocol);
 

@@ -107,7 +107,6 @@ struct LineExchange::State final : PortListener {
   }
   void on_closed(std::string reason, Cause) override { closed = std::move(reason); }
 
-  // Runs the port's handlers until `until`, an interrupt, or an event.
   void wait(Instant until) {
     const Duration rest = std::max<Duration>(until - steady_now(), Duration::zero());
     io.restart();
@@ -127,7 +126,6 @@ struct LineExchange::State final : PortListener {
   [[nodiscard]] bool heard_others() const {
     return heard.size() > said.size() || !std::equal(heard.begin(), heard.end(), said.begin());
   }
-  // Records the result of the exchange in the capture.
   void record_end(const LineExchange::Response& response) const {
     if (response.cause != Cause::kNone)
       record(CaptureRecord::Kind::kRemark, {}, std::string(to_text(response.cause)), steady_now());

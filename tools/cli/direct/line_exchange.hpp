@@ -23,7 +23,6 @@ namespace fieldcast::cli {
 class LineCapture final : private CaptureSink {
  public:
   // Never replaces a file. `bus`: its devices select the dissectors. `command`: "fieldcast read".
-  // The error is one line.
   [[nodiscard]] static tl::expected<std::unique_ptr<LineCapture>, std::string> make(
       const std::string& path, const BusSpec& bus, const std::string& command);
   // Removes the file if it has no frame.
@@ -61,14 +60,13 @@ inline constexpr char kCaptureHelp[] =
                                const std::string& command, std::ostream& err,
                                const std::function<ExitCode(LineCapture* capture)>& work);
 
-// Runs single exchanges on a port in the caller's thread, for a scan, with the engine's
-// ExchangeDriver. Use it on one thread.
-
 struct LineEvent {
   std::size_t device = 0;  // index on the captured bus
   std::string text;        // what is requested
 };
 
+// Runs single exchanges on a port in the caller's thread, for a scan, with the engine's
+// ExchangeDriver. Use it on one thread.
 class LineExchange {
  public:
   // Result of an exchange; `device_code` is set with Cause::kDeviceError.

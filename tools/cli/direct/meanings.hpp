@@ -21,18 +21,16 @@ namespace fieldcast::cli {
 [[nodiscard]] std::optional<std::string> address_behind(const Protocol& protocol,
                                                         std::string_view at, std::uint32_t items);
 
-// At least 1.
 [[nodiscard]] std::uint32_t values_in_request(const Protocol& protocol, const ParsedAddress& at,
                                               std::uint32_t value_items);
 
 // Decodes items in every type and order, to find the type of a displayed value. Pure functions.
-
 struct Meaning {
   std::string name;  // "float32", "float32 word-swapped"
   Encoding encoding;
 };
 
-// Parses "float32,int32" or "all"; each type with all its orders. The error is one line.
+// Parses "float32,int32" or "all"; each type with all its orders.
 [[nodiscard]] tl::expected<std::vector<Meaning>, std::string> meanings_of(std::string_view types);
 
 // For each item its address and bytes, then the value that starts there for each meaning: "-" if

@@ -61,7 +61,6 @@ struct MachineFacts {
   std::vector<AdapterFacts> adapters;
   std::optional<bool> clock_synchronised;
 
-  // The following need a configuration.
   std::string profile_file;  // Fast DDS profile; empty: none
   std::vector<ProfileLimit> profile_limits;
   std::vector<SerialPortFacts> ports;
@@ -93,7 +92,6 @@ struct Finding {
 // In the order of the checks; unknown facts have no finding.
 [[nodiscard]] std::vector<Finding> findings_of(const MachineFacts& facts);
 
-// Returns kOk if there are no findings.
 [[nodiscard]] Severity worst_of(const std::vector<Finding>& findings);
 
 }  // namespace fieldcast::cli

@@ -17,7 +17,6 @@ inline constexpr Duration kListenForClocks = std::chrono::seconds{4};
 void gather_clocks(const ConnectionOptions& options, MachineFacts& facts);
 
 // Reads facts from /proc, /sys, the ports and the disk. Opens no port. Main thread.
-
 // `root` replaces "/" for files; then system calls about this machine are skipped. `spec` may be
 // null. Unreadable facts stay empty.
 [[nodiscard]] MachineFacts gather_facts(const std::filesystem::path& root, const BridgeSpec* spec);

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -40,7 +39,6 @@ struct Connection {
   std::vector<DdsSite> sites;  // at least one
 };
 
-// One human-readable line for each fault of the file or the member's directory.
 [[nodiscard]] tl::expected<Connection, std::string> resolve(const ConnectionOptions& options);
 
 // "; plant press may command press-* only", if this explains a missing result.
@@ -53,7 +51,6 @@ struct Connection {
 [[nodiscard]] std::string no_result_text(const Connection& connection, std::string_view bus,
                                          Duration limit);
 
-// "DDS domain 0 on 127.0.0.1", "the sites north, south"
 [[nodiscard]] std::string domain_text(const Connection& connection);
 
 // `missing`: discovery servers that do not respond.
@@ -67,7 +64,6 @@ struct StoreSource {
 
 void add_store(CommandLine& line, StoreSource& source);
 
-// The error is human-readable.
 [[nodiscard]] tl::expected<StoreAddress, std::string> resolve(const StoreSource& source);
 
 struct TimeSpan {

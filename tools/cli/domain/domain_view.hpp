@@ -97,7 +97,6 @@ class DomainView {
 
 // Decides when all bridges have reported: nothing new for kQuietTime and a report of each site, or
 // after kBridgeWait. Pure.
-
 class Listening {
  public:
   Listening(const Connection& connection, Instant began);
@@ -129,7 +128,6 @@ class Listening {
 
 // Receives standby messages in all domains of the connection, with its own participants.
 // Thread-safe.
-
 class StandbyWatch {
  public:
   // Throws DdsError.

@@ -100,7 +100,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMebibyte = 1u << 20;
 
-// Returns an empty text if the file may be read.
 std::string fault_of(const std::string& path, std::size_t bytes_so_far) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);

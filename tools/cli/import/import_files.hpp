@@ -12,12 +12,10 @@
 
 namespace fieldcast::cli {
 
-// Number of unchanged values shown, unless all are requested.
 inline constexpr std::size_t kMovedShown = 20;
 [[nodiscard]] std::vector<std::string> import_lines(const importing::Outcome& outcome, bool all,
                                                     const Screen& screen);
 
-// "12 moved, 3 moved with a change, 1 cannot be moved"
 [[nodiscard]] std::string import_summary(const importing::Outcome& outcome);
 
 // {"fate", "name", "channel", "at", "type", "why", "file", "line"}; for imported values also
@@ -29,13 +27,12 @@ inline constexpr std::size_t kMovedShown = 20;
 [[nodiscard]] tl::expected<std::vector<importing::InputFile>, std::string> read_inputs(
     const std::vector<std::string>& paths);
 
-// Writes several files as a unit: all of them completely, or none. Main thread.
-
 struct NewFile {
   std::string path;
   std::string text;
 };
 
+// Writes several files as a unit: all of them completely, or none. Main thread.
 // Writes to PATH.new first, then renames. Never replaces a file without `replace`. Returns one line
 // on failure; then no new file remains.
 [[nodiscard]] std::optional<std::string> write_new_files(const std::vector<NewFile>& files,

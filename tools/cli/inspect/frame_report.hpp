@@ -70,7 +70,6 @@ class FrameReport {
 [[nodiscard]] ExitCode show_capture(std::istream& in, const std::string& name, FrameReport& report,
                                     std::ostream& err);
 
-// Returns false if no line belongs to a trace.
 [[nodiscard]] bool show_trace(std::string_view text, FrameReport& report);
 
 }  // namespace fieldcast::cli

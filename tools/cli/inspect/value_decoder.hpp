@@ -32,7 +32,6 @@ class ValueDecoder {
 
   explicit ValueDecoder(const BusSpec& bus);
 
-  // All frames of the bus in order.
   [[nodiscard]] std::vector<DecodedValue> take(Direction direction, ByteView frame,
                                                std::string_view comment);
   // The device of the last request; before it, the first device.

@@ -37,7 +37,6 @@ const std::vector<std::unique_ptr<Protocol>>& families() {
   return all;
 }
 
-// Empty if no type has the width.
 std::string type_of(const ParsedAddress& address, const Protocol& protocol) {
   const auto type = implied_type(address, protocol.areas()[address.area]);
   return type ? to_text(*type) : std::string();

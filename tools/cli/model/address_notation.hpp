@@ -17,8 +17,7 @@
 
 namespace fieldcast::cli {
 
-// Default type at an address (core/model/fit.hpp): "bool" for coil:16. `said` has
-// priority. The error is one line.
+// Default type at an address (core/model/fit.hpp): "bool" for coil:16. `said` has priority.
 [[nodiscard]] tl::expected<std::string, std::string> type_at(std::string_view at,
                                                              const std::string& said,
                                                              const Protocol& protocol);
@@ -33,11 +32,10 @@ struct KnownChannel {
 // Text of a device error for such an address: "02 illegal data address", or "code 5A".
 [[nodiscard]] std::string device_code_at(std::string_view at, std::uint16_t code);
 
-// A protocol named by the user: built in, a declaration's path, or an installed one's name.
-
 inline constexpr const char* kProtocolHelp =
     "modbus-rtu, omron-hostlink, .., or a declaration: instrument, ./mine.yaml";
 
+// A protocol named by the user: built in, a declaration's path, or an installed one's name.
 struct NamedProtocol {
   const ProtocolEntry* built_in = nullptr;  // null: declared
   declared::SharedDeclaration declaration;

@@ -5,7 +5,6 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "core/bus/bus_engine.hpp"
@@ -31,8 +30,6 @@ struct BusPlan {
 // Write-only, on-demand and on-interest channels cause no load.
 [[nodiscard]] BusPlan make_plan(const BusSpec& bus, Duration response_time);
 
-// Runs the whole engine of a bus against simulated devices in virtual time. Pure.
-
 struct SimulationOptions {
   Duration length = std::chrono::hours{1};
   std::uint64_t seed = 1;
@@ -50,6 +47,7 @@ struct BusSimulation {
   std::uint64_t fingerprint = 0;        // equal in two runs only if they did the same
 };
 
+// Runs the whole engine of a bus against simulated devices in virtual time. Pure.
 // Devices respond after the plan's response time, unless the faults differ. Deterministic for a
 // seed. Throws std::runtime_error.
 [[nodiscard]] BusSimulation simulate(const BusPlan& plan, const sim::BusFaults& faults,

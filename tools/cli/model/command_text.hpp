@@ -23,15 +23,13 @@ struct Assignment {
 // "BUS/DEVICE" with an empty channel, or "BUS/DEVICE/CHANNEL".
 [[nodiscard]] tl::expected<ChannelPath, std::string> parse_device_or_channel(std::string_view text);
 
-// "uint16", "float32", "string(16)".
 [[nodiscard]] tl::expected<Encoding, std::string> parse_type(std::string_view text);
 
 // "low", "high", "0" .. "7": byte of a wider item for an 8-bit type; empty: none.
 [[nodiscard]] tl::expected<Encoding, std::string> with_byte(Encoding encoding,
                                                             std::string_view byte);
 
-// The bridge checks the channel's limits and scale, so fractions are accepted. The error is one
-// human-readable line.
+// The bridge checks the channel's limits and scale, so fractions are accepted.
 [[nodiscard]] tl::expected<Value, std::string> value_from_text(const Encoding& encoding,
                                                                std::string_view text);
 

@@ -33,7 +33,6 @@ namespace fieldcast::cli {
 // Warns above twice the refresh, because the bridge itself may have stopped. `about` may be null.
 [[nodiscard]] Tone age_tone(const StationSample& sample, const StationChannel* about, UtcTime now);
 
-// "1.5/s", "12/s"
 [[nodiscard]] std::string rate_text(double rate);
 
 // "2026-11-21T03:04:05.678Z"; "-" if unset.
@@ -46,9 +45,8 @@ namespace fieldcast::cli {
 [[nodiscard]] std::string sample_line(const StationSample& sample, const StationChannel* about);
 
 // Parses and formats points in time. Local times depend on the process's time zone.
-
 // "2026-11-21", "2026-11-21T10:30", "2026-11-21 10:30:05.25" in UTC or with an offset such as
-// +01:00; "2h", "30min", "1d" before now; "now". The error is one human-readable line.
+// +01:00; "2h", "30min", "1d" before now; "now".
 [[nodiscard]] tl::expected<UtcTime, std::string> parse_time(std::string_view text, UtcTime now);
 
 enum class Zone : unsigned char { kUtc, kLocal };

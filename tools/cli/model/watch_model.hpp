@@ -6,7 +6,6 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <string_view>
 
 #include "bridge/station/station.hpp"
 #include "core/base/time.hpp"
@@ -17,7 +16,6 @@ namespace fieldcast::cli {
 class Catalogue {
  public:
   void add(const StationChannel& channel);
-  // Returns true if the device is new.
   bool add_device(const std::string& bus, const std::string& device);
   // No bridge of this site was found: its buses are unknown even if their names are correct.
   void add_silent_site(std::string site) { silent_sites_.insert(std::move(site)); }
@@ -43,8 +41,6 @@ class Catalogue {
   std::set<std::string> silent_sites_;
 };
 
-// Newest sample and rate of each matching channel, for `fieldcast watch`. Pure.
-
 // Measured over two seconds.
 class RateMeter {
  public:
@@ -58,6 +54,7 @@ class RateMeter {
   double last_ = 0;
 };
 
+// Newest sample and rate of each matching channel, for `fieldcast watch`. Pure.
 class WatchModel {
  public:
   // further channels are not shown, but their samples are counted
@@ -72,7 +69,6 @@ class WatchModel {
   explicit WatchModel(Pattern pattern) : pattern_(std::move(pattern)) {}
 
   void on_channel(const StationChannel& channel);
-  // Returns false if the pattern does not match.
   bool on_sample(const StationSample& sample, Instant now);
   void on_gone(const ChannelPath& path);
   void on_counters(const Station::BlockCounters& counters) { counters_ = counters; }
@@ -99,7 +95,6 @@ class WatchModel {
   // Explains that this station is too slow, and its losses; empty if it is fast enough.
   [[nodiscard]] std::optional<std::string> lag_remark() const;
 
-  // "1234 samples of 100 channels, 98 of them GOOD"
   [[nodiscard]] std::string summary() const;
 
  private:

@@ -222,7 +222,6 @@ class HostLinkIdentity final : public Exchange {
     return header == "FA" ? take_cpu_data(rest) : Step::need_response();
   }
 
-  // ee cc
   Step take_model(ByteView rest, Bytes& out) {
     const auto end = rest.size() >= 2 ? read_digits(rest.first(2)) : std::nullopt;
     if (!end) return Step::need_response();

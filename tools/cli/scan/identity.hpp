@@ -31,7 +31,6 @@ struct TypeAddress {
 //
 // The second request follows if the code means CS or CJ: these share code 30, and only FINS returns
 // the name of the CPU.
-
 // The reply is one range with the text: "CS/CJ (model code 30), CS1H-CPU67H, 04.00".
 [[nodiscard]] std::unique_ptr<Exchange> hostlink_identity(std::uint16_t unit);
 

@@ -35,7 +35,6 @@ struct ScanLine {
 // The protocol for a device at `address`; null if it has no such address.
 [[nodiscard]] std::unique_ptr<Protocol> scan_protocol(const NamedProtocol& named,
                                                       std::uint16_t address);
-// The same for any device, to inspect its areas and codes.
 [[nodiscard]] std::unique_ptr<Protocol> scan_protocol(const NamedProtocol& named);
 
 // Usual settings of a protocol, most common first, after those of its factory. Only settings that
@@ -44,7 +43,7 @@ struct ScanLine {
                                                     std::optional<std::uint32_t> baud,
                                                     const std::optional<LineFormat>& format);
 
-// "1-32", "1,2,10-12". The error is one line.
+// "1-32", "1,2,10-12".
 [[nodiscard]] tl::expected<std::vector<std::uint16_t>, std::string> addresses_from(
     std::string_view text);
 

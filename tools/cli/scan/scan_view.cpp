@@ -24,7 +24,6 @@ std::string response_text(const ScanLine& line, const ScanResponse& response) {
   return std::string(to_text(response.cause));
 }
 
-// Makes a device's text a single line.
 std::string comment_text(std::string_view text) {
   std::string line = printable(text);
   for (char& c : line) {

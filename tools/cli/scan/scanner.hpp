@@ -69,7 +69,6 @@ class Scanner {
 
   // Empty at the end of the scan.
   [[nodiscard]] std::optional<ScanAsk> next() const;
-  // Result of the request of next().
   void on_response(const ScanResponse& response);
   // Skips the line of next(), because its port does not accept the settings.
   void skip_line();
@@ -84,9 +83,7 @@ class Scanner {
     found_[found].templates = std::move(templates);
   }
   [[nodiscard]] std::size_t asked() const { return asked_; }
-  // Remaining requests if no device responds.
   [[nodiscard]] std::size_t left() const;
-  // Lines with bytes that were not a valid response.
   [[nodiscard]] const std::vector<std::size_t>& noisy_lines() const { return noisy_; }
   // Addresses with only invalid responses, without those with a valid one to the second request.
   [[nodiscard]] std::vector<ScanBroken> broken() const;
@@ -119,9 +116,6 @@ class Scanner {
   bool heard_any_ = false;
 };
 
-// Finds device templates for the identity of a device. Pure functions, except for the passed
-// reader.
-
 // The lines of a template that describe the device.
 struct TemplateHead {
   std::string name;                    // "schneider-pm5000"
@@ -135,6 +129,8 @@ struct TemplateHead {
                                                        const config::LoadOptions& options);
 [[nodiscard]] TemplateHead template_head(std::string name, std::string_view text);
 
+// Finds device templates for the identity of a device. Pure functions, except for the passed
+// reader.
 // Templates for the protocol whose manufacturer and model are in the identity ("Siemens, PAC3200,
 // 2.1"). A word with letters and digits is a model number; it may be a prefix of the number in the
 // identity. Returns all templates with the longest match.

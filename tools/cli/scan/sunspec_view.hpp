@@ -21,8 +21,6 @@ namespace fieldcast::cli {
 // and with its count from the second one of a kind on: meter-2-current.
 [[nodiscard]] std::vector<std::string> sunspec_channels(const SunSpecMap& map);
 
-// Formats the SunSpec models of a device as text, as JSON and as a comment. Pure functions.
-
 // Only devices with Modbus can have SunSpec models.
 [[nodiscard]] bool may_have_sunspec(std::string_view protocol);
 

@@ -42,7 +42,6 @@ class SunSpecWalk {
   struct Read {
     std::uint32_t first = 0, count = 0;  // holding registers
   };
-  // Empty at the end of the walk.
   [[nodiscard]] std::optional<Read> next() const;
   // The registers of next(), two bytes each. Another number of bytes is a malformed response.
   void on_response(ByteView registers);
@@ -50,7 +49,6 @@ class SunSpecWalk {
   // that the search takes at most one timeout.
   void failed(Cause cause);
 
-  // Empty if the device has no SunSpec models.
   [[nodiscard]] const std::optional<SunSpecMap>& map() const { return map_; }
 
  private:

@@ -52,8 +52,6 @@ using ChannelEntry = std::map<ChannelPath, WatchModel::Row>::value_type;
   return *static_cast<const ChannelEntry*>(row.item);
 }
 
-// Recent values of selected channels, drawn as one line of text. Pure values.
-
 struct TrendPoint {
   UtcTime at;
   double value = 0;
@@ -63,6 +61,7 @@ using TrendPoints = std::deque<TrendPoint>;
 // A number, or 0 and 1 of a bool; empty for text.
 [[nodiscard]] std::optional<double> trend_value(const Value& value);
 
+// Recent values of selected channels, drawn as one line of text. Pure values.
 class TrendHistory {
  public:
   // beyond this, the channel selected first is dropped

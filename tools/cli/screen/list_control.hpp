@@ -17,7 +17,6 @@ class LineEdit {
  public:
   static constexpr std::size_t kMostBytes = 256;  // further text is ignored
 
-  // Returns true if the key edits the text.
   bool on_key(const Key& key) {
     if (key.kind == Key::Kind::kText) {
       if (text_.size() + key.text.size() <= kMostBytes) text_ += key.text;
@@ -37,8 +36,6 @@ class LineEdit {
  private:
   std::string text_;
 };
-
-// Keys and layout that all list screens share. Pure values.
 
 // Rows of each part; 0: hidden. Priority on a small screen: list, bottom line, title, heads, pane,
 // state.
@@ -68,6 +65,7 @@ struct ScreenParts {
   std::span<const std::string_view> help;
 };
 
+// Keys and layout that all list screens share. Pure values.
 class ListControl {
  public:
   enum class Mode : unsigned char { kList, kFilter, kHelp };

@@ -10,7 +10,6 @@
 
 namespace fieldcast::cli {
 
-// Lower is worse.
 enum class Rank : std::uint8_t { kBad, kUncertain, kUnread, kGood };
 
 // One row. A bus has an empty device, a device an empty channel.

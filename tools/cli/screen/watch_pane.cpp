@@ -114,8 +114,6 @@ std::optional<ChannelOrder> order_at(std::size_t column, std::size_t columns) {
   return std::nullopt;
 }
 
-// Lower part of the screen of `fieldcast watch`: details, and the dialogs of a write.
-
 namespace {
 
 std::string value_with_unit(const Value& value, const std::string& type, const std::string& unit) {
@@ -165,7 +163,6 @@ std::string trend_head(const TrendPoints& points, std::size_t shown_points) {
   return fmt::format("last {} values, {}", shown_points, age_text(from, points.back().at));
 }
 
-// "0.5 [____-=] 12.5  last 42 values, 21 s"
 std::string trend_line(const TrendPoints& points, std::size_t columns, bool unicode) {
   const std::size_t count = std::min(points.size(), columns > 50 ? columns - 50 : columns / 2);
   if (count < 2) return "the trend begins here: a value that changes gets a line";

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <optional>
-#include <vector>
 
 #include "tools/cli/screen/channel_rows.hpp"
 #include "tools/cli/text/output.hpp"
@@ -18,7 +17,6 @@ namespace fieldcast::cli {
 [[nodiscard]] FrameLine channel_line(const ListRow& row, const StationChannel* about, bool grouped,
                                      const Moment& moment, std::size_t columns);
 
-// Empty if the column is not sortable.
 [[nodiscard]] std::optional<ChannelOrder> order_at(std::size_t column, std::size_t columns);
 
 }  // namespace fieldcast::cli

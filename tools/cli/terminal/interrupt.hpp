@@ -28,7 +28,6 @@ namespace fieldcast::cli {
 
 // Handles Ctrl-C and SIGTERM as an event, so that every command ends normally. Create it in main
 // before any thread is started: only its own thread receives the signals.
-
 class Interrupt {
  public:
   // Time limit after a signal; then, or at a second signal, the process ends immediately.
@@ -58,7 +57,6 @@ class Interrupt {
 // Ends the process immediately after Ctrl-C with exit code 130, for commands that do not check for
 // signals. Clears the progress line and leaves no incomplete file. Create it before any thread is
 // started.
-
 class EndAtOnce {
  public:
   // `grace`: time for a command that checks interrupt(); at most a fraction of a second.

@@ -17,7 +17,6 @@ namespace fieldcast::cli {
 // Columns in a terminal; a wide character has two. REQUIRES: the text comes from shown().
 [[nodiscard]] std::size_t columns_of(std::string_view shown);
 
-// Never splits a wide character.
 [[nodiscard]] std::string cut(std::string_view shown, std::size_t columns);
 
 // Pads with spaces, or truncates with `~`.

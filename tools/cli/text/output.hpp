@@ -30,8 +30,6 @@ enum class ExitCode : int {
 
 [[nodiscard]] constexpr int to_int(ExitCode code) { return static_cast<int>(code); }
 
-// Tables for terminals: column widths follow the longest cell, colours follow the role. Pure.
-
 enum class Tone : unsigned char { kPlain, kFaint, kGood, kWarning, kBad, kTitle };
 enum class Align : unsigned char { kLeft, kRight };
 
@@ -57,9 +55,9 @@ struct Screen {
 
 [[nodiscard]] std::string painted(std::string_view text, Tone tone, bool colour);
 
-// One line each.
 void print(std::ostream& out, const std::vector<std::string>& lines);
 
+// Tables for terminals: column widths follow the longest cell, colours follow the role. Pure.
 class TextTable {
  public:
   struct Column {
@@ -68,7 +66,6 @@ class TextTable {
   };
   explicit TextTable(std::vector<Column> columns) : columns_(std::move(columns)) {}
 
-  // Missing cells at the end are empty. REQUIRES: no more cells than columns.
   void add_row(std::vector<Cell> cells);
   [[nodiscard]] std::size_t rows() const { return rows_.size(); }
 
@@ -80,8 +77,6 @@ class TextTable {
   std::vector<std::vector<Cell>> rows_;
 };
 
-// Output and input of a screen as values, independent of the terminal.
-
 struct Span {
   std::string text;  // from shown()
   Tone tone = Tone::kPlain;
@@ -92,6 +87,7 @@ struct FrameLine {
   bool inverse = false;     // the selected row, the heads of columns
 };
 
+// Output and input of a screen as values, independent of the terminal.
 struct Frame {
   std::vector<FrameLine> lines;                               // at most as high as the screen
   std::optional<std::pair<std::size_t, std::size_t>> cursor;  // row and column; empty: hidden

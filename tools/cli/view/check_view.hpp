@@ -19,8 +19,6 @@ namespace fieldcast::cli {
 // {"severity","check","where","what","remedy"}
 [[nodiscard]] Json finding_json(const Finding& finding);
 
-// Formats an explained frame as text and JSON. Pure functions.
-
 [[nodiscard]] std::size_t count_faults(std::span<const FrameField> fields);
 
 // One line for each field: offset, bytes, indented name and value. Faults follow, marked with "!!".

@@ -60,7 +60,6 @@ std::string range_text(const Protocol& protocol, const Range& range) {
   return text;
 }
 
-// "d1/c1" or "52 channels (d1/c1, d1/c2, ..)": the channels of the points.
 std::string names_of(const BusPlan& plan, const std::vector<PointIndex>& points) {
   const std::set<PointIndex> wanted(points.begin(), points.end());
   std::string text;

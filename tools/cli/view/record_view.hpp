@@ -23,10 +23,7 @@ namespace fieldcast::cli {
 [[nodiscard]] std::string bucket_csv_head();
 [[nodiscard]] std::string bucket_csv(const StoredChannel& channel, const Bucket& bucket, Zone zone);
 
-// The time is the start of the bucket in nanoseconds.
 [[nodiscard]] Json bucket_json(const StoredChannel& channel, const Bucket& bucket);
-
-// Formats records of the store as text, CSV and JSON with IDL field names. Pure functions.
 
 [[nodiscard]] Json record_json(const StoredSample& sample);  // fields of a sample, and published_at
 [[nodiscard]] Json record_json(const AuditEntry& entry);

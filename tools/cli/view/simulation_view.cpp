@@ -21,7 +21,6 @@ std::vector<std::vector<std::string>> channels_by_point(const BusPlan& plan) {
   return names;
 }
 
-// Null if `period` is zero.
 Json in_cycle(Duration period, Duration time) {
   return period == Duration::zero() ? Json() : Json(time.count());
 }

@@ -35,7 +35,6 @@ using KnownAlarms = std::map<AlarmKey, KnownAlarm>;
 [[nodiscard]] std::string alarm_line(const AlarmLogEntry& entry);
 [[nodiscard]] Json record_json(const AlarmLogEntry& entry);
 
-// By bus and device.
 using SessionsModel = std::map<std::pair<std::string, std::string>, ProgramSessionReport>;
 
 [[nodiscard]] std::vector<std::string> sessions_lines(const SessionsModel& model, UtcTime now,

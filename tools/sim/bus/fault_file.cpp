@@ -175,7 +175,6 @@ void read_unplug(const Node& node, BusFaults& bus, FaultList& faults) {
   });
 }
 
-// Returns the nodes for `name`: first the one of "*" (all names), then its own.
 std::vector<const Node*> about(const Node& names, std::string_view name) {
   std::vector<const Node*> found;
   for (const std::string_view wanted : {std::string_view("*"), name}) {

@@ -50,7 +50,6 @@ class PluggedBus : public ServedBus {
  protected:
   [[nodiscard]] virtual tl::expected<void, std::string> plug() = 0;
   virtual void unplug() = 0;
-  // Does the due work; returns the next due time.
   virtual Instant advance(Instant now) = 0;
   [[nodiscard]] SimBus& bus() { return bus_; }
   [[nodiscard]] bool plugged() const { return plugged_; }

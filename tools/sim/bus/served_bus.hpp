@@ -21,12 +21,10 @@ class Watcher {
 class ServedBus {
  public:
   virtual ~ServedBus() = default;
-  // The error is human-readable.
   [[nodiscard]] virtual tl::expected<void, std::string> open(Instant now) = 0;
   // Address for a master: "/tmp/line-1 -> /dev/pts/5", "127.0.0.1:1502".
   [[nodiscard]] virtual std::string location() const = 0;
   virtual void on_readable(int fd, Instant now) = 0;
-  // Returns the next due time; kNever: only when a descriptor is readable.
   virtual Instant on_time(Instant now) = 0;
 };
 

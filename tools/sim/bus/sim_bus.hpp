@@ -72,7 +72,6 @@ class BusLine {
  public:
   BusLine(SimBus& bus, const WireOptions& options, std::uint64_t seed);
   void receive(ByteView bytes, Instant now);
-  // Time of the next advance(); kNever: only after the master sends.
   [[nodiscard]] Instant next_due() const;
   // Simulates until `now`; appends the bytes for the master.
   void advance(Instant now, Bytes& to_master);

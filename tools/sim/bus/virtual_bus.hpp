@@ -38,7 +38,6 @@ class VirtualBus {
   [[nodiscard]] bool plugged() const { return line_ != nullptr; }
   [[nodiscard]] BusEngine& engine() { return *engine_; }
   [[nodiscard]] SimBus& plant() { return *plant_; }
-  // End of the last request on the wire.
   [[nodiscard]] Instant wire_free() const { return wire_free_; }
   // Hash of all events; equal in two runs only if they did the same.
   [[nodiscard]] std::uint64_t fingerprint() const { return fingerprint_; }

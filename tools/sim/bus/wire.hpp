@@ -70,7 +70,6 @@ class Wire {
   void from_master(ByteView characters, Instant now);
   void from_device(Sender sender, ByteView characters, Instant start);
 
-  // Time of the next advance(); kNever: the line is idle.
   [[nodiscard]] Instant next_due() const;
   [[nodiscard]] bool at_rest() const { return queued_.empty() && transmissions_.empty(); }
   // Returns the next passed characters; the caller may add a response before the next call.
@@ -117,9 +116,6 @@ class Wire {
   std::optional<Duration> shortest_rest_;
 };
 
-// Simulated faults, set by the faults file (fault_file.hpp) or a test. Plain values.
-
-// Time since the start of the plant.
 inline constexpr Duration kForever = Duration::max();
 struct Window {
   Duration from{}, to = kForever;

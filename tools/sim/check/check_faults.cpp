@@ -89,7 +89,6 @@ class LateBus {
     return encoding;
   }
 
-  // Adds one channel for each area or record value, each with its own number or text.
   void add_channels(std::size_t device) {
     DeviceSpec& spec = spec_.devices[device];
     for (std::size_t i = 0;
@@ -158,8 +157,6 @@ void check_late(const Subject& subject, CheckRows& rows) {
   rows.push_back(std::move(row));
 }
 
-// Checks device errors, a silent device, and responses of a wrong station.
-
 namespace {
 
 constexpr std::uint8_t kCode = 4;
@@ -178,7 +175,6 @@ void refusals(const Subject& subject, const Requests& requests, CheckRows& rows)
     }
     LiveDevice live(subject, faults);
     const RunOutcome outcome = live.run(requests.protocol().begin(example.request, {++sequence}));
-    // Each range has its own error code, or all ranges have one.
     const bool each =
         outcome.done && std::ranges::all_of(outcome.reply, [](const RangeReply& range) {
           return range.cause == Cause::kDeviceError;

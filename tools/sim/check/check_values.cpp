@@ -1,4 +1,3 @@
-// Checks every area with every type: reads the device's values, writes and reads back.
 #include <fmt/format.h>
 
 #include <algorithm>

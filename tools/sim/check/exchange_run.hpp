@@ -22,15 +22,12 @@ struct Subject {
 
   [[nodiscard]] LineFormat line() const { return line_of(port); }
   [[nodiscard]] std::unique_ptr<Protocol> protocol() const;
-  // The same device at another address; empty if the protocol has only one.
   [[nodiscard]] std::optional<Subject> neighbour() const;
 };
 
 // Returns one subject for each variant of a built-in protocol; empty for an unknown name.
 [[nodiscard]] std::vector<Subject> subjects_of(std::string_view protocol);
 [[nodiscard]] std::vector<Subject> subjects_of(const declared::SharedDeclaration& declaration);
-
-// Runs an exchange in virtual time with the engine's driver, against a device or given bytes.
 
 struct RunOutcome {
   bool done = false;
@@ -47,9 +44,9 @@ struct RunOutcome {
   [[nodiscard]] std::string text() const;
 };
 
-// "01 02 | 03": frames in hexadecimal.
 [[nodiscard]] std::string frames(const std::vector<Bytes>& all);
 
+// Runs an exchange in virtual time with the engine's driver, against a device or given bytes.
 class LiveDevice {
  public:
   explicit LiveDevice(const Subject& subject, const BusFaults& faults = {});

@@ -1,4 +1,3 @@
-// Typical requests of a protocol for every area and record.
 #pragma once
 
 #include <optional>
@@ -10,7 +9,6 @@
 
 namespace fieldcast::sim {
 
-// Items that are read or written as one.
 struct Slot {
   Range range;
   unsigned item_bits = 16;
@@ -58,7 +56,6 @@ class Requests {
 };
 
 // All notations of an address. The simulated device must accept what the bridge accepts.
-
 // Returns at least one address of each form; for a declaration, of its areas and records.
 [[nodiscard]] std::vector<std::string> notations_of(const Subject& subject);
 

@@ -24,8 +24,6 @@ CheckRows sim_check(const Subject& subject, const std::function<void(double shar
   return rows;
 }
 
-// Disturbs responses of the simulated device: the result must be the same value, or none.
-
 namespace {
 
 constexpr int kNoiseRounds = 200;
@@ -76,7 +74,6 @@ class ResponseCheck {
     for (int round = 0; round < kNoiseRounds; ++round) add_noise(example);
   }
 
-  // Splits one response in two parts at every byte, then in single bytes.
   void split(const Example& example, std::size_t round, const std::string& in_round) {
     const Bytes& response = example.clean.responses[round];
     for (std::size_t cut = 0; cut < response.size(); ++cut) {
@@ -158,13 +155,11 @@ void check_responses(const Subject& subject, CheckRows& rows) {
 }
 
 // Checks that every form of an address means the same item to the bridge and the simulated device.
-
 namespace {
 
 constexpr Duration kStep = std::chrono::milliseconds{250};
 constexpr int kSteps = 120;  // longer than the period of any waveform
 
-// Looks for a non-zero item over a whole period of the waveform.
 bool shows(SimDevice& device, std::string_view area, const Range& range, const Encoding& encoding,
            Instant now) {
   for (int step = 0; step < kSteps; ++step, now += kStep) {

@@ -33,15 +33,12 @@ struct CheckRow {
 using CheckRows = std::vector<CheckRow>;
 
 // Tests the master of a protocol against its simulated device in virtual time.
-
 // Deterministic; lasts some seconds at most. `on_share` receives the finished share, 0..1.
 [[nodiscard]] CheckRows sim_check(const Subject& subject,
                                   const std::function<void(double share)>& on_share = {});
 
-// Parts of sim_check(); each appends to `rows`.
 void check_values(const Subject& subject, CheckRows& rows);
 void check_notation(const Subject& subject, CheckRows& rows);
-// Splits, truncations, flipped bits, leading noise.
 void check_responses(const Subject& subject, CheckRows& rows);
 void check_faults(const Subject& subject, CheckRows& rows);
 void check_late(const Subject& subject, CheckRows& rows);

@@ -40,7 +40,6 @@ class DeclaredDevice : public MemoryDevice {
 [[nodiscard]] std::vector<std::string_view> declared_area_names(
     const declared::Declaration& declaration);
 
-// Fails with a human-readable text for an invalid device address or channel address.
 [[nodiscard]] tl::expected<std::unique_ptr<SimDevice>, std::string> make_declared_device(
     const DeviceSetup& setup);
 

@@ -124,17 +124,14 @@ struct DeviceKind {
   std::string_view protocol;                // as in the configuration: "modbus-rtu"
   std::span<const std::string_view> areas;  // names for RefusedRange
   bool half_duplex = true;                  // overlapping transmissions garble each other
-  // Fails with the fault of the specification.
   tl::expected<std::unique_ptr<SimDevice>, std::string> (*make)(const DeviceSetup& setup) = nullptr;
 };
 [[nodiscard]] std::span<const DeviceKind> device_kinds();
 [[nodiscard]] const DeviceKind* find_device_kind(std::string_view protocol);
-// Returns nullptr if the protocol has no simulated device.
 [[nodiscard]] const DeviceKind* kind_of(const DeviceSpec& device);
 [[nodiscard]] std::vector<std::string_view> area_names(const DeviceSpec& device);
 
 // Digits of the simulated devices, independent of the bridge's codec. Header only.
-
 // Accepts upper case only, as the standards define.
 [[nodiscard]] inline std::optional<unsigned> digit_of(std::uint8_t character) {
   constexpr std::string_view kDigits = "0123456789ABCDEF";

@@ -40,18 +40,16 @@ class ItemMemory {
   // value contain it from its highest byte on, bit items from its lowest bit. An item wider than
   // the value contains only this value. Returns false if it exceeds the area.
   bool add_channel(const ItemAddress& at, const Encoding& encoding, const Waveform& waveform);
-  // `parse` parses the addresses. The error is human-readable.
+  // `parse` parses the addresses.
   [[nodiscard]] tl::expected<void, std::string> add_channels(
       const DeviceSetup& setup,
       const std::function<std::optional<ItemAddress>(std::string_view at)>& parse);
 
   // Returns the bits, right-aligned. REQUIRES: the area and the item exist.
   [[nodiscard]] std::uint64_t read(std::size_t area, std::uint32_t item, Instant now) const;
-  // The item keeps the written value.
   void write(std::size_t area, std::uint32_t item, std::uint64_t bits) {
     written_[area][item] = bits;
   }
-  // Write of a master: counted.
   void write(std::size_t area, std::uint32_t item, std::uint64_t bits,
              DeviceStatistics& statistics);
 
@@ -88,7 +86,6 @@ class ItemMemory {
 };
 
 // A simulated device whose items are in an ItemMemory. Owned as SimDevice.
-
 class MemoryDevice : public SimDevice {
  public:
   [[nodiscard]] const DeviceStatistics& statistics() const override { return statistics_; }

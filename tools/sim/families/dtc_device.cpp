@@ -123,7 +123,6 @@ class DtcReceiver : public GapReceiver {
   DtcDevice& device_;
 };
 
-// Returns false if the option is not a number up to `highest`.
 bool read_option(const DeviceLink& link, const char* name, std::size_t highest,
                  std::size_t& value) {
   const auto found = link.options.find(name);

@@ -53,7 +53,6 @@ inline constexpr std::size_t kOmronEm = 6, kOmronEmBanks = 13, kOmronCModeBanks 
 //     response  ICF 40, the same, command, end code(2), data
 //     relayed   ICF 80, RSV, GCT, destination(3), source(3), SID, command(2), text
 //     response  ICF C0, source and destination exchanged
-
 class FinsUnit {
  public:
   FinsUnit(ItemMemory& memory, DeviceStatistics& statistics)

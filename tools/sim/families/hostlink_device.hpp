@@ -41,7 +41,6 @@ class HostLinkDevice : public MemoryDevice {
   [[nodiscard]] Bytes begin_write(const Command& command);
   [[nodiscard]] Bytes finish_write();
   [[nodiscard]] Bytes fins(const Command& command, Instant now, Duration& pause);
-  // Fails with the end code.
   [[nodiscard]] tl::expected<Address, std::string> address_of(char letter, std::string_view digits,
                                                               std::uint32_t count) const;
   [[nodiscard]] std::uint8_t refusal(const Address& address, std::uint32_t count) const;

@@ -46,7 +46,6 @@ inline constexpr std::array<PpiArea, 11> kPpiAreas{{
 //     job    32 01 0000 reference(2) parameters(2) data(2) ..
 //            the parameters: 04|05 n, then items of 12 bytes
 //     ack    32 03 0000 reference(2) parameters(2) data(2) error(2) ..
-
 class PpiUnit {
  public:
   PpiUnit(ItemMemory& memory, DeviceStatistics& statistics)

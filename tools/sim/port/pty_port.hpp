@@ -14,7 +14,6 @@ namespace fieldcast::sim {
 
 class PtyPort {
  public:
-  // The error is human-readable.
   [[nodiscard]] static tl::expected<PtyPort, std::string> open(const std::string& path);
   PtyPort(PtyPort&&) = default;
   PtyPort& operator=(PtyPort&&) = delete;

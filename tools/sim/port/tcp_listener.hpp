@@ -12,7 +12,6 @@ namespace fieldcast::sim {
 // Returns the address if it is in 127.0.0.0/8, else 127.0.0.1, never a plant's real address.
 [[nodiscard]] std::string loopback_for(const std::string& host);
 
-// The error is human-readable.
 [[nodiscard]] tl::expected<FileDescriptor, std::string> listen_on(const std::string& loopback,
                                                                   std::uint16_t port);
 

@@ -23,13 +23,11 @@ struct Metric {
 };
 [[nodiscard]] std::string metrics_text(const std::vector<Metric>& metrics);
 
-// Returns the metrics of these objects; each pointer may be null.
 [[nodiscard]] std::vector<Metric> metrics_of(const Database* database, const Store* store,
                                              const Recorder* recorder);
 
 // Logs in by token from the store. Runs on the io thread and never blocks. Audits the token's name,
 // never the token. A peer that sends wrong tokens must wait.
-
 class Tokens {
  public:
   // `database` and `audit` must outlive this object.

@@ -1,6 +1,5 @@
 #include "tools/station/api/api_routes.hpp"
 
-#include <algorithm>
 #include <charconv>
 
 #include "bridge/http/http_message.hpp"

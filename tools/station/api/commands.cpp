@@ -30,7 +30,6 @@ HttpResponse accepted(const std::vector<std::uint64_t>& ids) {
 
 }  // namespace
 
-// The body has the form of {"write": ..} on /live.
 void write_value(const Api& api, const HttpRequest& request, const Caller& caller,
                  const Reply& reply) {
   if (auto body = body_of(request); !body) return reply(std::move(body.error()));

@@ -14,7 +14,6 @@ namespace {
 
 constexpr Duration kShortest = std::chrono::milliseconds{1};
 
-// One running export. Shared by the response and its queries.
 class ExportStream {
  public:
   using Running = std::shared_ptr<std::atomic<int>>;

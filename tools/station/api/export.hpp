@@ -13,10 +13,6 @@ namespace fieldcast::web {
 
 inline constexpr int kMaxExports = 4;
 
-// Writes stored samples or buckets in the lines of `fieldcast history --csv` and `--json`. Each
-// piece is a separate query, so a slow client blocks nobody. next() runs on the database thread,
-// one call at a time, and throws StoreError.
-
 struct ExportQuestion {
   Pattern pattern;
   UtcTime from, to;
@@ -25,6 +21,9 @@ struct ExportQuestion {
   bool compress = false;
 };
 
+// Writes stored samples or buckets in the lines of `fieldcast history --csv` and `--json`. Each
+// piece is a separate query, so a slow client blocks nobody. next() runs on the database thread,
+// one call at a time, and throws StoreError.
 class Exporter {
  public:
   // A piece ends at this size before compression, or after this time.
@@ -33,7 +32,6 @@ class Exporter {
 
   explicit Exporter(ExportQuestion question);
 
-  // Empty at the end of the text.
   [[nodiscard]] std::optional<std::string> next(SqlConnection& connection);
   // A last line with the error, for an export that failed.
   [[nodiscard]] std::string broken_off();
@@ -44,7 +42,6 @@ class Exporter {
   static constexpr std::int64_t kBucketsAtOnce = 1000;
 
   void begin(SqlConnection& connection);
-  // Returns true if the channel has no more lines.
   [[nodiscard]] bool add_samples(SqlConnection& connection);
   [[nodiscard]] bool add_buckets(SqlConnection& connection);
   [[nodiscard]] std::string take(bool last);

@@ -15,7 +15,6 @@ void column(JsonObject& object, std::string_view name, const Rows& rows, Append 
   object.add_json(name, json_array(rows, append));
 }
 
-// Writes null if the bucket has no good sample.
 auto number(double Bucket::*member) {
   return [member](std::string& out, const Bucket& bucket) {
     if (bucket.count == 0)

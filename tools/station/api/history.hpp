@@ -34,11 +34,10 @@ struct HistorySeries {
 [[nodiscard]] std::string history_json(UtcTime from, UtcTime to,
                                        const std::vector<HistorySeries>& series);
 
-// GET /api/history: up to eight channels of the store, each with a limited number of buckets.
-
 inline constexpr std::size_t kMaxHistoryChannels = 8;
 inline constexpr std::uint32_t kMaxHistoryPoints = 5000;
 
+// GET /api/history: up to eight channels of the store, each with a limited number of buckets.
 struct HistoryQuestion {
   std::vector<ChannelPath> channels;
   UtcTime from, to;

@@ -57,7 +57,6 @@ struct MessageFault {
 
 inline constexpr std::size_t kMaxMessage = 4096;  // bytes
 inline constexpr std::size_t kMaxDepth = 4;       // nested brackets
-// Limits of refresh_ms.
 inline constexpr Duration kShortestRefresh = std::chrono::milliseconds{50};
 inline constexpr Duration kLongestRefresh = std::chrono::hours{1};
 
@@ -67,9 +66,6 @@ using ParsedMessage = tl::expected<ClientMessage, MessageFault>;
 // Converts to the channel's type. A string may contain a number, for integers beyond 2^53. The
 // bridge checks the limits.
 [[nodiscard]] tl::expected<Value, Refusal> value_for(std::string_view channel_type, Value value);
-
-// Interface for commands of users; implemented by CommandController. All calls are on the io
-// thread.
 
 struct CommandOutcome {
   std::uint64_t request_id = 0;
@@ -87,6 +83,8 @@ struct CommandOutcome {
 // there are several. "value" is null if there is none.
 [[nodiscard]] std::string outcome_json(const CommandOutcome& outcome);
 
+// Interface for commands of users; implemented by CommandController. All calls are on the io
+// thread.
 class CommandSink {
  public:
   using Done = std::function<void(const CommandOutcome&)>;

@@ -51,7 +51,6 @@ class CommandController : public CommandSink {
     return book_.find(user, request_id);
   }
 
-  // See ClientInterests::Declare.
   void declare(const std::string& pattern, Duration refresh);
 
   void on_result(const StationResult& result);  // thread-safe
@@ -67,7 +66,6 @@ class CommandController : public CommandSink {
   void declare_all();
   void finish(std::optional<PendingCommands::Ended> ended);
   void watch();
-  // Runs the task on the io thread, unless close() was called.
   void post(std::function<void()> task);
 
   boost::asio::io_context& io_;

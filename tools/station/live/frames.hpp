@@ -1,4 +1,3 @@
-// The patterns of a client. A pure value.
 #pragma once
 
 #include <cstddef>
@@ -44,7 +43,6 @@ class LiveSubscription {
 
 // Merges the clients' interests: each pattern has the shortest requested refresh on DDS and is
 // withdrawn with its last client. Pure; on the io thread.
-
 class ClientInterests {
  public:
   static constexpr std::size_t kMaxPatterns = 1024;
@@ -53,7 +51,6 @@ class ClientInterests {
   using Declare = std::function<void(const std::string& pattern, Duration refresh)>;
   explicit ClientInterests(Declare declare) : declare_(std::move(declare)) {}
 
-  // Returns false if there are too many patterns.
   [[nodiscard]] bool add(const std::string& pattern, Duration refresh);
   // REQUIRES: add() succeeded with this refresh.
   void remove(const std::string& pattern, Duration refresh);
@@ -89,14 +86,13 @@ using Channels = std::vector<const LiveChannel*>;
 // Returns an empty text if no channel needs it.
 [[nodiscard]] std::string values_message(const Channels& channels);
 
-// Caches frames of /live for clients with the same channels and version. Pure; on the io thread.
-
 struct LiveFrame {
   std::shared_ptr<const std::string> binary;
   std::shared_ptr<const std::string> texts;  // null: none
   std::size_t channels = 0;
   std::uint64_t version = 0;  // version of the model that the client has after this frame
 };
+// Caches frames of /live for clients with the same channels and version. Pure; on the io thread.
 
 class FrameCache {
  public:
@@ -121,7 +117,6 @@ class FrameCache {
 
  private:
   const LiveModel& model_;
-  // Cleared when the oldest frame expires.
   std::map<std::pair<std::uint64_t, std::string>, LiveFrame> kept_;
   Instant oldest_{};
   Counters counters_;

@@ -112,7 +112,6 @@ class LiveClient : public LiveProtocol {
 
 // Creates and notifies the clients of /live, which their sockets own. Must outlive them. Pure; on
 // the io thread.
-
 class LiveHub {
  public:
   // The context must outlive the hub.

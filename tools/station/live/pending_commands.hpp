@@ -36,13 +36,10 @@ class PendingCommands {
 
   // Empty if the user may send a further command.
   [[nodiscard]] std::optional<Refusal> why_not(const std::string& user) const;
-  // The command expires at `deadline`.
   void add(Asked asked, Done done, Instant deadline);
-  // Its result must now arrive before `deadline`.
   void on_sent(std::uint64_t request_id, Instant deadline);
   [[nodiscard]] std::optional<Ended> on_fault(std::uint64_t request_id, StationFault fault);
   [[nodiscard]] std::optional<Ended> on_result(const StationResult& result);
-  // Call it until it returns empty.
   [[nodiscard]] std::optional<Ended> take_expired(Instant now);
 
   [[nodiscard]] std::size_t under_way() const { return under_way_.size(); }

@@ -68,7 +68,6 @@ void append_row(std::string& out, const LiveChannel& live) {
   out += ']';
 }
 
-// Writes null if `period` is zero, because such an entry has no times.
 void add_time(JsonObject& json, std::string_view name, Duration period, Duration time) {
   if (period == Duration::zero()) {
     json.add_json(name, "null");

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <functional>
 #include <list>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,7 +19,6 @@
 
 namespace fieldcast::web {
 
-// Does not own its texts.
 struct PathView {
   PathView(std::string_view of_bus, std::string_view of_device, std::string_view of_channel)
       : bus(of_bus), device(of_device), channel(of_channel) {}
@@ -49,17 +47,6 @@ struct PathEqual {
   }
 };
 
-// Current state of the domain. Pure; used on the io thread. Pointers and references are valid until
-// the next non-const call.
-//
-// A channel that no bridge announces keeps its id for kRemembered and is then forgotten. Ids are
-// never reused. A full model (kMaxChannels) forgets such channels earlier, or refuses and counts
-// new ones.
-//
-// Changed channels are in a list, newest last: a client with version N gets the entries after N.
-// The first catalogue version should be the start time, so that versions of a previous process are
-// recognized.
-
 struct LiveValue {
   Value value;  // the last good value if the quality is bad
   Quality quality = Quality::kNotYetRead;
@@ -78,6 +65,16 @@ struct LiveChannel {
   std::uint64_t catalogued = 0;  // catalogue version of the last change of the entry
 };
 
+// Current state of the domain. Pure; used on the io thread. Pointers and references are valid until
+// the next non-const call.
+//
+// A channel that no bridge announces keeps its id for kRemembered and is then forgotten. Ids are
+// never reused. A full model (kMaxChannels) forgets such channels earlier, or refuses and counts
+// new ones.
+//
+// Changed channels are in a list, newest last: a client with version N gets the entries after N.
+// The first catalogue version should be the start time, so that versions of a previous process are
+// recognized.
 class LiveModel {
  public:
   static constexpr std::size_t kMaxChannels = 200'000;
@@ -111,20 +108,17 @@ class LiveModel {
   [[nodiscard]] std::size_t count() const { return rows_.size() - gone_; }
   [[nodiscard]] std::size_t remembered() const { return rows_.size(); }
 
-  // Increases with each value.
   [[nodiscard]] std::uint64_t version() const { return version_; }
   // Channels with a value newer than `version`, oldest first.
   [[nodiscard]] std::vector<const LiveChannel*> changed_since(std::uint64_t version,
                                                               std::size_t limit) const;
 
-  // Increases with each change of the catalogue.
   [[nodiscard]] std::uint64_t catalogue_version() const { return catalogue_version_; }
   struct CatalogueChange {
     bool full = false;  // all channels, because changes since `version` are no longer stored
     std::vector<const LiveChannel*> changed;  // oldest first
     std::vector<std::uint32_t> gone;
   };
-  // Version 0: all channels.
   [[nodiscard]] CatalogueChange catalogue_since(std::uint64_t version) const;
 
   [[nodiscard]] const LiveObjects& objects() const { return objects_; }

@@ -58,7 +58,6 @@ class LiveObjects {
   // Only the names of the object count, and whether an alarm is detailed.
   void remove(const LiveObject& object);
 
-  // Null if unknown.
   [[nodiscard]] const StationReadPlan* read_plan(const std::string& bus) const;
 
   template <class Kind>
@@ -93,7 +92,6 @@ class LiveObjects {
     std::list<Entry*>::iterator changed;
   };
   [[nodiscard]] const LiveObject* present(const std::string& key) const;
-  // Returns null if the object is one too many.
   [[nodiscard]] Entry* entry_of(const std::string& key, std::size_t kind);
   void remove_entry(const std::string& key);
   void touch(Entry& entry);

@@ -6,7 +6,6 @@
 #include <map>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -54,9 +53,6 @@ class SampleStamp {
   Quality quality_ = Quality::kNotYetRead;
 };
 
-// Derives alarm events for the store from successive statuses, because DDS publishes only these.
-// Events use the times in the status, so a second recorder writes equal records. Pure; cannot fail.
-
 struct AlarmNews {
   std::vector<AlarmRecord> records;  // raised, cleared
   std::vector<AlarmEvent> events;
@@ -64,6 +60,8 @@ struct AlarmNews {
   std::vector<KeptMaintenance> maintenance;
 };
 
+// Derives alarm events for the store from successive statuses, because DDS publishes only these.
+// Events use the times in the status, so a second recorder writes equal records. Pure; cannot fail.
 class AlarmDiff {
  public:
   static constexpr std::size_t kMaxAlarms = 50'000;  // further alarms are ignored
@@ -88,7 +86,6 @@ class AlarmDiff {
 // waits for the database. The history continues when a bridge restarts or another takes over; the
 // last value, which DDS sends again, is recorded once. Thread-safe; cannot fail. The store must
 // outlive it.
-
 class Recorder {
  public:
   // Further channels are ignored; their samples count as unknown.
@@ -101,7 +98,6 @@ class Recorder {
 
   void on_channel(const StationChannel& channel);
   void on_gone(const std::string& bus, const std::string& device, const std::string& channel);
-  // `received`: local time.
   void on_sample(const StationSample& sample, UtcTime received);
   void on_device_status(const StationDeviceStatus& status);
   void on_alarm_status(const StationAlarmStatus& status, UtcTime received);

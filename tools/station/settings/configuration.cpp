@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "config/document/limits.hpp"
 #include "config/document/map_reader.hpp"
 #include "config/document/scalars.hpp"

@@ -14,7 +14,6 @@
 
 namespace fieldcast::web {
 
-// Role of clients without a login, if configured.
 enum class LocalRole : std::uint8_t { kNone, kViewer, kOperator };
 
 struct WebSpec {
@@ -56,7 +55,6 @@ struct Exposure {
 // "127.0.0.1:8090", "[::1]:8090", "127.0.0.1:0" (a free port).
 [[nodiscard]] std::optional<ListenSpec> listen_from(const std::string& text);
 
-// All keys for the documentation; name: "web.listen".
 struct DocumentedKey {
   std::string name, fallback, form, text;
 };

@@ -16,7 +16,6 @@ class HostList {
   // Browsers omit port 80, with TLS 443.
   HostList(const ListenSpec& listen, const std::vector<std::string>& names, bool tls);
 
-  // Returns whether the Host header ("127.0.0.1:8090") is accepted.
   [[nodiscard]] bool serves(std::string_view host) const;
 
  private:

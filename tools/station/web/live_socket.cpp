@@ -107,7 +107,6 @@ class Socket final : public LiveSocket,
       if (!cancelled && !self->closed_ && !self->ending_) self->protocol_->on_wake(steady_now());
     });
   }
-  // Finishes the message being written; drops waiting messages.
   void close(std::string_view reason) override {
     if (closed_ || ending_) return;
     ending_ = true;

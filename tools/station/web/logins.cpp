@@ -109,8 +109,6 @@ void SessionStore::end_where(Rule rule) {
   for (auto at = logins_.begin(); at != logins_.end();) at = rule(at->second) ? erase(at) : ++at;
 }
 
-// Routes of the site itself: current user, login, logout, health check.
-
 namespace {
 
 constexpr std::size_t kMaxTokenBytes = 256;

@@ -78,8 +78,6 @@ class SessionStore {
   std::uint64_t last_id_ = 0;
 };
 
-// Functions of the site to verify a login.
-
 struct LoginGrant {
   std::string user;  // name of the user or of the token
   Role role = Role::kViewer;
@@ -93,7 +91,6 @@ struct LoginCheck {
   std::function<void(LoginAttempt, std::function<void(LoginVerdict)> done)> by_password;
   std::function<void(std::string token, std::string peer, std::function<void(LoginVerdict)> done)>
       by_token;
-  // 32 bytes of the system's random generator.
   std::function<SessionStore::Secret()> random;
 };
 

@@ -18,7 +18,6 @@ inline constexpr int kMaxJsonDepth = 8;
 // Empty if the text is not a JSON object, too deep, not UTF-8 or has a duplicate key.
 [[nodiscard]] std::optional<nlohmann::json> parse_object(std::string_view text);
 
-// Like parse_object(), but fails with the response 400.
 [[nodiscard]] tl::expected<nlohmann::json, HttpResponse> body_of(const HttpRequest& request);
 
 // Routes of the station, constant after start. Each states its access; there is no default.
@@ -36,14 +35,13 @@ struct Route {
   Handler handler;
 };
 
-// `role`: empty without a login.
 [[nodiscard]] bool may_use(Access access, const std::optional<Role>& role);
 
-// 405 with the header `allow`.
 [[nodiscard]] HttpResponse method_refusal(const std::string& allowed);
 
 class RouteTable {
  public:
+// Routes of the station, constant after start. Each states its access; there is no default.
   // REQUIRES: the method and path are new, the path starts with "/", the handler is set.
   void add(Route route);
 

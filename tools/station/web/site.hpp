@@ -33,7 +33,6 @@ struct SiteClock {
 };
 
 // Security headers of every response: a browser accepts only files of the station. Pure.
-
 class SecurityHeaders {
  public:
   // `embed`: the sites that may show /embed in a frame ("https://wiki.plant").
@@ -63,12 +62,10 @@ class Site {
   // first request. The callback must not call this object.
   void on_ended(std::function<void(std::uint64_t id)> ended) { ended_ = std::move(ended); }
   [[nodiscard]] SessionStore& book() { return book_; }
-  // Counts as use of the login.
   [[nodiscard]] bool has_login(const RawRequest& request) { return known(request).login != 0; }
 
   // `reply` is called once, immediately or later.
   void handle(RawRequest request, Reply reply);
-  // Response to an invalid request, with all common headers.
   [[nodiscard]] HttpResponse refusal(unsigned status, std::string_view error,
                                      std::string_view hint) const;
 
@@ -108,8 +105,6 @@ class Site {
 
 [[nodiscard]] bool accepts_gzip(std::string_view accept_encoding);
 [[nodiscard]] std::string_view cookie_named(std::string_view cookies, std::string_view name);
-
-// Routes of the page's files, which are compiled into the program. No file is read by its path.
 
 // Adds a public route for each file; /embed is also the index. Files are stored compressed.
 void add_page_routes(RouteTable& routes, std::span<const EmbeddedFile> files);

@@ -24,7 +24,6 @@ struct Streams {
   [[nodiscard]] Screen wide_screen() const { return {0, 0, colour}; }
 };
 
-// Prints "fieldcast scan: FAULT" to `err`.
 ExitCode usage_fault(std::ostream& err, std::string_view command, std::string_view fault);
 
 class Command {

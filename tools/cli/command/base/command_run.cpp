@@ -1,7 +1,5 @@
 #include "tools/cli/command/base/command_run.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <map>
 #include <ostream>
@@ -67,7 +65,6 @@ bool CommandRun::learn(const std::vector<ChannelPath>& paths, Wanted wanted) {
   };
   const auto began = instant_now();
   Listening listening(connection_, began);
-  // Latest time at which the path may still be announced.
   const auto until = [&](const ChannelPath& path) {
     if (!listening.heard_site_of(path.bus)) return began + kBridgeWait;
     return listening.last_news() + (catalogue_.has_bus(path.bus) ? kQuietTime : kOtherBridges);
@@ -91,7 +88,6 @@ bool CommandRun::learn(const std::vector<ChannelPath>& paths, Wanted wanted) {
   return false;
 }
 
-// Returns the bus if the event is new.
 std::optional<std::string> CommandRun::note(const DomainEvent& event) {
   if (const auto* channel = std::get_if<StationChannel>(&event)) {
     const bool is_new =

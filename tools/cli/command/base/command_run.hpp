@@ -1,4 +1,4 @@
-// Sends commands and waits for their results, for `write` and `acquire`. Steps of other commands.
+// Sends commands and waits for their results; steps that commands share.
 #pragma once
 
 #include <functional>
@@ -62,7 +62,6 @@ class CommandRun {
   // Sends in order, at most kAtATime in flight, and prints each outcome. Returns the worst code.
   [[nodiscard]] ExitCode execute(std::vector<Errand> errands);
 
-  // Exit code after learn() returned false.
   [[nodiscard]] ExitCode why_not() const;
 
  private:
@@ -81,17 +80,14 @@ class CommandRun {
 };
 
 // How commands begin. Each function creates the Interrupt before DDS starts threads.
-
 template <typename Options>
 using DomainFunction = ExitCode (*)(const Options& options, const Connection& connection,
                                     Interrupt& interrupt, const Streams& to);
 using InDomain = std::function<ExitCode(const Connection& connection, Interrupt& interrupt)>;
 
-// kUsage if the configuration file has faults.
 [[nodiscard]] ExitCode in_domain(const ConnectionOptions& options, const Streams& to,
                                  const InDomain& command);
 
-// A command in a DDS domain.
 template <typename Options>
 [[nodiscard]] RunCommand<Options> in_domain(DomainFunction<Options> run) {
   return [run](const Options& options, const Streams& to) {
@@ -123,7 +119,6 @@ template <typename Options>
   };
 }
 
-// Returns whether the event reports something new.
 using OnReport = std::function<bool(const DomainEvent& event, const Listening& listening)>;
 
 // Receives reports until every bridge has reported, or for `time`.
@@ -138,7 +133,6 @@ using OnReport = std::function<bool(const DomainEvent& event, const Listening& l
                                                  const Listening& listening, bool any,
                                                  std::ostream& err);
 
-// Prints the faults of the file to `err`.
 [[nodiscard]] std::optional<BridgeSpec> load_configuration(
     const std::string& path, std::ostream& err,
     const config::LoadOptions& options = config::default_options());

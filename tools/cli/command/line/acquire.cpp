@@ -1,7 +1,5 @@
 #include "tools/cli/command/line/acquire.hpp"
 
-#include <ostream>
-
 #include "core/model/command.hpp"
 #include "tools/cli/command/base/command_run.hpp"
 #include "tools/cli/model/command_text.hpp"

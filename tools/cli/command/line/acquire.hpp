@@ -1,4 +1,3 @@
-// `fieldcast acquire`: reads channels, or with --at addresses, on demand.
 #pragma once
 
 #include <cstdint>

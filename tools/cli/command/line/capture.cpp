@@ -1,5 +1,3 @@
-// `fieldcast capture BUS --out FILE.pcapng`: captures a bus of a bridge on this machine. Needs no
-// DDS.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <poll.h>
@@ -40,7 +38,6 @@ struct CaptureOptions {
   std::uint64_t size = 0;  // maximum file size in bytes; 0: no limit
 };
 
-// A new file, or standard output.
 class CaptureOut {
  public:
   [[nodiscard]] static tl::expected<CaptureOut, Fault> open(const std::string& path) {
@@ -71,7 +68,6 @@ class CaptureOut {
   std::uint64_t size_ = 0;
 };
 
-// Prints to `err` if there is no bridge.
 tl::expected<FoundBridge, ExitCode> choose(const CaptureOptions& options, std::ostream& err) {
   Bridges bridges = find_bridges();
   if (!options.bridge.empty())
@@ -138,7 +134,6 @@ class Capturing {
     return !cutter_.broken();
   }
 
-  // Returns false if writing fails.
   bool write(const BlockCutter::Block& block) {
     const bool packet = block.type == pcapng::kEnhancedPacket;
     full_ |=

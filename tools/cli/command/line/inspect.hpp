@@ -1,5 +1,4 @@
-// `fieldcast inspect`: explains a frame in hexadecimal, lines of a trace, or a capture. PROTOCOL: a
-// built-in name, the path of a declaration, or the name of an installed one. Needs no DDS.
+// PROTOCOL: a built-in name, the path of a declaration, or the name of an installed one.
 #pragma once
 
 #include <string>

@@ -22,7 +22,7 @@ struct Write {
   std::vector<Value> values;
 };
 
-// "holding:100=7", "holding:100=7,8,9"; a string is everything behind '='. The error is one line.
+// "holding:100=7", "holding:100=7,8,9"; a string is everything behind '='.
 tl::expected<Write, std::string> write_of(const std::string& assignment, const std::string& type,
                                           const Protocol& protocol) {
   const auto equals = assignment.find('=');

@@ -1,4 +1,3 @@
-// `fieldcast poke`: writes to addresses on a line, without a bridge and a configuration.
 #pragma once
 
 #include <string>

@@ -29,7 +29,7 @@ struct Wanted {
   std::vector<Part> parts;
 };
 
-// With `as`, reads the raw items. The error is one line.
+// With `as`, reads the raw items.
 tl::expected<Wanted, std::string> wanted_at(const ReadOptions& options, const Protocol& protocol,
                                             const std::string& at) {
   const auto parsed = protocol.parse_address(at);

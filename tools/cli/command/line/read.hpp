@@ -1,4 +1,3 @@
-// `fieldcast read`: reads addresses on a line, without a bridge and a configuration.
 #pragma once
 
 #include <cstdint>

@@ -29,7 +29,6 @@ PortSpec port_with(const PortSpec& port, const LineFormat& format) {
   return with;
 }
 
-// The error is one line.
 tl::expected<std::vector<ScanLine>, std::string> lines_of(
     const ScanOptions& options, const std::vector<NamedProtocol>& protocols) {
   const bool serial = is_serial(options);
@@ -72,7 +71,6 @@ BusSpec captured_bus(const PortSpec& port, const std::vector<ScanLine>& lines) {
   }
   return bus;
 }
-// Index of the device that represents a line's protocol.
 std::size_t protocol_index(const std::vector<ScanLine>& lines, std::size_t line) {
   std::size_t index = 0;
   for (std::size_t i = 1; i <= line; ++i)
@@ -82,7 +80,6 @@ std::size_t protocol_index(const std::vector<ScanLine>& lines, std::size_t line)
 
 class Scan {
  public:
-  // `capture` may be null.
   Scan(const ScanOptions& options, PortSpec port, std::vector<ScanLine> lines,
        const Interrupt& interrupt, std::ostream& err, LineCapture* capture)
       : options_(options),
@@ -143,7 +140,6 @@ class Scan {
     return {};
   }
 
-  // Opens the port with the line's format and creates its protocol.
   tl::expected<void, std::string> turn_to(std::size_t line) {
     if (line_ == line) return {};
     const ScanLine& next = scanner_.lines()[line];

@@ -1,5 +1,3 @@
-// `fieldcast scan`: finds baud rate, format and devices of a line by requests that change nothing,
-// and writes a first configuration.
 #pragma once
 
 #include <optional>

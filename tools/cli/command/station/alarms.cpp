@@ -24,7 +24,6 @@ AlarmKey key_of(const StationAlarm& alarm) {
   return {alarm.bus, alarm.device, alarm.channel, alarm.limit};
 }
 
-// Returns true if the event is new.
 bool note_alarm(KnownAlarms& alarms, const DomainEvent& event, const Listening& listening) {
   if (const auto* bus = std::get_if<StationBusStatus>(&event))
     return !listening.heard_site_of(bus->bus);

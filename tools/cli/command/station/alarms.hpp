@@ -1,5 +1,3 @@
-// `fieldcast alarms`: shows active alarms of the bridges, or alarms of a time span from the store.
-// `alarms ack`, `shelve`, `unshelve` and `maintenance` act on alarms.
 #pragma once
 
 #include <optional>

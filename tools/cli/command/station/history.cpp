@@ -52,7 +52,6 @@ class PrintedShare {
   std::int64_t first_ = 0, at_ = 0;
 };
 
-// Of times in text and CSV.
 Zone zone_of(const HistoryOptions& options) { return options.local ? Zone::kLocal : Zone::kUtc; }
 
 class Printer {

@@ -1,5 +1,3 @@
-// `fieldcast history`: prints stored samples or buckets as lines, CSV or JSON lines. Needs no
-// bridge.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +15,6 @@ struct HistoryOptions {
   StoreSource source;
   Pattern pattern;
   TimeSpan span;
-  // Without either option, samples are printed.
   std::optional<Duration> every;
   std::optional<std::uint32_t> points;  // maximum for each channel
   bool local = false;                   // times of this machine's time zone, not UTC

@@ -1,4 +1,3 @@
-// `fieldcast devices` and `fieldcast audit`: print records of the store. Need no bridge.
 #pragma once
 
 #include "tools/cli/domain/connection.hpp"

@@ -1,5 +1,3 @@
-// `fieldcast standby`: lists standby groups; `standby take NAME` makes another bridge the master.
-// `fieldcast sessions`: lists programming sessions with their users, devices and byte counts.
 #include <fmt/format.h>
 
 #include <functional>

@@ -1,4 +1,3 @@
-// `fieldcast status`: state, load, learned times and failures of buses and devices.
 #pragma once
 
 #include <optional>

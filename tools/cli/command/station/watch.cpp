@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <memory>
 #include <ostream>
-#include <utility>
 
 #include "bridge/dds/transport/network_check.hpp"
 #include "core/base/json.hpp"

@@ -18,7 +18,6 @@ void watch_live(const WatchOptions& options, const Connection& connection, Domai
                 WatchModel& model, Instant end);
 
 // Sends one write of a screen and receives its result without blocking the screen. Main thread.
-
 class WriteController {
  public:
   // REQUIRES: both outlive this object; `domain` has subscribed to results.

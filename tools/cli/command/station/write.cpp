@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <ostream>
 
 #include "tools/cli/command/base/command_run.hpp"
 #include "tools/cli/model/command_text.hpp"
@@ -57,7 +56,6 @@ ExitCode write_channels(const WriteOptions& options, const Connection& connectio
   return run.execute(std::move(errands));
 }
 
-// The error is one line.
 tl::expected<Errand, std::string> address_errand(const WriteOptions& options,
                                                  const ChannelPath& device,
                                                  const AddressType& type) {

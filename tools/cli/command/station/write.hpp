@@ -1,4 +1,3 @@
-// `fieldcast write`: writes values to channels, or with --at to addresses of a device.
 #pragma once
 
 #include <string>

@@ -13,7 +13,6 @@
 
 namespace fieldcast::cli {
 
-// By group and bridge.
 using StandbyModel = std::map<std::pair<std::string, std::string>, StandbyMessage>;
 
 [[nodiscard]] Tone tone_of(const StandbyMessage& member);
@@ -29,9 +28,6 @@ using StandbyModel = std::map<std::pair<std::string, std::string>, StandbyMessag
 // Blocks of the master that a waiting member has not received yet.
 [[nodiscard]] std::uint64_t behind(const StandbyModel& model, const StandbyMessage& member);
 
-// Named facts of buses and devices for the screens and the text of `fieldcast status`. Pure
-// functions.
-
 struct StatusModel {
   std::map<std::string, StationBusStatus> buses;
   std::map<std::pair<std::string, std::string>, StationDeviceStatus> devices;  // by bus and name
@@ -39,6 +35,8 @@ struct StatusModel {
   std::map<std::string, StationBridge> bridges;  // by name; with the buses that each claims
 };
 
+// Named facts of buses and devices for the screens and the text of `fieldcast status`. Pure
+// functions.
 struct StatusFact {
   std::string_view name;  // "wire"
   std::string text;       // "busy 73.1 % of the last second; ..."; not yet printable()
@@ -50,17 +48,13 @@ struct StatusFact {
 
 // The state and its reason are first. Unimportant facts are omitted.
 [[nodiscard]] std::vector<StatusFact> bus_facts(const StationBusStatus& bus);
-// `bus` is null if unknown.
 [[nodiscard]] std::vector<StatusFact> device_facts(const StationDeviceStatus& device,
                                                    const StationBusStatus* bus);
 
-// "73.1 %", "2.15 ms"; "-" for no time.
 [[nodiscard]] std::string percent_text(double share);
 [[nodiscard]] std::string milliseconds_text(Duration time);
 // "CHECKSUM 3, NO_ANSWER 12"
 [[nodiscard]] std::string causes_text(const CauseCounts& causes);
-
-// Named facts of standby groups for the screen of `fieldcast status`. Pure functions.
 
 // "master", "waiting", "not ready": short text for a column.
 [[nodiscard]] std::string role_text(const StandbyMessage& member);

@@ -2,9 +2,7 @@
 // and those that wait because another bridge serves it. Pure functions.
 #pragma once
 
-#include <map>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "bridge/station/station.hpp"

@@ -19,7 +19,6 @@ constexpr Length kNotYet{Length::Known::kNotYet};
 constexpr Length kUnknowable{Length::Known::kNever};
 constexpr Length exactly(std::size_t bytes) { return {Length::Known::kYes, bytes}; }
 
-// fixed + the byte count at `at`.
 Length counted(ByteView frame, std::size_t at, std::size_t fixed) {
   return frame.size() > at ? exactly(fixed + frame[at]) : kNotYet;
 }

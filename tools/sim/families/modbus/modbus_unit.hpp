@@ -53,7 +53,6 @@ class ModbusUnit {
   [[nodiscard]] Bytes identification(ByteView pdu);
 
   Bytes exception(ByteView pdu, std::uint8_t code);
-  // The code that refuses the items, or 0.
   [[nodiscard]] std::uint8_t refusal(const Items& items) const {
     return memory_.refusal(items.area, items.first, items.count, kAddress);
   }

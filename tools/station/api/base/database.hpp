@@ -22,7 +22,6 @@ enum class DatabaseFault : std::uint8_t {
 };
 [[nodiscard]] HttpResponse response_of(DatabaseFault fault);
 
-// Runs a function on the io thread.
 using PostToIo = std::function<void(std::function<void()>)>;
 
 class Database {

@@ -58,7 +58,6 @@ inline constexpr std::size_t kWorthCompressing = 2048;
 [[nodiscard]] HttpResponse json_response(std::string json, bool compress = false);
 [[nodiscard]] HttpResponse no_store();
 
-// tools/station/openapi.yaml, which is compiled into the program.
 [[nodiscard]] std::string_view openapi_text();
 
 }  // namespace fieldcast::web
