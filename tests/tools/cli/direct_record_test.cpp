@@ -1,0 +1,102 @@
+#include <filesystem>
+#include <fstream>
+
+#include "core/model/bus_spec.hpp"
+#include "tests/tools/cli/direct_fixture.hpp"
+#include "tools/cli/model/address_notation.hpp"
+#include "tools/cli/scan/scan_plan.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+// A device that responds with one record of values of several widths.
+struct RecordTest : DirectTest {
+  RecordTest() {
+    std::filesystem::create_directory(folder);
+    std::ofstream(file) << R"(
+summary: a scale
+addresses: { from: 1, to: 9 }
+areas: [{ name: state, record: true }]
+operations:
+  - name: read
+    read: state
+    request:
+      - { name: start, constant: "R" }
+      - { is: address }
+      - { is: checksum, kind: xor, of: start..address }
+    answer: &state
+      - { name: start, constant: "A" }
+      - { is: address }
+      - { name: weight, is: value, text: "+000.00" }
+      - { name: label, is: value, text: 4 }
+      - { name: tare, is: value, bytes: 2, signed: true }
+      - { is: checksum, kind: crc16-modbus, of: start..tare, bytes: 2 }
+  - name: set
+    write: state
+    request:
+      - { name: start, constant: "W" }
+      - { is: address }
+      - { name: tare, is: value, bytes: 2, signed: true }
+      - { is: checksum, kind: xor, of: start..tare }
+    answer: *state
+)";
+  }
+  ~RecordTest() override { std::filesystem::remove_all(folder); }
+  LineOptions line() const {
+    LineOptions options = DirectTest::line();
+    options.protocol = file;
+    return options;
+  }
+  std::string type_of(const char* at) const {
+    std::ostringstream err;
+    const auto named = named_protocol(file, "read", err);
+    EXPECT_TRUE(named) << err.str();
+    const auto bus = bus_of(line(), *named);
+    EXPECT_TRUE(bus) << bus.error();
+    return type_at(at, {}, **make_protocol(bus->devices.front(), LineFormat{})).value_or("?");
+  }
+
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("fieldcast-record-" + std::to_string(::getpid()));
+  const std::string file = folder / "scale.yaml";
+};
+
+TEST_F(RecordTest, AValueHasTheTypeOfItsField) {
+  EXPECT_EQ(type_of("weight"), "float64");
+  EXPECT_EQ(type_of("label"), "string(4)");
+  EXPECT_EQ(type_of("tare"), "int16");
+  EXPECT_EQ(type_of("tare.3"), "bool");
+}
+
+TEST_F(RecordTest, AValueHasNoNeighbours) {
+  const auto ended = read({.line = line(), .addresses = {"weight"}, .count = 2});
+  EXPECT_EQ(ended.code, ExitCode::kUsage);
+  EXPECT_THAT(ended.err, HasSubstr("weight is one value; --count is for what has neighbours"));
+  const auto more = poke({.line = line(), .assignments = {"tare=1,2"}});
+  EXPECT_EQ(more.code, ExitCode::kRejected);
+  EXPECT_THAT(more.err, HasSubstr("'tare' with 2 values reaches beyond the field"));
+}
+
+TEST_F(RecordTest, AScanReadsTheRecordWhole) {
+  std::ostringstream err;
+  const auto named = named_protocol(file, "scan", err);
+  ASSERT_TRUE(named) << err.str();
+  const auto protocol = scan_protocol(*named);
+  const auto questions = questions_of(*named, *protocol);
+  ASSERT_EQ(questions.size(), 1u);
+  EXPECT_EQ(questions[0].at, "weight");
+  EXPECT_EQ(questions[0].range.count, protocol->areas()[0].items);
+  const auto lines = scan_lines(*named, {LineFormat{}}, {0, 9, 10});
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_EQ(lines[0].addresses, (std::vector<std::uint16_t>{9}));
+}
+
+TEST_F(RecordTest, AValueThatNoOperationWritesIsReadOnly) {
+  const auto ended = poke({.line = line(), .assignments = {"weight=2.5"}});
+  EXPECT_EQ(ended.code, ExitCode::kRejected);
+  EXPECT_THAT(ended.err, HasSubstr("'weight' is read-only: the protocol has no operation that "
+                                   "writes it alone"));
+}
+
+}  // namespace
+}  // namespace fieldcast::cli

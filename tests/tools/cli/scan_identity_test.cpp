@@ -1,0 +1,200 @@
+#include "config/loader/loader.hpp"
+#include "core/codec/checksum.hpp"
+#include "core/protocol/omron_hostlink/hostlink.hpp"
+#include "tests/tools/cli/scan_support.hpp"
+#include "tests/tools/sim/device_setup.hpp"
+#include "tests/tools/sim/listen.hpp"
+#include "tools/cli/scan/identity.hpp"
+#include "tools/cli/scan/scan_view.hpp"
+#include "tools/sim/families/hostlink_device.hpp"
+
+namespace fieldcast::cli {
+namespace {
+
+TEST(ScanIdentity, ModbusDevicesNameThemselves) {
+  // The example of Modbus Application Protocol V1.1b3, 6.21.
+  const std::string vendor = "Company identification", product = "Product code XX",
+                    version = "V2.11";
+  Bytes answer{5, 0x2B, 0x0E, 1, 1, 0, 0, 3};
+  std::uint8_t id = 0;
+  for (const auto& text : {vendor, product, version}) {
+    answer.push_back(id++);
+    answer.push_back(static_cast<std::uint8_t>(text.size()));
+    answer.insert(answer.end(), text.begin(), text.end());
+  }
+  const std::uint16_t crc = crc16_modbus(answer);
+  answer.push_back(static_cast<std::uint8_t>(crc));
+  answer.push_back(static_cast<std::uint8_t>(crc >> 8));
+
+  const auto exchange = identity_exchange("modbus-rtu", 5);
+  Bytes out;
+  EXPECT_EQ(exchange->start(out).kind, Step::Kind::kSend);
+  EXPECT_EQ(to_hex(ByteView(out).first(5)), "05 2B 0E 01 00");
+  for (std::size_t size = 1; size < answer.size(); ++size)
+    EXPECT_EQ(exchange->on_bytes(ByteView(answer).first(size), out).kind, Step::Kind::kNeedMore);
+  ASSERT_EQ(exchange->on_bytes(answer, out).kind, Step::Kind::kDone);
+  const Bytes& items = exchange->reply().front().items;
+  EXPECT_EQ(std::string(items.begin(), items.end()), vendor + ", " + product + ", " + version);
+}
+
+TEST(ScanIdentity, NothingThatComesBreaksIt) {
+  std::uint32_t random = 1;
+  for (const char* protocol : {"modbus-rtu", "modbus-ascii", "modbus-tcp", "omron-hostlink"}) {
+    for (unsigned run = 0; run < 3000; ++run) {
+      const auto exchange = identity_exchange(protocol, 5);
+      Bytes out, bytes;
+      (void)exchange->start(out);
+      for (unsigned i = 0; i < 40; ++i) {
+        random = random * 1664525 + 1013904223;
+        bytes.push_back(i < 3 && (random >> 30) != 0 ? out[i]
+                                                     : static_cast<std::uint8_t>(random >> 24));
+      }
+      if (exchange->on_bytes(bytes, out).kind == Step::Kind::kDone) {
+        EXPECT_EQ(exchange->reply().size(), 1u);
+      }
+    }
+  }
+}
+
+TEST(ScanIdentity, ARefusalIsNotAName) {
+  Bytes answer{5, 0xAB, 1};
+  const std::uint16_t crc = crc16_modbus(answer);
+  answer.push_back(static_cast<std::uint8_t>(crc));
+  answer.push_back(static_cast<std::uint8_t>(crc >> 8));
+  const auto exchange = identity_exchange("modbus-rtu", 5);
+  Bytes out;
+  (void)exchange->start(out);
+  const Step step = exchange->on_bytes(answer, out);
+  EXPECT_EQ(step.kind, Step::Kind::kFailed);
+  EXPECT_EQ(step.cause, Cause::kDeviceError);
+  EXPECT_EQ(identity_exchange("s7-ppi", 5), nullptr);
+}
+
+std::string hostlink_frame(const std::string& body) {
+  Bytes frame(body.begin(), body.end());
+  omron::append_end(frame, 0, true);
+  return {frame.begin(), frame.end()};
+}
+Bytes bytes_of(const std::string& text) { return {text.begin(), text.end()}; }
+std::string identity_in(const Exchange& exchange) {
+  const Bytes& items = exchange.reply().front().items;
+  return {items.begin(), items.end()};
+}
+
+TEST(ScanIdentity, AnOlderOmronNamesItsModel) {
+  const auto exchange = identity_exchange("omron-hostlink", 7);
+  Bytes out;
+  EXPECT_EQ(exchange->start(out).kind, Step::Kind::kSend);
+  EXPECT_EQ(std::string(out.begin(), out.end()), hostlink_frame("@07MM"));
+  const Bytes answer = bytes_of(hostlink_frame("@08MM0001") + hostlink_frame("@07MM0012"));
+  for (std::size_t size = 1; size < answer.size(); ++size)
+    EXPECT_EQ(exchange->on_bytes(ByteView(answer).first(size), out).kind, Step::Kind::kNeedMore);
+  ASSERT_EQ(exchange->on_bytes(answer, out).kind, Step::Kind::kDone);
+  EXPECT_EQ(identity_in(*exchange), "C20H/C28H/C40H/C200H/C200HS/C200HX/HG/HE (model code 12)");
+}
+
+TEST(ScanIdentity, AnUnknownModelIsShownByItsCode) {
+  EXPECT_EQ(hostlink_model_text(0x5A), "unknown model (model code 5A)");
+  const auto exchange = identity_exchange("omron-hostlink", 0);
+  Bytes out;
+  (void)exchange->start(out);
+  ASSERT_EQ(exchange->on_bytes(bytes_of(hostlink_frame("@00MM005A")), out).kind, Step::Kind::kDone);
+  EXPECT_EQ(identity_in(*exchange), "unknown model (model code 5A)");
+}
+
+TEST(ScanIdentity, ANewerOmronIsAskedByFinsToo) {
+  sim::HostLinkDevice device(sim::test::device_setup(3));
+  const auto receiver = device.open_receiver();
+  const auto exchange = identity_exchange("omron-hostlink", 3);
+  Bytes out;
+  Step step = exchange->start(out);
+  for (int question = 0; question < 2; ++question) {
+    ASSERT_EQ(step.kind, Step::Kind::kSend);
+    const Bytes answer = sim::test::listen(*receiver, out).response;
+    EXPECT_EQ(answer.size(), step.characters);
+    out.clear();
+    step = exchange->on_bytes(answer, out);
+  }
+  ASSERT_EQ(step.kind, Step::Kind::kDone);
+  EXPECT_EQ(identity_in(*exchange), "CS/CJ (model code 30), CS1H-CPU67H, 04.00");
+}
+
+TEST(ScanIdentity, TheModelStaysWhereFinsHasNoResponse) {
+  for (const char* second : {"", "@00IC", "@00FA18", "@00FA00400000000501040100"}) {
+    const auto exchange = identity_exchange("omron-hostlink", 0);
+    Bytes out;
+    (void)exchange->start(out);
+    ASSERT_EQ(exchange->on_bytes(bytes_of(hostlink_frame("@00MM0030")), out).kind,
+              Step::Kind::kSend);
+    const Step step = *second == '\0' ? exchange->on_silence(out)
+                                      : exchange->on_bytes(bytes_of(hostlink_frame(second)), out);
+    EXPECT_EQ(step.kind, Step::Kind::kDone) << second;
+    EXPECT_EQ(identity_in(*exchange), "CS/CJ (model code 30)") << second;
+  }
+  const auto refused = identity_exchange("omron-hostlink", 0);
+  Bytes out;
+  (void)refused->start(out);
+  EXPECT_EQ(refused->on_bytes(bytes_of(hostlink_frame("@00MM21")), out).device_code, 0x21);
+}
+
+TEST(ScanTemplates, TheIdentityOfADeviceChoosesThem) {
+  const auto heads = template_heads(config::disk_reader(), config::default_options());
+  EXPECT_GT(heads.size(), 40u);
+  const auto of = [&](std::string_view identity, std::string_view protocol = "modbus-rtu") {
+    return matching_templates(identity, protocol, heads);
+  };
+  EXPECT_THAT(of("Siemens AG, SENTRON PAC3200, 2.1"), ElementsAre("siemens-pac3200"));
+  EXPECT_THAT(of("Schneider Electric, PM5340, V1.05"), ElementsAre("schneider-pm5000"));
+  EXPECT_THAT(of("CARLO GAVAZZI, EM24DINAV93XISX"), ElementsAre("carlo-gavazzi-em24"));
+  EXPECT_THAT(of("Carlo Gavazzi, EM24DINAV23XE1", "modbus-tcp"),
+              ElementsAre("carlo-gavazzi-em24-ethernet"));
+  EXPECT_THAT(of("Huawei, SUN2000"), ElementsAre("huawei-sun2000", "huawei-sun2000-storage"));
+  EXPECT_THAT(of("Siemens AG, PAC3200", "s7-ppi"), IsEmpty())
+      << "the template has no such protocol";
+  EXPECT_THAT(of("Other, PM5340"), IsEmpty()) << "another maker";
+  EXPECT_THAT(of("Siemens AG, S7-1200"), IsEmpty()) << "the maker alone";
+  EXPECT_THAT(of("Chint, DTSU666H"), ElementsAre("chint-dtsu666"));
+  EXPECT_THAT(of(""), IsEmpty());
+}
+
+TEST(ScanTemplates, AHeadIsReadFromTheText) {
+  const auto head = template_head("x",
+                                  "# Device:  Acme X100; not the Y200\r\ndescription: A meter\n"
+                                  "protocols: [modbus-rtu, s7-ppi]\n");
+  EXPECT_EQ(head.device, "Acme X100; not the Y200");
+  EXPECT_EQ(head.description, "A meter");
+  EXPECT_THAT(head.protocols, ElementsAre("modbus-rtu", "s7-ppi"));
+  EXPECT_THAT(matching_templates("Acme Y200", "modbus-rtu", {head}), IsEmpty());
+}
+
+TEST(ScanTemplates, AreWrittenIntoTheConfiguration) {
+  Scanner scanner(lines_of(1, {1, 2, 3}));
+  for (int i = 0; i < 3; ++i) scanner.on_response(value());
+  scanner.set_templates(0, {"siemens-pac3200"});
+  scanner.set_templates(1, {"huawei-sun2000", "huawei-sun2000-storage"});
+  const std::string text = configuration_text("/dev/ttyUSB0", true, scanner);
+  EXPECT_THAT(text, HasSubstr("address: 1\n        template: siemens-pac3200\n      - name"));
+  EXPECT_THAT(text, HasSubstr("in place of the channels: template: huawei-sun2000-storage\n"));
+  const auto loaded =
+      config::load_text(text, "found.yaml", config::disk_reader(), config::default_options());
+  ASSERT_TRUE(loaded) << config::to_text(loaded.error().front());
+  EXPECT_GT(loaded->buses.front().devices.front().channels.size(), 10u);
+  EXPECT_THAT(template_lines(scanner),
+              ElementsAre("address 1: template: siemens-pac3200",
+                          "address 2: template: huawei-sun2000 or huawei-sun2000-storage",
+                          HasSubstr("--out FILE")));
+}
+
+TEST(ScanView, WhatDevicesSayStaysAComment) {
+  Scanner scanner(lines_of(1, {1, 2}));
+  scanner.on_response(value());
+  scanner.on_response({.device = true, .cause = Cause::kDeviceError, .device_code = 2, .bytes = 5});
+  scanner.set_identity(0, "Evil\n      - name: more\x1b[2J");
+  const std::string text = configuration_text("/dev/ttyUSB0", true, scanner);
+  EXPECT_THAT(text, HasSubstr("baud: 19200, format: 8E1"));
+  EXPECT_THAT(text, HasSubstr("# it says: Evil\\n      - name: more\\x1B[2J\n"));
+  EXPECT_THAT(text, HasSubstr("# it responds, but refuses: 02 illegal data address"));
+}
+
+}  // namespace
+}  // namespace fieldcast::cli
