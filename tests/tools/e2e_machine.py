@@ -17,12 +17,12 @@ import sys
 import tempfile
 import unittest
 
+import networks
 import plant
 from plant import Plant, modbus_line, run_cli, wait_until
 
 BIN_DIR = ""
 SECONDS = 60
-PRIVATE = "FIELDCAST_TEST_PRIVATE"  # set: this process is in namespaces of its own
 
 CONFIG = """
 bridge: e2e""" + modbus_line(defaults="refresh: 100ms") + "\n".join(f'          - {{ name: c{i}, at: "holding:{i}", type: uint16, access: read-write }}' for i in range(60)) + "\n"
@@ -161,13 +161,7 @@ class NoMulticast(unittest.TestCase):
 
 def main():
     global BIN_DIR
-    if os.geteuid() != 0:
-        print("only root can take things away from a process")
-        sys.exit(77)
-    if PRIVATE not in os.environ:
-        os.environ[PRIVATE] = "1"
-        os.execvp("unshare", ["unshare", "--mount", "--net", "--pid", "--fork", "--mount-proc", "--kill-child", "--", sys.executable, *sys.argv])
-    system("ip", "link", "set", "lo", "up")
+    networks.enter("take things away from a process", own_run=False)
     BIN_DIR = sys.argv[1]
     unittest.main(argv=sys.argv[:1] + sys.argv[2:], verbosity=2)
 

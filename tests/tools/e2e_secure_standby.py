@@ -14,23 +14,11 @@ import threading
 import time
 import unittest
 
-from e2e_standby import BIN_DIR, SECONDS, Watch, serve_device
+from e2e_standby import BIN_DIR, BRIDGE, SECONDS, Watch, serve_device
 from plant import claim_domain, run_cli, wait_until
 from steady import OnASteadyMachine
 
-CONFIG = """
-bridge: {{ name: {name}, standby: {{ group: g, strength: {strength} }} }}
-dds: {{ domain: {domain}, interfaces: [127.0.0.1], security: {folder} }}
-buses:
-  - name: one
-    port: {{ tcp: "127.0.0.1:{port}" }}
-    protocol: modbus-tcp
-    devices:
-      - name: plc
-        address: 1
-        channels:
-          - {{ name: count, at: "holding:0", type: uint16, refresh: 50ms }}
-"""
+CONFIG = BRIDGE % ("domain: {domain}, interfaces: [127.0.0.1], security: {folder}", "127.0.0.1")
 
 
 class SecureStandby(OnASteadyMachine, unittest.TestCase):

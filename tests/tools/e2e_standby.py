@@ -28,12 +28,12 @@ TAKEOVERS = int(os.environ.get("FIELDCAST_TAKEOVERS", "1"))
 PREFIX = f"fc{os.getpid() % 10000}"
 DEVICE_PORT = 1502
 
-CONFIG = """
+BRIDGE = """
 bridge: {{ name: {name}, standby: {{ group: g, strength: {strength} }} }}
-dds: {{ interfaces: [{address}], security: none }}
+dds: {{ %s }}
 buses:
   - name: one
-    port: {{ tcp: "10.77.0.3:{port}" }}
+    port: {{ tcp: "%s:{port}" }}
     protocol: modbus-tcp
     devices:
       - name: plc
@@ -41,6 +41,7 @@ buses:
         channels:
           - {{ name: count, at: "holding:0", type: uint16, refresh: 50ms }}
 """
+CONFIG = BRIDGE % ("interfaces: [{address}], security: none", "10.77.0.3")
 
 
 def ip(*words):

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "tests/tools/cli/screen/screen_text.hpp"
-#include "tools/cli/text/cell_text.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -44,15 +43,7 @@ class StatusScreenTest : public testing::Test {
     model_.members[{"line-7", bridge}] = message;
   }
   std::string draw(std::size_t columns = 80, std::size_t rows = 24) {
-    at_.now += std::chrono::seconds{1};
-    const Frame frame = screen_.frame(at_, {columns, rows, false});
-    EXPECT_EQ(frame.lines.size(), rows);
-    for (const FrameLine& line : frame.lines) {
-      std::size_t used = 0;
-      for (const Span& span : line.spans) used += columns_of(span.text);
-      EXPECT_EQ(used, columns) << text_of(line);
-    }
-    return text_of(frame);
+    return next_frame(screen_, at_, {columns, rows, false});
   }
   bool press(const Key& key) { return screen_.on_key(key, at_); }
 

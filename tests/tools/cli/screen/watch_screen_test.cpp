@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "tests/tools/cli/screen/screen_text.hpp"
-#include "tools/cli/text/cell_text.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -41,15 +40,7 @@ class WatchScreenTest : public testing::Test {
   }
 
   std::string draw(std::size_t columns = 80, std::size_t rows = 24) {
-    at_.now += 1s;
-    const Frame frame = screen_.frame(at_, {columns, rows, true});
-    EXPECT_EQ(frame.lines.size(), rows);
-    for (const FrameLine& line : frame.lines) {
-      std::size_t used = 0;
-      for (const Span& span : line.spans) used += columns_of(span.text);
-      EXPECT_EQ(used, columns) << text_of(line);
-    }
-    return text_of(frame);
+    return next_frame(screen_, at_, {columns, rows, true});
   }
   Intent press(const Key& key) { return screen_.on_key(key, at_); }
   void type(const std::string& text) {

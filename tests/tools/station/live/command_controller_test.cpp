@@ -6,6 +6,8 @@
 #include <atomic>
 #include <future>
 
+#include "tests/tools/station/live/io_test.hpp"
+
 namespace fieldcast::web {
 namespace {
 
@@ -47,17 +49,7 @@ struct FakeAudit : Audit {
   std::vector<AuditEntry> entries;
 };
 
-struct CommandControllerTest : ::testing::Test {
-  // Runs the io context until `condition` is true, for at most 10 s.
-  template <class Condition>
-  bool run_until(Condition condition) {
-    const auto end = std::chrono::steady_clock::now() + 10s;
-    while (!condition() && std::chrono::steady_clock::now() < end) {
-      io.restart();
-      io.run_for(5ms);
-    }
-    return condition();
-  }
+struct CommandControllerTest : IoTest {
   auto write() {
     return desk.submit(anna, write_command({"shop", "press", "oil"}, 21.5, true),
                        [this](const CommandOutcome& outcome) { outcomes.push_back(outcome); });
@@ -72,7 +64,6 @@ struct CommandControllerTest : ::testing::Test {
     };
   }
 
-  boost::asio::io_context io;
   FakePort port;
   FakeAudit audit;
   std::vector<CommandOutcome> outcomes, others;

@@ -11,6 +11,7 @@
 
 #include "bridge/base/clock.hpp"
 #include "tests/bridge/dds/dds_support.hpp"
+#include "tests/tools/station/live/io_test.hpp"
 
 namespace fieldcast::testing {
 namespace {
@@ -57,22 +58,12 @@ class Page : public LivePeer {
   boost::asio::steady_timer timer_;
 };
 
-struct LiveDomainTest : ::testing::Test {
-  template <class Condition>
-  bool run_until(Condition condition) {
-    const auto end = std::chrono::steady_clock::now() + 10s;
-    while (!condition() && std::chrono::steady_clock::now() < end) {
-      io.restart();
-      io.run_for(5ms);
-    }
-    return condition();
-  }
+struct LiveDomainTest : web::IoTest {
   [[nodiscard]] const web::LiveChannel* channel() const {
     return domain.model().find({bus, "d", "c0"});
   }
 
   const std::string bus = bus_name("live");
-  boost::asio::io_context io;
   web::LiveDomain domain{io, {DdsSite{{}, loopback()}}, "wall", "1.2.3"};
 };
 
