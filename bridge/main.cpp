@@ -329,10 +329,8 @@ ExitCode run(int argc, char** argv) {
   line.text("CONFIG", path, "the configuration (YAML)").required();
   line.flag("--check", check, "only report the faults of the configuration");
   line.flag("--trace", trace, "write every frame to stdout from the start");
-  if (const auto ended = line.parse(argc, argv)) {
-    std::fputs(ended->text.c_str(), ended->fault ? stderr : stdout);
-    return ended->fault ? ExitCode::kUsage : ExitCode::kOk;
-  }
+  if (const auto fault = line.parse_or_print(argc, argv))
+    return *fault ? ExitCode::kUsage : ExitCode::kOk;
   return check ? check_configuration(path) : run_daemon(path, trace);
 }
 

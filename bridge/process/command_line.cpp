@@ -1,6 +1,7 @@
 #include "bridge/process/command_line.hpp"
 
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <sstream>
 
 #include "core/base/message_text.hpp"
@@ -139,6 +140,13 @@ std::optional<CommandLine::Ended> CommandLine::parse(int argc, const char* const
     return Ended{!asked, asked ? out.str() : err.str()};
   }
   return std::nullopt;
+}
+
+std::optional<bool> CommandLine::parse_or_print(int argc, const char* const* argv) {
+  const auto ended = parse(argc, argv);
+  if (!ended) return std::nullopt;
+  std::fputs(ended->text.c_str(), ended->fault ? stderr : stdout);
+  return ended->fault;
 }
 
 }  // namespace fieldcast

@@ -76,6 +76,8 @@ class CommandLine {
     std::string text;
   };
   [[nodiscard]] std::optional<Ended> parse(int argc, const char* const* argv);
+  // Prints the text of parse(), an error to standard error. Returns whether it was an error.
+  [[nodiscard]] std::optional<bool> parse_or_print(int argc, const char* const* argv);
 
   static constexpr Duration kLongest = std::chrono::hours{24 * 365};
   static constexpr Duration kShortest = std::chrono::microseconds{1};

@@ -87,5 +87,6 @@ void run_captures(int turns) {
 
 int main(int argc, char** argv) {
   using namespace fieldcast::bench;
-  return run_bench("capture_bench", [&] { run_captures(Arguments(argc, argv).number_at(0, 4)); });
+  return run_bench("capture_bench", argc, argv,
+                   [](const Arguments& arguments) { run_captures(arguments.number_at(0, 4)); });
 }

@@ -126,5 +126,5 @@ void run(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   using namespace fieldcast::bench;
-  return run_bench("command_memory_bench", [&] { run(Arguments(argc, argv)); });
+  return run_bench("command_memory_bench", argc, argv, run);
 }

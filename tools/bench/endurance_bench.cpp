@@ -98,8 +98,7 @@ void measure(const std::vector<Line>& lines, const test::Map& map, double second
 
 int main(int argc, char** argv) {
   using namespace fieldcast::bench;
-  return run_bench("endurance_bench", [&] {
-    const Arguments arguments(argc, argv);
+  return run_bench("endurance_bench", argc, argv, [](const Arguments& arguments) {
     const double seconds = arguments.number("--seconds", 60.0);
     const std::string number = arguments.text("--map", "11");
     const auto baud = arguments.number("--baud", 0u);

@@ -58,8 +58,8 @@ void measure(const char* what, const std::string& faults, double seconds) {
 
 int main(int argc, char** argv) {
   using namespace fieldcast::bench;
-  return run_bench("fault_bench", [&] {
-    const double seconds = Arguments(argc, argv).number("--seconds", 30.0);
+  return run_bench("fault_bench", argc, argv, [](const Arguments& arguments) {
+    const double seconds = arguments.number("--seconds", 30.0);
     measure("all ten healthy", "", seconds);
     measure("unit-4 dead", "buses: { bus: { devices: { unit-4: { silence: always } } } }\n",
             seconds);

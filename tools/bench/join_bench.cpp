@@ -116,8 +116,7 @@ void measure(const Options& options, int buses) {
 
 int main(int argc, char** argv) {
   using namespace fieldcast::bench;
-  return run_bench("join_bench", [&] {
-    const Arguments arguments(argc, argv);
+  return run_bench("join_bench", argc, argv, [](const Arguments& arguments) {
     const Options options{.channels = arguments.number("--channels", 1000),
                           .joins = arguments.number("--joins", 2),
                           .way = arguments.text("--way"),

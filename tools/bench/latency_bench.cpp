@@ -206,6 +206,6 @@ void measure(double seconds) {
 
 int main(int argc, char** argv) {
   using namespace fieldcast::bench;
-  return run_bench("latency_bench",
-                   [&] { measure(Arguments(argc, argv).number("--seconds", 5.0)); });
+  return run_bench("latency_bench", argc, argv,
+                   [](const Arguments& arguments) { measure(arguments.number("--seconds", 5.0)); });
 }

@@ -256,8 +256,7 @@ void measure(const Options& options, int count) {
 
 int main(int argc, char** argv) {
   using namespace fieldcast::bench;
-  return run_bench("scale_bench", [&] {
-    const Arguments arguments(argc, argv);
+  return run_bench("scale_bench", argc, argv, [](const Arguments& arguments) {
     const Options options{.seconds = arguments.number("--seconds", 10.0),
                           .channels = arguments.number("--channels", 300),
                           .run = arguments.number("--run", 0),

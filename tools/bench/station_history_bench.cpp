@@ -112,8 +112,7 @@ void record(const std::string& file, double seconds) {
 
 int main(int argc, char** argv) {
   using namespace fieldcast::bench;
-  return run_bench("station_history_bench", [&] {
-    const Arguments arguments(argc, argv);
+  return run_bench("station_history_bench", argc, argv, [](const Arguments& arguments) {
     const ScratchFolder folder;
     measure_history(arguments.text("--file", folder.path() + "/history.db"));
     record(folder.path() + "/recorded.db", arguments.number("--seconds", 20.0));

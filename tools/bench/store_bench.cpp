@@ -242,8 +242,7 @@ void killed(const std::string& address, double seconds) {
 
 int main(int argc, char** argv) {
   using namespace fieldcast::bench;
-  return run_bench("store_bench", [&] {
-    const Arguments arguments(argc, argv);
+  return run_bench("store_bench", argc, argv, [](const Arguments& arguments) {
     const double seconds = arguments.number("--seconds", 60.0);
     const std::string url = arguments.text("--url"), only = arguments.text("--only");
     const auto wanted = [&](const char* part) { return only.empty() || only == part; };

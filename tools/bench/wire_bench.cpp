@@ -171,5 +171,6 @@ void run(double seconds) {
 
 int main(int argc, char** argv) {
   using namespace fieldcast::bench;
-  return run_bench("wire_bench", [&] { run(Arguments(argc, argv).number("--seconds", 10.0)); });
+  return run_bench("wire_bench", argc, argv,
+                   [](const Arguments& arguments) { run(arguments.number("--seconds", 10.0)); });
 }

@@ -177,10 +177,7 @@ int main(int argc, char** argv) {
                    "Makes a virtual serial port at PATH that leads to a PLC behind a bridge: "
                    "programming software opens it as a COM port.");
   describe(line, given);
-  if (const auto ended = line.parse(argc, argv)) {
-    std::fputs(ended->text.c_str(), ended->fault ? stderr : stdout);
-    return ended->fault ? kUsage : kStopped;
-  }
+  if (const auto fault = line.parse_or_print(argc, argv)) return *fault ? kUsage : kStopped;
   try {
     return run(given);
   } catch (const std::exception& error) { return fail(kTrouble, error.what()); }

@@ -35,15 +35,6 @@ ProgressText progress_text(std::string_view what, double share, Duration elapsed
   return text;
 }
 
-ProgressText progress_count_text(std::string_view what, std::uint64_t count, std::string_view unit,
-                                 Duration elapsed) {
-  ProgressText text{std::string(what), fmt::format("{} {}", count, unit)};
-  const double seconds = to_seconds(elapsed);
-  if (seconds < kFirstGuess) return text;
-  text.how_far += fmt::format(", {:.0f} each second", static_cast<double>(count) / seconds);
-  return text;
-}
-
 std::string progress_line_text(const ProgressText& text, std::size_t columns) {
   constexpr std::string_view kBetween = ": ";
   const std::string what = cli::shown(text.what), how_far = cli::shown(text.how_far);

@@ -22,15 +22,11 @@ struct ProgressText {
 // `share`: finished share, 0 to 1. No estimate in the first tenth of a second.
 [[nodiscard]] ProgressText progress_text(std::string_view what, double share, Duration elapsed);
 
-// "120000 lines, 40000 each second", if the total is unknown.
-[[nodiscard]] ProgressText progress_count_text(std::string_view what, std::uint64_t count,
-                                               std::string_view unit, Duration elapsed);
 // "what: how far" in at most `columns`. Shortens `what` first, then truncates `how_far`.
 [[nodiscard]] std::string progress_line_text(const ProgressText& text, std::size_t columns);
 
 // A progress line on standard error, only on a terminal, cleared by the destructor. Main thread,
 // one instance at a time; nothing fails.
-
 class ProgressLine {
  public:
   using Text = std::function<ProgressText(Duration elapsed)>;
@@ -51,11 +47,11 @@ class ProgressLine {
   const std::chrono::steady_clock::time_point began_;
   std::chrono::steady_clock::time_point next_;
 };
+
 // Clears the line when a signal ends the process from another thread.
 void wipe_progress_at_end() noexcept;
 
 // Progress line with a known number of steps. Main thread, one instance at a time.
-
 class StepProgress {
  public:
   // The steps should have similar durations, because the estimate uses their count.

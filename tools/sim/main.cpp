@@ -119,9 +119,6 @@ int main(int argc, char** argv) {
                    "Simulates the plant of a configuration: a pseudo-terminal at each serial path, "
                    "a listener for each TCP bus.");
   describe(line, given);
-  if (const auto ended = line.parse(argc, argv)) {
-    std::fputs(ended->text.c_str(), ended->fault ? stderr : stdout);
-    return ended->fault ? kBadArguments : kFine;
-  }
+  if (const auto fault = line.parse_or_print(argc, argv)) return *fault ? kBadArguments : kFine;
   return simulate(given);
 }

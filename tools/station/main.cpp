@@ -251,10 +251,8 @@ ExitCode run(int argc, char** argv) {
       "join as the member whose folder this is (fieldcast secure add), instead of the "
       "configuration's");
   line.flag("--check", options.check, "only report the faults of the configuration");
-  if (const auto ended = line.parse(argc, argv)) {
-    std::fputs(ended->text.c_str(), ended->fault ? stderr : stdout);
-    return ended->fault ? ExitCode::kUsage : ExitCode::kOk;
-  }
+  if (const auto fault = line.parse_or_print(argc, argv))
+    return *fault ? ExitCode::kUsage : ExitCode::kOk;
   fieldcast::Signals signals;
   fieldcast::config::Places places;
   const auto spec = spec_of(options, places);

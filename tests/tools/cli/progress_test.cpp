@@ -24,12 +24,6 @@ TEST(ProgressText, SaysHowMuchIsDoneAndHowLongTheRestTakes) {
       << "a guess of years is none";
 }
 
-TEST(ProgressText, CountsWhereNobodyKnowsTheEnd) {
-  EXPECT_EQ(wide(progress_count_text("history", 1000, "lines", 4s)),
-            "history: 1000 lines, 250 each second");
-  EXPECT_EQ(wide(progress_count_text("history", 1, "lines", 1ms)), "history: 1 lines");
-}
-
 TEST(ProgressText, OnANarrowTerminalHowFarItIsStays) {
   const ProgressText text = progress_text("simulating boiler-house", 0.25, 10s);
   EXPECT_EQ(progress_line_text(text, 40), "simulating boiler-house: 25 %, 30s left");

@@ -189,7 +189,7 @@ TEST(SimCheck, WhatPassesUnseenIsAFailureWhereACheckWasPromised) {
   Subject subject = subjects_of("modbus-tcp")[0];
   subject.checked = true;
   CheckRows rows;
-  check_answers(subject, rows);
+  check_responses(subject, rows);
   const auto flips = std::ranges::find(rows, "flipped bits", &CheckRow::check);
   ASSERT_NE(flips, rows.end());
   EXPECT_GT(flips->failed(), 0u);

@@ -52,5 +52,8 @@ int run_bench(const char* name, const auto& work) {
     return 1;
   }
 }
+int run_bench(const char* name, int argc, char** argv, const auto& work) {
+  return run_bench(name, [&] { work(Arguments(argc, argv)); });
+}
 
 }  // namespace fieldcast::bench

@@ -204,7 +204,6 @@ void describe_import(CommandLine& line, ImportCommandOptions& options) {
 
 }  // namespace
 
-CommandRow import_command();
 CommandRow import_command() {
   return command_row("import", "Make a configuration of other programs' lists; needs no bridge",
                      describe_import, [](const ImportCommandOptions& options, const Streams& to) {

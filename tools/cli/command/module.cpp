@@ -113,7 +113,6 @@ void describe_module(CommandLine& line, ModuleArguments& given) {
 
 }  // namespace
 
-CommandRow module_command();
 CommandRow module_command() {
   return command_row("module", "Dial in at a bridge with a serial line of this machine",
                      describe_module, module);

@@ -53,7 +53,6 @@ void describe_doctor(CommandLine& line, DoctorOptions& options) {
 
 }  // namespace
 
-CommandRow doctor_command();
 CommandRow doctor_command() {
   return command_row("doctor",
                      "What of this machine is in Fieldcast's way, and the remedy; needs no bridge",
@@ -151,7 +150,6 @@ void describe_plan(CommandLine& line, PlanOptions& options) {
 
 }  // namespace
 
-CommandRow plan_command();
 CommandRow plan_command() {
   return command_row(
       "plan", "Predict blocks, load and gaps of every bus of a configuration; needs no bridge",

@@ -5,13 +5,6 @@
 
 namespace fieldcast::cli {
 
-// Each is defined in the file of its command.
-CommandRow watch_command(), write_command(), acquire_command(), status_command(),
-    sessions_command(), plan_command(), inspect_command(), scan_command(), read_command(),
-    poke_command(), sim_check_command(), history_command(), devices_command(), audit_command(),
-    user_command(), token_command(), alarms_command(), doctor_command(), secure_command(),
-    standby_command(), module_command(), import_command(), capture_command(), health_command();
-
 ExitCode usage_fault(std::ostream& err, std::string_view command, std::string_view fault) {
   err << "fieldcast " << command << ": " << fault << '\n';
   return ExitCode::kUsage;

@@ -219,7 +219,6 @@ void describe_secure(CommandLine& line, SecureOptions& options) {
 
 }  // namespace
 
-CommandRow secure_command();
 CommandRow secure_command() {
   return command_row("secure", "Make identities and permissions for DDS Security; needs no bridge",
                      describe_secure, [](const SecureOptions& options, const Streams& to) {

@@ -168,14 +168,12 @@ void describe_user(CommandLine& line, UserOptions& options) {
 
 }  // namespace
 
-CommandRow token_command();
 CommandRow token_command() {
   return command_row("token",
                      "Add, list and remove tokens, which read at a station; needs no bridge",
                      describe_token, token);
 }
 
-CommandRow user_command();
 CommandRow user_command() {
   return command_row("user", "Add, list and remove who may log in; needs no bridge", describe_user,
                      user);

@@ -252,4 +252,16 @@ tl::expected<BusSpec, std::string> bus_of(const LineOptions& options,
   return bus;
 }
 
+ExitCode on_direct_bus(const DirectRun& run, const Interrupt& interrupt, std::ostream& err,
+                       const std::function<ExitCode(DirectBus& bus)>& work) {
+  return on_line(run.capture, run.bus, run.command, err, [&](LineCapture* capture) {
+    DirectBus bus(run.bus, run.trace, capture);
+    const auto opened = bus.open(interrupt);
+    if (opened) return work(bus);
+    if (interrupt.raised()) return ExitCode::kInterrupted;
+    err << "fieldcast " << run.command << ": " << printable(opened.error()) << '\n';
+    return ExitCode::kTrouble;
+  });
+}
+
 }  // namespace fieldcast::cli

@@ -44,9 +44,19 @@ class DirectBus {
   std::unique_ptr<State> state_;
 };
 
+struct DirectRun {
+  std::string command;  // for messages: "read"
+  const BusSpec& bus;
+  std::string capture;  // new capture file; empty: none
+  bool trace = false;
+};
+// Opens the bus and calls `work`. Returns its exit code, or that of a port that does not open.
+[[nodiscard]] ExitCode on_direct_bus(const DirectRun& run, const Interrupt& interrupt,
+                                     std::ostream& err,
+                                     const std::function<ExitCode(DirectBus& bus)>& work);
+
 // Port and protocol on the command line: `fieldcast read /dev/ttyUSB0 --baud 9600 --format 8N1
 // --address 3 holding:100`.
-
 struct LineOptions {
   std::string port;      // "/dev/ttyUSB0", "10.0.0.7:502"
   std::string protocol;  // empty: modbus-rtu, or modbus-tcp for HOST:PORT
@@ -58,6 +68,7 @@ struct LineOptions {
   Duration timeout = std::chrono::milliseconds{500};
   std::uint32_t retries = 1;
 };
+
 // "ttyUSB0" becomes /dev/ttyUSB0; "./NAME" is a file of the working directory. HOST:PORT, a path,
 // or another name is returned unchanged.
 [[nodiscard]] std::string full_port(const std::string& port);

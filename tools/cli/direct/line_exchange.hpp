@@ -94,7 +94,7 @@ class LineExchange {
   [[nodiscard]] tl::expected<Response, std::string> ask(std::unique_ptr<Exchange> exchange,
                                                         Duration timeout,
                                                         const LineEvent& note = {});
-  // Restarts the detection for Response::heard: bytes received since this call that are not an echo.
+  // Restarts the detection for Response::heard: bytes received since this call, without an echo.
   void listen_again();
   // Calls `meanwhile` several times a second during waits, for the progress.
   void while_waiting(std::function<void()> meanwhile);

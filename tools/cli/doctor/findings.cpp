@@ -170,12 +170,8 @@ void look_at_profile(const MachineFacts& facts, Findings& found) {
 }  // namespace
 
 std::string_view severity_text(Severity severity) {
-  switch (severity) {
-    case Severity::kOk: return "ok";
-    case Severity::kAdvice: return "advice";
-    case Severity::kPrevents: return "prevents";
-  }
-  return "?";
+  constexpr std::string_view kTexts[] = {"ok", "advice", "prevents"};
+  return kTexts[static_cast<std::size_t>(severity)];
 }
 
 std::vector<Finding> findings_of(const MachineFacts& facts) {

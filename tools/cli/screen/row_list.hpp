@@ -46,7 +46,6 @@ class RowList {
   // Folding becomes effective with the next assign().
   [[nodiscard]] bool is_folded(const ChannelPath& id) const { return folded_.contains(id); }
   void fold(const ChannelPath& id, bool folded);
-  void unfold_all() { folded_.clear(); }
 
  private:
   ListRows rows_;

@@ -145,15 +145,6 @@ std::string limits_text(const StationChannel& about) {
   return text.empty() ? text : "; limits: " + text;
 }
 
-std::string_view access_text(Access access) {
-  switch (access) {
-    case Access::kReadOnly: return "read-only";
-    case Access::kReadWrite: return "read-write";
-    case Access::kWriteOnly: return "write-only";
-  }
-  return "?";
-}
-
 FrameLine text_line(std::string text, Tone tone = Tone::kPlain) {
   return {{{std::move(text), tone}}, false};
 }
@@ -235,7 +226,7 @@ std::vector<FrameLine> WatchScreen::channel_details(const ListRow& row, const Mo
   if (about != nullptr) {
     const std::string facts = shown(fmt::format(
         "{} at {}, {}, refresh {}; acquired {}; bridge {}{}", about->type, about->at,
-        access_text(about->access),
+        to_text(about->access),
         about->refresh == Duration{} ? std::string("none promised") : to_text(about->refresh),
         utc_text(sample.acquired_at), about->bridge, limits_text(*about)));
     for (const auto& line : wrapped(facts, columns, 2))

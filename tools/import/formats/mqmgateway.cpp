@@ -1,8 +1,8 @@
 // mqmgateway (modmqttd): networks become buses, slaves become devices, and values of topics become
 // channels. Decimal registers count from 1, hexadecimal ones from 0.
 //
-// Source: BlackZork/mqmgateway README.md (Configuration, Data conversion), and stdconv/*.hpp: divide
-// and multiply treat two registers as signed, and bits count from 1.
+// Source: BlackZork/mqmgateway README.md (Configuration, Data conversion), and stdconv/*.hpp:
+// divide and multiply treat two registers as signed, and bits count from 1.
 #include <algorithm>
 #include <map>
 

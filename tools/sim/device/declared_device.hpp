@@ -18,7 +18,7 @@ class DeclaredDevice : public MemoryDevice {
   [[nodiscard]] std::unique_ptr<Receiver> open_receiver() override;
 
   enum class Taken : std::uint8_t { kMore, kDone, kNothing };
-  // Parses all bytes since the last silence or response. kDone with an empty `response`: stay silent.
+  // Parses all bytes since the last silence or response. kDone, empty `response`: stay silent.
   [[nodiscard]] Taken take(ByteView bytes, Instant now, Bytes& response);
   [[nodiscard]] std::optional<ItemAddress> parse_address(std::string_view at) const;
 

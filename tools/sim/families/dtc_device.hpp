@@ -16,6 +16,13 @@ namespace fieldcast::sim {
 // Empty if the codes do not decode to `length` bytes. REQUIRES: length <= 4096.
 [[nodiscard]] std::optional<Bytes> dtc_expand(ByteView codes, std::size_t length);
 
+inline constexpr std::array<std::string_view, 5> kDtcAreaNames{"bit", "int16", "int32", "float32",
+                                                               "float64"};
+inline constexpr std::array<unsigned, 5> kDtcBits{1, 16, 32, 32, 64};  // of one variable
+
+// "int16:100" or "int16:100.3"; independent of the bridge's parser.
+[[nodiscard]] std::optional<ItemAddress> parse_dtc_address(std::string_view at);
+
 // A simulated DTC device. Implemented from the specification only, independent of the bridge's
 // codec except for the checksum.
 //
@@ -25,14 +32,6 @@ namespace fieldcast::sim {
 //
 // Has the bridge's options max-message, and threshold for sent messages (default and `auto`: 24
 // bytes).
-
-inline constexpr std::array<std::string_view, 5> kDtcAreaNames{"bit", "int16", "int32", "float32",
-                                                               "float64"};
-inline constexpr std::array<unsigned, 5> kDtcBits{1, 16, 32, 32, 64};  // of one variable
-
-// "int16:100" or "int16:100.3"; independent of the bridge's parser.
-[[nodiscard]] std::optional<ItemAddress> parse_dtc_address(std::string_view at);
-
 class DtcDevice : public MemoryDevice {
  public:
   explicit DtcDevice(const DeviceSetup& setup);

@@ -132,14 +132,17 @@ std::optional<HttpResponse> unknown_member(const Body& object,
   return std::nullopt;
 }
 
-Checked<std::string> name_in(const Body& object, const char* name) {
-  const auto found = object.find(name);
-  if (found != object.end() && found->is_string()) {
-    const auto& text = found->get_ref<const std::string&>();
-    if (!text.empty() && text.size() <= kMaxNameBytes) return text;
+using Names = std::initializer_list<std::pair<const char*, std::string*>>;
+
+std::optional<HttpResponse> read_names(const Body& object, Names names) {
+  for (const auto& [name, to] : names) {
+    auto text = text_in(object, name, kMaxNameBytes);
+    if (!text)
+      return error_response(400, fmt::format("{} is missing, or no name", name),
+                            fmt::format("\"{}\": a text of 1 to {} bytes", name, kMaxNameBytes));
+    *to = *std::move(text);
   }
-  return refuse(fmt::format("{} is missing, or no name", name),
-                fmt::format("\"{}\": a text of 1 to {} bytes", name, kMaxNameBytes));
+  return std::nullopt;
 }
 
 Checked<std::string> note_in(const Body& object) {
@@ -168,14 +171,10 @@ Checked<AlarmKey> alarm_in(const Body& object) {
   if (auto fault = unknown_member(object, {"bus", "device", "channel", "limit"}))
     return tl::make_unexpected(*std::move(fault));
   AlarmKey key;
-  const std::pair<const char*, std::string*> names[] = {
-      {"bus", &key.bus}, {"device", &key.device}, {"channel", &key.channel}};
-  for (const auto& [name, to] : names) {
-    auto text = name_in(object, name);
-    if (!text) return tl::make_unexpected(std::move(text.error()));
-    *to = *std::move(text);
-  }
-  const auto limit = name_in(object, "limit");
+  if (auto fault = read_names(
+          object, {{"bus", &key.bus}, {"device", &key.device}, {"channel", &key.channel}}))
+    return tl::make_unexpected(*std::move(fault));
+  const auto limit = text_in(object, "limit", kMaxNameBytes);
   const auto kind = limit ? limit_kind_from(*limit) : std::nullopt;
   if (!kind) return refuse("this is no limit", R"("limit": "low-low", "low", "high", "high-high")");
   key.limit = *kind;
@@ -219,13 +218,8 @@ Checked<AlarmAction> maintenance_action(const Body& body) {
   if (auto fault = unknown_member(body, {"bus", "device", "minutes", "note"}))
     return tl::make_unexpected(*std::move(fault));
   AlarmAction action;
-  const std::pair<const char*, std::string*> names[] = {{"bus", &action.alarm.bus},
-                                                        {"device", &action.alarm.device}};
-  for (const auto& [name, to] : names) {
-    auto text = name_in(body, name);
-    if (!text) return tl::make_unexpected(std::move(text.error()));
-    *to = *std::move(text);
-  }
+  if (auto fault = read_names(body, {{"bus", &action.alarm.bus}, {"device", &action.alarm.device}}))
+    return tl::make_unexpected(*std::move(fault));
   auto note = note_in(body);
   if (!note) return tl::make_unexpected(std::move(note.error()));
   const auto minutes = minutes_in(body, 0, kMaxMaintenanceMinutes);

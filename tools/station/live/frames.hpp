@@ -62,6 +62,14 @@ class ClientInterests {
   std::map<std::string, std::multiset<Duration>> wished_;
 };
 
+inline constexpr std::uint32_t kNoAge = 0xFFFFFFFF;  // never acquired, or more than 49 days ago
+inline constexpr std::size_t kFrameHeader = 16;      // bytes
+inline constexpr std::size_t kFrameRow = 17;         // bytes of one channel
+
+using Channels = std::vector<const LiveChannel*>;
+
+[[nodiscard]] bool needs_text(const Value& value);
+
 // Encodes channel values as frames of /live. Pure functions.
 //
 //     binary, little-endian    u8 1 | u8 0 | u16 0 | u32 n | f64 base_ms | f64 value[n] | u32 id[n]
@@ -72,15 +80,6 @@ class ClientInterests {
 // A value was acquired at base_ms - age_ms (Unix milliseconds). Its quality is the number of the
 // topic's enumerator. A bool is 0 or 1. NaN means never acquired, or a value in the text message: a
 // string, or an integer beyond 2^53.
-
-inline constexpr std::uint32_t kNoAge = 0xFFFFFFFF;  // never acquired, or more than 49 days ago
-inline constexpr std::size_t kFrameHeader = 16;      // bytes
-inline constexpr std::size_t kFrameRow = 17;         // bytes of one channel
-
-using Channels = std::vector<const LiveChannel*>;
-
-[[nodiscard]] bool needs_text(const Value& value);
-
 // `channels` may be empty; the frame then reports no change.
 [[nodiscard]] std::string binary_frame(const Channels& channels);
 // Returns an empty text if no channel needs it.
@@ -92,8 +91,8 @@ struct LiveFrame {
   std::size_t channels = 0;
   std::uint64_t version = 0;  // version of the model that the client has after this frame
 };
-// Caches frames of /live for clients with the same channels and version. Pure; on the io thread.
 
+// Caches frames of /live for clients with the same channels and version. Pure; on the io thread.
 class FrameCache {
  public:
   // Channels of one frame: 278 kB. The rest is sent in the next frame.

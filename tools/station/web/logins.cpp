@@ -141,15 +141,6 @@ HttpResponse response_of(const LoginRefused& refused) {
   return response;
 }
 
-std::optional<std::string> text_field(const nlohmann::json& body, const char* name,
-                                      std::size_t limit) {
-  const auto found = body.find(name);
-  if (found == body.end() || !found->is_string()) return std::nullopt;
-  auto text = found->get<std::string>();
-  if (text.empty() || text.size() > limit) return std::nullopt;
-  return text;
-}
-
 }  // namespace
 
 void Site::add_own_routes() {
@@ -205,13 +196,13 @@ void Site::log_in(const HttpRequest& request, const Caller& caller, const Reply&
   const auto done = [this, cookie = request.login, reply](LoginVerdict verdict) {
     finish_login(cookie, reply, std::move(verdict));
   };
-  if (auto token = text_field(*body, "token", kMaxTokenBytes)) {
+  if (auto token = text_in(*body, "token", kMaxTokenBytes)) {
     if (!logins_.by_token)
       return reply(error_response(401, "there are no tokens", "the station needs a store"));
     return logins_.by_token(std::move(*token), caller.peer, done);
   }
-  auto user = text_field(*body, "user", Logins::kMaxUserBytes);
-  auto password = text_field(*body, "password", Logins::kMaxPasswordBytes);
+  auto user = text_in(*body, "user", Logins::kMaxUserBytes);
+  auto password = text_in(*body, "password", Logins::kMaxPasswordBytes);
   if (!user || !password)
     return reply(
         error_response(400, "no user and password", R"({"user": "..", "password": ".."})"));

@@ -34,6 +34,14 @@ tl::expected<nlohmann::json, HttpResponse> body_of(const HttpRequest& request) {
   return *std::move(parsed);
 }
 
+std::optional<std::string> text_in(const nlohmann::json& object, const char* name,
+                                   std::size_t most) {
+  const auto found = object.find(name);
+  if (found == object.end() || !found->is_string()) return std::nullopt;
+  const auto& text = found->get_ref<const std::string&>();
+  return text.empty() || text.size() > most ? std::nullopt : std::optional(text);
+}
+
 namespace {
 
 HttpResponse refusal(bool logged_in) {

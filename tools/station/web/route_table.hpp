@@ -20,7 +20,9 @@ inline constexpr int kMaxJsonDepth = 8;
 
 [[nodiscard]] tl::expected<nlohmann::json, HttpResponse> body_of(const HttpRequest& request);
 
-// Routes of the station, constant after start. Each states its access; there is no default.
+// The text of this name with 1 to `most` bytes; empty for anything else.
+[[nodiscard]] std::optional<std::string> text_in(const nlohmann::json& object, const char* name,
+                                                 std::size_t most);
 
 enum class Access : std::uint8_t {
   kPublic,    // everybody
@@ -39,9 +41,9 @@ struct Route {
 
 [[nodiscard]] HttpResponse method_refusal(const std::string& allowed);
 
+// Routes of the station, constant after start. Each states its access; there is no default.
 class RouteTable {
  public:
-// Routes of the station, constant after start. Each states its access; there is no default.
   // REQUIRES: the method and path are new, the path starts with "/", the handler is set.
   void add(Route route);
 

@@ -68,7 +68,13 @@ template <typename Options>
   return {name, summary, [=] { return std::make_unique<CommandWith<Options>>(add_options, run); }};
 }
 
-// In the order of the help.
+// Each is defined in the file of its command.
+CommandRow watch_command(), write_command(), acquire_command(), status_command(),
+    sessions_command(), plan_command(), inspect_command(), scan_command(), read_command(),
+    poke_command(), sim_check_command(), history_command(), devices_command(), audit_command(),
+    user_command(), token_command(), alarms_command(), doctor_command(), secure_command(),
+    standby_command(), module_command(), import_command(), capture_command();
+
 [[nodiscard]] std::span<const CommandRow> commands();
 
 }  // namespace fieldcast::cli

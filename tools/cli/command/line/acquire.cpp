@@ -77,7 +77,6 @@ void describe_acquire(CommandLine& line, AcquireOptions& options) {
 
 }  // namespace
 
-CommandRow acquire_command();
 CommandRow acquire_command() {
   return command_row("acquire", "Read from a device now", describe_acquire, in_domain(acquire));
 }

@@ -263,7 +263,6 @@ void describe_capture(CommandLine& line, CaptureOptions& options) {
 
 }  // namespace
 
-CommandRow capture_command();
 CommandRow capture_command() {
   return command_row("capture", "Write what passes on a bus to a file for Wireshark",
                      describe_capture, interruptible(capture));

@@ -128,7 +128,6 @@ void describe_inspect(CommandLine& line, InspectOptions& options) {
 
 }  // namespace
 
-CommandRow inspect_command();
 CommandRow inspect_command() {
   return command_row("inspect", "Explain a frame, a trace or a capture; needs no bridge",
                      describe_inspect, inspect);
@@ -223,7 +222,6 @@ void describe_sim_check(CommandLine& line, SimCheckOptions& options) {
 
 }  // namespace
 
-CommandRow sim_check_command();
 CommandRow sim_check_command() {
   return command_row("sim-check",
                      "Try a protocol's master against its simulated device, through the whole "

@@ -119,13 +119,8 @@ ExitCode poke(const PokeOptions& options, const Interrupt& interrupt, const Stre
     writes.push_back(*std::move(write));
   }
   if (refuses_any(options, writes, bus->devices.front(), *protocol, to)) return ExitCode::kRejected;
-  return on_line(options.capture, *bus, "poke", to.err, [&](LineCapture* capture) {
-    DirectBus line(*bus, options.trace, capture);
-    if (const auto opened = line.open(interrupt); !opened) {
-      if (interrupt.raised()) return ExitCode::kInterrupted;
-      to.err << "fieldcast poke: " << printable(opened.error()) << '\n';
-      return ExitCode::kTrouble;
-    }
+  const DirectRun run{"poke", *bus, options.capture, options.trace};
+  return on_direct_bus(run, interrupt, to.err, [&](DirectBus& line) {
     for (const Write& write : writes) {
       const auto result = line.run(command_of(write, options.verify), interrupt);
       if (!result) {
@@ -158,7 +153,6 @@ void describe_poke(CommandLine& line, PokeOptions& options) {
 
 }  // namespace
 
-CommandRow poke_command();
 CommandRow poke_command() {
   return command_row("poke", "Write to a line; needs no bridge and no configuration", describe_poke,
                      interruptible(poke));

@@ -181,13 +181,8 @@ ExitCode read(const ReadOptions& options, const Interrupt& interrupt, const Stre
     if (!wanted) return usage_fault(to.err, "read", wanted.error());
     all.push_back(*std::move(wanted));
   }
-  return on_line(options.capture, *bus, "read", to.err, [&](LineCapture* capture) {
-    DirectBus line(*bus, options.trace, capture);
-    if (const auto opened = line.open(interrupt); !opened) {
-      if (interrupt.raised()) return ExitCode::kInterrupted;
-      to.err << "fieldcast read: " << printable(opened.error()) << '\n';
-      return ExitCode::kTrouble;
-    }
+  const DirectRun run{"read", *bus, options.capture, options.trace};
+  return on_direct_bus(run, interrupt, to.err, [&](DirectBus& line) {
     Reading reading(options, std::move(protocol), line, to);
     ExitCode worst = ExitCode::kOk;
     for (const Wanted& wanted : all) {
@@ -219,7 +214,6 @@ void describe_read(CommandLine& line, ReadOptions& options) {
 
 }  // namespace
 
-CommandRow read_command();
 CommandRow read_command() {
   return command_row("read", "Read from a line; needs no bridge and no configuration",
                      describe_read, interruptible(read));

@@ -375,7 +375,6 @@ void describe_scan(CommandLine& line, ScanOptions& options) {
 
 }  // namespace
 
-CommandRow scan_command();
 CommandRow scan_command() {
   return command_row("scan", "Find the devices of a line and its settings; needs no bridge",
                      describe_scan, interruptible(scan));

@@ -269,7 +269,6 @@ void describe_alarms(CommandLine& line, AlarmsOptions& options) {
 
 }  // namespace
 
-CommandRow alarms_command();
 CommandRow alarms_command() {
   return command_row("alarms",
                      "Show the limits that are passed now, acknowledge and shelve; with --from, "

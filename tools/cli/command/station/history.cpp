@@ -204,7 +204,6 @@ void describe_history(CommandLine& line, HistoryOptions& options) {
 
 }  // namespace
 
-CommandRow history_command();
 CommandRow history_command() {
   return command_row("history",
                      "Show the stored samples of channels, or their minutes and hours; needs no "

@@ -50,14 +50,12 @@ void describe_audit(CommandLine& line, AuditOptions& options) {
 
 }  // namespace
 
-CommandRow devices_command();
 CommandRow devices_command() {
   return command_row("devices",
                      "Show the devices that the store knows, and their last state; needs no bridge",
                      describe_devices, devices);
 }
 
-CommandRow audit_command();
 CommandRow audit_command() {
   return command_row("audit", "Show who did what: commands, transmissions, logins; needs no bridge",
                      describe_audit, audit);

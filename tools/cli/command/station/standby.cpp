@@ -62,7 +62,6 @@ void describe_sessions(CommandLine& line, SessionsOptions& options) {
 
 }  // namespace
 
-CommandRow sessions_command();
 CommandRow sessions_command() {
   return command_row("sessions", "Show who programs which device through a bridge",
                      describe_sessions, in_domain(sessions));
@@ -193,7 +192,6 @@ void describe_standby(CommandLine& line, StandbyOptions& options) {
 
 }  // namespace
 
-CommandRow standby_command();
 CommandRow standby_command() {
   return command_row(
       "standby", "Show which bridge of a standby group is master; take: make another member master",

@@ -135,7 +135,6 @@ void describe_status(CommandLine& line, StatusOptions& options) {
 
 }  // namespace
 
-CommandRow status_command();
 CommandRow status_command() {
   return command_row("status",
                      "Show buses and devices: state, load, learned times, failures by cause",

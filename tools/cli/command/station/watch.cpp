@@ -233,7 +233,6 @@ void describe_watch(CommandLine& line, WatchOptions& options) {
 
 }  // namespace
 
-CommandRow watch_command();
 CommandRow watch_command() {
   return command_row("watch", "Show samples: a screen, lines, or JSON lines", describe_watch,
                      [](const WatchOptions& given, const Streams& to) {

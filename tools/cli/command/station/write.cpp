@@ -125,7 +125,6 @@ void describe_write(CommandLine& line, WriteOptions& options) {
 
 }  // namespace
 
-CommandRow write_command();
 CommandRow write_command() {
   return command_row("write", "Write values to channels, and wait for the results", describe_write,
                      in_domain(write));
