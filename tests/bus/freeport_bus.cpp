@@ -81,7 +81,7 @@ FreeportBus::FreeportBus(unsigned stations, double bit_error_rate, std::uint64_t
       stations_(stations, seed),
       to_stations_(bit_error_rate, seed + 1),
       to_master_(bit_error_rate, seed + 2),
-      answer_time_(response_time) {
+      response_time_(response_time) {
   feed(Opened{});
 }
 
@@ -110,7 +110,7 @@ void FreeportBus::act(const Send& send) {
   arriving_ = to_master_.pass(answer);
   if (!arriving_.empty())
     arrives_ = now_ + kLine.characters(static_cast<double>(send.bytes.size() + answer.size())) +
-               answer_time_;
+               response_time_;
 }
 
 void FreeportBus::publish(const Sample& sample) {

@@ -56,7 +56,7 @@ class FreeportBus {
   BusEngine engine_;
   FreeportStations stations_;
   NoisyUart to_stations_, to_master_;
-  const Duration answer_time_;
+  const Duration response_time_;
   Instant now_{}, timer_ = kNever, arrives_ = kNever;
   Bytes arriving_;
   Actions actions_;

@@ -81,7 +81,7 @@ TEST_F(CaptureTest, OfAScanSaysWhatWasAskedAndWhoWasSilent) {
       all, [](const Packet& packet) { return packet.bytes.starts_with("02 "); });
   ASSERT_NE(silent, all.end());
   EXPECT_THAT(silent->comment, HasSubstr("address 2: reads holding:0"));
-  EXPECT_THAT(silent->comment, HasSubstr(std::string(to_text(Cause::kNoAnswer))));
+  EXPECT_THAT(silent->comment, HasSubstr(std::string(to_text(Cause::kNoResponse))));
 }
 
 TEST_F(CaptureTest, WithoutAFrameNoFileIsLeft) {

@@ -24,7 +24,7 @@ inline std::vector<ScanLine> lines_of(std::size_t formats, std::vector<std::uint
 inline ScanResponse value() {
   return {.device = true, .took = std::chrono::milliseconds{3}, .bytes = 7};
 }
-inline ScanResponse silence() { return {.cause = Cause::kNoAnswer}; }
+inline ScanResponse silence() { return {.cause = Cause::kNoResponse}; }
 inline ScanResponse noise() { return {.cause = Cause::kChecksum, .bytes = 3}; }
 
 inline std::vector<ScanLine> probed_lines(std::size_t formats,

@@ -144,7 +144,7 @@ TEST(Scanner, BrokenResponsesThatBeginRightSettleTheLine) {
 TEST(Scanner, AnEchoIsNobodyWhoSpeaks) {
   Scanner scanner(lines_of(1, {1, 2, 3, 4, 5, 6, 7, 8, 9, 10}));
   while (scanner.next())
-    scanner.on_response({.cause = Cause::kNoAnswer, .bytes = 8, .echo_alone = true});
+    scanner.on_response({.cause = Cause::kNoResponse, .bytes = 8, .echo_alone = true});
   EXPECT_EQ(scanner.asked(), 20u);
   EXPECT_TRUE(scanner.echoed());
   EXPECT_THAT(scanner.noisy_lines(), IsEmpty());

@@ -86,7 +86,6 @@ void describe_health(CommandLine& line, HealthOptions& options) {
 
 }  // namespace
 
-CommandRow health_command();
 CommandRow health_command() {
   return command_row("health",
                      "Check that a bridge or a station responds, for a supervisor; exit code 1 if "
