@@ -167,7 +167,7 @@ class Acceptance {
           factor);
     if (options_.as_template) return files;
     for (const BusSpec& bus : result.spec->buses) {
-      if (const auto overload = overload_of(bus, kAssumedAnswerTime))
+      if (const auto overload = overload_of(bus, kAssumedResponseTime))
         found_.note("{}: {}", bus.name, to_text(*overload));
     }
     return files;

@@ -250,8 +250,8 @@ tl::expected<LineExchange::Response, std::string> LineExchange::ask(
     response.device_code = state.driver->device_code();
     response.took = state.driver->response_time();
     response.echo_alone = state.driver->echo_alone();
-    response.shape =
-        response_shape(state.driver->raw_received(), state.driver->sent(), state.driver->expected());
+    response.shape = response_shape(state.driver->raw_received(), state.driver->sent(),
+                                    state.driver->expected());
   }
   (void)state.driver->finish();
   state.record_end(response);
