@@ -69,8 +69,8 @@ TEST_F(EchoTest, AScanSaysThatWhatWasSentComesBack) {
   const auto ended = scan({.port = pty.path(),
                            .baud = 115200,
                            .format = "8N1",
-                           .addresses = "1-10",
-                           .timeout = std::chrono::milliseconds{50}});
+                           .addresses = "1-4",
+                           .timeout = std::chrono::milliseconds{300}});
   EXPECT_EQ(ended.code, ExitCode::kNothing);
   EXPECT_THAT(ended.err, HasSubstr("what was sent comes back, and nothing else"));
   EXPECT_THAT(ended.err, Not(HasSubstr("another master")));
