@@ -287,6 +287,13 @@ class Compressed(unittest.TestCase):
         self.assertEqual((len(faults), [at for at, fault in enumerate(faults) if not fault]), (len(broken), []))
 
 
+    def test_a_check_is_shown_as_bytes_also_if_it_begins_with_zero(self):
+        frame = bytes.fromhex("0000170100000071 0000004c441eb904407bb9b1931afe4800fc")
+        with pcapng(LINKTYPE_UPPER_PDU, [upper_pdu("fieldcast-dtc", frame)]) as path:
+            shown = tshark(path, "-T", "fields", "-e", "fieldcast_dtc.crc", "-e", "_ws.expert.message")
+        self.assertEqual(shown, "00fc\t\n")
+
+
 class Inspect(unittest.TestCase):
     def test_values_of_every_family_by_the_configuration(self):
         for bus in FAMILIES:

@@ -215,7 +215,7 @@ do
     item = { ProtoField.string, "Item" },
     result = { ProtoField.uint8, "Result", base.HEX },
     data = { ProtoField.bytes, "Data" },
-    fcs = { ProtoField.string, "FCS" },
+    fcs = { ProtoField.uint8, "FCS", base.HEX },
     rest = { ProtoField.bytes, "Bytes" },
   })
   local AREAS = { [0x03] = "S", [0x04] = "SM", [0x05] = "S", [0x06] = "AI", [0x07] = "AQ", [0x1E] = "C", [0x1F] = "T",
@@ -382,7 +382,7 @@ do
     code = { ProtoField.uint8, "Code of the refusal" },
     group = { ProtoField.string, "Group" },
     data = { ProtoField.bytes, "Data" },
-    crc = { ProtoField.string, "CRC" },
+    crc = { ProtoField.bytes, "CRC" },
     rest = { ProtoField.bytes, "Bytes" },
   })
 
