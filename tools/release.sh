@@ -27,19 +27,20 @@ SOURCE_DATE_EPOCH=$(git log -1 --format=%ct HEAD)
 export SOURCE_DATE_EPOCH TZ=UTC LC_ALL=C.UTF-8 CCACHE_DISABLE=1
 
 release=$PWD/build/release/$version
-source=$PWD/build/release/source
 rm -rf "$release"
 mkdir -p "$release"
 git archive --format=tar --prefix="fieldcast-$version/" HEAD | gzip -9n >"$release/fieldcast-$version.tar.gz"
 printf '# Fieldcast %s\n%s\n' "$version" "$notes" >"$release/NOTES.md"
 
-# Both builds use one directory, because some strings of the programs contain paths of the source tree.
+# Each build has its own source folder, so that the comparison finds paths of the folder in programs.
 packages_of() {  # packages_of FOLDER: builds the packages from the archive
+  source=$PWD/build/release/source-of-$(basename "$1")
   rm -rf "$source"
   mkdir -p "$source" "$1"
   tar -xzf "$release/fieldcast-$version.tar.gz" -C "$source" --strip-components=1
   (cd "$source" && tools/package.sh >&2)
   cp "$source"/build/packages/*.deb "$1"
+  rm -rf "$source"
 }
 
 packages_of "$release"
@@ -53,6 +54,5 @@ if [ "$twice" = yes ]; then
   rm -rf "$second"
   echo "two builds gave the same bytes" >&2
 fi
-rm -rf "$source"
 (cd "$release" && sha256sum -- *.deb *.tar.gz *.md >SHA256SUMS)
 ls -l "$release"

@@ -38,7 +38,8 @@ tl::expected<void, CaptureFile::Fault> CaptureFile::append(ByteView blocks) {
     if (wrote <= 0) {
       const int error = wrote < 0 ? errno : ENOSPC;
       const auto end = static_cast<off_t>(size_);
-      (void)::ftruncate(file_.get(), end);
+      // Without the cut, the next block is written over the part of this one.
+      [[maybe_unused]] const int cut = ::ftruncate(file_.get(), end);
       (void)::lseek(file_.get(), end, SEEK_SET);
       return tl::unexpected(fault_of(path_, error));
     }

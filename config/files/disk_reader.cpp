@@ -42,12 +42,11 @@ std::vector<std::string> list_disk(const std::string& directory) {
   return names;
 }
 
-// The source tree for a program in the build directory, otherwise PREFIX/share/fieldcast.
+// PREFIX/share/fieldcast of the program PREFIX/bin/NAME.
 std::string data_folder() {
   std::error_code failure;
   const fs::path program = fs::read_symlink("/proc/self/exe", failure);
-  if (failure || program.string().starts_with(FIELDCAST_BUILD_FOLDER "/"))
-    return FIELDCAST_SOURCE_FOLDER;
+  if (failure) return "/usr/share/fieldcast";
   return program.parent_path().parent_path() / "share" / "fieldcast";
 }
 
