@@ -34,6 +34,8 @@ test=(
   libgtest-dev libgmock-dev binutils clang-format python3 openssl curl sqlite3
   # a separate root with systemd, to test the packages
   systemd util-linux iproute2
+  # manual pages, and the signed repository of packages
+  man-db gpg gpg-agent
   # third-party devices, masters and DDS, for interoperability tests
   libmodbus-dev python3-yaml python3-pymodbus python3-serial python3-serial-asyncio mbpoll socat cyclonedds-dev cyclonedds-tools
   # reads captures as Wireshark does
