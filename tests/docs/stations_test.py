@@ -6,6 +6,7 @@ write.
 usage: stations_test.py BIN_DIR BUILD_DIR SOURCE_DIR
 """
 
+import glob
 import os
 import re
 import shutil
@@ -120,9 +121,11 @@ class Stations(unittest.TestCase):
         cls.folder = tempfile.mkdtemp(prefix="fieldcast-stations-")
         cls.addClassCleanup(shutil.rmtree, cls.folder)
         root = os.path.join(cls.folder, "root")
-        run("cmake", "--install", BUILD_DIR, "--component", "fieldcast-dev", "--prefix", root)
+        for component in ["libfieldcast-station1", "fieldcast-dev"]:
+            run("cmake", "--install", BUILD_DIR, "--component", component, "--prefix", root)
+        pkgconfig, = glob.glob(f"{root}/lib/**/pkgconfig", recursive=True)
         cls.environment = {"PATH": "/usr/bin:/bin", "HOME": cls.folder, "LC_ALL": "C.UTF-8", "CMAKE_PREFIX_PATH": root,
-                           "PKG_CONFIG_PATH": f"{root}/lib/pkgconfig"}
+                           "PKG_CONFIG_PATH": pkgconfig, "LD_LIBRARY_PATH": os.path.dirname(pkgconfig)}
         for document in DOCUMENTS:
             cls.follow(document)
         cls.plant = Plant(BIN_DIR, PLANT)

@@ -22,6 +22,7 @@ from held_thread import HeldThread
 from plant import wait_until
 from private_root import PrivateRoot, Unavailable
 
+PACKAGES = ["fieldcast", "fieldcast-sim", "fieldcast-dev", "libfieldcast-station1"]
 PACKAGES_DIR = SOURCE_DIR = UNPACKED_DIR = ""
 HERE = os.path.dirname(os.path.abspath(__file__))
 SECONDS = 60  # limit of each wait
@@ -133,7 +134,7 @@ def setUpModule():
     root = PrivateRoot()
     root.__enter__()
     unittest.addModuleCleanup(close_root)
-    packages = [copied(package(name)) for name in ("fieldcast", "fieldcast-sim", "fieldcast-dev")]
+    packages = [copied(package(name)) for name in PACKAGES]
 
     began = time.monotonic()
     root.run("dpkg", "-i", *packages)
@@ -342,7 +343,24 @@ class UpgradedAndRemoved(unittest.TestCase):
         self.assertGreater(found[-1], before_upgrade)
         wait_until(lambda: stored() > stored_before, SECONDS, state)
 
-    def test_2_a_configuration_that_the_new_version_refuses_keeps_the_old_one_running(self):
+    def test_2_a_downgrade_restarts_the_bridge_and_keeps_configuration_and_store(self):
+        root.run("sh", "-c", f"mkdir -p /etc/systemd/system/{UNIT}.service.d && "
+                             f"printf '[Service]\nTimeoutStopSec=14\n' >/etc/systemd/system/{UNIT}.service.d/stop.conf")
+
+        def files():
+            return root.run("sh", "-c", f"cat /etc/fieldcast/demo.yaml /etc/systemd/system/{UNIT}.service.d/stop.conf; "
+                                        "stat -c '%U %G %a %n' /etc/fieldcast/* /var/lib/fieldcast/demo.db").stdout
+        files_before, stored_before, pid = files(), stored(), main_pid()
+        self.assertGreater(stored_before, 0)
+        said = root.run("dpkg", "-i", "/tmp/" + os.path.basename(package("fieldcast")))
+        self.assertIn("downgrading fieldcast from 0.1.0+upgrade1", said.stdout + said.stderr)
+        self.assertIn(f"{UNIT}.service is restarted with the new version", said.stdout)
+        self.assertNotEqual(main_pid(), pid)
+        self.assertEqual(files(), files_before)
+        self.assertEqual(properties("TimeoutStopUSec")["TimeoutStopUSec"], "14s")
+        wait_until(lambda: stored() > stored_before, SECONDS, state)
+
+    def test_3_a_configuration_that_the_new_version_refuses_keeps_the_old_one_running(self):
         text = read(root.path("/etc/fieldcast/demo.yaml"))
         self.addCleanup(root.write, "/etc/fieldcast/demo.yaml", text)
         root.write("/etc/fieldcast/demo.yaml", text + "\nkey-of-before: true\n")
@@ -353,32 +371,32 @@ class UpgradedAndRemoved(unittest.TestCase):
         self.assertEqual(main_pid(), pid)
         self.assertTrue(wait_until(good_sample, SECONDS, state))
 
-    def test_3_a_stop_is_in_order_and_soon(self):
+    def test_4_a_stop_is_in_order_and_soon(self):
         began = time.monotonic()
         root.run("systemctl", "stop", UNIT)
         self.assertLess(time.monotonic() - began, 15)
         self.assertEqual(properties("Result", "ActiveState"), {"Result": "success", "ActiveState": "inactive"})
 
-    def test_4_a_removal_ends_it_and_keeps_what_is_the_users(self):
+    def test_5_a_removal_ends_it_and_keeps_what_is_the_users(self):
         root.run("systemctl", "start", UNIT)
-        files = root.run("dpkg", "-L", "fieldcast", "fieldcast-sim", "fieldcast-dev").stdout.split("\n")
+        files = root.run("dpkg", "-L", *PACKAGES).stdout.split("\n")
         ours = [file for file in files if "fieldcast" in file]
         self.assertGreater(len(ours), 50)
-        root.run("dpkg", "-r", "fieldcast-dev", "fieldcast-sim", "fieldcast")
+        root.run("dpkg", "-r", *PACKAGES)
         self.assertEqual(properties("ActiveState")["ActiveState"], "inactive")
         self.assertEqual([file for file in ours if os.path.isfile(root.path(file))], [])
         self.assertTrue(os.path.exists(root.path("/etc/fieldcast/demo.yaml")))
-        root.run("dpkg", "-P", "fieldcast-dev", "fieldcast-sim", "fieldcast")
+        root.run("dpkg", "-P", *PACKAGES)
         self.assertTrue(os.path.exists(root.path("/etc/fieldcast/demo.yaml")))
         self.assertTrue(os.path.exists(root.path("/var/lib/fieldcast/demo.db")))
         self.assertEqual(glob.glob(root.path("/etc/systemd/system/*/fieldcast*")), [])
         self.assertEqual([file for file in ours if os.path.exists(root.path(file)) and file != "/etc/fieldcast"], [])
         self.assertEqual(root.run("dpkg", "-l", "fieldcast", check=False).returncode, 1)
 
-    def test_5_a_purge_without_files_of_the_user_leaves_no_folder(self):
-        root.run("dpkg", "-i", *("/tmp/" + os.path.basename(package(name)) for name in ("fieldcast", "fieldcast-sim", "fieldcast-dev")))
+    def test_6_a_purge_without_files_of_the_user_leaves_no_folder(self):
+        root.run("dpkg", "-i", *("/tmp/" + os.path.basename(package(name)) for name in PACKAGES))
         root.run("sh", "-c", "rm -rf /etc/fieldcast/* /var/lib/fieldcast")
-        root.run("dpkg", "-P", "fieldcast-dev", "fieldcast-sim", "fieldcast")
+        root.run("dpkg", "-P", *PACKAGES)
         self.assertEqual([folder for folder in ("/etc/fieldcast", "/var/lib/fieldcast", "/usr/share/fieldcast")
                           if os.path.exists(root.path(folder))], [])
 

@@ -39,6 +39,9 @@ mount -t tmpfs -o mode=755 run run
 mount -t tmpfs -o mode=1777 tmp tmp
 ip link set lo up
 
+# Packages start services here, also if this machine is a container that forbids it.
+rm -f usr/sbin/policy-rc.d
+
 # Excludes only units that would change this machine.
 : >etc/fstab
 for unit in systemd-sysctl.service systemd-modules-load.service systemd-remount-fs.service systemd-timesyncd.service \

@@ -6,13 +6,13 @@ set(CPACK_PACKAGE_CONTACT "Fieldcast maintainers <maintainers@fieldcast.invalid>
 set(CPACK_PACKAGE_HOMEPAGE_URL "https://fieldcast.invalid")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL fieldcast fieldcast-dev fieldcast-sim)
+set(CPACK_COMPONENTS_ALL fieldcast fieldcast-dev fieldcast-sim ${runtime})
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_COMPRESSION_TYPE gzip)  # fast; compress.cmake compresses again
-set(CPACK_POST_BUILD_SCRIPTS ${CMAKE_CURRENT_LIST_DIR}/compress.cmake)
+set(CPACK_DEBIAN_COMPRESSION_TYPE gzip)  # fast; finish.cmake compresses again
+set(CPACK_POST_BUILD_SCRIPTS ${CMAKE_CURRENT_LIST_DIR}/finish.cmake)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 # Directory modes required by Debian, independent of the user's umask.
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
@@ -30,11 +30,18 @@ set(CPACK_DEBIAN_FIELDCAST_PACKAGE_CONTROL_EXTRA
 
 set(CPACK_DEBIAN_FIELDCAST-DEV_PACKAGE_NAME fieldcast-dev)
 set(CPACK_DEBIAN_FIELDCAST-DEV_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_FIELDCAST-DEV_PACKAGE_DEPENDS "libfastrtps-dev, libfastcdr-dev, libfmt-dev, libexpected-dev")
+set(CPACK_DEBIAN_FIELDCAST-DEV_PACKAGE_DEPENDS "${runtime} (= ${PROJECT_VERSION}), libfmt-dev")
 set(CPACK_DEBIAN_FIELDCAST-DEV_PACKAGE_RECOMMENDS "g++, pkg-config")
 set(CPACK_DEBIAN_FIELDCAST-DEV_PACKAGE_SUGGESTS "cmake, cyclonedds-dev, cyclonedds-tools")
 set(CPACK_COMPONENT_FIELDCAST-DEV_DESCRIPTION
-  "library for stations that listen to Fieldcast\nThe IDL of the topics, the library Fieldcast::station with its headers, and\nwhat find_package(Fieldcast) and pkg-config need.")
+  "library for stations that listen to Fieldcast (development files)\nThe IDL of the topics, the headers of the library Fieldcast::station, and\nwhat find_package(Fieldcast) and pkg-config need.")
+
+string(TOUPPER ${runtime} name)
+set(CPACK_DEBIAN_${name}_PACKAGE_NAME ${runtime})
+set(CPACK_DEBIAN_${name}_PACKAGE_SECTION libs)
+set(CPACK_COMPONENT_${name}_DESCRIPTION
+  "library for stations that listen to Fieldcast\nValues, catalogue, status and alarms of Fieldcast bridges on DDS, and\ncommands to them, for programs outside of Fieldcast.")
+set(CPACK_DEBIAN_${name}_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/debian/triggers)
 
 set(CPACK_DEBIAN_FIELDCAST-SIM_PACKAGE_NAME fieldcast-sim)
 set(CPACK_DEBIAN_FIELDCAST-SIM_PACKAGE_SECTION net)
