@@ -22,6 +22,13 @@ find_package(spdlog REQUIRED)
 find_package(SQLite3 REQUIRED)
 find_package(Threads REQUIRED)
 find_package(tinyxml2 REQUIRED)
+# Debian 13's package sets _FILE_OFFSET_BITS for its users, and precompiled headers with other macros are not used. Its headers have no
+# type that depends on it.
+get_target_property(definitions tinyxml2::tinyxml2 INTERFACE_COMPILE_DEFINITIONS)
+if(definitions)
+  list(REMOVE_ITEM definitions _FILE_OFFSET_BITS=64)
+  set_target_properties(tinyxml2::tinyxml2 PROPERTIES INTERFACE_COMPILE_DEFINITIONS "${definitions}")
+endif()
 find_package(tomlplusplus REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(ZLIB REQUIRED)

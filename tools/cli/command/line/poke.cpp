@@ -140,7 +140,7 @@ namespace {
 
 void describe_poke(CommandLine& line, PokeOptions& options) {
   add_line_options(line, options.line);
-  line.texts("ADDRESS=VALUE", options.assignments,
+  line.texts("ASSIGNMENT", options.assignments,
              "holding:100=7; further values of the items behind it with commas")
       .required();
   line.text("--type", options.type,
