@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "bridge/dds/guard/parameter_list.hpp"
+#include "bridge/dds/guard/rtps_cursor.hpp"
 #include "bridge/dds/guard/rtps_message.hpp"
 
 namespace fieldcast {
@@ -51,6 +51,55 @@ bool is_harmless(Submessage kind) {
 std::size_t length_of(std::span<const std::uint8_t> head) {
   const bool little = (head[1] & kLittleEndianFlag) != 0;
   return little ? head[2] | head[3] << 8 : head[2] << 8 | head[3];
+}
+
+std::string_view text_of(RtpsCursor& in) {
+  const auto bytes = in.take(in.u32());
+  in.align();
+  if (bytes.empty()) return {};
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size() - 1};  // without its zero
+}
+
+// Moves `list` to the value of the parameter, and returns that value; or moves it behind the list.
+std::span<const std::uint8_t> parameter(RtpsCursor& list, std::uint16_t wanted) {
+  constexpr std::uint16_t kLast = 1;
+  while (list.good()) {
+    const std::uint16_t id = list.u16(), size = list.u16();
+    if (id == kLast) break;
+    const auto value = list.take(size);
+    if (id == wanted) return value;
+  }
+  return {};
+}
+
+// The subject in the identity token of a participant's announcement (DDS Security 1.1, 7.4.1.3 and
+// 9.3.2.1). Empty for other submessages.
+std::string_view stated_subject(const SubmessageView& one) {
+  constexpr std::uint16_t kIdentityToken = 0x1001;
+  constexpr std::uint8_t kHasInlineQos = 2, kHasData = 4;
+  RtpsCursor in(one.bytes, one.little);
+  in.take(kSubmessageHeader + 2);
+  const std::size_t to_parameters = in.u16();
+  const std::size_t before = in.at();
+  in.take(kParticipantReader.size());
+  const auto writer = in.take(kParticipantWriter.size());
+  if (one.kind != Submessage::kData || !std::ranges::equal(writer, kParticipantWriter) ||
+      (one.bytes[1] & kHasData) == 0)
+    return {};
+  if (to_parameters < in.at() - before) return {};
+  in.take(before + to_parameters - in.at());
+  if ((one.bytes[1] & kHasInlineQos) != 0) parameter(in, 0);
+  in.take(1);
+  const bool little = (in.u8() & kLittleEndianFlag) != 0;  // the list has its own byte order
+  in.take(2);
+  RtpsCursor list(in.take(in.left()), little);
+  RtpsCursor token(parameter(list, kIdentityToken), little);
+  text_of(token);  // its class
+  for (std::uint32_t left = token.u32(); left > 0 && token.good(); --left) {
+    const std::string_view name = text_of(token), value = text_of(token);
+    if (name == "dds.cert.sn") return value;
+  }
+  return {};
 }
 
 }  // namespace
@@ -117,9 +166,32 @@ bool IncomingFilter::takes(std::span<const std::uint8_t> message) {
   const bool is_protected =
       message.size() > kMessageHeader &&
       static_cast<Submessage>(message[kMessageHeader]) == Submessage::kSrtpsPrefix;
-  if (is_protected || !protects_messages_ || may_be_in_clear(message)) return true;
+  if (is_protected) return true;
+  note_subject(prefix, message);
+  if (!protects_messages_ || may_be_in_clear(message)) return true;
   ++refused_in_clear_;
   return false;
+}
+
+void IncomingFilter::note_subject(const Prefix& prefix, std::span<const std::uint8_t> message) {
+  for_each_submessage(message, [&](const SubmessageView& one) {
+    const std::string_view stated = stated_subject(one);
+    if (stated.empty()) return true;
+    const auto subject = security::subject_from(stated);
+    if (!subject) return true;
+    const security::GuidStart start = security::guid_start(*subject);
+    if (!std::equal(start.begin(), start.end(), prefix.begin())) return true;
+    const std::lock_guard lock(mutex_);
+    if (stated_.size() >= kMaxParticipants) stated_.clear();  // present participants repeat theirs
+    stated_[prefix] = stated;
+    return true;
+  });
+}
+
+std::string IncomingFilter::subject_of(const ParticipantPrefix& participant) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = stated_.find(participant);
+  return found == stated_.end() ? std::string() : found->second;
 }
 
 std::vector<IncomingFilter::Bytes> IncomingFilter::goodbyes() {

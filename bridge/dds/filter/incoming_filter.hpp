@@ -12,17 +12,23 @@
 //   subject (bridge/security/subject.hpp), and the library receives a message that it has left the
 //   domain.
 //
+// - Fast DDS 2.9.1 and 3.1.2 do not expose the certificates that they have checked. A participant's
+//   announcement contains the subject of its certificate. Here, the subject is stored if its hash
+//   is the start of the participant's GUID, which the library compares with the certificate.
+//
 // Any thread; at most kMaxParticipants are remembered.
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <cstdint>
+#include <map>
 #include <mutex>
 #include <set>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "bridge/dds/guard/parameter_list.hpp"
 #include "bridge/security/subject.hpp"
 
 namespace fieldcast {
@@ -44,14 +50,19 @@ class IncomingFilter {
   // Number of messages refused because they are in clear.
   [[nodiscard]] std::uint64_t refused_in_clear() const { return refused_in_clear_; }
 
+  // Subject in the participant's announcement, for example "/O=Fieldcast/OU=plant/CN=mes-1.2".
+  // Empty if none was received, or if its hash is not the start of the GUID.
+  [[nodiscard]] std::string subject_of(const ParticipantPrefix& participant) const;
+
   // Messages that refused participants have left, each once for every calling thread.
   [[nodiscard]] std::vector<Bytes> goodbyes();
   // Such a message for the sender of a refused one. Empty if the sender is not refused.
   [[nodiscard]] Bytes goodbye_of_sender(std::span<const std::uint8_t> message);
 
  private:
-  using Prefix = std::array<std::uint8_t, 12>;  // of the GUIDs of a participant
+  using Prefix = ParticipantPrefix;
 
+  void note_subject(const Prefix& prefix, std::span<const std::uint8_t> message);
   [[nodiscard]] bool is_refused(const Prefix& prefix) const;  // REQUIRES: mutex_ held
   [[nodiscard]] Bytes goodbye(const Prefix& prefix);
 
@@ -60,8 +71,9 @@ class IncomingFilter {
   std::atomic<std::uint64_t> refused_in_clear_{0};
   std::atomic<std::size_t> refused_participants_{0};
   std::atomic<bool> refuses_{false};
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::set<Prefix> participants_;           // that sent a message
+  std::map<Prefix, std::string> stated_;    // subjects in announcements
   std::set<security::GuidStart> subjects_;  // refused subjects
   std::vector<Prefix> refused_;  // refused participants that were present when they were refused
   std::atomic<std::uint32_t> goodbyes_{0};

@@ -94,12 +94,12 @@ class Domain {
   dds::DataReader* make_reader(dds::Topic* topic, const dds::DataReaderQos& qos,
                                dds::DataReaderListener* listener, dds::StatusMask mask);
 
-  ServerWatch servers_;  // before the participant, which calls it
   struct Leave {
     void operator()(dds::DomainParticipant* participant) const;  // deletes every entity first
   };
   std::optional<security::Member> member_;
   std::shared_ptr<IncomingFilter> filter_;  // null without DDS Security
+  ServerWatch servers_;                     // before the participant, which calls it
   const bool has_max_rate_;
   std::unique_ptr<dds::DomainParticipant, Leave> participant_;
   dds::Publisher* publisher_ = nullptr;

@@ -58,7 +58,8 @@ class MemberWatch {
 
 // Tracks which configured discovery servers respond, as Fast DDS does not report that, and bridges
 // without a writer, which DDS Security may still authenticate. Forwards all discovery to another
-// listener, and reports servers to ServerRestarts. missing() and unknown_bridges(): any thread.
+// listener, with the subject that IncomingFilter has stored, and reports servers to ServerRestarts.
+// missing() and unknown_bridges(): any thread.
 
 // Prefix of a bridge's participant name, before the name of the bridge.
 inline constexpr std::string_view kBridgeParticipant = "fieldcast-bridge ";
@@ -67,11 +68,14 @@ class ServerWatch : public DiscoveryListener {
  public:
   static constexpr std::size_t kMostBridges = 4096;  // further bridges are not tracked
 
-  // `servers` as in DdsSpec. `other` must outlive this object; may be null.
-  ServerWatch(std::vector<std::string> servers, DiscoveryListener* other)
+  // `servers` as in DdsSpec. `other` must outlive this object; may be null. `filter` is null
+  // without DDS Security.
+  ServerWatch(std::vector<std::string> servers, std::shared_ptr<IncomingFilter> filter,
+              DiscoveryListener* other)
       : servers_(std::move(servers)),
         here_(servers_.size()),
         restarts_(servers_.empty() ? nullptr : std::make_shared<ServerRestarts>()),
+        filter_(std::move(filter)),
         other_(other) {}
 
   // Used by the transport for received messages; null without servers.
@@ -101,14 +105,14 @@ class ServerWatch : public DiscoveryListener {
     if (other_ != nullptr) other_->on_writer(writer);
   }
   void on_participant(const FoundParticipant& participant) override {
+    ParticipantPrefix prefix{};
+    std::ranges::copy(participant.prefix.value, prefix.begin());
     if (const auto identity = server_identity(participant.prefix);
         identity && *identity < servers_.size()) {
       restarts_->on_server(*identity, !participant.gone);
       const std::lock_guard lock(mutex_);
       here_[*identity] = !participant.gone;
     } else if (restarts_ && !identity) {
-      ParticipantPrefix prefix{};
-      std::ranges::copy(participant.prefix.value, prefix.begin());
       restarts_->on_other(prefix, !participant.gone);
     }
     if (participant.name.starts_with(kBridgeParticipant)) {
@@ -120,7 +124,10 @@ class ServerWatch : public DiscoveryListener {
         unknown_.insert(participant.prefix);
       }
     }
-    if (other_ != nullptr) other_->on_participant(participant);
+    if (other_ == nullptr) return;
+    FoundParticipant named = participant;
+    if (filter_ != nullptr) named.subject = filter_->subject_of(prefix);
+    other_->on_participant(named);
   }
 
   const std::vector<std::string> servers_;
@@ -128,6 +135,7 @@ class ServerWatch : public DiscoveryListener {
   std::vector<bool> here_;
   std::set<rtps::GuidPrefix_t> known_, unknown_;  // bridges that are there; of them the unknown
   const std::shared_ptr<ServerRestarts> restarts_;
+  const std::shared_ptr<IncomingFilter> filter_;
   DiscoveryListener* const other_;
 };
 

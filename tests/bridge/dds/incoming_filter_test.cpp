@@ -108,5 +108,90 @@ TEST(IncomingFilter, AGoodbyeIsTheNoteOfTheParticipantItself) {
   EXPECT_EQ(bytes, expected);
 }
 
+// The announcement of a participant (RTPS 2.2, 8.5.3.3) with the identity token of DDS Security
+// 1.1, 9.3.2.1, in the byte order of its parameter list.
+Bytes announcement(const security::Subject& subject, bool little = true, bool inline_qos = false) {
+  const security::GuidStart start = security::guid_start(subject);
+  Bytes bytes{'R', 'T', 'P', 'S', 2, 2, 1, 15};
+  bytes.insert(bytes.end(), start.begin(), start.end());
+  bytes.insert(bytes.end(), {7, 8, 9, 10, 11, 12});
+  Bytes data{0, 0, 16, 0, 0, 0, 0, 0, 0, 1, 0, 0xc2, 0, 0, 0, 0, 1, 0, 0, 0};
+  if (inline_qos) data.insert(data.end(), {0x71, 0, 4, 0, 0, 0, 0, 0, 1, 0, 0, 0});
+  Bytes token, list{0, static_cast<std::uint8_t>(little ? 3 : 2), 0, 0};
+  const auto number = [little](Bytes& to, std::uint32_t value, int size) {
+    for (int i = 0; i < size; ++i)
+      to.push_back(static_cast<std::uint8_t>(value >> 8 * (little ? i : size - 1 - i)));
+  };
+  const auto text = [&](std::string_view one) {
+    number(token, static_cast<std::uint32_t>(one.size() + 1), 4);
+    token.insert(token.end(), one.begin(), one.end());
+    do token.push_back(0);
+    while (token.size() % 4 != 0);
+  };
+  text("DDS:Auth:PKI-DH:1.0");
+  number(token, 2, 4);
+  text("dds.cert.algo");
+  text("EC-prime256v1");
+  text("dds.cert.sn");
+  text("/O=Fieldcast/OU=plant/CN=" + subject.common_name());
+  number(list, 0x1001, 2);
+  number(list, static_cast<std::uint32_t>(token.size()), 2);
+  list.insert(list.end(), token.begin(), token.end());
+  number(list, 1, 4);
+  data.insert(data.end(), list.begin(), list.end());
+  const std::uint8_t flags = inline_qos ? 7 : 5;
+  bytes.insert(bytes.end(), {0x15, flags, static_cast<std::uint8_t>(data.size()), 0});
+  bytes.insert(bytes.end(), data.begin(), data.end());
+  return bytes;
+}
+
+ParticipantPrefix sender_of(const Bytes& message) {
+  ParticipantPrefix prefix{};
+  std::copy_n(message.begin() + 8, prefix.size(), prefix.begin());
+  return prefix;
+}
+
+const security::Subject kMes =
+    security::subject_for({.role = security::MemberRole::kPlant, .name = "mes"});
+
+TEST(IncomingFilter, TheSubjectInAnAnnouncementIsStored) {
+  for (const Bytes& bytes :
+       {announcement(kMes), announcement(kMes, false), announcement(kMes, true, true)}) {
+    IncomingFilter filter(true);
+    EXPECT_EQ(filter.subject_of(sender_of(bytes)), "");
+    EXPECT_TRUE(filter.takes(bytes));
+    EXPECT_EQ(filter.subject_of(sender_of(bytes)),
+              "/O=Fieldcast/OU=plant/CN=" + kMes.common_name());
+  }
+}
+
+TEST(IncomingFilter, ASubjectWithAnotherHashThanTheGuidIsNotStored) {
+  Bytes bytes = announcement(kMes);
+  bytes[8] ^= 1;
+  IncomingFilter filter(true);
+  EXPECT_TRUE(filter.takes(bytes));
+  EXPECT_EQ(filter.subject_of(sender_of(bytes)), "");
+}
+
+// Also runs under the sanitizers, which detect reads beyond the end of a message.
+TEST(IncomingFilter, AnAnnouncementOfAnyBytesIsReadWithinTheMessage) {
+  std::mt19937 random(1);
+  IncomingFilter filter(true);
+  std::size_t stored = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    Bytes bytes = announcement(kMes, i % 2 == 0, i % 3 == 0);
+    bytes[14] = static_cast<std::uint8_t>(i);  // each is a participant of its own
+    bytes[15] = static_cast<std::uint8_t>(i >> 8);
+    for (unsigned n = random() % 4; n > 0; --n)
+      bytes[20 + random() % (bytes.size() - 20)] = static_cast<std::uint8_t>(random());
+    if (random() % 2 == 0) bytes.resize(20 + random() % (bytes.size() - 19));
+    bytes.shrink_to_fit();
+    (void)filter.takes(bytes);
+    stored += filter.subject_of(sender_of(bytes)).empty() ? 0 : 1;
+  }
+  EXPECT_GT(stored, 1000U);
+  EXPECT_LT(stored, 19'000U);
+}
+
 }  // namespace
 }  // namespace fieldcast
