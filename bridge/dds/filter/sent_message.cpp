@@ -160,6 +160,7 @@ constexpr std::size_t kParameterHeader = 4;
 constexpr std::uint8_t kInlineQos = 2, kDataPayload = 4, kKeyPayload = 8;
 // RTPS 2.2, 9.6.2.2.2 and 9.6.3; the mark is a parameter of Fast DDS.
 constexpr std::uint16_t kKeyHash = 0x70, kStatusInfo = 0x71, kSentinel = 1, kMark = 0x800f;
+constexpr std::uint16_t kPad = 0;
 constexpr std::uint16_t kKeyHashSize = 16, kStatusInfoSize = 4, kMarkSize = 24;
 constexpr std::uint8_t kUnregistered = 2;
 static_assert(kMarkSize == kKeyHashSize + kParameterHeader + kStatusInfoSize);
@@ -183,8 +184,11 @@ bool is_mark(std::span<const std::uint8_t> message, std::size_t parameter) {
          at<std::uint32_t>(message, sequence + 4) == kMarkLow;
 }
 
-// Offset of the mark in the submessage of [begin, end); 0 if there is none.
-std::size_t find_mark(std::span<const std::uint8_t> message, std::size_t begin, std::size_t end) {
+// Offset of the first inline parameter for which `wanted(offset)` is true, in the submessage of
+// [begin, end) that has a payload; 0 if there is none.
+template <class Wanted>
+std::size_t find_parameter(std::span<const std::uint8_t> message, std::size_t begin,
+                           std::size_t end, Wanted wanted) {
   const std::uint8_t flags = message[begin + 1];
   if (message[begin] != static_cast<std::uint8_t>(Submessage::kData) ||
       (flags & kLittleEndianFlag) != kOwnOrder || !(flags & kInlineQos) ||
@@ -197,19 +201,22 @@ std::size_t find_mark(std::span<const std::uint8_t> message, std::size_t begin, 
     const std::size_t next =
         parameter + kParameterHeader + at<std::uint16_t>(message, parameter + 2);
     if (id == kSentinel || next > end) return 0;
-    if (is_mark(message, parameter)) return parameter;
+    if (wanted(parameter)) return parameter;
     parameter = next;
   }
   return 0;
 }
 
-// Calls `found` with the offsets of each marked submessage and its mark, until it returns false.
+// Calls `found` for each marked submessage with its view and the offset of its mark, until it
+// returns false.
 template <class Found>
 void for_each_mark(std::span<const std::uint8_t> message, Found found) {
   if (message.size() < kMessageHeader || std::memcmp(message.data(), "RTPS", 4) != 0) return;
   for_each_submessage(message, [&](const SubmessageView& one) {
-    const std::size_t mark = find_mark(message, one.begin, one.begin + one.bytes.size());
-    return mark == 0 || found(one.begin, mark);
+    const std::size_t mark =
+        find_parameter(message, one.begin, one.begin + one.bytes.size(),
+                       [&](std::size_t parameter) { return is_mark(message, parameter); });
+    return mark == 0 || found(one, mark);
   });
 }
 
@@ -230,7 +237,7 @@ rtps::SampleIdentity unregister_mark(const rtps::InstanceHandle_t& key) {
 
 bool holds_marks(std::span<const std::uint8_t> message) {
   bool some = false;
-  for_each_mark(message, [&](std::size_t, std::size_t) {
+  for_each_mark(message, [&](const SubmessageView&, std::size_t) {
     some = true;
     return false;
   });
@@ -238,18 +245,23 @@ bool holds_marks(std::span<const std::uint8_t> message) {
 }
 
 void turn_marks_into_notes(std::span<std::uint8_t> message) {
-  for_each_mark(message, [&](std::size_t begin, std::size_t mark) {
+  for_each_mark(message, [&](const SubmessageView& one, std::size_t mark) {
+    // Fast DDS 3 adds the key hash to each message, and a parameter must not occur twice.
+    const bool has_hash = find_parameter(message, one.begin, one.begin + one.bytes.size(),
+                                         [&](std::size_t parameter) {
+                                           return at<std::uint16_t>(message, parameter) == kKeyHash;
+                                         }) != 0;
     const auto put = [&](std::size_t offset, std::uint16_t id, std::uint16_t size) {
       std::memcpy(message.data() + offset, &id, sizeof id);
       std::memcpy(message.data() + offset + 2, &size, sizeof size);
     };
-    put(mark, kKeyHash, kKeyHashSize);  // its 16 bytes are already in place
+    put(mark, has_hash ? kPad : kKeyHash, kKeyHashSize);  // its 16 bytes are already in place
     const std::size_t status = mark + kParameterHeader + kKeyHashSize;
     put(status, kStatusInfo, kStatusInfoSize);
     const std::uint8_t unregistered[kStatusInfoSize] = {0, 0, 0, kUnregistered};
     std::memcpy(message.data() + status + kParameterHeader, unregistered, sizeof unregistered);
-    message[begin + 1] =
-        static_cast<std::uint8_t>((message[begin + 1] & ~kDataPayload) | kKeyPayload);
+    std::uint8_t& flags = message[one.begin + 1];
+    flags = static_cast<std::uint8_t>((flags & ~kDataPayload) | kKeyPayload);
     return true;
   });
 }

@@ -73,8 +73,9 @@ class JoinedSending {
 // Returns true if a whole RTPS message contains a marked DATA.
 [[nodiscard]] bool holds_marks(std::span<const std::uint8_t> message);
 
-// Turns every marked DATA into an unregister message: replaces the mark by KEY_HASH and
-// STATUS_INFO, and flags the payload as a key. The length and other messages are unchanged.
+// Turns every marked DATA into an unregister message: replaces the mark by KEY_HASH (or padding, if
+// the message has a KEY_HASH) and STATUS_INFO, and flags the payload as a key. The length and other
+// messages are unchanged.
 void turn_marks_into_notes(std::span<std::uint8_t> message);
 
 }  // namespace fieldcast

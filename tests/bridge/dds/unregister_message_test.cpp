@@ -68,6 +68,20 @@ TEST(UnregisterNote, TakesThePlaceOfTheMark) {
   EXPECT_FALSE(holds_marks(turned(message)));
 }
 
+// As Fast DDS 3 writes the mark: also in the related sample of RTPS (0083), and with the key hash.
+TEST(UnregisterNote, HasNoSecondKeyHash) {
+  const Bytes hash = joined(Bytes{0x70, 0, 16, 0}, kHash);
+  Bytes related = mark();
+  related[0] = 0x83;
+  related[1] = 0;
+  const Bytes marked = data(0x07, joined(related, mark(), hash, kSentinel), kKey);
+  const Bytes note = data(
+      0x0b,
+      joined(related, Bytes{0, 0, 16, 0}, kHash, Bytes{0x71, 0, 4, 0, 0, 0, 0, 2}, hash, kSentinel),
+      kKey);
+  EXPECT_EQ(turned(joined(kHeader, kTime, marked)), joined(kHeader, kTime, note));
+}
+
 TEST(UnregisterNote, LeavesEverythingElseAsItIs) {
   Bytes other = mark();
   other.back() ^= 1;  // another sequence number: not the mark
