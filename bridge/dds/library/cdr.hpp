@@ -17,17 +17,17 @@ namespace fieldcast {
 
 inline constexpr std::size_t kEncapsulationBytes = 4;
 
-// Writes the content of a message after its encapsulation, in the byte order of this machine.
-// Throws NotEnoughMemoryException of Fast CDR.
+// Writes the content of a message after its encapsulation, in the byte order of this machine or in
+// the opposite order. Throws NotEnoughMemoryException of Fast CDR.
 class CdrWriter {
  public:
-  CdrWriter(void* space, std::size_t size)
+  CdrWriter(void* space, std::size_t size, bool in_own_order = true)
       : buffer_(static_cast<char*>(space), size),
 #if FASTDDS_VERSION_MAJOR >= 3
-        cdr_(buffer_, Cdr::DEFAULT_ENDIAN, eprosima::fastcdr::CdrVersion::XCDRv1) {
+        cdr_(buffer_, order(in_own_order), eprosima::fastcdr::CdrVersion::XCDRv1) {
     cdr_.set_encoding_flag(eprosima::fastcdr::EncodingAlgorithmFlag::PLAIN_CDR);
 #else
-        cdr_(buffer_, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR) {
+        cdr_(buffer_, order(in_own_order), Cdr::DDS_CDR) {
 #endif
     cdr_.serialize_encapsulation();
   }
@@ -69,6 +69,10 @@ class CdrWriter {
 
  private:
   using Cdr = eprosima::fastcdr::Cdr;
+  static Cdr::Endianness order(bool own) {
+    return own == (Cdr::DEFAULT_ENDIAN == Cdr::LITTLE_ENDIANNESS) ? Cdr::LITTLE_ENDIANNESS
+                                                                  : Cdr::BIG_ENDIANNESS;
+  }
   eprosima::fastcdr::FastBuffer buffer_;
   Cdr cdr_;
 };

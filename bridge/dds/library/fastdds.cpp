@@ -4,7 +4,6 @@
 #include <fastdds/LibrarySettings.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #else
-#include <fastdds/rtps/attributes/ServerAttributes.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 #endif
 
@@ -36,28 +35,36 @@ void set_repair_times(dds::DataWriterQos& qos, const RepairTimes& times) {
 }
 
 void join_discovery_server(dds::DomainParticipantQos& qos, const rtps::Locator_t& server,
-                           [[maybe_unused]] unsigned identity) {
+                           [[maybe_unused]] std::uint8_t identity) {
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.discoveryProtocol = DiscoveryProtocol::CLIENT;
 #if FASTDDS_VERSION_MAJOR >= 3
   discovery.m_DiscoveryServers.push_back(server);
 #else
   rtps::RemoteServerAttributes attributes;
-  rtps_transport::get_server_client_default_guidPrefix(static_cast<int>(identity),
-                                                       attributes.guidPrefix);
+  attributes.guidPrefix = server_prefix(identity);
   attributes.metatrafficUnicastLocatorList.push_back(server);
   discovery.m_DiscoveryServers.push_back(attributes);
 #endif
 }
 
-// Bytes 44.53.IDENTITY.5f.45.50.52.4f.53.49.4d.41: "DS", the identity, "_EPROSIMA".
+namespace {
+
+constexpr std::string_view kBeforeIdentity = "DS", kAfterIdentity = "_EPROSIMA";
+
+}  // namespace
+
+rtps::GuidPrefix_t server_prefix(std::uint8_t identity) {
+  rtps::GuidPrefix_t prefix;
+  auto* const at = std::ranges::copy(kBeforeIdentity, prefix.value).out;
+  *at = identity;
+  std::ranges::copy(kAfterIdentity, at + 1);
+  return prefix;
+}
+
 std::optional<unsigned> server_identity(const rtps::GuidPrefix_t& participant) {
-  static constexpr std::string_view kBefore = "DS", kAfter = "_EPROSIMA";
-  const std::string_view bytes(reinterpret_cast<const char*>(participant.value),
-                               rtps::GuidPrefix_t::size);
-  if (!bytes.starts_with(kBefore) || bytes.substr(kBefore.size() + 1) != kAfter)
-    return std::nullopt;
-  return participant.value[kBefore.size()];
+  const std::uint8_t identity = participant.value[kBeforeIdentity.size()];
+  return participant == server_prefix(identity) ? std::optional<unsigned>(identity) : std::nullopt;
 }
 
 }  // namespace fieldcast

@@ -1,8 +1,7 @@
-// Hides the differences between Fast DDS 2.9 and 3.x; all code uses the names of this file.
-// Headers of fastdds/dds/ are the same in both. Small classes and stateless functions; any thread.
-// Built and tested with 2.9.1. No package of 3.x exists for Debian 12: only the syntax of this
-// branch was checked, with the headers of 3.6.2 and Fast CDR 2 (g++ -fsyntax-only). It has NOT been
-// linked and NOT been run.
+// Hides the differences between Fast DDS 2.9 and 3.x. All code uses the names of this file for
+// them; headers of fastdds/dds/ are the same in both and are included where they are needed.
+//
+// Built and tested with 2.9.1 of Debian 12 and 3.1.2 of Debian 13 (docs/platforms.md).
 //
 // | subject                  | 2.9                                 | 3.x                        |
 // | ------------------------ | ----------------------------------- | -------------------------- |
@@ -22,8 +21,9 @@
 // | Fast CDR (cdr.hpp)       | 1: getSerializedDataLength          | 2: get_.., CDR versions    |
 // | keys of a message        | message.serializeKey(cdr)           | serialize_key(cdr, ..)     |
 //
-// Not hidden yet, until a 3.x can be built: names of generated files (*.hpp of fastddsgen 4, whose
-// enums are scoped), and CMake's package (fastdds instead of fastrtps).
+// Names of generated files and CMake's package: idl/CMakeLists.txt and tools/folders.cmake.
+//
+// Small classes, and functions without state, for any thread; longer functions are in fastdds.cpp.
 #pragma once
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
@@ -136,10 +136,13 @@ void set_repair_times(dds::DataWriterQos& qos, const RepairTimes& times);
 
 // Adds the discovery server with this identity, 0..255 (`fast-discovery-server -i IDENTITY`).
 void join_discovery_server(dds::DomainParticipantQos& qos, const rtps::Locator_t& server,
-                           unsigned identity);
+                           std::uint8_t identity);
 
 // ---- discovery
 
+// The participant of the server with this identity: 44.53.IDENTITY.5f.45.50.52.4f.53.49.4d.41,
+// which is "DS", the identity, "_EPROSIMA".
+[[nodiscard]] rtps::GuidPrefix_t server_prefix(std::uint8_t identity);
 // The identity of a discovery server; `std::nullopt` for other participants.
 [[nodiscard]] std::optional<unsigned> server_identity(const rtps::GuidPrefix_t& participant);
 
@@ -156,7 +159,7 @@ struct FoundParticipant {
   std::string user_data;
   bool gone = false;
   rtps::GuidPrefix_t prefix;
-  std::string subject;  // of its certificate, as its token states; empty without DDS Security
+  std::string subject = {};  // of its certificate, see IncomingFilter; the library leaves it empty
 };
 
 // Receives discovery of other participants and writers, on a thread of the library.
@@ -174,12 +177,15 @@ class DiscoveryListener : public dds::DomainParticipantListener {
     on_writer({reason == rtps::WriterDiscoveryStatus::REMOVED_WRITER, writer.guid,
                writer.topic_name.to_string(), writer.lifespan.duration});
   }
-  void on_participant_discovery(dds::DomainParticipant*, rtps::ParticipantDiscoveryStatus,
+  void on_participant_discovery(dds::DomainParticipant*, rtps::ParticipantDiscoveryStatus reason,
                                 const dds::ParticipantBuiltinTopicData& found,
                                 bool& should_be_ignored) final {
+    using Status = rtps::ParticipantDiscoveryStatus;
     should_be_ignored = false;
     on_participant({found.participant_name.to_string(), found.lease_duration,
-                    std::string(found.user_data.begin(), found.user_data.end())});
+                    std::string(found.user_data.begin(), found.user_data.end()),
+                    reason == Status::REMOVED_PARTICIPANT || reason == Status::DROPPED_PARTICIPANT,
+                    found.guid.guidPrefix});
   }
 #else
   void on_publisher_discovery(dds::DomainParticipant*, rtps::WriterDiscoveryInfo&& found) final {
@@ -193,18 +199,8 @@ class DiscoveryListener : public dds::DomainParticipantListener {
         {found.info.m_participantName.to_string(), found.info.m_leaseDuration,
          std::string(found.info.m_userData.begin(), found.info.m_userData.end()),
          found.status == Found::REMOVED_PARTICIPANT || found.status == Found::DROPPED_PARTICIPANT,
-         found.info.m_guid.guidPrefix, subject_of(found.info)});
+         found.info.m_guid.guidPrefix});
   }
-#if HAVE_SECURITY
-  static std::string subject_of(const rtps::ParticipantProxyData& participant) {
-    for (const auto& property : participant.identity_token_.properties()) {
-      if (property.name() == "dds.cert.sn") return property.value();
-    }
-    return {};
-  }
-#else
-  static std::string subject_of(const rtps::ParticipantProxyData&) { return {}; }
-#endif
 #endif
 };
 
@@ -234,8 +230,15 @@ class AdaptedType : public Generated {
   virtual bool to_bytes(const void* data, Payload& payload) {
     return Generated::serialize(data, payload, dds::XCDR_DATA_REPRESENTATION);
   }
+  // Fast CDR 2 accepts a message that ends between two members, so the size is compared. As in 2.9,
+  // only the first representation of DDS-XTypes 1.3, 7.6.3.1.2, is accepted.
   virtual bool from_bytes(Payload& payload, void* data) {
-    return Generated::deserialize(payload, data);
+    constexpr std::uint32_t kEncapsulation = 4;
+    constexpr rtps::octet kLastOfFirst = 3;
+    return payload.length >= kEncapsulation && payload.data[1] <= kLastOfFirst &&
+           Generated::deserialize(payload, data) &&
+           Generated::calculate_serialized_size(data, dds::XCDR_DATA_REPRESENTATION) <=
+               payload.length;
   }
   virtual std::uint32_t size_of(const void* data) {
     return Generated::calculate_serialized_size(data, dds::XCDR_DATA_REPRESENTATION);

@@ -1,3 +1,5 @@
+#include <fastcdr/exceptions/BadParamException.h>
+
 #include <algorithm>
 
 #include "bridge/dds/topics/conversion.hpp"
@@ -30,7 +32,7 @@ bool to_idl(const Value& value, idl::Value& out) {
   return true;
 }
 
-std::optional<Value> from_idl(const idl::Value& value) {
+std::optional<Value> from_idl(const idl::Value& value) try {
   switch (value._d()) {
     case idl::ValueKind::VALUE_BOOLEAN: return value.boolean_value();
     case idl::ValueKind::VALUE_INT64: return std::int64_t{value.int64_value()};
@@ -39,6 +41,8 @@ std::optional<Value> from_idl(const idl::Value& value) {
     case idl::ValueKind::VALUE_STRING: return std::string(value.string_value().c_str());
   }
   return std::nullopt;
+} catch (const eprosima::fastcdr::exception::BadParamException&) {
+  return std::nullopt;  // Fast DDS 3 keeps the kind, but no member, of a value of an unknown kind
 }
 
 void to_idl(const Sample& sample, const UtcMapping& mapping, idl::Sample& out) {

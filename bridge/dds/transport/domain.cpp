@@ -66,7 +66,7 @@ void set_discovery_servers(const std::vector<ServerAddress>& servers,
   for (std::size_t i = 0; i < servers.size(); ++i) {
     rtps::Locator_t locator(LOCATOR_KIND_UDPv4, servers[i].port);
     rtps::IPLocator::setIPv4(locator, servers[i].address);
-    join_discovery_server(qos, locator, static_cast<unsigned>(i));
+    join_discovery_server(qos, locator, static_cast<std::uint8_t>(i));
   }
 }
 
@@ -89,6 +89,17 @@ bool is_urgent(const std::string& topic) {
          topic == kInterestTopic.name;
 }
 
+// Fast DDS 3 announces the types of topics, and requests those of other participants. Cyclone DDS
+// would then request a type before it matches, and the guard refuses that service
+// (RtpsFault::kService). Fast DDS 2.9 ignores the property. A profile of the user has precedence.
+void turn_off_type_propagation(dds::DomainParticipantQos& qos) {
+  constexpr const char* kProperty = "fastdds.type_propagation";
+  auto& properties = qos.properties().properties();
+  if (std::none_of(properties.begin(), properties.end(),
+                   [](const auto& one) { return one.name() == kProperty; }))
+    properties.emplace_back(kProperty, "disabled");
+}
+
 // Sets the built-in plugins of DDS Security 1.1 and the files of the member.
 void set_security(const std::string& folder, dds::DomainParticipantQos& qos) {
   const auto set = [&qos](const char* name, std::string value) {
@@ -109,6 +120,10 @@ void set_security(const std::string& folder, dds::DomainParticipantQos& qos) {
   file("dds.sec.access.builtin.Access-Permissions.governance", security::kGovernance);
   file("dds.sec.access.builtin.Access-Permissions.permissions", security::kPermissions);
   set("dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC");
+  // Fast DDS 3.1 names its algorithms as DDS Security 1.1 does, and 2.9 refuses these names. Both
+  // accept the names of 2.9, and 2.9 ignores these properties (eProsima/Fast-DDS #5450).
+  set("dds.sec.auth.builtin.PKI-DH.transmit_algorithms_as_legacy", "true");
+  set("dds.sec.access.builtin.Access-Permissions.transmit_algorithms_as_legacy", "true");
 }
 
 RtpsLimits limits_of(const DdsSpec& spec) {
@@ -157,6 +172,7 @@ dds::DomainParticipantQos participant_qos(const DdsSpec& spec, const std::string
   discovery.leaseDuration = {10, 0};
   discovery.leaseDuration_announcementperiod = {0, 500'000'000};
   qos.name() = name;
+  turn_off_type_propagation(qos);
   std::vector<ServerAddress> servers;
   for (const std::string& text : spec.discovery_servers) servers.push_back(server_address(text));
   // Transports of the user's profile are used unchanged; without any, ours are used.
@@ -183,9 +199,9 @@ std::vector<std::string> used_interfaces(const DdsSpec& spec) {
 }
 
 Domain::Domain(const DdsSpec& spec, const std::string& name, DiscoveryListener* listener)
-    : servers_(spec.discovery_servers, listener),
-      member_(member_of(spec)),
+    : member_(member_of(spec)),
       filter_(filter_of(spec)),
+      servers_(spec.discovery_servers, filter_, listener),
       has_max_rate_(spec.max_rate != 0) {
   if (spec.domain > kHighestDomain)
     throw DdsError("dds: domain " + std::to_string(spec.domain) + " is not 0..232");

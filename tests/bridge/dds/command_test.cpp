@@ -317,7 +317,7 @@ TEST(DdsCommand, IsNotKeptBackByAForgedClaimOnItsBus) {
   dds::DataWriter* const claims = forger.writer(kBridgeTopic, "forger");
   idl::Bridge claim;
   to_idl(BridgeClaims{"forger", "host", "", UtcTime{1}, {{bus, {UtcTime{1}, true}}}}, claim);
-  ASSERT_TRUE(claims->write(&claim));
+  ASSERT_TRUE(is_taken(claims->write(&claim)));
   Station station(loopback(), "operator");
   Collected<StationBridge> heard;
   station.subscribe_bridges([&](const StationBridge& each) { heard.add(each); });

@@ -26,7 +26,7 @@ dds::DataWriterQos busy_writer_qos() {
   TopicRow many = kSampleTopic;
   many.writer = last_of(2000);
   dds::DataWriterQos qos = writer_qos(many);
-  qos.reliable_writer_qos().times.heartbeatPeriod = {0, 20'000};
+  set_repair_times(qos, {{0, 5'000'000}, {0, 20'000}, {0, 100'000'000}});
   return qos;
 }
 

@@ -1,15 +1,11 @@
-#include <dlfcn.h>
-#include <fastdds/rtps/common/CDRMessage_t.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fastdds/rtps/common/GuidPrefix_t.hpp>
 #include <fstream>
 #include <random>
 #include <string>
 #include <vector>
 
-#include "bridge/dds/library/encoding_guard.hpp"
 #include "bridge/dds/library/library.hpp"
 #include "bridge/dds/transport/guard_transport.hpp"
 #include "bridge/dds/transport/join_check.hpp"
@@ -21,7 +17,6 @@ namespace {
 using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
-using namespace eprosima::fastrtps::rtps;
 
 using Bytes = std::vector<std::uint8_t>;
 
@@ -171,25 +166,6 @@ TEST(DiscoveryServer, TheLoopbackIsAnAddressOfThisMachine) {
   const auto own = own_addresses();
   ASSERT_TRUE(own);
   EXPECT_THAT(*own, Contains("127.0.0.1"));
-}
-
-// Resolves the symbol as the library's calls do: by name, in link order.
-void* found(void* where) {
-  return ::dlsym(where,
-                 "_ZNK8eprosima8fastrtps4rtps8security15SecurityManager19encode_rtps_messageERKNS1_"
-                 "12CDRMessage_tERS4_RKSt6vectorINS1_12GuidPrefix_tESaIS9_EE");
-}
-
-// The library alone aborts here: the last reader has left before its message is sent.
-TEST(EncodingGuard, WhatNobodyReceivesIsNotEncoded) {
-  guard_encoding();
-  void* const first = found(RTLD_DEFAULT);
-  ASSERT_NE(first, nullptr) << "this version of Fast DDS has no such function";
-  EXPECT_NE(first, found(RTLD_NEXT)) << "the library's own is called";
-  const auto encode = reinterpret_cast<bool (*)(const void*, const CDRMessage_t&, CDRMessage_t&,
-                                                const std::vector<GuidPrefix_t>&)>(first);
-  CDRMessage_t message{64}, encoded{64};
-  EXPECT_FALSE(encode(nullptr, message, encoded, {}));
 }
 
 }  // namespace

@@ -147,7 +147,7 @@ TEST_F(Profiles, ACommandGetsItsResult) {
   idl::Value value;
   value.int64_value(1);
   command.values().push_back(value);
-  ASSERT_TRUE(writer->write(&command));
+  ASSERT_TRUE(is_taken(writer->write(&command)));
   writer->unregister_instance(&command, dds::HANDLE_NIL);
 
   idl::CommandResult result;

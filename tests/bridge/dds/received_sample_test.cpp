@@ -44,15 +44,10 @@ Bytes bytes_of(const idl::Sample& sample) {
 }
 
 Bytes foreign_bytes_of(const idl::Sample& sample) {
-  using eprosima::fastcdr::Cdr;
   Bytes bytes(1024);
-  eprosima::fastcdr::FastBuffer buffer(reinterpret_cast<char*>(bytes.data()), bytes.size());
-  const auto other =
-      Cdr::DEFAULT_ENDIAN == Cdr::BIG_ENDIANNESS ? Cdr::LITTLE_ENDIANNESS : Cdr::BIG_ENDIANNESS;
-  Cdr cdr(buffer, other, Cdr::DDS_CDR);
-  cdr.serialize_encapsulation();
-  sample.serialize(cdr);
-  bytes.resize(cdr.getSerializedDataLength());
+  CdrWriter out(bytes.data(), bytes.size(), false);
+  out << sample;
+  bytes.resize(out.size());
   return bytes;
 }
 

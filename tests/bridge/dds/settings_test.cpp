@@ -1,5 +1,4 @@
 #include <arpa/inet.h>
-#include <fastdds/rtps/attributes/ServerAttributes.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 
@@ -142,7 +141,7 @@ class Server {
     qos.transport().use_builtin_transports = false;
     qos.transport().user_transports.push_back(udp);
     qos.wire_protocol().builtin.discovery_config.discoveryProtocol = DiscoveryProtocol::SERVER;
-    rtps_transport::get_server_client_default_guidPrefix(0, qos.wire_protocol().prefix);
+    qos.wire_protocol().prefix = server_prefix(0);
     rtps::Locator_t locator(LOCATOR_KIND_UDPv4, port_);
     rtps::IPLocator::setIPv4(locator, "127.0.0.1");
     qos.wire_protocol().builtin.metatrafficUnicastLocatorList.push_back(locator);

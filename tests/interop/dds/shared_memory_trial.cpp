@@ -23,14 +23,9 @@
 
 #include "bridge/dds/library/fastdds.hpp"
 #include "bridge/dds/library/library.hpp"
+#include "bridge/dds/library/shared_memory.hpp"
 #include "bridge/dds/topics/topic_type.hpp"
 #include "bridge/dds/topics/topics.hpp"
-
-#if FASTDDS_VERSION_MAJOR >= 3
-#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.hpp>
-#else
-#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
-#endif
 
 namespace fieldcast {
 namespace {
