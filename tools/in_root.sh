@@ -70,6 +70,7 @@ rm -f "$list"
 # Own mounts, processes and shared memory. The network is that of this machine, because apt needs it.
 exec "${as_root[@]}" unshare --mount --pid --ipc --fork --kill-child --propagation private sh -c '
   root=$1; shift
+  mount --bind "$root" "$root"  # ip netns needs a mount point at /
   mount -t proc proc "$root/proc"
   mount --rbind /sys "$root/sys"
   mount -t tmpfs tmpfs "$root/tmp"
@@ -83,5 +84,7 @@ exec "${as_root[@]}" unshare --mount --pid --ipc --fork --kill-child --propagati
   ln -s /proc/self/fd/0 "$root/dev/stdin"; ln -s /proc/self/fd/1 "$root/dev/stdout"; ln -s /proc/self/fd/2 "$root/dev/stderr"
   mount -t tmpfs tmpfs "$root/dev/shm"
   [ ! -e /etc/resolv.conf ] || cp -L /etc/resolv.conf "$root/etc/resolv.conf"
+  # npm needs the certificate authority of a network that inspects TLS.
+  [ ! -e "${NODE_EXTRA_CA_CERTS:-}" ] || { cp -L "$NODE_EXTRA_CA_CERTS" "$root/etc/fieldcast-ca.pem"; set -- env NODE_EXTRA_CA_CERTS=/etc/fieldcast-ca.pem "$@"; }
   exec chroot "$root" /usr/bin/env -i HOME=/root PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 \
     TERM="${TERM:-dumb}" sh -c "cd /fieldcast && exec \"\$@\"" sh "$@"' sh "$root" "$@"

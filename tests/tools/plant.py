@@ -56,7 +56,7 @@ buses:
 
 
 def shared_memory():
-    return {name for name in os.listdir("/dev/shm") if "fastrtps" in name}
+    return {name for name in os.listdir("/dev/shm") if "fastrtps" in name or "fastdds" in name}
 
 
 def claim_domain():
