@@ -52,6 +52,8 @@ if [ ! -f "$root/etc/fieldcast-root" ]; then
   "${as_root[@]}" mmdebstrap --quiet --variant=minbase --architectures="$arch" "$suite" "$root" "$archive" >"$log" 2>&1 ||
     { cat "$log" >&2; rm -f "$log"; fail "mmdebstrap failed, see above"; }
   rm -f "$log"
+  # Without a flush for each file: a root that was interrupted is made again.
+  "${as_root[@]}" sh -c "echo force-unsafe-io >'$root/etc/dpkg/dpkg.cfg.d/fieldcast'"
   "${as_root[@]}" touch "$root/etc/fieldcast-root"
 fi
 
@@ -84,7 +86,7 @@ exec "${as_root[@]}" unshare --mount --pid --ipc --fork --kill-child --propagati
   ln -s /proc/self/fd/0 "$root/dev/stdin"; ln -s /proc/self/fd/1 "$root/dev/stdout"; ln -s /proc/self/fd/2 "$root/dev/stderr"
   mount -t tmpfs tmpfs "$root/dev/shm"
   [ ! -e /etc/resolv.conf ] || cp -L /etc/resolv.conf "$root/etc/resolv.conf"
-  # npm needs the certificate authority of a network that inspects TLS.
-  [ ! -e "${NODE_EXTRA_CA_CERTS:-}" ] || { cp -L "$NODE_EXTRA_CA_CERTS" "$root/etc/fieldcast-ca.pem"; set -- env NODE_EXTRA_CA_CERTS=/etc/fieldcast-ca.pem "$@"; }
-  exec chroot "$root" /usr/bin/env -i HOME=/root PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 \
+  # npm trusts the authorities of this machine, for example that of a proxy.
+  [ ! -e /etc/ssl/certs/ca-certificates.crt ] || cp -L /etc/ssl/certs/ca-certificates.crt "$root/etc/fieldcast-authorities.crt"
+  exec chroot "$root" /usr/bin/env -i HOME=/root NODE_EXTRA_CA_CERTS=/etc/fieldcast-authorities.crt PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 \
     TERM="${TERM:-dumb}" sh -c "cd /fieldcast && exec \"\$@\"" sh "$@"' sh "$root" "$@"
