@@ -232,6 +232,14 @@ TEST(ValueCodec, ScaledIntegersHaveTheDecimalsThatUsersExpect) {
   }
 }
 
+// A fused multiply-add, which rounds once, would give -2.7399986267089833.
+TEST(ValueCodec, ScaledFloatsHaveTheSameDigitsOnEveryProcessor) {
+  const Encoding encoding{.type = ValueType::kFloat32, .scale = 1.8, .offset = -40};
+  const auto value = decode_value(encoding, 16, hex("41A5 999A"));
+  ASSERT_TRUE(value.has_value());
+  EXPECT_EQ(to_text(*value), "-2.7399986267089815");
+}
+
 // Every raw word has a scaled value that converts back to it.
 TEST(ValueCodec, EveryScaledWordRoundTrips) {
   for (const double scale : {0.1, 0.01, 0.001, 0.05, 3.0, -0.25, 1.0 / 27648}) {
