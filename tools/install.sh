@@ -2,10 +2,13 @@
 # Installs missing packages of Debian 12 or 13 and shows the progress. Prints nothing and works offline if nothing is missing.
 #
 #   tools/install.sh [build | package | image | test | campaign | ci | reference]
+#   tools/install.sh cross ARCH
 #
-# build: for the programs and the demo. package: also for tools/package.sh. image: for tools/image.sh. test (default): also for the tests. campaign:
-# also for tools/campaign.sh. ci: for the tests and the checkers of .ci/run. reference: Doxygen for tools/reference.sh. Works as root or with
-# sudo. ci does not install packages that would start a server; it unpacks the programs it needs from them to build/unpacked/PACKAGE.
+# build: for the programs and the demo. package: also for tools/package.sh. image: for tools/image.sh. test (default): also for the
+# tests. campaign: also for tools/campaign.sh. ci: for the tests and the checkers of .ci/run. reference: Doxygen for
+# tools/reference.sh. Works as root or with sudo. ci does not install packages that would start a server; it unpacks the programs it needs from them to build/unpacked/PACKAGE.
+# cross: for tools/package.sh --arch ARCH, with the libraries of ARCH (arm64 or armhf); only in a root of tools/in_root.sh, because the
+# libraries of ARCH replace those of this machine.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -19,14 +22,20 @@ dds libfastrtps-dev libfastdds-dev
 TABLE
 }
 
-build=(
+tools=(
   g++ cmake ninja-build ccache mold pkg-config
-  # DDS and its code generator, whose package does not depend on the Java that it needs
-  "$(named dds)" libfastcdr-dev fastddsgen default-jre-headless
-  libboost-dev libfmt-dev libspdlog-dev libyaml-cpp-dev libcli11-dev libexpected-dev libsqlite3-dev libssl-dev libpq-dev libsodium-dev libtinyxml2-dev zlib1g-dev
-  nlohmann-json3-dev libtomlplusplus-dev libzip-dev
+  # the code generator of DDS, whose package does not depend on the Java that it needs
+  fastddsgen default-jre-headless
+)
+# Packages with files for one architecture, and packages for all.
+libraries=(
+  "$(named dds)" libfastcdr-dev
+  libboost-dev libfmt-dev libspdlog-dev libyaml-cpp-dev libsqlite3-dev libssl-dev libpq-dev libsodium-dev libtinyxml2-dev zlib1g-dev
+  libtomlplusplus-dev libzip-dev
   libncurses-dev
 )
+headers=(libcli11-dev libexpected-dev nlohmann-json3-dev)
+build=("${tools[@]}" "${libraries[@]}" "${headers[@]}")
 packaging=(dpkg-dev file)
 image=(mmdebstrap python3 dpkg-dev)
 test=(
@@ -64,7 +73,13 @@ case "${1:-test}" in
   campaign) packages=("${build[@]}" "${test[@]}" "${campaign[@]}") ;;
   ci) packages=("${build[@]}" "${test[@]}" "${ci[@]}") ;;
   reference) packages=(doxygen) ;;
-  *) sed -n '2,8s/^# \{0,1\}//p' "$0" >&2; exit 1 ;;
+  cross)
+    arch=${2:?tools/install.sh: cross needs an architecture}
+    [ -f /etc/fieldcast-root ] || fail "cross changes the libraries of a whole system; run it by tools/in_root.sh"
+    # The last five are for the unit tests of that architecture.
+    packages=("${tools[@]}" "${headers[@]}" "${packaging[@]}" "crossbuild-essential-$arch"
+              "${libraries[@]/%/:$arch}" "libgtest-dev:$arch" "libgmock-dev:$arch" "libmodbus-dev:$arch" "cyclonedds-dev:$arch" cyclonedds-tools) ;;
+  *) sed -n '2,11s/^# \{0,1\}//p' "$0" >&2; exit 1 ;;
 esac
 
 command -v dpkg-query >/dev/null || fail "this is no Debian; install by hand: ${packages[*]}"
@@ -120,6 +135,7 @@ apt_get() {
     show_progress || { cat "$log" >&2; fail "'apt-get $*' failed, see above"; }
 }
 
+[ "${1:-test}" != cross ] || dpkg --add-architecture "$arch"
 apt_get update
 for row in "${unpacked[@]}"; do
   read -r package path <<<"$row"
