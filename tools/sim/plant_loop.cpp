@@ -74,8 +74,8 @@ void PlantLoop::arm(Instant at) {
   itimerspec timer{};
   if (at != kNever) {
     const auto since = std::max(at.time_since_epoch(), Duration{1});  // zero would disarm the timer
-    timer.it_value.tv_sec = since.count() / 1'000'000'000;
-    timer.it_value.tv_nsec = since.count() % 1'000'000'000;
+    timer.it_value.tv_sec = static_cast<std::time_t>(since.count() / 1'000'000'000);
+    timer.it_value.tv_nsec = static_cast<long>(since.count() % 1'000'000'000);
   }
   ::timerfd_settime(timer_.get(), TFD_TIMER_ABSTIME, &timer, nullptr);
 }

@@ -298,7 +298,8 @@ std::optional<Key> Terminal::key(Instant until) {
     const auto left = until - instant_now();
     if (left <= Duration{}) return std::nullopt;
     pollfd input{STDIN_FILENO, POLLIN, 0};
-    const timespec time{left.count() / 1'000'000'000, left.count() % 1'000'000'000};
+    const timespec time{static_cast<std::time_t>(left.count() / 1'000'000'000),
+                        static_cast<long>(left.count() % 1'000'000'000)};
     ::ppoll(&input, 1, &time, nullptr);  // a signal also ends it
     if ((input.revents & (POLLHUP | POLLERR | POLLNVAL)) != 0) {
       // The terminal was closed; SIGHUP ends the command.
