@@ -6,7 +6,8 @@
 #
 # build: for the programs and the demo. package: also for tools/package.sh. image: for tools/image.sh. test (default): also for the
 # tests. campaign: also for tools/campaign.sh. ci: for the tests and the checkers of .ci/run. reference: Doxygen for
-# tools/reference.sh. Works as root or with sudo. ci does not install packages that would start a server; it unpacks the programs it needs from them to build/unpacked/PACKAGE.
+# tools/reference.sh. Works as root or with sudo. ci does not install packages that would start a server; it unpacks the programs it needs
+# from them to build/unpacked/PACKAGE.
 # cross: for tools/package.sh --arch ARCH, with the libraries of ARCH (arm64 or armhf); only in a root of tools/in_root.sh, because the
 # libraries of ARCH replace those of this machine.
 set -euo pipefail
@@ -79,7 +80,7 @@ case "${1:-test}" in
     # The last five are for the unit tests of that architecture.
     packages=("${tools[@]}" "${headers[@]}" "${packaging[@]}" "crossbuild-essential-$arch"
               "${libraries[@]/%/:$arch}" "libgtest-dev:$arch" "libgmock-dev:$arch" "libmodbus-dev:$arch" "cyclonedds-dev:$arch" cyclonedds-tools) ;;
-  *) sed -n '2,11s/^# \{0,1\}//p' "$0" >&2; exit 1 ;;
+  *) sed -n '2,12s/^# \{0,1\}//p' "$0" >&2; exit 1 ;;
 esac
 
 command -v dpkg-query >/dev/null || fail "this is no Debian; install by hand: ${packages[*]}"
