@@ -32,8 +32,8 @@ class MetricsServer {
   // Returns the present metrics. Called on the server's thread; must not block.
   using Source = std::function<std::string(MetricsFormat)>;
 
-  // Returns the fault because of which the bridge must be restarted; empty if there is none. As
-  // Source.
+  // Returns the fault that a restart of the bridge may repair; empty if the bridge is healthy.
+  // Called on the server's thread; must not block.
   using Health = std::function<std::string()>;
 
   MetricsServer(const ListenSpec& listen, Source source, Health health, const Limits& limits);

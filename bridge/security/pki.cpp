@@ -14,21 +14,16 @@
 #include <algorithm>
 #include <memory>
 
+#include "bridge/base/released_by.hpp"
+
 namespace fieldcast::security {
 namespace {
 
-template <auto Free>
-struct Freed {
-  template <class Type>
-  void operator()(Type* object) const {
-    Free(object);
-  }
-};
-using Key = std::unique_ptr<EVP_PKEY, Freed<EVP_PKEY_free>>;
-using Certificate = std::unique_ptr<X509, Freed<X509_free>>;
-using Revocations = std::unique_ptr<X509_CRL, Freed<X509_CRL_free>>;
-using Signed = std::unique_ptr<PKCS7, Freed<PKCS7_free>>;
-using Bio = std::unique_ptr<BIO, Freed<BIO_free_all>>;
+using Key = std::unique_ptr<EVP_PKEY, ReleasedBy<EVP_PKEY_free>>;
+using Certificate = std::unique_ptr<X509, ReleasedBy<X509_free>>;
+using Revocations = std::unique_ptr<X509_CRL, ReleasedBy<X509_CRL_free>>;
+using Signed = std::unique_ptr<PKCS7, ReleasedBy<PKCS7_free>>;
+using Bio = std::unique_ptr<BIO, ReleasedBy<BIO_free_all>>;
 
 constexpr long kVersion3 = 2, kListVersion2 = 1;
 constexpr int kSerialBits = 127;
@@ -133,7 +128,7 @@ void extend(X509* certificate, X509* issuer, int id, const char* value) {
 Certificate blank(EVP_PKEY* key, const Validity& validity) {
   Certificate made_one = made(Certificate(X509_new()), "make a certificate");
   X509* const certificate = made_one.get();
-  const std::unique_ptr<BIGNUM, Freed<BN_free>> serial(BN_new());
+  const std::unique_ptr<BIGNUM, ReleasedBy<BN_free>> serial(BN_new());
   expect(serial != nullptr &&
              BN_rand(serial.get(), kSerialBits, BN_RAND_TOP_ONE, BN_RAND_BOTTOM_ANY) == 1,
          "make a serial number");
@@ -194,7 +189,7 @@ std::string issue(const Identity& authority, const std::string& key, const Subje
   X509* const own = certificate.get();
   const std::string der = der_of(subject);
   const auto* bytes = reinterpret_cast<const unsigned char*>(der.data());
-  const std::unique_ptr<X509_NAME, Freed<X509_NAME_free>> name(
+  const std::unique_ptr<X509_NAME, ReleasedBy<X509_NAME_free>> name(
       d2i_X509_NAME(nullptr, &bytes, static_cast<long>(der.size())));
   expect(name != nullptr && X509_set_subject_name(own, name.get()) == 1 &&
              X509_set_issuer_name(own, X509_get_subject_name(issuer.get())) == 1,
@@ -222,7 +217,7 @@ std::string sign(const Identity& authority, const std::string& text) {
 
 std::string empty_revocations(const Identity& authority, UtcTime now) {
   const Revocations list = made(Revocations(X509_CRL_new()), "make a list");
-  const std::unique_ptr<ASN1_TIME, Freed<ASN1_TIME_free>> at(
+  const std::unique_ptr<ASN1_TIME, ReleasedBy<ASN1_TIME_free>> at(
       ASN1_TIME_set(nullptr, seconds_of(now)));
   expect(X509_CRL_set_version(list.get(), kListVersion2) == 1 &&
              X509_CRL_set_issuer_name(
@@ -237,9 +232,9 @@ std::string empty_revocations(const Identity& authority, UtcTime now) {
 std::string revoke(const Identity& authority, const std::string& list,
                    const std::string& certificate, UtcTime now) {
   const Revocations revoked = revocations_of(list);
-  const std::unique_ptr<ASN1_TIME, Freed<ASN1_TIME_free>> at(
+  const std::unique_ptr<ASN1_TIME, ReleasedBy<ASN1_TIME_free>> at(
       ASN1_TIME_set(nullptr, seconds_of(now)));
-  std::unique_ptr<X509_REVOKED, Freed<X509_REVOKED_free>> entry(X509_REVOKED_new());
+  std::unique_ptr<X509_REVOKED, ReleasedBy<X509_REVOKED_free>> entry(X509_REVOKED_new());
   expect(entry != nullptr &&
              X509_REVOKED_set_serialNumber(
                  entry.get(), X509_get_serialNumber(certificate_of(certificate).get())) == 1 &&
@@ -284,7 +279,7 @@ CertificateFacts read_certificate(const std::string& pem) {
   const std::unique_ptr<char, decltype([](char* text) { OPENSSL_free(text); })> slashed(
       X509_NAME_oneline(name, nullptr, 0));
   facts.slashed = slashed.get();
-  const std::unique_ptr<BIGNUM, Freed<BN_free>> serial(
+  const std::unique_ptr<BIGNUM, ReleasedBy<BN_free>> serial(
       ASN1_INTEGER_to_BN(X509_get_serialNumber(certificate.get()), nullptr));
   const std::unique_ptr<char, decltype([](char* text) { OPENSSL_free(text); })> hex(
       BN_bn2hex(serial.get()));
@@ -315,7 +310,7 @@ bool is_key_of(const std::string& key, const std::string& certificate) {
 }
 
 std::string verified_text(const std::string& authority, const std::string& signed_text) {
-  const std::unique_ptr<X509_STORE, Freed<X509_STORE_free>> store(X509_STORE_new());
+  const std::unique_ptr<X509_STORE, ReleasedBy<X509_STORE_free>> store(X509_STORE_new());
   expect(store != nullptr && X509_STORE_add_cert(store.get(), certificate_of(authority).get()) == 1,
          "trust an authority");
   X509_STORE_set_flags(store.get(), X509_V_FLAG_NO_CHECK_TIME);

@@ -10,18 +10,13 @@
 #include <memory>
 #include <ostream>
 
+#include "bridge/base/released_by.hpp"
+
 namespace fieldcast::cli {
 namespace {
 
-template <auto release>
-struct Release {
-  template <typename T>
-  void operator()(T* object) const {
-    release(object);
-  }
-};
-using Bio = std::unique_ptr<BIO, Release<BIO_free_all>>;
-using TlsContext = std::unique_ptr<SSL_CTX, Release<SSL_CTX_free>>;
+using Bio = std::unique_ptr<BIO, ReleasedBy<BIO_free_all>>;
+using TlsContext = std::unique_ptr<SSL_CTX, ReleasedBy<SSL_CTX_free>>;
 
 void release_headers(STACK_OF(CONF_VALUE) * headers) {
   sk_CONF_VALUE_pop_free(headers, X509V3_conf_free);
@@ -57,7 +52,7 @@ ExitCode health(const HealthOptions& options, const Streams& to) {
   const std::string rest = options.url.substr(scheme + 3);
   STACK_OF(CONF_VALUE)* added = nullptr;
   X509V3_add_value("Host", rest.substr(0, rest.find('/')).c_str(), &added);
-  const std::unique_ptr<STACK_OF(CONF_VALUE), Release<release_headers>> headers(added);
+  const std::unique_ptr<STACK_OF(CONF_VALUE), ReleasedBy<release_headers>> headers(added);
 
   // The certificate is not verified: the request has no secret, and the response is only a state.
   const TlsContext tls(SSL_CTX_new(TLS_client_method()));
