@@ -32,6 +32,7 @@ Bytes Wire::send(const Send& with, Instant now) {
   looked_ = now;
   flight_->rest = with.rest;
   asked.context = with.context;
+  asked.context.session = &session_;
   strays_since_ = kNever;
   ++exchanges_;
   const bool echo_is_distinct =

@@ -124,7 +124,10 @@ class Wire {
   // The line must become silent before it is used.
   void count_stray(std::size_t bytes) { driver_.count_stray(bytes); }
   void stray(Instant now);
-  void opened(Instant now) { free_at_ = now + setup_.silence(); }
+  void opened(Instant now) {
+    session_.clear();
+    free_at_ = now + setup_.silence();
+  }
 
   [[nodiscard]] bool exchanging() const { return driver_.active(); }
   [[nodiscard]] bool waiting() const { return flight_.has_value() && !driver_.active(); }
@@ -141,6 +144,7 @@ class Wire {
 
   const BusSetup& setup_;
   ExchangeDriver driver_;
+  Bytes session_;  // of the connection, see ExchangeContext
   std::optional<Flight> flight_;
   Instant free_at_ = kLongAgo;
   Instant strays_since_ = kNever;  // while they keep the wire from being free
