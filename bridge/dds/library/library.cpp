@@ -10,6 +10,7 @@
 
 #include "bridge/dds/library/encoding_guard.hpp"
 #include "bridge/dds/library/fastdds.hpp"
+#include "bridge/dds/library/secured_announcement.hpp"
 
 namespace fieldcast {
 
@@ -48,6 +49,7 @@ void prepare_library() {
   static std::once_flag once;
   std::call_once(once, [] {
     guard_encoding();
+    offer_secured_announcements();
     Log::ClearConsumers();
     Log::RegisterConsumer(std::make_unique<PlainLines>());
     // For diagnosis in the field: adds the library's warnings to its errors.
