@@ -55,8 +55,8 @@ void run(unsigned domain, bool one_by_one) {
   station.subscribe_samples([&](const StationSample& sample) { count.add(sample); }, {},
                             {.deadline = {}, .on_deadline_missed = {}, .one_by_one = one_by_one});
   while (!stopped) {
-    fmt::print("{} {} {} {} {}\n", count.samples, count.missing, count.channels, count.listed,
-               station.block_counters().missing);
+    fmt::print("{} {} {} {} {}\n", count.samples.load(), count.missing.load(),
+               count.channels.load(), count.listed.load(), station.block_counters().missing);
     std::fflush(stdout);
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
