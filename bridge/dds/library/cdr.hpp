@@ -4,7 +4,8 @@
 
 #include <fastcdr/Cdr.h>
 #include <fastcdr/FastBuffer.h>
-#include <fastcdr/exceptions/Exception.h>
+#include <fastcdr/exceptions/BadParamException.h>
+#include <fastcdr/exceptions/NotEnoughMemoryException.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -16,6 +17,8 @@
 namespace fieldcast {
 
 inline constexpr std::size_t kEncapsulationBytes = 4;
+// Whether a string without its final zero is refused: from_bytes() of 3.x compares sizes.
+inline constexpr bool kStringsEndWithZero = FASTDDS_VERSION_MAJOR >= 3;
 
 // Writes the content of a message after its encapsulation, in the byte order of this machine or in
 // the opposite order. Throws NotEnoughMemoryException of Fast CDR.
@@ -110,6 +113,8 @@ class CdrReader {
     // last byte is read.
     char last = 0;
     if (length > 0 && cdr_.jump(length - 1)) cdr_ >> last;
+    if (kStringsEndWithZero && (length == 0 || last != 0))
+      throw eprosima::fastcdr::exception::BadParamException("a string has no final zero");
     const std::string_view whole(text, length);
     return whole.substr(0, whole.find('\0'));
   }
