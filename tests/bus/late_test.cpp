@@ -14,7 +14,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-const StormKind& kind_named(const std::string& name) {
+const StormKind& kind_named(std::string_view name) {
   const auto kinds = storm_kinds();
   return *std::find_if(kinds.begin(), kinds.end(),
                        [&](const StormKind& kind) { return kind.name == name; });

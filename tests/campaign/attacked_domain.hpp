@@ -58,7 +58,7 @@ struct AttackedDomain {
     std::copy_n(forged_writer->guid().guidPrefix.value, prefix.size(), prefix.begin());
     return prefix;
   }
-  [[nodiscard]] static EntityBytes entity(const eprosima::fastrtps::rtps::GUID_t& guid) {
+  [[nodiscard]] static EntityBytes entity(const rtps::GUID_t& guid) {
     EntityBytes bytes{};
     std::copy_n(guid.entityId.value, bytes.size(), bytes.begin());
     return bytes;

@@ -74,6 +74,7 @@
 #include <cstdint>
 #include <cstring>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -218,6 +219,16 @@ class AdaptedType : public Generated {
   virtual void* new_message() { return new Message(); }
   virtual void delete_message(void* message) { delete static_cast<Message*>(message); }
 
+  // The key of a message that came without its hash, as those of 2.9.1 do. Bytes that are not a
+  // message have a key too: 3.1.2 ends the process if there is none (DataReaderHistory). Reads into
+  // a message of this type, unlike the generated function, which uses its own.
+  bool key_of_bytes(Payload& payload, Handle& key, bool force_md5) {
+    const auto discard = [this](void* message) { delete_message(message); };
+    const std::unique_ptr<void, decltype(discard)> message(new_message(), discard);
+    (void)from_bytes(payload, message.get());
+    return key_of(message.get(), key, force_md5);
+  }
+
   // Bytes that the library first allocates for a message: by default the largest possible size.
   [[nodiscard]] std::uint32_t first_allocation() const {
     return const_cast<AdaptedType*>(this)->allocation();
@@ -256,9 +267,11 @@ class AdaptedType : public Generated {
                                           dds::DataRepresentationId_t) final {
     return size_of(data);
   }
-  using Generated::compute_key;
   bool compute_key(const void* const data, Handle& key, bool force_md5) final {
     return key_of(data, key, force_md5);
+  }
+  bool compute_key(Payload& payload, Handle& key, bool force_md5) final {
+    return key_of_bytes(payload, key, force_md5);
   }
   void* create_data() final { return new_message(); }
   void delete_data(void* message) final { delete_message(message); }
