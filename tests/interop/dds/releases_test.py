@@ -25,6 +25,9 @@ exec unshare --mount --propagation private sh -c '
 """
 
 
+SOURCES = {}  # folder of the programs themselves, by the folder of those that enter another Debian
+
+
 def programs(text, made):
     """Returns the folder of the programs; for a second Debian a new folder in `made` with programs that enter it."""
     root, colon, folder = text.rpartition(":")
@@ -34,6 +37,7 @@ def programs(text, made):
         sys.exit(77)
     if not colon:
         return os.path.abspath(folder)
+    SOURCES[os.path.join(made, os.path.basename(root))] = f"{root}{folder}"
     entries = os.path.join(made, os.path.basename(root))
     os.mkdir(entries)
     for name in NAMES:
@@ -128,6 +132,8 @@ class Exchange:
         cyclone_test.BIN_DIR = self.station
         cyclone_test.LOOPBACK = secure_test.cyclone_uri(self.member("mes")) if self.secured else secure_test.PLAIN
         with cyclone_test.Watch(self.plant) as watch:
+            if self.secured and secure_test.waits_for_announcement(SOURCES.get(self.bridge, self.bridge)):
+                return secure_test.expect_nothing(watch)
             wait_until(lambda: len(watch.good()) == CHANNELS, SECONDS, lambda: f"{len(watch.good())} channels of {CHANNELS}")
             done = cyclone_test.write(self.plant, "mill-1/device/c7", 321, "verify")
             self.assertEqual(done.stdout.split("\t")[:3], ["result", "1", "VERIFIED"], done.stdout + done.stderr)
