@@ -142,14 +142,17 @@ bool IncomingFilter::is_refused(const Prefix& prefix) const {
   return subjects_.contains(start);
 }
 
-void IncomingFilter::refuse(const security::GuidStart& subject) {
+std::vector<ParticipantPrefix> IncomingFilter::refuse(const security::GuidStart& subject) {
   const std::lock_guard lock(mutex_);
-  if (!subjects_.insert(subject).second) return;
+  std::vector<Prefix> present;
+  if (!subjects_.insert(subject).second) return present;
   refuses_ = true;
   for (const Prefix& prefix : participants_) {
-    if (std::equal(subject.begin(), subject.end(), prefix.begin())) refused_.push_back(prefix);
+    if (std::equal(subject.begin(), subject.end(), prefix.begin())) present.push_back(prefix);
   }
+  refused_.insert(refused_.end(), present.begin(), present.end());
   refused_participants_ = refused_.size();
+  return present;
 }
 
 bool IncomingFilter::takes(std::span<const std::uint8_t> message) {

@@ -10,7 +10,7 @@
 //   cannot read it again, and cannot remove an authenticated participant. Here, a participant that
 //   is revoked later is refused by the first six bytes of its GUID, which are the hash of its
 //   subject (bridge/security/subject.hpp), and the library receives a message that it has left the
-//   domain.
+//   domain. 3.x accepts no such message in clear; MemberWatch removes the participant there.
 //
 // - Fast DDS 2.9.1 and 3.1.2 do not expose the certificates that they have checked. A participant's
 //   announcement contains the subject of its certificate. Here, the subject is stored if its hash
@@ -44,7 +44,8 @@ class IncomingFilter {
   // `protects_messages`: true if the governance protects whole messages.
   explicit IncomingFilter(bool protects_messages);
 
-  void refuse(const security::GuidStart& subject);
+  // Returns the participants of the subject that have sent a message.
+  std::vector<ParticipantPrefix> refuse(const security::GuidStart& subject);
 
   [[nodiscard]] bool takes(std::span<const std::uint8_t> message);
   // Number of messages refused because they are in clear.

@@ -16,7 +16,6 @@
 
 namespace fieldcast {
 
-inline constexpr std::size_t kEncapsulationBytes = 4;
 // Whether a string without its final zero is refused: from_bytes() of 3.x compares sizes.
 inline constexpr bool kStringsEndWithZero = FASTDDS_VERSION_MAJOR >= 3;
 
@@ -91,6 +90,8 @@ class CdrReader {
         buffer_(const_cast<char*>(begin_), size),  // which is read only
 #if FASTDDS_VERSION_MAJOR >= 3
         cdr_(buffer_, Cdr::DEFAULT_ENDIAN, eprosima::fastcdr::CdrVersion::XCDRv1) {
+    if (!is_first_representation(bytes, size))
+      throw eprosima::fastcdr::exception::BadParamException("not the first representation");
 #else
         cdr_(buffer_, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR) {
 #endif

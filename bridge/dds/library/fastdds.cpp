@@ -48,6 +48,16 @@ void join_discovery_server(dds::DomainParticipantQos& qos, const rtps::Locator_t
 #endif
 }
 
+void remove_member([[maybe_unused]] dds::DomainParticipant& from,
+                   [[maybe_unused]] std::span<const std::uint8_t, 12> prefix) {
+#if FASTDDS_VERSION_MAJOR >= 3
+  rtps::InstanceHandle_t handle;
+  std::copy_n(prefix.begin(), prefix.size(), &handle.value[0]);
+  std::ranges::copy(rtps::c_EntityId_RTPSParticipant.value, &handle.value[prefix.size()]);
+  (void)from.ignore_participant(handle);
+#endif
+}
+
 namespace {
 
 constexpr std::string_view kBeforeIdentity = "DS", kAfterIdentity = "_EPROSIMA";

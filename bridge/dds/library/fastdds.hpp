@@ -141,6 +141,10 @@ void join_discovery_server(dds::DomainParticipantQos& qos, const rtps::Locator_t
 
 // ---- discovery
 
+// Removes a participant that is in the domain, and ignores it permanently. Does nothing in 2.9.1,
+// whose function is empty (eProsima/Fast-DDS #3412).
+void remove_member(dds::DomainParticipant& from, std::span<const std::uint8_t, 12> prefix);
+
 // The participant of the server with this identity: 44.53.IDENTITY.5f.45.50.52.4f.53.49.4d.41,
 // which is "DS", the identity, "_EPROSIMA".
 [[nodiscard]] rtps::GuidPrefix_t server_prefix(std::uint8_t identity);
@@ -207,6 +211,14 @@ class DiscoveryListener : public dds::DomainParticipantListener {
 
 // ---- types
 
+inline constexpr std::size_t kEncapsulationBytes = 4;
+
+// Returns true for the representations of DDS-XTypes 1.3, 7.6.3.1.2, that Fast CDR 1 reads.
+[[nodiscard]] inline bool is_first_representation(const void* bytes, std::size_t size) {
+  constexpr unsigned char kLastOfFirst = 3;
+  return size >= kEncapsulationBytes && static_cast<const unsigned char*>(bytes)[1] <= kLastOfFirst;
+}
+
 // A generated type with one form of the functions that our classes override. Any thread.
 template <class Generated>
 class AdaptedType : public Generated {
@@ -241,12 +253,9 @@ class AdaptedType : public Generated {
   virtual bool to_bytes(const void* data, Payload& payload) {
     return Generated::serialize(data, payload, dds::XCDR_DATA_REPRESENTATION);
   }
-  // Fast CDR 2 accepts a message that ends between two members, so the size is compared. As in 2.9,
-  // only the first representation of DDS-XTypes 1.3, 7.6.3.1.2, is accepted.
+  // Fast CDR 2 accepts a message that ends between two members, so the size is compared.
   virtual bool from_bytes(Payload& payload, void* data) {
-    constexpr std::uint32_t kEncapsulation = 4;
-    constexpr rtps::octet kLastOfFirst = 3;
-    return payload.length >= kEncapsulation && payload.data[1] <= kLastOfFirst &&
+    return is_first_representation(payload.data, payload.length) &&
            Generated::deserialize(payload, data) &&
            Generated::calculate_serialized_size(data, dds::XCDR_DATA_REPRESENTATION) <=
                payload.length;

@@ -248,7 +248,7 @@ Domain::Domain(const DdsSpec& spec, const std::string& name, DiscoveryListener* 
   }
   if (publisher_ == nullptr || subscriber_ == nullptr || held_publisher_ == nullptr)
     throw DdsError("dds: cannot make a publisher and a subscriber");
-  if (filter_) watch_ = std::make_unique<MemberWatch>(*spec.security, filter_);
+  if (filter_) watch_ = std::make_unique<MemberWatch>(*spec.security, filter_, *participant_);
 }
 
 namespace {

@@ -26,8 +26,12 @@ UtcTime utc_now() {
 
 }  // namespace
 
-MemberWatch::MemberWatch(std::string folder, std::shared_ptr<IncomingFilter> filter)
-    : folder_(std::move(folder)), filter_(std::move(filter)), identity_(identity_in(folder_)) {
+MemberWatch::MemberWatch(std::string folder, std::shared_ptr<IncomingFilter> filter,
+                         dds::DomainParticipant& participant)
+    : folder_(std::move(folder)),
+      filter_(std::move(filter)),
+      participant_(participant),
+      identity_(identity_in(folder_)) {
   thread_ = std::thread([this] { run(); });
 }
 
@@ -84,7 +88,8 @@ void MemberWatch::read_list() {
     std::string list = text(security::kRevoked);
     if (list != list_) {
       for (const auto& subject : security::revoked_subjects(text(security::kIdentityCa), list)) {
-        filter_->refuse(security::guid_start(subject));
+        for (const ParticipantPrefix& prefix : filter_->refuse(security::guid_start(subject)))
+          remove_member(participant_, prefix);
         if (refused_.insert(subject.common_name()).second && !list_.empty())
           say_security(false, subject.text() + " is revoked: it is not let in any more");
       }

@@ -28,7 +28,9 @@ class MemberWatch {
  public:
   static constexpr auto kPeriod = std::chrono::milliseconds{500};
 
-  MemberWatch(std::string folder, std::shared_ptr<IncomingFilter> filter);
+  // `participant` must outlive this object.
+  MemberWatch(std::string folder, std::shared_ptr<IncomingFilter> filter,
+              dds::DomainParticipant& participant);
   ~MemberWatch();
   MemberWatch(const MemberWatch&) = delete;
   MemberWatch& operator=(const MemberWatch&) = delete;
@@ -44,6 +46,7 @@ class MemberWatch {
 
   const std::string folder_;
   const std::shared_ptr<IncomingFilter> filter_;
+  dds::DomainParticipant& participant_;
   const std::string identity_;
   std::uint64_t say_refused_ = 1;  // next count of messages in clear to report
   std::uint32_t renewed_ = 0;      // successive checks that saw another certificate
