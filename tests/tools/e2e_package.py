@@ -21,7 +21,8 @@ BUILD_DIR = SOURCE_DIR = PACKAGES_DIR = ""
 LIBRARY = "libfieldcast-station1"
 COMPONENTS = ["fieldcast", "fieldcast-dev", "fieldcast-sim", LIBRARY]
 PROGRAMS = ["fieldcast", "fieldcast-bridge", "fieldcast-port", "fieldcast-sim", "fieldcast-station"]
-MAX_PACKAGES_BYTES = 7_500_000  # all four; fieldcast-station with its page is 2.1 MB of it
+# All; fieldcast-station with its page is 2.1 MB of it. GCC 14 of Debian 13 makes larger programs than GCC 12.
+MAX_PACKAGES_BYTES = 8_000_000 if glob.glob("/usr/lib/*/libfastdds.so.3.*") else 7_500_000
 
 def run(*command, **options):
     result = subprocess.run(command, capture_output=True, text=True, timeout=280, **options)
@@ -113,7 +114,7 @@ class Installed(unittest.TestCase):
         for name, installed in [("fieldcast-bridge@plant", "fieldcast-bridge@"), ("fieldcast-station", "fieldcast-station")]:
             unit = os.path.join(self.folder, f"{name}.service")
             with open(f"{self.root}/lib/systemd/system/{installed}.service", encoding="utf-8") as template:
-                text = template.read().replace("ExecStart=", f"ExecStart={self.root}/bin/")
+                text = re.sub(r"(?m)^(Exec\w+=)(?=fieldcast)", rf"\1{self.root}/bin/", template.read())
             with open(unit, "w", encoding="utf-8") as file:
                 file.write(text)
             result = subprocess.run(["systemd-analyze", "verify", "--man=no", unit], capture_output=True, text=True, timeout=60)
@@ -153,8 +154,8 @@ class Packages(unittest.TestCase):
 
     def test_no_library_is_missing_among_what_they_depend_on(self):
         depends = run("dpkg-deb", "-f", self.packages[0], "Depends")
-        for library in ["libc6", "libfastrtps", "libyaml-cpp", "adduser"]:
-            self.assertIn(library, depends)
+        for library in ["libc6", "libfast(rtps|dds)", "libyaml-cpp", "adduser"]:
+            self.assertRegex(depends, library)
 
     @unittest.skipUnless(shutil.which("lintian"), "no lintian here")
     def test_lintian_finds_no_error_and_no_warning(self):
@@ -170,11 +171,11 @@ class Packages(unittest.TestCase):
             name, *listed = [line.split()[0] for line in file.read().splitlines() if not line.startswith("*")]
         library, = glob.glob(f"{root}/usr/lib/**/{name}", recursive=True)
         exported = re.findall(r"^\S+ [^A ] (\S+)$", run("nm", "-D", "--defined-only", "--with-symbol-versions", library), re.MULTILINE)
-        self.assertEqual(sorted(symbol for symbol in listed if not symbol.startswith("FIELDCAST_1@")),
+        self.assertEqual(sorted(symbol for symbol in listed if not symbol.startswith(("FIELDCAST_1@", "CODEABI_1.0@"))),
                          sorted(symbol.replace("@@", "@") for symbol in exported))
         self.assertGreater(len(exported), 30)
         foreign = [symbol for symbol in exported if "9fieldcast3api2v1" not in symbol]
-        self.assertEqual([symbol for symbol in foreign if "encode_rtps_message" not in symbol], [])  # bridge/dds/library/encoding_guard.cpp
+        self.assertEqual([symbol for symbol in foreign if not symbol.endswith("@@CODEABI_1.0")], [])  # bridge/dds/library replaces these
 
         # A symbol that has disappeared stops the packaging.
         with open(f"{SOURCE_DIR}/tools/packaging/debian/symbols", encoding="utf-8") as file:
@@ -182,8 +183,11 @@ class Packages(unittest.TestCase):
         with open(f"{self.folder}/symbols", "w", encoding="utf-8") as file:
             file.write(text + " gone@FIELDCAST_1 0.1.0\n")
         for symbols, code in [(f"{SOURCE_DIR}/tools/packaging/debian/symbols", 0), (f"{self.folder}/symbols", 1)]:
+            os.makedirs(f"{self.folder}/debian", exist_ok=True)
+            with open(f"{self.folder}/debian/control", "w", encoding="utf-8") as file:  # which version 1.22 reads
+                file.write(f"Source: fieldcast\n\nPackage: {LIBRARY}\nArchitecture: any\n")
             done = subprocess.run(["dpkg-gensymbols", "-c2", f"-p{LIBRARY}", "-v0.1.0+1", f"-P{root}", f"-I{symbols}", "-O/dev/null"],
-                                  capture_output=True, text=True)
+                                  capture_output=True, text=True, cwd=self.folder)
             self.assertEqual(done.returncode, code, done.stdout + done.stderr)
 
 

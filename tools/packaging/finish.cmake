@@ -21,9 +21,14 @@ foreach(package IN LISTS CPACK_PACKAGE_FILES)
     if(architecture MATCHES "^(armhf|i386)$")
       set(level 0)  # debian/symbols has the integer types of 64 bits
     endif()
+    # dpkg-gensymbols of Debian 13 reads the source's control file in its working directory.
+    file(MAKE_DIRECTORY ${content}.source/debian)
+    file(WRITE ${content}.source/debian/control "Source: fieldcast\n\nPackage: ${name}\nArchitecture: any\n")
     # dpkg-gensymbols finds a missing symbol only if the version is above that of its row.
     execute_process(COMMAND dpkg-gensymbols -c${level} -p${name} -v${CPACK_PACKAGE_VERSION}+1 -a${architecture} -P${content}
-                            -I${debian}/symbols -O${content}/DEBIAN/symbols COMMAND_ERROR_IS_FATAL ANY)
+                            -I${debian}/symbols -O${content}/DEBIAN/symbols
+                    WORKING_DIRECTORY ${content}.source COMMAND_ERROR_IS_FATAL ANY)
+    file(REMOVE_RECURSE ${content}.source)
     file(CHMOD ${content}/DEBIAN/shlibs ${content}/DEBIAN/symbols PERMISSIONS OWNER_READ OWNER_WRITE GROUP_READ WORLD_READ)
   endif()
   execute_process(COMMAND dpkg-deb --build --root-owner-group -Zxz -z9 -Sextreme ${content} ${package}
