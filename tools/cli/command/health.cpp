@@ -6,11 +6,14 @@
 #include <openssl/x509v3.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <memory>
 #include <ostream>
+#include <string_view>
 
 #include "bridge/base/released_by.hpp"
+#include "tools/cli/text/output.hpp"
 
 namespace fieldcast::cli {
 namespace {
@@ -63,8 +66,13 @@ ExitCode health(const HealthOptions& options, const Streams& to) {
   const Bio response(OSSL_HTTP_get(options.url.c_str(), nullptr, "*", nullptr, nullptr,
                                    secure ? put_tls_above : nullptr, tls.get(), 0, added, nullptr,
                                    0, kMostBytes, static_cast<int>(seconds)));
-  if (response) return ExitCode::kOk;
-  to.err << "fieldcast health: " << options.url << ": " << reason() << '\n';
+  // OpenSSL 3.5 returns the body of a response with any status, without the status.
+  std::array<char, 128> body{};
+  const int size = response ? BIO_read(response.get(), body.data(), body.size()) : 0;
+  const std::string_view text(body.data(), static_cast<std::size_t>(std::max(size, 0)));
+  if (text.starts_with("ok")) return ExitCode::kOk;
+  to.err << "fieldcast health: " << options.url << ": "
+         << (response ? printable(text.substr(0, text.find('\n'))) : reason()) << '\n';
   return ExitCode::kFound;
 }
 
