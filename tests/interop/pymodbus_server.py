@@ -16,20 +16,31 @@ import signal
 import sys
 
 from pymodbus.datastore import ModbusSequentialDataBlock, ModbusServerContext, ModbusSlaveContext, ModbusSparseDataBlock
-from pymodbus.server.async_io import ModbusSerialServer, ModbusTcpServer
-from pymodbus.transaction import ModbusAsciiFramer, ModbusRtuFramer, ModbusSocketFramer
+
+try:  # version 3.0 of Debian 12
+    from pymodbus.server.async_io import ModbusSerialServer, ModbusTcpServer
+    from pymodbus.transaction import ModbusAsciiFramer, ModbusRtuFramer, ModbusSocketFramer
+except ImportError:  # version 3.8 of Debian 13
+    from pymodbus.framer import FramerType
+    from pymodbus.server import ModbusSerialServer, ModbusTcpServer
+    ModbusAsciiFramer, ModbusRtuFramer, ModbusSocketFramer = FramerType.ASCII, FramerType.RTU, FramerType.SOCKET
+    OLD = False
+else:
+    OLD = True
+FIRST = 0 if OLD else 1  # place of address 0 in a block
 
 ITEMS = range(500)
 REGISTERS = None  # holding registers of a file
 
 
 def memory(unit):
+    registers = {address + FIRST: value for address, value in REGISTERS.items()} if REGISTERS else None
     device = ModbusSlaveContext(
-        co=ModbusSequentialDataBlock(0, [n % 3 == 0 for n in ITEMS]),
-        di=ModbusSequentialDataBlock(0, [n % 2 == 1 for n in ITEMS]),
-        hr=ModbusSparseDataBlock(REGISTERS) if REGISTERS else ModbusSequentialDataBlock(0, [1000 + n for n in ITEMS]),
-        ir=ModbusSequentialDataBlock(0, [2000 + n for n in ITEMS]),
-        zero_mode=True,
+        co=ModbusSequentialDataBlock(FIRST, [n % 3 == 0 for n in ITEMS]),
+        di=ModbusSequentialDataBlock(FIRST, [n % 2 == 1 for n in ITEMS]),
+        hr=ModbusSparseDataBlock(registers) if registers else ModbusSequentialDataBlock(FIRST, [1000 + n for n in ITEMS]),
+        ir=ModbusSequentialDataBlock(FIRST, [2000 + n for n in ITEMS]),
+        **({"zero_mode": True} if OLD else {}),
     )
     return ModbusServerContext(slaves={unit: device}, single=False)
 
@@ -37,18 +48,23 @@ def memory(unit):
 async def serve(kind, place, numbers):
     if kind == "tcp":
         server = ModbusTcpServer(memory(*(numbers or [1])), framer=ModbusSocketFramer, address=("127.0.0.1", int(place)),
-                                 allow_reuse_address=True)
-        running = asyncio.ensure_future(server.serve_forever())
-        await server.serving
+                                 **({"allow_reuse_address": True} if OLD else {}))
     else:
         framer = ModbusRtuFramer if kind == "rtu" else ModbusAsciiFramer
         baud, unit = numbers + [115200, 1][len(numbers):]
         server = ModbusSerialServer(memory(unit), framer=framer, port=place, baudrate=baud, bytesize=8, parity="N", stopbits=1,
                                     ignore_missing_slaves=True, timeout=1)
+    if OLD and kind == "tcp":
+        running = asyncio.ensure_future(server.serve_forever())
+        await server.serving
+    elif OLD:
         await server.start()
         if server.transport is None:
             sys.exit(f"pymodbus_server.py: {place} does not open")
         running = asyncio.ensure_future(server.serve_forever())
+    else:
+        await server.serve_forever(background=True)  # fails if the place does not open
+        running = server.serving
     stop = asyncio.Event()
     for name in (signal.SIGTERM, signal.SIGINT):
         asyncio.get_running_loop().add_signal_handler(name, stop.set)

@@ -14,7 +14,13 @@ import time
 import unittest
 
 from pymodbus.client import ModbusSerialClient
-from pymodbus.transaction import ModbusAsciiFramer, ModbusRtuFramer
+try:  # version 3.0 of Debian 12
+    from pymodbus.transaction import ModbusAsciiFramer, ModbusRtuFramer
+    UNIT_1, WRITTEN = {"unit": 1}, {"write_registers": [7]}
+except ImportError:  # version 3.8 of Debian 13
+    from pymodbus.framer import FramerType
+    ModbusAsciiFramer, ModbusRtuFramer = FramerType.ASCII, FramerType.RTU
+    UNIT_1, WRITTEN = {"slave": 1}, {"values": [7]}
 
 from peers import DEADLINE, Mbpoll, Program, free_port
 
@@ -112,11 +118,11 @@ class SimulatorTest(unittest.TestCase):
         self.assertTrue(master.connect())
         self.addCleanup(master.close)
         self.assertFalse(master.write_register(4, 0x12, slave=1).isError())
-        self.assertFalse(master.mask_write_register(4, 0xF2, 0x25, unit=1).isError())
-        self.assertEqual(master.read_holding_registers(4, 1, slave=1).registers, [0x17])
-        both = master.readwrite_registers(read_address=3, read_count=3, write_address=5, write_registers=[7], unit=1)
+        self.assertFalse(master.mask_write_register(address=4, and_mask=0xF2, or_mask=0x25, **UNIT_1).isError())
+        self.assertEqual(master.read_holding_registers(4, count=1, slave=1).registers, [0x17])
+        both = master.readwrite_registers(read_address=3, read_count=3, write_address=5, **WRITTEN, **UNIT_1)
         self.assertEqual(both.registers, [0, 0x17, 7])
-        self.assertEqual(master.read_holding_registers(65535, 2, slave=1).exception_code, 2)
+        self.assertEqual(master.read_holding_registers(65535, count=2, slave=1).exception_code, 2)
 
     def test_pymodbus_reads_and_writes_ascii(self):
         self.start().wait_ready()
@@ -124,7 +130,7 @@ class SimulatorTest(unittest.TestCase):
         self.assertTrue(master.connect())
         self.addCleanup(master.close)
         self.assertFalse(master.write_registers(5, [1, 2, 0xABCD], slave=3).isError())
-        self.assertEqual(master.read_holding_registers(4, 5, slave=3).registers, [0, 1, 2, 0xABCD, 0])
+        self.assertEqual(master.read_holding_registers(4, count=5, slave=3).registers, [0, 1, 2, 0xABCD, 0])
 
     def test_faults_refuse_and_silence(self):
         faults = self.file("faults.yaml", """

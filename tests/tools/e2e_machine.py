@@ -117,7 +117,8 @@ class FullDisk(unittest.TestCase):
 
 
 class ReadOnlyRoot(unittest.TestCase):
-    AROUND = ["unshare", "--mount", "sh", "-c", 'mount -o remount,bind,ro / && exec "$@"', "sh"]
+    AROUND = ["unshare", "--mount", "sh", "-c",
+              'mount -o remount,bind,ro / && { ! mountpoint -q /tmp || mount -o remount,bind,ro /tmp; } && exec "$@"', "sh"]
 
     def test_is_enough_without_a_store(self):
         with OtherPlant(CONFIG, around=self.AROUND) as here:

@@ -135,6 +135,11 @@ def too_long(text):
     return faults
 
 
+def formats_as_the_tree():
+    """Returns true if clang-format is version 14: others format some lines in another way."""
+    return " version 14." in subprocess.run(["clang-format", "--version"], capture_output=True, text=True).stdout
+
+
 def format_faults(files):
     """Returns what clang-format would change, as its messages."""
     style = "--style=file:" + os.path.join(SOURCE_DIR, ".clang-format")
@@ -234,6 +239,7 @@ class Tree(unittest.TestCase):
         faults = [f"{symbol}: {kind}" for symbol in sorted(symbols) if (kind := symbol_fault(symbol))]
         self.assertEqual(faults, [], "\n" + "\n".join(faults))
 
+    @unittest.skipIf(not formats_as_the_tree(), "the sources are formatted by clang-format 14 (Debian 12)")
     def test_every_source_is_formatted(self):
         files = sorted(sources())
         self.assertGreater(len(files), 0, "no source found")
