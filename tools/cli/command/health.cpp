@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <ctime>
 #include <memory>
 #include <ostream>
 #include <string_view>
@@ -66,9 +67,14 @@ ExitCode health(const HealthOptions& options, const Streams& to) {
   const Bio response(OSSL_HTTP_get(options.url.c_str(), nullptr, "*", nullptr, nullptr,
                                    secure ? put_tls_above : nullptr, tls.get(), 0, added, nullptr,
                                    0, kMostBytes, static_cast<int>(seconds)));
-  // OpenSSL 3.5 returns the body of a response with any status, without the status.
+  // OpenSSL 3.5 returns the body of a response with any status, without the status, and possibly
+  // before it has arrived.
   std::array<char, 128> body{};
-  const int size = response ? BIO_read(response.get(), body.data(), body.size()) : 0;
+  int size = response ? BIO_read(response.get(), body.data(), body.size()) : 0;
+  const std::time_t end = std::time(nullptr) + seconds;
+  while (size <= 0 && response && BIO_should_retry(response.get()) != 0 &&
+         BIO_wait(response.get(), end, 0) > 0)
+    size = BIO_read(response.get(), body.data(), body.size());
   const std::string_view text(body.data(), static_cast<std::size_t>(std::max(size, 0)));
   if (text.starts_with("ok")) return ExitCode::kOk;
   to.err << "fieldcast health: " << options.url << ": "
