@@ -6,6 +6,7 @@
 #include "core/protocol/dtc/dtc.hpp"
 #include "core/protocol/mitsubishi_fx/mitsubishi_fx.hpp"
 #include "core/protocol/modbus/modbus.hpp"
+#include "core/protocol/omron_fins/fins_tcp.hpp"
 #include "core/protocol/omron_hostlink/omron_hostlink.hpp"
 #include "core/protocol/s7_freeport/s7_freeport.hpp"
 #include "core/protocol/s7_ppi/s7_ppi.hpp"
@@ -21,6 +22,7 @@ std::span<const ProtocolEntry> protocols() {
       modbus::rtu_entry(),
       modbus::ascii_entry(),
       modbus::tcp_entry(),
+      omron::fins_tcp_entry(),
       omron::hostlink_entry(),
       s7_freeport::entry(),
       s7_ppi::entry(),

@@ -30,11 +30,11 @@ constexpr AreaRow kRows[] = {
 };
 
 bool is_reached(const AreaRow& row, Mode mode) {
-  return (mode == Mode::kFins ? row.fins_items : row.c_items) != 0;
+  return (mode == Mode::kCMode ? row.c_items : row.fins_items) != 0;
 }
 
 Reached find_reached(Mode mode) {
-  const bool fins = mode == Mode::kFins;
+  const bool fins = mode != Mode::kCMode, ethernet = mode == Mode::kFinsEthernet;
   Reached reached;
   for (const AreaRow& each : kRows) {
     const AreaRow* row = &each;
@@ -48,6 +48,8 @@ Reached find_reached(Mode mode) {
                          : (row->flags ? kCReadFlags : kCReadWords);
     area.max_write =
         fins ? (row->flags ? 0 : kFinsWriteWords) : (row->flags ? kCWriteFlags : kCWriteWords);
+    if (ethernet) area.max_read = row->flags ? kEthernetReadFlags : kEthernetReadWords;
+    if (ethernet && !row->flags) area.max_write = kEthernetWriteWords;
     area.writable = area.max_write != 0;
     area.bit_write = fins && row->bit_code != 0 && !row->flags;
     // The lower address holds the lower word of a double word (CS/CJ instructions manual, W340,
@@ -94,7 +96,8 @@ bool is_extended(const AreaRow& row) { return row.letter == 'E'; }
 const Reached& reached_in(Mode mode) {
   static const Reached c = find_reached(Mode::kCMode);
   static const Reached fins = find_reached(Mode::kFins);
-  return mode == Mode::kFins ? fins : c;
+  static const Reached ethernet = find_reached(Mode::kFinsEthernet);
+  return mode == Mode::kCMode ? c : mode == Mode::kFins ? fins : ethernet;
 }
 
 namespace {
@@ -110,7 +113,7 @@ std::pair<std::string_view, std::string_view> split_area(std::string_view at) {
 }  // namespace
 
 ParsedOrFault parse_address(Mode mode, std::string_view at) {
-  const AddressFaults& fault = kFaults[mode == Mode::kFins];
+  const AddressFaults& fault = kFaults[mode != Mode::kCMode];
   const auto [letters, rest] = split_area(at);
   const auto named = [letters = letters](const AreaRow& row) {
     return row.name == letters || row.other == letters;
@@ -120,8 +123,8 @@ ParsedOrFault parse_address(Mode mode, std::string_view at) {
     return fault("area " + in_quotes(letters) + " is unknown", suggest(mode, letters, rest));
   const std::string name(row->name);
   if (!is_reached(*row, mode)) {
-    return fault(name + (mode == Mode::kFins ? " is not reached by FINS"
-                                             : " is reached by FINS only (option mode: fins)"));
+    return fault(name + (mode != Mode::kCMode ? " is not reached by FINS"
+                                              : " is reached by FINS only (option mode: fins)"));
   }
   const auto& [rows, areas] = reached_in(mode);
   ParsedAddress address{.area =

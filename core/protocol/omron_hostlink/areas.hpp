@@ -11,7 +11,8 @@ namespace fieldcast::omron {
 
 // C-mode: two-letter commands of every Host Link PLC. FINS in Host Link (header FA): CS, CJ, CP and
 // later.
-enum class Mode : std::uint8_t { kCMode, kFins };
+// kFinsEthernet: the same with longer messages.
+enum class Mode : std::uint8_t { kCMode, kFins, kFinsEthernet };
 
 // One area. Zero in a column means that this command set cannot reach it.
 struct AreaRow {

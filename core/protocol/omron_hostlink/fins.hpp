@@ -1,13 +1,8 @@
-// FINS commands in Host Link frames with the header FA: reads of ranges and of scattered words,
-// writes of words and single bits.
+// FINS commands (fins_command.hpp) in Host Link frames with the header FA.
 //
 //     request   @ uu FA w ICF DA2 SA2 SID command.. FCS * CR
 //     request   @ uu FA w ICF RSV GCT DNA DA1 DA2 SNA SA1 SA2 SID command.. FCS * CR
 //     response  @ uu FA ee ICF .. SID command(2) end(2) data.. FCS * CR
-//
-//     0101  area address(2) bit count(2)               ->  data
-//     0102  area address(2) bit count(2) data
-//     0104  (area address(2) bit) for each item        ->  (area data) for each item
 //
 // The first form addresses the CPU on the line (ICF 00), the second one another node (ICF 80). A
 // response has ICF 40 or C0 and the fields of its request.

@@ -33,6 +33,12 @@ inline constexpr std::uint16_t kFinsReadFlags = 528;
 inline constexpr std::uint16_t kFinsWriteWords = 260;
 inline constexpr std::uint16_t kFinsItems = 128;  // of command 0104
 
+// FINS on Ethernet: messages of 2012 bytes (W421, 7-2; W342, 5-3-2 to 5-3-5).
+inline constexpr std::size_t kEthernetBytes = 2012;
+inline constexpr std::uint16_t kEthernetReadWords = 999, kEthernetWriteWords = 996;
+inline constexpr std::uint16_t kEthernetReadFlags = 1998;
+inline constexpr std::uint16_t kEthernetItems = 167;
+
 // The Host Link frame, shared by C-mode and FINS.
 //
 //     first or only   @ uu HH text FCS * CR    uu: unit 00..31 in decimal; HH: header

@@ -66,7 +66,7 @@ TEST(AddressNotation, OfAnUnknownProtocolWhereAllFamiliesAgree) {
 TEST(AddressNotation, ChannelsStateTheProtocolWhereFamiliesDisagree) {
   EXPECT_EQ(type_among({}, "C200"),
             "? C200: the type depends on the protocol: bcd16 (omron-hostlink), int16 (s7-ppi), "
-            "int32 (mitsubishi-fx), uint16 (omron-hostlink); say --type");
+            "int32 (mitsubishi-fx), uint16 (omron-fins); say --type");
   EXPECT_EQ(type_among({{"D5", "int32"}, {"Y17", "bool"}}, "C200"), "int32");
   EXPECT_EQ(type_among({{"VW100", "int16"}}, "C200"), "int16");
   EXPECT_EQ(type_among({{"W5", "uint16"}}, "T5"), "uint16") << "FINS alone has W";

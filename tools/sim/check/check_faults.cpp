@@ -174,7 +174,8 @@ void refusals(const Subject& subject, const Requests& requests, CheckRows& rows)
           {std::string(area.name), 0, area.items - 1, kCode});
     }
     LiveDevice live(subject, faults);
-    const RunOutcome outcome = live.run(requests.protocol().begin(example.request, {++sequence}));
+    const RunOutcome outcome =
+        live.run(requests.protocol().begin(example.request, live.context(++sequence)));
     const bool each =
         outcome.done && std::ranges::all_of(outcome.reply, [](const RangeReply& range) {
           return range.cause == Cause::kDeviceError;
@@ -195,7 +196,8 @@ void silence(const Subject& subject, const Requests& requests, CheckRows& rows) 
   LiveDevice live(subject, faults);
   std::uint16_t sequence = 0;
   for (const NamedRequest& example : requests.examples()) {
-    const RunOutcome outcome = live.run(requests.protocol().begin(example.request, {++sequence}));
+    const RunOutcome outcome =
+        live.run(requests.protocol().begin(example.request, live.context(++sequence)));
     outcome.cause == Cause::kNoResponse && !outcome.done
         ? row.pass()
         : row.fail(fmt::format("{}: {}", example.name, outcome.text()), frames(outcome.sent));
@@ -221,18 +223,21 @@ void foreign_responses(const Subject& subject, const Requests& requests, CheckRo
   std::uint16_t sequence = 0;
   for (const NamedRequest& example : requests.examples()) {
     ++sequence;
-    const auto check_replay = [&](CheckRow& into, const RunOutcome& recorded) {
-      const RunOutcome outcome = replay(requests.protocol().begin(example.request, {sequence}),
-                                        subject.line(), recorded.responses);
+    const auto check_replay = [&](CheckRow& into, Bytes session, const RunOutcome& recorded) {
+      const RunOutcome outcome =
+          replay(requests.protocol().begin(example.request, {sequence, &session}), subject.line(),
+                 recorded.responses);
       outcome.is_definite() ? into.fail(fmt::format("{}: {}", example.name, outcome.text()),
                                         frames(recorded.responses))
                             : into.pass();
     };
     if (identity != ResponseIdentity::kNone && neighbour)
-      check_replay(row, there.run(other->begin(example.request, {sequence})));
+      check_replay(row, Bytes(there.session()),
+                   there.run(other->begin(example.request, there.context(sequence))));
     if (identity == ResponseIdentity::kSequence) {
-      check_replay(old, here.run(requests.protocol().begin(
-                            example.request, {static_cast<std::uint16_t>(sequence + 1)})));
+      const auto after = static_cast<std::uint16_t>(sequence + 1);
+      check_replay(old, Bytes(here.session()),
+                   here.run(requests.protocol().begin(example.request, here.context(after))));
     }
   }
   rows.push_back(std::move(row));

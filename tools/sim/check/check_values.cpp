@@ -96,7 +96,7 @@ class ValueCheck {
   std::string name(AreaIndex area) const { return std::string(requests_.area_name(area)); }
   unsigned bits(AreaIndex area) const { return requests_.protocol().areas()[area].item_bits; }
   RunOutcome ask(const Request& request) {
-    return live_.run(requests_.protocol().begin(request, {++sequence_}));
+    return live_.run(requests_.protocol().begin(request, live_.context(++sequence_)));
   }
 
   void typed(AreaIndex area, const TypedValues& type) {

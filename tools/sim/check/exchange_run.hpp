@@ -51,6 +51,9 @@ class LiveDevice {
  public:
   explicit LiveDevice(const Subject& subject, const BusFaults& faults = {});
   [[nodiscard]] RunOutcome run(std::unique_ptr<Exchange> exchange);
+  // Of the next exchange on this connection; valid while this object lives.
+  [[nodiscard]] ExchangeContext context(std::uint16_t sequence) { return {sequence, &session_}; }
+  [[nodiscard]] const Bytes& session() const { return session_; }
   [[nodiscard]] SimDevice& device() { return *bus_->members()[0].device; }
   [[nodiscard]] Instant now() const { return now_; }
 
@@ -59,6 +62,7 @@ class LiveDevice {
   std::unique_ptr<SimBus> bus_;
   std::unique_ptr<BusLine> line_;
   Instant now_{};
+  Bytes session_;
 };
 
 // Replays responses[n] after the n-th request, in pieces that end at `cuts`; afterwards silence.

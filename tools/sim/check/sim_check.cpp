@@ -52,12 +52,15 @@ class ResponseCheck {
   struct Example {
     const NamedRequest& named;
     std::uint16_t sequence;
+    Bytes session;  // before it
     RunOutcome clean;
   };
 
   void disturb(const NamedRequest& named) {
     const std::uint16_t sequence = ++sequence_;
-    const Example example{named, sequence, live_.run(begin(named, sequence))};
+    const Bytes session = live_.session();
+    const Example example{named, sequence, session,
+                          live_.run(begin(named, live_.context(sequence)))};
     const RunOutcome& clean = example.clean;
     if (!clean.done && clean.cause != Cause::kDeviceError) {
       splits_->fail(fmt::format("{}: the undisturbed response: {}", named.name, clean.text()),
@@ -123,12 +126,14 @@ class ResponseCheck {
   }
 
   [[nodiscard]] std::unique_ptr<Exchange> begin(const NamedRequest& named,
-                                                std::uint16_t sequence) const {
-    return requests_.protocol().begin(named.request, {sequence});
+                                                ExchangeContext context) const {
+    return requests_.protocol().begin(named.request, context);
   }
   [[nodiscard]] RunOutcome run(const Example& example, const std::vector<Bytes>& responses,
                                const std::vector<std::size_t>& cuts = {}) const {
-    return replay(begin(example.named, example.sequence), subject_.line(), responses, cuts);
+    Bytes session = example.session;
+    return replay(begin(example.named, {example.sequence, &session}), subject_.line(), responses,
+                  cuts);
   }
   static void judge(CheckRow& row, const Example& example, const RunOutcome& outcome, bool right,
                     const std::string& what, const Bytes& frame) {

@@ -57,7 +57,7 @@ std::optional<ItemAddress> parse_omron_address(std::string_view at) {
 
 namespace {
 
-constexpr std::size_t kAddressSize = 4, kMostResponse = 538, kMostItems = 128;
+constexpr std::size_t kAddressSize = 4;
 constexpr std::uint16_t kUndefined = 0x0401, kCommandTooLong = 0x1001, kCommandTooShort = 0x1002,
                         kCountDiffers = 0x1003, kNoArea = 0x1101, kStartOutside = 0x1103,
                         kEndOutside = 0x1104, kResponseTooLong = 0x110B, kParameter = 0x110C;
@@ -80,7 +80,7 @@ Bytes FinsUnit::execute(ByteView message, Instant now) {
   append_u16(response, command);
   ++statistics_.requests["FA " + to_hex(message.subspan(head, 2), '\0')];
   Result result = dispatch(command, message.subspan(head + 2), now);
-  if (response.size() + 2 + result.data.size() > kMostResponse) result = {kResponseTooLong, {}};
+  if (response.size() + 2 + result.data.size() > limits_.response) result = {kResponseTooLong, {}};
   if (result.end != 0) ++statistics_.exceptions[result.end];
   append_u16(response, result.end);
   append(response, result.data);
@@ -220,7 +220,7 @@ FinsUnit::Result FinsUnit::fill(ByteView text, Instant now) {
 // (area(1) address(2) bit(1)).. -> area and item, for each
 FinsUnit::Result FinsUnit::read_many(ByteView text, Instant now) const {
   if (text.empty() || text.size() % kAddressSize != 0) return {kCountDiffers, {}};
-  if (text.size() / kAddressSize > kMostItems) return {kCommandTooLong, {}};
+  if (text.size() / kAddressSize > limits_.items) return {kCommandTooLong, {}};
   Result result;
   for (std::size_t at = 0; at < text.size(); at += kAddressSize) {
     const auto address = address_of(text.subspan(at));

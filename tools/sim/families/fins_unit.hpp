@@ -55,8 +55,15 @@ inline constexpr std::size_t kOmronEm = 6, kOmronEmBanks = 13, kOmronCModeBanks 
 //     response  ICF C0, source and destination exchanged
 class FinsUnit {
  public:
-  FinsUnit(ItemMemory& memory, DeviceStatistics& statistics)
-      : memory_(memory), statistics_(statistics) {}
+  // By the carrier of the messages; the default is that of Host Link.
+  struct Limits {
+    std::size_t response = 538;  // bytes
+    std::size_t items = 128;     // of command 0104
+  };
+
+  FinsUnit(ItemMemory& memory, DeviceStatistics& statistics) : FinsUnit(memory, statistics, {}) {}
+  FinsUnit(ItemMemory& memory, DeviceStatistics& statistics, const Limits& limits)
+      : memory_(memory), statistics_(statistics), limits_(limits) {}
 
   [[nodiscard]] Bytes execute(ByteView message, Instant now);
 
@@ -86,6 +93,7 @@ class FinsUnit {
 
   ItemMemory& memory_;
   DeviceStatistics& statistics_;
+  const Limits limits_;
   std::uint8_t mode_ = 2;  // 0 PROGRAM, 2 MONITOR, 4 RUN
 };
 

@@ -4,6 +4,7 @@
 #include "tools/sim/device/declared_device.hpp"
 #include "tools/sim/device/device.hpp"
 #include "tools/sim/families/dtc_device.hpp"
+#include "tools/sim/families/fins_tcp_device.hpp"
 #include "tools/sim/families/fins_unit.hpp"
 #include "tools/sim/families/freeport_device.hpp"
 #include "tools/sim/families/fx_device.hpp"
@@ -21,6 +22,7 @@ std::span<const DeviceKind> device_kinds() {
       DeviceKind{"modbus-tcp", kModbusAreaNames, false, &make_modbus_tcp_device},
       DeviceKind{"dtc", kDtcAreaNames, true, &make_dtc_device},
       DeviceKind{"mitsubishi-fx", kFxAreaNames, true, &make_fx_device},
+      DeviceKind{"omron-fins", kOmronAreaNames, false, &make_fins_tcp_device},
       DeviceKind{"omron-hostlink", kOmronAreaNames, true, &make_hostlink_device},
       DeviceKind{"s7-freeport", kFreeportAreaNames, true, &make_freeport_device},
       DeviceKind{"s7-ppi", kPpiAreaNames, true, &make_ppi_device},

@@ -1,0 +1,110 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "core/protocol/families/registry.hpp"
+#include "tests/support/device.hpp"
+#include "tests/support/drive.hpp"
+
+namespace fieldcast::test {
+namespace {
+
+Bytes bytes(std::string_view digits) {
+  Bytes out;
+  for (std::size_t at = 0; at < digits.size(); ++at) {
+    if (digits[at] != ' ')
+      out.push_back(
+          static_cast<std::uint8_t>(std::stoul(std::string(digits.substr(at, 2)), nullptr, 16))),
+          ++at;
+  }
+  return out;
+}
+
+// The frames of the greeting are those of Omron W421, 7-4-2; the messages follow W342, 5-3-2.
+const Bytes kGreeting = bytes("46494E53 0000000C 00000000 00000000 00000000");
+const Bytes kNodes = bytes("46494E53 00000010 00000001 00000000 000000EF 0000000A");
+const Bytes kReadDm100 =
+    bytes("46494E53 0000001A 00000002 00000000 80 00 02 00 0A 00 00 EF 00 01 0101 82 0064 00 0001");
+const Bytes kValue =
+    bytes("46494E53 00000018 00000002 00000000 C0 00 02 00 EF 00 00 0A 00 01 0101 0000 1234");
+
+class FinsTcp : public testing::Test {
+ protected:
+  Outcome read(std::vector<Bytes> answers, std::string_view at = "DM100", std::uint16_t count = 1) {
+    const auto exchange = plc_.protocol().begin(plc_.read(at, count), {1, &session_});
+    return drive(*exchange, answers);
+  }
+  const Device plc_{"omron-fins", 10};
+  Bytes session_;
+};
+
+TEST_F(FinsTcp, TheFirstExchangeOfAConnectionSendsTheGreeting) {
+  const Outcome first = read({kNodes, kValue});
+  ASSERT_TRUE(first.done()) << to_text(first);
+  EXPECT_EQ(first.sent, (std::vector<Bytes>{kGreeting, kReadDm100}));
+  EXPECT_EQ(first.reply[0].items, (Bytes{0x12, 0x34}));
+  const Outcome second = read({kValue});
+  ASSERT_TRUE(second.done()) << to_text(second);
+  EXPECT_EQ(second.sent, std::vector<Bytes>{kReadDm100});
+}
+
+TEST_F(FinsTcp, AddressZeroIsThePlcOfTheConnection) {
+  const Device any("omron-fins", 0);
+  const auto exchange = any.protocol().begin(any.read("DM100", 1), {1, &session_});
+  EXPECT_EQ(drive(*exchange, std::vector<Bytes>{kNodes, kValue}).sent[1], kReadDm100);
+}
+
+TEST_F(FinsTcp, ARefusedGreetingSaysWhy) {
+  const Outcome outcome = read({bytes("46494E53 00000008 00000001 00000020")});
+  EXPECT_EQ(outcome.cause, Cause::kDeviceBusy);
+  EXPECT_EQ(device_code_text(plc_.protocol().traits().codes, outcome.code),
+            "FINS/TCP: all connections are in use");
+  EXPECT_TRUE(session_.empty());
+}
+
+TEST_F(FinsTcp, AnErrorOfTheFrameEndsTheSession) {
+  ASSERT_TRUE(read({kNodes, kValue}).done());
+  const Outcome outcome = read({bytes("46494E53 00000008 00000003 00000003")});
+  EXPECT_EQ(outcome.cause, Cause::kDeviceError);
+  EXPECT_TRUE(session_.empty());
+}
+
+TEST_F(FinsTcp, AResponseOfAnotherNodeIsForeign) {
+  session_ = {0xEF, 0x0A};
+  Bytes other = kValue;
+  other[16 + 7] = 0x0B;  // SA1
+  EXPECT_EQ(read({other}).cause, Cause::kForeign);
+}
+
+TEST_F(FinsTcp, ABrokenStreamFailsImmediately) {
+  session_ = {0xEF, 0x0A};
+  for (const std::string_view stream : {"46494E54", "46494E53 00000007", "46494E53 7FFFFFFF"}) {
+    const Outcome outcome = read({bytes(stream)});
+    EXPECT_EQ(outcome.cause, Cause::kMalformed) << stream;
+    EXPECT_FALSE(outcome.waited) << stream;
+  }
+}
+
+TEST_F(FinsTcp, AnEndCodeIsThatOfTheCommand) {
+  session_ = {0xEF, 0x0A};
+  const Outcome outcome =
+      read({bytes("46494E53 00000016 00000002 00000000 C0 00 02 00 EF 00 00 0A 00 01 0101 1103")});
+  EXPECT_EQ(outcome.cause, Cause::kDeviceError);
+  EXPECT_EQ(outcome.code, 0x1103);
+}
+
+TEST_F(FinsTcp, LongReadsUseLongMessages) {
+  EXPECT_TRUE(plc_.protocol().size(plc_.read("DM0", 999)).has_value());
+  EXPECT_FALSE(plc_.protocol().size(plc_.read("DM0", 1000)).has_value());
+}
+
+TEST_F(FinsTcp, AFrameIsExplained) {
+  const auto fields = find_protocol("omron-fins")->explain(kReadDm100);
+  EXPECT_TRUE(std::ranges::none_of(fields, [](const auto& field) { return !field.fault.empty(); }));
+  const auto broken = find_protocol("omron-fins")->explain(ByteView(kReadDm100).first(30));
+  EXPECT_TRUE(std::ranges::any_of(broken, [](const auto& field) { return !field.fault.empty(); }));
+}
+
+}  // namespace
+}  // namespace fieldcast::test
