@@ -163,7 +163,7 @@ void set_range(MapReader& map, const ChannelContext& context, Draft& draft) {
               fmt::format("'{}' and its exponent at '{}' need {} items in one read", draft.spec.at,
                           draft.spec.exponent_from, count),
               range.count > block ? allowed : "a register of the same bank");
-  } else if (range.count > block) {
+  } else if (range.count > block && area.max_read != 0) {
     map.fault(map.has("type") ? "type" : "at",
               fmt::format("'{}' needs {} items in one read", draft.spec.at, count), allowed);
   }
@@ -210,6 +210,10 @@ void check_access(MapReader& map, Draft& draft) {
               "access: read-write, access: write-only");
   }
   check_byte_write(map, draft);
+  if (draft.area != nullptr && draft.area->max_read == 0 && access != Access::kWriteOnly) {
+    map.fault(map.has("access") ? "access" : "at",
+              fmt::format("'{}' cannot be read", draft.spec.at), "access: write-only");
+  }
   if (draft.area != nullptr && access != Access::kReadOnly &&
       spec_items(draft) > draft.area->max_write) {
     map.fault("at",

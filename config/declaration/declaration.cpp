@@ -22,6 +22,7 @@ using declared::Notation;
 constexpr std::size_t kMaxAreas = 64;
 constexpr std::size_t kMaxCodes = 1'000;
 constexpr std::int64_t kMaxItems = 1 << 24;
+constexpr std::int64_t kMaxOrigin = UINT32_MAX - kMaxItems;
 
 constexpr std::pair<std::string_view, Notation> kEncodings[] = {{"binary", Notation::kBinary},
                                                                 {"hex", Notation::kHex}};
@@ -78,9 +79,18 @@ class DeclarationReader {
     const Node* node = map_.require("addresses", "addresses: { from: 1, to: 31 }");
     if (node == nullptr) return;
     MapReader map(*node, kAddressesKeys, faults_);
+    if (map.read("text", declaration_.address_characters, WholeRule{1, 64}) || map.has("text")) {
+      declaration_.lowest_address = 0;
+      declaration_.highest_address = 65535;
+      for (const auto* key : {"from", "to"}) {
+        if (map.find(key) != nullptr)
+          map.fault(key, "addresses are numbers and texts", "from and to, or text");
+      }
+      return;
+    }
     map.read_required("from", declaration_.lowest_address, WholeRule{0, 65535},
                       "the lowest address of a device");
-    map.read_required("to", declaration_.highest_address, WholeRule{0, 65535},
+    map.read_required("to", declaration_.highest_address, WholeRule{0, INT64_MAX},
                       "the highest address of a device");
     if (map.has("from") && map.has("to") &&
         declaration_.lowest_address > declaration_.highest_address)
@@ -94,17 +104,24 @@ class DeclarationReader {
     area_names_.add("area", area.name, node.position, faults_);
     area_positions_.push_back(node.position);
     map.read("record", area.record, FlagRule{});
+    map.read("trigger", area.trigger, FlagRule{});
     map.read("item", area.item_bits, ChoiceRule<std::uint8_t>{kItems});
     map.read("items", area.items, WholeRule{1, kMaxItems});
     area.prefix = area.name + ':';
     map.read("prefix", area.prefix, TextRule{kMaxNameLength});
     map.read("base", area.base, ChoiceRule<std::uint8_t>{kBases});
-    map.read("origin", area.origin, WholeRule{0, kMaxItems});
+    map.read("origin", area.origin, WholeRule{0, kMaxOrigin});
+    if (area.trigger && area.record)
+      map.fault("trigger", "an area is a record and a trigger", "one of record, trigger");
     for (const auto* key : {"item", "items", "prefix", "base", "origin"}) {
       if (area.record && map.has(key))
         map.fault(key, fmt::format("'{}' has no meaning for a record", key),
                   "the places of a record are the values of its response");
+      if (area.trigger && map.has(key))
+        map.fault(key, fmt::format("'{}' has no meaning for a trigger", key),
+                  "its address is its name");
     }
+    if (area.trigger) area.items = 1, area.item_bits = 1, area.origin = 0;
     if (area.record) area.items = 0, area.item_bits = 16;
     declaration_.areas.push_back(std::move(area));
   }
@@ -128,6 +145,7 @@ class DeclarationReader {
     draft.has_command = map.read("command", draft.operation.command, WholeRule{0, INT64_MAX});
     read_count(map, draft);
     const unsigned item_bits = draft.good ? declaration_.areas[draft.operation.area].item_bits : 16;
+    defaults_.origin = draft.good ? declaration_.areas[draft.operation.area].origin : 0;
     const auto frame = [&](std::string_view key) {
       const Node* list = map.require(key, "a list of fields");
       if (list != nullptr) return read_frame(*list, key, defaults_, item_bits, faults_);
@@ -224,6 +242,12 @@ class DeclarationReader {
       // Two areas with one name: a fault was already added.
       if (std::ranges::count_if(declaration_.areas, same) > 1) continue;
       const std::string area = fmt::format("area '{}'", declaration_.areas[i].name);
+      if (declaration_.areas[i].trigger) {
+        if (uses(true) == 0)
+          faults_.add(area_positions_[i], area + " is written by no operation",
+                      "an operation with write: " + declaration_.areas[i].name);
+        continue;
+      }
       if (uses(false) == 0)
         faults_.add(area_positions_[i], area + " is read by no operation",
                     "an operation with read: " + declaration_.areas[i].name);

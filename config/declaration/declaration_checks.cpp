@@ -31,7 +31,7 @@ class OperationCheck {
     check_addressing();
     check_variable(draft_.response);
     for (const auto& draft : draft_.request.fields) {
-      if (draft.field.variable)
+      if (draft.field.variable && draft.field.kind != FieldKind::kAddress)
         faults_.add(draft.position, "a variable text in a request",
                     "a fixed one: requests have one length");
     }
@@ -58,10 +58,7 @@ class OperationCheck {
     const Field& field = draft.field;
     const std::uint64_t last = area_.items == 0 ? 0 : area_.items - 1, count = operation_.max_count;
     switch (field.kind) {
-      case FieldKind::kAddress:
-        check_numbers(draft, declaration_.lowest_address, declaration_.highest_address,
-                      "the address");
-        break;
+      case FieldKind::kAddress: check_address(draft); break;
       case FieldKind::kCommand:
         needs(draft_.has_command, draft.position,
               fmt::format("the operation '{}' has no command", operation_.name),
@@ -82,6 +79,20 @@ class OperationCheck {
         break;
       default: break;
     }
+  }
+
+  void check_address(const DraftField& draft) {
+    const std::uint16_t characters = declaration_.address_characters;
+    if (characters == 0 && draft.field.text_size == 0)
+      return check_numbers(draft, declaration_.lowest_address, declaration_.highest_address,
+                           "the address");
+    if (draft.field.text_size != characters)
+      faults_.add(draft.position,
+                  fmt::format("'{}' is {}, the addresses of devices are {}", draft.field.name,
+                              characters == 0 ? "a text" : "another width",
+                              characters == 0 ? "numbers" : "texts"),
+                  characters == 0 ? "no 'text' here, or addresses: { text: 16 }"
+                                  : fmt::format("text: {}", characters));
   }
 
   void check_numbers(const DraftField& draft, std::uint64_t lowest, std::uint64_t highest,
@@ -117,10 +128,12 @@ class OperationCheck {
     for (std::size_t i = draft.field.of.from; i <= draft.field.of.to; ++i) {
       const Field& counted = fields.fields[i];
       const auto size = declared::size_of(fields, i, i + 1, area_.item_bits, operation_.max_count);
-      const bool digits = counted.word.notation == declared::Notation::kHex &&
-                          counted.text.empty() && counted.text_size == 0 &&
-                          !draft.field.in_characters;
-      longest += digits ? size / 2 : size;
+      if (draft.field.counts == declared::Counts::kItems && counted.kind != FieldKind::kItems)
+        faults_.add(draft.of_position, "a length in items counts a field without items",
+                    "of: the field that is: items");
+      longest += draft.field.counts == declared::Counts::kItems
+                     ? operation_.max_count
+                     : declared::counted(counted, draft.field, size, area_.item_bits);
     }
     check_numbers(draft, longest, longest, "the length");
   }
@@ -132,6 +145,7 @@ class OperationCheck {
 
   // The response must contain the read items, the request the written ones.
   void check_payload() {
+    if (area_.trigger) return check_trigger();
     const auto kind = area_.record ? FieldKind::kValue : FieldKind::kItems;
     const std::string wanted = area_.record ? "is: value" : "is: items";
     const DraftFrame& carrier = operation_.write ? draft_.request : draft_.response;
@@ -150,6 +164,16 @@ class OperationCheck {
     if (!operation_.write && draft_.request.find(FieldKind::kValue) != nullptr)
       faults_.add(draft_.request.find(FieldKind::kValue)->position,
                   "the request of a read carries a value", "a constant, or is: unused");
+  }
+
+  void check_trigger() {
+    if (!operation_.write)
+      faults_.add(draft_.position, fmt::format("the trigger '{}' is read", area_.name),
+                  "write: " + area_.name);
+    for (const auto* frame : {&draft_.request, &draft_.response}) {
+      if (const DraftField* items = frame->find(FieldKind::kItems))
+        faults_.add(items->position, "a trigger has no items", "constant, address, command, ...");
+    }
   }
 
   // The request must contain the items' address and, if it varies, their count.
@@ -182,9 +206,11 @@ class OperationCheck {
       needs(measured || ended, frame.fields[i].position,
             fmt::format("no length or mark shows where '{}' ends", field.name),
             "a constant behind it, or a length of it before it");
-      if (std::ranges::count_if(frame.fields,
-                                [](const DraftField& each) { return each.field.variable; }) > 1)
-        faults_.add(frame.fields[i].position, "two variable texts in one frame", "one");
+      if (measured && std::ranges::count_if(frame.fields, [](const DraftField& each) {
+                        return each.field.variable;
+                      }) > 1)
+        faults_.add(frame.fields[i].position, "two variable texts in a frame with a length of one",
+                    "a constant behind each, and no length");
     }
   }
 
@@ -307,7 +333,7 @@ void check_refusal_field(const Declaration& declaration, const DraftField& draft
       kind == FieldKind::kCount)
     faults.add(draft.position, fmt::format("a refusal brings no '{}'", draft.field.name),
                "constant, address, command, error, length, sequence, checksum, unused");
-  if (kind == FieldKind::kAddress &&
+  if (kind == FieldKind::kAddress && declaration.address_characters == 0 &&
       declaration.highest_address > declared::largest(draft.field.word))
     faults.add(draft.position,
                fmt::format("'{}' is too narrow: the address reaches {}", draft.field.name,
@@ -343,8 +369,6 @@ bool are_distinct(const DraftFrame& refusal, const DraftOperation& draft,
 void check_refusal(const Declaration& declaration, const std::vector<DraftOperation>& operations,
                    const DraftFrame& refusal, FaultList& faults) {
   if (refusal.fields.empty()) return;
-  if (refusal.find(FieldKind::kError) == nullptr)
-    faults.add(refusal.position, "a refusal without a code", "a field that is: error");
   for (const DraftField& draft : refusal.fields) check_refusal_field(declaration, draft, faults);
   if (!refusal.good) return;
   for (const auto& draft : operations) {

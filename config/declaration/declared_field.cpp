@@ -9,10 +9,8 @@
 namespace fieldcast::config {
 namespace {
 
-using declared::Check;
 using declared::CheckKind;
 using declared::Complement;
-using declared::Crc16;
 using declared::Field;
 using declared::FieldKind;
 using declared::Notation;
@@ -24,31 +22,19 @@ constexpr std::pair<std::string_view, FieldKind> kKinds[] = {
     {"value", FieldKind::kValue},     {"checksum", FieldKind::kChecksum},
     {"error", FieldKind::kError},     {"sequence", FieldKind::kSequence},
     {"unused", FieldKind::kUnused}};
-constexpr std::pair<std::string_view, Notation> kNotations[] = {
-    {"binary", Notation::kBinary}, {"hex", Notation::kHex}, {"decimal", Notation::kDecimal}};
+constexpr std::pair<std::string_view, Notation> kNotations[] = {{"binary", Notation::kBinary},
+                                                                {"hex", Notation::kHex},
+                                                                {"decimal", Notation::kDecimal},
+                                                                {"bcd", Notation::kBcd}};
 constexpr std::pair<std::string_view, bool> kOrders[] = {{"big-endian", false},
                                                          {"little-endian", true}};
 constexpr std::pair<std::string_view, bool> kOver[] = {{"characters", false}, {"bytes", true}};
-constexpr std::pair<std::string_view, bool> kCounts[] = {{"bytes", false}, {"characters", true}};
+constexpr std::pair<std::string_view, declared::Counts> kCounts[] = {
+    {"bytes", declared::Counts::kBytes},
+    {"characters", declared::Counts::kCharacters},
+    {"items", declared::Counts::kItems}};
 constexpr std::pair<std::string_view, Complement> kComplements[] = {
     {"none", Complement::kNone}, {"ones", Complement::kOnes}, {"twos", Complement::kTwos}};
-
-// Parameters from the catalogue of parametrised CRC algorithms (reveng.sourceforge.io).
-constexpr std::pair<std::string_view, Check> kChecks[] = {
-    {"sum", {CheckKind::kSum, Complement::kNone, {}, false}},
-    {"and", {CheckKind::kAnd, Complement::kNone, {}, false}},
-    {"xor", {CheckKind::kXor, Complement::kNone, {}, false}},
-    {"lrc", {CheckKind::kSum, Complement::kTwos, {}, false}},
-    {"crc16-modbus", {CheckKind::kCrc16, Complement::kNone, {0x8005, 0xFFFF, 0x0000, true}, false}},
-    {"crc16-arc", {CheckKind::kCrc16, Complement::kNone, {0x8005, 0x0000, 0x0000, true}, false}},
-    {"crc16-usb", {CheckKind::kCrc16, Complement::kNone, {0x8005, 0xFFFF, 0xFFFF, true}, false}},
-    {"crc16-ccitt", {CheckKind::kCrc16, Complement::kNone, {0x1021, 0xFFFF, 0x0000, false}, false}},
-    {"crc16-xmodem",
-     {CheckKind::kCrc16, Complement::kNone, {0x1021, 0x0000, 0x0000, false}, false}},
-    {"crc16-kermit", {CheckKind::kCrc16, Complement::kNone, {0x1021, 0x0000, 0x0000, true}, false}},
-    {"crc16-x25", {CheckKind::kCrc16, Complement::kNone, {0x1021, 0xFFFF, 0xFFFF, true}, false}},
-    {"crc16-dnp", {CheckKind::kCrc16, Complement::kNone, {0x3D65, 0x0000, 0xFFFF, true}, false}},
-};
 
 // Valid keys per kind, in addition to name, is, constant and the widths.
 struct Meaning {
@@ -67,9 +53,9 @@ const Meaning kMeanings[] = {
     {"on", {FieldKind::kItems}},
     {"off", {FieldKind::kItems}},
     {"ok", {FieldKind::kError}},
-    {"text", {FieldKind::kValue}},
-    {"variable", {FieldKind::kValue}},
-    {"signed", {FieldKind::kValue}},
+    {"text", {FieldKind::kValue, FieldKind::kAddress, FieldKind::kUnused}},
+    {"variable", {FieldKind::kValue, FieldKind::kUnused}},
+    {"signed", {FieldKind::kValue, FieldKind::kItems}},
     {"fill", {FieldKind::kUnused}},
     {"counts", {FieldKind::kLength}},
 };
@@ -129,15 +115,27 @@ class FieldReader {
                     fmt::format("constant is {}", constant->text.empty() ? "empty" : "too long"),
                     "1 to 64 characters");
       field.text = constant->text;
+    } else if (constant->kind == Kind::kList) {
+      read_bytes(*constant);
     } else if (const auto number = WholeRule{0, INT64_MAX}(*constant, "constant", faults_)) {
       field.number = static_cast<std::uint64_t>(*number);
+    }
+  }
+
+  // constant: [0x10, 0x02].
+  void read_bytes(const Node& list) {
+    if (!is_list(list, "constant", 1, 64, "1 to 64 bytes", faults_)) return;
+    for (const Node* item : list.items) {
+      if (const auto byte = WholeRule{0, 255}(*item, "constant", faults_))
+        draft_.field.text += static_cast<char>(*byte);
     }
   }
 
   void read_width() {
     Field& field = draft_.field;
     unsigned bytes = 0, bits = 0, digits = 0;
-    const bool in_bytes = map_.read("bytes", bytes, WholeRule{1, 8});
+    const bool bcd = field.word.notation == Notation::kBcd;
+    const bool in_bytes = map_.read("bytes", bytes, WholeRule{1, bcd ? 9 : 8});
     const bool in_bits = map_.read("bits", bits, WholeRule{1, 64});
     const bool in_digits = map_.read(
         "digits", digits, WholeRule{1, field.word.notation == Notation::kDecimal ? 18 : 16});
@@ -149,7 +147,8 @@ class FieldReader {
     check_width(in_digits);
     const bool bit_items = field.kind == FieldKind::kItems && item_bits_ == 1;
     read_items_width(bit_items, in_bytes || in_bits);
-    if (field.kind == FieldKind::kItems && !bit_items) bytes = std::max(1u, item_bits_ / 8);
+    if (field.kind == FieldKind::kItems && !bit_items && !(bcd && in_bytes))
+      bytes = std::max(1u, item_bits_ / 8);
     if (!in_bits) bits = bytes != 0 ? 8 * bytes : 8;
     draft_.in_bits = in_bits;
     draft_.shares = in_bits && bits % 8 != 0;
@@ -157,6 +156,29 @@ class FieldReader {
     field.word.characters =
         static_cast<std::uint8_t>(field.word.notation == Notation::kHex ? bits / 4 : bits / 8);
     if (in_digits) set_digits(digits);
+    if (bcd) set_bcd(bytes == 0 ? 1 : bytes);
+  }
+
+  void set_bcd(unsigned bytes) {
+    Field& field = draft_.field;
+    map_.read("signed", field.is_signed, FlagRule{});
+    const bool items = field.kind == FieldKind::kItems;
+    if (map_.has("bits") || (items && item_bits_ < 8))
+      faults_.add(map_.has("bits") ? draft_.width_position : draft_.position,
+                  "packed decimal digits fill whole bytes", "bytes: 1 to 9");
+    field.word.characters = static_cast<std::uint8_t>(bytes);
+    field.word.sign_bits = field.is_signed ? 1 : 0;
+    const auto highest = declared::largest(field.word);
+    unsigned bits = field.is_signed ? 1 : 0;
+    while (bits < 64 && highest >> bits != 0) ++bits;
+    bits += field.is_signed ? 1 : 0;
+    if (items && bits > item_bits_ && item_bits_ >= 8)
+      faults_.add(
+          draft_.position,
+          fmt::format("items of {} bits are too narrow for {} digits", item_bits_, 2 * bytes),
+          "fewer bytes, or a wider item of the area");
+    field.bits = static_cast<std::uint8_t>(items && item_bits_ >= 8 ? item_bits_ : bits);
+    if (field.is_signed) field.word.sign_bits = field.bits;
   }
 
   void check_width(bool in_digits) {
@@ -169,7 +191,8 @@ class FieldReader {
     if (field.variable && field.text_size == 0 && !map_.has_or_means("text"))
       map_.fault("variable", "only a text can be variable",
                  "text: the most characters that it has");
-    if (in_digits && field.word.notation == Notation::kBinary)
+    if (in_digits &&
+        (field.word.notation == Notation::kBinary || field.word.notation == Notation::kBcd))
       map_.fault("digits", "a binary field has no digits", "as: hex or as: decimal", "bytes");
     if (!in_digits && field.word.notation == Notation::kDecimal && field.text.empty() &&
         field.text_size == 0)
@@ -179,7 +202,8 @@ class FieldReader {
 
   void read_items_width(bool bit_items, bool has_width) {
     Field& field = draft_.field;
-    if (field.kind == FieldKind::kItems && !bit_items && has_width)
+    if (field.kind == FieldKind::kItems && !bit_items && has_width &&
+        field.word.notation != Notation::kBcd)
       faults_.add(draft_.width_position, "the width of items is that of their area",
                   "no bytes, no bits");
     if (bit_items) field.packed = !map_.has("on") && !map_.has("off");
@@ -242,7 +266,12 @@ class FieldReader {
     Field& field = draft_.field;
     if (map_.has("constant") && field.text.empty())
       too_wide(field.number, map_.position_of("constant"), "constant");
-    map_.read("plus", field.plus, WholeRule{-65535, 65535});
+    const Node* plus = map_.find("plus");
+    if (plus != nullptr && plus->text == "origin" && field.kind == FieldKind::kFirst)
+      field.plus = defaults_.origin;
+    else if (const auto number =
+                 plus ? WholeRule{INT32_MIN, UINT32_MAX}(*plus, "plus", faults_) : std::nullopt)
+      field.plus = *number;
     map_.read("times", field.times, WholeRule{1, 65535});
     read_number("on", field.on);
     read_number("off", field.off);
@@ -251,7 +280,13 @@ class FieldReader {
     read_number("ok", field.number);
     read_number("fill", field.number);
     map_.read("signed", field.is_signed, FlagRule{});
-    map_.read("counts", field.in_characters, ChoiceRule<bool>{kCounts});
+    if (field.kind == FieldKind::kItems && field.is_signed && field.word.notation != Notation::kBcd)
+      map_.fault("signed", "'signed' has no meaning for these items",
+                 "as: bcd, or a signed type of the channel");
+    map_.read("counts", field.counts, ChoiceRule<declared::Counts>{kCounts});
+    map_.read("add", field.transform.add, WholeRule{0, 255});
+    map_.read("xor", field.transform.exor, WholeRule{0, 255});
+    if (field.kind == FieldKind::kAddress) field.variable = field.text_size != 0;
     const bool measures = field.kind == FieldKind::kLength || field.kind == FieldKind::kChecksum;
     const Node* of = measures ? map_.require("of", "a field, or FIRST..LAST") : map_.find("of");
     if (of == nullptr) return;
@@ -262,28 +297,27 @@ class FieldReader {
 
   void read_checksum() {
     Field& field = draft_.field;
-    static const std::string kWords = [] {
-      std::vector<std::string_view> words;
-      for (const auto& [word, check] : kChecks) words.push_back(word);
-      return joined(words);
-    }();
     const bool checks = field.kind == FieldKind::kChecksum;
-    const Node* kind = checks ? map_.require("kind", kWords) : map_.find("kind");
+    const Node* kind = checks ? map_.require("kind", check_words()) : map_.find("kind");
     if (kind != nullptr) {
-      if (const auto check = ChoiceRule<Check>{kChecks}(*kind, "kind", faults_))
-        field.check = *check;
+      if (const auto check = read_check(*kind, faults_)) field.check = *check;
     }
     map_.read("complement", field.check.complement, ChoiceRule<Complement>{kComplements});
     map_.read("over", field.check.over_bytes, ChoiceRule<bool>{kOver});
     if (!checks || kind == nullptr) return;
-    const unsigned needed = field.check.kind == CheckKind::kCrc16 ? 16 : 8;
-    if (draft_.shares || field.word.notation == Notation::kDecimal || field.bits % 8 != 0 ||
-        field.bits < needed || field.bits > 32)
+    const bool crc = field.check.kind == CheckKind::kCrc;
+    const unsigned needed = crc ? (field.check.crc.width + 7u) / 8 : 1;
+    const bool fits = !draft_.shares && field.word.notation != Notation::kDecimal &&
+                      field.word.notation != Notation::kBcd && field.bits % 8 == 0 &&
+                      field.bits >= 8 * needed && field.bits <= (crc ? 64u : 32u);
+    if (!fits)
       faults_.add(map_.has("bytes") || map_.has("bits") || map_.has("digits")
                       ? draft_.width_position
                       : kind->position,
-                  fmt::format("a checksum {} does not fit its field", kind->text),
-                  fmt::format("bytes: {}", needed == 16 ? "2" : "1 to 4"));
+                  kind->kind == Kind::kMap
+                      ? std::string("a checksum of this CRC does not fit its field")
+                      : fmt::format("a checksum {} does not fit its field", kind->text),
+                  crc ? fmt::format("bytes: {}", needed) : std::string("bytes: 1 to 4"));
   }
 
   void refuse_meaningless() {

@@ -12,17 +12,19 @@ namespace {
 
 constexpr std::string_view kDeclaration[] = {"summary",   "addresses", "encoding",   "order",
                                              "bit-order", "areas",     "operations", "errors"};
-constexpr std::string_view kAddresses[] = {"from", "to"};
-constexpr std::string_view kArea[] = {"name",   "item", "items", "record",
-                                      "prefix", "base", "origin"};
+constexpr std::string_view kAddresses[] = {"from", "to", "text"};
+constexpr std::string_view kArea[] = {"name",   "item", "items",  "record",
+                                      "prefix", "base", "origin", "trigger"};
+constexpr std::string_view kCrc[] = {"width",     "polynomial", "start",
+                                     "final-xor", "reflect-in", "reflect-out"};
 constexpr std::string_view kOperation[] = {"name",  "read",    "write", "command",
                                            "count", "request", "answer"};
 constexpr std::string_view kCount[] = {"from", "to"};
 constexpr std::string_view kErrors[] = {"frame", "codes", "busy"};
 constexpr std::string_view kField[] = {
-    "name", "constant", "is",     "bytes", "bits",   "digits",    "as",  "order",
-    "plus", "times",    "of",     "kind",  "over",   "on",        "off", "ok",
-    "text", "variable", "signed", "fill",  "counts", "complement"};
+    "name", "constant", "is",     "bytes", "bits",   "digits",     "as",  "order",
+    "plus", "times",    "of",     "kind",  "over",   "on",         "off", "ok",
+    "text", "variable", "signed", "fill",  "counts", "complement", "add", "xor"};
 
 }  // namespace
 
@@ -33,11 +35,12 @@ const KeyTable kOperationKeys{"operation", "an operation", kOperation};
 const KeyTable kCountKeys{"count", "'count'", kCount};
 const KeyTable kErrorsKeys{"errors", "'errors'", kErrors};
 const KeyTable kFieldKeys{"field", "a field", kField};
+const KeyTable kCrcKeys{"crc", "the parameters of a CRC", kCrc};
 
 std::span<const KeyTable* const> declaration_key_tables() {
   static constexpr std::array kTables{&kDeclarationKeys, &kAddressesKeys, &kAreaKeys,
                                       &kOperationKeys,   &kCountKeys,     &kErrorsKeys,
-                                      &kFieldKeys};
+                                      &kFieldKeys,       &kCrcKeys};
   return kTables;
 }
 

@@ -10,7 +10,7 @@
 namespace fieldcast::config {
 
 extern const KeyTable kDeclarationKeys, kAddressesKeys, kAreaKeys, kOperationKeys, kCountKeys,
-    kErrorsKeys, kFieldKeys;
+    kErrorsKeys, kFieldKeys, kCrcKeys;
 
 [[nodiscard]] std::span<const KeyTable* const> declaration_key_tables();
 
@@ -20,6 +20,7 @@ struct FieldDefaults {
   bool little_endian = false;
   // The first field of a shared byte uses the highest bits instead of the lowest.
   bool high_first = false;
+  std::uint32_t origin = 0;  // of the area: `plus: origin`
 };
 
 struct DraftField {
@@ -51,6 +52,10 @@ struct DraftOperation {
 // `item_bits`: of the area of the frame's items.
 [[nodiscard]] DraftField read_field(const Node& node, const FieldDefaults& defaults,
                                     unsigned item_bits, FaultList& faults);
+
+// The name of a checksum, or the parameters of a CRC; `check_words`: what is allowed.
+[[nodiscard]] std::optional<declared::Check> read_check(const Node& node, FaultList& faults);
+[[nodiscard]] std::string check_words();
 
 // Resolves spans and combines shared bytes.
 [[nodiscard]] DraftFrame read_frame(const Node& node, std::string_view what,

@@ -183,8 +183,10 @@ std::vector<DeviceRow> device_fields() {
                  &DeviceSpec::name, NameRule{}),
       {{.name = "address",
         .fallback = "needed",
-        .text = "on the bus; the protocol narrows it",
-        .schema = WholeRule{0, 65535}.schema()}},
+        .text = "on the bus; the protocol narrows it. A declared protocol can have longer numbers "
+                "(\"004712345678\") or texts",
+        .schema = R"({ "anyOf": [{ "type": "integer", "minimum": 0 }, { "type": "string", )"
+                  R"("minLength": 1, "maxLength": 64 }] })"}},
       device_row({"number", "not programmed",
                   "under which engineers ask for the device, to program it through its bus; the "
                   "devices of a `dial-in` bus are reached by that number as it is"},

@@ -109,14 +109,42 @@ void read_channels(const Draft& draft, const Protocol* protocol, const Position&
   }
 }
 
+// A number of 16 bits; in a declared protocol also a longer one, or a text.
+bool read_address(const Node& node, const ProtocolChoice& choice, DeviceLink& link,
+                  FaultList& faults) {
+  const auto* declaration = choice.declaration.value.get();
+  const bool is_text = declaration != nullptr && declaration->address_characters != 0;
+  if (declaration == nullptr || (!is_text && declaration->highest_address <= 65535)) {
+    const auto address = WholeRule{0, 65535}(node, "address", faults);
+    if (address) link.address = static_cast<std::uint16_t>(*address);
+    return address.has_value();
+  }
+  if (is_text) {
+    const auto text = TextRule{declaration->address_characters}(node, "address", faults);
+    if (text) link.long_address = *text;
+    return text.has_value();
+  }
+  // A meter's number may be quoted, and may begin with zeros.
+  const auto* text = scalar_of(node, "address", "the number of the device", faults);
+  if (text == nullptr) return false;
+  const auto number = whole_from(*text);
+  if (!number || *number < 0) {
+    faults.add(node.position, fmt::format("address '{}' is no whole number", *text),
+               fmt::format("{} to {}", declaration->lowest_address, declaration->highest_address));
+    return false;
+  }
+  link.address = static_cast<std::uint16_t>(std::min<std::int64_t>(*number, 65535));
+  if (*number > 65535) link.long_address = std::to_string(*number);
+  return true;
+}
+
 }  // namespace
 
 DeviceSpec read_device(const Node& node, const DeviceContext& context, LoadState& state) {
   MapReader map(node, device_rows(), state.faults);
   Draft draft{context.defaults, {}};
   DeviceSpec& spec = draft.defaults.spec;
-  const bool has_address = map.read_required("address", spec.link.address, WholeRule{0, 65535},
-                                             "the device's address on the bus");
+  const Node* address_node = map.require("address", "the device's address on the bus");
 
   ProtocolChoice choice = context.protocol;
   if (const Node* own = map.find("protocol")) {
@@ -134,8 +162,13 @@ DeviceSpec read_device(const Node& node, const DeviceContext& context, LoadState
                map.has("protocol") ? map.position_of("protocol") : context.protocol_position,
                state.faults);
   }
+  const bool has_address =
+      address_node != nullptr && read_address(*address_node, choice, spec.link, state.faults);
   if (has_address && choice.known()) {
-    const std::string address = fmt::format("{} ({})", spec.link.address, spec.protocol);
+    const std::string address = fmt::format(
+        "{} ({})",
+        spec.link.long_address.empty() ? std::to_string(spec.link.address) : spec.link.long_address,
+        spec.protocol);
     context.addresses.add("address", address, map.position_of("address"), state.faults);
   }
 

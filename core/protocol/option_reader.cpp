@@ -27,10 +27,12 @@ OptionReader::OptionReader(const DeviceLink& link, const Traits& traits,
     if (!near.empty()) what += "; did you mean '" + std::string(near) + "'?";
     refuse(name, std::move(what), listed(names));
   }
-  if (link.address < traits.lowest_address || link.address > traits.highest_address) {
+  if (link.address < traits.lowest_address || link.address > traits.highest_address ||
+      !link.long_address.empty()) {
     refuse({},
-           "address " + std::to_string(link.address) + " is outside what " +
-               std::string(traits.name) + " has",
+           "address " +
+               (link.long_address.empty() ? std::to_string(link.address) : link.long_address) +
+               " is outside what " + std::string(traits.name) + " has",
            std::to_string(traits.lowest_address) + ".." + std::to_string(traits.highest_address));
   }
 }

@@ -250,6 +250,9 @@ struct DeviceLink {
   std::uint16_t address = 1;
   std::map<std::string, std::string> options;
   LineFormat line{};
+  // As written, if `address` cannot represent it: text, or more than 16 bits. Only declared
+  // protocols have such addresses.
+  std::string long_address{};
   friend bool operator==(const DeviceLink&, const DeviceLink&) = default;
 };
 struct OptionFault {

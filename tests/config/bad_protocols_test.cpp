@@ -1,4 +1,5 @@
 // Each case in tests/config/bad_protocols has one fault; its comments list the expected messages.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/config/support.hpp"
@@ -62,6 +63,48 @@ TEST(DeclaredProtocols, AreFoundBesideTheConfigurationFirst) {
   EXPECT_NE(faults_of(load_text(bridge("thing", "status"), "/etc/plant.yaml", both, options))
                 .find("/etc/protocols/thing.yaml"),
             std::string::npos);
+}
+
+std::string meters(const std::string& address, const std::string& channel) {
+  return "bridge: b\nbuses:\n  - name: bus\n    port: { serial: /dev/ttyS0 }\n    protocol: meter\n"
+         "    devices:\n      - { name: d, address: " +
+         address + ", channels: [" + channel + "] }\n";
+}
+
+// A meter's number may have any number of digits, quotes and leading zeros.
+TEST(DeclaredProtocols, HaveAddressesOfMoreThan16Bits) {
+  const auto file = slurp(source_dir() / "config/protocols/dlt645-2007.yaml");
+  const auto files = texts({{"/etc/protocols/meter.yaml", file}});
+  const auto load = [&](const std::string& address) {
+    return load_text(meters(address, "{ name: c, at: \"energy:10000\", type: uint32 }"),
+                     "/etc/plant.yaml", files);
+  };
+  for (const auto& [address, number] :
+       {std::pair<std::string, std::string>{"398192000337", "398192000337"},
+        {"\"004712345678\"", "4712345678"}}) {
+    const auto loaded = load(address);
+    ASSERT_TRUE(loaded) << faults_of(loaded);
+    EXPECT_EQ(loaded->buses[0].devices[0].link.long_address, number);
+  }
+  const auto small = load("\"000000000007\"");
+  ASSERT_TRUE(small) << faults_of(small);
+  EXPECT_EQ(small->buses[0].devices[0].link, (DeviceLink{.address = 7}));
+  EXPECT_THAT(faults_of(load("1000000000000")),
+              testing::HasSubstr("address '1000000000000' is outside what meter has; allowed: "
+                                 "0..999999999999"));
+  EXPECT_THAT(faults_of(load("meter")), testing::HasSubstr("is no whole number"));
+}
+
+TEST(DeclaredProtocols, ATriggerIsWriteOnly) {
+  const auto file = slurp(source_dir() / "config/protocols/mt-sics.yaml");
+  const auto files = texts({{"/etc/protocols/meter.yaml", file}});
+  const auto loaded =
+      load_text(meters("1", "{ name: t, at: tare, access: write-only }"), "/etc/plant.yaml", files);
+  ASSERT_TRUE(loaded) << faults_of(loaded);
+  EXPECT_EQ(loaded->buses[0].devices[0].channels[0].encoding.type, ValueType::kBool);
+  EXPECT_THAT(faults_of(load_text(meters("1", "{ name: t, at: tare, access: read-write }"),
+                                  "/etc/plant.yaml", files)),
+              testing::HasSubstr("'tare' cannot be read; allowed: access: write-only"));
 }
 
 TEST(DeclaredProtocols, AreComparedByWhatTheySay) {

@@ -124,6 +124,8 @@ TEST(Schema, RefusesEveryBadFileWithItsFaultInOneValue) {
     bool visible = false;
     std::istringstream lines(bad.expected());
     for (std::string line; std::getline(lines, line);) {
+      // The protocol decides whether an address is a number or a text.
+      if (line.find(": address '") != std::string::npos) continue;
       for (const auto mark : kSeen)
         visible |= line.starts_with(own) && line.find(mark) != std::string::npos;
     }
@@ -160,8 +162,10 @@ TEST(ProtocolSchema, KnowsExactlyTheWordsThatTheLoaderKnows) {
       {"field/counts", "{ is: length, of: a, counts: xx }"}};
   for (const auto& [place, text] : choices) {
     const auto slash = place.find('/');
-    const auto& rule =
+    const auto& property =
         protocol_schema()["$defs"][place.substr(0, slash)]["properties"][place.substr(slash + 1)];
+    // A kind may also be a CRC by name or by its parameters.
+    const auto& rule = property.contains("anyOf") ? property["anyOf"][0] : property;
     std::string words;
     for (const auto& word : rule["enum"])
       words += (words.empty() ? "" : ", ") + word.get<std::string>();
@@ -172,11 +176,12 @@ TEST(ProtocolSchema, KnowsExactlyTheWordsThatTheLoaderKnows) {
               : "summary: s\n" + text,
         "t.yaml");
     ASSERT_FALSE(loaded);
-    EXPECT_TRUE(std::ranges::any_of(
-        loaded.error(),
-        [&](const Fault& fault) {
-          return fault.what.find("'xx' is unknown") != std::string::npos && fault.allowed == words;
-        }))
+    EXPECT_TRUE(std::ranges::any_of(loaded.error(),
+                                    [&](const Fault& fault) {
+                                      return fault.what.find("'xx' is unknown") !=
+                                                 std::string::npos &&
+                                             fault.allowed.starts_with(words);
+                                    }))
         << place << ": " << words << '\n'
         << to_text(std::span(loaded.error()));
   }
@@ -204,6 +209,8 @@ TEST(ProtocolSchema, RefusesEveryBadDeclarationWithItsFaultInOneValue) {
     std::istringstream lines(bad.expected());
     bool visible = false;
     for (std::string line; std::getline(lines, line);) {
+      // The protocol decides whether an address is a number or a text.
+      if (line.find(": address '") != std::string::npos) continue;
       for (const auto mark : kSeen)
         visible |= line.find(mark) != std::string::npos && !line.starts_with("code-is");
     }

@@ -24,6 +24,8 @@ std::string allowed(const Declaration& declaration) {
   for (const DeclaredArea& area : declaration.areas) {
     if (area.record) {
       for (const Place& place : area.places) text += (text.empty() ? "" : ", ") + place.name;
+    } else if (area.trigger) {
+      text += (text.empty() ? "" : ", ") + area.name;
     } else {
       text += (text.empty() ? "" : ", ") + area.prefix + "N with N " +
               spelt(area.origin, area.base) + ".." + spelt(area.origin + area.items - 1, area.base);
@@ -41,6 +43,7 @@ class Parser {
     for (std::size_t i = 0; i < declaration_.areas.size(); ++i) {
       const DeclaredArea& area = declaration_.areas[i];
       const auto index = static_cast<AreaIndex>(i);
+      if (area.trigger && at_ == area.name) return ParsedAddress{.area = index, .width_bits = 1};
       for (const Place& place : area.places) {
         if (at_.starts_with(place.name) &&
             (at_.size() == place.name.size() || at_[place.name.size()] == '.'))
@@ -49,8 +52,8 @@ class Parser {
     }
     for (std::size_t i = 0; i < declaration_.areas.size(); ++i) {
       const DeclaredArea& area = declaration_.areas[i];
-      if (!area.record && at_.starts_with(area.prefix) && at_.size() > area.prefix.size() &&
-          whole_begins(area))
+      if (!area.record && !area.trigger && at_.starts_with(area.prefix) &&
+          at_.size() > area.prefix.size() && whole_begins(area))
         return numbered(static_cast<AreaIndex>(i), area, at_.substr(area.prefix.size()));
     }
     return unknown();
@@ -118,7 +121,7 @@ class Parser {
     const std::string_view word = at_.substr(0, digits);
     std::vector<std::string_view> names;
     for (const DeclaredArea& area : declaration_.areas) {
-      if (!area.record) names.push_back(area.prefix);
+      if (!area.record) names.push_back(area.trigger ? area.name : area.prefix);
       for (const Place& place : area.places) names.push_back(place.name);
     }
     const auto near = near_miss(word, names);
@@ -137,6 +140,31 @@ class Parser {
 };
 
 }  // namespace
+
+tl::expected<DeviceAddress, OptionFault> device_address(const Declaration& declaration,
+                                                        const DeviceLink& link) {
+  const std::string text =
+      link.long_address.empty() ? std::to_string(link.address) : link.long_address;
+  const auto refuse = [&](std::string allowed) {
+    return tl::unexpected(
+        OptionFault{{},
+                    "address " + in_quotes(text) + " is outside what " + declaration.name + " has",
+                    std::move(allowed)});
+  };
+  if (declaration.address_characters != 0) {
+    if (text.size() > declaration.address_characters)
+      return refuse("1 to " + std::to_string(declaration.address_characters) + " characters");
+    return DeviceAddress{0, text};
+  }
+  std::uint64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || end != text.data() + text.size() ||
+      number < declaration.lowest_address || number > declaration.highest_address) {
+    return refuse(std::to_string(declaration.lowest_address) + ".." +
+                  std::to_string(declaration.highest_address));
+  }
+  return DeviceAddress{number, {}};
+}
 
 ParsedOrFault parse_address(const Declaration& declaration, std::string_view at) {
   return Parser(declaration, at).run();

@@ -23,11 +23,11 @@ inline constexpr std::size_t kMaxFrame = 1024;
 
 enum class FieldKind : std::uint8_t {
   kConstant,  // always `number`, or the characters of `text`
-  kAddress,   // device address
+  kAddress,   // device address; make() sets `text` if it is written as characters
   kCommand,   // command of the operation, plus `plus`
   kFirst,     // first item of the range * times + plus
   kCount,     // items of the range * times + plus
-  kLength,    // bytes (or characters) of the fields `of`, plus `plus`
+  kLength,    // size of the fields `of`, in `counts`, plus `plus`
   kItems,     // items of the range
   kValue,     // a named place of a record
   kChecksum,  // over the fields `of`
@@ -43,19 +43,22 @@ struct Span {
   friend bool operator==(const Span&, const Span&) = default;
 };
 
+enum class Counts : std::uint8_t { kBytes, kCharacters, kItems };
+
 // Fields narrower than their word share it; the first carries its characters.
 struct Field {
   std::string name;
   FieldKind kind = FieldKind::kConstant;
   Word word;  // notation of the number; for items, of one item or of one byte of packed bits
-  std::uint8_t bits = 8;       // 1..64, of this field's number
-  std::uint8_t shift = 0;      // position of its lowest bit in the word
-  bool opens = true;           // first field of its word
-  bool is_signed = false;      // a value narrower than its items is sign-extended
-  bool in_characters = false;  // a length counts characters instead of bytes
+  std::uint8_t bits = 8;           // 1..64, of this field's number
+  std::uint8_t shift = 0;          // position of its lowest bit in the word
+  bool opens = true;               // first field of its word
+  bool is_signed = false;          // a value narrower than its items is sign-extended
+  Counts counts = Counts::kBytes;  // unit of a length
+  ByteTransform transform;         // of each byte of the field
   // The text may be shorter: it ends at the next constant, or as a length field says.
   bool variable = false;
-  std::uint16_t text_size = 0;  // maximum characters of a text value
+  std::uint16_t text_size = 0;  // maximum characters of a text value, or of an address as text
   TextNumber text_number = {};  // format of a number written as text; empty for plain text
   std::string text;             // of a text constant
   std::uint64_t number = 0;
@@ -96,6 +99,7 @@ struct DeclaredArea {
   std::uint32_t items = 65536;
   std::vector<Place> places;
   bool record = false;
+  bool trigger = false;  // a command without a value: its only item is a bit that is written as 1
   friend bool operator==(const DeclaredArea&, const DeclaredArea&) = default;
 };
 
@@ -114,7 +118,9 @@ struct Operation {
 
 struct Declaration {
   std::string name, summary;
-  std::uint16_t lowest_address = 1, highest_address = 247;
+  std::uint16_t lowest_address = 1;
+  std::uint64_t highest_address = 247;
+  std::uint16_t address_characters = 0;  // of addresses that are text; 0 if they are numbers
   std::vector<DeclaredArea> areas;
   std::vector<Operation> operations;  // a request uses the first operation that fits
   Frame refusal;                      // without fields if there is no refusal
@@ -131,6 +137,13 @@ struct SharedDeclaration {
     return a.value == b.value || (a.value && b.value && *a.value == *b.value);
   }
 };
+
+struct DeviceAddress {
+  std::uint64_t number = 0;
+  std::string text;  // if the addresses of the declaration are text
+};
+[[nodiscard]] tl::expected<DeviceAddress, OptionFault> device_address(
+    const Declaration& declaration, const DeviceLink& link);
 
 // REQUIRES: the loader accepted `declaration`.
 [[nodiscard]] tl::expected<std::unique_ptr<Protocol>, OptionFault> make(

@@ -5,6 +5,10 @@
 namespace fieldcast::declared {
 namespace {
 
+bool in_digits(const Field& field) {
+  return field.word.notation == Notation::kHex && field.text.empty() && field.text_size == 0;
+}
+
 std::size_t characters_of(const Field& field, unsigned item_bits, std::uint32_t count) {
   if (field.kind == FieldKind::kItems) return items_size(field, item_bits, count);
   if (!field.text.empty()) return field.text.size();
@@ -17,10 +21,9 @@ std::uint64_t length_of(const Frame& frame, const Field& length, unsigned item_b
   std::uint64_t total = 0;
   for (std::size_t i = length.of.from; i <= length.of.to; ++i) {
     const Field& field = frame.fields[i];
-    const std::size_t characters = characters_of(field, item_bits, count);
-    const bool digits =
-        field.word.notation == Notation::kHex && field.text.empty() && field.text_size == 0;
-    total += digits && !length.in_characters ? characters / 2 : characters;
+    total += length.counts == Counts::kItems
+                 ? count
+                 : counted(field, length, characters_of(field, item_bits, count), item_bits);
   }
   return total + static_cast<std::uint64_t>(length.plus);
 }
@@ -41,6 +44,21 @@ std::uint64_t value_in(ByteView image, std::size_t at, std::size_t items) {
   std::uint64_t value = 0;
   for (std::size_t i = 2 * at; i < 2 * (at + items); ++i) value = value << 8 | image[i];
   return value;
+}
+
+std::uint64_t counted(const Field& field, const Field& length, std::size_t characters,
+                      unsigned item_bits) {
+  if (length.counts == Counts::kItems)
+    return characters / field.word.characters * (item_bits == 1 && field.packed ? 8 : 1);
+  return in_digits(field) && length.counts == Counts::kBytes ? characters / 2 : characters;
+}
+
+std::size_t characters_of_count(const Field& field, const Field& length, std::uint64_t count,
+                                unsigned item_bits) {
+  if (length.counts == Counts::kItems)
+    return items_size(field, item_bits, static_cast<std::uint32_t>(count));
+  return static_cast<std::size_t>(count) *
+         (in_digits(field) && length.counts == Counts::kBytes ? 2 : 1);
 }
 
 std::size_t items_size(const Field& field, unsigned item_bits, std::uint32_t count) {
@@ -118,9 +136,10 @@ Bytes covered(const Frame& frame, const Field& sum, ByteView bytes,
   Bytes meant;
   for (std::size_t i = sum.of.from; i <= sum.of.to; ++i) {
     const Field& field = frame.fields[i];
-    const ByteView part = bytes.subspan(starts[i], starts[i + 1] - starts[i]);
-    const bool digits = field.word.notation == Notation::kHex && field.text.empty() &&
-                        field.text_size == 0 && part.size() % 2 == 0;
+    const Bytes characters =
+        field.transform.meant(bytes.subspan(starts[i], starts[i + 1] - starts[i]));
+    const ByteView part = characters;
+    const bool digits = in_digits(field) && part.size() % 2 == 0;
     const Word byte{Notation::kHex, 2, false};
     for (std::size_t at = 0; at < part.size(); at += digits ? 2 : 1)
       meant.push_back(static_cast<std::uint8_t>(
@@ -146,6 +165,10 @@ void append_frame(Bytes& out, const Frame& frame, const FrameContext& context) {
       continue;
     }
     if (field.opens) word = 0;
+    if (field.kind == FieldKind::kUnused && field.text_size != 0) {
+      out.insert(out.end(), field.variable ? 0 : field.text_size, ' ');
+      continue;
+    }
     if (field.kind == FieldKind::kValue) {
       append_value(out, field, context, word);
       if (field.text_size != 0) continue;
@@ -165,11 +188,17 @@ void append_frame(Bytes& out, const Frame& frame, const FrameContext& context) {
   }
   starts.push_back(out.size() - begin);
   for (std::size_t i = 0; i < fields.size(); ++i) {
+    if (!fields[i].transform) continue;
+    for (std::size_t at = begin + starts[i]; at < begin + starts[i + 1]; ++at)
+      out[at] = fields[i].transform.sent(out[at]);
+  }
+  for (std::size_t i = 0; i < fields.size(); ++i) {
     if (fields[i].kind != FieldKind::kChecksum) continue;
     Bytes sum;
     append_word(sum, fields[i].word,
                 check_of(fields[i].check, fields[i].bits,
                          covered(frame, fields[i], ByteView(out).subspan(begin), starts)));
+    for (std::uint8_t& byte : sum) byte = fields[i].transform.sent(byte);
     std::copy(sum.begin(), sum.end(), out.begin() + static_cast<std::ptrdiff_t>(begin + starts[i]));
   }
 }

@@ -9,7 +9,7 @@
 namespace fieldcast::declared {
 
 struct FrameContext {
-  std::uint16_t address = 0;
+  std::uint64_t address = 0;
   std::uint64_t command = 0;
   std::uint32_t first = 0;
   std::uint32_t count = 0;
@@ -55,6 +55,13 @@ struct MatchResult {
 // Empty if the response may contain any number.
 [[nodiscard]] std::optional<std::uint64_t> number_of(const Field& field,
                                                      const FrameContext& context);
+
+// What a length counts of one field of so many characters; see Counts.
+[[nodiscard]] std::uint64_t counted(const Field& field, const Field& length, std::size_t characters,
+                                    unsigned item_bits);
+// The inverse: characters of a field with this count.
+[[nodiscard]] std::size_t characters_of_count(const Field& field, const Field& length,
+                                              std::uint64_t count, unsigned item_bits);
 
 [[nodiscard]] Bytes covered(const Frame& frame, const Field& sum, ByteView bytes,
                             std::span<const std::size_t> starts);

@@ -33,8 +33,11 @@ class Matcher {
  private:
   // Returns false if the result is known.
   bool step(const Field& field) {
+    meant_.clear();
+    if (field.transform) meant_ = field.transform.meant(bytes_.subspan(offset_));
+    transformed_ = static_cast<bool>(field.transform);
     if (field.kind == FieldKind::kItems) return items(field);
-    if (field.kind == FieldKind::kValue && field.text_size != 0) return text_value(field);
+    if (field.text_size != 0) return text_value(field);
     if (!field.text.empty()) return text_constant(field);
     if (field.opens && !open(field)) return false;
     return number(field, word_ >> field.shift & (UINT64_MAX >> (64 - field.bits)));
@@ -52,7 +55,8 @@ class Matcher {
     return false;
   }
   bool lacks(std::size_t characters) const { return bytes_.size() - offset_ < characters; }
-  ByteView rest() const { return bytes_.subspan(offset_); }
+  // Bytes from the field on, without its transform.
+  ByteView rest() const { return transformed_ ? ByteView(meant_) : bytes_.subspan(offset_); }
 
   bool open(const Field& field) {
     if (lacks(field.word.characters)) return begins(field) ? part() : none();
@@ -64,7 +68,7 @@ class Matcher {
     return true;
   }
   static unsigned bits_of_word(const Field& field) {
-    return field.word.notation == Notation::kDecimal
+    return field.word.notation == Notation::kDecimal || field.word.notation == Notation::kBcd
                ? 64u
                : field.word.characters * (field.word.notation == Notation::kHex ? 4u : 8u);
   }
@@ -110,11 +114,9 @@ class Matcher {
     std::int64_t expected = 0;
     const Field* elastic = nullptr;
     for (std::size_t i = field.of.from; i <= field.of.to; ++i) {
-      const auto size =
-          static_cast<std::int64_t>(size_of(frame_, i, i + 1, context_.item_bits, context_.count));
-      const bool digits = doubled(fields_[i], field);
+      const auto size = size_of(frame_, i, i + 1, context_.item_bits, context_.count);
       const bool soft = i > at_ && (fields_[i].kind == FieldKind::kItems || fields_[i].variable);
-      expected = digits ? size / 2 : size;
+      expected = static_cast<std::int64_t>(counted(fields_[i], field, size, context_.item_bits));
       if (soft)
         elastic = &fields_[i], elastic_at_ = i;
       else
@@ -125,12 +127,9 @@ class Matcher {
       return true;
     }
     if (left < 0 || left > static_cast<std::int64_t>(kMaxFrame)) return false;
-    given_size_ = static_cast<std::size_t>(left) * (doubled(*elastic, field) ? 2 : 1);
+    given_size_ =
+        characters_of_count(*elastic, field, static_cast<std::uint64_t>(left), context_.item_bits);
     return true;
-  }
-  static bool doubled(const Field& counted, const Field& length) {
-    return counted.word.notation == Notation::kHex && counted.text.empty() &&
-           counted.text_size == 0 && !length.in_characters;
   }
   std::optional<std::size_t> given_size() const {
     return given_size_ && elastic_at_ == at_ ? given_size_ : std::nullopt;
@@ -158,12 +157,15 @@ class Matcher {
   }
   bool could_begin_items(const Field& field) const { return could_begin(rest(), field.word); }
 
+  // A constant, or an address that is text.
   bool text_constant(const Field& field) {
     const std::size_t size = std::min(field.text.size(), rest().size());
     if (!std::equal(rest().begin(), rest().begin() + static_cast<std::ptrdiff_t>(size),
                     field.text.begin(),
-                    [](std::uint8_t a, char b) { return a == static_cast<std::uint8_t>(b); }))
-      return none();
+                    [](std::uint8_t a, char b) { return a == static_cast<std::uint8_t>(b); })) {
+      if (field.kind != FieldKind::kAddress) return none();
+      result_.foreign = true;
+    }
     if (size < field.text.size()) return part();
     ++result_.known;
     offset_ += size;
@@ -176,7 +178,8 @@ class Matcher {
       if (const auto stated = given_size()) {
         size = *stated;
       } else {
-        const auto end = std::ranges::find(rest(), terminator(fields_[at_ + 1]));
+        const auto end =
+            std::ranges::find(rest(), field.transform.meant(terminator(fields_[at_ + 1])));
         size = static_cast<std::size_t>(end - rest().begin());
         if (end == rest().end() && size <= field.text_size) {
           part();
@@ -188,16 +191,16 @@ class Matcher {
     }
     if (lacks(size)) return part();
     const std::size_t from = 2u * field.place;
-    for (std::size_t i = 0; i < size && from + i < record_.size(); ++i)
+    for (std::size_t i = 0;
+         field.kind == FieldKind::kValue && i < size && from + i < record_.size(); ++i)
       record_[from + i] = rest()[i];
     offset_ += size;
     return true;
   }
   static std::uint8_t terminator(const Field& field) {
-    if (!field.text.empty()) return static_cast<std::uint8_t>(field.text.front());
-    Bytes first;
-    append_word(first, field.word, field.number);
-    return first.front();
+    Bytes first(field.text.begin(), field.text.end());
+    if (first.empty()) append_word(first, field.word, field.number);
+    return field.transform.sent(first.front());
   }
 
   void value(const Field& field, std::uint64_t number) {
@@ -217,7 +220,8 @@ class Matcher {
   void check(const Field& field) {
     result_.checked = true;
     const std::size_t at = starts_[static_cast<std::size_t>(&field - fields_.data())];
-    const auto stated = read_word(bytes_.subspan(at, field.word.characters), field.word);
+    const auto stated =
+        read_word(field.transform.meant(bytes_.subspan(at, field.word.characters)), field.word);
     result_.bad_check |=
         stated != check_of(field.check, field.bits, covered(frame_, field, bytes_, starts_));
   }
@@ -227,6 +231,8 @@ class Matcher {
   const ByteView bytes_;
   const FrameContext& context_;
   Bytes record_;
+  Bytes meant_;  // with transformed_: see rest()
+  bool transformed_ = false;
   MatchResult result_;
   std::array<std::size_t, kMaxFields + 1> starts_{};
   std::size_t at_ = 0;                     // index of the field

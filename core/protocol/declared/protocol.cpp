@@ -24,7 +24,7 @@ ResponseIdentity identity_of(const Declaration& declaration) {
 
 class DeclaredProtocol final : public Protocol {
  public:
-  DeclaredProtocol(std::shared_ptr<const Declaration> declaration, std::uint16_t address,
+  DeclaredProtocol(std::shared_ptr<const Declaration> declaration, std::uint64_t address,
                    const Traits& traits)
       : declaration_(std::move(declaration)), address_(address), traits_(traits) {
     for (const auto& [code, text] : declaration_->codes) codes_.push_back({code, text});
@@ -145,6 +145,8 @@ class DeclaredProtocol final : public Protocol {
     if (write != nullptr && write->items.size() != image_bytes(area.item_bits, range.count))
       return std::nullopt;
     if (write != nullptr && write->bit && area.item_bits != 1) return std::nullopt;
+    if (declaration_->areas[range.area].trigger && (write == nullptr || write->items[0] == 0))
+      return std::nullopt;
     std::optional<std::size_t> echoing;  // used if there is no better operation
     for (std::size_t i = 0; i < prepared_.size(); ++i) {
       const Operation& operation = declaration_->operations[i];
@@ -154,13 +156,32 @@ class DeclaredProtocol final : public Protocol {
             !values_fit(operation, *write))
           continue;
       } else if (!prepared_[i].record &&
-                 (range.count < operation.min_count || range.count > operation.max_count)) {
+                 (range.count < operation.min_count || range.count > operation.max_count ||
+                  (write != nullptr && !items_fit(prepared_[i], operation, *write)))) {
         continue;
       }
       if (write == nullptr || !write->distinct_response || !prepared_[i].echoes) return i;
       if (!echoing) echoing = i;
     }
     return echoing;
+  }
+
+  // As values_fit(): returns false if an item has more digits than its field.
+  static bool items_fit(const Prepared& prepared, const Operation& operation,
+                        const WriteRequest& write) {
+    const auto& fields = operation.request.fields;
+    if (prepared.request_items == fields.size() || prepared.item_bits == 1) return true;
+    const Word& word = fields[prepared.request_items].word;
+    if (word.notation != Notation::kBcd && word.notation != Notation::kDecimal) return true;
+    const std::size_t width = image_bytes(prepared.item_bits, 1);
+    for (std::size_t at = 0; at < write.items.size(); at += width) {
+      std::uint64_t item = 0;
+      for (std::size_t i = at; i < at + width; ++i) item = item << 8 | write.items[i];
+      const bool negative = word.sign_bits != 0 && (item >> (word.sign_bits - 1) & 1u) != 0;
+      if (negative) item = (0 - item) & (UINT64_MAX >> (64 - word.sign_bits));
+      if (item > largest(word)) return false;
+    }
+    return true;
   }
 
   // Returns false if a field cannot hold its number, so that no truncated value is sent.
@@ -174,12 +195,18 @@ class DeclaredProtocol final : public Protocol {
           width == field.bits ? 0 : (UINT64_MAX >> (64 - (width - field.bits)));
       const bool negative = field.is_signed && (value >> (field.bits - 1) & 1u) != 0;
       if (field.bits < width && above != (negative ? ones : 0)) return false;
+      const std::uint64_t number = value & (UINT64_MAX >> (64 - field.bits));
+      const bool digits =
+          field.word.notation == Notation::kBcd || field.word.notation == Notation::kDecimal;
+      if (digits && (negative ? (0 - number) & (UINT64_MAX >> (64 - field.bits)) : number) >
+                        largest(field.word))
+        return false;
     }
     return true;
   }
 
   const std::shared_ptr<const Declaration> declaration_;
-  const std::uint16_t address_;
+  const std::uint64_t address_;
   std::vector<DeviceCode> codes_;  // their texts belong to the declaration
   Traits traits_;
   std::vector<Area> areas_;
@@ -188,18 +215,48 @@ class DeclaredProtocol final : public Protocol {
 
 }  // namespace
 
+namespace {
+
+void set_address(Frame& frame, const std::string& text) {
+  for (Field& field : frame.fields) {
+    if (field.kind != FieldKind::kAddress) continue;
+    field.text = text;
+    field.text_size = 0;
+    field.variable = false;
+  }
+}
+
+// The declaration for one device whose address is text.
+std::shared_ptr<const Declaration> addressed(const Declaration& declaration,
+                                             const std::string& text) {
+  auto own = std::make_shared<Declaration>(declaration);
+  for (Operation& operation : own->operations) {
+    set_address(operation.request, text);
+    set_address(operation.response, text);
+  }
+  set_address(own->refusal, text);
+  return own;
+}
+
+}  // namespace
+
 tl::expected<std::unique_ptr<Protocol>, OptionFault> make(
     std::shared_ptr<const Declaration> declaration, const DeviceLink& link) {
+  const auto address = device_address(*declaration, link);
+  if (!address) return tl::unexpected(address.error());
+  if (!address->text.empty()) declaration = addressed(*declaration, address->text);
   const Traits traits{
       .name = declaration->name,
       .summary = declaration->summary,
       .lowest_address = declaration->lowest_address,
-      .highest_address = declaration->highest_address,
+      .highest_address =
+          static_cast<std::uint16_t>(std::min<std::uint64_t>(declaration->highest_address, 65535)),
       .identity = identity_of(*declaration),
       .echo_is_ambiguous = std::ranges::any_of(declaration->operations, &Operation::echoes)};
-  const OptionReader reader(link, traits, {});
+  const OptionReader reader({.address = traits.lowest_address, .options = link.options}, traits,
+                            {});
   if (reader.fault()) return tl::unexpected(*reader.fault());
-  return std::make_unique<DeclaredProtocol>(std::move(declaration), link.address, traits);
+  return std::make_unique<DeclaredProtocol>(std::move(declaration), address->number, traits);
 }
 
 }  // namespace fieldcast::declared

@@ -40,7 +40,19 @@ class Reader {
     for (const Field& field : frame_.fields) size += field.variable ? field.text_size : 0;
     return size;
   }
-  std::size_t width(const Field& field) const {
+  // A variable text extends to the constant behind it; without one, its frame has no other.
+  std::size_t width(std::size_t index, std::size_t at) const {
+    const Field& field = frame_.fields[index];
+    if (field.variable && index + 1 < frame_.fields.size() && at < bytes_.size()) {
+      const Field& next = frame_.fields[index + 1];
+      Bytes mark(next.text.begin(), next.text.end());
+      if (mark.empty() && next.kind == FieldKind::kConstant)
+        append_word(mark, next.word, next.number);
+      const auto rest = bytes_.subspan(at);
+      const auto end =
+          mark.empty() ? rest.end() : std::ranges::find(rest, next.transform.sent(mark.front()));
+      if (end != rest.end()) return static_cast<std::size_t>(end - rest.begin());
+    }
     if (field.kind == FieldKind::kItems || field.variable) return elastic_;
     if (!field.text.empty()) return field.text.size();
     if (field.text_size != 0) return field.text_size;
@@ -48,7 +60,11 @@ class Reader {
   }
   void place() {
     std::size_t at = 0;
-    for (const Field& field : frame_.fields) starts_.push_back(at), at += width(field);
+    for (std::size_t i = 0; i < frame_.fields.size(); ++i) {
+      starts_.push_back(at);
+      widths_.push_back(width(i, at));
+      at += widths_.back();
+    }
     starts_.push_back(offset_ = at);
   }
   void add(std::size_t at, std::size_t length, const std::string& name, const std::string& value,
@@ -60,17 +76,17 @@ class Reader {
   void show(const Field& field, std::size_t index) {
     std::size_t opener = index;
     while (opener > 0 && !frame_.fields[opener].opens) --opener;
-    const std::size_t at = starts_[opener], size = width(frame_.fields[opener]);
+    const std::size_t at = starts_[opener], size = widths_[opener];
     if (at + size > bytes_.size()) {
       const std::size_t have = std::min(at, bytes_.size());
       return add(have, bytes_.size() - have, field.name, "", "the frame ends before it is whole");
     }
-    const ByteView part = bytes_.subspan(at, size);
-    if (field.kind == FieldKind::kItems) return add(at, size, field.name, to_hex(part));
+    const Bytes part = frame_.fields[opener].transform.meant(bytes_.subspan(at, size));
+    if (field.kind == FieldKind::kItems) return add(at, size, field.name, items(field, part));
     if (!field.text.empty()) {
       const bool right = std::ranges::equal(part, field.text, {}, {},
                                             [](char c) { return static_cast<std::uint8_t>(c); });
-      return add(at, size, field.name, to_hex(part), right ? "" : "should be " + field.text);
+      return add(at, size, field.name, to_hex(part), right ? "" : "should be " + spelt(field.text));
     }
     if (field.text_size != 0)
       return add(at, size, field.name, std::string(part.begin(), part.end()));
@@ -79,13 +95,37 @@ class Reader {
     number(field, at, size, *word >> field.shift & (UINT64_MAX >> (64 - field.bits)));
   }
 
+  // Decimal digits are shown as numbers, other items as on the wire.
+  std::string items(const Field& field, const Bytes& part) const {
+    if (field.word.notation != Notation::kBcd || item_bits_ == 1) return to_hex(part);
+    std::string text;
+    for (std::size_t at = 0; at + field.word.characters <= part.size();
+         at += field.word.characters) {
+      const auto number = read_word(ByteView(part).subspan(at, field.word.characters), field.word);
+      if (!number) return to_hex(part);
+      text += (text.empty() ? "" : " ") + signed_text(*number, field.word.sign_bits);
+    }
+    return text;
+  }
+  static std::string signed_text(std::uint64_t number, unsigned bits) {
+    const bool negative = bits != 0 && (number >> (bits - 1) & 1u) != 0;
+    return negative ? "-" + std::to_string((0 - number) & (UINT64_MAX >> (64 - bits)))
+                    : std::to_string(number);
+  }
+
+  // Characters, or hexadecimal bytes if one of them cannot be printed.
+  static std::string spelt(const std::string& text) {
+    const bool prints = std::ranges::all_of(text, [](char c) { return c >= ' ' && c <= '~'; });
+    return prints ? text : to_hex(Bytes(text.begin(), text.end()));
+  }
+
   // A value without a numeric meaning is shown as on the wire.
   static std::string spelt(const Field& field, std::uint64_t number) {
     const bool mark = field.kind == FieldKind::kConstant || field.kind == FieldKind::kCommand ||
                       field.kind == FieldKind::kChecksum;
     if (!mark || field.word.notation != Notation::kBinary ||
         field.bits != 8u * field.word.characters)
-      return std::to_string(number);
+      return signed_text(number, field.is_signed ? field.bits : 0);
     Bytes bytes;
     append_word(bytes, field.word, number);
     return to_hex(bytes);
@@ -100,7 +140,7 @@ class Reader {
       case FieldKind::kConstant:
       case FieldKind::kCommand: must(*number_of(field, context_)); break;
       case FieldKind::kAddress: {
-        const auto address = static_cast<std::int64_t>(number) - field.plus;
+        const std::uint64_t address = number - static_cast<std::uint64_t>(field.plus);
         if (address < declaration_.lowest_address || address > declaration_.highest_address)
           fault = "no address of this protocol";
         break;
@@ -129,9 +169,7 @@ class Reader {
     std::uint64_t total = static_cast<std::uint64_t>(length.plus);
     for (std::size_t i = length.of.from; i <= length.of.to; ++i) {
       const Field& field = frame_.fields[i];
-      const bool digits = field.word.notation == Notation::kHex && field.text.empty() &&
-                          field.text_size == 0 && !length.in_characters;
-      total += width(field) / (digits ? 2 : 1);
+      total += fieldcast::declared::counted(field, length, widths_[i], item_bits_);
     }
     return total;
   }
@@ -143,7 +181,7 @@ class Reader {
   FrameContext context_;
   std::size_t elastic_ = 0;  // characters of the field of variable length
   std::size_t offset_ = 0;   // after the last field
-  std::vector<std::size_t> starts_;
+  std::vector<std::size_t> starts_, widths_;
   FieldWriter writer_;
   std::size_t faults_ = 0;
 };

@@ -6,30 +6,28 @@
 
 namespace fieldcast::declared {
 
-namespace {
-
-std::uint16_t reflect(std::uint16_t value) {
-  unsigned turned = 0;
-  for (unsigned i = 0; i < 16; ++i) turned |= (value >> i & 1u) << (15 - i);
-  return static_cast<std::uint16_t>(turned);
-}
-
-}  // namespace
-
 // Bit by bit, as frames are short and the wire is slow.
-std::uint16_t crc16(const Crc16& rule, ByteView bytes) {
-  const unsigned polynomial = rule.reflected ? reflect(rule.polynomial) : rule.polynomial;
-  unsigned crc = rule.reflected ? reflect(rule.start) : rule.start;
+std::uint64_t crc_of(const Crc& rule, ByteView bytes) {
+  const std::uint64_t mask = UINT64_MAX >> (64 - rule.width), top = mask - (mask >> 1);
+  std::uint64_t crc = rule.start;
   for (const std::uint8_t byte : bytes) {
-    crc ^= rule.reflected ? byte : byte << 8;
-    for (int bit = 0; bit < 8; ++bit) {
-      if (rule.reflected)
-        crc = (crc & 1u) != 0 ? crc >> 1 ^ polynomial : crc >> 1;
-      else
-        crc = ((crc & 0x8000u) != 0 ? crc << 1 ^ polynomial : crc << 1) & 0xFFFFu;
+    for (unsigned i = 0; i < 8; ++i) {
+      const bool bit = (byte >> (rule.reflect_in ? i : 7 - i) & 1u) != 0;
+      const bool divides = ((crc & top) != 0) != bit;
+      crc = crc << 1 & mask;
+      if (divides) crc ^= rule.polynomial;
     }
   }
-  return static_cast<std::uint16_t>(crc ^ rule.final_xor);
+  if (!rule.reflect_out) return crc ^ rule.final_xor;
+  std::uint64_t turned = 0;
+  for (unsigned i = 0; i < rule.width; ++i) turned |= (crc >> i & 1u) << (rule.width - 1u - i);
+  return turned ^ rule.final_xor;
+}
+
+Bytes ByteTransform::meant(ByteView bytes) const {
+  Bytes plain(bytes.begin(), bytes.end());
+  for (std::uint8_t& byte : plain) byte = meant(byte);
+  return plain;
 }
 
 std::uint64_t check_of(const Check& check, unsigned bits, ByteView bytes) {
@@ -44,7 +42,7 @@ std::uint64_t check_of(const Check& check, unsigned bits, ByteView bytes) {
     case CheckKind::kXor:
       for (const std::uint8_t byte : bytes) value ^= byte;
       break;
-    case CheckKind::kCrc16: value = crc16(check.crc, bytes); break;
+    case CheckKind::kCrc: value = crc_of(check.crc, bytes); break;
   }
   if (check.complement == Complement::kOnes) value = ~value;
   if (check.complement == Complement::kTwos) value = 0 - value;
@@ -58,6 +56,7 @@ std::uint64_t base_of(Notation notation) {
     case Notation::kBinary: return 256;
     case Notation::kHex: return 16;
     case Notation::kDecimal: return 10;
+    case Notation::kBcd: return 100;
   }
   return 256;
 }
@@ -71,10 +70,10 @@ std::size_t column(const Word& word, std::size_t power) {
 }  // namespace
 
 std::uint64_t largest(const Word& word) {
-  if (word.notation == Notation::kDecimal) {
+  if (word.notation == Notation::kDecimal || word.notation == Notation::kBcd) {
     std::uint64_t limit = 1;
-    for (unsigned i = 0; i < word.characters; ++i) limit *= 10;
-    return limit - 1;
+    for (unsigned i = 0; i < word.characters; ++i) limit *= base_of(word.notation);
+    return (word.sign_bits != 0 ? limit / 10 * 8 : limit) - 1;
   }
   const unsigned bits = word.characters * (word.notation == Notation::kHex ? 4u : 8u);
   return bits >= 64 ? UINT64_MAX : (std::uint64_t{1} << bits) - 1;
@@ -84,29 +83,48 @@ void append_word(Bytes& out, const Word& word, std::uint64_t number) {
   static constexpr char kDigits[] = "0123456789ABCDEF";
   const std::uint64_t base = base_of(word.notation);
   const std::size_t at = out.size();
+  const bool negative = word.sign_bits != 0 && (number >> (word.sign_bits - 1) & 1u) != 0;
+  if (negative) number = (0 - number) & (UINT64_MAX >> (64 - word.sign_bits));
   out.resize(at + word.characters);
   for (std::size_t power = 0; power < word.characters; ++power, number /= base) {
     const auto digit = static_cast<std::uint8_t>(number % base);
-    out[at + column(word, power)] = base == 256 ? digit : static_cast<std::uint8_t>(kDigits[digit]);
+    out[at + column(word, power)] = word.notation == Notation::kBcd
+                                        ? static_cast<std::uint8_t>(digit / 10 << 4 | digit % 10)
+                                    : base == 256 ? digit
+                                                  : static_cast<std::uint8_t>(kDigits[digit]);
   }
+  if (negative) out[at + column(word, word.characters - 1u)] |= 0x80u;
 }
 
 std::optional<std::uint64_t> read_word(ByteView characters, const Word& word) {
   if (!could_begin(characters, word)) return std::nullopt;
   const std::uint64_t base = base_of(word.notation);
   std::uint64_t number = 0;
+  bool negative = false;
   for (std::size_t power = word.characters; power-- > 0;) {
-    const std::uint8_t c = characters[column(word, power)];
-    number = number * base + (base == 256 ? c : static_cast<std::uint64_t>(hex_digit(c)));
+    std::uint8_t c = characters[column(word, power)];
+    if (word.sign_bits != 0 && power + 1 == word.characters) negative = c >> 7 != 0, c &= 0x7Fu;
+    const std::uint64_t digit = word.notation == Notation::kBcd ? (c >> 4) * 10u + (c & 0xFu)
+                                : base == 256                   ? c
+                                              : static_cast<std::uint64_t>(hex_digit(c));
+    number = number * base + digit;
   }
-  return number;
+  return negative ? (0 - number) & (UINT64_MAX >> (64 - word.sign_bits)) : number;
 }
 
 bool could_begin(ByteView characters, const Word& word) {
+  if (word.notation == Notation::kBinary) return true;
+  if (word.notation == Notation::kBcd) {
+    for (std::size_t i = 0; i < characters.size(); ++i) {
+      const bool highest = i % word.characters == column(word, word.characters - 1u);
+      const unsigned c = characters[i] & (word.sign_bits != 0 && highest ? 0x7Fu : 0xFFu);
+      if (c >> 4 > 9 || (c & 0xFu) > 9) return false;
+    }
+    return true;
+  }
   const int base = static_cast<int>(base_of(word.notation));
-  return base == 256 || std::ranges::all_of(characters, [&](auto c) {
-           return hex_digit(c) >= 0 && hex_digit(c) < base;
-         });
+  return std::ranges::all_of(characters,
+                             [&](auto c) { return hex_digit(c) >= 0 && hex_digit(c) < base; });
 }
 
 }  // namespace fieldcast::declared

@@ -2,27 +2,37 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <string_view>
 
 #include "core/base/bytes.hpp"
 
 namespace fieldcast::declared {
 
-// Rocksoft model of a 16-bit CRC; reflected: lowest bit first, in input and result.
-struct Crc16 {
-  std::uint16_t polynomial = 0x8005, start = 0xFFFF, final_xor = 0x0000;
-  bool reflected = true;
-  friend bool operator==(const Crc16&, const Crc16&) = default;
+// Rocksoft model of a CRC of 8 to 64 bits.
+struct Crc {
+  std::uint8_t width = 16;
+  std::uint64_t polynomial = 0x8005, start = 0xFFFF, final_xor = 0x0000;
+  bool reflect_in = true, reflect_out = true;
+  friend bool operator==(const Crc&, const Crc&) = default;
 };
-[[nodiscard]] std::uint16_t crc16(const Crc16& crc, ByteView bytes);
+[[nodiscard]] std::uint64_t crc_of(const Crc& crc, ByteView bytes);
 
-enum class CheckKind : std::uint8_t { kSum, kAnd, kXor, kCrc16 };
+struct NamedCrc {
+  std::string_view name;  // "crc-16/modbus"
+  Crc crc;
+};
+// The catalogue of parametrised CRC algorithms (reveng.sourceforge.io), widths 8 to 64.
+[[nodiscard]] std::span<const NamedCrc> crc_catalogue();
+
+enum class CheckKind : std::uint8_t { kSum, kAnd, kXor, kCrc };
 enum class Complement : std::uint8_t { kNone, kOnes, kTwos };
 
 struct Check {
   CheckKind kind = CheckKind::kSum;
   Complement complement = Complement::kNone;
-  Crc16 crc;
-  // For hexadecimal fields: covers the decoded bytes instead of the digits.
+  Crc crc;
+  // Covers what the characters represent: decoded hexadecimal digits, bytes before their transform.
   bool over_bytes = false;
   friend bool operator==(const Check&, const Check&) = default;
 };
@@ -30,17 +40,35 @@ struct Check {
 // A sum is taken modulo 2^bits (8..32); other kinds have a fixed width.
 [[nodiscard]] std::uint64_t check_of(const Check& check, unsigned bits, ByteView bytes);
 
-// A number on the wire: binary bytes, or a fixed number of ASCII digits. Pure functions.
+// Changes each byte of a field: (byte + add) ^ exor is sent.
+struct ByteTransform {
+  std::uint8_t add = 0, exor = 0;
+  [[nodiscard]] explicit operator bool() const { return add != 0 || exor != 0; }
+  [[nodiscard]] std::uint8_t sent(std::uint8_t byte) const {
+    return static_cast<std::uint8_t>((byte + add) ^ exor);
+  }
+  [[nodiscard]] std::uint8_t meant(std::uint8_t byte) const {
+    return static_cast<std::uint8_t>((byte ^ exor) - add);
+  }
+  [[nodiscard]] Bytes meant(ByteView bytes) const;
+  friend bool operator==(const ByteTransform&, const ByteTransform&) = default;
+};
+
+// A number on the wire: binary bytes, packed decimal digits, or a fixed number of ASCII digits.
+// Pure functions.
 enum class Notation : std::uint8_t {
   kBinary,
   kHex,  // upper-case digits, two per byte
   kDecimal,
+  kBcd,  // two decimal digits in each byte, the higher in the upper half
 };
 
 struct Word {
   Notation notation = Notation::kBinary;
-  std::uint8_t characters = 1;  // on the wire: 1..8 bytes, 1..16 hex digits, 1..18 decimal digits
+  std::uint8_t characters = 1;  // 1..8 bytes, 1..9 of BCD, 1..16 hex digits, 1..18 decimal digits
   bool little_endian = false;   // lowest byte first, also for pairs of hex digits
+  // BCD: the highest bit is a sign; the number is a two's complement of so many bits. 0: no sign.
+  std::uint8_t sign_bits = 0;
   friend bool operator==(const Word&, const Word&) = default;
 };
 

@@ -1,6 +1,7 @@
 // Compares the declaration of Modbus RTU with the built-in protocol. Seeded.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <random>
 
 #include "core/codec/checksum.hpp"
@@ -107,17 +108,22 @@ TEST(DeclaredModbus, SendsByteForByteWhatTheBuiltInOneSends) {
   EXPECT_GT(sent, 5000u);
 }
 
+// Exchanges to compare; the second stage compares a million.
+unsigned exchanges() {
+  const char* text = std::getenv("FIELDCAST_EXCHANGES");
+  return text == nullptr ? 10'000 : static_cast<unsigned>(std::strtoul(text, nullptr, 10));
+}
+
 TEST(DeclaredModbus, UnderstandsWhatTheBuiltInOneUnderstands) {
   Requests requests(2);
   std::mt19937 random(3);
-  unsigned understood = 0;
-  for (int i = 0; i < 3000; ++i) {
+  for (unsigned compared = 0; compared < exchanges() && !HasFailure();) {
     const Request request = requests.next();
     if (!built_in().protocol().size(request)) continue;
+    compared += 6;
     const Bytes sent = built_in().request_bytes(request);
     const Bytes right = answer_to(sent, random);
     expect_same(request, right, "right");
-    ++understood;
 
     Bytes refused{kUnit, static_cast<std::uint8_t>(sent[1] | 0x80),
                   static_cast<std::uint8_t>(random() % 12)};
@@ -140,7 +146,6 @@ TEST(DeclaredModbus, UnderstandsWhatTheBuiltInOneUnderstands) {
     flipped[random() % flipped.size()] ^= static_cast<std::uint8_t>(1u << random() % 8);
     expect_same(request, flipped, "flipped", false);
   }
-  EXPECT_GT(understood, 700u);
 }
 
 TEST(DeclaredModbus, TheMatrixHolds) {

@@ -125,21 +125,6 @@ TEST(DeclaredText, IsExplainedInPrintableUtf8) {
       fields, [](const FrameField& field) { return field.value == "\\xE4\\x1B[2J"; }));
 }
 
-// Check values for "123456789" from the catalogue of parametrised CRC algorithms.
-TEST(DeclaredCheck, CrcsGiveTheirPublishedCheckValues) {
-  const std::string_view digits = "123456789";
-  const Bytes bytes(digits.begin(), digits.end());
-  using declared::crc16;
-  EXPECT_EQ(crc16({0x8005, 0xFFFF, 0x0000, true}, bytes), 0x4B37);   // modbus
-  EXPECT_EQ(crc16({0x8005, 0x0000, 0x0000, true}, bytes), 0xBB3D);   // arc
-  EXPECT_EQ(crc16({0x8005, 0xFFFF, 0xFFFF, true}, bytes), 0xB4C8);   // usb
-  EXPECT_EQ(crc16({0x1021, 0xFFFF, 0x0000, false}, bytes), 0x29B1);  // ccitt
-  EXPECT_EQ(crc16({0x1021, 0x0000, 0x0000, false}, bytes), 0x31C3);  // xmodem
-  EXPECT_EQ(crc16({0x1021, 0x0000, 0x0000, true}, bytes), 0x2189);   // kermit
-  EXPECT_EQ(crc16({0x1021, 0xFFFF, 0xFFFF, true}, bytes), 0x906E);   // x25
-  EXPECT_EQ(crc16({0x3D65, 0x0000, 0xFFFF, true}, bytes), 0xEA82);   // dnp
-}
-
 TEST(DeclaredCheck, SumsAndTheirComplements) {
   using namespace declared;
   const Bytes bytes{0xF0, 0x3C, 0x81};

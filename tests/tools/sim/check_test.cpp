@@ -60,7 +60,9 @@ TEST_P(Declared, PassesTheWholeMatrix) {
   ASSERT_TRUE(declaration) << config::to_text(std::span(declaration.error()));
   expect_all_pass(subjects_of(*declaration));
 }
-INSTANTIATE_TEST_SUITE_P(SimCheck, Declared, testing::Values("instrument", "modbus-rtu-declared"),
+INSTANTIATE_TEST_SUITE_P(SimCheck, Declared,
+                         testing::Values("instrument", "modbus-rtu-declared", "dlt645-2007",
+                                         "adam-4000", "mt-sics"),
                          [](const auto& chosen) {
                            std::string name = chosen.param;
                            std::ranges::replace(name, '-', '_');

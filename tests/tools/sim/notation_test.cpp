@@ -75,7 +75,7 @@ TEST(Notation, OfEveryProtocolIsUnderstoodByTheLoaderThePlantAndTheEngine) {
 }
 
 TEST(Notation, OfADeclarationIsUnderstoodByTheLoaderThePlantAndTheEngine) {
-  for (const char* name : {"instrument", "modbus-rtu-declared"}) {
+  for (const char* name : {"instrument", "modbus-rtu-declared", "dlt645-2007", "adam-4000"}) {
     const auto declaration = config::load_declaration(name);
     ASSERT_TRUE(declaration);
     for (const Subject& subject : subjects_of(*declaration)) expect_one_place_on_all_sides(subject);

@@ -72,6 +72,7 @@ tl::expected<void, std::string> SimBus::make_foreign(const DeviceKind& kind) {
   };
   while (address > traits.lowest_address && taken()) --address;
   foreign_.spec.link.address = address;
+  foreign_.spec.link.long_address.clear();
   foreign_.protocol = std::move(*make_protocol(foreign_.spec, line));
   auto device = kind.make({.spec = foreign_.spec,
                            .line = line,

@@ -82,12 +82,16 @@ class ValueCheck {
       }
       if (places.empty()) {
         for (const TypedValues& each : types) typed(area, each);
-        if (const auto range = requests_.largest_read(area)) raw({*range, bits(area)});
-        if (const auto range = requests_.largest_write(area)) raw({*range, bits(area)});
+        if (const auto range = requests_.largest_read(area)) raw(requests_.slot(*range));
+        if (const auto range = requests_.largest_write(area)) raw(requests_.slot(*range));
         bit(area);
         byte(area);
       }
-      if (rows_[write_].tried == 0) rows_[write_].note = "read-only";
+      if (rows_[write_].tried == 0) {
+        const bool readable = requests_.protocol().areas()[i].max_read != 0;
+        rows_[write_].note = readable ? "read-only" : "a command without a value: see splits";
+        if (!readable) rows_[read_].note = "cannot be read";
+      }
     }
     lists();
   }
@@ -106,7 +110,7 @@ class ValueCheck {
     for (const Slot& slot : requests_.slots(area, count)) {
       for (const Value& value : type.values) {
         const auto image = encode_value(type.encoding, bits(area), value);
-        if (!image) continue;
+        if (!image || !Requests::holds(slot, *image)) continue;
         const auto judge = [&](ByteView items) {
           return decode_value(type.encoding, bits(area), items) == value;
         };
@@ -152,7 +156,8 @@ class ValueCheck {
              .items = Bytes(image.begin() + static_cast<std::ptrdiff_t>(i * each),
                             image.begin() + static_cast<std::ptrdiff_t>((i + 1) * each))});
       }
-      if (slot.value_bits != 0 || writes.empty() || !requests_.allows(writes[0])) return;
+      if ((slot.value_bits != 0 && !slot.by_item) || writes.empty() || !requests_.allows(writes[0]))
+        return;
     }
     for (const WriteRequest& request : writes) {
       const RunOutcome outcome = ask(request);

@@ -55,6 +55,7 @@ std::optional<Subject> Subject::neighbour() const {
   const auto [lowest, highest] =
       std::pair(made->traits().lowest_address, made->traits().highest_address);
   if (lowest == highest) return std::nullopt;
+  other.device.link.long_address.clear();
   other.device.link.address = static_cast<std::uint16_t>(
       device.link.address < highest ? device.link.address + 1 : device.link.address - 1);
   return other;
@@ -77,9 +78,10 @@ std::vector<Subject> subjects_of(std::string_view protocol) {
 
 std::vector<Subject> subjects_of(const declared::SharedDeclaration& declaration) {
   const declared::Declaration& value = *declaration.value;
-  Subject subject{
-      "", device_at(std::clamp<std::uint16_t>(7, value.lowest_address, value.highest_address)),
-      serial(), true};
+  Subject subject{"",
+                  device_at(static_cast<std::uint16_t>(
+                      std::clamp<std::uint64_t>(7, value.lowest_address, value.highest_address))),
+                  serial(), true};
   subject.device.protocol = value.name;
   subject.device.declaration = declaration;
   subject.checked =

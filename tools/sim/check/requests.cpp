@@ -61,10 +61,26 @@ std::vector<Slot> Requests::slots(AreaIndex area, std::uint32_t count) const {
   std::set<std::uint32_t> firsts{0, row.items / 2, row.items - count};
   for (const std::uint32_t first : firsts) {
     const Range range{area, first, count};
-    if (first + count <= row.items && allows(ReadRequest{{range}}))
-      slots.push_back({range, row.item_bits});
+    if (first + count <= row.items && allows(ReadRequest{{range}})) slots.push_back(slot(range));
   }
   return slots;
+}
+
+Slot Requests::slot(const Range& range) const {
+  Slot slot{range, protocol_->areas()[range.area].item_bits};
+  if (!subject_.device.declaration || slot.item_bits == 1) return slot;
+  for (const declared::Operation& operation : subject_.device.declaration.value->operations) {
+    for (const declared::Field& field : operation.response.fields) {
+      if (operation.area != range.area || field.kind != declared::FieldKind::kItems) continue;
+      const std::uint64_t largest = declared::largest(field.word);
+      if (largest >= UINT64_MAX >> (64 - slot.item_bits)) continue;
+      slot.by_item = true;
+      slot.value_bits = slot.item_bits;
+      slot.is_signed = field.is_signed;
+      slot.largest = std::min(slot.largest, largest);
+    }
+  }
+  return slot;
 }
 
 std::optional<Range> Requests::largest_read(AreaIndex area) const {
@@ -99,7 +115,10 @@ std::vector<NamedRequest> Requests::examples() const {
     const Area& row = protocol_->areas()[i];
     const std::string name(row.name);
     std::vector<Slot> tried = places(area);
-    if (tried.empty()) tried = {{{area, 0, std::min<std::uint32_t>(3, row.items)}, row.item_bits}};
+    if (tried.empty())
+      tried = {slot(
+          {area, 0,
+           std::clamp<std::uint32_t>(row.max_read, 1, std::min<std::uint32_t>(3, row.items))})};
     for (const Slot& slot : tried) {
       add("read " + name, ReadRequest{{slot.range}});
       WriteRequest write{.range = slot.range,
@@ -129,21 +148,48 @@ std::vector<NamedRequest> Requests::examples() const {
   return all;
 }
 
+namespace {
+
+std::uint64_t image_number(ByteView image) {
+  std::uint64_t number = 0;
+  for (const std::uint8_t byte : image) number = number << 8 | byte;
+  return number;
+}
+
+}  // namespace
+
 Bytes Requests::contents(const Slot& slot, std::mt19937& random) {
   if (slot.text_bytes != 0) return text_contents(slot, random);
   Bytes image(image_bytes(slot.item_bits, slot.range.count));
   for (std::uint8_t& byte : image)
     byte = static_cast<std::uint8_t>(slot.item_bits == 1 ? random() % 2 : random());
   if (slot.value_bits == 0) return image;
-  std::uint64_t number = 0;
-  for (const std::uint8_t byte : image) number = number << 8 | byte;
-  number &= UINT64_MAX >> (64 - slot.value_bits);
-  if (number > slot.largest) number %= slot.largest + 1;
-  const bool negative = slot.is_signed && (number >> (slot.value_bits - 1) & 1u) != 0;
-  if (negative && slot.value_bits < 64) number |= UINT64_MAX << slot.value_bits;
-  for (std::size_t i = image.size(); i-- > 0; number >>= 8)
-    image[i] = static_cast<std::uint8_t>(number);
+  const std::size_t each = slot.by_item ? image_bytes(slot.item_bits, 1) : image.size();
+  for (std::size_t at = 0; at < image.size(); at += each) {
+    std::uint64_t number = image_number(ByteView(image).subspan(at, each));
+    const bool below = slot.is_signed && number % 2 != 0;
+    number &= UINT64_MAX >> (64 - slot.value_bits);
+    if (slot.largest != UINT64_MAX && number > slot.largest) {
+      number %= slot.largest + 1;
+      if (below) number = (0 - number) & (UINT64_MAX >> (64 - slot.value_bits));
+    }
+    const bool negative = slot.is_signed && (number >> (slot.value_bits - 1) & 1u) != 0;
+    if (negative && slot.value_bits < 64) number |= UINT64_MAX << slot.value_bits;
+    for (std::size_t i = at + each; i-- > at; number >>= 8)
+      image[i] = static_cast<std::uint8_t>(number);
+  }
   return image;
+}
+
+bool Requests::holds(const Slot& slot, ByteView image) {
+  if (!slot.by_item) return true;
+  const std::size_t each = image_bytes(slot.item_bits, 1);
+  for (std::size_t at = 0; at < image.size(); at += each) {
+    const std::uint64_t number = image_number(image.subspan(at, each));
+    const std::uint64_t below = (0 - number) & (UINT64_MAX >> (64 - slot.item_bits));
+    if (number > slot.largest && !(slot.is_signed && below <= slot.largest)) return false;
+  }
+  return true;
 }
 
 bool Requests::poke(SimDevice& device, std::string_view area, const Slot& slot, ByteView image) {
@@ -202,7 +248,7 @@ std::vector<std::string> notations_of(const Subject& subject) {
   if (!subject.device.declaration) return {subject.addresses.begin(), subject.addresses.end()};
   std::vector<std::string> all;
   for (const declared::DeclaredArea& area : subject.device.declaration.value->areas) {
-    if (!area.record) add_numbered(area, all);
+    if (!area.record && !area.trigger) add_numbered(area, all);
     for (const declared::Place& place : area.places) {
       all.push_back(place.name);
       if (place.bits != 0) all.push_back(fmt::format("{}.{}", place.name, place.bits - 1));

@@ -17,6 +17,7 @@ struct Slot {
   unsigned value_bits = 0;
   bool is_signed = false;
   std::uint64_t largest = UINT64_MAX;
+  bool by_item = false;  // these limits apply to each item
   std::uint16_t text_bytes = 0;
   std::uint8_t end_of_text = 0;
 };
@@ -44,6 +45,9 @@ class Requests {
   [[nodiscard]] std::vector<NamedRequest> examples() const;
   [[nodiscard]] std::vector<Slot> places(AreaIndex area) const;  // of a record
 
+  // The range with the limits of declared digits.
+  [[nodiscard]] Slot slot(const Range& range) const;
+  [[nodiscard]] static bool holds(const Slot& slot, ByteView image);
   [[nodiscard]] static Bytes contents(const Slot& slot, std::mt19937& random);
   // Writes the image to the device without the wire. Returns false if it has no such items.
   static bool poke(SimDevice& device, std::string_view area, const Slot& slot, ByteView image);

@@ -70,7 +70,7 @@ std::vector<std::string_view> declared_area_names(const declared::Declaration& d
 DeclaredDevice::DeclaredDevice(const DeviceSetup& setup)
     : MemoryDevice({areas_of(*setup.spec.declaration.value), setup}),
       declaration_(setup.spec.declaration.value),
-      address_(setup.spec.link.address),
+      address_(*device_address(*declaration_, setup.spec.link)),
       line_(setup.line),
       stream_(setup.stream) {}
 
@@ -80,6 +80,7 @@ std::unique_ptr<Receiver> DeclaredDevice::open_receiver() {
 
 DeclaredDevice::Taken DeclaredDevice::take(ByteView bytes, Instant now, Bytes& response) {
   bool more = false;
+  std::optional<std::pair<const Operation*, DeclaredText>> outside;  // its area has no such items
   for (const Operation& operation : declaration_->operations) {
     DeclaredMatch received = on_request(*declaration_, operation, bytes);
     more = more || received.fit == DeclaredMatch::Fit::kMore;
@@ -88,9 +89,22 @@ DeclaredDevice::Taken DeclaredDevice::take(ByteView bytes, Instant now, Bytes& r
       ++statistics_.bad_frames;
       continue;
     }
-    if (has_address(operation.request) && received.text.address != address_) return Taken::kDone;
-    received.text.address = address_;
+    if (has_address(operation.request) &&
+        (received.text.address != address_.number || received.text.name != address_.text))
+      return Taken::kDone;
+    received.text.address = address_.number;
+    received.text.name = address_.text;
+    const DeclaredArea& area = declaration_->areas[operation.area];
+    if (!area.record && (received.text.first >= area.items ||
+                         received.text.count > area.items - received.text.first)) {
+      if (!outside) outside.emplace(&operation, std::move(received.text));
+      continue;
+    }
     response = execute(operation, std::move(received.text), now);
+    return Taken::kDone;
+  }
+  if (outside) {
+    response = execute(*outside->first, std::move(outside->second), now);
     return Taken::kDone;
   }
   return more && bytes.size() < declared::kMaxFrame ? Taken::kMore : Taken::kNothing;
@@ -128,6 +142,7 @@ Bytes DeclaredDevice::execute(const Operation& operation, DeclaredText text, Ins
   ++statistics_.requests[operation.name];
   if (const std::uint8_t code = refusal(operation, text); code != 0)
     return refuse(operation, std::move(text), code);
+  if (declaration_->areas[operation.area].trigger) text.items = {1};
   if (operation.write) store(operation, text);
   fill(operation, now, text);
   ++statistics_.responses;
@@ -201,7 +216,8 @@ std::optional<ItemAddress> DeclaredDevice::parse_address(std::string_view at) co
   }
   for (std::size_t i = 0; i < declaration_->areas.size(); ++i) {
     const DeclaredArea& area = declaration_->areas[i];
-    if (area.record || !at.starts_with(area.prefix)) continue;
+    if (area.trigger && at == area.name) return ItemAddress{i, 0, {}};
+    if (area.record || area.trigger || !at.starts_with(area.prefix)) continue;
     const std::string_view rest = at.substr(area.prefix.size());
     if (const auto item = number(rest, area)) return ItemAddress{i, *item, {}};
     if (bit >= area.item_bits || area.item_bits == 1) continue;
@@ -214,11 +230,8 @@ std::optional<ItemAddress> DeclaredDevice::parse_address(std::string_view at) co
 tl::expected<std::unique_ptr<SimDevice>, std::string> make_declared_device(
     const DeviceSetup& setup) {
   const declared::Declaration& declaration = *setup.spec.declaration.value;
-  if (setup.spec.link.address < declaration.lowest_address ||
-      setup.spec.link.address > declaration.highest_address) {
-    return tl::unexpected(fmt::format("{}: address {} is none of {}", setup.spec.name,
-                                      setup.spec.link.address, declaration.name));
-  }
+  if (const auto address = device_address(declaration, setup.spec.link); !address)
+    return tl::unexpected(fmt::format("{}: {}", setup.spec.name, address.error().what));
   auto device = std::make_unique<DeclaredDevice>(setup);
   const auto parse = [&](std::string_view at) { return device->parse_address(at); };
   if (auto added = device->memory().add_channels(setup, parse); !added)

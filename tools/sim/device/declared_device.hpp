@@ -32,7 +32,7 @@ class DeclaredDevice : public MemoryDevice {
   void fill(const declared::Operation& operation, Instant now, DeclaredText& text) const;
 
   const std::shared_ptr<const declared::Declaration> declaration_;
-  const std::uint16_t address_;
+  const declared::DeviceAddress address_;
   const LineFormat line_;
   const bool stream_;
 };

@@ -29,6 +29,28 @@ Bytes highest_first(ByteView characters, const Word& word) {
   return turned;
 }
 
+std::optional<std::uint64_t> bcd_number(Bytes turned, const Word& word) {
+  const bool negative = word.sign_bits != 0 && turned[0] >= 0x80;
+  if (negative) turned[0] = static_cast<std::uint8_t>(turned[0] - 0x80);
+  std::uint64_t number = 0;
+  for (const std::uint8_t byte : turned) {
+    if (byte >= 0xA0 || byte % 16 > 9) return std::nullopt;
+    number = 100 * number + 10u * (byte / 16u) + byte % 16u;
+  }
+  return negative ? (~number + 1) & mask(word.sign_bits) : number;
+}
+
+Bytes bcd_characters(std::uint64_t number, const Word& word) {
+  const std::uint64_t half = word.sign_bits == 0 ? 0 : std::uint64_t{1} << (word.sign_bits - 1);
+  const bool negative = half != 0 && number >= half;
+  if (negative) number = 2 * half - number;
+  Bytes text(word.characters);
+  for (std::size_t i = text.size(); i-- > 0; number /= 100)
+    text[i] = static_cast<std::uint8_t>(number % 100 / 10 * 16 + number % 10);
+  if (negative) text[0] = static_cast<std::uint8_t>(text[0] + 0x80);
+  return text;
+}
+
 std::optional<std::uint64_t> number_of(ByteView characters, const Word& word) {
   if (word.notation != Notation::kHex && word.notation != Notation::kDecimal) {
     std::uint64_t number = 0;
@@ -37,6 +59,7 @@ std::optional<std::uint64_t> number_of(ByteView characters, const Word& word) {
     return number;
   }
   const Bytes turned = highest_first(characters, word);
+  if (word.notation == Notation::kBcd) return bcd_number(turned, word);
   if (word.notation == Notation::kHex) return number_in(turned, 16);
   std::uint64_t number = 0;  // up to 18 digits
   for (const std::uint8_t each : turned) {
@@ -48,7 +71,9 @@ std::optional<std::uint64_t> number_of(ByteView characters, const Word& word) {
 
 Bytes characters_of(std::uint64_t number, const Word& word) {
   Bytes text;
-  if (word.notation == Notation::kHex) {
+  if (word.notation == Notation::kBcd) {
+    text = bcd_characters(number, word);
+  } else if (word.notation == Notation::kHex) {
     append_hex(text, number, word.characters);
   } else {
     const std::uint64_t base = word.notation == Notation::kDecimal ? 10 : 256;
@@ -69,10 +94,12 @@ using Starts = std::array<std::size_t, declared::kMaxFields + 1>;
 Bytes summed(const Frame& frame, const Field& sum, ByteView bytes, const Starts& starts) {
   Bytes covered;
   for (std::size_t i = sum.of.from; i <= sum.of.to; ++i) {
-    const ByteView part = bytes.subspan(starts[i], starts[i + 1] - starts[i]);
+    Bytes part(bytes.begin() + static_cast<std::ptrdiff_t>(starts[i]),
+               bytes.begin() + static_cast<std::ptrdiff_t>(starts[i + 1]));
+    if (sum.check.over_bytes) part = frame.fields[i].transform.meant(part);
     const auto meant =
         sum.check.over_bytes && in_digits(frame.fields[i]) ? bytes_in(part) : std::nullopt;
-    append(covered, meant ? ByteView(*meant) : part);
+    append(covered, meant ? *meant : part);
   }
   return covered;
 }
@@ -96,6 +123,7 @@ class ParseRun {
     for (at_ = 0; at_ < fields_.size(); ++at_) {
       starts_[at_] = offset_;
       const Field& field = fields_[at_];
+      rest_ = field.transform.meant(bytes_.subspan(offset_));
       received_.fit = field.kind == FieldKind::kItems ? items(field)
                       : field.text_size != 0          ? text(field)
                       : !field.text.empty()           ? mark(field)
@@ -107,7 +135,8 @@ class ParseRun {
     for (std::size_t i = 0; i < fields_.size(); ++i) {
       const Field& field = fields_[i];
       if (field.kind != FieldKind::kChecksum) continue;
-      const auto stated = number_of(bytes_.subspan(starts_[i], field.word.characters), field.word);
+      const auto stated = number_of(
+          field.transform.meant(bytes_.subspan(starts_[i], field.word.characters)), field.word);
       received_.bad_check |= stated != check_of(field.check, field.bits,
                                                 summed(operation_.request, field, bytes_, starts_));
     }
@@ -116,7 +145,7 @@ class ParseRun {
 
  private:
   using Fit = DeclaredMatch::Fit;
-  ByteView rest() const { return bytes_.subspan(offset_); }
+  ByteView rest() const { return rest_; }
 
   Fit mark(const Field& field) {
     const std::size_t present = std::min(rest().size(), field.text.size());
@@ -141,8 +170,11 @@ class ParseRun {
       size = static_cast<std::size_t>(found - rest().begin());
     }
     if (rest().size() < size) return Fit::kMore;
-    received_.text.texts[&field] = {rest().begin(),
-                                    rest().begin() + static_cast<std::ptrdiff_t>(size)};
+    const std::string content(rest().begin(), rest().begin() + static_cast<std::ptrdiff_t>(size));
+    if (field.kind == FieldKind::kAddress)
+      received_.text.name = content;
+    else if (field.kind == FieldKind::kValue)
+      received_.text.texts[&field] = content;
     offset_ += size;
     return Fit::kWhole;
   }
@@ -151,8 +183,9 @@ class ParseRun {
     std::size_t size = items_size(field, item_bits_, received_.text.count);
     if (given_size_ && !counted_) {
       size = *given_size_;
-      received_.text.count =
-          size / field.word.characters * (item_bits_ == 1 && field.packed ? 8 : 1);
+      received_.text.count = counted_items_ != 0 ? counted_items_
+                                                 : size / field.word.characters *
+                                                       (item_bits_ == 1 && field.packed ? 8 : 1);
     } else if (given_size_) {
       received_.contradicts |= *given_size_ != size;
     }
@@ -214,9 +247,16 @@ class ParseRun {
   void length(const Field& field, std::uint64_t number) {
     auto left = static_cast<std::int64_t>(number) - field.plus;
     const Field* open = nullptr;
+    if (field.counts == declared::Counts::kItems) {
+      received_.contradicts |= left < 1 || left > operation_.max_count;
+      counted_items_ = static_cast<std::uint64_t>(std::max<std::int64_t>(left, 1));
+      given_size_ = items_size(fields_[field.of.from], item_bits_, counted_items_);
+      return;
+    }
+    const bool doubles = field.counts == declared::Counts::kBytes;
     for (std::size_t i = field.of.from; i <= field.of.to; ++i) {
       const Field& each = fields_[i];
-      const bool halved = in_digits(each) && !field.in_characters;
+      const bool halved = in_digits(each) && doubles;
       if (each.kind == FieldKind::kItems || each.variable) {
         open = &each;
       } else {
@@ -231,8 +271,7 @@ class ParseRun {
       received_.contradicts |= left != 0;
       return;
     }
-    given_size_ =
-        static_cast<std::size_t>(left) * (in_digits(*open) && !field.in_characters ? 2 : 1);
+    given_size_ = static_cast<std::size_t>(left) * (in_digits(*open) && doubles ? 2 : 1);
   }
 
   const declared::Operation& operation_;
@@ -244,6 +283,8 @@ class ParseRun {
   std::size_t at_ = 0, offset_ = 0;
   std::uint64_t word_ = 0;
   std::optional<std::size_t> given_size_;
+  std::uint64_t counted_items_ = 0;  // from a length in items
+  Bytes rest_;                       // from the current field on, without its transform
   bool counted_ = false;
 };
 
@@ -300,10 +341,13 @@ std::vector<Bytes> parts_of(const Frame& frame, unsigned item_bits, const Declar
       append_items(parts[i], field, item_bits, text.items);
     } else if (!field.text.empty()) {
       parts[i].assign(field.text.begin(), field.text.end());
+    } else if (field.kind == FieldKind::kAddress && field.text_size != 0) {
+      parts[i].assign(text.name.begin(), text.name.end());
     } else if (field.text_size != 0) {
       const auto found = text.texts.find(&field);
       if (found != text.texts.end()) parts[i].assign(found->second.begin(), found->second.end());
-      if (!field.variable) parts[i].resize(field.text_size);
+      if (!field.variable)
+        parts[i].resize(field.text_size, field.kind == FieldKind::kUnused ? ' ' : '\0');
     } else {
       if (field.opens) word = 0, opened = i;
       word |= (spoken(field, text) & mask(field.bits)) << field.shift;
@@ -313,15 +357,16 @@ std::vector<Bytes> parts_of(const Frame& frame, unsigned item_bits, const Declar
   return parts;
 }
 
-void put_lengths(const Frame& frame, std::vector<Bytes>& parts) {
+void put_lengths(const Frame& frame, std::size_t items, std::vector<Bytes>& parts) {
   const auto& fields = frame.fields;
   for (std::size_t i = 0; i < fields.size(); ++i) {
     if (fields[i].kind != FieldKind::kLength) continue;
     std::size_t length = 0;
     for (std::size_t of = fields[i].of.from; of <= fields[i].of.to; ++of) {
-      length += in_digits(fields[of]) && !fields[i].in_characters ? parts[of].size() / 2
-                                                                  : parts[of].size();
+      const bool halved = in_digits(fields[of]) && fields[i].counts == declared::Counts::kBytes;
+      length += halved ? parts[of].size() / 2 : parts[of].size();
     }
+    if (fields[i].counts == declared::Counts::kItems) length = items;
     parts[i] = characters_of(length + static_cast<std::uint64_t>(fields[i].plus), fields[i].word);
   }
 }
@@ -331,8 +376,9 @@ void put_checksums(const Frame& frame, const Starts& starts, Bytes& out) {
   for (std::size_t i = 0; i < frame.fields.size(); ++i) {
     const Field& field = frame.fields[i];
     if (field.kind != FieldKind::kChecksum) continue;
-    const Bytes sum = characters_of(
-        check_of(field.check, field.bits, summed(frame, field, out, starts)), field.word);
+    Bytes sum = characters_of(check_of(field.check, field.bits, summed(frame, field, out, starts)),
+                              field.word);
+    for (std::uint8_t& byte : sum) byte = field.transform.sent(byte);
     std::ranges::copy(sum, out.begin() + static_cast<std::ptrdiff_t>(starts[i]));
   }
 }
@@ -341,7 +387,10 @@ void put_checksums(const Frame& frame, const Starts& starts, Bytes& out) {
 
 Bytes say(const Frame& frame, unsigned item_bits, const DeclaredText& text) {
   std::vector<Bytes> parts = parts_of(frame, item_bits, text);
-  put_lengths(frame, parts);
+  put_lengths(frame, text.items.size(), parts);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    for (std::uint8_t& byte : parts[i]) byte = frame.fields[i].transform.sent(byte);
+  }
   Starts starts{};
   Bytes out;
   for (std::size_t i = 0; i < parts.size(); ++i) {
