@@ -21,6 +21,7 @@ using declared::Notation;
 
 constexpr std::size_t kMaxAreas = 64;
 constexpr std::size_t kMaxCodes = 1'000;
+constexpr std::size_t kMaxRounds = 8;
 constexpr std::int64_t kMaxItems = 1 << 24;
 constexpr std::int64_t kMaxOrigin = UINT32_MAX - kMaxItems;
 
@@ -57,6 +58,7 @@ class DeclarationReader {
     }
     place_values(declaration_, operations_, faults_);
     for (const auto& draft : operations_) check_operation(declaration_, draft, faults_);
+    if (const Node* login = map_.find("login")) declaration_.login = read_rounds(*login, "login");
     read_errors();
     check_areas();
     for (auto& draft : operations_) {
@@ -155,7 +157,32 @@ class DeclarationReader {
     };
     draft.request = frame("request");
     draft.response = frame("answer");
+    if (const Node* before = map.find("before"))
+      draft.operation.before = read_rounds(*before, "before");
     operations_.push_back(std::move(draft));
+  }
+
+  std::vector<declared::Operation> read_rounds(const Node& node, std::string_view key) {
+    std::vector<declared::Operation> rounds;
+    if (!is_list(node, key, 1, kMaxRounds, "a list of rounds", faults_)) return rounds;
+    for (const Node* item : node.items) {
+      MapReader map(*item, kRoundKeys, faults_);
+      DraftOperation round;
+      round.operation.name = std::string(key);
+      map.read("name", round.operation.name, TextRule{kMaxNameLength});
+      round.has_command = map.read("command", round.operation.command, WholeRule{0, INT64_MAX});
+      const auto frame = [&](std::string_view of) {
+        const Node* list = map.require(of, "a list of fields");
+        return list == nullptr ? DraftFrame{} : read_frame(*list, of, defaults_, 16, faults_);
+      };
+      round.request = frame("request");
+      round.response = frame("answer");
+      check_round(declaration_, round, faults_);
+      round.operation.request = round.request.frame();
+      round.operation.response = round.response.frame();
+      rounds.push_back(std::move(round.operation));
+    }
+    return rounds;
   }
 
   bool area_named(const Node& naming, AreaIndex& index) {

@@ -30,6 +30,7 @@ class OperationCheck {
     check_payload();
     check_addressing();
     check_variable(draft_.response);
+    check_blocks();
     for (const auto& draft : draft_.request.fields) {
       if (draft.field.variable && draft.field.kind != FieldKind::kAddress)
         faults_.add(draft.position, "a variable text in a request",
@@ -190,6 +191,29 @@ class OperationCheck {
           "a field that is: count, or no 'count' in the operation");
   }
 
+  // A block needs an end, and is only read.
+  void check_blocks() {
+    for (const DraftField& draft : draft_.request.fields) {
+      if (!draft.field.key.empty())
+        faults_.add(draft.position, "a value with a key in a request", "a value without a key");
+    }
+    const declared::Frame frame = draft_.response.frame();
+    for (std::size_t i = 0; i < frame.fields.size(); ++i) {
+      if (!declared::opens_block(frame, i)) continue;
+      const std::size_t end = declared::block_end(frame, i);
+      const bool measured = std::any_of(
+          frame.fields.begin(), frame.fields.begin() + static_cast<std::ptrdiff_t>(i),
+          [&](const Field& each) { return each.kind == FieldKind::kLength && each.of.holds(i); });
+      needs(measured ||
+                (end < frame.fields.size() && frame.fields[end].kind == FieldKind::kConstant &&
+                 !draft_.response.fields[end].shares),
+            draft_.response.fields[i].position,
+            fmt::format("no length or mark shows where the block from '{}' on ends",
+                        frame.fields[i].name),
+            "a constant behind it, or a length of it before it");
+    }
+  }
+
   // A text of variable length must end at a constant, or a length field must precede it.
   void check_variable(const DraftFrame& frame) {
     for (std::size_t i = 0; i < frame.fields.size(); ++i) {
@@ -322,63 +346,6 @@ void place_values(Declaration& declaration, std::vector<DraftOperation>& operati
 void check_operation(const Declaration& declaration, const DraftOperation& draft,
                      FaultList& faults) {
   if (draft.good) OperationCheck(declaration, draft, faults).run();
-}
-
-namespace {
-
-void check_refusal_field(const Declaration& declaration, const DraftField& draft,
-                         FaultList& faults) {
-  const auto kind = draft.field.kind;
-  if (kind == FieldKind::kItems || kind == FieldKind::kValue || kind == FieldKind::kFirst ||
-      kind == FieldKind::kCount)
-    faults.add(draft.position, fmt::format("a refusal brings no '{}'", draft.field.name),
-               "constant, address, command, error, length, sequence, checksum, unused");
-  if (kind == FieldKind::kAddress && declaration.address_characters == 0 &&
-      declaration.highest_address > declared::largest(draft.field.word))
-    faults.add(draft.position,
-               fmt::format("'{}' is too narrow: the address reaches {}", draft.field.name,
-                           declaration.highest_address),
-               "a wider field");
-}
-
-// Constants and commands distinguish frames of equal length.
-std::vector<std::string> marks_of(const DraftFrame& frame) {
-  std::vector<std::string> all;
-  for (const auto& draft : frame.fields) {
-    const Field& field = draft.field;
-    if (field.kind == FieldKind::kConstant || field.kind == FieldKind::kCommand)
-      all.push_back(fmt::format("{}/{}/{}", field.text, field.number, field.plus));
-  }
-  return all;
-}
-
-bool are_distinct(const DraftFrame& refusal, const DraftOperation& draft,
-                  const DeclaredArea& area) {
-  const auto size = declared::size_of(refusal.frame(), 16, 0);
-  const auto response_size = [&](std::uint32_t count) {
-    return declared::size_of(draft.response.frame(), area.item_bits, count);
-  };
-  return size < response_size(draft.operation.min_count) ||
-         size > response_size(draft.operation.max_count) ||
-         marks_of(refusal) != marks_of(draft.response) ||
-         draft.response.find(FieldKind::kError) != nullptr;
-}
-
-}  // namespace
-
-void check_refusal(const Declaration& declaration, const std::vector<DraftOperation>& operations,
-                   const DraftFrame& refusal, FaultList& faults) {
-  if (refusal.fields.empty()) return;
-  for (const DraftField& draft : refusal.fields) check_refusal_field(declaration, draft, faults);
-  if (!refusal.good) return;
-  for (const auto& draft : operations) {
-    if (!draft.good || !draft.response.good) continue;
-    if (!are_distinct(refusal, draft, declaration.areas[draft.operation.area]))
-      faults.add(refusal.position,
-                 fmt::format("a refusal cannot be distinguished from a response of '{}'",
-                             draft.operation.name),
-                 "a different length, constant or command, or is: error in the response too");
-  }
 }
 
 }  // namespace fieldcast::config

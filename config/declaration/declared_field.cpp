@@ -57,6 +57,8 @@ const Meaning kMeanings[] = {
     {"variable", {FieldKind::kValue, FieldKind::kUnused}},
     {"signed", {FieldKind::kValue, FieldKind::kItems}},
     {"fill", {FieldKind::kUnused}},
+    {"key", {FieldKind::kValue}},
+    {"until", {FieldKind::kValue}},
     {"counts", {FieldKind::kLength}},
 };
 
@@ -91,6 +93,7 @@ class FieldReader {
     read_width();
     read_numbers();
     read_checksum();
+    read_key();
     refuse_meaningless();
     draft_.fits = faults_.size() == before_;
     return std::move(draft_);
@@ -116,19 +119,44 @@ class FieldReader {
                     "1 to 64 characters");
       field.text = constant->text;
     } else if (constant->kind == Kind::kList) {
-      read_bytes(*constant);
+      field.text = read_bytes(*constant, "constant");
     } else if (const auto number = WholeRule{0, INT64_MAX}(*constant, "constant", faults_)) {
       field.number = static_cast<std::uint64_t>(*number);
     }
   }
 
-  // constant: [0x10, 0x02].
-  void read_bytes(const Node& list) {
-    if (!is_list(list, "constant", 1, 64, "1 to 64 bytes", faults_)) return;
+  // [0x10, 0x02].
+  std::string read_bytes(const Node& list, std::string_view key) {
+    std::string bytes;
+    if (!is_list(list, key, 1, 64, "1 to 64 bytes", faults_)) return bytes;
     for (const Node* item : list.items) {
-      if (const auto byte = WholeRule{0, 255}(*item, "constant", faults_))
-        draft_.field.text += static_cast<char>(*byte);
+      if (const auto byte = WholeRule{0, 255}(*item, key, faults_))
+        bytes += static_cast<char>(*byte);
     }
+    return bytes;
+  }
+
+  // A value of a block: the characters before it, or the DIF and VIF of an M-Bus record.
+  void read_key() {
+    Field& field = draft_.field;
+    const Node* key = map_.find("key");
+    const Node* until = map_.find("until");
+    const bool is_text = field.text_size != 0;
+    if (until != nullptr && (key == nullptr || !is_text))
+      map_.fault("until", "'until' belongs to a text with a key", "key: and text:");
+    if (key == nullptr) return;
+    if ((key->kind == Kind::kList) == is_text && map_.has("text") == is_text)
+      faults_.add(key->position, is_text ? "the key of a text is a list" : "the key of a number",
+                  "characters for a text, [DIF, VIF] for a number");
+    else
+      field.key =
+          is_text ? TextRule{32}(*key, "key", faults_).value_or("") : read_bytes(*key, "key");
+    field.until = ")";
+    if (until != nullptr) field.until = TextRule{32}(*until, "until", faults_).value_or("");
+    if (!is_text) field.until.clear();
+    if (draft_.shares || field.variable)
+      faults_.add(draft_.position, "a value with a key has bytes of its own",
+                  "no bits, no variable");
   }
 
   void read_width() {

@@ -10,21 +10,24 @@ namespace fieldcast::config {
 
 namespace {
 
-constexpr std::string_view kDeclaration[] = {"summary",   "addresses", "encoding",   "order",
-                                             "bit-order", "areas",     "operations", "errors"};
+constexpr std::string_view kDeclaration[] = {"summary",    "addresses", "encoding",
+                                             "order",      "bit-order", "areas",
+                                             "operations", "errors",    "login"};
 constexpr std::string_view kAddresses[] = {"from", "to", "text"};
 constexpr std::string_view kArea[] = {"name",   "item", "items",  "record",
                                       "prefix", "base", "origin", "trigger"};
 constexpr std::string_view kCrc[] = {"width",     "polynomial", "start",
                                      "final-xor", "reflect-in", "reflect-out"};
-constexpr std::string_view kOperation[] = {"name",  "read",    "write", "command",
-                                           "count", "request", "answer"};
+constexpr std::string_view kOperation[] = {"name",  "read",    "write",  "command",
+                                           "count", "request", "answer", "before"};
+constexpr std::string_view kRound[] = {"name", "command", "request",  // and the response:
+                                       "answer"};
 constexpr std::string_view kCount[] = {"from", "to"};
 constexpr std::string_view kErrors[] = {"frame", "codes", "busy"};
 constexpr std::string_view kField[] = {
-    "name", "constant", "is",     "bytes", "bits",   "digits",     "as",  "order",
-    "plus", "times",    "of",     "kind",  "over",   "on",         "off", "ok",
-    "text", "variable", "signed", "fill",  "counts", "complement", "add", "xor"};
+    "name",   "constant", "is",     "bytes",      "bits", "digits", "as",  "order", "plus",
+    "times",  "of",       "kind",   "over",       "on",   "off",    "ok",  "text",  "variable",
+    "signed", "fill",     "counts", "complement", "add",  "xor",    "key", "until"};
 
 }  // namespace
 
@@ -32,6 +35,7 @@ const KeyTable kDeclarationKeys{"declaration", "a declared protocol", kDeclarati
 const KeyTable kAddressesKeys{"addresses", "'addresses'", kAddresses};
 const KeyTable kAreaKeys{"area", "an area", kArea};
 const KeyTable kOperationKeys{"operation", "an operation", kOperation};
+const KeyTable kRoundKeys{"round", "a round before a request", kRound};
 const KeyTable kCountKeys{"count", "'count'", kCount};
 const KeyTable kErrorsKeys{"errors", "'errors'", kErrors};
 const KeyTable kFieldKeys{"field", "a field", kField};
@@ -40,7 +44,7 @@ const KeyTable kCrcKeys{"crc", "the parameters of a CRC", kCrc};
 std::span<const KeyTable* const> declaration_key_tables() {
   static constexpr std::array kTables{&kDeclarationKeys, &kAddressesKeys, &kAreaKeys,
                                       &kOperationKeys,   &kCountKeys,     &kErrorsKeys,
-                                      &kFieldKeys,       &kCrcKeys};
+                                      &kFieldKeys,       &kCrcKeys,       &kRoundKeys};
   return kTables;
 }
 

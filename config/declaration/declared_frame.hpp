@@ -10,7 +10,7 @@
 namespace fieldcast::config {
 
 extern const KeyTable kDeclarationKeys, kAddressesKeys, kAreaKeys, kOperationKeys, kCountKeys,
-    kErrorsKeys, kFieldKeys, kCrcKeys;
+    kErrorsKeys, kFieldKeys, kCrcKeys, kRoundKeys;
 
 [[nodiscard]] std::span<const KeyTable* const> declaration_key_tables();
 
@@ -68,6 +68,9 @@ void place_values(declared::Declaration& declaration, std::vector<DraftOperation
 
 void check_operation(const declared::Declaration& declaration, const DraftOperation& operation,
                      FaultList& faults);
+// `round`: a round before a request, with its frames.
+void check_round(const declared::Declaration& declaration, const DraftOperation& round,
+                 FaultList& faults);
 void check_refusal(const declared::Declaration& declaration,
                    const std::vector<DraftOperation>& operations, const DraftFrame& refusal,
                    FaultList& faults);

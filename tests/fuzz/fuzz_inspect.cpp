@@ -16,7 +16,8 @@ namespace {
 void run_one(ByteView data) {
   if (data.empty()) return;
   static const std::vector<std::string> names = [] {
-    std::vector<std::string> all{"instrument", "modbus-rtu-declared", "dlt645-2007", "mt-sics"};
+    std::vector<std::string> all{"instrument", "modbus-rtu-declared", "dlt645-2007",
+                                 "mt-sics",    "iec62056-21",         "m-bus"};
     for (const ProtocolEntry& entry : protocols()) all.emplace_back(entry.name);
     return all;
   }();

@@ -19,7 +19,7 @@ namespace fieldcast::declared {
 inline constexpr std::size_t kMaxFields = 64;      // of a frame
 inline constexpr std::size_t kMaxOperations = 64;  // of a declaration
 // Characters of a frame, regardless of its length field.
-inline constexpr std::size_t kMaxFrame = 1024;
+inline constexpr std::size_t kMaxFrame = 4096;
 
 enum class FieldKind : std::uint8_t {
   kConstant,  // always `number`, or the characters of `text`
@@ -61,6 +61,10 @@ struct Field {
   std::uint16_t text_size = 0;  // maximum characters of a text value, or of an address as text
   TextNumber text_number = {};  // format of a number written as text; empty for plain text
   std::string text;             // of a text constant
+  // Of a value in a block: the characters before it, or the DIF and VIF of an M-Bus record. Fields
+  // with a key that follow each other are one block, in which their values have any order.
+  std::string key;
+  std::string until;  // characters behind a text with a key
   std::uint64_t number = 0;
   std::uint32_t times = 1;
   std::int64_t plus = 0;
@@ -112,6 +116,7 @@ struct Operation {
   std::uint16_t min_count = 1, max_count = 1;
   std::uint16_t first = 0;  // for a write to a record: its first item
   Frame request, response;
+  std::vector<Operation> before;  // rounds before the request, without areas
   [[nodiscard]] bool echoes() const { return write && request == response; }
   friend bool operator==(const Operation&, const Operation&) = default;
 };
@@ -123,6 +128,7 @@ struct Declaration {
   std::uint16_t address_characters = 0;  // of addresses that are text; 0 if they are numbers
   std::vector<DeclaredArea> areas;
   std::vector<Operation> operations;  // a request uses the first operation that fits
+  std::vector<Operation> login;       // rounds before the first exchange of a connection
   Frame refusal;                      // without fields if there is no refusal
   std::map<std::uint16_t, std::string> codes;
   std::vector<std::uint16_t> busy;  // codes that mean busy

@@ -16,7 +16,14 @@ std::size_t most_received(const Declaration& declaration) {
   for (const Operation& operation : declaration.operations) {
     const unsigned item_bits = declaration.areas[operation.area].item_bits;
     longest = std::max(longest, size_of(operation.response, item_bits, operation.max_count));
+    const auto& fields = operation.response.fields;
+    if (std::ranges::any_of(fields, [](const Field& field) { return !field.key.empty(); }))
+      longest = std::max(longest, kMaxFrame);
+    for (const Operation& round : operation.before)
+      longest = std::max(longest, size_of(round.response, 16, 0));
   }
+  for (const Operation& round : declaration.login)
+    longest = std::max(longest, size_of(round.response, 16, 0));
   return 2 * longest + 64;
 }
 
@@ -39,8 +46,14 @@ class Search {
     expected_ = size_of(operation.response, context.item_bits, context.count);
   }
 
-  void run() {
-    while (at_ < all_.size() && !found) parse_here();
+  // A round before the request has no refusal.
+  void run(bool is_round) {
+    while (at_ < all_.size() && !found) {
+      if (!is_round)
+        parse_here();
+      else if (!try_frame(operation_.response, context_, 0, true))
+        boundary_ = false, ++faults_.noise, ++at_;
+    }
     if (found) return;
     if (faults_.noise >= expected_ || faults_.broken)
       // As many broken bytes as a response has: a valid one follows immediately, or not at all.
@@ -144,24 +157,84 @@ class Search {
 }  // namespace
 
 DeclaredExchange::DeclaredExchange(std::shared_ptr<const Declaration> declaration,
-                                   const Operation& operation, FrameContext context, Range wanted)
+                                   const Operation& operation, FrameContext context, Range wanted,
+                                   Bytes* session)
     : declaration_(std::move(declaration)),
       operation_(operation),
       context_(std::move(context)),
       wanted_(wanted),
-      most_(most_received(*declaration_)) {}
+      session_(session),
+      most_(most_received(*declaration_)) {
+  if (!declaration_->login.empty()) {
+    FrameContext login = context_;
+    login.command = declaration_->login.front().command;
+    Bytes request;
+    append_frame(request, declaration_->login.front().request, login);
+    session_key_ = "<" + declaration_->name + " " + to_hex(request) + ">";
+    if (!is_logged_in())
+      for (const Operation& round : declaration_->login) rounds_.push_back(&round);
+    logins_ = rounds_.size();
+  }
+  for (const Operation& round : operation_.before) rounds_.push_back(&round);
+}
+
+// All devices of a bus share the session: it lists those that are logged in.
+bool DeclaredExchange::is_logged_in() const {
+  return session_ != nullptr &&
+         std::search(session_->begin(), session_->end(), session_key_.begin(),
+                     session_key_.end()) != session_->end();
+}
+
+void DeclaredExchange::set_logged_in(bool logged_in) {
+  if (session_ == nullptr || session_key_.empty() || logged_in == is_logged_in()) return;
+  if (logged_in) {
+    session_->insert(session_->end(), session_key_.begin(), session_key_.end());
+  } else {
+    const auto found =
+        std::search(session_->begin(), session_->end(), session_key_.begin(), session_key_.end());
+    session_->erase(found, found + static_cast<std::ptrdiff_t>(session_key_.size()));
+  }
+}
+
+// After a failure the next exchange logs in again.
+Step DeclaredExchange::fail(Step step) {
+  if (step.kind == Step::Kind::kFailed) set_logged_in(false);
+  return step;
+}
+
+Step DeclaredExchange::send_round(Bytes& out) {
+  silence_ = Cause::kNoResponse;
+  FrameContext context = context_;
+  context.command = rounds_[round_]->command;
+  append_frame(out, rounds_[round_]->request, context);
+  return Step::send(size_of(rounds_[round_]->response, 16, 0));
+}
+
+Step DeclaredExchange::on_round(ByteView all, Bytes& out) {
+  FrameContext context = context_;
+  context.command = rounds_[round_]->command;
+  Search search(all, *declaration_, *rounds_[round_], context);
+  search.run(true);
+  silence_ = search.cause();
+  if (!search.found) return search.begun ? Step::need_rest(search.missing) : Step::need_response();
+  if (++round_ == logins_) set_logged_in(true);
+  out.clear();
+  return round_ < rounds_.size() ? send_round(out) : start(out);
+}
 
 Step DeclaredExchange::start(Bytes& out) {
+  if (round_ < rounds_.size()) return send_round(out);
   append_frame(out, operation_.request, context_);
   silence_ = Cause::kNoResponse;
   fallback_.reset();
   return Step::send(size_of(operation_.response, context_.item_bits, context_.count));
 }
 
-Step DeclaredExchange::on_bytes(ByteView all, Bytes&) {
-  if (all.size() > most_) return Step::failed(Cause::kOverlong);
+Step DeclaredExchange::on_bytes(ByteView all, Bytes& out) {
+  if (all.size() > most_) return fail(Step::failed(Cause::kOverlong));
+  if (round_ < rounds_.size()) return on_round(all, out);
   Search search(all, *declaration_, operation_, context_);
-  search.run();
+  search.run(false);
   silence_ = search.cause();
   fallback_.reset();
   if (!search.found) return search.begun ? Step::need_rest(search.missing) : Step::need_response();
@@ -172,7 +245,12 @@ Step DeclaredExchange::on_bytes(ByteView all, Bytes&) {
     step = Step::failed(busy ? Cause::kDeviceBusy : Cause::kDeviceError, search.found->error);
   } else {
     reply_.assign(1, {});
-    if (!operation_.write) {
+    const bool absent = std::ranges::any_of(search.found->absent, [&](const Range& items) {
+      return items.first < wanted_.end() && items.end() > wanted_.first;
+    });
+    if (absent) {
+      step = Step::failed(Cause::kDeviceError);
+    } else if (!operation_.write) {
       const Bytes& items = search.found->items;
       const bool record = declaration_->areas[operation_.area].record;
       const auto from = items.begin() + (record ? std::ptrdiff_t{2} * wanted_.first : 0);
@@ -185,7 +263,7 @@ Step DeclaredExchange::on_bytes(ByteView all, Bytes&) {
 }
 
 Step DeclaredExchange::on_silence(Bytes&) {
-  return fallback_ ? *fallback_ : Step::failed(silence_);
+  return fail(fallback_ ? *fallback_ : Step::failed(silence_));
 }
 
 }  // namespace fieldcast::declared

@@ -12,6 +12,10 @@ bool in_digits(const Field& field) {
 std::size_t characters_of(const Field& field, unsigned item_bits, std::uint32_t count) {
   if (field.kind == FieldKind::kItems) return items_size(field, item_bits, count);
   if (!field.text.empty()) return field.text.size();
+  if (!field.key.empty()) {  // with the end of a line behind a text
+    return field.key.size() + (field.text_size != 0 ? field.text_size + field.until.size() + 2
+                                                    : field.word.characters);
+  }
   if (field.text_size != 0) return field.text_size;
   return field.opens ? field.word.characters : 0;
 }
@@ -87,6 +91,12 @@ std::optional<std::uint64_t> number_of(const Field& field, const FrameContext& c
     case FieldKind::kSequence: return narrow(context.sequence);
     default: return std::nullopt;
   }
+}
+
+Bytes constant_characters(const Field& constant) {
+  Bytes characters(constant.text.begin(), constant.text.end());
+  if (characters.empty()) append_word(characters, constant.word, constant.number);
+  return characters;
 }
 
 void append_items(Bytes& out, const Field& field, unsigned item_bits, ByteView items) {

@@ -46,7 +46,8 @@ struct MatchResult {
   bool bad_check = false;
   bool checked = false;  // the frame has a checksum
   std::uint16_t error = 0;
-  Bytes items;  // of kItems, or the record with all its values
+  std::vector<Range> absent;  // items of the record whose values the block does not contain
+  Bytes items;                // of kItems, or the record with all its values
 };
 // `record_items`: size of the record that the values fill; 0 if none.
 [[nodiscard]] MatchResult match_frame(const Frame& frame, ByteView bytes,
@@ -65,6 +66,20 @@ struct MatchResult {
 
 [[nodiscard]] Bytes covered(const Frame& frame, const Field& sum, ByteView bytes,
                             std::span<const std::size_t> starts);
+
+// The characters of a constant, without its transform. REQUIRES: it shares no byte.
+[[nodiscard]] Bytes constant_characters(const Field& constant);
+
+// The characters of the value of `field` in a block; empty if the block does not contain it.
+[[nodiscard]] std::optional<ByteView> value_in_block(ByteView block, const Field& field);
+[[nodiscard]] inline bool opens_block(const Frame& frame, std::size_t at) {
+  return !frame.fields[at].key.empty() && (at == 0 || frame.fields[at - 1].key.empty());
+}
+// The field behind the block that begins at `at`.
+[[nodiscard]] inline std::size_t block_end(const Frame& frame, std::size_t at) {
+  while (at < frame.fields.size() && !frame.fields[at].key.empty()) ++at;
+  return at;
+}
 
 // Empty if a character is invalid.
 void append_items(Bytes& out, const Field& field, unsigned item_bits, ByteView items);

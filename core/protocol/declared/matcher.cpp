@@ -37,6 +37,7 @@ class Matcher {
     if (field.transform) meant_ = field.transform.meant(bytes_.subspan(offset_));
     transformed_ = static_cast<bool>(field.transform);
     if (field.kind == FieldKind::kItems) return items(field);
+    if (!field.key.empty()) return block();
     if (field.text_size != 0) return text_value(field);
     if (!field.text.empty()) return text_constant(field);
     if (field.opens && !open(field)) return false;
@@ -114,8 +115,10 @@ class Matcher {
     std::int64_t expected = 0;
     const Field* elastic = nullptr;
     for (std::size_t i = field.of.from; i <= field.of.to; ++i) {
+      if (!fields_[i].key.empty() && !opens_block(frame_, i)) continue;
       const auto size = size_of(frame_, i, i + 1, context_.item_bits, context_.count);
-      const bool soft = i > at_ && (fields_[i].kind == FieldKind::kItems || fields_[i].variable);
+      const bool soft = i > at_ && (fields_[i].kind == FieldKind::kItems || fields_[i].variable ||
+                                    !fields_[i].key.empty());
       expected = static_cast<std::int64_t>(counted(fields_[i], field, size, context_.item_bits));
       if (soft)
         elastic = &fields_[i], elastic_at_ = i;
@@ -127,8 +130,10 @@ class Matcher {
       return true;
     }
     if (left < 0 || left > static_cast<std::int64_t>(kMaxFrame)) return false;
-    given_size_ =
+    const auto given =
         characters_of_count(*elastic, field, static_cast<std::uint64_t>(left), context_.item_bits);
+    if (given_size_ && *given_size_ != given) return false;  // two lengths that contradict
+    given_size_ = given;
     return true;
   }
   std::optional<std::size_t> given_size() const {
@@ -197,10 +202,52 @@ class Matcher {
     offset_ += size;
     return true;
   }
+  // All fields of a block; it ends as a length field says, or at the constant behind it.
+  bool block() {
+    const std::size_t end = block_end(frame_, at_);
+    std::optional<std::size_t> size = given_size();
+    if (!size) {
+      const Bytes mark = constant_characters(fields_[end]);
+      const auto found = std::search(rest().begin(), rest().end(), mark.begin(), mark.end());
+      if (found == rest().end() && rest().size() <= kMaxFrame) {
+        part();
+        result_.missing = mark.size();
+        return false;
+      }
+      size = static_cast<std::size_t>(found - rest().begin());
+    }
+    if (*size > kMaxFrame) return none();
+    if (lacks(*size)) {
+      part();
+      result_.missing = offset_ + *size - bytes_.size();
+      return false;
+    }
+    const ByteView content = rest().first(*size);
+    offset_ += *size;
+    for (; at_ < end; ++at_) {
+      if (at_ + 1 < end) starts_[at_ + 1] = offset_;
+      block_value(content, fields_[at_]);
+    }
+    --at_;
+    return true;
+  }
+
+  void block_value(ByteView content, const Field& field) {
+    const auto found = value_in_block(content, field);
+    const auto number =
+        found && field.text_size == 0 ? read_word(*found, field.word) : std::nullopt;
+    if (number) return value(field, *number & (UINT64_MAX >> (64 - field.bits)));
+    if (!found || field.text_size == 0) {
+      result_.absent.push_back({.first = field.place, .count = items_of(field)});
+      return;
+    }
+    const std::size_t from = 2u * field.place;
+    for (std::size_t i = 0; i < found->size() && from + i < record_.size(); ++i)
+      record_[from + i] = (*found)[i];
+  }
+
   static std::uint8_t terminator(const Field& field) {
-    Bytes first(field.text.begin(), field.text.end());
-    if (first.empty()) append_word(first, field.word, field.number);
-    return field.transform.sent(first.front());
+    return field.transform.sent(constant_characters(field).front());
   }
 
   void value(const Field& field, std::uint64_t number) {

@@ -54,9 +54,13 @@ class DeclaredProtocol final : public Protocol {
       const auto fixed = [&](const Frame& frame) {
         return static_cast<std::uint32_t>(size_of(frame, bits, 0));
       };
-      prepared_.push_back({fixed(operation.request), fixed(operation.response),
-                           items_field(operation.request), items_field(operation.response), bits,
-                           record, operation.echoes()});
+      std::uint32_t sent = fixed(operation.request), received = fixed(operation.response);
+      for (const Operation& round : operation.before) {
+        sent += fixed(round.request);
+        received += fixed(round.response);
+      }
+      prepared_.push_back({sent, received, items_field(operation.request),
+                           items_field(operation.response), bits, record, operation.echoes()});
     }
   }
 
@@ -80,7 +84,8 @@ class DeclaredProtocol final : public Protocol {
     const Operation& operation = declaration_->operations[*at];
     return ExchangeSize{
         .request_characters = sizes.request + items(sizes.request_items, operation.request),
-        .response_characters = sizes.response + items(sizes.response_items, operation.response)};
+        .response_characters = sizes.response + items(sizes.response_items, operation.response),
+        .rounds = 1 + static_cast<std::uint32_t>(operation.before.size())};
   }
 
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext exchange) const override {
@@ -96,7 +101,8 @@ class DeclaredProtocol final : public Protocol {
                          .item_bits = prepared_[*at].item_bits};
     if (auto* write = std::get_if<WriteRequest>(&request))
       context.written = true, context.items = std::move(write->items);
-    return std::make_unique<DeclaredExchange>(declaration_, operation, std::move(context), range);
+    return std::make_unique<DeclaredExchange>(declaration_, operation, std::move(context), range,
+                                              exchange.session);
   }
 
   // Responses differ by their command, or by a length that a check or a length field protects.
@@ -230,10 +236,15 @@ void set_address(Frame& frame, const std::string& text) {
 std::shared_ptr<const Declaration> addressed(const Declaration& declaration,
                                              const std::string& text) {
   auto own = std::make_shared<Declaration>(declaration);
-  for (Operation& operation : own->operations) {
+  const auto set = [&](Operation& operation) {
     set_address(operation.request, text);
     set_address(operation.response, text);
+  };
+  for (Operation& operation : own->operations) {
+    set(operation);
+    std::ranges::for_each(operation.before, set);
   }
+  std::ranges::for_each(own->login, set);
   set_address(own->refusal, text);
   return own;
 }

@@ -40,14 +40,27 @@ class Reader {
     for (const Field& field : frame_.fields) size += field.variable ? field.text_size : 0;
     return size;
   }
+  // A block extends to the constant behind it, or has a length before it.
+  std::size_t block_size(std::size_t index, std::size_t at) const {
+    const std::size_t end = block_end(frame_, index);
+    std::size_t behind = 0;
+    for (std::size_t i = end; i < frame_.fields.size(); ++i) behind += width(i, bytes_.size());
+    if (at >= bytes_.size()) return 0;
+    if (end < frame_.fields.size() && frame_.fields[end].kind == FieldKind::kConstant) {
+      const Bytes mark = constant_characters(frame_.fields[end]);
+      const auto rest = bytes_.subspan(at);
+      const auto found = std::search(rest.begin(), rest.end(), mark.begin(), mark.end());
+      if (found != rest.end()) return static_cast<std::size_t>(found - rest.begin());
+    }
+    return bytes_.size() - at > behind ? bytes_.size() - at - behind : 0;
+  }
   // A variable text extends to the constant behind it; without one, its frame has no other.
   std::size_t width(std::size_t index, std::size_t at) const {
     const Field& field = frame_.fields[index];
+    if (!field.key.empty()) return opens_block(frame_, index) ? block_size(index, at) : 0;
     if (field.variable && index + 1 < frame_.fields.size() && at < bytes_.size()) {
       const Field& next = frame_.fields[index + 1];
-      Bytes mark(next.text.begin(), next.text.end());
-      if (mark.empty() && next.kind == FieldKind::kConstant)
-        append_word(mark, next.word, next.number);
+      const Bytes mark = next.kind == FieldKind::kConstant ? constant_characters(next) : Bytes{};
       const auto rest = bytes_.subspan(at);
       const auto end =
           mark.empty() ? rest.end() : std::ranges::find(rest, next.transform.sent(mark.front()));
@@ -74,6 +87,7 @@ class Reader {
   }
 
   void show(const Field& field, std::size_t index) {
+    if (!field.key.empty()) return block_value(field, index);
     std::size_t opener = index;
     while (opener > 0 && !frame_.fields[opener].opens) --opener;
     const std::size_t at = starts_[opener], size = widths_[opener];
@@ -93,6 +107,22 @@ class Reader {
     const auto word = read_word(part, field.word);
     if (!word) return add(at, size, field.name, to_hex(part), "a character that is no digit");
     number(field, at, size, *word >> field.shift & (UINT64_MAX >> (64 - field.bits)));
+  }
+
+  void block_value(const Field& field, std::size_t index) {
+    std::size_t opener = index;
+    while (!opens_block(frame_, opener)) --opener;
+    const std::size_t at = std::min(starts_[opener], bytes_.size());
+    const auto block = bytes_.subspan(at, std::min(widths_[opener], bytes_.size() - at));
+    const auto found = value_in_block(block, field);
+    if (!found) return add(at, 0, field.name, "not in this frame");
+    const auto where = static_cast<std::size_t>(found->data() - bytes_.data());
+    if (field.text_size != 0)
+      return add(where, found->size(), field.name, std::string(found->begin(), found->end()));
+    const auto number = read_word(*found, field.word);
+    add(where, found->size(), field.name,
+        number ? signed_text(*number, field.is_signed ? field.bits : 0) : to_hex(*found),
+        number ? "" : "a character that is no digit");
   }
 
   // Decimal digits are shown as numbers, other items as on the wire.
@@ -198,12 +228,20 @@ std::vector<FrameField> explain(const Declaration& declaration, ByteView frame) 
   const auto offer = [&](Reading reading) {
     if (!best || reading.faults < best->faults) best = std::move(reading);
   };
+  const auto offer_round = [&](const Operation& round) {
+    offer(Reader(declaration, round.request, frame, round.command, 16)
+              .run("request: " + round.name, false));
+    offer(Reader(declaration, round.response, frame, round.command, 16)
+              .run("response: " + round.name, false));
+  };
+  for (const Operation& round : declaration.login) offer_round(round);
   for (const Operation& operation : declaration.operations) {
     const unsigned bits = declaration.areas[operation.area].item_bits;
     offer(Reader(declaration, operation.request, frame, operation.command, bits)
               .run("request: " + operation.name, false));
     offer(Reader(declaration, operation.response, frame, operation.command, bits)
               .run("response: " + operation.name, false));
+    for (const Operation& round : operation.before) offer_round(round);
     if (declaration.refusal.fields.empty()) continue;
     offer(Reader(declaration, declaration.refusal, frame, operation.command, bits)
               .run("refusal: " + operation.name, true));

@@ -1,6 +1,8 @@
 // Golden frames for the declarations that are shipped. Each test names the source of its frames.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/support/declared_device.hpp"
 #include "tests/support/drive.hpp"
 
@@ -133,6 +135,102 @@ TEST(MtSics, TaresWithoutAValue) {
   EXPECT_TRUE(drive(*device.begin(tare), ascii("T S     100.00 g\r\n")).done());
   EXPECT_TRUE(drive(*device.begin(device.write("zero", "01")), ascii("Z A\r\n")).done());
   EXPECT_EQ(drive(*device.begin(tare), ascii("T I\r\n")).cause, Cause::kDeviceBusy);
+}
+
+// Source: frame of a Sensus PolluStat, test/test-frames/SEN_Pollustat.hex of libmbus (rscada).
+constexpr std::string_view kHeatMeter =
+    "68 42 42 68 08 08 72 76 00 05 21 18 4E 31 04 51 00 00 00 0C 07 64 08 00 00 0C 14 92 98 79 00 "
+    "0C 7B 02 03 00 00 0C 2C 58 54 00 00 0A 5A 55 07 0A 5E 94 05 0B 60 76 60 01 0C 78 76 00 05 21 "
+    "0C FD 10 76 00 05 21 1F B3 16";
+
+Outcome read_meter(const Device& device, std::string_view at, std::uint32_t count, Bytes* session,
+                   std::initializer_list<Bytes> responses) {
+  const auto exchange = device.protocol().begin(device.read(at, count), {.session = session});
+  return drive(*exchange, std::span<const Bytes>(responses.begin(), responses.size()));
+}
+
+TEST(MBus, ReadsTheFrameOfAHeatMeterAfterOneReset) {
+  const Device device = declared_device("m-bus", 8);
+  Bytes session;
+  const Outcome first =
+      read_meter(device, "energy-10kwh-digits", 2, &session, {Bytes{0xE5}, bytes_of(kHeatMeter)});
+  ASSERT_TRUE(first.done()) << to_text(first);
+  EXPECT_EQ(to_hex(first.reply[0].items), "00 00 03 60");  // 864
+  ASSERT_EQ(first.sent.size(), 2u);
+  EXPECT_EQ(to_hex(first.sent[0]), "10 40 08 48 16");
+  EXPECT_EQ(to_hex(first.sent[1]), "10 5B 08 63 16");
+  // The link is reset once for a connection, and again after a failure.
+  const Outcome second =
+      read_meter(device, "flow-temperature", 1, &session, {bytes_of(kHeatMeter)});
+  ASSERT_TRUE(second.done()) << to_text(second);
+  EXPECT_EQ(to_hex(second.reply[0].items), "02 F3");  // 75.5 degrees
+  EXPECT_EQ(read_meter(device, "state", 1, &session, {}).cause, Cause::kNoResponse);
+  const Outcome third = read_meter(device, "state", 1, &session, {Bytes{0xE5}});
+  EXPECT_EQ(to_hex(third.sent[0]), "10 40 08 48 16");
+  // A second meter of the line has its own reset.
+  session.clear();
+  (void)read_meter(device, "state", 1, &session, {Bytes{0xE5}, bytes_of(kHeatMeter)});
+  const Outcome other = read_meter(declared_device("m-bus", 9), "state", 1, &session, {});
+  EXPECT_EQ(to_hex(other.sent[0]), "10 40 09 49 16");
+}
+
+TEST(MBus, RefusesAValueThatTheMeterDoesNotSend) {
+  const Device device = declared_device("m-bus", 8);
+  const Outcome absent =
+      read_meter(device, "energy-wh", 2, nullptr, {Bytes{0xE5}, bytes_of(kHeatMeter)});
+  EXPECT_EQ(absent.cause, Cause::kDeviceError);
+  Bytes broken = bytes_of(kHeatMeter);
+  broken[2] = 0x41;  // the two lengths differ
+  EXPECT_FALSE(read_meter(device, "state", 1, nullptr, {Bytes{0xE5}, broken}).done());
+}
+
+// The same meter, selected by its number (EN 13757-3, 11.3).
+TEST(MBus, SelectsAMeterByItsNumber) {
+  const Device device = meter("m-bus-secondary", "21050076");
+  const Outcome outcome =
+      read_meter(device, "medium", 1, nullptr, {Bytes{0xE5}, bytes_of(kHeatMeter)});
+  ASSERT_TRUE(outcome.done()) << to_text(outcome);
+  EXPECT_EQ(to_hex(outcome.reply[0].items), "00 04");
+  EXPECT_EQ(to_hex(outcome.sent[0]), "68 0B 0B 68 53 FD 52 76 00 05 21 FF FF FF FF 3A 16");
+  EXPECT_EQ(to_hex(outcome.sent[1]), "10 5B FD 58 16");
+  const Device other = meter("m-bus-secondary", "21050077");
+  EXPECT_FALSE(read_meter(other, "medium", 1, nullptr, {Bytes{0xE5}, bytes_of(kHeatMeter)}).done());
+}
+
+// Source: readout of an ITRON EM214 in a test of smartmeter-obis, without its C codes; the end and
+// the block check character are those of the standard (6.3.1, 6.3.14).
+TEST(Iec62056, ReadsThePublishedReadoutOfAMeter) {
+  Bytes readout = ascii(
+      "F.F(00000000)\r\n0.0.0(1240007670003202)\r\n0.2.0(V01.69#EEA3546C)\r\n"
+      "0.2.1(00017245)\r\n1.7.0(00.49*kW)\r\n2.7.0(00.00*kW)\r\n1.8.1(022108.7*kWh)\r\n"
+      "1.8.2(000000.0*kWh)\r\n2.8.1(010452.0*kWh)\r\n31.7.0(+000.8*A)\r\n51.7.0(+000.7*A)\r\n"
+      "71.7.0(+001.2*A)\r\n!\r\n\x03");
+  std::uint8_t check = 0;
+  for (const std::uint8_t byte : readout) check ^= byte;
+  readout.insert(readout.begin(), 0x02);
+  readout.push_back(check);
+  const Device device = declared_device("iec62056-21", 1);
+  const auto value = [&](std::string_view at, std::uint32_t items) {
+    const Outcome outcome =
+        read_meter(device, at, items, nullptr, {ascii("/ITR5EM214\r\n"), readout});
+    if (!outcome.done()) return to_text(outcome);
+    const Bytes& bytes = outcome.reply[0].items;
+    return std::string(bytes.begin(), std::ranges::find(bytes, std::uint8_t{0}));
+  };
+  EXPECT_EQ(value("energy-import-1", 6), "022108.7");
+  EXPECT_EQ(value("current-1", 4), "+000.8");
+  EXPECT_EQ(value("serial", 8), "1240007670003202");
+  const Outcome outcome =
+      read_meter(device, "power-import", 5, nullptr, {ascii("/ITR5EM214\r\n"), readout});
+  EXPECT_EQ(outcome.sent, (std::vector<Bytes>{ascii("/?!\r\n"), ascii("\x06"
+                                                                      "000\r\n")}));
+  // 1.8.0 is not in this readout; a damaged one is not accepted.
+  EXPECT_EQ(
+      read_meter(device, "energy-import", 6, nullptr, {ascii("/ITR5EM214\r\n"), readout}).cause,
+      Cause::kDeviceError);
+  readout[20] ^= 1;
+  EXPECT_EQ(read_meter(device, "current-1", 4, nullptr, {ascii("/ITR5EM214\r\n"), readout}).cause,
+            Cause::kChecksum);
 }
 
 }  // namespace

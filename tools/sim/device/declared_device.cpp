@@ -80,6 +80,17 @@ std::unique_ptr<Receiver> DeclaredDevice::open_receiver() {
 
 DeclaredDevice::Taken DeclaredDevice::take(ByteView bytes, Instant now, Bytes& response) {
   bool more = false;
+  std::vector<const Operation*> rounds;
+  for (const Operation& round : declaration_->login) rounds.push_back(&round);
+  for (const Operation& operation : declaration_->operations) {
+    for (const Operation& round : operation.before) rounds.push_back(&round);
+  }
+  for (const Operation* round : rounds) {
+    if (auto greeting = greet(*round, bytes, more)) {
+      response = std::move(*greeting);
+      return Taken::kDone;
+    }
+  }
   std::optional<std::pair<const Operation*, DeclaredText>> outside;  // its area has no such items
   for (const Operation& operation : declaration_->operations) {
     DeclaredMatch received = on_request(*declaration_, operation, bytes);
@@ -108,6 +119,19 @@ DeclaredDevice::Taken DeclaredDevice::take(ByteView bytes, Instant now, Bytes& r
     return Taken::kDone;
   }
   return more && bytes.size() < declared::kMaxFrame ? Taken::kMore : Taken::kNothing;
+}
+
+std::optional<Bytes> DeclaredDevice::greet(const Operation& round, ByteView bytes,
+                                           bool& more) const {
+  DeclaredMatch received = on_request(*declaration_, round, bytes);
+  more = more || received.fit == DeclaredMatch::Fit::kMore;
+  if (received.fit != DeclaredMatch::Fit::kWhole || received.contradicts || received.bad_check)
+    return std::nullopt;
+  const bool mine = !has_address(round.request) || (received.text.address == address_.number &&
+                                                    received.text.name == address_.text);
+  received.text.address = address_.number;
+  received.text.name = address_.text;
+  return mine ? say(round.response, 16, received.text) : Bytes{};
 }
 
 std::uint8_t DeclaredDevice::refusal(const Operation& operation, const DeclaredText& text) const {

@@ -23,6 +23,9 @@ class DeclaredDevice : public MemoryDevice {
   [[nodiscard]] std::optional<ItemAddress> parse_address(std::string_view at) const;
 
  private:
+  // A round before a request: a greeting or a login.
+  [[nodiscard]] std::optional<Bytes> greet(const declared::Operation& round, ByteView bytes,
+                                           bool& more) const;
   [[nodiscard]] Bytes execute(const declared::Operation& operation, DeclaredText text, Instant now);
   [[nodiscard]] std::uint8_t refusal(const declared::Operation& operation,
                                      const DeclaredText& text) const;

@@ -341,6 +341,16 @@ std::vector<Bytes> parts_of(const Frame& frame, unsigned item_bits, const Declar
       append_items(parts[i], field, item_bits, text.items);
     } else if (!field.text.empty()) {
       parts[i].assign(field.text.begin(), field.text.end());
+    } else if (!field.key.empty()) {
+      parts[i].assign(field.key.begin(), field.key.end());
+      if (field.text_size == 0) {
+        append(parts[i], characters_of(spoken(field, text) & mask(field.bits), field.word));
+        continue;
+      }
+      const auto found = text.texts.find(&field);
+      const std::string content = found == text.texts.end() ? "" : found->second;
+      const std::string line = content.substr(0, content.find('\0')) + field.until + "\r\n";
+      parts[i].insert(parts[i].end(), line.begin(), line.end());
     } else if (field.kind == FieldKind::kAddress && field.text_size != 0) {
       parts[i].assign(text.name.begin(), text.name.end());
     } else if (field.text_size != 0) {

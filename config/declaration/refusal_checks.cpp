@@ -1,0 +1,88 @@
+// Checks refusals, and the rounds before a request.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "config/declaration/declared_frame.hpp"
+#include "core/protocol/declared/frame.hpp"
+
+namespace fieldcast::config {
+
+namespace {
+
+using declared::Declaration;
+using declared::DeclaredArea;
+using declared::Field;
+using declared::FieldKind;
+
+void check_refusal_field(const Declaration& declaration, const DraftField& draft,
+                         std::string_view what, FaultList& faults) {
+  const auto kind = draft.field.kind;
+  if (kind == FieldKind::kItems || kind == FieldKind::kValue || kind == FieldKind::kFirst ||
+      kind == FieldKind::kCount)
+    faults.add(draft.position, fmt::format("{} brings no '{}'", what, draft.field.name),
+               "constant, address, command, error, length, sequence, checksum, unused");
+  if (kind == FieldKind::kAddress && declaration.address_characters == 0 &&
+      declaration.highest_address > declared::largest(draft.field.word))
+    faults.add(draft.position,
+               fmt::format("'{}' is too narrow: the address reaches {}", draft.field.name,
+                           declaration.highest_address),
+               "a wider field");
+}
+
+// Constants and commands distinguish frames of equal length.
+std::vector<std::string> marks_of(const DraftFrame& frame) {
+  std::vector<std::string> all;
+  for (const auto& draft : frame.fields) {
+    const Field& field = draft.field;
+    if (field.kind == FieldKind::kConstant || field.kind == FieldKind::kCommand)
+      all.push_back(fmt::format("{}/{}/{}", field.text, field.number, field.plus));
+  }
+  return all;
+}
+
+bool are_distinct(const DraftFrame& refusal, const DraftOperation& draft,
+                  const DeclaredArea& area) {
+  const auto size = declared::size_of(refusal.frame(), 16, 0);
+  const auto response_size = [&](std::uint32_t count) {
+    return declared::size_of(draft.response.frame(), area.item_bits, count);
+  };
+  return size < response_size(draft.operation.min_count) ||
+         size > response_size(draft.operation.max_count) ||
+         marks_of(refusal) != marks_of(draft.response) ||
+         draft.response.find(FieldKind::kError) != nullptr;
+}
+
+}  // namespace
+
+void check_round(const Declaration& declaration, const DraftOperation& round, FaultList& faults) {
+  for (const auto* frame : {&round.request, &round.response}) {
+    for (const DraftField& draft : frame->fields) {
+      check_refusal_field(declaration, draft, "a round before a request", faults);
+      if (draft.field.kind == FieldKind::kCommand && !round.has_command)
+        faults.add(draft.position, "a round has no command", "command: a number, in the round");
+      if (draft.field.variable && draft.field.kind != FieldKind::kAddress &&
+          frame == &round.request)
+        faults.add(draft.position, "a variable text in a request",
+                   "a fixed one: requests have one length");
+    }
+  }
+}
+
+void check_refusal(const Declaration& declaration, const std::vector<DraftOperation>& operations,
+                   const DraftFrame& refusal, FaultList& faults) {
+  if (refusal.fields.empty()) return;
+  for (const DraftField& draft : refusal.fields)
+    check_refusal_field(declaration, draft, "a refusal", faults);
+  if (!refusal.good) return;
+  for (const auto& draft : operations) {
+    if (!draft.good || !draft.response.good) continue;
+    if (!are_distinct(refusal, draft, declaration.areas[draft.operation.area]))
+      faults.add(refusal.position,
+                 fmt::format("a refusal cannot be distinguished from a response of '{}'",
+                             draft.operation.name),
+                 "a different length, constant or command, or is: error in the response too");
+  }
+}
+
+}  // namespace fieldcast::config

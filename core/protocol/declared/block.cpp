@@ -1,0 +1,76 @@
+// Values in a block of lines (IEC 62056-21) or of M-Bus data records (EN 13757-3).
+#include <algorithm>
+
+#include "core/codec/digits.hpp"
+#include "core/protocol/declared/frame.hpp"
+
+namespace fieldcast::declared {
+namespace {
+
+constexpr std::uint8_t kFiller = 0x2F, kExtended = 0x80, kPlainTextUnit = 0x7C;
+
+// Bytes of the data of a record; empty if it has no end (manufacturer data, an invalid length).
+std::optional<std::size_t> record_size(ByteView data, std::uint8_t dif) {
+  static constexpr std::uint8_t kSizes[] = {0, 1, 2, 3, 4, 4, 6, 8, 0, 1, 2, 3, 4, 0, 6, 0};
+  if ((dif & 0x0F) == 0x0F) return std::nullopt;
+  if ((dif & 0x0F) != 0x0D) return kSizes[dif & 0x0F];
+  if (data.empty()) return std::nullopt;
+  const unsigned length = data[0];  // LVAR
+  if (length < 0xC0) return 1 + length;
+  if (length < 0xF0) return 1 + (length & 0x0F);
+  return std::nullopt;
+}
+
+std::optional<ByteView> record_in(ByteView block, const Field& field) {
+  std::size_t at = 0;
+  const auto skip_extensions = [&] {
+    while (at < block.size() && (block[at] & kExtended) != 0) ++at;
+    ++at;
+  };
+  while (at < block.size()) {
+    const std::size_t begin = at;
+    const std::uint8_t dif = block[at];
+    if (dif == kFiller) {
+      ++at;
+      continue;
+    }
+    skip_extensions();
+    if (at >= block.size()) return std::nullopt;
+    const bool plain = (block[at] & 0x7F) == kPlainTextUnit;
+    skip_extensions();
+    if (at > block.size()) return std::nullopt;
+    const ByteView header = block.subspan(begin, at - begin);
+    if (plain) at += at < block.size() ? 1u + block[at] : 1u;
+    if (at > block.size()) return std::nullopt;
+    const auto size = record_size(block.subspan(at), dif);
+    if (!size || *size > block.size() - at) return std::nullopt;
+    const bool same = std::ranges::equal(header, field.key, {}, {},
+                                         [](char c) { return static_cast<std::uint8_t>(c); });
+    if (same)
+      return *size == field.word.characters ? std::optional(block.subspan(at, *size))
+                                            : std::nullopt;
+    at += *size;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<ByteView> value_in_block(ByteView block, const Field& field) {
+  if (field.text_size == 0) return record_in(block, field);
+  const auto same = [](std::uint8_t a, char b) { return a == static_cast<std::uint8_t>(b); };
+  for (auto from = block.begin();; ++from) {
+    from = std::search(from, block.end(), field.key.begin(), field.key.end(), same);
+    if (from == block.end()) return std::nullopt;
+    // 1.8.0 is not the end of 11.8.0.
+    const std::uint8_t before = from == block.begin() ? 0 : from[-1];
+    const bool whole = before != '.' && hex_digit(before) < 0;
+    if (!whole) continue;
+    const auto begin = from + static_cast<std::ptrdiff_t>(field.key.size());
+    const auto end = std::search(begin, block.end(), field.until.begin(), field.until.end(), same);
+    if (end == block.end() || end - begin > field.text_size) return std::nullopt;
+    return ByteView(begin, end);
+  }
+}
+
+}  // namespace fieldcast::declared
