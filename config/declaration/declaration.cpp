@@ -31,6 +31,10 @@ constexpr std::pair<std::string_view, bool> kOrders[] = {{"big-endian", false},
                                                          {"little-endian", true}};
 constexpr std::pair<std::string_view, bool> kBitOrders[] = {{"low-first", false},
                                                             {"high-first", true}};
+constexpr std::pair<std::string_view, declared::Escape> kEscapes[] = {
+    {"dle", declared::Escape::kDle},
+    {"slip", declared::Escape::kSlip},
+    {"cobs", declared::Escape::kCobs}};
 constexpr std::pair<std::string_view, std::uint8_t> kItems[] = {
     {"bit", 1}, {"byte", 8}, {"16bit", 16}, {"32bit", 32}, {"64bit", 64}};
 constexpr std::pair<std::string_view, std::uint8_t> kBases[] = {
@@ -50,6 +54,7 @@ class DeclarationReader {
     map_.read("encoding", defaults_.notation, ChoiceRule<Notation>{kEncodings});
     map_.read("order", defaults_.little_endian, ChoiceRule<bool>{kOrders});
     map_.read("bit-order", defaults_.high_first, ChoiceRule<bool>{kBitOrders});
+    map_.read("escape", defaults_.escape, ChoiceRule<declared::Escape>{kEscapes});
     if (const Node* areas = list("areas", kMaxAreas)) {
       for (const Node* node : areas->items) read_area(*node);
     }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 
 #include "config/document/scalars.hpp"
@@ -10,9 +11,9 @@ namespace fieldcast::config {
 
 namespace {
 
-constexpr std::string_view kDeclaration[] = {"summary",    "addresses", "encoding",
-                                             "order",      "bit-order", "areas",
-                                             "operations", "errors",    "login"};
+constexpr std::string_view kDeclaration[] = {"summary",   "addresses", "encoding",   "order",
+                                             "bit-order", "areas",     "operations", "errors",
+                                             "login",     "escape"};
 constexpr std::string_view kAddresses[] = {"from", "to", "text"};
 constexpr std::string_view kArea[] = {"name",   "item", "items",  "record",
                                       "prefix", "base", "origin", "trigger"};
@@ -172,9 +173,37 @@ void resolve_span(DraftFrame& frame, std::size_t at, FaultList& faults) {
 
 }  // namespace
 
+namespace {
+
+// The fields between the first and the last constant; with COBS, all before the last constant.
+void set_escaped(DraftFrame& frame, declared::Escape escape, FaultList& faults) {
+  const auto constant = [](const DraftField& draft) {
+    return draft.field.kind == FieldKind::kConstant && !draft.shares;
+  };
+  const auto& fields = frame.fields;
+  const auto first = std::ranges::find_if(fields, constant);
+  std::size_t last = fields.size();
+  while (last > 0 && !constant(fields[last - 1])) --last;
+  const std::size_t from =
+      escape == declared::Escape::kCobs ? 0 : static_cast<std::size_t>(first - fields.begin()) + 1;
+  if (last < from + 2 || (from != 0 && first != fields.begin())) {
+    faults.add(frame.position, "an escaped frame without marks",
+               escape == declared::Escape::kCobs ? "a constant 0 at its end"
+                                                 : "a constant at its begin and at its end");
+    frame.good = false;
+    return;
+  }
+  frame.escape = escape;
+  frame.escaped = {static_cast<std::uint8_t>(from), static_cast<std::uint8_t>(last - 2)};
+}
+
+}  // namespace
+
 declared::Frame DraftFrame::frame() const {
   declared::Frame frame;
   for (const auto& draft : fields) frame.fields.push_back(draft.field);
+  frame.escape = escape;
+  frame.escaped = escaped;
   return frame;
 }
 
@@ -200,6 +229,8 @@ DraftFrame read_frame(const Node& node, std::string_view what, const FieldDefaul
   if (readable) Sharing(frame, defaults.high_first, faults).run();
   // Names in fields with faults may be incomplete.
   for (std::size_t i = 0; i < frame.fields.size() && readable; ++i) resolve_span(frame, i, faults);
+  if (readable && defaults.escape != declared::Escape::kNone)
+    set_escaped(frame, defaults.escape, faults);
   return frame;
 }
 

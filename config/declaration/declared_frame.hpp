@@ -20,6 +20,7 @@ struct FieldDefaults {
   bool little_endian = false;
   // The first field of a shared byte uses the highest bits instead of the lowest.
   bool high_first = false;
+  declared::Escape escape = declared::Escape::kNone;
   std::uint32_t origin = 0;  // of the area: `plus: origin`
 };
 
@@ -35,6 +36,8 @@ struct DraftField {
 
 struct DraftFrame {
   std::vector<DraftField> fields;
+  declared::Escape escape = declared::Escape::kNone;
+  declared::Span escaped;
   Position position;
   bool good = true;
   [[nodiscard]] declared::Frame frame() const;

@@ -151,6 +151,7 @@ TEST(ProtocolSchema, KnowsExactlyTheWordsThatTheLoaderKnows) {
       {"declaration/encoding", "encoding: xx"},
       {"declaration/order", "order: xx"},
       {"declaration/bit-order", "bit-order: xx"},
+      {"declaration/escape", "escape: xx"},
       {"area/item", "areas: [{ name: a, item: xx }]"},
       {"area/base", "areas: [{ name: a, base: xx }]"},
       {"field/is", "{ is: xx }"},

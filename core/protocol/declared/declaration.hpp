@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/protocol/declared/escape.hpp"
 #include "core/protocol/declared/word.hpp"
 #include "core/protocol/protocol.hpp"
 #include "core/protocol/protocol_entry.hpp"
@@ -78,6 +79,8 @@ struct Field {
 
 struct Frame {
   std::vector<Field> fields;
+  Escape escape = Escape::kNone;  // of the fields `escaped`, between the marks of the frame
+  Span escaped;
   friend bool operator==(const Frame&, const Frame&) = default;
 };
 

@@ -24,7 +24,8 @@ std::size_t most_received(const Declaration& declaration) {
   }
   for (const Operation& round : declaration.login)
     longest = std::max(longest, size_of(round.response, 16, 0));
-  return 2 * longest + 64;
+  const bool escapes = declaration.operations.front().response.escape != Escape::kNone;
+  return (escapes ? 4 : 2) * longest + 64;
 }
 
 bool strict(const MatchResult& result) { return !result.foreign && !result.mismatch; }

@@ -93,6 +93,16 @@ std::optional<std::uint64_t> number_of(const Field& field, const FrameContext& c
   }
 }
 
+std::optional<Unescaped> unescape_from(const Frame& frame, std::size_t offset, ByteView bytes,
+                                       Bytes& plain) {
+  Unescaped read = unescape(frame.escape, bytes.subspan(offset));
+  if (read.invalid) return std::nullopt;
+  plain.assign(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(offset));
+  append(plain, read.plain);
+  if (read.ended) append(plain, bytes.subspan(offset + read.used));
+  return read;
+}
+
 Bytes constant_characters(const Field& constant) {
   Bytes characters(constant.text.begin(), constant.text.end());
   if (characters.empty()) append_word(characters, constant.word, constant.number);
@@ -211,6 +221,13 @@ void append_frame(Bytes& out, const Frame& frame, const FrameContext& context) {
     for (std::uint8_t& byte : sum) byte = fields[i].transform.sent(byte);
     std::copy(sum.begin(), sum.end(), out.begin() + static_cast<std::ptrdiff_t>(begin + starts[i]));
   }
+  if (frame.escape == Escape::kNone) return;
+  const auto from = out.begin() + static_cast<std::ptrdiff_t>(begin + starts[frame.escaped.from]);
+  const auto to = out.begin() + static_cast<std::ptrdiff_t>(begin + starts[frame.escaped.to + 1u]);
+  Bytes tail = escaped(frame.escape, ByteView(from, to));
+  tail.insert(tail.end(), to, out.end());
+  out.erase(from, out.end());
+  append(out, tail);
 }
 
 }  // namespace fieldcast::declared

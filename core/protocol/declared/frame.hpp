@@ -67,6 +67,10 @@ struct MatchResult {
 [[nodiscard]] Bytes covered(const Frame& frame, const Field& sum, ByteView bytes,
                             std::span<const std::size_t> starts);
 
+// Replaces the escaped fields, which begin at `offset`, by what they represent. Empty if invalid.
+[[nodiscard]] std::optional<Unescaped> unescape_from(const Frame& frame, std::size_t offset,
+                                                     ByteView bytes, Bytes& plain);
+
 // The characters of a constant, without its transform. REQUIRES: it shares no byte.
 [[nodiscard]] Bytes constant_characters(const Field& constant);
 

@@ -18,11 +18,13 @@ class Matcher {
   MatchResult run() {
     for (at_ = 0; at_ < fields_.size(); ++at_) {
       starts_[at_] = offset_;
+      if (frame_.escape != Escape::kNone && at_ == frame_.escaped.from && !unescape_here())
+        return std::move(result_);
       if (!step(fields_[at_])) return std::move(result_);
     }
     starts_[at_] = offset_;
     result_.fit = MatchResult::Fit::kWhole;
-    result_.size = offset_;
+    result_.size = offset_ + escapes_;
     for (const Field& field : fields_) {
       if (field.kind == FieldKind::kChecksum) check(field);
     }
@@ -31,6 +33,14 @@ class Matcher {
   }
 
  private:
+  bool unescape_here() {
+    const auto read = unescape_from(frame_, offset_, bytes_, plain_);
+    if (!read) return none();
+    escapes_ = read->used - read->plain.size();
+    bytes_ = plain_;
+    return true;
+  }
+
   // Returns false if the result is known.
   bool step(const Field& field) {
     meant_.clear();
@@ -275,7 +285,9 @@ class Matcher {
 
   const std::vector<Field>& fields_;
   const Frame& frame_;
-  const ByteView bytes_;
+  ByteView bytes_;  // from the escaped fields on: plain_
+  Bytes plain_;
+  std::size_t escapes_ = 0;  // characters that the escaped fields have more
   const FrameContext& context_;
   Bytes record_;
   Bytes meant_;  // with transformed_: see rest()

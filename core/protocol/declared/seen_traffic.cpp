@@ -24,6 +24,10 @@ class Reader {
 
   Reading run(const std::string& title, bool refusal) {
     writer_.remark(title);
+    const std::size_t offset = size_of(frame_, 0, frame_.escaped.from, item_bits_, 0);
+    if (frame_.escape != Escape::kNone && offset <= bytes_.size() &&
+        unescape_from(frame_, offset, bytes_, plain_))
+      bytes_ = plain_;
     context_.refusal = refusal;
     const std::size_t fixed = size_of(frame_, item_bits_, 0) - variable();
     elastic_ = bytes_.size() > fixed ? bytes_.size() - fixed : 0;
@@ -206,7 +210,8 @@ class Reader {
 
   const Declaration& declaration_;
   const Frame& frame_;
-  const ByteView bytes_;
+  ByteView bytes_;  // with escaped fields: plain_
+  Bytes plain_;
   const unsigned item_bits_;
   FrameContext context_;
   std::size_t elastic_ = 0;  // characters of the field of variable length

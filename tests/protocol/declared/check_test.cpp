@@ -1,9 +1,13 @@
 // Tests the CRCs of declared protocols.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
+#include <random>
 #include <string>
+#include <tuple>
 
+#include "core/protocol/declared/escape.hpp"
 #include "core/protocol/declared/word.hpp"
 
 namespace fieldcast::test {
@@ -117,6 +121,54 @@ TEST(DeclaredCheck, CrcsGiveTheirPublishedCheckValues) {
   for (const auto& [name, crc] : declared::crc_catalogue()) {
     ASSERT_TRUE(published.contains(name)) << name;
     EXPECT_EQ(declared::crc_of(crc, bytes), published.at(name)) << name;
+  }
+}
+
+Bytes unhex(std::string_view hex) { return from_hex(hex).value(); }
+
+// Sources: RFC 1055 (SLIP); Cheshire and Baker, Consistent Overhead Byte Stuffing, and the examples
+// of Wikipedia on it.
+TEST(DeclaredEscape, EncodesThePublishedExamples) {
+  using declared::Escape;
+  const std::tuple<Escape, std::string_view, std::string_view> examples[] = {
+      {Escape::kDle, "01 10 02 10 10", "01 10 10 02 10 10 10 10"},
+      {Escape::kSlip, "01 C0 DB 02", "01 DB DC DB DD 02"},
+      {Escape::kCobs, "00", "01 01"},
+      {Escape::kCobs, "00 00", "01 01 01"},
+      {Escape::kCobs, "11 22 00 33", "03 11 22 02 33"},
+      {Escape::kCobs, "11 22 33 44", "05 11 22 33 44"},
+      {Escape::kCobs, "11 00 00 00", "02 11 01 01 01"}};
+  for (const auto& [escape, plain, wire] : examples) {
+    EXPECT_EQ(to_hex(escaped(escape, unhex(plain))), wire);
+    Bytes marked = unhex(wire);
+    const Bytes mark = escape == Escape::kDle    ? Bytes{0x10, 0x03}
+                       : escape == Escape::kSlip ? Bytes{0xC0}
+                                                 : Bytes{0x00};
+    append(marked, mark);
+    const auto read = unescape(escape, marked);
+    EXPECT_TRUE(read.ended && !read.invalid) << wire;
+    EXPECT_EQ(to_hex(read.plain), plain);
+    EXPECT_EQ(read.used, unhex(wire).size());
+  }
+}
+
+TEST(DeclaredEscape, AnyBytesReturnUnchanged) {
+  std::mt19937 random(9);
+  for (int round = 0; round < 2000; ++round) {
+    Bytes plain(1 + random() % 600);
+    for (auto& byte : plain)
+      byte = static_cast<std::uint8_t>(random() % 3 == 0 ? 0x10 * (random() % 16) : random());
+    if (round % 4 == 0) std::ranges::replace(plain, 0, 1);  // long groups of COBS
+    for (const auto escape :
+         {declared::Escape::kDle, declared::Escape::kSlip, declared::Escape::kCobs}) {
+      Bytes wire = escaped(escape, plain);
+      append(wire, escape == declared::Escape::kDle    ? Bytes{0x10, 0x03}
+                   : escape == declared::Escape::kSlip ? Bytes{0xC0}
+                                                       : Bytes{0x00});
+      const auto read = unescape(escape, wire);
+      ASSERT_TRUE(read.ended && !read.invalid);
+      ASSERT_EQ(read.plain, plain);
+    }
   }
 }
 

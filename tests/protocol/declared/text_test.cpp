@@ -115,6 +115,63 @@ TEST(DeclaredText, ATextEndsAtItsMark) {
   EXPECT_EQ(drive(*scale.begin(request), text("w0412")).cause, Cause::kTruncated);
 }
 
+constexpr std::string_view kDrive = R"(
+summary: drives with names
+addresses: { text: 4 }
+escape: dle
+areas: [{ name: word, items: 256 }]
+operations:
+  - name: read
+    read: word
+    count: 3
+    request:
+      - { name: begin, constant: [0x10, 0x02] }
+      - { is: address, text: 4 }
+      - { name: colon, constant: ":" }
+      - { is: first }
+      - { is: count }
+      - { name: end, constant: [0x10, 0x03] }
+      - { is: checksum, kind: crc-8/maxim-dow, of: address..count }
+    answer:
+      - { name: begin, constant: [0x10, 0x02] }
+      - { is: address, text: 4 }
+      - { name: colon, constant: ":" }
+      - { is: length, of: items, counts: items }
+      - { is: items, add: 1, xor: 0xFF }
+      - { name: end, constant: [0x10, 0x03] }
+      - { is: checksum, kind: sum, of: address..items, over: bytes }
+)";
+
+// Constructed by the rules of the declaration.
+TEST(DeclaredText, AnAddressIsTextAndFramesAreEscaped) {
+  const auto loaded = config::load_declaration_text(kDrive, "test.yaml");
+  ASSERT_TRUE(loaded) << config::to_text(std::span(loaded.error()));
+  const auto drive_named = [&](const std::string& name) {
+    return Device(std::move(*declared::make(loaded->value, {.long_address = name})));
+  };
+  const Device device = drive_named("M1");
+  const Request request = device.read("word:16", 2);
+  const Bytes sent = device.request_bytes(request);
+  const Bytes covered{0x4D, 0x31, 0x3A, 0x10, 0x02};
+  const declared::Crc crc{8, 0x31, 0, 0, true, true};
+  EXPECT_EQ(to_hex(sent), "10 02 4D 31 3A 10 10 02 10 03 " +
+                              to_hex(Bytes{static_cast<std::uint8_t>(crc_of(crc, covered))}));
+  // Items EE10 and 0001: bytes + 1, inverted: 10 EE, FE FD; 10 is sent twice.
+  Bytes response = from_hex("10 02 4D 31 3A 02 10 10 EE FE FD 10 03").value();
+  response.push_back(static_cast<std::uint8_t>(0x4D + 0x31 + 0x3A + 0x02 + 0xEE + 0x10 + 0x01));
+  const Outcome outcome = drive(*device.begin(request), response);
+  ASSERT_TRUE(outcome.done()) << to_text(outcome);
+  EXPECT_EQ(to_hex(outcome.reply[0].items), "EE 10 00 01");
+  expect_matrix({.begin = [&] { return device.begin(request); }, .answers = {response}});
+  const Device other = drive_named("M2");
+  EXPECT_EQ(drive(*other.begin(request), response).cause, Cause::kForeign);
+  EXPECT_FALSE(declared::make(loaded->value, {.long_address = "M1234"}));
+  const auto fields = declared::explain(*loaded->value, response);
+  EXPECT_TRUE(std::ranges::any_of(fields, [](const FrameField& field) {
+    return field.name == "address" && field.value == "M1" && field.fault.empty();
+  }));
+}
+
 // No byte of a frame reaches a terminal or a JSON line unescaped.
 TEST(DeclaredText, IsExplainedInPrintableUtf8) {
   const auto loaded = config::load_declaration_text(kScale, "test.yaml");

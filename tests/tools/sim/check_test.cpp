@@ -205,5 +205,43 @@ TEST(SimCheck, AProtocolThatNobodyHasHasNoSubject) {
   EXPECT_TRUE(subjects_of("modbus-rtv").empty());
 }
 
+// Text addresses, transformed and escaped bytes, a length in items, a CRC by its parameters.
+std::string drive_text(const std::string& escape, const std::string& begin) {
+  const std::string open =
+      begin.empty() ? "" : "      - { name: begin, constant: [" + begin + "] }\n";
+  const std::string end = escape == "dle" ? "[0x10, 0x03]" : escape == "slip" ? "0xC0" : "0";
+  const std::string crc =
+      "kind: { width: 24, polynomial: 0x864CFB, start: 0xB704CE }, bytes: 3, over: bytes";
+  return "summary: drives\naddresses: { text: 4 }\nescape: " + escape +
+         "\nareas: [{ name: word }, { name: stop, trigger: true }]\noperations:\n"
+         "  - name: read\n    read: word\n    command: 0x10\n    count: 9\n    request:\n" +
+         open +
+         "      - { is: address, text: 4 }\n      - { name: colon, constant: \":\" }\n"
+         "      - { is: command }\n      - { is: first, bytes: 2 }\n      - { is: count }\n"
+         "      - { is: checksum, of: address..count, " +
+         crc + " }\n      - { name: end, constant: " + end + " }\n    answer:\n" + open +
+         "      - { is: address, text: 4 }\n      - { name: colon, constant: \":\" }\n"
+         "      - { is: command }\n      - { is: first, bytes: 2 }\n"
+         "      - { is: length, of: items, counts: items }\n      - { is: items, add: 7, xor: 0x55 "
+         "}\n"
+         "      - { is: checksum, of: address..items, " +
+         crc + " }\n      - { name: end, constant: " + end +
+         " }\n  - name: stop\n    write: stop\n    command: 0xC0\n    request: &stop\n" + open +
+         "      - { is: address, text: 4 }\n      - { name: colon, constant: \":\" }\n"
+         "      - { is: command }\n      - { is: checksum, of: address..command, " +
+         crc + " }\n      - { name: end, constant: " + end + " }\n    answer: *stop\n";
+}
+
+TEST(SimCheck, PassesWithEscapedFramesAndTextAddresses) {
+  for (const auto& [escape, begin] :
+       {std::pair<std::string, std::string>{"dle", "0x10, 0x02"}, {"slip", "0xC0"}, {"cobs", ""}}) {
+    SCOPED_TRACE(escape);
+    const auto declaration =
+        config::load_declaration_text(drive_text(escape, begin), "drives.yaml");
+    ASSERT_TRUE(declaration) << config::to_text(std::span(declaration.error()));
+    expect_all_pass(subjects_of(*declaration));
+  }
+}
+
 }  // namespace
 }  // namespace fieldcast::sim

@@ -123,6 +123,7 @@ class ParseRun {
     for (at_ = 0; at_ < fields_.size(); ++at_) {
       starts_[at_] = offset_;
       const Field& field = fields_[at_];
+      if (!unescaped()) return std::move(received_);
       rest_ = field.transform.meant(bytes_.subspan(offset_));
       received_.fit = field.kind == FieldKind::kItems ? items(field)
                       : field.text_size != 0          ? text(field)
@@ -131,7 +132,7 @@ class ParseRun {
       if (received_.fit != Fit::kWhole) return std::move(received_);
     }
     starts_[at_] = offset_;
-    received_.size = offset_;
+    received_.size = offset_;  // an escaped frame is the whole rest
     for (std::size_t i = 0; i < fields_.size(); ++i) {
       const Field& field = fields_[i];
       if (field.kind != FieldKind::kChecksum) continue;
@@ -145,6 +146,20 @@ class ParseRun {
 
  private:
   using Fit = DeclaredMatch::Fit;
+
+  // At the first escaped field: goes on with what they represent.
+  bool unescaped() {
+    const Frame& frame = operation_.request;
+    if (frame.escape == declared::Escape::kNone || at_ != frame.escaped.from) return true;
+    const auto read = declared::unescape(frame.escape, bytes_.subspan(offset_));
+    received_.fit = read.invalid ? Fit::kNo : Fit::kMore;
+    if (read.invalid || !read.ended) return false;
+    plain_.assign(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(offset_));
+    append(plain_, read.plain);
+    append(plain_, bytes_.subspan(offset_ + read.used));
+    bytes_ = plain_;
+    return true;
+  }
   ByteView rest() const { return rest_; }
 
   Fit mark(const Field& field) {
@@ -277,7 +292,8 @@ class ParseRun {
   const declared::Operation& operation_;
   const std::vector<Field>& fields_;
   const unsigned item_bits_;
-  const ByteView bytes_;
+  ByteView bytes_;
+  Bytes plain_;
   DeclaredMatch received_;
   Starts starts_;  // up to the current field
   std::size_t at_ = 0, offset_ = 0;
@@ -409,7 +425,12 @@ Bytes say(const Frame& frame, unsigned item_bits, const DeclaredText& text) {
     starts[i + 1] = out.size();
   }
   put_checksums(frame, starts, out);
-  return out;
+  if (frame.escape == declared::Escape::kNone) return out;
+  const std::size_t from = starts[frame.escaped.from], to = starts[frame.escaped.to + 1u];
+  Bytes sent(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(from));
+  append(sent, declared::escaped(frame.escape, ByteView(out).subspan(from, to - from)));
+  append(sent, ByteView(out).subspan(to));
+  return sent;
 }
 
 }  // namespace fieldcast::sim

@@ -1,0 +1,86 @@
+#include "core/protocol/declared/escape.hpp"
+
+#include <algorithm>
+
+namespace fieldcast::declared {
+namespace {
+
+constexpr std::uint8_t kDle = 0x10;
+constexpr std::uint8_t kEnd = 0xC0, kEsc = 0xDB, kEscEnd = 0xDC, kEscEsc = 0xDD;
+constexpr std::size_t kCobsGroup = 254;  // most bytes behind a code
+
+Bytes cobs(ByteView plain) {
+  Bytes out;
+  for (std::size_t at = 0;;) {
+    const auto rest = plain.subspan(at, std::min(kCobsGroup, plain.size() - at));
+    const auto size = static_cast<std::size_t>(std::ranges::find(rest, 0) - rest.begin());
+    out.push_back(static_cast<std::uint8_t>(size + 1));
+    append(out, rest.first(size));
+    at += size;
+    if (size == kCobsGroup && at < plain.size()) continue;
+    if (at >= plain.size()) return out;
+    ++at;  // the zero
+  }
+}
+
+Unescaped from_cobs(ByteView wire) {
+  Unescaped read;
+  const auto end = std::ranges::find(wire, 0);
+  read.ended = end != wire.end();
+  read.used = static_cast<std::size_t>(end - wire.begin());
+  for (std::size_t at = 0; at < read.used;) {
+    const std::size_t size = wire[at] - 1u;
+    const std::size_t here = std::min(size, read.used - at - 1);
+    append(read.plain, wire.subspan(at + 1, here));
+    at += here + 1;
+    if (here < size) read.invalid = read.ended;
+    if (here == size && size < kCobsGroup && at < read.used) read.plain.push_back(0);
+  }
+  return read;
+}
+
+}  // namespace
+
+Bytes escaped(Escape escape, ByteView plain) {
+  if (escape == Escape::kCobs) return cobs(plain);
+  Bytes out;
+  for (const std::uint8_t byte : plain) {
+    if (escape == Escape::kDle && byte == kDle) out.push_back(kDle);
+    if (escape == Escape::kSlip && (byte == kEnd || byte == kEsc)) {
+      append(out, Bytes{kEsc, byte == kEnd ? kEscEnd : kEscEsc});
+      continue;
+    }
+    out.push_back(byte);
+  }
+  return out;
+}
+
+Unescaped unescape(Escape escape, ByteView wire) {
+  if (escape == Escape::kCobs) return from_cobs(wire);
+  Unescaped read;
+  for (std::size_t& at = read.used; at < wire.size(); ++at) {
+    const std::uint8_t byte = wire[at];
+    read.ended = escape == Escape::kSlip && byte == kEnd;
+    if (read.ended) return read;
+    const bool begins = byte == (escape == Escape::kSlip ? kEsc : kDle) && escape != Escape::kNone;
+    if (!begins) {
+      read.plain.push_back(byte);
+      continue;
+    }
+    if (at + 1 == wire.size()) return read;
+    const std::uint8_t next = wire[at + 1];
+    if (escape == Escape::kDle && next != kDle) {
+      read.ended = true;
+      return read;
+    }
+    if (escape == Escape::kSlip && next != kEscEnd && next != kEscEsc) {
+      read.invalid = true;
+      return read;
+    }
+    read.plain.push_back(escape == Escape::kDle ? kDle : next == kEscEnd ? kEnd : kEsc);
+    ++at;
+  }
+  return read;
+}
+
+}  // namespace fieldcast::declared

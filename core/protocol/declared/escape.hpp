@@ -1,0 +1,27 @@
+// Escapes bytes of a frame that look like its marks. Pure functions.
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/bytes.hpp"
+
+namespace fieldcast::declared {
+
+enum class Escape : std::uint8_t {
+  kNone,
+  kDle,   // 10 is sent twice; 10 before any other byte is a mark
+  kSlip,  // RFC 1055: C0 is a mark, sent as DB DC; DB is sent as DB DD
+  kCobs,  // consistent overhead byte stuffing: 00 is a mark
+};
+
+[[nodiscard]] Bytes escaped(Escape escape, ByteView plain);
+
+struct Unescaped {
+  Bytes plain;
+  std::size_t used = 0;  // characters, without the mark
+  bool ended = false;    // a mark follows
+  bool invalid = false;
+};
+[[nodiscard]] Unescaped unescape(Escape escape, ByteView wire);
+
+}  // namespace fieldcast::declared
