@@ -33,7 +33,9 @@ class OperationCheck {
     check_blocks();
     for (const auto& draft : draft_.request.fields) {
       if (draft.field.variable && draft.field.kind != FieldKind::kAddress)
-        faults_.add(draft.position, "a variable text in a request",
+        faults_.add(draft.position,
+                    draft.field.text.empty() ? "a variable text in a request"
+                                             : "an optional constant in a request",
                     "a fixed one: requests have one length");
     }
   }
@@ -218,7 +220,7 @@ class OperationCheck {
   void check_variable(const DraftFrame& frame) {
     for (std::size_t i = 0; i < frame.fields.size(); ++i) {
       const Field& field = frame.fields[i].field;
-      if (!field.variable || !frame.fields[i].fits) continue;
+      if (!field.variable || !field.text.empty() || !frame.fields[i].fits) continue;
       const bool measured =
           std::any_of(frame.fields.begin(), frame.fields.begin() + static_cast<std::ptrdiff_t>(i),
                       [&](const DraftField& other) {
@@ -226,12 +228,12 @@ class OperationCheck {
                       });
       const bool ended = i + 1 < frame.fields.size() &&
                          frame.fields[i + 1].field.kind == FieldKind::kConstant &&
-                         !frame.fields[i + 1].shares;
+                         !frame.fields[i + 1].field.variable && !frame.fields[i + 1].shares;
       needs(measured || ended, frame.fields[i].position,
             fmt::format("no length or mark shows where '{}' ends", field.name),
             "a constant behind it, or a length of it before it");
       if (measured && std::ranges::count_if(frame.fields, [](const DraftField& each) {
-                        return each.field.variable;
+                        return each.field.variable && each.field.text.empty();
                       }) > 1)
         faults_.add(frame.fields[i].position, "two variable texts in a frame with a length of one",
                     "a constant behind each, and no length");

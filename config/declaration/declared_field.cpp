@@ -55,6 +55,7 @@ const Meaning kMeanings[] = {
     {"ok", {FieldKind::kError}},
     {"text", {FieldKind::kValue, FieldKind::kAddress, FieldKind::kUnused}},
     {"variable", {FieldKind::kValue, FieldKind::kUnused}},
+    {"optional", {FieldKind::kConstant}},
     {"signed", {FieldKind::kValue, FieldKind::kItems}},
     {"fill", {FieldKind::kUnused}},
     {"key", {FieldKind::kValue}},
@@ -94,6 +95,7 @@ class FieldReader {
     read_numbers();
     read_checksum();
     read_key();
+    read_optional();
     refuse_meaningless();
     draft_.fits = faults_.size() == before_;
     return std::move(draft_);
@@ -157,6 +159,16 @@ class FieldReader {
     if (draft_.shares || field.variable)
       faults_.add(draft_.position, "a value with a key has bytes of its own",
                   "no bits, no variable");
+  }
+
+  // A constant that a response may omit.
+  void read_optional() {
+    bool optional = false;
+    map_.read("optional", optional, FlagRule{});
+    if (!optional || draft_.field.kind != FieldKind::kConstant) return;
+    if (draft_.field.text.empty())
+      map_.fault("optional", "an optional constant is a number", "characters, or a list of bytes");
+    draft_.field.variable = true;
   }
 
   void read_width() {

@@ -28,7 +28,7 @@ constexpr std::string_view kErrors[] = {"frame", "codes", "busy"};
 constexpr std::string_view kField[] = {
     "name",   "constant", "is",     "bytes",      "bits", "digits", "as",  "order", "plus",
     "times",  "of",       "kind",   "over",       "on",   "off",    "ok",  "text",  "variable",
-    "signed", "fill",     "counts", "complement", "add",  "xor",    "key", "until"};
+    "signed", "fill",     "counts", "complement", "add",  "xor",    "key", "until", "optional"};
 
 }  // namespace
 

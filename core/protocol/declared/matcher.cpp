@@ -127,8 +127,9 @@ class Matcher {
     for (std::size_t i = field.of.from; i <= field.of.to; ++i) {
       if (!fields_[i].key.empty() && !opens_block(frame_, i)) continue;
       const auto size = size_of(frame_, i, i + 1, context_.item_bits, context_.count);
-      const bool soft = i > at_ && (fields_[i].kind == FieldKind::kItems || fields_[i].variable ||
-                                    !fields_[i].key.empty());
+      const bool soft =
+          i > at_ && (fields_[i].kind == FieldKind::kItems ||
+                      (fields_[i].variable && fields_[i].text.empty()) || !fields_[i].key.empty());
       expected = static_cast<std::int64_t>(counted(fields_[i], field, size, context_.item_bits));
       if (soft)
         elastic = &fields_[i], elastic_at_ = i;
@@ -172,8 +173,21 @@ class Matcher {
   }
   bool could_begin_items(const Field& field) const { return could_begin(rest(), field.word); }
 
+  // An optional constant is absent if other characters follow, or if the frame can end before it.
+  bool is_absent(const Field& field) const {
+    const std::size_t size = std::min(field.text.size(), rest().size());
+    if (size == 0) {
+      return std::all_of(fields_.begin() + static_cast<std::ptrdiff_t>(at_), fields_.end(),
+                         [](const Field& each) { return !each.text.empty() && each.variable; });
+    }
+    return !std::equal(rest().begin(), rest().begin() + static_cast<std::ptrdiff_t>(size),
+                       field.text.begin(),
+                       [](std::uint8_t a, char b) { return a == static_cast<std::uint8_t>(b); });
+  }
+
   // A constant, or an address that is text.
   bool text_constant(const Field& field) {
+    if (field.variable && is_absent(field)) return true;
     const std::size_t size = std::min(field.text.size(), rest().size());
     if (!std::equal(rest().begin(), rest().begin() + static_cast<std::ptrdiff_t>(size),
                     field.text.begin(),

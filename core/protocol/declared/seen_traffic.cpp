@@ -41,7 +41,9 @@ class Reader {
  private:
   std::size_t variable() const {
     std::size_t size = 0;
-    for (const Field& field : frame_.fields) size += field.variable ? field.text_size : 0;
+    for (const Field& field : frame_.fields) {
+      if (field.variable) size += field.text.empty() ? field.text_size : field.text.size();
+    }
     return size;
   }
   // A block extends to the constant behind it, or has a length before it.
@@ -62,6 +64,14 @@ class Reader {
   std::size_t width(std::size_t index, std::size_t at) const {
     const Field& field = frame_.fields[index];
     if (!field.key.empty()) return opens_block(frame_, index) ? block_size(index, at) : 0;
+    if (field.variable && !field.text.empty()) {  // an optional constant
+      const ByteView rest = bytes_.subspan(std::min(at, bytes_.size()));
+      const bool there =
+          rest.size() >= field.text.size() &&
+          std::equal(field.text.begin(), field.text.end(), rest.begin(),
+                     [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
+      return there ? field.text.size() : 0;
+    }
     if (field.variable && index + 1 < frame_.fields.size() && at < bytes_.size()) {
       const Field& next = frame_.fields[index + 1];
       const Bytes mark = next.kind == FieldKind::kConstant ? constant_characters(next) : Bytes{};
@@ -102,6 +112,7 @@ class Reader {
     const Bytes part = frame_.fields[opener].transform.meant(bytes_.subspan(at, size));
     if (field.kind == FieldKind::kItems) return add(at, size, field.name, items(field, part));
     if (!field.text.empty()) {
+      if (field.variable && size == 0) return add(at, 0, field.name, "not in this frame");
       const bool right = std::ranges::equal(part, field.text, {}, {},
                                             [](char c) { return static_cast<std::uint8_t>(c); });
       return add(at, size, field.name, to_hex(part), right ? "" : "should be " + spelt(field.text));

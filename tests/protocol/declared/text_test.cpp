@@ -115,6 +115,34 @@ TEST(DeclaredText, ATextEndsAtItsMark) {
   EXPECT_EQ(drive(*scale.begin(request), text("w0412")).cause, Cause::kTruncated);
 }
 
+constexpr std::string_view kGauge = R"(
+summary: gauges that may echo a space and may end with a line feed
+addresses: { from: 1, to: 1 }
+areas: [{ name: state, record: true }]
+operations:
+  - name: measure
+    read: state
+    request: [{ name: ask, constant: "M\r" }]
+    answer:
+      - { name: begin, constant: "m" }
+      - { name: space, constant: " ", optional: true }
+      - { name: level, is: value, text: 4 }
+      - { name: end, constant: "\r" }
+      - { name: feed, constant: "\n", optional: true }
+)";
+
+TEST(DeclaredText, AnOptionalConstantMayBeMissing) {
+  const Device gauge = declared_by(kGauge, 1);
+  const Request request = gauge.read("level", 2);
+  for (const std::string_view text : {"m 12.5\r\n", "m12.5\r\n", "m 12.5\r", "m12.5\r"}) {
+    const Outcome outcome = drive(*gauge.begin(request), Bytes(text.begin(), text.end()));
+    ASSERT_TRUE(outcome.done()) << text;
+    EXPECT_EQ(to_hex(outcome.reply[0].items), "31 32 2E 35") << text;
+  }
+  const std::string_view cut = "m 12.5";
+  EXPECT_EQ(drive(*gauge.begin(request), Bytes(cut.begin(), cut.end())).cause, Cause::kTruncated);
+}
+
 constexpr std::string_view kDrive = R"(
 summary: drives with names
 addresses: { text: 4 }
