@@ -10,15 +10,17 @@ namespace {
 // This wait need not cover the whole rest of a frame, as each received byte restarts it.
 constexpr std::size_t kDoubtfulWait = 8;
 
+bool has_block(const Frame& frame) {
+  return std::ranges::any_of(frame.fields, [](const Field& field) { return !field.key.empty(); });
+}
+
 // Limited because each received byte searches all bytes again.
 std::size_t most_received(const Declaration& declaration) {
   std::size_t longest = 0;
   for (const Operation& operation : declaration.operations) {
     const unsigned item_bits = declaration.areas[operation.area].item_bits;
     longest = std::max(longest, size_of(operation.response, item_bits, operation.max_count));
-    const auto& fields = operation.response.fields;
-    if (std::ranges::any_of(fields, [](const Field& field) { return !field.key.empty(); }))
-      longest = std::max(longest, kMaxFrame);
+    if (has_block(operation.response)) longest = std::max(longest, kMaxFrame);
     for (const Operation& round : operation.before)
       longest = std::max(longest, size_of(round.response, 16, 0));
   }
@@ -228,6 +230,8 @@ Step DeclaredExchange::start(Bytes& out) {
   append_frame(out, operation_.request, context_);
   silence_ = Cause::kNoResponse;
   fallback_.reset();
+  // A block may have more than its known values; the wait must last for all of it.
+  if (has_block(operation_.response)) return Step::send(kMaxFrame);
   return Step::send(size_of(operation_.response, context_.item_bits, context_.count));
 }
 

@@ -270,7 +270,7 @@ Encoding natural_encoding(const ParsedAddress& address, const Area& area,
     for (const declared::Place& place : declaration->areas[address.area].places) {
       if (place.first != address.first) continue;
       encoding.type = ValueType::kString;
-      encoding.string_bytes = static_cast<std::uint16_t>(2 * place.items);
+      encoding.string_bytes = place.characters;
     }
     return encoding;
   }
