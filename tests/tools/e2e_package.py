@@ -105,7 +105,7 @@ class Installed(unittest.TestCase):
         self.assertEqual(complete("fieldcast", "wat"), ["watch"])
         self.assertIn("--json", complete("fieldcast", "watch", "--js"))
         self.assertEqual(complete("fieldcast-bridge", "--ch"), ["--check"])
-        self.assertEqual(complete("fieldcast", "scan", "--protocol", "omr"), ["omron-hostlink"])
+        self.assertEqual(complete("fieldcast", "scan", "--protocol", "omr"), ["omron-fins", "omron-hostlink"])
         self.assertEqual(complete("fieldcast", "inspect", "modbus-r"), ["modbus-rtu"])
 
     def test_the_units_are_such_that_systemd_understands(self):
