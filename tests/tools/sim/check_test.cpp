@@ -5,6 +5,7 @@
 
 #include "config/loader/loader.hpp"
 #include "core/protocol/families/registry.hpp"
+#include "tools/sim/check/requests.hpp"
 #include "tools/sim/check/sim_check.hpp"
 
 namespace fieldcast::sim {
@@ -36,6 +37,18 @@ void expect_all_pass(const std::vector<Subject>& subjects) {
       })) << check;
     }
   }
+}
+
+TEST(DeclaredDevice, RespondsAtAnAddressOfTwelveDigits) {
+  const auto declaration = config::load_declaration("dlt645-2007");
+  ASSERT_TRUE(declaration);
+  Subject subject = subjects_of(*declaration).front();
+  subject.device.link.long_address = "398192000337";
+  const Requests requests(subject);
+  LiveDevice live(subject);
+  const NamedRequest example = requests.examples().front();
+  const RunOutcome outcome = live.run(requests.protocol().begin(example.request, live.context(1)));
+  EXPECT_TRUE(outcome.done) << outcome.text();
 }
 
 class BuiltIn : public testing::TestWithParam<std::string> {};

@@ -52,7 +52,7 @@ Bytes bcd_characters(std::uint64_t number, const Word& word) {
 }
 
 std::optional<std::uint64_t> number_of(ByteView characters, const Word& word) {
-  if (word.notation != Notation::kHex && word.notation != Notation::kDecimal) {
+  if (word.notation == Notation::kBinary) {
     std::uint64_t number = 0;
     for (std::size_t i = 0; i < characters.size(); ++i)
       number = number << 8 | characters[word.little_endian ? characters.size() - 1 - i : i];
