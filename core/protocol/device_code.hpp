@@ -1,6 +1,8 @@
 // Codes of refusals (exception codes, end codes, return codes), one row each.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -15,10 +17,19 @@ struct DeviceCode {
   std::string_view text;
   // kDeviceError: refused; repeated only after a while. kDeviceBusy: temporary, like a missing
   // response. kChecksum: the request was damaged on the line.
+  // kMalformed: the connection is unusable.
   Cause cause = Cause::kDeviceError;
   // With kDeviceBusy: a write may have taken effect although it brought this code.
   bool may_have_written = false;
 };
+
+template <std::size_t N, std::size_t M>
+[[nodiscard]] constexpr auto joined_codes(const std::array<DeviceCode, N>& first,
+                                          const std::array<DeviceCode, M>& second) {
+  std::array<DeviceCode, N + M> all{};
+  std::ranges::copy(second, std::ranges::copy(first, all.begin()).out);
+  return all;
+}
 
 // kDeviceError for a code without a row.
 [[nodiscard]] Cause device_code_cause(std::span<const DeviceCode> codes, std::uint16_t code);

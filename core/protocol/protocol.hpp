@@ -167,10 +167,10 @@ class Exchange {
 struct ExchangeContext {
   // Counts exchanges with this device; used as transaction id, SID, reference, frame-count bit.
   std::uint16_t sequence = 0;
-  // Result of the greeting of this connection (PDU size, node number, login), encoded by the
-  // protocol. The bus empties it when it opens the port. An exchange that finds it empty sends the
-  // greeting first, and stores the result here; after a failure that may have ended the session,
-  // it empties it. Shared by all devices of the bus. Null: the exchange always sends the greeting.
+  // Results of greetings on this connection (node numbers, logins), encoded by the protocol. The
+  // bus empties it when it opens the port. An exchange that does not find its result sends the
+  // greeting first and stores the result here; it may remove the result after a failure. Shared by
+  // all devices of the bus. Null: the exchange always sends the greeting.
   Bytes* session = nullptr;
 };
 

@@ -36,6 +36,7 @@ class Session : public testing::Test {
     make_plans(engine_, now_, actions);
     for (const Action& action : actions) {
       if (const auto* send = std::get_if<fieldcast::Send>(&action)) sent_.push_back(send->bytes);
+      reopened_ = reopened_ || std::holds_alternative<Reopen>(action);
     }
   }
   // Runs until the engine has sent so many frames altogether.
@@ -73,6 +74,7 @@ class Session : public testing::Test {
   BusEngine engine_{fins_bus()};
   Instant now_{10s};
   std::vector<Bytes> sent_;
+  bool reopened_ = false;
 };
 
 TEST_F(Session, DevicesOfAConnectionShareItsGreeting) {
@@ -97,6 +99,18 @@ TEST_F(Session, ANewConnectionSendsTheGreetingAgain) {
   feed(Opened{});
   run_until(3);
   EXPECT_EQ(greetings(), 2);
+}
+
+// The PLC has assigned nodes, but its response was lost, so that it refuses the next greeting.
+TEST_F(Session, ALostGreetingOpensTheConnectionAgain) {
+  feed(Opened{});
+  run_until(2);
+  EXPECT_EQ(greetings(), 2);
+  EXPECT_FALSE(reopened_);
+  Bytes refused{'F', 'I', 'N', 'S'};
+  for (const std::uint32_t word : {8u, 1u, 0x21u}) append_u32(refused, word);
+  respond(refused);
+  EXPECT_TRUE(reopened_);
 }
 
 }  // namespace

@@ -182,10 +182,10 @@ class Packages(unittest.TestCase):
             text = file.read()
         with open(f"{self.folder}/symbols", "w", encoding="utf-8") as file:
             file.write(text + " gone@FIELDCAST_1 0.1.0\n")
+        os.makedirs(f"{self.folder}/debian", exist_ok=True)
+        with open(f"{self.folder}/debian/control", "w", encoding="utf-8") as file:  # which version 1.22 reads
+            file.write(f"Source: fieldcast\n\nPackage: {LIBRARY}\nArchitecture: any\n")
         for symbols, code in [(f"{SOURCE_DIR}/tools/packaging/debian/symbols", 0), (f"{self.folder}/symbols", 1)]:
-            os.makedirs(f"{self.folder}/debian", exist_ok=True)
-            with open(f"{self.folder}/debian/control", "w", encoding="utf-8") as file:  # which version 1.22 reads
-                file.write(f"Source: fieldcast\n\nPackage: {LIBRARY}\nArchitecture: any\n")
             done = subprocess.run(["dpkg-gensymbols", "-c2", f"-p{LIBRARY}", "-v0.1.0+1", f"-P{root}", f"-I{symbols}", "-O/dev/null"],
                                   capture_output=True, text=True, cwd=self.folder)
             self.assertEqual(done.returncode, code, done.stdout + done.stderr)

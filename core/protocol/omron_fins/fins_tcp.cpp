@@ -22,23 +22,20 @@ constexpr std::size_t kMaxTcpReceived = 8000;  // three of the largest frames
 // Errors of the frame, in the codes of a device after those of FINS messages.
 constexpr std::uint16_t kFrameErrors = 0x7000;
 
-constexpr auto kTcpCodes = [] {
-  constexpr std::array kOwn{
-      DeviceCode{0x7001, "FINS/TCP: the header is not FINS"},
-      DeviceCode{0x7002, "FINS/TCP: message too long"},
-      DeviceCode{0x7003, "FINS/TCP: command not supported"},
-      DeviceCode{0x7020, "FINS/TCP: all connections are in use", Cause::kDeviceBusy},
-      DeviceCode{0x7021, "FINS/TCP: this node is already connected", Cause::kDeviceBusy},
-      DeviceCode{0x7022, "FINS/TCP: node protected for another IP address"},
-      DeviceCode{0x7023, "FINS/TCP: node of the client out of range"},
-      DeviceCode{0x7024, "FINS/TCP: client and PLC have the same node"},
-      DeviceCode{0x7025, "FINS/TCP: no node is left for the client", Cause::kDeviceBusy},
-  };
-  std::array<DeviceCode, kFinsCodes.size() + kOwn.size()> all{};
-  std::ranges::copy(kFinsCodes, all.begin());
-  std::ranges::copy(kOwn, all.begin() + kFinsCodes.size());
-  return all;
-}();
+constexpr auto kTcpCodes = joined_codes(
+    kFinsCodes,
+    std::array{
+        DeviceCode{0x7001, "FINS/TCP: the header is not FINS"},
+        DeviceCode{0x7002, "FINS/TCP: message too long"},
+        DeviceCode{0x7003, "FINS/TCP: command not supported"},
+        DeviceCode{0x7020, "FINS/TCP: all connections are in use", Cause::kDeviceBusy},
+        // The response to an earlier greeting was lost: only a new connection gets nodes.
+        DeviceCode{0x7021, "FINS/TCP: this node is already connected", Cause::kMalformed},
+        DeviceCode{0x7022, "FINS/TCP: node protected for another IP address"},
+        DeviceCode{0x7023, "FINS/TCP: node of the client out of range"},
+        DeviceCode{0x7024, "FINS/TCP: client and PLC have the same node"},
+        DeviceCode{0x7025, "FINS/TCP: no node is left for the client", Cause::kDeviceBusy},
+    });
 
 constexpr Traits kTraits{.name = "omron-fins",
                          .summary = "Omron FINS over TCP: CS, CJ, CP, NJ and NX on Ethernet",
@@ -100,11 +97,11 @@ class FinsTcpExchange final : public Exchange {
   }
 
   Step on_bytes(ByteView all, Bytes& out) override {
-    if (all.size() > kMaxTcpReceived) return fail(Cause::kOverlong);
+    if (all.size() > kMaxTcpReceived) return Step::failed(Cause::kOverlong);
     silence_ = Cause::kNoResponse;
     while (!all.empty()) {
       const FinsFrame frame = first_fins_frame(all);
-      if (frame.kind == FinsFrame::Kind::kHopeless) return fail(Cause::kMalformed);
+      if (frame.kind == FinsFrame::Kind::kHopeless) return Step::failed(Cause::kMalformed);
       if (frame.kind == FinsFrame::Kind::kPart) {
         silence_ = Cause::kTruncated;
         return Step::need_response();
@@ -120,31 +117,27 @@ class FinsTcpExchange final : public Exchange {
   const Reply& reply() const override { return command_->reply(); }
 
  private:
-  // The stream or the session is unusable: the next exchange sends the greeting again.
-  Step fail(Cause cause, std::uint16_t code = 0) {
-    if (context_.session != nullptr) context_.session->clear();
-    return Step::failed(cause, code);
-  }
-
-  Step fail_with(std::uint32_t error) {
+  static Step fail_with(std::uint32_t error) {
     const auto code =
         static_cast<std::uint16_t>(kFrameErrors + std::min<std::uint32_t>(error, 0xFF));
-    return fail(device_code_cause(kTcpCodes, code), code);
+    return Step::failed(device_code_cause(kTcpCodes, code), code);
   }
 
   Step greet(const FinsFrame& frame, Bytes& out) {
     silence_ = Cause::kForeign;
     if (frame.command != kGiveNodes) return Step::need_response();
     if (frame.error != 0) return fail_with(frame.error);
-    if (frame.data.size() != kGreetingResponse - kFrameHeader) return fail(Cause::kMalformed);
+    if (frame.data.size() != kGreetingResponse - kFrameHeader)
+      return Step::failed(Cause::kMalformed);
     const std::uint32_t client = read_u32(frame.data), server = read_u32(frame.data, 4);
-    if (client == 0 || client > 254 || server > 254) return fail(Cause::kMalformed);
+    if (client == 0 || client > 254 || server > 254) return Step::failed(Cause::kMalformed);
     if (context_.session != nullptr)
       *context_.session = {static_cast<std::uint8_t>(client), static_cast<std::uint8_t>(server)};
     return send_command(static_cast<std::uint8_t>(client), static_cast<std::uint8_t>(server), out);
   }
 
   Step send_command(std::uint8_t client, std::uint8_t server, Bytes& out) {
+    silence_ = Cause::kNoResponse;
     const std::uint8_t node = destination_.node != 0 ? destination_.node : server;
     command_.emplace(
         kEthernetLimits,
@@ -216,12 +209,8 @@ tl::expected<std::unique_ptr<Protocol>, OptionFault> make_fins_tcp(const DeviceL
   return std::make_unique<FinsTcpProtocol>(destination);
 }
 
-constexpr std::string_view kTcpAddresses[] = {
-    "CIO12", "IR13", "CIO14.03", "W5",   "WR6",      "W7.07",   "HR10", "H11",
-    "AR3",   "A4",   "DM100",    "D101", "DM102.15", "EM1_100", "EC_5", "E1_102.3",
-    "T5",    "TIM6", "C5",       "CNT6", "TF5",      "TIMF6",   "CF5",  "CNTF6"};
 constexpr ProtocolAlias kTcpNames[] = {{"fins-tcp"}, {"omron-fins-tcp"}};
-constexpr ProtocolVariant kTcpVariants[] = {{.addresses = kTcpAddresses}};
+constexpr ProtocolVariant kTcpVariants[] = {{.addresses = kFinsAddresses}};
 
 }  // namespace
 

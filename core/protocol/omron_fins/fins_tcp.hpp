@@ -5,8 +5,8 @@
 //                ->  command 1, data: node of the client(4) node of the PLC(4)
 //     message    command 2, data: a FINS message
 //
-// The PLC accepts the greeting once for each connection, so the bus keeps its result
-// (ExchangeContext::session): the two nodes, one byte each.
+// The PLC accepts the greeting once for each connection, so the bus keeps its result until it opens
+// the port again (ExchangeContext::session): the two nodes, one byte each.
 #pragma once
 
 #include "core/protocol/protocol_entry.hpp"

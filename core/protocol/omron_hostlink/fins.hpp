@@ -9,7 +9,6 @@
 // w: the PLC waits w * 10 ms before it responds. Two digits per byte (Omron W227 and W342).
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -35,46 +34,48 @@ struct FinsRoute {
 [[nodiscard]] std::unique_ptr<Exchange> begin_fins(const FinsRoute& route, std::uint8_t sid,
                                                    const Request& request);
 
+// An example of each form of address.
+inline constexpr std::string_view kFinsAddresses[] = {
+    "CIO12", "IR13", "CIO14.03", "W5",   "WR6",      "W7.07",   "HR10", "H11",
+    "AR3",   "A4",   "DM100",    "D101", "DM102.15", "EM1_100", "EC_5", "E1_102.3",
+    "T5",    "TIM6", "C5",       "CNT6", "TF5",      "TIMF6",   "CF5",  "CNTF6"};
+
 // End codes of FINS messages (W227, 5), after those of the Host Link frames.
-inline constexpr auto kFinsCodes = [] {
-  constexpr std::array kOwn{
-      DeviceCode{0x0100, "error of the local node", Cause::kDeviceBusy},
-      DeviceCode{0x0200, "destination cannot be reached", Cause::kDeviceBusy},
-      DeviceCode{0x0204, "destination busy", Cause::kDeviceBusy},
-      DeviceCode{0x0205, "destination did not respond", Cause::kDeviceBusy, true},
-      DeviceCode{0x0300, "error of the controller or the CPU unit", Cause::kDeviceBusy},
-      DeviceCode{0x0401, "undefined command"},
-      DeviceCode{0x0402, "not supported by this model"},
-      DeviceCode{0x0500, "routing error"},
-      DeviceCode{0x1001, "command too long"},
-      DeviceCode{0x1002, "command too short"},
-      DeviceCode{0x1003, "item count differs from the data"},
-      DeviceCode{0x1004, "command format error"},
-      DeviceCode{0x1005, "header error"},
-      DeviceCode{0x1101, "no such memory area"},
-      DeviceCode{0x1102, "access size error"},
-      DeviceCode{0x1103, "start address out of range"},
-      DeviceCode{0x1104, "end of the range out of range"},
-      DeviceCode{0x1106, "no such program"},
-      DeviceCode{0x110B, "response too long"},
-      DeviceCode{0x110C, "parameter error"},
-      DeviceCode{0x2000, "read refused"},
-      DeviceCode{0x2100, "write refused"},
-      DeviceCode{0x2200, "wrong mode", Cause::kDeviceBusy},
-      DeviceCode{0x2201, "wrong mode: running", Cause::kDeviceBusy},
-      DeviceCode{0x2203, "wrong mode: PROGRAM", Cause::kDeviceBusy},
-      DeviceCode{0x2206, "wrong mode: RUN", Cause::kDeviceBusy},
-      DeviceCode{0x2300, "no such unit"},
-      DeviceCode{0x2502, "checksum error in memory", Cause::kDeviceBusy},
-      DeviceCode{0x2600, "protected"},
-      DeviceCode{0x3001, "no access right", Cause::kDeviceBusy},
-      DeviceCode{0x4001, "aborted", Cause::kDeviceBusy, true},
-  };
-  std::array<DeviceCode, kEndCodes.size() + kOwn.size()> all{};
-  std::ranges::copy(kEndCodes, all.begin());
-  std::ranges::copy(kOwn, all.begin() + kEndCodes.size());
-  return all;
-}();
+inline constexpr auto kFinsCodes = joined_codes(
+    kEndCodes,
+    std::array{
+        DeviceCode{0x0100, "error of the local node", Cause::kDeviceBusy},
+        DeviceCode{0x0200, "destination cannot be reached", Cause::kDeviceBusy},
+        DeviceCode{0x0204, "destination busy", Cause::kDeviceBusy},
+        DeviceCode{0x0205, "destination did not respond", Cause::kDeviceBusy, true},
+        DeviceCode{0x0300, "error of the controller or the CPU unit", Cause::kDeviceBusy},
+        DeviceCode{0x0401, "undefined command"},
+        DeviceCode{0x0402, "not supported by this model"},
+        DeviceCode{0x0500, "routing error"},
+        DeviceCode{0x1001, "command too long"},
+        DeviceCode{0x1002, "command too short"},
+        DeviceCode{0x1003, "item count differs from the data"},
+        DeviceCode{0x1004, "command format error"},
+        DeviceCode{0x1005, "header error"},
+        DeviceCode{0x1101, "no such memory area"},
+        DeviceCode{0x1102, "access size error"},
+        DeviceCode{0x1103, "start address out of range"},
+        DeviceCode{0x1104, "end of the range out of range"},
+        DeviceCode{0x1106, "no such program"},
+        DeviceCode{0x110B, "response too long"},
+        DeviceCode{0x110C, "parameter error"},
+        DeviceCode{0x2000, "read refused"},
+        DeviceCode{0x2100, "write refused"},
+        DeviceCode{0x2200, "wrong mode", Cause::kDeviceBusy},
+        DeviceCode{0x2201, "wrong mode: running", Cause::kDeviceBusy},
+        DeviceCode{0x2203, "wrong mode: PROGRAM", Cause::kDeviceBusy},
+        DeviceCode{0x2206, "wrong mode: RUN", Cause::kDeviceBusy},
+        DeviceCode{0x2300, "no such unit"},
+        DeviceCode{0x2502, "checksum error in memory", Cause::kDeviceBusy},
+        DeviceCode{0x2600, "protected"},
+        DeviceCode{0x3001, "no access right", Cause::kDeviceBusy},
+        DeviceCode{0x4001, "aborted", Cause::kDeviceBusy, true},
+    });
 [[nodiscard]] std::string_view fins_end_text(std::uint16_t code);  // "start address out of range"
 
 }  // namespace fieldcast::omron

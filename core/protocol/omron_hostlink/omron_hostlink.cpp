@@ -98,10 +98,6 @@ constexpr std::string_view kCModeAddresses[] = {
     "CIO12", "IR13",  "CIO14.03", "LR7",      "L8",      "HR10",   "H11",      "AR3",
     "A4",    "DM100", "D101",     "DM102.15", "EM1_100", "E1_101", "E1_102.3", "T5",
     "TIM6",  "C5",    "CNT6",     "TF5",      "TIMF6",   "CF5",    "CNTF6"};
-constexpr std::string_view kFinsAddresses[] = {
-    "CIO12", "IR13", "CIO14.03", "W5",   "WR6",      "W7.07",   "HR10", "H11",
-    "AR3",   "A4",   "DM100",    "D101", "DM102.15", "EM1_100", "EC_5", "E1_102.3",
-    "T5",    "TIM6", "C5",       "CNT6", "TF5",      "TIMF6",   "CF5",  "CNTF6"};
 constexpr ProtocolOption kFins[] = {{"mode", "fins"}};
 constexpr ProtocolOption kFinsRelayed[] = {{"mode", "fins"}, {"network", "5"}, {"node", "3"}};
 constexpr ProtocolAlias kAliases[] = {

@@ -49,6 +49,10 @@ TEST_F(FinsTcp, TheFirstExchangeOfAConnectionSendsTheGreeting) {
   EXPECT_EQ(second.sent, std::vector<Bytes>{kReadDm100});
 }
 
+TEST_F(FinsTcp, SilenceAfterTheGreetingIsNoResponse) {
+  EXPECT_EQ(read({kNodes}).cause, Cause::kNoResponse);
+}
+
 TEST_F(FinsTcp, AddressZeroIsThePlcOfTheConnection) {
   const Device any("omron-fins", 0);
   const auto exchange = any.protocol().begin(any.read("DM100", 1), {1, &session_});
@@ -63,11 +67,13 @@ TEST_F(FinsTcp, ARefusedGreetingSaysWhy) {
   EXPECT_TRUE(session_.empty());
 }
 
-TEST_F(FinsTcp, AnErrorOfTheFrameEndsTheSession) {
+// The PLC assigns nodes once for each connection: only the bus, when it opens the port, ends them.
+TEST_F(FinsTcp, AnErrorOfTheFrameKeepsTheNodes) {
   ASSERT_TRUE(read({kNodes, kValue}).done());
   const Outcome outcome = read({bytes("46494E53 00000008 00000003 00000003")});
   EXPECT_EQ(outcome.cause, Cause::kDeviceError);
-  EXPECT_TRUE(session_.empty());
+  EXPECT_EQ(outcome.code, 0x7003);
+  EXPECT_EQ(session_, (Bytes{0xEF, 0x0A}));
 }
 
 TEST_F(FinsTcp, AResponseOfAnotherNodeIsForeign) {

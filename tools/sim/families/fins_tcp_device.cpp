@@ -11,7 +11,8 @@ constexpr std::size_t kToLength = 8, kToData = 16;
 constexpr std::uint32_t kNodeOfClient = 0, kNodesOfBoth = 1, kFinsMessage = 2;
 constexpr std::uint32_t kNotFins = 1, kLengthError = 2, kNoSuchCommand = 3,
                         kConnectedAlready = 0x21;
-constexpr std::size_t kNodeOffset = 4;  // of DA1 in a message
+constexpr std::size_t kNodeOffset = 4;   // of DA1 in a message
+constexpr std::size_t kMostItems = 167;  // of command 0104
 constexpr std::uint8_t kClientNode = 239, kOwnNode = 10;
 
 Bytes tcp_frame(std::uint32_t command, std::uint32_t error, ByteView data) {
@@ -39,11 +40,11 @@ class FinsTcpDevice::Connection : public Receiver {
     if (length < 8 || length > 8 + kMostMessage) return refuse(kLengthError, reaction);
     if (received_.size() < kToLength + length) return;
     const Bytes frame = std::exchange(received_, {});
-    answer(read_u32(frame, kToLength), ByteView(frame).subspan(kToData), end, reaction);
+    execute(read_u32(frame, kToLength), ByteView(frame).subspan(kToData), end, reaction);
   }
 
  private:
-  void answer(std::uint32_t command, ByteView data, Instant now, Reaction& reaction) {
+  void execute(std::uint32_t command, ByteView data, Instant now, Reaction& reaction) {
     if (command == kNodeOfClient) {
       if (data.size() != 4) return refuse(kLengthError, reaction);
       if (greeted_) {
@@ -88,7 +89,7 @@ FinsTcpDevice::FinsTcpDevice(const DeviceSetup& setup)
       node_(setup.spec.link.address == 0 ? kOwnNode
                                          : static_cast<std::uint8_t>(setup.spec.link.address)),
       has_port_(setup.first_on_bus),
-      fins_(memory_, statistics_, {kMostMessage, 167}) {}
+      fins_(memory_, statistics_, {kMostMessage, kMostItems}) {}
 
 std::unique_ptr<Receiver> FinsTcpDevice::open_receiver() {
   return std::make_unique<Connection>(*this);
