@@ -10,6 +10,7 @@
 #include "config/sections/bus_keys.hpp"
 #include "config/sections/port.hpp"
 #include "core/base/duration_text.hpp"
+#include "core/protocol/families/registry.hpp"
 
 namespace fieldcast::config {
 
@@ -36,6 +37,11 @@ void read_devices(MapReader& bus, const DeviceContext& context, BusSpec& spec, L
     }
     spec.devices.push_back(read_device(*node, context, state));
     names.add("device", spec.devices.back().name, node->position, faults);
+    const ProtocolEntry* entry = find_protocol(spec.devices.back().protocol);
+    if (spec.devices.size() == 2 && entry != nullptr && entry->one_device) {
+      faults.add(node->position, fmt::format("a bus of {} has one device", entry->name),
+                 "a bus of its own for each");
+    }
   }
 }
 
