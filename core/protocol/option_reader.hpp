@@ -76,13 +76,13 @@ class OptionReader {
                      std::size_t otherwise = 0);
   std::uint32_t number(std::string_view name, std::uint32_t lowest, std::uint32_t highest,
                        std::uint32_t otherwise);
+  // Null if the device does not have the option.
+  [[nodiscard]] const std::string* text_of(std::string_view name) const;
+  void refuse(std::string_view name, std::string what, std::string allowed);
 
   [[nodiscard]] const std::optional<OptionFault>& fault() const { return fault_; }
 
  private:
-  const std::string* text_of(std::string_view name) const;
-  void refuse(std::string_view name, std::string what, std::string allowed);
-
   const DeviceLink& link_;
   std::optional<OptionFault> fault_;
 };

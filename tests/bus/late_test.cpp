@@ -125,7 +125,7 @@ namespace {
 // Compares what each protocol declares about ambiguous responses with its codec and simulated
 // device: every exchange that accepts the response to another request must be declared.
 
-// The response to the first request, or to the one after a greeting, whose result is in `session`.
+// The response to the request, also after greetings, whose results are in `session`.
 Bytes answer_to(SimDevice& device, const Protocol& protocol, const Request& request,
                 std::uint16_t sequence, Bytes& session) {
   const auto receiver = device.open_receiver();
@@ -137,11 +137,15 @@ Bytes answer_to(SimDevice& device, const Protocol& protocol, const Request& requ
       receiver->on_character(character, Instant{std::chrono::seconds{1}}, reaction);
     return reaction.response;
   };
-  Bytes sent, next;
+  Bytes sent;
   (void)exchange->start(sent);
-  const Bytes response = respond(sent);
-  (void)exchange->on_bytes(response, next);
-  return session.empty() ? response : respond(next);
+  Bytes response = respond(sent);
+  for (std::size_t known = session.size();; known = session.size()) {
+    Bytes next;
+    (void)exchange->on_bytes(response, next);
+    if (session.size() == known) return response;
+    response = respond(next);
+  }
 }
 
 bool takes(const Protocol& protocol, const Request& request, ExchangeContext context,

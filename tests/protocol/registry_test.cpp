@@ -94,6 +94,7 @@ TEST(DeviceCode, StatesOfTheMomentByFamily) {
                                                    {"modbus-ascii", {4, 5, 6, 8, 0x0A, 0x0B}},
                                                    {"modbus-tcp", {4, 5, 6, 8, 0x0A, 0x0B}},
                                                    {"s7-ppi", {1, 2, 9, 0x8001, 0x8404}},
+                                                   {"s7-tcp", {1, 2, 9, 0x8001, 0x8404}},
                                                    {"omron-hostlink", {1, 2, 0x0B, 0x21}},
                                                    {"omron-fins", kFins},
                                                    {"s7-freeport", {}},

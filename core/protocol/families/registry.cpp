@@ -10,6 +10,7 @@
 #include "core/protocol/omron_hostlink/omron_hostlink.hpp"
 #include "core/protocol/s7_freeport/s7_freeport.hpp"
 #include "core/protocol/s7_ppi/s7_ppi.hpp"
+#include "core/protocol/s7_tcp/s7_tcp.hpp"
 
 namespace fieldcast {
 
@@ -26,6 +27,7 @@ std::span<const ProtocolEntry> protocols() {
       omron::hostlink_entry(),
       s7_freeport::entry(),
       s7_ppi::entry(),
+      s7_tcp::entry(),
   };
   // clang-format on
   return entries;

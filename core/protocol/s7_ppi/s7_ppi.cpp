@@ -15,11 +15,16 @@
 #include "core/protocol/option_reader.hpp"
 #include "core/protocol/protocol_entry.hpp"
 #include "core/protocol/received.hpp"
-#include "core/protocol/s7_ppi/areas.hpp"
 #include "core/protocol/s7_ppi/telegram.hpp"
+#include "core/protocol/s7comm/message.hpp"
+#include "core/protocol/s7comm/s7_200.hpp"
 
 namespace fieldcast::s7_ppi {
 namespace {
+
+using s7comm::Judgement;
+using s7comm::kErrorCodes;
+using s7comm::kS7226Memory;
 
 constexpr std::uint8_t kFirst = 0x6C, kOdd = 0x5C,
                        kEven = 0x7C;  // frame control: first request, then alternating
@@ -33,7 +38,7 @@ constexpr Traits kTraits{
     .summary = "Siemens S7-200 PPI: several variables in one telegram, request and poll",
     .lowest_address = 0,
     .highest_address = 126,
-    .max_ranges = kMaxItems,
+    .max_ranges = 19,  // twenty do not fit 240 bytes
     .identity = ResponseIdentity::kSequence,
     .codes = kErrorCodes};
 
@@ -49,12 +54,14 @@ class PpiExchange final : public Exchange {
       : link_(link),
         request_(std::move(request)),
         reference_(reference),
-        response_size_(unit_sizes(request_)->response + kLinkHead + kLongFrame) {}
+        response_size_(s7comm::message_sizes(kS7226Memory, request_)->response + kLinkHead +
+                       kLongFrame) {}
 
   Step start(Bytes& out) override {
     const std::uint8_t control = reference_ == 0 ? kFirst : reference_ % 2 != 0 ? kOdd : kEven;
     poll_ = control == kOdd ? kEven : kOdd;
-    append_long(out, link_.station, link_.master, control, unit_of(request_, reference_));
+    append_long(out, link_.station, link_.master, control,
+                s7comm::message_of(kS7226Memory, request_, reference_));
     return Step::send(1);
   }
 
@@ -122,7 +129,7 @@ class PpiExchange final : public Exchange {
     Judgement judgement{Judgement::Kind::kForeign};
     if (ours(telegram)) {
       judgement = (telegram.control & kControlMask) == kDataResponse
-                      ? judge_unit(telegram.unit, request_, reference_)
+                      ? s7comm::judge(telegram.message, kS7226Memory, request_, reference_)
                       : Judgement{Judgement::Kind::kMalformed};
     }
     switch (judgement.kind) {
@@ -151,16 +158,18 @@ class PpiProtocol final : public Protocol {
  public:
   explicit PpiProtocol(const Link& link) : link_(link) {}
   const Traits& traits() const override { return kTraits; }
-  std::span<const Area> areas() const override { return kAreas; }
+  std::span<const Area> areas() const override { return s7comm::kS7226Areas; }
   tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override {
-    return parse_with_suggestion(at, s7_ppi::parse_address);
+    return parse_with_suggestion(at, [](std::string_view text) {
+      return s7comm::parse_s7_200_address(s7comm::kS7226Areas, text);
+    });
   }
 
   std::optional<ExchangeSize> size(const Request& request) const override {
-    const auto unit = unit_sizes(request);
-    if (!unit) return std::nullopt;
-    return ExchangeSize::of(unit->request + kLinkHead + kLongFrame + kShortSize,
-                            1 + unit->response + kLinkHead + kLongFrame, 2, link_.poll_delay);
+    const auto sizes = s7comm::message_sizes(kS7226Memory, request);
+    if (!sizes) return std::nullopt;
+    return ExchangeSize::of(sizes->request + kLinkHead + kLongFrame + kShortSize,
+                            1 + sizes->response + kLinkHead + kLongFrame, 2, link_.poll_delay);
   }
 
   std::unique_ptr<Exchange> begin(Request request, ExchangeContext context) const override {
@@ -186,12 +195,8 @@ tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link
   return std::make_unique<PpiProtocol>(ppi);
 }
 
-constexpr std::string_view kAddresses[] = {
-    "VB100", "VW102", "VD104", "V108.3", "MB1",  "MW2",  "MD4", "M9.7", "IB0", "IW2",
-    "ID4",   "I9.3",  "QB0",   "QW2",    "QD4",  "Q9.0", "SB0", "SW2",  "SD4", "S9.1",
-    "SMB28", "SMW30", "SMD34", "SM0.1",  "AIW4", "AQW2", "T37", "C5",   "HC0"};
 constexpr ProtocolAlias kAliases[] = {{"ppi"}, {"s7-200"}};
-constexpr ProtocolVariant kVariants[] = {{.addresses = kAddresses}};
+constexpr ProtocolVariant kVariants[] = {{.addresses = s7comm::kS7200Addresses}};
 
 }  // namespace
 

@@ -24,7 +24,7 @@ std::string asked(PpiDevice& device, std::string_view hex) {
 void prepare(ItemMemory& memory, ByteView request, ByteView answer) {
   ByteView data = answer.subspan(4 + 3 + 12 + 2);
   for (std::size_t item = 4 + 3 + 10 + 2; item + 12 <= request.size() - 2; item += 12) {
-    const auto row = std::ranges::find(kPpiAreas, request[item + 8], &PpiArea::code);
+    const auto row = std::ranges::find(kPpiAreas, request[item + 8], &S7Area::code);
     if (row == kPpiAreas.end()) return;
     const auto area = static_cast<std::size_t>(row - kPpiAreas.begin());
     const std::uint32_t address = read_u32(request, item + 8) & 0xFFFFFF;
@@ -126,14 +126,14 @@ TEST(PpiDevice, OthersGetSilenceAndTelegramsAreFoundInNoise) {
 }
 
 TEST(PpiDevice, VariablesAreReadInTheNotationOfTheSiemensSoftware) {
-  EXPECT_EQ(parse_ppi_address("VW100")->first, 100u);
-  EXPECT_EQ(parse_ppi_address("AIW4")->first, 2u);
-  EXPECT_EQ(parse_ppi_address("T37")->area, 8u);
-  EXPECT_EQ(parse_ppi_address("SM0.5")->area, 5u);
-  EXPECT_EQ(parse_ppi_address("S1.5")->area, 4u);
-  EXPECT_EQ(parse_ppi_address("V10.3")->bit, 3);
+  EXPECT_EQ(parse_s7_address(kPpiAreas, "VW100")->first, 100u);
+  EXPECT_EQ(parse_s7_address(kPpiAreas, "AIW4")->first, 2u);
+  EXPECT_EQ(parse_s7_address(kPpiAreas, "T37")->area, 8u);
+  EXPECT_EQ(parse_s7_address(kPpiAreas, "SM0.5")->area, 5u);
+  EXPECT_EQ(parse_s7_address(kPpiAreas, "S1.5")->area, 4u);
+  EXPECT_EQ(parse_s7_address(kPpiAreas, "V10.3")->bit, 3);
   for (const char* wrong : {"", "V", "V10", "VB", "AIW3", "T37.1", "VB1.1", "V1.8", "X1"})
-    EXPECT_FALSE(parse_ppi_address(wrong)) << wrong;
+    EXPECT_FALSE(parse_s7_address(kPpiAreas, wrong)) << wrong;
 }
 
 }  // namespace

@@ -66,8 +66,6 @@ class LateBus {
       bus.devices.push_back(each.device);
       bus.devices.back().name += std::to_string(bus.devices.size());
       bus.devices.back().timeout = 100ms;
-      const ProtocolEntry* entry = find_protocol(subject.device.protocol);
-      if (entry != nullptr && entry->one_device) break;
     }
     return bus;
   }

@@ -51,6 +51,8 @@ std::unique_ptr<Protocol> Subject::protocol() const {
 
 std::optional<Subject> Subject::neighbour() const {
   Subject other = *this;
+  const ProtocolEntry* entry = find_protocol(device.protocol);
+  if (entry != nullptr && entry->one_device) return std::nullopt;
   const auto made = protocol();
   const auto [lowest, highest] =
       std::pair(made->traits().lowest_address, made->traits().highest_address);

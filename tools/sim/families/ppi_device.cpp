@@ -75,11 +75,11 @@ Bytes short_telegram(std::uint8_t to, std::uint8_t from, std::uint8_t control) {
 }  // namespace
 
 PpiDevice::PpiDevice(const DeviceSetup& setup)
-    : MemoryDevice({ppi_areas(), setup}),
+    : MemoryDevice({s7_areas(kPpiAreas), setup}),
       station_(static_cast<std::uint8_t>(setup.spec.link.address)),
       line_(setup.line),
       stream_(setup.stream),
-      unit_(memory_, statistics_) {}
+      unit_(memory_, statistics_, kPpiAreas, 240) {}
 
 std::unique_ptr<Receiver> PpiDevice::open_receiver() {
   return std::make_unique<PpiReceiver>(*this, line_, stream_);
@@ -112,7 +112,8 @@ Bytes PpiDevice::take_short(std::uint8_t to, std::uint8_t from, std::uint8_t con
 }
 
 tl::expected<std::unique_ptr<SimDevice>, std::string> make_ppi_device(const DeviceSetup& setup) {
-  return make_memory_device<PpiDevice>(setup, 126, parse_ppi_address);
+  return make_memory_device<PpiDevice>(
+      setup, 126, [](std::string_view at) { return parse_s7_address(kPpiAreas, at); });
 }
 
 }  // namespace fieldcast::sim

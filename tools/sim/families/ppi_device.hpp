@@ -5,14 +5,14 @@
 //     poll      10 DA SA FC FCS 16                       ->  68 .. 32 03 .. 16
 //               if nothing is queued                     ->  10 SA DA 09 FCS 16
 //
-// This class is the link layer; PpiUnit (ppi_unit.hpp) executes the requests.
+// This class is the link layer; S7Unit (s7_unit.hpp) executes the requests.
 #pragma once
 
 #include <memory>
 #include <string>
 
 #include "tools/sim/device/device.hpp"
-#include "tools/sim/families/ppi_unit.hpp"
+#include "tools/sim/families/s7_unit.hpp"
 
 namespace fieldcast::sim {
 
@@ -30,7 +30,7 @@ class PpiDevice : public MemoryDevice {
   const std::uint8_t station_;
   const LineFormat line_;
   const bool stream_;
-  PpiUnit unit_;
+  S7Unit unit_;
   Bytes queued_;  // response waiting for a poll
   Bytes given_;   // response to the last poll
   // Frame control of the last poll: a poll with the same value repeats the response.

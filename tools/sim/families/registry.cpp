@@ -12,6 +12,7 @@
 #include "tools/sim/families/modbus/modbus_device.hpp"
 #include "tools/sim/families/modbus/modbus_unit.hpp"
 #include "tools/sim/families/ppi_device.hpp"
+#include "tools/sim/families/s7_tcp_device.hpp"
 
 namespace fieldcast::sim {
 
@@ -26,6 +27,7 @@ std::span<const DeviceKind> device_kinds() {
       DeviceKind{"omron-hostlink", kOmronAreaNames, true, &make_hostlink_device},
       DeviceKind{"s7-freeport", kFreeportAreaNames, true, &make_freeport_device},
       DeviceKind{"s7-ppi", kPpiAreaNames, true, &make_ppi_device},
+      DeviceKind{"s7-tcp", kS7TcpAreaNames, false, &make_s7_tcp_device},
   };
   return kinds;
 }

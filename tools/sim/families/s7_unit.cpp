@@ -1,4 +1,4 @@
-#include "tools/sim/families/ppi_unit.hpp"
+#include "tools/sim/families/s7_unit.hpp"
 
 #include <algorithm>
 
@@ -6,34 +6,65 @@
 
 namespace fieldcast::sim {
 
-std::vector<ItemArea> ppi_areas() {
-  std::vector<ItemArea> areas;
-  for (std::size_t i = 0; i < kPpiAreas.size(); ++i)
-    areas.push_back({kPpiAreaNames[i], kPpiAreas[i].bits, kPpiAreas[i].items});
-  return areas;
+std::vector<ItemArea> s7_areas(std::span<const S7Area> areas) {
+  std::vector<ItemArea> items;
+  for (const S7Area& area : areas) items.push_back({area.name, area.bits, area.items});
+  return items;
 }
 
-std::optional<ItemAddress> parse_ppi_address(std::string_view at) {
-  const std::size_t digits = std::min(at.find_first_of("0123456789"), at.size());
+namespace {
+
+// "DB10." before an address in a data block.
+struct BlockAddress {
+  std::uint32_t block = 0;  // 0: none
+  std::string_view rest;
+};
+std::optional<BlockAddress> block_of(std::string_view at) {
   const std::size_t dot = at.find('.');
-  const std::string_view letters = at.substr(0, digits);
-  const auto number =
-      address_number(at.substr(digits, dot == std::string_view::npos ? dot : dot - digits));
+  if (!at.starts_with("DB") || dot == std::string_view::npos) return BlockAddress{0, at};
+  const auto number = address_number(at.substr(2, dot - 2));
+  if (!number || *number < 1 || *number > 65535) return std::nullopt;
+  return BlockAddress{*number, at.substr(dot + 1)};
+}
+
+// Letters between the name of the area and the number: of a byte, a word, two words, four words.
+bool is_width(const S7Area& area, std::string_view letters) {
+  if (area.counted) return letters.empty();
+  if (area.bits == 16) return letters == "W";
+  return letters == "B" || letters == "W" || letters == "D" || letters == "L";
+}
+
+}  // namespace
+
+std::optional<ItemAddress> parse_s7_address(std::span<const S7Area> areas, std::string_view at) {
+  const auto place = block_of(at);
+  if (!place) return std::nullopt;
+  const std::string_view text = place->rest;
+  const std::size_t digits = std::min(text.find_first_of("0123456789"), text.size());
+  const std::size_t dot = std::min(text.find('.'), text.size());
+  const std::string_view letters = text.substr(0, digits);
+  if (dot < digits) return std::nullopt;
+  const auto number = address_number(text.substr(digits, dot - digits));
   if (!number || *number > 0xFFFFFF) return std::nullopt;
-  for (std::size_t area = 0; area < kPpiAreas.size(); ++area) {
-    if (!letters.starts_with(kPpiAreaNames[area])) continue;
-    const std::string_view width = letters.substr(kPpiAreaNames[area].size());
-    const bool words = kPpiAreas[area].bits == 16 && !kPpiAreas[area].counted;
-    ItemAddress address{.area = area,
-                        .first = static_cast<std::uint32_t>(words ? *number / 2 : *number)};
-    if (kPpiAreas[area].counted && width.empty() && dot == std::string_view::npos) return address;
-    if (words && width == "W" && *number % 2 == 0 && dot == std::string_view::npos) return address;
-    if (kPpiAreas[area].bits != 8) continue;
-    if (dot == std::string_view::npos && (width == "B" || width == "W" || width == "D"))
-      return address;
-    const auto bit =
-        dot == std::string_view::npos ? std::nullopt : address_number(at.substr(dot + 1));
-    if (!width.empty() || !bit || *bit > 7) continue;
+  for (std::size_t index = 0; index < areas.size(); ++index) {
+    const S7Area& area = areas[index];
+    if (!letters.starts_with(area.name) || area.blocks != (place->block != 0)) continue;
+    const std::string_view width = letters.substr(area.name.size());
+    ItemAddress address{.area = index, .first = static_cast<std::uint32_t>(*number)};
+    if (area.bits == 16 && !area.counted) {
+      if (*number % 2 != 0) continue;
+      address.first /= 2;
+    }
+    if (area.blocks) {
+      if (address.first >= kS7BlockBytes) continue;
+      address.first += (place->block - 1) * kS7BlockBytes;
+    }
+    if (dot == text.size()) {
+      if (is_width(area, width)) return address;
+      continue;
+    }
+    const auto bit = address_number(text.substr(dot + 1));
+    if (area.bits != 8 || width != (area.blocks ? "X" : "") || !bit || *bit > 7) continue;
     address.bit = static_cast<std::uint8_t>(*bit);
     return address;
   }
@@ -42,7 +73,7 @@ std::optional<ItemAddress> parse_ppi_address(std::string_view at) {
 
 namespace {
 
-constexpr std::size_t kHead = 10, kItem = 12, kMostResponse = 240;
+constexpr std::size_t kHead = 10, kItem = 12;
 constexpr std::uint8_t kGood = 0xFF, kNotAccessible = 0x03, kOutOfRange = 0x05, kTypeWrong = 0x06,
                        kSizeWrong = 0x07, kMissing = 0x0A;
 constexpr std::uint16_t kUnknownFunction = 0x8104, kTooLong = 0x8500;
@@ -61,17 +92,17 @@ Bytes acknowledge(ByteView reference, std::uint16_t error, ByteView parameters, 
 
 }  // namespace
 
-std::uint8_t PpiUnit::counted(std::uint8_t fault) {
+std::uint8_t S7Unit::counted(std::uint8_t fault) {
   if (fault != kGood) ++statistics_.exceptions[fault];
   return fault;
 }
 
-Bytes PpiUnit::refuse(ByteView reference, std::uint16_t error) {
+Bytes S7Unit::refuse(ByteView reference, std::uint16_t error) {
   ++statistics_.exceptions[error];
   return acknowledge(reference, error, {}, {});
 }
 
-Bytes PpiUnit::execute(ByteView job, Instant now) {
+Bytes S7Unit::execute(ByteView job, Instant now) {
   if (job.size() < kHead + 1 || job[0] != 0x32 || job[1] != 0x01) return {};
   const ByteView reference = job.subspan(4, 2);
   const std::size_t parameter_size = read_u16(job, 6), data_size = read_u16(job, 8);
@@ -94,7 +125,9 @@ Bytes PpiUnit::execute(ByteView job, Instant now) {
       return acknowledge(reference, 0, parameters.first(1), {});
     case 0xF0: {
       ++statistics_.requests["negotiate"];
-      const Bytes granted{0xF0, 0x00, 0x00, 0x01, 0x00, 0x01, 0x00, kMostResponse};
+      if (parameter_size != 8) return refuse(reference, kUnknownFunction);
+      Bytes granted{0xF0, 0x00, 0x00, 0x01, 0x00, 0x01};
+      append_u16(granted, std::min(read_u16(parameters, 6), most_));
       return acknowledge(reference, 0, granted, {});
     }
     default: ++statistics_.requests["other"]; return refuse(reference, kUnknownFunction);
@@ -102,13 +135,13 @@ Bytes PpiUnit::execute(ByteView job, Instant now) {
 }
 
 // 12 0A 10 TS count(2) DB(2) area address(3)
-PpiUnit::Item PpiUnit::item_of(ByteView bytes) const {
+S7Unit::Item S7Unit::item_of(ByteView bytes) const {
   Item item{.count = read_u16(bytes, 4)};
   if (bytes[0] != 0x12 || bytes[1] != 0x0A || bytes[2] != 0x10) return {.fault = kTypeWrong};
   const std::uint8_t transport = bytes[3];
-  const auto area = std::ranges::find(kPpiAreas, bytes[8], &PpiArea::code);
-  if (area == kPpiAreas.end()) return {.fault = kMissing};
-  item.area = static_cast<std::size_t>(area - kPpiAreas.begin());
+  const auto area = std::ranges::find(areas_, bytes[8], &S7Area::code);
+  if (area == areas_.end()) return {.fault = kMissing};
+  item.area = static_cast<std::size_t>(area - areas_.begin());
   const std::uint32_t address = read_u32(bytes, 8) & 0xFFFFFFu;
   if (area->counted) {
     item.first = address;
@@ -120,7 +153,7 @@ PpiUnit::Item PpiUnit::item_of(ByteView bytes) const {
   if (transport == 0x01) {
     item.bit = static_cast<std::uint8_t>(within);
     item.fault = area->bits != 8 ? kNotAccessible : item.count != 1 ? kTypeWrong : 0;
-    return item;
+    return area->blocks ? in_block(item, read_u16(bytes, 6)) : item;
   }
   const std::uint32_t bytes_each = transport == 0x02   ? 1
                                    : transport == 0x04 ? 2
@@ -130,29 +163,36 @@ PpiUnit::Item PpiUnit::item_of(ByteView bytes) const {
   if (area->bits == 16 && bytes_each != 2) item.fault = kNotAccessible;
   if (within != 0) item.fault = kOutOfRange;
   item.count = item.count * bytes_each * 8 / area->bits;
+  return area->blocks ? in_block(item, read_u16(bytes, 6)) : item;
+}
+
+S7Unit::Item S7Unit::in_block(Item item, std::uint32_t block) {
+  if (block == 0) return {.fault = kMissing};
+  if (item.first >= kS7BlockBytes || item.count > kS7BlockBytes - item.first)
+    item.fault = kOutOfRange;
+  item.first += (block - 1) * kS7BlockBytes;
   return item;
 }
 
-std::uint8_t PpiUnit::fault_of(const Item& item) const {
+std::uint8_t S7Unit::fault_of(const Item& item) const {
   if (item.fault != 0) return item.fault;
   if (item.count == 0) return kTypeWrong;
   return memory_.refusal(item.area, item.first, item.count, kOutOfRange);
 }
 
-// A timer, counter or high-speed counter has a leading status byte.
-Bytes PpiUnit::value_of(const Item& item, Instant now) const {
+Bytes S7Unit::value_of(const Item& item, Instant now) const {
   Bytes value;
   for (std::uint32_t i = item.first; i < item.first + item.count; ++i) {
     const std::uint64_t bits = memory_.read(item.area, i, now);
     if (item.bit) return {static_cast<std::uint8_t>(bits >> *item.bit & 1u)};
-    if (kPpiAreas[item.area].counted) value.push_back(0);
-    for (unsigned left = kPpiAreas[item.area].bits / 8; left-- > 0;)
+    value.resize(value.size() + areas_[item.area].status);
+    for (unsigned left = areas_[item.area].bits / 8; left-- > 0;)
       value.push_back(static_cast<std::uint8_t>(bits >> 8 * left));
   }
   return value;
 }
 
-Bytes PpiUnit::read(ByteView reference, ByteView items, Instant now) {
+Bytes S7Unit::read(ByteView reference, ByteView items, Instant now) {
   ++statistics_.requests["read"];
   Bytes data;
   for (std::size_t at = 0; at < items.size(); at += kItem) {
@@ -164,20 +204,20 @@ Bytes PpiUnit::read(ByteView reference, ByteView items, Instant now) {
       continue;
     }
     const Bytes value = value_of(item, now);
-    const bool octets = kPpiAreas[item.area].counted;
+    const bool octets = areas_[item.area].counted;
     append(data, Bytes{kGood, static_cast<std::uint8_t>(item.bit ? 0x03 : octets ? 0x09 : 0x04)});
     append_u16(data,
                static_cast<std::uint16_t>(item.bit || octets ? value.size() : 8 * value.size()));
     append(data, value);
-    if (data.size() > kMostResponse) return refuse(reference, kTooLong);
+    if (data.size() > most_) return refuse(reference, kTooLong);
   }
   const Bytes parameters{0x04, static_cast<std::uint8_t>(items.size() / kItem)};
-  if (12 + parameters.size() + data.size() > kMostResponse) return refuse(reference, kTooLong);
+  if (12 + parameters.size() + data.size() > most_) return refuse(reference, kTooLong);
   return acknowledge(reference, 0, parameters, data);
 }
 
 // Data for each item: 00 TS length(2) value, padded to an even length.
-Bytes PpiUnit::write(ByteView reference, ByteView items, ByteView data, Instant now) {
+Bytes S7Unit::write(ByteView reference, ByteView items, ByteView data, Instant now) {
   ++statistics_.requests["write"];
   Bytes codes;
   for (std::size_t at = 0; at < items.size(); at += kItem) {
@@ -197,10 +237,10 @@ Bytes PpiUnit::write(ByteView reference, ByteView items, ByteView data, Instant 
   return acknowledge(reference, 0, parameters, codes);
 }
 
-std::uint8_t PpiUnit::store(const Item& item, std::uint8_t transport, std::uint16_t length,
-                            ByteView value, Instant now) {
+std::uint8_t S7Unit::store(const Item& item, std::uint8_t transport, std::uint16_t length,
+                           ByteView value, Instant now) {
   if (const std::uint8_t fault = fault_of(item); fault != 0) return fault;
-  const PpiArea& area = kPpiAreas[item.area];
+  const S7Area& area = areas_[item.area];
   if (item.first < area.locked) return kNotAccessible;
   if (item.bit) {
     if (transport != 0x03 || length != 1) return kSizeWrong;

@@ -1,4 +1,4 @@
-#include "core/protocol/s7_ppi/areas.hpp"
+#include "core/protocol/s7comm/s7_200.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -6,7 +6,7 @@
 
 #include "core/protocol/option_reader.hpp"
 
-namespace fieldcast::s7_ppi {
+namespace fieldcast::s7comm {
 namespace {
 
 constexpr std::string_view kAllowed =
@@ -20,14 +20,14 @@ struct Named {
   unsigned width = 0;  // bits for B, W or D; 0: a bit or a number follows
 };
 
-std::optional<Named> named(std::string_view letters) {
-  for (AreaIndex area = 0; area < kAreaCount; ++area) {
-    const std::string_view name = kAreas[area].name;
+std::optional<Named> named(const S7200Areas& areas, std::string_view letters) {
+  for (AreaIndex area = 0; area < kS7200Areas; ++area) {
+    const std::string_view name = areas[area].name;
     if (!letters.starts_with(name)) continue;
     const std::string_view width = letters.substr(name.size());
-    const bool words = kAreas[area].item_bits == 16 && !kCodes[area].counted;
+    const bool words = areas[area].item_bits == 16 && !kS7200Codes[area].counted;
     if (width.empty() && !words) return Named{area};
-    if (kCodes[area].counted) continue;
+    if (kS7200Codes[area].counted) continue;
     if (words && width != "W") continue;
     if (width == "B") return Named{area, 8};
     if (width == "W") return Named{area, 16};
@@ -37,7 +37,7 @@ std::optional<Named> named(std::string_view letters) {
 }
 
 // Accepts the German names of the Siemens software, and lower case.
-std::string suggestion(std::string_view letters, std::string_view rest) {
+std::string suggestion(const S7200Areas& areas, std::string_view letters, std::string_view rest) {
   std::string upper = upper_case(letters);
   if (upper.starts_with("E"))
     upper[0] = 'I';
@@ -47,20 +47,20 @@ std::string suggestion(std::string_view letters, std::string_view rest) {
     upper = "C";
   else if (upper == "AI" || upper == "AQ")
     upper += "W";
-  return named(upper) ? upper + std::string(rest) : std::string{};
+  return named(areas, upper) ? upper + std::string(rest) : std::string{};
 }
 
 }  // namespace
 
-ParsedOrFault parse_address(std::string_view at) {
+ParsedOrFault parse_s7_200_address(const S7200Areas& areas, std::string_view at) {
   const std::size_t digits = std::min(at.find_first_of("0123456789"), at.size());
   const std::string_view letters = at.substr(0, digits);
-  const auto name = named(letters);
+  const auto name = named(areas, letters);
   if (!name)
     return address_fault("area " + in_quotes(letters) + " is unknown",
-                         suggestion(letters, at.substr(digits)));
-  const Area& area = kAreas[name->area];
-  const AreaCode& code = kCodes[name->area];
+                         suggestion(areas, letters, at.substr(digits)));
+  const Area& area = areas[name->area];
+  const AreaCode& code = kS7200Codes[name->area];
   const std::size_t dot = at.find('.');
   const std::string_view number =
       at.substr(digits, dot == std::string_view::npos ? dot : dot - digits);
@@ -91,4 +91,4 @@ ParsedOrFault parse_address(std::string_view at) {
   return address;
 }
 
-}  // namespace fieldcast::s7_ppi
+}  // namespace fieldcast::s7comm
