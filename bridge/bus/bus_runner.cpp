@@ -179,7 +179,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
   void on_received(ByteView bytes, Instant arrival) override {
     record_.received(bytes, mapping_.to_utc(arrival));
     process(Received{bytes}, arrival);
-    if (!engine_.exchanging()) record_.frame_ended(mapping_.to_utc(arrival));
+    if (engine_.frame_ended()) record_.frame_ended(mapping_.to_utc(arrival));
     port_->expect(engine_.missing());
   }
 

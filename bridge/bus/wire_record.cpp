@@ -10,8 +10,8 @@ namespace fieldcast {
 void WireRecord::sent(ByteView bytes, const BusEngine& engine, UtcTime at) const {
   if (trace_) trace_line(at, bus_, TraceMark::kSent, to_hex(bytes));
   if (capturing())
-    tap_->put({CaptureRecord::Kind::kSent, at, engine.asked_device().value_or(0),
-               Bytes(bytes.begin(), bytes.end()), engine.request_text()});
+    tap_->put({CaptureRecord::Kind::kSent, at, engine.asked_device(bytes).value_or(0),
+               Bytes(bytes.begin(), bytes.end()), engine.request_text(bytes)});
 }
 
 void WireRecord::received(ByteView bytes, UtcTime at) const {

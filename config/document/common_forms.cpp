@@ -79,6 +79,14 @@ std::string protocol_names() {
   return names;
 }
 
+std::string pipelined_protocol_names() {
+  std::string names;
+  for (const ProtocolEntry& entry : protocols()) {
+    if (entry.first_frame != nullptr) append(names, ", ", std::string(entry.name));
+  }
+  return names;
+}
+
 namespace {
 
 constexpr std::array<std::pair<std::string_view, TextNumber::Kind>, 3> kWords{

@@ -18,6 +18,8 @@ namespace fieldcast::config {
 
 // "`dtc`, `modbus-rtu`, ..".
 [[nodiscard]] std::string protocol_names();
+// "modbus-tcp, ..": protocols that can have several requests in flight.
+[[nodiscard]] std::string pipelined_protocol_names();
 
 // "decimal(7)", "decimal-comma(7)", "hex(4)", or a picture such as "+000.00".
 inline constexpr std::int64_t kMaxTextCharacters = 250;

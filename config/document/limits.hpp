@@ -30,6 +30,7 @@ inline constexpr std::size_t kMaxFaults = 1'000;           // reported together
 // Plant:
 inline constexpr std::size_t kMaxBuses = 256;
 inline constexpr std::size_t kMaxDevices = 247;       // of a bus
+inline constexpr unsigned kMaxInFlight = 16;          // requests of a bus
 inline constexpr std::size_t kMaxChannels = 100'000;  // of a bridge
 inline constexpr std::size_t kMaxInterfaces = 16;
 inline constexpr std::size_t kMaxServers = 8;       // discovery servers

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "config/document/common_forms.hpp"
 #include "config/document/document.hpp"
 #include "config/document/limits.hpp"
 #include "config/document/scalars.hpp"
@@ -22,6 +23,30 @@ void read_defaults(MapReader& bus, BusSpec& spec, DeviceDefaults& defaults) {
   MapReader map(*node, bus_default_rows(), bus.faults());
   BusDefaults both{spec, defaults};
   bus_default_rows().read(map, both);
+}
+
+// Responses of one connection are matched with the requests by a number in the frames.
+void check_in_flight(const BusSpec& spec, const MapReader& map, FaultList& faults) {
+  if (spec.in_flight == 1) return;
+  const auto fault = [&](std::string what, std::string allowed) {
+    faults.add(map.position_of("in-flight"), "in-flight: " + std::move(what), std::move(allowed));
+  };
+  const auto* tcp = std::get_if<TcpPortSpec>(&spec.port);
+  if (tcp == nullptr || tcp->line)
+    return fault("the port is no plain TCP device", "port: { tcp: HOST:PORT } without baud");
+  for (const DeviceSpec& device : spec.devices) {
+    const ProtocolEntry* entry = find_protocol(device.protocol);
+    const auto protocol = make_protocol(device, line_of(spec.port));
+    const bool numbered = protocol && (*protocol)->traits().identity == ResponseIdentity::kSequence;
+    if (entry == nullptr || entry->first_frame == nullptr || (protocol && !numbered))
+      return fault(device.protocol + " cannot have several requests in flight",
+                   pipelined_protocol_names());
+    if (device.protocol != spec.devices.front().protocol)
+      return fault("the devices have different protocols", "one protocol for the bus");
+    if (device.pause > Duration::zero())
+      return fault("device " + device.name + " has a pause after each exchange",
+                   "a bus without pause");
+  }
 }
 
 void read_devices(MapReader& bus, const DeviceContext& context, BusSpec& spec, LoadState& state) {
@@ -91,6 +116,7 @@ BusSpec read_bus(const Node& node, LoadState& state) {
   read_capture(map, spec.capture);
   read_defaults(map, spec, context.defaults);
   read_devices(map, context, spec, state);
+  check_in_flight(spec, map, state.faults);
   return spec;
 }
 

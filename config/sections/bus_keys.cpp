@@ -59,6 +59,10 @@ std::vector<Field<BusSpec>> bus_fields() {
         .schema = R"({ "$ref": "#/$defs/bus-defaults" })"}},
       field({"echo", "auto", "the line gives back what is sent; `auto` finds out"}, &BusSpec::echo,
             ChoiceRule<std::optional<bool>>{kEchoes}),
+      field({"in-flight", "1",
+             "requests that wait for their responses at the same time, on a TCP connection with " +
+                 pipelined_protocol_names() + "; fewer if the device drops requests"},
+            &BusSpec::in_flight, WholeRule{1, kMaxInFlight}),
       {{.name = "devices",
         .fallback = "needed",
         .text = fmt::format("1 to {} devices", kMaxDevices),

@@ -53,9 +53,12 @@ void BusEngine::on_event(const BusEvent& event, Instant now, Actions& actions) {
 void BusEngine::handle(const Opened& event, Instant now, ActionSink&) {
   if (state_ == BusState::kStopped) return;
   state_ = BusState::kRunning;
-  (void)break_off();
+  break_all_off();
   parts_.late.start_anew();
-  parts_.wire.opened(std::max(now, event.quiet_until));
+  parts_.session.clear();
+  stream_.clear();
+  parts_.in_flight.opened();
+  for (Wire& wire : parts_.wires) wire.opened(std::max(now, event.quiet_until));
   parts_.fence.opened(now);
   parts_.devices.opened(now);
 }
@@ -66,7 +69,10 @@ void BusEngine::handle(const Closed& event, Instant now, ActionSink& sink) {
   state_ = BusState::kClosed;
   closed_because_ = event.cause;
   if (event.cause != Cause::kPortClosed) outcomes_.count(event.cause);
-  give_up(Cause::kPortClosed, now, sink);
+  for (Wire& wire : parts_.wires) {
+    parts_.select(wire);
+    give_up(Cause::kPortClosed, now, sink);
+  }
   // Without a serial line behind it, a closed connection delivers no more late responses.
   if (parts_.setup.plain_tcp()) parts_.late.forget_all();
   for (ChannelIndex c = 0; c < parts_.channels.size(); ++c)
@@ -75,15 +81,19 @@ void BusEngine::handle(const Closed& event, Instant now, ActionSink& sink) {
 }
 
 void BusEngine::handle(const Received& event, Instant now, ActionSink& sink) {
-  if (!parts_.wire.exchanging() || state_ != BusState::kRunning) {
-    parts_.wire.count_stray(event.bytes.size());
+  if (parts_.wires.size() > 1) {
+    if (state_ == BusState::kRunning) take_frames(event.bytes, now, sink);
+    return;
+  }
+  if (!parts_.wire().exchanging() || state_ != BusState::kRunning) {
+    parts_.wire().count_stray(event.bytes.size());
     if (state_ != BusState::kRunning) return;
     return take_stray(event.bytes, now, sink);
   }
   Bytes out;
-  const auto outcome = parts_.wire.on_bytes(event.bytes, now, out);
-  const Asked& asked = parts_.wire.flight().asked;
-  parts_.fence.bytes_came(parts_.wire.driver().received().empty(), now);
+  const auto outcome = parts_.wire().on_bytes(event.bytes, now, out);
+  const Asked& asked = parts_.wire().flight().asked;
+  parts_.fence.bytes_came(parts_.wire().driver().received().empty(), now);
   // The wire may belong to another master, and these bytes to its exchange.
   if (parts_.fence.listening()) {
     give_up(Cause::kForeignMaster, now, sink);
@@ -91,20 +101,49 @@ void BusEngine::handle(const Received& event, Instant now, ActionSink& sink) {
   }
   if (another_asked(outcome, now, sink)) return;
   if (outcome != ExchangeDriver::Outcome::kSend)
-    outcomes_.take_late(parts_.late.in_exchange(asked, parts_.wire.driver(), now), now, sink);
+    outcomes_.take_late(parts_.late.in_exchange(asked, parts_.wire().driver(), now), now, sink);
   // A response that began before the end of its request belongs to another request.
   if (outcome == ExchangeDriver::Outcome::kDone && !parts_.late.owes_same(asked) &&
       is_too_early(asked.device)) {
-    parts_.wire.wait_on();
+    parts_.wire().wait_on();
     return parts_.late.start_anew();
   }
   advance(outcome, std::move(out), now, sink);
 }
 
+void BusEngine::take_frames(ByteView bytes, Instant now, ActionSink& sink) {
+  append(stream_, bytes);
+  while (!stream_.empty() && state_ == BusState::kRunning) {
+    const auto size = parts_.setup.first_frame(stream_);
+    if (!size) {
+      sink.push(Reopen{"the header of a response is not valid"});
+      state_ = BusState::kOpening;
+      return;
+    }
+    if (*size == 0) return;
+    const Bytes frame(stream_.begin(), stream_.begin() + static_cast<std::ptrdiff_t>(*size));
+    stream_.erase(stream_.begin(), stream_.begin() + static_cast<std::ptrdiff_t>(*size));
+    take_frame(frame, now, sink);
+  }
+}
+
+void BusEngine::take_frame(ByteView frame, Instant now, ActionSink& sink) {
+  Bytes out;
+  for (Wire& wire : parts_.wires) {
+    if (!wire.exchanging()) continue;
+    const auto outcome = wire.on_frame(frame, now, out);
+    if (outcome == ExchangeDriver::Outcome::kWaiting) continue;
+    parts_.select(wire);
+    return advance(outcome, std::move(out), now, sink);
+  }
+  parts_.wire().count_stray(frame.size());
+  outcomes_.take_late(parts_.late.in_strays(frame, now), now, sink);
+}
+
 // While the fence listens, unsolicited bytes are not late responses: another master may have sent
 // the same request.
 void BusEngine::take_stray(ByteView bytes, Instant now, ActionSink& sink) {
-  parts_.wire.stray(now);
+  parts_.wire().stray(now);
   parts_.fence.bytes_came(false, now);
   std::vector<LateResponseFilter::Late> late;
   if (!parts_.late.none_owed() && !parts_.fence.listening())
@@ -127,10 +166,13 @@ void BusEngine::handle(const InterestChanged& event, Instant now, ActionSink& si
 
 void BusEngine::handle(const LeaseBegan&, Instant now, ActionSink& sink) {
   if (state_ == BusState::kStopped) return;
-  const auto broken = break_off();
-  if (broken && broken->is_command())
-    parts_.commands.failed(broken->batch, Cause::kLeased, 0, parts_.wire.driver().responded(), now,
-                           sink);
+  for (Wire& wire : parts_.wires) {
+    parts_.select(wire);
+    const auto broken = break_off();
+    if (broken && broken->is_command())
+      parts_.commands.failed(broken->batch, Cause::kLeased, 0, wire.driver().responded(), now,
+                             sink);
+  }
   state_ = BusState::kLeased;
   parts_.commands.refuse_all(Cause::kLeased, text_of(Cause::kLeased), now, sink);
   std::vector<Sample> last;
@@ -145,7 +187,7 @@ void BusEngine::handle(const LeaseEnded&, Instant now, ActionSink& sink) {
 }
 
 void BusEngine::handle(const StopRequested&, Instant now, ActionSink& sink) {
-  (void)break_off();
+  break_all_off();
   state_ = BusState::kStopped;
   parts_.commands.refuse_all(Cause::kShutdown, text_of(Cause::kShutdown), now, sink);
 }
@@ -159,11 +201,11 @@ void BusEngine::handle(const CountAbove& event, Instant, ActionSink& sink) {
 }
 
 void BusEngine::handle(const NotSent&, Instant now, ActionSink& sink) {
-  if (!parts_.wire.exchanging()) return;
+  if (!parts_.wire().exchanging()) return;
   parts_.fence.not_sent(now);
   // Earlier requests of the exchange may have had an effect.
-  if (!parts_.wire.first_request()) return give_up(Cause::kForeignMaster, now, sink);
-  const Flight kept = parts_.wire.not_sent(now);
+  if (!parts_.wire().first_request()) return give_up(Cause::kForeignMaster, now, sink);
+  const Flight kept = parts_.wire().not_sent(now);
   parts_.devices.not_asked(kept.asked.device);
   if (kept.is_command()) parts_.commands.not_sent(kept.batch);
   if (kept.kind == Flight::Kind::kRead) parts_.reads.broken_off(kept.block, now);
@@ -174,9 +216,11 @@ void BusEngine::handle(const PlanMade& event, Instant now, ActionSink&) {
 }
 
 void BusEngine::settle(Instant now, ActionSink& sink) {
-  if (parts_.wire.exchanging() && now >= parts_.wire.driver().deadline()) {
+  for (Wire& wire : parts_.wires) {
+    if (!wire.exchanging() || now < wire.driver().deadline()) continue;
+    parts_.select(wire);
     Bytes out;
-    const auto outcome = parts_.wire.on_timer(now, out);
+    const auto outcome = wire.on_timer(now, out);
     if (!another_asked(outcome, now, sink)) advance(outcome, std::move(out), now, sink);
   }
   if (state_ != BusState::kStopped && state_ != BusState::kLeased) {
@@ -185,7 +229,7 @@ void BusEngine::settle(Instant now, ActionSink& sink) {
     sink.publish(std::move(late));
   }
   parts_.commands.expire(state_, now, sink);
-  if (state_ == BusState::kRunning && !parts_.wire.exchanging()) send_next(now, sink);
+  while (state_ == BusState::kRunning && select_free() && send_next(now, sink)) {}
   if (auto told = overload_.update(parts_.reads.stretch(), now)) sink.push(std::move(*told));
   if (auto draft = parts_.reads.draft()) sink.push(MakePlan{std::move(draft)});
   set_timer(sink);
@@ -196,10 +240,9 @@ void BusEngine::set_timer(ActionSink& sink) {
   if (state_ != BusState::kStopped) {
     next = parts_.commands.next_expiry();
     if (state_ != BusState::kLeased) next = std::min(next, parts_.channels.next_expiry());
-    if (parts_.wire.exchanging())
-      next = std::min(next, parts_.wire.driver().deadline());
-    else if (state_ == BusState::kRunning)
-      next = std::min(next, next_request_at_);
+    for (const Wire& wire : parts_.wires)
+      if (wire.exchanging()) next = std::min(next, wire.driver().deadline());
+    if (state_ == BusState::kRunning && any_free()) next = std::min(next, next_request_at_);
   }
   if (next == timer_) return;
   timer_ = next;
@@ -207,14 +250,14 @@ void BusEngine::set_timer(ActionSink& sink) {
 }
 
 bool BusEngine::is_too_early(DeviceIndex device) {
-  const Duration began = parts_.wire.driver().response_began();
+  const Duration began = parts_.wire().driver().response_began();
   return parts_.devices.too_early(device, began) ||
          parts_.fence.doubts_first(began, parts_.setup.line().characters(1));
 }
 
 bool BusEngine::another_asked(ExchangeDriver::Outcome outcome, Instant now, ActionSink& sink) {
-  if (!got_response(outcome, parts_.wire.driver().cause())) return false;
-  if (!parts_.fence.came_between(parts_.wire.driver().before_response(), now)) return false;
+  if (!got_response(outcome, parts_.wire().driver().cause())) return false;
+  if (!parts_.fence.came_between(parts_.wire().driver().before_response(), now)) return false;
   let_go(now, sink);
   give_up(Cause::kForeignMaster, now, sink);
   return true;
@@ -225,11 +268,11 @@ void BusEngine::advance(ExchangeDriver::Outcome outcome, Bytes out, Instant now,
   if (outcome == ExchangeDriver::Outcome::kSend) {
     if (!parts_.fence.keeps(now)) return give_up(Cause::kForeignMaster, now, sink);
     parts_.late.start_anew();
-    (void)parts_.fence.sending(out, parts_.wire.driver().sent_until());
+    (void)parts_.fence.sending(out, parts_.wire().driver().sent_until());
     return sink.push(Send{std::move(out)});
   }
-  if (parts_.fence.ended(got_response(outcome, parts_.wire.driver().cause()),
-                         parts_.wire.driver().received(), now))
+  if (parts_.fence.ended(got_response(outcome, parts_.wire().driver().cause()),
+                         parts_.wire().driver().received(), now))
     let_go(now, sink);
   auto reopen = outcomes_.conclude(outcome == ExchangeDriver::Outcome::kDone, now, sink);
   if (!reopen) return;
@@ -238,30 +281,48 @@ void BusEngine::advance(ExchangeDriver::Outcome outcome, Bytes out, Instant now,
 }
 
 std::optional<Flight> BusEngine::break_off() {
-  if (parts_.wire.exchanging()) {
-    const Asked& asked = parts_.wire.flight().asked;
+  if (parts_.wire().exchanging()) {
+    const Asked& asked = parts_.wire().flight().asked;
     parts_.late.broken_off(asked, parts_.devices.longest_response(asked.device));
   }
-  return parts_.wire.abort();
+  return parts_.wire().abort();
+}
+
+void BusEngine::break_all_off() {
+  for (Wire& wire : parts_.wires) {
+    parts_.select(wire);
+    (void)break_off();
+  }
 }
 
 void BusEngine::give_up(Cause cause, Instant now, ActionSink& sink) {
   const auto broken = break_off();
   if (!broken) return;
   if (broken->is_command())
-    parts_.commands.failed(broken->batch, cause, 0, parts_.wire.driver().responded(), now, sink);
+    parts_.commands.failed(broken->batch, cause, 0, parts_.wire().driver().responded(), now, sink);
   if (broken->kind == Flight::Kind::kRead) parts_.reads.broken_off(broken->block, now);
   outcomes_.count(cause);
 }
 
-void BusEngine::send_next(Instant now, ActionSink& sink) {
+// A command is alone on the connection, so no read that began before a write ends after it.
+bool BusEngine::select_free() {
+  if (!any_free()) return false;
+  const auto repeats = std::ranges::find_if(parts_.wires, &Wire::waiting);
+  const auto found = repeats != parts_.wires.end()
+                         ? repeats
+                         : std::ranges::find_if_not(parts_.wires, &Wire::exchanging);
+  parts_.select(*found);
+  return true;
+}
+
+bool BusEngine::send_next(Instant now, ActionSink& sink) {
   WireFence& fence = parts_.fence;
   if (!fence.may_send(now)) {
     next_request_at_ = fence.look_again(now);
-    return;
+    return false;
   }
   auto request = arbiter_.next(now);
-  const Instant free_at = parts_.wire.free_at();
+  const Instant free_at = parts_.wire().free_at();
   if (!request && now >= free_at && now >= fence.sign_from()) {
     const bool due = now >= fence.sign_due();
     request = arbiter_.sign(now, due);
@@ -270,15 +331,16 @@ void BusEngine::send_next(Instant now, ActionSink& sink) {
   if (!request) {
     const Instant sign = now < fence.sign_from() ? fence.sign_from() : fence.sign_due();
     next_request_at_ = std::min(arbiter_.look_again(), std::max(sign, free_at));
-    return;
+    return false;
   }
-  if (fence.sending(*request, parts_.wire.driver().sent_until())) {
+  if (fence.sending(*request, parts_.wire().driver().sent_until())) {
     sink.push(Notice{Notice::Kind::kForeignMasterEnded,
                      {},
                      Cause::kNone,
                      "the wire was silent: this bridge sends again"});
   }
   sink.push(Send{std::move(*request)});
+  return true;
 }
 
 void BusEngine::let_go(Instant now, ActionSink& sink) {
@@ -292,16 +354,28 @@ void BusEngine::let_go(Instant now, ActionSink& sink) {
                        to_text(parts_.fence.times().listen)});
 }
 
-std::string BusEngine::request_text() const { return flight_text(parts_); }
+std::string BusEngine::request_text(ByteView sent) const {
+  const Wire* wire = parts_.sender_of(sent);
+  return wire == nullptr ? std::string() : flight_text(parts_, wire->flight());
+}
 
-std::optional<DeviceIndex> BusEngine::asked_device() const {
-  if (!parts_.wire.exchanging()) return std::nullopt;
-  return parts_.wire.flight().asked.device;
+std::optional<DeviceIndex> BusEngine::asked_device(ByteView sent) const {
+  const Wire* wire = parts_.sender_of(sent);
+  if (wire == nullptr) return std::nullopt;
+  return wire->flight().asked.device;
 }
 
 BusReport BusEngine::bus_report(Instant now) {
-  const WireLoad::Shares shares = parts_.wire.shares(now);
+  WireLoad::Shares shares;
   BusReport report;
+  for (Wire& wire : parts_.wires) {
+    const WireLoad::Shares own = wire.shares(now);
+    shares.busy += own.busy / static_cast<double>(parts_.wires.size());
+    shares.reading += own.reading / static_cast<double>(parts_.wires.size());
+    report.exchanges += wire.exchanges();
+    report.bytes_sent += wire.driver().bytes_sent();
+    report.bytes_received += wire.driver().bytes_received();
+  }
   report.state = state_;
   if (state_ == BusState::kClosed) report.closed_because = closed_because_;
   report.utilisation = shares.busy;
@@ -310,11 +384,8 @@ BusReport BusEngine::bus_report(Instant now) {
   report.stretch = parts_.reads.stretch();
   report.listening = state_ == BusState::kRunning && parts_.fence.listening();
   report.foreign_masters = parts_.fence.foreign_masters();
-  report.exchanges = parts_.wire.exchanges();
   report.samples = samples_;
   report.commands = parts_.commands.done();
-  report.bytes_sent = parts_.wire.driver().bytes_sent();
-  report.bytes_received = parts_.wire.driver().bytes_received();
   report.reopened = reopened_;
   report.causes = outcomes_.causes();
   report.misses = parts_.channels.misses(now);

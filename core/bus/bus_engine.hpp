@@ -42,8 +42,14 @@ class BusEngine {
   [[nodiscard]] PlanReport plan_report() const { return parts_.reads.plan_report(); }
 
   // Minimum of missing characters of the response; 0 if unknown. The shell may wait for them.
-  [[nodiscard]] std::uint32_t missing() const { return parts_.wire.driver().missing(); }
-  [[nodiscard]] bool exchanging() const { return parts_.wire.exchanging(); }
+  [[nodiscard]] std::uint32_t missing() const {
+    return parts_.wires.size() == 1 ? parts_.wire().driver().missing() : 0;
+  }
+  [[nodiscard]] bool exchanging() const { return parts_.exchanging() > 0; }
+  // The received bytes are whole frames, or no response is awaited.
+  [[nodiscard]] bool frame_ended() const {
+    return parts_.wires.size() == 1 ? !exchanging() : stream_.empty();
+  }
 
   // See wire_fence.hpp. Call before the first event.
   void set_fence_order(unsigned rank, std::uint64_t seed) { parts_.fence.set_order(rank, seed); }
@@ -53,8 +59,9 @@ class BusEngine {
     return parts_.setup.plain_tcp() ? kLongAgo : parts_.late.owed_until();
   }
 
-  [[nodiscard]] std::string request_text() const;
-  [[nodiscard]] std::optional<DeviceIndex> asked_device() const;
+  // Of the exchange that sent these bytes last; empty if there is none.
+  [[nodiscard]] std::string request_text(ByteView sent) const;
+  [[nodiscard]] std::optional<DeviceIndex> asked_device(ByteView sent) const;
 
   void set_trace(bool on) { tracing_ = on; }
 
@@ -78,9 +85,18 @@ class BusEngine {
   [[nodiscard]] bool is_too_early(DeviceIndex device);
   bool another_asked(ExchangeDriver::Outcome outcome, Instant now, ActionSink& sink);
   void advance(ExchangeDriver::Outcome outcome, Bytes out, Instant now, ActionSink& sink);
+  void take_frames(ByteView bytes, Instant now, ActionSink& sink);
+  void take_frame(ByteView frame, Instant now, ActionSink& sink);
   std::optional<Flight> break_off();
+  void break_all_off();
   void give_up(Cause cause, Instant now, ActionSink& sink);
-  void send_next(Instant now, ActionSink& sink);
+  // Selects the wire of the next request. Returns false if all are in use.
+  [[nodiscard]] bool select_free();
+  [[nodiscard]] bool any_free() const {
+    return parts_.exchanging() < (parts_.commands.empty() ? parts_.in_flight.now() : 1);
+  }
+  // Returns false if nothing was sent.
+  bool send_next(Instant now, ActionSink& sink);
   void take_stray(ByteView bytes, Instant now, ActionSink& sink);
   // Stops sending until the wire is silent, because another master uses it.
   void let_go(Instant now, ActionSink& sink);
@@ -95,6 +111,7 @@ class BusEngine {
   bool begun_ = false;
   Instant next_request_at_ = kNever;  // while the wire rests
   Instant timer_ = kNever;            // last value sent to the shell
+  Bytes stream_;                      // with several requests in flight: part of a frame
   bool tracing_ = false;
   std::uint64_t samples_ = 0;
   std::uint64_t reopened_ = 0;  // number of times the port was lost

@@ -31,9 +31,7 @@ std::string command_text(const Command& command, std::size_t batch) {
 
 }  // namespace
 
-std::string flight_text(const BusParts& parts) {
-  if (!parts.wire.exchanging()) return {};
-  const Flight& flight = parts.wire.flight();
+std::string flight_text(const BusParts& parts, const Flight& flight) {
   const DeviceIndex device = flight.asked.device;
   std::string why;
   if (flight.kind == Flight::Kind::kRead) {

@@ -2,6 +2,8 @@
 // and the outcome router (after it) coordinate them. Owned by the bus engine, on the bus's thread.
 #pragma once
 
+#include <algorithm>
+#include <deque>
 #include <string>
 
 #include "core/bus/command/channel_table.hpp"
@@ -9,6 +11,7 @@
 #include "core/bus/health/device_monitor.hpp"
 #include "core/bus/read_path.hpp"
 #include "core/bus/setup/bus_setup.hpp"
+#include "core/bus/wire/in_flight.hpp"
 #include "core/bus/wire/late_response_filter.hpp"
 #include "core/bus/wire/wire.hpp"
 #include "core/bus/wire/wire_fence.hpp"
@@ -23,8 +26,11 @@ struct BusParts {
         reads(setup, channels),
         devices(setup, reads.first_ranges()),
         late(setup),
-        wire(setup),
-        fence(setup.spec()) {}
+        fence(setup.spec()),
+        in_flight(setup.spec().in_flight) {
+    for (unsigned i = 0; i < setup.spec().in_flight; ++i) wires.emplace_back(setup, session);
+    wire_ = &wires.front();
+  }
 
   const BusSetup setup;
   ChannelTable channels;
@@ -32,11 +38,31 @@ struct BusParts {
   ReadPath reads;
   DeviceMonitor devices;
   LateResponseFilter late;
-  Wire wire;
+  Bytes session;  // of the connection, see ExchangeContext
+  std::deque<Wire> wires;
   WireFence fence;
+  InFlight in_flight;
+
+  // The wire whose exchange begins or ends.
+  [[nodiscard]] Wire& wire() { return *wire_; }
+  [[nodiscard]] const Wire& wire() const { return *wire_; }
+  void select(Wire& wire) { wire_ = &wire; }
+  // Null if no exchange sent these bytes last.
+  [[nodiscard]] const Wire* sender_of(ByteView sent) const {
+    const auto found = std::ranges::find_if(wires, [&](const Wire& wire) {
+      return wire.exchanging() && std::ranges::equal(wire.driver().sent(), sent);
+    });
+    return found == wires.end() ? nullptr : &*found;
+  }
+  [[nodiscard]] unsigned exchanging() const {
+    return static_cast<unsigned>(std::ranges::count_if(wires, &Wire::exchanging));
+  }
+
+ private:
+  Wire* wire_ = nullptr;
 };
 
-// "press-1: read holding:100..109 (oil-temperature, running, +3)"; empty without a request.
-[[nodiscard]] std::string flight_text(const BusParts& parts);
+// "press-1: read holding:100..109 (oil-temperature, running, +3)".
+[[nodiscard]] std::string flight_text(const BusParts& parts, const Flight& flight);
 
 }  // namespace fieldcast

@@ -5,33 +5,33 @@
 namespace fieldcast {
 
 Arbiter::Arbiter(BusParts& parts)
-    : commands_(parts.commands),
+    : parts_(parts),
+      commands_(parts.commands),
       reads_(parts.reads),
       devices_(parts.devices),
       late_(parts.late),
-      wire_(parts.wire),
       command_gate_([this](const CommandJob& job) { return sendable_from(job); }) {}
 
 std::optional<Bytes> Arbiter::next(Instant now) {
   rest_until_ = kLongAgo;
-  if (now < wire_.free_at()) return std::nullopt;
-  if (!wire_.waiting()) {
+  if (now < parts_.wire().free_at()) return std::nullopt;
+  if (!parts_.wire().waiting()) {
     auto flight = choose(now);
     if (!flight) return std::nullopt;
     command_was_last_ = flight->is_command();
-    wire_.launch(std::move(*flight));
+    parts_.wire().launch(std::move(*flight));
   }
   return send(now);
 }
 
 std::optional<Bytes> Arbiter::sign(Instant now, bool due) {
-  if (wire_.waiting()) return std::nullopt;
+  if (parts_.wire().waiting()) return std::nullopt;
   auto read = devices_.sign(now, late_.read_gate());
   if (!read || (!due && reads_.slack(now) < read->timeout)) return std::nullopt;
   Flight sign;
   sign.kind = Flight::Kind::kProbe;
   sign.asked = {read->device, std::move(read->request), {}, {}};
-  wire_.launch(std::move(sign));
+  parts_.wire().launch(std::move(sign));
   return send(now);
 }
 
@@ -48,7 +48,7 @@ std::optional<Flight> Arbiter::choose(Instant now) {
 }
 
 std::optional<Flight> Arbiter::choose_command(Instant now) {
-  const bool echo_unknown = wire_.driver().echo() == Echo::kUnknown;
+  const bool echo_unknown = parts_.wire().driver().echo() == Echo::kUnknown;
   if (auto next = commands_.next(now, command_gate_, echo_unknown)) {
     Flight command;
     command.kind = Flight::Kind::kCommand;
@@ -81,6 +81,7 @@ std::optional<Flight> Arbiter::choose_read(Instant now) {
     read.asked = {next->block.device, std::move(next->request), {}, {}};
     read.block = std::move(next->block);
     read.longer = next->longer;
+    if (parts_.wires.size() > 1) reads_.launched(read.block, now);
     return read;
   }
   rest_until_ = std::min({std::get<Rest>(decision).until, devices_.next_probe(), next_admission,
@@ -107,7 +108,7 @@ Instant Arbiter::sendable_from(const CommandJob& job) const {
 }
 
 Bytes Arbiter::send(Instant now) {
-  const Flight& flight = wire_.flight();
+  const Flight& flight = parts_.wire().flight();
   const DeviceIndex device = flight.asked.device;
   const Duration timeout =
       flight.timeout > Duration::zero()
@@ -115,7 +116,8 @@ Bytes Arbiter::send(Instant now) {
           : devices_.timeout(device, flight.asked.request, flight.is_command());
   devices_.asked(device);
   late_.start_anew();
-  return wire_.send({late_.next_context(device), timeout, devices_.rest_before(device, now)}, now);
+  return parts_.wire().send(
+      {late_.next_context(device), timeout, devices_.rest_before(device, now)}, now);
 }
 
 void Arbiter::suspend(DeviceIndex device, Instant now) {
@@ -123,30 +125,37 @@ void Arbiter::suspend(DeviceIndex device, Instant now) {
 }
 
 OutcomeRouter::OutcomeRouter(BusParts& parts, Arbiter& arbiter)
-    : setup_(parts.setup),
+    : parts_(parts),
+      setup_(parts.setup),
       channels_(parts.channels),
       commands_(parts.commands),
       reads_(parts.reads),
       devices_(parts.devices),
       late_(parts.late),
-      wire_(parts.wire),
       arbiter_(arbiter) {}
 
 std::optional<Reopen> OutcomeRouter::conclude(bool done, Instant now, ActionSink& sink) {
-  const Wire::Ended ended = wire_.conclude(done, now);
-  const DeviceIndex device = wire_.flight().asked.device;
+  const Wire::Ended ended = parts_.wire().conclude(done, now);
+  const DeviceIndex device = parts_.wire().flight().asked.device;
+  // The device has responded to a request that was in flight with this one.
+  const Duration waited = now - parts_.wire().flight().asked.sent_until;
+  const bool dropped =
+      !ended.responded && parts_.wires.size() > 1 && devices_.rest_before(device, now) < waited;
+  if (ended.responded) parts_.in_flight.responded();
+  if (dropped) parts_.in_flight.missed();
   note_try(ended, now, sink);
   if (!done && may_repeat(ended.cause)) {
     devices_.repeated(device);
-    wire_.repeat();
+    parts_.wire().repeat();
     return std::nullopt;
   }
-  const Flight flight = wire_.take();
+  const Flight flight = parts_.wire().take();
   if (done && !flight.no_response) learn(flight);
   const bool busy = ended.cause == Cause::kDeviceBusy;
   if (ended.responded && !busy) devices_.responded(device, sink);
   deliver(flight, ended, now, sink);
-  const bool lost = (!ended.responded || busy) && device_failed(device, ended, now, sink);
+  const bool lost =
+      (!ended.responded || busy) && !dropped && device_failed(device, ended, now, sink);
   arbiter_.suspend(device, now);
   // All devices of this connection are silent: the connection itself may be dead.
   if (lost && !busy && devices_.all_offline() && over_network(setup_.spec().port))
@@ -163,15 +172,15 @@ std::optional<Reopen> OutcomeRouter::conclude(bool done, Instant now, ActionSink
 void OutcomeRouter::learn(const Flight& flight) {
   const DeviceIndex device = flight.asked.device;
   const Request& request = flight.asked.request;
-  const Duration response_time = wire_.driver().response_time();
+  const Duration response_time = parts_.wire().driver().response_time();
   devices_.learn(device, request, response_time);
   if (std::holds_alternative<ReadRequest>(request))
     reads_.learn(device, area_of(request), response_time);
 }
 
 void OutcomeRouter::note_try(const Wire::Ended& ended, Instant now, ActionSink& sink) {
-  const Flight& flight = wire_.flight();
-  const ExchangeDriver& driver = wire_.driver();
+  const Flight& flight = parts_.wire().flight();
+  const ExchangeDriver& driver = parts_.wire().driver();
   const DeviceIndex device = flight.asked.device;
   const Duration longest = devices_.longest_response(device);
   if (ended.responded) {
@@ -195,7 +204,7 @@ void OutcomeRouter::note_try(const Wire::Ended& ended, Instant now, ActionSink& 
 bool OutcomeRouter::may_repeat(Cause cause) const {
   if (cause == Cause::kDeviceError || cause == Cause::kDeviceBusy || cause == Cause::kUnsupported)
     return false;
-  const Flight& flight = wire_.flight();
+  const Flight& flight = parts_.wire().flight();
   const DeviceIndex device = flight.asked.device;
   return flight.kind != Flight::Kind::kProbe &&
          std::holds_alternative<ReadRequest>(flight.asked.request) &&
@@ -205,7 +214,7 @@ bool OutcomeRouter::may_repeat(Cause cause) const {
 
 void OutcomeRouter::deliver(const Flight& flight, const Wire::Ended& ended, Instant now,
                             ActionSink& sink) {
-  const Instant acquired = wire_.driver().responded();
+  const Instant acquired = parts_.wire().driver().responded();
   switch (flight.kind) {
     case Flight::Kind::kRead:
       if (ended.done)
@@ -217,7 +226,7 @@ void OutcomeRouter::deliver(const Flight& flight, const Wire::Ended& ended, Inst
       if (ended.done)
         return commands_.responded(flight.batch, ended.exchange->reply(), acquired, now, sink);
       return commands_.failed(flight.batch, ended.cause, ended.device_code, acquired, now, sink,
-                              wire_.driver().echo_alone() && !setup_.spec().echo
+                              parts_.wire().driver().echo_alone() && !setup_.spec().echo
                                   ? "what was sent comes back, and nothing else"
                                   : "");
     case Flight::Kind::kProbe:
@@ -252,8 +261,10 @@ void OutcomeRouter::take_late(const std::vector<LateResponseFilter::Late>& respo
     }
     if (!awaited) continue;
     reads_.responded(response.block, response.reply, now, now, sink);
-    const bool waits = wire_.waiting() && wire_.flight().kind == Flight::Kind::kRead;
-    if (waits && same_read(response.asked, wire_.flight().asked)) wire_.drop();
+    for (Wire& wire : parts_.wires) {
+      const bool waits = wire.waiting() && wire.flight().kind == Flight::Kind::kRead;
+      if (waits && same_read(response.asked, wire.flight().asked)) wire.drop();
+    }
   }
   late_.expire(now);
   reads_.release_held(now, late_.read_gate());

@@ -31,7 +31,9 @@ class Arbiter {
   // `due`. REQUIRES: next() returned empty, and the wire is free.
   [[nodiscard]] std::optional<Bytes> sign(Instant now, bool due);
   // When next() may return a request, unless an event occurs before.
-  [[nodiscard]] Instant look_again() const { return std::max(wire_.free_at(), rest_until_); }
+  [[nodiscard]] Instant look_again() const {
+    return std::max(parts_.wire().free_at(), rest_until_);
+  }
 
   void suspend(DeviceIndex device, Instant now);
 
@@ -44,11 +46,11 @@ class Arbiter {
   [[nodiscard]] Instant sendable_from(const CommandJob& job) const;
   [[nodiscard]] Bytes send(Instant now);
 
+  BusParts& parts_;
   CommandQueue& commands_;
   ReadPath& reads_;
   DeviceMonitor& devices_;
   LateResponseFilter& late_;
-  Wire& wire_;
   CommandQueue::Gate command_gate_;
   bool command_was_last_ = false;
   Instant rest_until_ = kLongAgo;
@@ -76,13 +78,13 @@ class OutcomeRouter {
   // Returns true if the device went offline.
   bool device_failed(DeviceIndex device, const Wire::Ended& ended, Instant now, ActionSink& sink);
 
+  BusParts& parts_;
   const BusSetup& setup_;
   ChannelTable& channels_;
   CommandQueue& commands_;
   ReadPath& reads_;
   DeviceMonitor& devices_;
   LateResponseFilter& late_;
-  Wire& wire_;
   Arbiter& arbiter_;
   CauseCounters causes_;
 };

@@ -131,7 +131,11 @@ void ReadPath::responded(const Block& block, const Reply& reply, Instant acquire
   sink.publish(std::move(samples));
   if (!good.empty()) {
     others_responded(block.device);
-    scheduler_->acquired(part_of(block, std::move(good)), acquired);
+    const Block read = part_of(block, std::move(good));
+    if (setup_.spec().in_flight > 1)
+      scheduler_->confirmed(read, acquired);
+    else
+      scheduler_->acquired(read, acquired);
   }
   std::vector<Sample> bad_samples;
   for (RefusedPart& part : bad) {

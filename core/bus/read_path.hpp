@@ -59,6 +59,8 @@ class ReadPath {
   // Debts have ended: releases the reads held back for them.
   void release_held(Instant now, const Gate& gate);
 
+  // Other reads follow before the response: the block is due again as if it were read now.
+  void launched(const Block& block, Instant now) { scheduler_->launched(block, now); }
   void responded(const Block& block, const Reply& reply, Instant acquired, Instant now,
                  ActionSink& sink);
   void learn(DeviceIndex device, AreaIndex area, Duration response_time);

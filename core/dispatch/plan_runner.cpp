@@ -169,6 +169,20 @@ void PlanRunner::acquired(const Block& block, Instant now) {
   seen_ = now;
   state_.paces[block.device].read(now - decided_, block.cost - state_.wire.tails[block.device]);
   std::visit([&](const auto& dispatcher) { renew(block, now, dispatcher); }, dispatcher_);
+  confirmed(block, now);
+}
+
+void PlanRunner::launched(const Block& block, Instant now) {
+  std::visit([&](const auto& dispatcher) { renew(block, now, dispatcher); }, dispatcher_);
+  refresh_groups_of(block, now);
+}
+
+void PlanRunner::confirmed(const Block& block, Instant now) {
+  for (const PointIndex each : block.points) {
+    PointState& point = state_.points[index_of(each)];
+    point.retry_at = Instant{};
+    point.bad = point.suspect = false;
+  }
   if (refusals_.searching()) settle_refusals(block);
   refresh_groups_of(block, now);
 }
@@ -181,8 +195,8 @@ void PlanRunner::renew(const Block& block, Instant now, const D& dispatcher) {
     // Small delays do not count: the next slot has slack.
     if (!point.eager) watch_.acquired(now - point.deadline > point.allowed_gap / 20, now);
     dispatcher.renew(state_, state_.groups[plan_.grouping.group_at[index]], point, now);
-    point.retry_at = Instant{};
-    point.eager = point.bad = point.suspect = false;
+    if (point.bad) point.retry_at = later(now, point.allowed_gap);
+    point.eager = false;
   }
 }
 

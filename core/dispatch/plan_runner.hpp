@@ -79,6 +79,8 @@ class PlanRunner {
   void inherit(PointIndex point, Instant acquired);
   [[nodiscard]] Decision next(Instant now);
   void acquired(const Block& block, Instant acquired);
+  void launched(const Block& block, Instant now);
+  void confirmed(const Block& block, Instant acquired);
   void failed(const Block& block, Instant now, Instant retry_at);
   std::vector<PointIndex> refused(const Block& block, Instant now, Duration forget);
   void suspend(DeviceIndex device, Instant until);

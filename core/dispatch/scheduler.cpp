@@ -43,6 +43,12 @@ void Scheduler::acquired(const Block& block, Instant acquired) {
   stale_ = stale_ || runner_.overrun() != before;
 }
 
+void Scheduler::launched(const Block& block, Instant now) {
+  const double before = runner_.overrun();
+  runner_.launched(block, now);
+  stale_ = stale_ || runner_.overrun() != before;
+}
+
 void Scheduler::set_response_time(DeviceIndex device, AreaIndex area, Duration response_time) {
   if (runner_.set_response_time(device, area, response_time)) stale_ = costs_changed_ = true;
 }

@@ -28,6 +28,9 @@ class Scheduler {
   [[nodiscard]] Decision next(Instant now) { return runner_.next(now); }
   // `acquired`: last byte of the response.
   void acquired(const Block& block, Instant acquired);
+  // With several requests in flight, instead of acquired(): at the request, then at the response.
+  void launched(const Block& block, Instant now);
+  void confirmed(const Block& block, Instant acquired) { runner_.confirmed(block, acquired); }
   // The cause is not the addresses. The points are tried again at `retry_at` or later.
   void failed(const Block& block, Instant now, Instant retry_at) {
     runner_.failed(block, now, retry_at);

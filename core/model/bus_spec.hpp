@@ -53,6 +53,9 @@ struct BusSpec {
   Duration gap_allowance = std::chrono::milliseconds{20};
   std::optional<bool> echo;  // the line echoes sent bytes; empty: detected
   Planner planner = Planner::kCyclic;
+  // Maximum number of exchanges at a time. More than 1 only over TCP, if all devices have the same
+  // protocol and it has ProtocolEntry::first_frame.
+  unsigned in_flight = 1;
   std::vector<DeviceSpec> devices;
   std::optional<CaptureSpec> capture;  // empty: captured only on request
   // A reload restarts only buses that differ in more than their capture.

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <tl/expected.hpp>
@@ -23,6 +24,9 @@ struct SeenRequest {
 
 // Matches a whole request to any device, with a valid check, at the beginning of the bytes.
 using RequestMatcher = SeenRequest (*)(ByteView bytes);
+
+// Size of the whole frame at the beginning of a stream; 0: not yet whole; empty: not a frame.
+using Framer = std::optional<std::size_t> (*)(ByteView stream);
 
 // The row of a built-in protocol: names, options, limits of its lines, and the functions that make
 // it and explain its frames. families/registry.hpp lists all rows. Constant data, any thread.
@@ -54,6 +58,8 @@ struct ProtocolEntry {
   std::span<const std::string_view> options{};  // names supported by `make`
   std::string_view options_text{};              // their description, for config/README.md
   LineFormat factory_line{};                    // factory setting of the devices
+  // Null if several requests cannot be in flight: its responses do not identify their requests.
+  Framer first_frame = nullptr;
   bool network_only = false;    // frames its own stream, so no serial line carries it
   bool whole_bytes = false;     // needs 8 data bits
   std::string_view instead{};   // protocol to use if one of these two rules is broken

@@ -28,8 +28,8 @@ ScheduleInput wire_input(const BusSpec& bus, std::span<const Protocol* const> pr
   input.points = std::move(points);
   for (std::size_t i = 0; i < protocols.size(); ++i) {
     const DeviceSpec& device = bus.devices[i];
-    input.devices.push_back(
-        {protocols[i], response_time, device.pause, device.max_block, device.max_gap});
+    input.devices.push_back({protocols[i], response_time, device.pause, device.max_block,
+                             device.max_gap, bus.in_flight});
   }
   return input;
 }

@@ -22,7 +22,7 @@ class ArbiterTest : public testing::Test {
   // Returns the kind of the next command at `now`, and withdraws the command.
   std::optional<Kind> next(Instant now) {
     if (!arbiter_.next(now)) return std::nullopt;
-    const Flight flight = *parts_.wire.abort();
+    const Flight flight = *parts_.wire().abort();
     if (flight.is_command())
       parts_.commands.responded(flight.batch, {{}}, now, now, sink_);
     else if (flight.kind == Kind::kRead)
@@ -45,7 +45,7 @@ class ArbiterTest : public testing::Test {
 };
 
 TEST_F(ArbiterTest, NothingIsSentWhileTheWireMustBeSilent) {
-  parts_.wire.opened(Instant{1s});
+  parts_.wire().opened(Instant{1s});
   EXPECT_FALSE(arbiter_.next(Instant{1s}));
   EXPECT_EQ(arbiter_.look_again(), Instant{1s} + parts_.setup.silence());
   EXPECT_TRUE(arbiter_.next(arbiter_.look_again()));
@@ -74,21 +74,21 @@ TEST_F(ArbiterTest, WithoutReadsCommandsFollowEachOther) {
 
 TEST_F(ArbiterTest, AnExchangeThatIsToBeRepeatedGoesFirst) {
   ASSERT_TRUE(arbiter_.next(Instant{}));
-  const Instant deadline = parts_.wire.driver().deadline();
+  const Instant deadline = parts_.wire().driver().deadline();
   Bytes out;
-  (void)parts_.wire.on_timer(deadline, out);
-  (void)parts_.wire.conclude(false, deadline);
-  parts_.wire.repeat();
+  (void)parts_.wire().on_timer(deadline, out);
+  (void)parts_.wire().conclude(false, deadline);
+  parts_.wire().repeat();
   write("r0");
   ASSERT_TRUE(arbiter_.next(deadline + 50ms));
-  EXPECT_EQ(parts_.wire.flight().kind, Kind::kRead);
-  EXPECT_EQ(parts_.wire.flight().tries, 1u);
+  EXPECT_EQ(parts_.wire().flight().kind, Kind::kRead);
+  EXPECT_EQ(parts_.wire().flight().tries, 1u);
 }
 
 TEST_F(ArbiterTest, TheWireRestsForACommandThatHasBegun) {
   write("r0");
   ASSERT_TRUE(arbiter_.next(Instant{}));
-  (void)parts_.wire.abort();
+  (void)parts_.wire().abort();
   parts_.commands.failed(1, Cause::kNoResponse, 0, Instant{}, Instant{}, sink_);
   ASSERT_TRUE(parts_.commands.begun()) << "it reads back";
   parts_.devices.busy(0, Instant{});
@@ -103,8 +103,8 @@ TEST_F(ArbiterTest, AnOfflineDeviceIsProbedBeforeReads) {
   take_offline(0, Instant{});
   EXPECT_EQ(next(Instant{100ms}), Kind::kRead);
   ASSERT_TRUE(arbiter_.next(Instant{31s}));
-  EXPECT_EQ(parts_.wire.flight().kind, Kind::kProbe) << "overdue";
-  EXPECT_EQ(parts_.wire.flight().asked.device, 0u);
+  EXPECT_EQ(parts_.wire().flight().kind, Kind::kProbe) << "overdue";
+  EXPECT_EQ(parts_.wire().flight().asked.device, 0u);
 }
 
 TEST_F(ArbiterTest, ASickDeviceIsAdmittedWhenTheTimeHasCome) {

@@ -26,15 +26,15 @@ class OutcomeRouterTest : public testing::Test {
 
   void ask(Instant now) { ASSERT_TRUE(arbiter_.next(now)); }
   Instant time_out() {
-    const Instant now = parts_.wire.driver().deadline();
+    const Instant now = parts_.wire().driver().deadline();
     Bytes out;
-    EXPECT_EQ(parts_.wire.on_timer(now, out), ExchangeDriver::Outcome::kFailed);
+    EXPECT_EQ(parts_.wire().on_timer(now, out), ExchangeDriver::Outcome::kFailed);
     reopen_ = outcomes_.conclude(false, now, sink_);
     return now;
   }
   void receive(const Bytes& bytes, Instant now) {
     Bytes out;
-    const auto outcome = parts_.wire.on_bytes(bytes, now, out);
+    const auto outcome = parts_.wire().on_bytes(bytes, now, out);
     ASSERT_NE(outcome, ExchangeDriver::Outcome::kWaiting);
     reopen_ = outcomes_.conclude(outcome == ExchangeDriver::Outcome::kDone, now, sink_);
   }
@@ -63,17 +63,17 @@ TEST_F(OutcomeRouterTest, AResponseBecomesSamples) {
   EXPECT_EQ(samples_, 4u);
   EXPECT_EQ(outcomes_.causes().total(), 0u);
   EXPECT_EQ(parts_.devices.report(0).state, DeviceState::kOnline);
-  EXPECT_FALSE(parts_.wire.waiting());
+  EXPECT_FALSE(parts_.wire().waiting());
 }
 
 TEST_F(OutcomeRouterTest, AReadIsRepeatedAsOftenAsConfigured) {
   ask(Instant{});
   const Instant failed = time_out();
-  EXPECT_TRUE(parts_.wire.waiting());
+  EXPECT_TRUE(parts_.wire().waiting());
   EXPECT_EQ(parts_.devices.report(0).failures, 0u) << "a try is no exchange";
   ask(failed + 10ms);
   (void)time_out();
-  EXPECT_FALSE(parts_.wire.waiting());
+  EXPECT_FALSE(parts_.wire().waiting());
   EXPECT_EQ(outcomes_.causes()[Cause::kNoResponse], 2u);
   EXPECT_EQ(parts_.devices.report(0).failures, 1u);
   EXPECT_EQ(parts_.devices.report(0).retries, 1u);
@@ -83,7 +83,7 @@ TEST_F(OutcomeRouterTest, AReadIsRepeatedAsOftenAsConfigured) {
 TEST_F(OutcomeRouterTest, ARefusalIsNeverRepeated) {
   ask(Instant{});
   receive(kRefusal, Instant{20ms});
-  EXPECT_FALSE(parts_.wire.waiting());
+  EXPECT_FALSE(parts_.wire().waiting());
   EXPECT_EQ(outcomes_.causes()[Cause::kDeviceError], 1u);
   EXPECT_EQ(parts_.devices.report(0).failures, 0u) << "it answered";
 }
@@ -95,11 +95,11 @@ TEST_F(OutcomeRouterTest, AWriteIsNeverRepeatedAndItsCommandDecides) {
   command.values = {Value{std::uint64_t{7}}};
   parts_.commands.accept(command, {}, Instant{}, sink_);
   ask(Instant{});
-  ASSERT_TRUE(parts_.wire.flight().is_command());
-  if (std::holds_alternative<ReadRequest>(parts_.wire.flight().asked.request))
+  ASSERT_TRUE(parts_.wire().flight().is_command());
+  if (std::holds_alternative<ReadRequest>(parts_.wire().flight().asked.request))
     GTEST_FAIL() << "an echo is looked for first";
   (void)time_out();
-  EXPECT_FALSE(parts_.wire.waiting());
+  EXPECT_FALSE(parts_.wire().waiting());
   EXPECT_TRUE(parts_.commands.begun()) << "it reads back";
 }
 
@@ -118,10 +118,10 @@ TEST_F(OutcomeRouterTest, ALostDeviceMakesItsChannelsFailAndIsNotRead) {
 TEST_F(OutcomeRouterTest, ALateResponseEndsTheRepetition) {
   ask(Instant{});
   const Instant failed = time_out();
-  ASSERT_TRUE(parts_.wire.waiting());
+  ASSERT_TRUE(parts_.wire().waiting());
   outcomes_.take_late(parts_.late.in_strays(kZeros, failed + 1ms), failed + 1ms, sink_);
   EXPECT_EQ(samples_, 4u);
-  EXPECT_FALSE(parts_.wire.waiting());
+  EXPECT_FALSE(parts_.wire().waiting());
 }
 
 class OutcomeRouterOverNetwork : public OutcomeRouterTest {
@@ -145,7 +145,7 @@ TEST_F(OutcomeRouterOverNetwork, AStreamWhoseFramingIsLostIsOpenedAgain) {
   for (Instant now{}; !reopen_ && now < Instant{10s}; now += 1s) {
     ask(now);
     Bytes out;
-    const auto outcome = parts_.wire.on_bytes(broken, now + 20ms, out);
+    const auto outcome = parts_.wire().on_bytes(broken, now + 20ms, out);
     if (outcome == ExchangeDriver::Outcome::kFailed)
       reopen_ = outcomes_.conclude(false, now + 20ms, sink_);
     else

@@ -23,7 +23,8 @@ class WireTest : public testing::Test {
   Bytes send(Instant at) { return wire_.send({{1}, 200ms, 0ms}, at); }
 
   BusSetup setup_{test::rtu_bus(1)};
-  Wire wire_{setup_};
+  Bytes session_;
+  Wire wire_{setup_, session_};
   Bytes out_;
 };
 

@@ -12,6 +12,7 @@
 #include "core/bus/setup/event.hpp"
 #include "core/model/bus_spec.hpp"
 #include "core/model/sample.hpp"
+#include "core/protocol/families/registry.hpp"
 #include "core/protocol/protocol.hpp"
 
 namespace fieldcast {
@@ -27,6 +28,10 @@ class BusSetup {
   // Required silence of the wire after each response.
   [[nodiscard]] Duration silence() const { return silence_; }
   [[nodiscard]] bool plain_tcp() const;
+  // See ProtocolEntry. REQUIRES: spec().in_flight > 1.
+  [[nodiscard]] std::optional<std::size_t> first_frame(ByteView stream) const {
+    return find_protocol(spec_.devices.front().protocol)->first_frame(stream);
+  }
 
   [[nodiscard]] std::size_t devices() const { return spec_.devices.size(); }
   [[nodiscard]] const DeviceSpec& device(DeviceIndex device) const { return spec_.devices[device]; }

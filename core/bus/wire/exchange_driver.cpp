@@ -69,6 +69,19 @@ ExchangeDriver::Outcome ExchangeDriver::on_bytes(ByteView bytes, Instant now, By
   return follow(exchange_->on_bytes(received_, out), now, out);
 }
 
+ExchangeDriver::Outcome ExchangeDriver::on_frame(ByteView frame, Instant now, Bytes& out) {
+  received_.assign(frame.begin(), frame.end());
+  out.clear();
+  Step step = exchange_->on_bytes(frame, out);
+  if (step.kind == Step::Kind::kNeedMore) step = exchange_->on_silence(out);
+  const bool foreign = step.kind == Step::Kind::kFailed &&
+                       (step.cause == Cause::kForeign || step.cause == Cause::kNoResponse);
+  if (foreign) return Outcome::kWaiting;
+  bytes_received_ += frame.size();
+  last_byte_ = now;
+  return follow(step, now, out);
+}
+
 ExchangeDriver::Outcome ExchangeDriver::on_timer(Instant now, Bytes& out) {
   out.clear();
   return follow(exchange_->on_silence(out), now, out);

@@ -31,6 +31,9 @@ class ExchangeDriver {
 
   // With kSend, `out` is the next request. After kDone or kFailed see exchange() and cause().
   Outcome on_bytes(ByteView bytes, Instant now, Bytes& out);
+  // The same for a whole frame on a connection with several requests in flight. kWaiting: it
+  // belongs to another request, and wait_on() must follow.
+  Outcome on_frame(ByteView frame, Instant now, Bytes& out);
   Outcome on_timer(Instant now, Bytes& out);  // REQUIRES: now >= deadline()
   void abort() { exchange_.reset(); }
   void not_sent() {
@@ -38,7 +41,7 @@ class ExchangeDriver {
     abort();
   }
   // The received bytes were not the response: waits with `again`, made for the same request.
-  // REQUIRES: the last outcome was kDone; `again` has not begun.
+  // REQUIRES: the last outcome was kDone or kWaiting; `again` has not begun.
   void wait_on(std::unique_ptr<Exchange> again);
 
   [[nodiscard]] bool active() const { return exchange_ != nullptr; }

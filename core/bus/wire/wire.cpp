@@ -14,8 +14,10 @@ Echo echo_of(const BusSpec& bus) {
 
 }  // namespace
 
-Wire::Wire(const BusSetup& setup)
-    : setup_(setup), driver_(setup.line(), setup.spec().gap_allowance, echo_of(setup.spec())) {}
+Wire::Wire(const BusSetup& setup, Bytes& session)
+    : setup_(setup),
+      driver_(setup.line(), setup.spec().gap_allowance, echo_of(setup.spec())),
+      session_(session) {}
 
 void Wire::launch(Flight flight) {
   assert(!flight_);
@@ -55,6 +57,13 @@ ExchangeDriver::Outcome Wire::on_bytes(ByteView bytes, Instant now, Bytes& out) 
   look(now);
   const auto outcome = driver_.on_bytes(bytes, now, out);
   flight_->asked.sent_until = driver_.sent_until();
+  return outcome;
+}
+
+ExchangeDriver::Outcome Wire::on_frame(ByteView frame, Instant now, Bytes& out) {
+  look(now);
+  const auto outcome = driver_.on_frame(frame, now, out);
+  if (outcome == ExchangeDriver::Outcome::kWaiting) wait_on();
   return outcome;
 }
 

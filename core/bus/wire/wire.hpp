@@ -56,9 +56,10 @@ class WireLoad {
   std::deque<Mark> marks_;
 };
 
-// The wire of one bus: the exchange in flight, the time when the wire is free again, and its load.
-// At most one flight; bytes are sent only through it. After an exchange the wire stays silent for
-// the line's silence. Owned by the bus engine, on the bus's thread.
+// One exchange in flight, the time when the next one may follow, and the load. A bus has one wire,
+// or several on a connection with requests in flight (BusSpec::in_flight). At most one flight; bytes
+// are sent only through it. After an exchange the wire stays silent for the line's silence. Owned by
+// the bus engine, on the bus's thread.
 
 // An exchange from its first request to its last try.
 struct Flight {
@@ -98,15 +99,19 @@ class Wire {
     Duration rest{};  // between the device's last response and now
   };
 
-  explicit Wire(const BusSetup& setup);  // `setup` must outlive the wire
+  // Both must outlive the wire. `session`: of the connection, see ExchangeContext.
+  Wire(const BusSetup& setup, Bytes& session);
 
   // REQUIRES: no flight.
   void launch(Flight flight);
   [[nodiscard]] Bytes send(const Send& with, Instant now);
   // REQUIRES: exchanging().
   ExchangeDriver::Outcome on_bytes(ByteView bytes, Instant now, Bytes& out);
+  // kWaiting: the frame belongs to another request.
+  ExchangeDriver::Outcome on_frame(ByteView frame, Instant now, Bytes& out);
   ExchangeDriver::Outcome on_timer(Instant now, Bytes& out);
-  // The bytes were not the response: the wait continues. REQUIRES: the last outcome was kDone.
+  // The bytes were not the response: the wait continues without them. REQUIRES: the last outcome
+  // was kDone or kWaiting.
   void wait_on();
   // Call after kDone or kFailed. The flight is kept until repeat() or take().
   [[nodiscard]] Ended conclude(bool done, Instant now);
@@ -124,10 +129,7 @@ class Wire {
   // The line must become silent before it is used.
   void count_stray(std::size_t bytes) { driver_.count_stray(bytes); }
   void stray(Instant now);
-  void opened(Instant now) {
-    session_.clear();
-    free_at_ = now + setup_.silence();
-  }
+  void opened(Instant now) { free_at_ = now + setup_.silence(); }
 
   [[nodiscard]] bool exchanging() const { return driver_.active(); }
   [[nodiscard]] bool waiting() const { return flight_.has_value() && !driver_.active(); }
@@ -144,7 +146,7 @@ class Wire {
 
   const BusSetup& setup_;
   ExchangeDriver driver_;
-  Bytes session_;  // of the connection, see ExchangeContext
+  Bytes& session_;
   std::optional<Flight> flight_;
   Instant free_at_ = kLongAgo;
   Instant strays_since_ = kNever;  // while they keep the wire from being free

@@ -15,12 +15,13 @@ Range ReadCost::aligned(std::uint32_t first, std::uint32_t end) const {
 Duration wire_time(const ExchangeSize& size, const LineFormat& line, Duration silence,
                    const DeviceTiming& device) {
   return line.characters(size.request_characters + size.response_characters) +
-         size.rounds * (device.response_time + silence) + size.pauses + device.pause;
+         size.rounds * (device.response_time / device.in_flight + silence) + size.pauses +
+         device.pause;
 }
 
 ReadCost::ReadCost(const DeviceTiming& device, AreaIndex area, const LineFormat& line,
                    Duration silence, std::uint32_t span)
-    : area_(area), max_gap_(device.max_gap) {
+    : area_(area), in_flight_(device.in_flight), max_gap_(device.max_gap) {
   const Area& rules = device.protocol->areas()[area];
   items_ = rules.items;
   item_bits_ = rules.item_bits;
@@ -51,7 +52,7 @@ ReadCost::ReadCost(const DeviceTiming& device, AreaIndex area, const LineFormat&
 }
 
 void ReadCost::set_response_time(Duration response_time) {
-  fixed_ = pauses_ + rounds_ * response_time;
+  fixed_ = pauses_ + rounds_ * response_time / in_flight_;
   find_bridge();
 }
 
@@ -87,6 +88,7 @@ ListCost::ListCost(const DeviceTiming& device, const LineFormat& line, Duration 
       silence_(silence),
       pause_(device.pause),
       response_time_(device.response_time),
+      in_flight_(device.in_flight),
       max_items_(device.max_block) {
   const std::size_t count = protocol_->areas().size();
   for (std::size_t area = 0; area < count; ++area)
@@ -146,7 +148,7 @@ std::optional<Duration> ListCost::of(const Request& request, bool only_point) co
   }
   const auto time = ask(request);
   if (!time) return std::nullopt;
-  return *time + rounds_ * response_time_;
+  return *time + rounds_ * response_time_ / in_flight_;
 }
 
 }  // namespace fieldcast

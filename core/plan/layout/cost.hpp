@@ -22,6 +22,7 @@ struct DeviceTiming {
   std::uint16_t max_block = 0;         // in items; 0: the protocol's limit
   // Unwanted items that a read may bridge; empty: as many as save time.
   std::optional<std::uint16_t> max_gap;
+  unsigned in_flight = 1;  // requests that wait for their responses at the same time
 };
 
 // `silence` follows every response.
@@ -82,7 +83,8 @@ class ReadCost {
   std::uint32_t most_ = 0;   // initial limit_
   Duration fixed_{};         // per read: response time, silence, pauses
   unsigned rounds_ = 1;      // requests and responses in one read
-  Duration pauses_{};        // part of fixed_ without the response time
+  unsigned in_flight_;
+  Duration pauses_{};  // part of fixed_ without the response time
   // By item count: time of the characters. [0] is kRefused.
   std::vector<Duration> variable_;
   std::optional<std::uint16_t> max_gap_;
@@ -114,7 +116,9 @@ class ListCost {
   // Returns true if the items cost less as part of `range`, which begins before them.
   [[nodiscard]] bool joins(const Range& range, AreaIndex area, std::uint32_t first,
                            std::uint32_t end) const;
-  [[nodiscard]] Duration request_cost() const { return request_cost_ + rounds_ * response_time_; }
+  [[nodiscard]] Duration request_cost() const {
+    return request_cost_ + rounds_ * response_time_ / in_flight_;
+  }
 
   void set_response_time(Duration response_time) { response_time_ = response_time; }
 
@@ -132,7 +136,8 @@ class ListCost {
   LineFormat line_;
   Duration silence_, pause_;
   Duration response_time_;
-  unsigned rounds_ = 1;      // requests and responses in one read
+  unsigned rounds_ = 1;  // requests and responses in one read
+  unsigned in_flight_;
   Duration request_cost_{};  // without the response time
   std::uint32_t max_items_;  // 0: the protocol's limit
   std::vector<PerArea> areas_;

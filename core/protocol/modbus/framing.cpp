@@ -99,6 +99,13 @@ ParseResult find_in_tcp(ByteView all, const Header& header, const RequestPdu& re
 
 }  // namespace
 
+std::optional<std::size_t> first_tcp_frame(ByteView stream) {
+  if (is_hopeless(stream)) return std::nullopt;
+  if (stream.size() < kCounted) return 0;
+  const std::size_t size = kCounted + read_u16(stream, 4);
+  return stream.size() < size ? 0 : size;
+}
+
 const Framing& tcp_framing() {
   static constexpr Framing framing{tcp_size, wrap_tcp, find_in_tcp};
   return framing;

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "core/protocol/modbus/request.hpp"
 #include "core/protocol/protocol.hpp"
@@ -62,6 +63,9 @@ struct Framing {
 [[nodiscard]] const Framing& rtu_framing();
 [[nodiscard]] const Framing& ascii_framing();
 [[nodiscard]] const Framing& tcp_framing();
+
+// As ProtocolEntry::first_frame.
+[[nodiscard]] std::optional<std::size_t> first_tcp_frame(ByteView stream);
 
 [[nodiscard]] std::vector<FrameField> explain_rtu(ByteView frame);
 [[nodiscard]] std::vector<FrameField> explain_ascii(ByteView frame);

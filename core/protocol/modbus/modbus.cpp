@@ -178,6 +178,7 @@ const ProtocolEntry& tcp_entry() {
                                        .explain = explain_tcp,
                                        .options = kOptionNames,
                                        .options_text = kOptionsText,
+                                       .first_frame = first_tcp_frame,
                                        .network_only = true,
                                        .instead = kRtu.name,
                                        .carrier_checks = true,

@@ -197,6 +197,12 @@ class FinsTcpProtocol final : public Protocol {
   const Destination destination_;
 };
 
+std::optional<std::size_t> first_frame(ByteView stream) {
+  const FinsFrame frame = first_fins_frame(stream);
+  if (frame.kind == FinsFrame::Kind::kHopeless) return std::nullopt;
+  return frame.size;
+}
+
 constexpr std::array<std::string_view, 2> kTcpOptions{"network", "unit"};
 
 tl::expected<std::unique_ptr<Protocol>, OptionFault> make_fins_tcp(const DeviceLink& link) {
@@ -222,6 +228,7 @@ const ProtocolEntry& fins_tcp_entry() {
       .explain = explain_fins_tcp,
       .options = kTcpOptions,
       .options_text = "`network`, `unit` of another PLC behind this one; its `address` is the node",
+      .first_frame = first_frame,
       .network_only = true,
       .instead = "omron-hostlink",
       .carrier_checks = true,

@@ -40,10 +40,13 @@ struct Link {
   std::uint16_t pdu = s7comm::kSmallestPdu;
 };
 
+// Requests in flight that the bridge may have at most.
+constexpr std::uint8_t kJobs = 16;
+
 Bytes set_up_message(std::uint16_t reference, std::uint16_t pdu) {
   Bytes message{0x32, 1, 0, 0};
   append_u16(message, reference);
-  append(message, Bytes{0, 8, 0, 0, 0xF0, 0, 0, 1, 0, 1});
+  append(message, Bytes{0, 8, 0, 0, 0xF0, 0, 0, kJobs, 0, kJobs});
   append_u16(message, pdu);
   return message;
 }
@@ -195,6 +198,12 @@ class S7TcpProtocol final : public Protocol {
   s7comm::Memory memory_;
 };
 
+std::optional<std::size_t> first_frame(ByteView stream) {
+  const IsoFrame frame = first_iso_frame(stream, kDataHeader + s7comm::kLargestPdu);
+  if (frame.kind == IsoFrame::Kind::kHopeless) return std::nullopt;
+  return frame.size;
+}
+
 constexpr std::array<std::string_view, 6> kOptions{"rack", "connection", "pdu",
                                                    "cpu",  "tsap",       "local-tsap"};
 
@@ -251,6 +260,7 @@ const ProtocolEntry& entry() {
           "`rack` (0), `connection` (`basic`, `op`, `pg`), `pdu` (bytes, 240 to 960; 240), `cpu: "
           "s7-200` (also S7-200 SMART and LOGO!), `tsap` and `local-tsap` (`10.01`); its "
           "`address` is the slot",
+      .first_frame = first_frame,
       .network_only = true,
       .instead = "s7-ppi",
       .one_device = true,

@@ -12,11 +12,11 @@ namespace {
 
 Bytes bytes(std::string_view digits) { return *from_hex(digits); }
 
-// Connect and set up as nodes7 0.3.18 sends them to slot 1 of rack 0 (local TSAP 01.00, PDU 240),
-// and the responses of an S7-1200 that G. Miru published ("The Siemens S7 Communication", 2016).
+// The structure is that of RFC 1006 and of G. Miru, "The Siemens S7 Communication" (2016); the server
+// of Snap7 1.3 gave these responses to the connect, and to the set up with its own number of jobs.
 const Bytes kConnect = bytes("0300001611E00000000100C0010AC1020100C2020301");
 const Bytes kConfirm = bytes("0300001611D00001000600C0010AC1020100C2020301");
-const Bytes kSetUp = bytes("0300001902F08032010000000100080000F0000001000100F0");
+const Bytes kSetUp = bytes("0300001902F08032010000000100080000F0000010001000F0");
 const Bytes kGranted = bytes("0300001B02F080320300000001000800000000F0000001000100F0");
 const Bytes kReadDb1 = bytes("0300001F02F080320100000001000E00000401120A10020002000184000020");
 const Bytes kValue = bytes("0300001B02F0803203000000010002000600000401FF0400101234");

@@ -1,0 +1,228 @@
+// Several requests in flight on a connection: a Modbus TCP device that answers in any order.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <deque>
+#include <map>
+#include <random>
+#include <vector>
+
+#include "core/bus/bus_engine.hpp"
+#include "tests/bus/rtu_bus.hpp"
+
+namespace fieldcast::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(InFlightLimit, TheFirstExchangeOfAConnectionIsAlone) {
+  InFlight limit(4);
+  EXPECT_EQ(limit.now(), 1u);
+  limit.responded();
+  EXPECT_EQ(limit.now(), 4u);
+  limit.opened();
+  EXPECT_EQ(limit.now(), 1u);
+}
+
+TEST(InFlightLimit, IsHalvedWhenRequestsAreDroppedAndGrowsAgain) {
+  InFlight limit(8);
+  limit.responded();
+  for (int i = 0; i < 4; ++i) limit.missed();
+  EXPECT_EQ(limit.now(), 4u);
+  for (unsigned i = 0; i < InFlight::kEnoughResponses; ++i) limit.responded();
+  EXPECT_EQ(limit.now(), 5u);
+}
+
+TEST(InFlightLimit, ResponsesLostNowAndThenChangeNothing) {
+  InFlight limit(8);
+  for (int i = 0; i < 10'000; ++i) i % 20 == 0 ? limit.missed() : limit.responded();
+  EXPECT_EQ(limit.now(), 8u);
+}
+
+// Holding register n has the value n. The device needs `response_time` for each request, and
+// handles them at the same time.
+class InFlightBus : public testing::Test {
+ protected:
+  static constexpr unsigned kMost = 4;
+  static constexpr std::uint32_t kRegisters = 40;
+
+  static BusSpec spec() {
+    BusSpec spec = rtu_bus(1);
+    spec.port = TcpPortSpec{.host = "127.0.0.1", .port = 502};
+    spec.in_flight = kMost;
+    DeviceSpec& device = spec.devices.front();
+    device.protocol = "modbus-tcp";
+    device.retries = 0;
+    device.timeout = 100ms;
+    const ChannelSpec one = device.channels.front();
+    device.channels.clear();
+    for (std::uint32_t i = 0; i < kRegisters; ++i) {
+      ChannelSpec channel = one;
+      channel.name = "r" + std::to_string(i);
+      channel.range = {kHolding, i * 1000, 1};
+      channel.mode = Mode::kIntensive;
+      channel.refresh = 1s;
+      device.channels.push_back(channel);
+    }
+    return spec;
+  }
+
+  void feed(const BusEvent& event) {
+    Actions actions;
+    engine_.on_event(event, now_, actions);
+    make_plans(engine_, now_, actions);
+    for (const Action& action : actions) {
+      if (const auto* send = std::get_if<fieldcast::Send>(&action)) take(send->bytes);
+      if (const auto* publish = std::get_if<Publish>(&action)) {
+        for (const Sample& sample : publish->samples) check(sample);
+      }
+      if (const auto* complete = std::get_if<Complete>(&action))
+        results_.push_back(complete->result);
+      reopened_ = reopened_ || std::holds_alternative<Reopen>(action);
+    }
+  }
+  void take(const Bytes& request) {
+    EXPECT_LE(waiting_.size() + 1, kMost);
+    most_ = std::max(most_, waiting_.size() + 1);
+    ++requests_;
+    const bool write = request[7] != 3;
+    if (write) {
+      EXPECT_TRUE(waiting_.empty()) << "a write is alone";
+      writing_ = true;
+    }
+    EXPECT_TRUE(write || !writing_) << "nothing is sent until the write has ended";
+    if (drops_ > 0 && requests_ % drops_ == 0) return;
+    if (one_at_a_time_ && !waiting_.empty()) return;
+    Bytes response(request.begin(), request.begin() + 4);
+    const Bytes pdu = write ? Bytes(request.begin() + 7, request.begin() + 12)
+                            : Bytes{3, 2, request[8], request[9]};
+    append_u16(response, static_cast<std::uint16_t>(pdu.size() + 1));
+    response.push_back(request[6]);
+    append(response, pdu);
+    waiting_.emplace_back(now_ + response_time_, response);
+  }
+  void check(const Sample& sample) {
+    if (sample.quality != Quality::kGood) return;
+    EXPECT_EQ(sample.value, Value{std::uint64_t{sample.channel} * 1000});
+    ++good_;
+  }
+  void run(Duration time) {
+    for (const Instant until = now_ + time; now_ < until; now_ += 100us) {
+      Bytes stream;
+      if (shuffled_) std::ranges::shuffle(waiting_, random_);
+      for (std::size_t i = 0; i < waiting_.size();) {
+        if (waiting_[i].first > now_) {
+          ++i;
+          continue;
+        }
+        append(stream, waiting_[i].second);
+        writing_ = writing_ && waiting_[i].second[7] == 3;
+        waiting_.erase(waiting_.begin() + static_cast<std::ptrdiff_t>(i));
+      }
+      for (std::size_t at = 0; at < stream.size(); at += piece_)
+        feed(Received{ByteView(stream).subspan(at, std::min(piece_, stream.size() - at))});
+      feed(TimerFired{});
+    }
+  }
+
+  BusEngine engine_{spec()};
+  Instant now_{10s};
+  Duration response_time_ = 4ms;
+  bool shuffled_ = false;
+  std::size_t piece_ = 7;
+  bool one_at_a_time_ = false;  // drops requests that arrive meanwhile
+  unsigned drops_ = 0;          // each n-th request; 0: none
+  std::mt19937 random_{1};
+  std::vector<std::pair<Instant, Bytes>> waiting_;
+  std::vector<CommandResult> results_;
+  std::size_t most_ = 0;
+  unsigned requests_ = 0;
+  std::uint64_t good_ = 0;
+  bool writing_ = false, reopened_ = false;
+};
+
+TEST_F(InFlightBus, ReadsAsManyTimesAsOftenAsOneAtATime) {
+  feed(Opened{});
+  run(1s);
+  EXPECT_EQ(most_, kMost);
+  EXPECT_GT(good_, 4u * 1000 / 5) << "4 ms each, four at a time, and 0.1 ms until it is sent";
+}
+
+TEST_F(InFlightBus, ResponsesInAnyOrderBelongToTheirRequests) {
+  shuffled_ = true;
+  for (const std::size_t piece : {1, 3, 50}) {
+    piece_ = piece;
+    waiting_.clear();
+    feed(Opened{});
+    run(500ms);
+  }
+  EXPECT_GT(good_, 1000u);
+}
+
+TEST_F(InFlightBus, ALostResponseCostsOnlyItsExchange) {
+  drops_ = 100;
+  feed(Opened{});
+  run(2s);
+  EXPECT_GT(good_, 1000u);
+  EXPECT_FALSE(reopened_);
+}
+
+TEST_F(InFlightBus, ADeviceThatDropsRequestsGetsThemOneAtATime) {
+  one_at_a_time_ = true;
+  feed(Opened{});
+  run(1s);
+  const std::uint64_t before = good_;
+  run(500ms);
+  EXPECT_GT(good_, before + 100);
+  EXPECT_FALSE(reopened_);
+}
+
+TEST_F(InFlightBus, ACommandIsAlone) {
+  feed(Opened{});
+  run(50ms);
+  Command command;
+  command.requester = "mes";
+  command.request_id = 1;
+  command.device = "unit-1";
+  command.target = ChannelTarget{"r3"};
+  command.values = {std::uint64_t{3000}};
+  feed(CommandArrived{command});
+  run(50ms);
+  ASSERT_EQ(results_.size(), 1u);
+  EXPECT_EQ(results_[0].state, CommandState::kDone);
+  const std::uint64_t before = good_;
+  run(50ms);
+  EXPECT_GT(good_, before + 20);
+}
+
+TEST_F(InFlightBus, AStreamWithoutHeaderIsOpenedAgain) {
+  feed(Opened{});
+  run(20ms);
+  feed(Received{Bytes{1, 2, 3, 4, 5, 6, 7}});
+  EXPECT_TRUE(reopened_);
+  feed(Closed{.reason = "opened again"});
+  waiting_.clear();
+  feed(Opened{});
+  const std::uint64_t before = good_;
+  run(50ms);
+  EXPECT_GT(good_, before + 20);
+}
+
+TEST_F(InFlightBus, AStopLeavesNoExchange) {
+  feed(Opened{});
+  run(20ms);
+  EXPECT_TRUE(engine_.exchanging());
+  feed(StopRequested{});
+  EXPECT_FALSE(engine_.exchanging());
+}
+
+TEST_F(InFlightBus, TheRequestOfEachFrameIsKnown) {
+  feed(Opened{});
+  run(10ms);
+  Bytes sent = waiting_.front().second;
+  EXPECT_EQ(engine_.request_text(sent), "") << "a response";
+  EXPECT_EQ(engine_.asked_device(sent), std::nullopt);
+}
+
+}  // namespace
+}  // namespace fieldcast::test
