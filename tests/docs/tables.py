@@ -12,7 +12,8 @@ name several types. An address without a type is one bit.
 import os
 import re
 
-PORTS = {"omron-fins": "{ tcp: 127.0.0.1:9600 }", "modbus-tcp": "{ tcp: 127.0.0.1:502 }", "s7-tcp": "{ tcp: 127.0.0.1:102 }"}
+PORTS = {"mitsubishi-mc": "{ tcp: 127.0.0.1:5007 }", "omron-fins": "{ tcp: 127.0.0.1:9600 }", "modbus-tcp": "{ tcp: 127.0.0.1:502 }",
+         "s7-tcp": "{ tcp: 127.0.0.1:102 }"}
 DEVICE_CODE = re.compile(r'DeviceCode\{(0x[0-9A-Fa-f]+|\d+),\s*"([^"]*)"[,}]')
 
 

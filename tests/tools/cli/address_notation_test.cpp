@@ -69,7 +69,7 @@ TEST(AddressNotation, ChannelsStateTheProtocolWhereFamiliesDisagree) {
             "int32 (mitsubishi-fx), uint16 (omron-fins); say --type");
   EXPECT_EQ(type_among({{"D5", "int32"}, {"Y17", "bool"}}, "C200"), "int32");
   EXPECT_EQ(type_among({{"VW100", "int16"}}, "C200"), "int16");
-  EXPECT_EQ(type_among({{"W5", "uint16"}}, "T5"), "uint16") << "FINS alone has W";
+  EXPECT_EQ(type_among({{"W5", "uint16"}}, "T5"), "uint16") << "FINS alone has W and T";
   EXPECT_EQ(type_among({{"LR7", "uint16"}}, "T5"), "bcd16") << "C-mode alone has LR";
 }
 

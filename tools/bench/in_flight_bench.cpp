@@ -1,0 +1,243 @@
+// 300 scattered holding registers of a Modbus TCP server (libmodbus) behind a network with a round
+// trip of 2 ms. Compares the channel refreshes a second of the bridge, with several requests in
+// flight, with a bare blocking loop over the optimal partition, and with the prediction of the plan.
+//
+// usage: in_flight_bench [--seconds N] [--in-flight N]
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <deque>
+#include <stdexcept>
+#include <string>
+#include <thread>
+
+#include "config/loader/loader.hpp"
+#include "core/plan/layout/cost.hpp"
+#include "core/plan/layout/partition.hpp"
+#include "core/protocol/families/registry.hpp"
+#include "core/schedule/bus_schedule.hpp"
+#include "core/schedule/prediction.hpp"
+#include "tools/bench/plant/plant.hpp"
+#include "tools/bench/support/arguments.hpp"
+#include "tools/bench/support/figures.hpp"
+
+namespace fieldcast::bench {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr int kRegisters = 300;
+constexpr auto kRoundTrip = 2ms;
+
+int connect_to(std::uint16_t port) {
+  const int connection = socket(AF_INET, SOCK_STREAM, 0);
+  const sockaddr_in address = loopback(port);
+  if (connect(connection, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+    throw std::runtime_error("cannot connect to port " + std::to_string(port));
+  const int on = 1;
+  setsockopt(connection, IPPROTO_TCP, 1 /* TCP_NODELAY */, &on, sizeof on);
+  return connection;
+}
+
+// A network: passes requests on immediately, and each part of a response after the round trip. One
+// client at a time.
+class Network {
+ public:
+  explicit Network(std::uint16_t server) : server_(server), port_(free_port()) {
+    listener_ = socket(AF_INET, SOCK_STREAM, 0);
+    const int on = 1;
+    setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    const sockaddr_in address = loopback(port_);
+    if (bind(listener_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
+        listen(listener_, 4) != 0)
+      throw std::runtime_error("cannot listen");
+    thread_ = std::thread([this] { serve(); });
+  }
+  ~Network() {
+    ends_ = true;
+    thread_.join();
+    close(listener_);
+  }
+  Network(const Network&) = delete;
+  Network& operator=(const Network&) = delete;
+  [[nodiscard]] std::uint16_t port() const { return port_; }
+
+ private:
+  struct Part {
+    Clock::time_point due;
+    Bytes bytes;
+  };
+  void serve() {
+    prctl(PR_SET_TIMERSLACK, 1000);
+    while (!ends_) {
+      pollfd waiting{listener_, POLLIN, 0};
+      if (poll(&waiting, 1, 50) <= 0) continue;
+      const int client = accept(listener_, nullptr, nullptr);
+      if (client < 0) continue;
+      const int server = connect_to(server_);
+      carry(client, server);
+      close(client);
+      close(server);
+    }
+  }
+  void carry(int client, int server) const {
+    std::deque<Part> parts;
+    Bytes buffer(65536);
+    while (!ends_) {
+      timespec rest{0, 50'000'000};
+      if (!parts.empty()) {
+        const auto left = std::max<std::chrono::nanoseconds>(0ns, parts.front().due - Clock::now());
+        rest.tv_nsec = left.count();
+      }
+      pollfd both[2] = {{client, POLLIN, 0}, {server, POLLIN, 0}};
+      ppoll(both, 2, &rest, nullptr);
+      for (const auto& [from, to] : {std::pair{0, server}, std::pair{1, -1}}) {
+        if ((both[from].revents & (POLLIN | POLLHUP | POLLERR)) == 0) continue;
+        const auto n = read(both[from].fd, buffer.data(), buffer.size());
+        if (n <= 0) return;
+        const Bytes bytes(buffer.begin(), buffer.begin() + n);
+        if (to < 0)
+          parts.push_back({Clock::now() + kRoundTrip, bytes});
+        else if (write(to, bytes.data(), bytes.size()) < 0)
+          return;
+      }
+      while (!parts.empty() && parts.front().due <= Clock::now()) {
+        if (write(client, parts.front().bytes.data(), parts.front().bytes.size()) < 0) return;
+        parts.pop_front();
+      }
+    }
+  }
+
+  const std::uint16_t server_, port_;
+  int listener_ = -1;
+  std::atomic<bool> ends_ = false;
+  std::thread thread_;
+};
+
+std::string bus(std::uint16_t port, int in_flight) {
+  std::string text = "  - name: bus\n    port: { tcp: \"127.0.0.1:" + std::to_string(port) +
+                     "\" }\n    protocol: modbus-tcp\n    in-flight: " + std::to_string(in_flight) +
+                     "\n    defaults: { refresh: 1s, mode: intensive }\n    devices:\n";
+  return text + scattered_devices(1, kRegisters, 42);
+}
+
+struct BareRead {
+  Bytes request;
+  std::size_t response = 0;  // bytes
+  std::size_t channels = 0;
+};
+
+std::vector<BareRead> optimal_reads(const BusSpec& bus) {
+  const DeviceSpec& device = bus.devices.front();
+  const auto protocol = make_protocol(device, line_of(bus.port));
+  std::vector<Wanted> wanted;
+  for (const ChannelSpec& channel : device.channels)
+    wanted.push_back({channel.range.first, channel.range.end()});
+  const DeviceTiming timing{protocol->get(), kRoundTrip};
+  const AreaIndex area = device.channels.front().range.area;
+  const ReadCost cost(timing, area, line_of(bus.port), silence_for(bus), 125);
+  std::vector<BareRead> reads;
+  for (const Slice& slice : optimal_partition(wanted, cost)) {
+    const Range range = range_of(wanted, slice, cost);
+    const Request request = ReadRequest{{range}};
+    const auto exchange = (*protocol)->begin(request, {});
+    BareRead read{{}, (*protocol)->size(request)->response_characters, slice.end - slice.begin};
+    (void)exchange->start(read.request);
+    reads.push_back(std::move(read));
+  }
+  return reads;
+}
+
+// The simplest master: one request, its response, the next request.
+double bare_loop(const std::vector<BareRead>& reads, std::uint16_t port, double seconds) {
+  const int connection = connect_to(port);
+  std::uint64_t refreshes = 0;
+  Bytes buffer(512);
+  const auto start = Clock::now();
+  while (seconds_since(start) < seconds) {
+    for (const BareRead& one : reads) {
+      if (write(connection, one.request.data(), one.request.size()) < 0)
+        throw std::runtime_error("the bare loop cannot write");
+      for (std::size_t got = 0; got < one.response;) {
+        const auto n = read(connection, buffer.data(), buffer.size());
+        if (n <= 0) throw std::runtime_error("the bare loop lost its connection");
+        got += static_cast<std::size_t>(n);
+      }
+      refreshes += one.channels;
+    }
+  }
+  close(connection);
+  return static_cast<double>(refreshes) / seconds_since(start);
+}
+
+double bridge_refreshes(Plant& plant, double seconds) {
+  plant.listen();
+  plant.start_bridge();
+  plant.wait_until_seen(kRegisters, 20);
+  let_run(2);
+  plant.forget_samples();
+  const auto start = Clock::now();
+  let_run(seconds);
+  double samples = 0;
+  for (const auto& [name, channel] : plant.seen()) samples += static_cast<double>(channel.samples);
+  const double rate = samples / seconds_since(start);
+  plant.stop_bridge();
+  return rate;
+}
+
+double predicted_refreshes(const BusSpec& bus) {
+  const auto protocol = make_protocol(bus.devices.front(), line_of(bus.port));
+  const Protocol* const pointer = protocol->get();
+  const auto input = schedule_input(bus, {&pointer, 1}, map_points(bus).points, kRoundTrip);
+  const Prediction prediction = predict(input, {.horizon = 60s});
+  double reads = 0;
+  for (const PointForecast& point : prediction.points) reads += static_cast<double>(point.reads);
+  return reads / to_seconds(prediction.horizon);
+}
+
+void run(double seconds, int in_flight) {
+  prctl(PR_SET_TIMERSLACK, 1000);
+  const ScratchFolder folder;
+  const std::uint16_t server_port = free_port();
+  const Process server("libmodbus-server", {"tcp", std::to_string(server_port), "65535"},
+                       folder.path() + "/server.log");
+  if (!wait_for_text(folder.path() + "/server.log", "READY", 5))
+    throw std::runtime_error("libmodbus-server does not start");
+  const Network network(server_port);
+  Plant plant(bus(network.port(), in_flight));
+  const auto loaded = config::load_file(plant.config());
+  if (!loaded)
+    throw std::runtime_error("the bench's own configuration is faulty: " +
+                             to_text(loaded.error().front()));
+  const BusSpec& spec = loaded->buses.front();
+  const auto reads = optimal_reads(spec);
+  double bare = 0, bridged = 0;
+  for (int turn = 0; turn < 2; ++turn) {
+    bare += bare_loop(reads, network.port(), seconds) / 2;
+    let_run(0.2);
+    bridged += bridge_refreshes(plant, seconds) / 2;
+    let_run(0.2);
+  }
+  const double predicted = predicted_refreshes(spec);
+  std::printf("%d registers, %zu reads in the optimal partition, %d in flight\n", kRegisters,
+              reads.size(), in_flight);
+  print_figure("bare blocking loop, channel refreshes a second", bare, "1/s");
+  print_figure("bridge, samples at a station", bridged, "1/s");
+  print_figure("bridge / bare loop", bridged / bare, "", "goal >= 3 with 4 in flight");
+  print_figure("predicted by the plan for exactly 2 ms", predicted, "1/s");
+  print_figure("bridge / predicted", bridged / predicted, "", "goal 0.95 to 1.05");
+}
+
+}  // namespace
+}  // namespace fieldcast::bench
+
+int main(int argc, char** argv) {
+  using namespace fieldcast::bench;
+  return run_bench("in_flight_bench", argc, argv, [](const Arguments& arguments) {
+    run(arguments.number("--seconds", 10.0), static_cast<int>(arguments.number("--in-flight", 4)));
+  });
+}
