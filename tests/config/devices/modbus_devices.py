@@ -7,11 +7,13 @@ import socketserver
 import struct
 import threading
 
+from mc_devices import BITS as MC_BITS
+
 BITS, REGISTERS = (1, 2), (3, 4)
 
 
 def read_examples(path):
-    """Returns {name: [(function, first, items, {channel: value})]}; see the file's head."""
+    """Returns {name: [(function or device, first, items, {channel: value})]}; see the file's head."""
     with open(path, encoding="utf-8") as file:
         lines = file.read().replace("\\\n", " ").splitlines()
     found = {}
@@ -19,14 +21,15 @@ def read_examples(path):
         if match := re.fullmatch(r"\[([\w-]+)\]", line):
             rows = found.setdefault(match[1], [])
             continue
-        function, address, words, values = re.fullmatch(r"(\d) ([\dA-Fx+-]+): ([\dA-F ]+) -> (.+)", line).groups()
+        function, address, words, values = re.fullmatch(r"(\d|[A-Z]+) ([\dA-Fx+-]+): ([\dA-F ]+) -> (.+)", line).groups()
         first = sum(int(number, 0) for number in re.findall(r"[+-]?(?:0x[\dA-F]+|\d+)", address))
-        if int(function) in BITS:
+        function = int(function) if function.isdigit() else function
+        if function in BITS + MC_BITS:
             items = [int(bit) for bit in words.replace(" ", "")]
         else:
             items = [int(word, 16) for word in words.split()]
         pairs = (pair.split("=") for pair in values.split())
-        rows.append((int(function), first, items, {name: json.loads(value) for name, value in pairs}))
+        rows.append((function, first, items, {name: json.loads(value) for name, value in pairs}))
     return found
 
 

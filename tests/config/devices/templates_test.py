@@ -16,6 +16,7 @@ import unittest
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [HERE, os.path.join(HERE, "..", "..", "tools")]
+from mc_devices import McDevices
 from modbus_devices import Devices, read_examples
 from plant import claim_domain, running_bridge, wait_until
 
@@ -30,6 +31,7 @@ class Template:
         with open(path, encoding="utf-8") as file:
             self.text = file.read()
         self.ours = "Our own map" in self.text  # an example to copy, not a real device
+        self.of_mitsubishi = re.search(r"^protocols: \[mitsubishi-mc\]$", self.text, re.MULTILINE) is not None
         entries = re.split(r"^  - ", self.text.partition("\nchannels:\n")[2], flags=re.MULTILINE)[1:]
         self.channels = {re.search(r"name: ([\w.-]+)", entry)[1]: entry for entry in entries}
 
@@ -80,10 +82,13 @@ class InAFolder(unittest.TestCase):
             file.write(text)
         return path
 
-    def lines(self, names):
+    def lines(self, known):
         text = "bridge: templates\nbuses:\n"
-        for name in names:
-            text += bus(name, f"serial: {self.folder}/{name}, baud: 9600, format: 8N1", "modbus-rtu")
+        for number, (name, template) in enumerate(known.items()):
+            if template.of_mitsubishi:
+                text += bus(name, f"tcp: 127.0.0.1:{20000 + number}", "mitsubishi-mc")
+            else:
+                text += bus(name, f"serial: {self.folder}/{name}, baud: 9600, format: 8N1", "modbus-rtu")
         return self.file("lines.yaml", text)
 
 
@@ -115,11 +120,13 @@ class Examples(unittest.TestCase):
 
 class Loading(InAFolder):
     def test_every_template_passes_the_check_on_each_of_its_protocols(self):
-        names = {template.name: len(template.channels) for template in templates()}
-        for protocol in ["modbus-rtu", "modbus-ascii", "modbus-tcp"]:
+        for protocol in ["modbus-rtu", "modbus-ascii", "modbus-tcp", "mitsubishi-mc"]:
+            names = {template.name: len(template.channels) for template in templates()
+                     if template.of_mitsubishi == (protocol == "mitsubishi-mc")}
+            self.assertTrue(names, protocol)
             text = "bridge: templates\nbuses:\n"
             for number, name in enumerate(names):
-                port = f"tcp: 127.0.0.1:{20000 + number}" if protocol == "modbus-tcp" else f"serial: /dev/{name}"
+                port = f"tcp: 127.0.0.1:{20000 + number}" if protocol in ("modbus-tcp", "mitsubishi-mc") else f"serial: /dev/{name}"
                 text += bus(name, port, protocol)
             done = run("fieldcast-bridge", "--check", self.file("check.yaml", text))
             self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
@@ -150,7 +157,7 @@ class Simulation(InAFolder):
 
 class Values(InAFolder):
     def test_are_what_the_sources_say(self):
-        """Uses one Modbus TCP port for all devices; registers without an example hold 0."""
+        """Uses one port for all devices of a protocol; registers without an example hold 0."""
         known = [template for template in templates() if not template.ours]
         memory, expected = {}, {}
         for unit, template in enumerate(known, 1):
@@ -167,11 +174,13 @@ class Values(InAFolder):
             self.assertEqual(on_demand, len(template.channels.keys() - template.scheduled()))
         domain, claim = claim_domain()
         self.addCleanup(claim.close)
-        with Devices(memory) as devices:
-            text = (f"bridge: templates\ndds: {{ domain: {domain}, interfaces: [127.0.0.1] }}\nbuses:\n  - name: all\n"
-                    f"    port: {{ tcp: 127.0.0.1:{devices.port} }}\n    protocol: modbus-tcp\n    devices:\n")
-            for unit, template in enumerate(known, 1):
-                text += f"      - {{ name: {template.name}, address: {unit}, template: {template.name}, pause: 0ms }}\n"
+        with Devices(memory) as devices, McDevices(memory) as mc_devices:
+            text = f"bridge: templates\ndds: {{ domain: {domain}, interfaces: [127.0.0.1] }}\nbuses:\n"
+            for protocol, port in (("modbus-tcp", devices.port), ("mitsubishi-mc", mc_devices.port)):
+                text += f"  - name: {protocol}\n    port: {{ tcp: 127.0.0.1:{port} }}\n    protocol: {protocol}\n    devices:\n"
+                for unit, template in enumerate(known, 1):
+                    if template.of_mitsubishi == (protocol == "mitsubishi-mc"):
+                        text += f"      - {{ name: {template.name}, address: {unit}, template: {template.name}, pause: 0ms }}\n"
             config = self.file("values.yaml", text)
             with running_bridge(BIN_DIR, config, os.path.join(self.folder, "bridge.log")):
                 wait_until(lambda: not self.wrong(config, expected, channels), SECONDS,
