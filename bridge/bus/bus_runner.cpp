@@ -249,7 +249,7 @@ class BusRunner::Loop final : public PortListener, public std::enable_shared_fro
       return;
     }
     record_.sent(send.bytes, engine_, mapping_.to_utc(now));
-    port_->write(send.bytes);
+    send.others_wait ? port_->write_more(send.bytes) : port_->write(send.bytes);
   }
   void execute(const SetTimer& timer, Instant) { timer_.set(timer.at); }
   void execute(Publish& publish, Instant) { sink_.publish(std::move(publish.samples), mapping_); }

@@ -40,6 +40,8 @@ class Port {
   // Sends all bytes; drops received bytes that were not delivered, so that none is parsed as the
   // response. No effect if not open. Closes if more than kMaxUnsent bytes wait for a blocked line.
   virtual void write(ByteView bytes) = 0;
+  // The same, but received bytes are delivered: responses to earlier requests may be among them.
+  virtual void write_more(ByteView bytes) = 0;
   // A hint: at least so many characters are missing; the port may sleep for their time.
   virtual void expect(std::uint32_t characters) = 0;
   // Delivers arrived bytes. Call before a timeout is handled, as the process may have been delayed.

@@ -33,6 +33,10 @@ void Stream::write(ByteView bytes) {
   push(bytes);
 }
 
+void Stream::write_more(ByteView bytes) {
+  if (usable()) push(bytes);
+}
+
 void Stream::poll() {
   if (usable()) (void)take();
 }
@@ -98,6 +102,7 @@ bool Stream::take() {
   const ssize_t size = ::read(fd(), buffer_.data(), buffer_.size());
   if (size > 0) {
     listener_.on_received({buffer_.data(), static_cast<std::size_t>(size)}, steady_now());
+    if (!over_) acknowledge(fd());
     return true;
   }
   if (size < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return true;
@@ -181,6 +186,10 @@ bool peer_responds(int fd) {
                               std::chrono::milliseconds{info.tcpi_last_ack_recv} >= kUnacknowledged;
   return !unacknowledged && info.tcpi_probes < kKeepAliveProbes;
 }
+
+// A peer with Nagle's algorithm sends the next part only after the last one was acknowledged, which
+// the kernel may delay by 40 ms.
+void SocketStream::acknowledge(int fd) { set_option(fd, IPPROTO_TCP, TCP_QUICKACK, 1); }
 
 std::optional<Stream::End> SocketStream::restore(int fd) {
   // The programming session had set its own timeout.

@@ -35,6 +35,7 @@ class Stream : public std::enable_shared_from_this<Stream> {
 
   // See Port.
   void write(ByteView bytes);
+  void write_more(ByteView bytes);
   void poll();
   void close();
   [[nodiscard]] FileDescriptor lease();
@@ -56,6 +57,8 @@ class Stream : public std::enable_shared_from_this<Stream> {
   // Returns the reason for a read without bytes. `error` is errno, or 0 at the end of the stream.
   [[nodiscard]] virtual End end_of(int error) const = 0;
   virtual void before_close(int fd) = 0;
+  // After received bytes, and what was sent because of them.
+  virtual void acknowledge(int) {}
 
  private:
   [[nodiscard]] int fd() const { return descriptor_.get(); }
@@ -116,6 +119,7 @@ class SocketStream final : public Stream {
   std::optional<End> restore(int fd) override;
   End end_of(int error) const override;
   void before_close(int) override {}
+  void acknowledge(int fd) override;
 
   const Clients clients_;
   const Instant began_;

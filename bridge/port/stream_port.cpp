@@ -35,6 +35,10 @@ void StreamPort::open(PortListener& listener) {
   opening_->begin();
 }
 
+void StreamPort::write_more(ByteView bytes) {
+  if (Stream* line = stream()) line->write_more(bytes);
+}
+
 void StreamPort::write(ByteView bytes) {
   if (Stream* line = stream()) line->write(bytes);
 }

@@ -43,6 +43,7 @@ class StreamPort : public Port {
  public:
   void open(PortListener& listener) final;
   void write(ByteView bytes) final;
+  void write_more(ByteView bytes) final;
   void expect(std::uint32_t characters) override;
   void poll() final;
   void close() final;

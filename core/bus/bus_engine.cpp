@@ -339,7 +339,7 @@ bool BusEngine::send_next(Instant now, ActionSink& sink) {
                      Cause::kNone,
                      "the wire was silent: this bridge sends again"});
   }
-  sink.push(Send{std::move(*request)});
+  sink.push(Send{std::move(*request), parts_.exchanging() > 1});
   return true;
 }
 

@@ -110,10 +110,11 @@ Instant Arbiter::sendable_from(const CommandJob& job) const {
 Bytes Arbiter::send(Instant now) {
   const Flight& flight = parts_.wire().flight();
   const DeviceIndex device = flight.asked.device;
-  const Duration timeout =
-      flight.timeout > Duration::zero()
-          ? flight.timeout
-          : devices_.timeout(device, flight.asked.request, flight.is_command());
+  // With several requests in flight, a long wait does not delay the others.
+  const bool whole_timeout = flight.is_command() || parts_.wires.size() > 1;
+  const Duration timeout = flight.timeout > Duration::zero()
+                               ? flight.timeout
+                               : devices_.timeout(device, flight.asked.request, whole_timeout);
   devices_.asked(device);
   late_.start_anew();
   return parts_.wire().send(

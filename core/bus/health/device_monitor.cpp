@@ -26,8 +26,8 @@ Duration DeviceMonitor::rest_before(DeviceIndex index, Instant now) const {
   return responded == kLongAgo ? Duration::max() : now - responded;
 }
 
-Duration DeviceMonitor::timeout(DeviceIndex index, const Request& request, bool command) const {
-  if (command || setup_.protocol(index).traits().identity == ResponseIdentity::kNone)
+Duration DeviceMonitor::timeout(DeviceIndex index, const Request& request, bool whole) const {
+  if (whole || setup_.protocol(index).traits().identity == ResponseIdentity::kNone)
     return setup_.device(index).timeout;
   return devices_[index].area_times[area_of(request)].timeout();
 }

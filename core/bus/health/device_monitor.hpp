@@ -53,7 +53,8 @@ class DeviceMonitor {
   }
   [[nodiscard]] Duration rest_before(DeviceIndex device, Instant now) const;
   // The learned timeout applies only to reads whose late responses identify their request.
-  [[nodiscard]] Duration timeout(DeviceIndex device, const Request& request, bool command) const;
+  // `whole`: the configured one.
+  [[nodiscard]] Duration timeout(DeviceIndex device, const Request& request, bool whole) const;
   void asked(DeviceIndex device) { ++devices_[device].report.exchanges; }
   void not_asked(DeviceIndex device) { --devices_[device].report.exchanges; }
 

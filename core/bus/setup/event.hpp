@@ -66,6 +66,8 @@ using BusEvent = std::variant<Opened, Closed, Received, TimerFired, CommandArriv
 // Sends one whole request; the wire is reserved until its response or timeout.
 struct Send {
   Bytes bytes;
+  // Other requests wait for their responses, so received bytes must not be dropped.
+  bool others_wait = false;
 };
 // Replaces the previous timer; kNever disables it.
 struct SetTimer {

@@ -47,6 +47,18 @@ TEST_F(TcpPortTest, CarriesBytesBothWays) {
   EXPECT_EQ(probe.received, answer);
 }
 
+TEST_F(TcpPortTest, ReceivedBytesAreDroppedOnlyIfNoOtherRequestWaits) {
+  TcpPort port(io, spec());
+  connect(port);
+  asio::write(peer, asio::buffer(Bytes{1}));
+  port.write(Bytes{0});
+  asio::write(peer, asio::buffer(Bytes{2}));
+  port.write_more(Bytes{0});
+  asio::write(peer, asio::buffer(Bytes{3}));
+  ASSERT_TRUE(run_until(io, [&] { return !probe.received.empty() && probe.received.back() == 3; }));
+  EXPECT_EQ(probe.received, (Bytes{2, 3}));
+}
+
 TEST_F(TcpPortTest, AServerWithOneClientThatClosesImmediatelyIsInUse) {
   TcpPortSpec one = spec();
   one.fence.kind = Fence::kOneClient;
