@@ -46,7 +46,7 @@ bool has_line(const PortSpec& port) { return known_line(port).has_value(); }
 
 // A plain TCP device has no character time; only its requests have a significant cost.
 LineFormat line_of(const PortSpec& port) {
-  return known_line(port).value_or(LineFormat{10'000'000, 8, Parity::kNone, 1});
+  return known_line(port).value_or(LineFormat{100'000'000, 8, Parity::kNone, 1});
 }
 
 }  // namespace fieldcast

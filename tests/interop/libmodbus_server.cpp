@@ -1,9 +1,9 @@
 // A Modbus device based on libmodbus, as an independent peer of the bridge.
 //
 //   libmodbus-server rtu PATH [BAUD [UNIT [DELAY_MS]]]     8N1; default 115200 baud, unit 1
-//   libmodbus-server tcp PORT                              127.0.0.1
+//   libmodbus-server tcp PORT [ITEMS]                      127.0.0.1
 //
-// Prints READY when it serves, ends with SIGTERM. Memory, all areas 0..499, equal to
+// Prints READY when it serves, ends with SIGTERM. Memory, all areas 0..499 or ITEMS, equal to
 // pymodbus_server.py:
 //  coil n = (n % 3 == 0), input n = (n % 2 == 1), holding n = 1000 + n, input-register n = 2000 + n
 #include <modbus/modbus.h>
@@ -21,9 +21,9 @@ namespace {
 
 constexpr int kItems = 500;
 
-modbus_mapping_t* make_memory() {
-  modbus_mapping_t* memory = modbus_mapping_new(kItems, kItems, kItems, kItems);
-  for (int n = 0; memory != nullptr && n < kItems; ++n) {
+modbus_mapping_t* make_memory(int items) {
+  modbus_mapping_t* memory = modbus_mapping_new(items, items, items, items);
+  for (int n = 0; memory != nullptr && n < items; ++n) {
     memory->tab_bits[n] = n % 3 == 0;
     memory->tab_input_bits[n] = n % 2 == 1;
     memory->tab_registers[n] = static_cast<std::uint16_t>(1000 + n);
@@ -82,7 +82,7 @@ int main(int argc, char** argv) {
   // libmodbus continues to wait when a signal interrupts it.
   std::signal(SIGTERM, [](int) { ::_exit(0); });
   std::signal(SIGINT, [](int) { ::_exit(0); });
-  modbus_mapping_t* memory = make_memory();
+  modbus_mapping_t* memory = make_memory(kind == "tcp" ? number(3, kItems) : kItems);
   if (memory == nullptr) return fail("memory");
   if (kind == "rtu") {
     modbus_t* bus = modbus_new_rtu(argv[2], number(3, 115200), 'N', 8, 1);
@@ -93,6 +93,6 @@ int main(int argc, char** argv) {
     modbus_t* bus = modbus_new_tcp("127.0.0.1", number(2, 0));
     return bus == nullptr ? fail(argv[2]) : serve_tcp(bus, memory);
   }
-  std::fprintf(stderr, "usage: libmodbus-server rtu PATH [BAUD [UNIT [DELAY_MS]]] | tcp PORT\n");
+  std::fprintf(stderr, "usage: libmodbus-server rtu PATH [BAUD [UNIT [DELAY_MS]]] | tcp PORT [ITEMS]\n");
   return 2;
 }
