@@ -36,11 +36,13 @@ void check_in_flight(const BusSpec& spec, const MapReader& map, FaultList& fault
     return fault("the port is no plain TCP device", "port: { tcp: HOST:PORT } without baud");
   for (const DeviceSpec& device : spec.devices) {
     const ProtocolEntry* entry = find_protocol(device.protocol);
-    const auto protocol = make_protocol(device, line_of(spec.port));
-    const bool numbered = protocol && (*protocol)->traits().identity == ResponseIdentity::kSequence;
-    if (entry == nullptr || entry->first_frame == nullptr || (protocol && !numbered))
+    if (entry == nullptr || entry->first_frame == nullptr)
       return fault(device.protocol + " cannot have several requests in flight",
                    pipelined_protocol_names());
+    const auto protocol = make_protocol(device, line_of(spec.port));
+    if (protocol && (*protocol)->traits().identity != ResponseIdentity::kSequence)
+      return fault(device.protocol + " cannot have several requests in flight with these options",
+                   "frame: 4e");
     if (device.protocol != spec.devices.front().protocol)
       return fault("the devices have different protocols", "one protocol for the bus");
     if (device.pause > Duration::zero())

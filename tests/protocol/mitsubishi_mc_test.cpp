@@ -14,7 +14,7 @@ namespace {
 
 using Options = std::map<std::string, std::string>;
 
-Device plc(const Options& options = {}, std::uint16_t address = 0) {
+Device mc_plc(const Options& options = {}, std::uint16_t address = 0) {
   return {"mitsubishi-mc", address, options};
 }
 const Options kFour{{"frame", "4e"}}, kAscii{{"code", "ascii"}}, kSeriesR{{"series", "iqr"}};
@@ -73,7 +73,7 @@ const std::vector<Golden>& reads_of_timers() {
 TEST(MitsubishiMc, ReadsWordsAsTheManualShows) {
   for (const Golden& golden : reads_of_timers()) {
     SCOPED_TRACE(golden.name);
-    const Device device = plc(golden.options);
+    const Device device = mc_plc(golden.options);
     const Request request = device.read("TN100", 3);
     EXPECT_EQ(device.request_bytes(request, golden.sequence), golden.request);
     EXPECT_EQ(values(device, request, golden.response, golden.sequence),
@@ -87,7 +87,7 @@ TEST(MitsubishiMc, ReadsWordsAsTheManualShows) {
 
 TEST(MitsubishiMc, ReadsBitsAsTheManualShows) {
   const Bytes bits{0, 0, 0, 1, 0, 0, 1, 1};
-  const Device binary = plc(), ascii = plc(kAscii);
+  const Device binary = mc_plc(), ascii = mc_plc(kAscii);
   EXPECT_EQ(binary.request_bytes(binary.read("M100", 8)),
             hex("50 00 00 FF FF 03 00 0C 00 04 00 01 04 01 00 64 00 00 90 08 00"));
   EXPECT_EQ(
@@ -99,7 +99,7 @@ TEST(MitsubishiMc, ReadsBitsAsTheManualShows) {
 }
 
 TEST(MitsubishiMc, WritesAsTheManualShows) {
-  const Device binary = plc(), ascii = plc(kAscii);
+  const Device binary = mc_plc(), ascii = mc_plc(kAscii);
   EXPECT_EQ(
       binary.request_bytes(binary.write("D100", "1995 1202 1130")),
       hex("50 00 00 FF FF 03 00 12 00 04 00 01 14 00 00 64 00 00 A8 03 00 95 19 02 12 30 11"));
@@ -118,7 +118,7 @@ TEST(MitsubishiMc, WritesAsTheManualShows) {
 // The example of the random read without its double words and M100, which does not begin at a
 // multiple of 16.
 TEST(MitsubishiMc, ReadsAListAsTheManualShows) {
-  const Device binary = plc(), ascii = plc(kAscii);
+  const Device binary = mc_plc(), ascii = mc_plc(kAscii);
   const Request request =
       ReadRequest{{binary.range("D0"), binary.range("TN0"), binary.range("X20", 16)}};
   EXPECT_EQ(binary.request_bytes(request),
@@ -133,7 +133,7 @@ TEST(MitsubishiMc, ReadsAListAsTheManualShows) {
 }
 
 TEST(MitsubishiMc, BitsOfAListAreReadInWholeWords) {
-  const Device device = plc();
+  const Device device = mc_plc();
   const Request request = ReadRequest{{device.range("M15", 2), device.range("D5")}};
   EXPECT_EQ(device.request_bytes(request),
             hex("50 00 00 FF FF 03 00 14 00 04 00 03 04 00 00 03 00 00 00 00 90 10 00 00 90 05 00 "
@@ -143,7 +143,7 @@ TEST(MitsubishiMc, BitsOfAListAreReadInWholeWords) {
 }
 
 TEST(MitsubishiMc, FileRegistersHaveDecimalNumbersThatAsciiCodeWritesInHexadecimal) {
-  const Device ascii = plc(kAscii), binary = plc();
+  const Device ascii = mc_plc(kAscii), binary = mc_plc();
   EXPECT_EQ(ascii.request_bytes(ascii.read("ZR393215")),
             text("500000FF03FF000018000404010000ZR05FFFF0001"));
   EXPECT_EQ(binary.request_bytes(binary.read("ZR393215")),
@@ -153,7 +153,7 @@ TEST(MitsubishiMc, FileRegistersHaveDecimalNumbersThatAsciiCodeWritesInHexadecim
 // Recorded at a QnUDV CPU by the project plc-comm-slmp (range probe of 2026-07-03), which waits 4 s
 // instead of 1 s.
 TEST(MitsubishiMc, RecordedResponsesOfARealPlc) {
-  const Device device = plc();
+  const Device device = mc_plc();
   EXPECT_EQ(values(device, device.read("R32767"), hex("D0 00 00 FF FF 03 00 04 00 00 00 BB 06")),
             (Bytes{0x06, 0xBB}));
   EXPECT_EQ(values(device, device.read("ZR393215"), hex("D0 00 00 FF FF 03 00 04 00 00 00 EB B5")),
@@ -167,15 +167,15 @@ TEST(MitsubishiMc, RecordedResponsesOfARealPlc) {
 }
 
 TEST(MitsubishiMc, AddressAndOptionsAreTheRoute) {
-  const Device device = plc({{"network", "2"}, {"module", "993"}, {"unit", "5"}}, 3);
+  const Device device = mc_plc({{"network", "2"}, {"module", "993"}, {"unit", "5"}}, 3);
   EXPECT_EQ(device.request_bytes(device.read("D100")),
             hex("50 00 02 03 E1 03 05 0C 00 08 00 01 04 00 00 64 00 00 A8 01 00"));
-  const Device own = plc({}, 255);
-  EXPECT_EQ(own.request_bytes(own.read("D100")), plc().request_bytes(plc().read("D100")));
+  const Device own = mc_plc({}, 255);
+  EXPECT_EQ(own.request_bytes(own.read("D100")), mc_plc().request_bytes(mc_plc().read("D100")));
 }
 
 TEST(MitsubishiMc, AResponseOfAnotherRouteIsForeign) {
-  const Device device = plc();
+  const Device device = mc_plc();
   const Bytes own = hex("D0 00 00 FF FF 03 00 04 00 00 00 34 12");
   for (const std::size_t at : {2u, 3u, 4u, 5u, 6u}) {
     Bytes other = own;
@@ -187,7 +187,7 @@ TEST(MitsubishiMc, AResponseOfAnotherRouteIsForeign) {
 }
 
 TEST(MitsubishiMc, AnotherSerialNumberIsALateResponse) {
-  const Device device = plc(kFour);
+  const Device device = mc_plc(kFour);
   Bytes late = hex("D4 00 06 00 00 00 00 FF FF 03 00 04 00 00 00 34 12");
   EXPECT_EQ(run(device, device.read("D100"), late, 7).cause, Cause::kForeign);
   append(late, hex("D4 00 07 00 00 00 00 FF FF 03 00 04 00 00 00 78 56"));
@@ -196,7 +196,7 @@ TEST(MitsubishiMc, AnotherSerialNumberIsALateResponse) {
 
 TEST(MitsubishiMc, ABrokenStreamFailsImmediately) {
   const auto expect_hopeless = [](const Options& options, const Bytes& stream) {
-    const Device device = plc(options);
+    const Device device = mc_plc(options);
     const Outcome outcome = run(device, device.read("D100"), stream);
     EXPECT_EQ(outcome.cause, Cause::kMalformed) << to_hex(stream);
     EXPECT_FALSE(outcome.waited) << to_hex(stream);
@@ -214,7 +214,7 @@ TEST(MitsubishiMc, ABrokenStreamFailsImmediately) {
 }
 
 TEST(MitsubishiMc, WrongContentsAreMalformed) {
-  const Device device = plc(), ascii = plc(kAscii);
+  const Device device = mc_plc(), ascii = mc_plc(kAscii);
   for (const std::string_view answer :
        {"D0 00 00 FF FF 03 00 02 00 00 00", "D0 00 00 FF FF 03 00 03 00 00 00 34",
         "D0 00 00 FF FF 03 00 06 00 00 00 34 12 34 12",
@@ -230,7 +230,7 @@ TEST(MitsubishiMc, WrongContentsAreMalformed) {
 }
 
 TEST(MitsubishiMc, ARefusalIsThatOfItsCommand) {
-  const Device device = plc(), ascii = plc(kAscii);
+  const Device device = mc_plc(), ascii = mc_plc(kAscii);
   const Bytes refusal = hex("D0 00 00 FF FF 03 00 0B 00 51 C0 00 FF FF 03 00 01 04 00 00");
   EXPECT_EQ(run(device, device.read("D100"), refusal).code, 0xC051);
   EXPECT_EQ(run(device, device.read("M100"), refusal).cause, Cause::kForeign) << "bit units";
@@ -247,7 +247,7 @@ TEST(MitsubishiMc, ARefusalIsThatOfItsCommand) {
 
 TEST(MitsubishiMc, LimitsAreThoseOfTheManual) {
   const auto allows = [](const Options& options, std::string_view at, std::uint32_t count) {
-    const Device device = plc(options);
+    const Device device = mc_plc(options);
     return device.protocol().size(device.read(at, count)).has_value();
   };
   EXPECT_TRUE(allows({}, "D0", 960) && allows(kAscii, "D0", 960));
@@ -255,7 +255,7 @@ TEST(MitsubishiMc, LimitsAreThoseOfTheManual) {
   EXPECT_TRUE(allows({}, "M0", 7168) && allows(kAscii, "M0", 3584));
   EXPECT_FALSE(allows({}, "M0", 7169) || allows(kAscii, "M0", 3585));
   const auto allows_list = [](const Options& options, std::uint32_t words) {
-    const Device device = plc(options);
+    const Device device = mc_plc(options);
     return device.protocol()
         .size(ReadRequest{{device.range("D0", words - 1), device.range("M3", 5)}})
         .has_value();
@@ -265,7 +265,7 @@ TEST(MitsubishiMc, LimitsAreThoseOfTheManual) {
 }
 
 TEST(MitsubishiMc, AddressesAreThoseOfTheProgrammingSoftware) {
-  const Device device = plc();
+  const Device device = mc_plc();
   expect_texts([&](const std::string& at) { return device.address(at); },
                {"D100 -> D:100/0", "D100.5 -> D:100.5/1", "D100.F -> D:100.15/1",
                 "D100.10 -> D:100.10/1", "W1A0 -> W:416/0", "WB.3 -> W:11.3/1", "X1F -> X:31/1",
@@ -278,14 +278,14 @@ TEST(MitsubishiMc, AddressesAreThoseOfTheProgrammingSoftware) {
 
 // The random read of the manual shows D1501 and D1500 as the double word 4C544F4E.
 TEST(MitsubishiMc, TheLowWordIsFirst) {
-  const auto areas = plc().protocol().areas();
+  const auto areas = mc_plc().protocol().areas();
   EXPECT_EQ(areas[0].name, "D");
   EXPECT_EQ(areas[0].word_order, WordOrder::kLittleEndian);
   EXPECT_EQ(areas[0].text_order, ByteOrder::kLittleEndian);
 }
 
 TEST(MitsubishiMc, LateResponsesOf3eAreKnownByTheirLength) {
-  const Device three = plc(), four = plc(kFour);
+  const Device three = mc_plc(), four = mc_plc(kFour);
   const auto alike = [](const Device& device, const Request& earlier, const Request& later) {
     return device.protocol().mistakable(earlier, {7}, later, {8});
   };
@@ -313,7 +313,7 @@ TEST(MitsubishiMc, AnInvalidOptionIsAFault) {
 TEST(MitsubishiMc, EveryDisturbanceIsRefused) {
   for (const Golden& golden : reads_of_timers()) {
     SCOPED_TRACE(golden.name);
-    const Device device = plc(golden.options);
+    const Device device = mc_plc(golden.options);
     const MatrixCase matrix{
         .begin = [&] { return device.begin(device.read("TN100", 3), golden.sequence); },
         .answers = {golden.response},

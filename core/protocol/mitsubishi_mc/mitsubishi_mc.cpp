@@ -139,6 +139,14 @@ class McProtocol final : public Protocol {
   Traits traits_ = kTraits;
 };
 
+// Of 4E frames, whose first character shows the code.
+std::optional<std::size_t> first_frame(ByteView stream) {
+  const bool ascii = !stream.empty() && stream[0] == 'D';
+  const Response response = first_response(stream, {.numbered = true, .ascii = ascii});
+  if (response.kind == Response::Kind::kHopeless) return std::nullopt;
+  return response.size;
+}
+
 constexpr std::array<std::string_view, 6> kOptions{"frame",   "code",   "series",
                                                    "network", "module", "unit"};
 
@@ -192,6 +200,7 @@ const ProtocolEntry& entry() {
           "`frame: 4e` (numbered requests; 3e), `code: ascii` (binary; as the PLC has "
           "it), `series: iqr` (commands of the iQ-R series; q), `network`, `module`, "
           "`unit` of another PLC behind this one; its `address` is the station",
+      .first_frame = first_frame,
       .network_only = true,
       .instead = "mitsubishi-fx",
       .carrier_checks = true,
