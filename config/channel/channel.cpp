@@ -52,6 +52,7 @@ void read_type(MapReader& map, Draft& draft) {
   draft.typed = map.read("type", type, TypeRule{});
   encoding.type = type.type;
   encoding.string_bytes = type.string_bytes;
+  encoding.counted = draft.address && draft.address->counted_text;
   if (!map.has("type") && draft.address) {
     const auto fixed = fixed_type(*draft.address, *draft.area);
     if (fixed && fixed->type == ValueType::kBool)

@@ -31,8 +31,7 @@ void check_in_flight(const BusSpec& spec, const MapReader& map, FaultList& fault
   const auto fault = [&](std::string what, std::string allowed) {
     faults.add(map.position_of("in-flight"), "in-flight: " + std::move(what), std::move(allowed));
   };
-  const auto* tcp = std::get_if<TcpPortSpec>(&spec.port);
-  if (tcp == nullptr || tcp->line)
+  if (!over_network(spec.port) || has_line(spec.port))
     return fault("the port is no plain TCP device", "port: { tcp: HOST:PORT } without baud");
   for (const DeviceSpec& device : spec.devices) {
     const ProtocolEntry* entry = find_protocol(device.protocol);

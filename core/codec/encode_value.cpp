@@ -138,8 +138,12 @@ tl::expected<Bytes, Cause> encode_string(const Encoding& encoding, unsigned item
   if (given == nullptr) return tl::unexpected(Cause::kWrongType);
   const auto text = codec.from_utf8(encoding.charset, *given);
   if (!text || text->size() > encoding.string_bytes) return tl::unexpected(Cause::kRange);
-  return items_of_string(encoding, item_bits,
-                         {reinterpret_cast<const std::uint8_t*>(text->data()), text->size()});
+  Bytes bytes;
+  if (encoding.counted)
+    bytes = {static_cast<std::uint8_t>(encoding.string_bytes),
+             static_cast<std::uint8_t>(text->size())};
+  bytes.insert(bytes.end(), text->begin(), text->end());
+  return items_of_string(encoding, item_bits, bytes);
 }
 
 tl::expected<Bytes, Cause> encode_text_number(const Encoding& encoding, unsigned item_bits,

@@ -95,7 +95,11 @@ Bytes string_bytes_of(const Encoding& encoding, unsigned item_bits, ByteView ite
     text.assign(items.begin(), items.end());
   }
   swap_pairs(encoding, text);
-  if (text.size() < encoding.string_bytes) std::abort();  // see REQUIRES of decode_value()
+  if (text.size() < width_bits(encoding) / 8) std::abort();  // see REQUIRES of decode_value()
+  if (encoding.counted) {
+    const std::size_t length = std::min<std::size_t>(text[1], encoding.string_bytes);
+    return {text.begin() + 2, text.begin() + 2 + static_cast<std::ptrdiff_t>(length)};
+  }
   text.resize(encoding.string_bytes);
   return text;
 }

@@ -160,7 +160,7 @@ bool is_part(const Encoding& encoding, unsigned item_bits) {
 }
 
 unsigned width_bits(const Encoding& encoding) {
-  if (encoding.is_text()) return encoding.string_bytes * 8u;
+  if (encoding.is_text()) return (encoding.string_bytes + (encoding.counted ? 2u : 0u)) * 8u;
   return kTypes[static_cast<std::size_t>(encoding.type)].width;
 }
 

@@ -104,6 +104,11 @@ std::optional<FitFault> check_fit(std::string_view at, const ParsedAddress& addr
   const std::string type(to_text(encoding.type));
   const bool is_bool = encoding.type == ValueType::kBool;
   if (address.text_characters != 0) return check_text(at, address, encoding);
+  if (address.counted_text && encoding.type != ValueType::kString)
+    return FitFault{About::kType,
+                    "type " + type + " at " + in_quotes(at) + ", which is a string",
+                    "string(1) to string(" + std::to_string(kMaxStringBytes) + ")",
+                    {}};
   const bool is_text = encoding.is_text();
   const bool is_byte = !is_text && width_bits(encoding) == 8;
   if (encoding.bit && area.item_bits == 1) {
@@ -141,6 +146,7 @@ std::optional<Encoding> fixed_type(const ParsedAddress& address, const Area& are
 
 std::optional<Encoding> implied_type(const ParsedAddress& address, const Area& area) {
   if (auto fixed = fixed_type(address, area)) return fixed;
+  if (address.counted_text) return std::nullopt;
   if (address.text_number) {
     const bool hex = address.text_number.kind == TextNumber::Kind::kHex;
     return Encoding{hex ? ValueType::kUint64 : ValueType::kFloat64};

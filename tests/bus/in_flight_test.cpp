@@ -1,4 +1,5 @@
-// Several requests in flight on a connection: a Modbus TCP device that answers in any order.
+// Several requests in flight on a connection: a Modbus TCP device that responds in any
+// order.
 #include <gtest/gtest.h>
 
 #include <algorithm>

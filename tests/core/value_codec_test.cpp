@@ -72,7 +72,11 @@ INSTANTIATE_TEST_SUITE_P(
         Pair{Encoding{.type = ValueType::kString, .string_bytes = 5}, 16, "4142 4344 4500",
              Value{std::string("ABCDE")}},
         Pair{Encoding{.type = ValueType::kString, .string_bytes = 4, .byte_order = kSwapped}, 16,
-             "4241 0043", Value{std::string("ABC")}}));
+             "4241 0043", Value{std::string("ABC")}},
+        Pair{Encoding{.type = ValueType::kString, .string_bytes = 4, .counted = true}, 8,
+             "04 03 41 42 43 00", Value{std::string("ABC")}},
+        Pair{Encoding{.type = ValueType::kString, .string_bytes = 2, .counted = true}, 8,
+             "02 00 00 00", Value{std::string()}}));
 
 INSTANTIATE_TEST_SUITE_P(
     BitsBytesAndWiderItems, BothWays,
@@ -134,6 +138,14 @@ TEST(ValueCodec, WhatAByteCannotHoldIsARangeFault) {
   EXPECT_EQ(encode_value(of(ValueType::kBcd8), 8, i(100)).error(), Cause::kRange);
   EXPECT_EQ(decode_value(of(ValueType::kUint8), 16, hex("0112")).error(), Cause::kRange)
       << "more than the byte would show";
+}
+
+// A CPU does not change the characters after the actual length; an actual length beyond the maximum
+// shows that the PLC's string is longer than the type.
+TEST(ValueCodec, ACountedStringHasItsActualLength) {
+  const Encoding counted{.type = ValueType::kString, .string_bytes = 3, .counted = true};
+  EXPECT_EQ(decode_value(counted, 8, hex("0301415A5A")), Value{std::string("A")});
+  EXPECT_EQ(decode_value(counted, 8, hex("FEFE414243")), Value{std::string("ABC")});
 }
 
 TEST(ValueCodec, ABitBeyondTheItemIsARangeFault) {

@@ -93,6 +93,7 @@ int main(int argc, char** argv) {
     modbus_t* bus = modbus_new_tcp("127.0.0.1", number(2, 0));
     return bus == nullptr ? fail(argv[2]) : serve_tcp(bus, memory);
   }
-  std::fprintf(stderr, "usage: libmodbus-server rtu PATH [BAUD [UNIT [DELAY_MS]]] | tcp PORT [ITEMS]\n");
+  std::fprintf(stderr,
+               "usage: libmodbus-server rtu PATH [BAUD [UNIT [DELAY_MS]]] | tcp PORT [ITEMS]\n");
   return 2;
 }

@@ -1,6 +1,6 @@
 // 300 scattered holding registers of a Modbus TCP server (libmodbus) behind a network with a round
 // trip of 2 ms. Compares the channel refreshes a second of the bridge, with several requests in
-// flight, with a bare blocking loop over the optimal partition, and with the prediction of the plan.
+// flight, with a bare blocking loop over the optimal partition, and with the prediction.
 //
 // usage: in_flight_bench [--seconds N] [--in-flight N]
 #include <netinet/tcp.h>

@@ -37,6 +37,7 @@ tl::expected<Encoding, CommandFault> encoding_of(const AddressTarget& target,
     encoding.text_number = address.text_number;
     encoding.string_bytes = address.text_characters;
   }
+  encoding.counted = address.counted_text;
   if (encoding.word_order == WordOrder::kBigEndian) encoding.word_order = area.word_order;
   if (encoding.is_text() && encoding.byte_order == ByteOrder::kBigEndian)
     encoding.byte_order = area.text_order;

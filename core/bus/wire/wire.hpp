@@ -57,9 +57,9 @@ class WireLoad {
 };
 
 // One exchange in flight, the time when the next one may follow, and the load. A bus has one wire,
-// or several on a connection with requests in flight (BusSpec::in_flight). At most one flight; bytes
-// are sent only through it. After an exchange the wire stays silent for the line's silence. Owned by
-// the bus engine, on the bus's thread.
+// or several on a connection with requests in flight (BusSpec::in_flight). At most one flight;
+// bytes are sent only through it. After an exchange the wire stays silent for the line's silence.
+// Owned by the bus engine, on the bus's thread.
 
 // An exchange from its first request to its last try.
 struct Flight {

@@ -10,8 +10,9 @@ namespace fieldcast::s7_tcp {
 namespace {
 
 constexpr AddressFaults address_fault{
-    "DB10.DBB20, DB10.DBW20, DB10.DBD20, DB10.DBL20, DB10.DBX20.3; MB4, MW4, MD4, ML4, M4.3 and "
-    "likewise I, Q, PI; T5, C5"};
+    "DB10.DBB20, DB10.DBW20, DB10.DBD20, DB10.DBL20, DB10.DBS20 (a STRING), DB10.DBX20.3; MB4, "
+    "MW4, "
+    "MD4, ML4, M4.3 and likewise I, Q, PI; T5, C5"};
 
 // B, W, D and L as in IEC 61131-3, 6.5.5.
 std::optional<unsigned> width_of(std::string_view letter) {
@@ -23,12 +24,14 @@ std::optional<unsigned> width_of(std::string_view letter) {
 struct Named {
   AreaIndex area = 0;
   unsigned width = 0;  // bits; 0: a bit or a number follows
+  bool string = false;
 };
 
 std::optional<Named> named(const Areas& areas, bool in_block, std::string_view letters) {
   if (in_block) {
     if (!letters.starts_with("DB")) return std::nullopt;
     if (letters == "DBX") return Named{kDB};
+    if (letters == "DBS") return Named{kDB, 0, true};
     const auto width = width_of(letters.substr(2));
     return width ? std::optional(Named{kDB, *width}) : std::nullopt;
   }
@@ -92,6 +95,8 @@ ParsedOrFault parse_address(const Areas& areas, std::string_view at) {
   ParsedAddress address{.area = name->area, .first = first + *number};
   const bool counted = kCodes[name->area].counted;
   const std::string_view bit = rest.substr(std::min(dot + 1, rest.size()));
+  address.counted_text = name->string;
+  if (dot == rest.size() && name->string) return address;
   if (dot == rest.size()) {
     if (name->width == 0 && !counted)
       return address_fault(in_quotes(at) + " says neither a bit nor a width",
@@ -99,7 +104,7 @@ ParsedOrFault parse_address(const Areas& areas, std::string_view at) {
     if (!counted) address.width_bits = name->width;
     return address;
   }
-  if (name->width != 0 || counted)
+  if (name->width != 0 || counted || name->string)
     return address_fault(in_quotes(at) + " has no bits",
                          std::string(at.substr(0, at.size() - bit.size() - 1)));
   if (!set_bit(address, whole_number(bit), 8))

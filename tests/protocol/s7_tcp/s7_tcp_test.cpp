@@ -12,8 +12,8 @@ namespace {
 
 Bytes bytes(std::string_view digits) { return *from_hex(digits); }
 
-// The structure is that of RFC 1006 and of G. Miru, "The Siemens S7 Communication" (2016); the server
-// of Snap7 1.3 gave these responses to the connect, and to the set up with its own number of jobs.
+// The structure is that of RFC 1006 and of G. Miru, "The Siemens S7 Communication" (2016); the
+// server of Snap7 1.3 gave these responses, with its own number of jobs.
 const Bytes kConnect = bytes("0300001611E00000000100C0010AC1020100C2020301");
 const Bytes kConfirm = bytes("0300001611D00001000600C0010AC1020100C2020301");
 const Bytes kSetUp = bytes("0300001902F08032010000000100080000F0000010001000F0");

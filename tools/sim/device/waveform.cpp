@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <numbers>
 #include <string>
 
@@ -87,6 +88,9 @@ std::vector<std::uint16_t> text_items(const Waveform& waveform, const Encoding& 
   std::string padded(encoding.text_number ? spelt_number(waveform.at(since_start), encoding)
                                           : text);
   padded.resize(encoding.string_bytes);  // truncated or padded with zeros
+  if (encoding.counted)
+    padded.insert(0, {static_cast<char>(encoding.string_bytes),
+                      static_cast<char>(std::min(std::strlen(text), padded.size()))});
   if (padded.size() % 2 != 0) padded.push_back('\0');
   std::vector<std::uint16_t> items;
   for (std::size_t i = 0; i < padded.size(); i += 2) {
@@ -198,7 +202,7 @@ Encoding exponent_encoding(const ChannelSpec& channel) {
 }
 
 std::uint32_t waveform_bits(const Encoding& encoding) {
-  if (encoding.is_text()) return 8u * encoding.string_bytes;
+  if (encoding.is_text()) return 8u * encoding.string_bytes + (encoding.counted ? 16 : 0);
   switch (encoding.type) {
     case ValueType::kBool: return 1;
     case ValueType::kInt8:
@@ -209,7 +213,7 @@ std::uint32_t waveform_bits(const Encoding& encoding) {
 }
 
 std::uint32_t waveform_registers(const Encoding& encoding) {
-  if (encoding.is_text()) return (encoding.string_bytes + 1u) / 2;
+  if (encoding.is_text()) return (waveform_bits(encoding) / 8 + 1) / 2;
   switch (encoding.type) {
     case ValueType::kInt32:
     case ValueType::kUint32:

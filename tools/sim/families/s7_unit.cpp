@@ -31,7 +31,8 @@ std::optional<BlockAddress> block_of(std::string_view at) {
 bool is_width(const S7Area& area, std::string_view letters) {
   if (area.counted) return letters.empty();
   if (area.bits == 16) return letters == "W";
-  return letters == "B" || letters == "W" || letters == "D" || letters == "L";
+  return letters == "B" || letters == "W" || letters == "D" || letters == "L" ||
+         (area.blocks && letters == "S");
 }
 
 }  // namespace

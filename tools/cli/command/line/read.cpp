@@ -54,7 +54,8 @@ tl::expected<Wanted, std::string> wanted_at(const ReadOptions& options, const Pr
   const auto encoding = parse_type(wanted.type);
   if (!encoding) return tl::unexpected(encoding.error());
   wanted.encoding = *encoding;
-  wanted.value_items = item_count(*encoding, wanted.item_bits);
+  wanted.encoding.counted = parsed->counted_text;
+  wanted.value_items = item_count(wanted.encoding, wanted.item_bits);
   const Area& area = protocol.areas()[parsed->area];
   if (!parsed->bit && options.count > 1 && is_field(*parsed))
     return tl::unexpected(
