@@ -10,15 +10,18 @@ Arbiter::Arbiter(BusParts& parts)
       reads_(parts.reads),
       devices_(parts.devices),
       late_(parts.late),
+      gateway_share_(parts.setup.spec().gateway ? parts.setup.spec().gateway->share : 0),
       command_gate_([this](const CommandJob& job) { return sendable_from(job); }) {}
 
 std::optional<Bytes> Arbiter::next(Instant now) {
   rest_until_ = kLongAgo;
+  deciding_ = now;
+  headroom_.reset();
   if (now < parts_.wire().free_at()) return std::nullopt;
   if (!parts_.wire().waiting()) {
     auto flight = choose(now);
     if (!flight) return std::nullopt;
-    command_was_last_ = flight->is_command();
+    command_was_last_ = flight->is_command() && !flight->gateway_read;
     parts_.wire().launch(std::move(*flight));
   }
   return send(now);
@@ -54,6 +57,12 @@ std::optional<Flight> Arbiter::choose_command(Instant now) {
     command.kind = Flight::Kind::kCommand;
     command.asked = {next->device, std::move(next->request), {}, {}};
     command.batch = next->batch;
+    command.gateway_read = commands_.first()->is_gateway_read();
+    if (command.gateway_read && gateway_share_ > 0)
+      gateway_due_ =
+          now +
+          from_seconds(to_seconds(devices_.longest_exchange(next->device, command.asked.request)) /
+                       gateway_share_);
     return command;
   }
   if (commands_.begun()) {
@@ -98,13 +107,20 @@ Instant Arbiter::admit_deferred(Instant now) {
   return next;
 }
 
-Instant Arbiter::sendable_from(const CommandJob& job) const {
-  const Instant from = devices_.paused_until(job.device());
+Instant Arbiter::sendable_from(const CommandJob& job) {
+  Instant from = devices_.paused_until(job.device());
+  if (job.command().is_gateway_read() && !job.started()) from = std::max(from, gateway_from(job));
   if (late_.none_owed()) return from;
   const auto request = job.next();
   if (!request) return from;
   return std::max(
       from, late_.sendable_from(job.device(), *request, LateResponseFilter::Purpose::kCommand));
+}
+
+Instant Arbiter::gateway_from(const CommandJob& job) {
+  if (!headroom_) headroom_ = reads_.headroom(deciding_);
+  if (devices_.longest_exchange(job.device(), *job.next()) <= *headroom_) return kLongAgo;
+  return gateway_share_ > 0 ? gateway_due_ : kNever;
 }
 
 Bytes Arbiter::send(Instant now) {
@@ -155,8 +171,8 @@ std::optional<Reopen> OutcomeRouter::conclude(bool done, Instant now, ActionSink
   const bool busy = ended.cause == Cause::kDeviceBusy;
   if (ended.responded && !busy) devices_.responded(device, sink);
   deliver(flight, ended, now, sink);
-  const bool lost =
-      (!ended.responded || busy) && !dropped && device_failed(device, ended, now, sink);
+  const bool lost = (!ended.responded || busy) && !dropped && !flight.gateway_read &&
+                    device_failed(device, ended, now, sink);
   arbiter_.suspend(device, now);
   // All devices of this connection are silent: the connection itself may be dead.
   if (lost && !busy && devices_.all_offline() && over_network(setup_.spec().port))
@@ -190,6 +206,10 @@ void OutcomeRouter::note_try(const Wire::Ended& ended, Instant now, ActionSink& 
   } else {
     late_.timed_out(flight.asked, flight.block, longest, driver, now);
   }
+  if (flight.gateway_read) {
+    devices_.gateway_read_ended(device, ended.responded ? Cause::kNone : ended.cause, now);
+    if (!ended.responded) return causes_.add(ended.cause);
+  }
   devices_.tried({device, ended.cause, flight.rest, driver.responded(), driver.raw_received(),
                   driver.sent(), driver.echo_alone(), driver.expected()},
                  now, sink);
@@ -207,7 +227,7 @@ bool OutcomeRouter::may_repeat(Cause cause) const {
     return false;
   const Flight& flight = parts_.wire().flight();
   const DeviceIndex device = flight.asked.device;
-  return flight.kind != Flight::Kind::kProbe &&
+  return flight.kind != Flight::Kind::kProbe && !flight.gateway_read &&
          std::holds_alternative<ReadRequest>(flight.asked.request) &&
          flight.tries < setup_.device(device).retries &&
          (flight.is_command() || !devices_.sick(device));
@@ -218,12 +238,14 @@ void OutcomeRouter::deliver(const Flight& flight, const Wire::Ended& ended, Inst
   const Instant acquired = parts_.wire().driver().responded();
   switch (flight.kind) {
     case Flight::Kind::kRead:
-      if (ended.done)
-        return reads_.responded(flight.block, ended.exchange->reply(), acquired, now, sink);
+      if (ended.done) reads_.responded(flight.block, ended.exchange->reply(), acquired, now, sink);
+      share(flight, ended, now, sink);
+      if (ended.done) return;
       if (ended.cause == Cause::kDeviceBusy && devices_.stays_busy(flight.asked.device))
         devices_.busy(flight.asked.device, now);
       return reads_.failed(flight.block, flight.longer, ended.cause, ended.device_code, now, sink);
     case Flight::Kind::kCommand:
+      share(flight, ended, now, sink);
       if (ended.done)
         return commands_.responded(flight.batch, ended.exchange->reply(), acquired, now, sink);
       return commands_.failed(flight.batch, ended.cause, ended.device_code, acquired, now, sink,
@@ -233,6 +255,22 @@ void OutcomeRouter::deliver(const Flight& flight, const Wire::Ended& ended, Inst
     case Flight::Kind::kProbe:
       if (ended.done) reads_.probe_responded(flight.asked.device);
       return;
+  }
+}
+
+void OutcomeRouter::share(const Flight& flight, const Wire::Ended& ended, Instant now,
+                          ActionSink& sink) {
+  const DeviceIndex device = flight.asked.device;
+  const auto* read = std::get_if<ReadRequest>(&flight.asked.request);
+  if (read == nullptr) return commands_.written(device);
+  if (!ended.done) return;
+  const Reply& reply = ended.exchange->reply();
+  for (std::size_t i = 0; i < std::min(read->ranges.size(), reply.size()); ++i) {
+    if (reply[i].cause != Cause::kNone) continue;
+    commands_.read(
+        device,
+        {read->ranges[i], reply[i].items, flight.started, parts_.wire().driver().responded()}, now,
+        sink);
   }
 }
 

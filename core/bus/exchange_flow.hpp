@@ -3,6 +3,8 @@
 //   - A repeated exchange is sent first.
 //   - A command precedes reads; after it, a due read precedes the next command, so neither starves.
 //   - A started command keeps the wire during its device's pause, unless the pause is long.
+//   - A read of the gateway is sent if every read of the plan can still end in time after it, or if
+//     the gateway has used less than its share.
 //   - Probes, and reads of unhealthy devices, use spare time of the wire.
 #pragma once
 
@@ -43,7 +45,10 @@ class Arbiter {
   [[nodiscard]] std::optional<Flight> choose_probe(Instant now);
   [[nodiscard]] std::optional<Flight> choose_read(Instant now);
   [[nodiscard]] Instant admit_deferred(Instant now);
-  [[nodiscard]] Instant sendable_from(const CommandJob& job) const;
+  [[nodiscard]] Instant sendable_from(const CommandJob& job);
+  // When a gateway's read may be sent. kNever: not before the next exchange has ended, as the
+  // headroom only shrinks until then.
+  [[nodiscard]] Instant gateway_from(const CommandJob& job);
   [[nodiscard]] Bytes send(Instant now);
 
   BusParts& parts_;
@@ -51,9 +56,13 @@ class Arbiter {
   ReadPath& reads_;
   DeviceMonitor& devices_;
   LateResponseFilter& late_;
+  const double gateway_share_;
   CommandQueue::Gate command_gate_;
   bool command_was_last_ = false;
   Instant rest_until_ = kLongAgo;
+  Instant gateway_due_ = kLongAgo;    // when the gateway has used less than its share
+  Instant deciding_ = kLongAgo;       // `now` of the last next()
+  std::optional<Duration> headroom_;  // ReadPath::headroom() at that time, once it was needed
 };
 
 // Passes the outcome of an exchange to the device, the waiting reads or commands, and the pending
@@ -75,6 +84,8 @@ class OutcomeRouter {
   [[nodiscard]] bool may_repeat(Cause cause) const;
   void learn(const Flight& flight);
   void deliver(const Flight& flight, const Wire::Ended& ended, Instant now, ActionSink& sink);
+  // For clients of the gateway.
+  void share(const Flight& flight, const Wire::Ended& ended, Instant now, ActionSink& sink);
   // Returns true if the device went offline.
   bool device_failed(DeviceIndex device, const Wire::Ended& ended, Instant now, ActionSink& sink);
 

@@ -82,6 +82,8 @@ class ReadPath {
 
   // How long the wire may be blocked from now on without delaying a read.
   [[nodiscard]] Duration slack(Instant now) { return scheduler_->slack(now); }
+  // The same, but each read may end as late as the plan allows.
+  [[nodiscard]] Duration headroom(Instant now) { return scheduler_->headroom(now); }
   [[nodiscard]] double planned_load() const { return scheduler_->planned_load(); }
   [[nodiscard]] double stretch() const { return scheduler_->stretch(); }
   // The draft does not use this object.

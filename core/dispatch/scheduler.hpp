@@ -48,6 +48,8 @@ class Scheduler {
   void set_longest(DeviceIndex device, AreaIndex area, std::uint32_t items);
   // How long the wire may be blocked from `now` on without delaying a point, as by a probe.
   [[nodiscard]] Duration slack(Instant now) { return runner_.slack(now); }
+  // The same without a promise of an early start: each read may end as late as the plan allows.
+  [[nodiscard]] Duration headroom(Instant now) { return runner_.headroom(now); }
   void set_point(PointIndex point, Duration refresh, Mode mode, Instant now);
 
   // To be made on another thread. Null if there are no changes, or a draft is pending.

@@ -10,6 +10,7 @@
 
 #include "core/base/time.hpp"
 #include "core/model/channel_spec.hpp"
+#include "core/model/gateway_spec.hpp"
 #include "core/model/planner_choice.hpp"
 #include "core/model/port_spec.hpp"
 #include "core/protocol/declared/declaration.hpp"
@@ -58,6 +59,7 @@ struct BusSpec {
   unsigned in_flight = 1;
   std::vector<DeviceSpec> devices;
   std::optional<CaptureSpec> capture;  // empty: captured only on request
+  std::optional<GatewaySpec> gateway;  // empty: no client can connect
   // A reload restarts only buses that differ in more than their capture.
   friend bool operator==(const BusSpec&, const BusSpec&) = default;
 };

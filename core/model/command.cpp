@@ -12,6 +12,8 @@ CommandResult refusal(const Command& command, CommandState state, Cause cause, s
   result.reason = std::move(reason);
   result.received = received;
   result.started = result.completed = now;
+  result.gateway = command.gateway;
+  result.gateway_read = command.is_gateway_read();
   return result;
 }
 

@@ -13,6 +13,8 @@
 namespace fieldcast {
 
 inline constexpr std::uint32_t kMaxRawValues = 1000;
+// Of a client of the gateway: the coils of one Modbus read.
+inline constexpr std::uint32_t kMaxGatewayValues = 2000;
 
 enum class Operation : std::uint8_t { kWrite, kAcquire };
 
@@ -38,6 +40,12 @@ struct Command {
   bool verify = false;       // read back after the write
   Instant expires = kNever;  // latest start
   std::string subject;       // requester by its certificate; empty without DDS Security
+  bool gateway = false;      // of a Modbus TCP client, see GatewaySpec
+  // A stored response of the device that is at most this old also completes a gateway's read.
+  Duration max_age{};
+
+  // Uses the wire only between the reads of the plan, and needs no `allow: raw-read`.
+  [[nodiscard]] bool is_gateway_read() const { return gateway && operation == Operation::kAcquire; }
 };
 
 enum class CommandState : std::uint8_t { kDone, kVerified, kRejected, kFailed, kExpired };
@@ -53,6 +61,8 @@ struct CommandResult {
   std::vector<Value> values;  // acquired or read back
   // All equal if no request was sent.
   Instant received{}, started{}, completed{};
+  bool gateway = false;       // of a command of the gateway
+  bool gateway_read = false;  // of Command::is_gateway_read()
 };
 
 // `state`: kRejected, or kExpired for a late command. `reason`: one human-readable line.

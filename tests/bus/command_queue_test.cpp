@@ -96,6 +96,50 @@ TEST_F(CommandQueueTest, AMomentaryRefusalSaysWhatIsDown) {
   EXPECT_TRUE(queue_.empty());
 }
 
+// A read of the gateway shares each response that contains its items, but only a later or a fresh
+// one.
+TEST_F(CommandQueueTest, AGatewaysReadIsServedByAResponseThatContainsIt) {
+  BusSpec spec = bus();
+  spec.gateway.emplace();
+  const BusSetup setup(spec);
+  CommandQueue queue(setup, channels_, plain_text_codec());
+  const auto read = [&](Duration max_age, Instant now) {
+    Command command = acquire("");
+    command.target = AddressTarget{"holding:101", {}};
+    command.gateway = true;
+    command.max_age = max_age;
+    queue.accept(command, {}, now, sink_);
+  };
+  const auto respond = [&](Instant asked, Instant acquired) {
+    queue.read(0, {{test::kHolding, 100, 2}, {0, 1, 0x12, 0x34}, asked, acquired}, acquired, sink_);
+    return results();
+  };
+  read(0ms, Instant{100ms});
+  EXPECT_TRUE(respond(Instant{90ms}, Instant{110ms}).empty()) << "it was sent before the request";
+  const auto done = respond(Instant{120ms}, Instant{130ms});
+  ASSERT_EQ(done.size(), 1u);
+  EXPECT_EQ(done[0].values, std::vector<Value>{Value{std::uint64_t{0x1234}}});
+  EXPECT_TRUE(done[0].gateway_read);
+  EXPECT_TRUE(queue.empty());
+  read(50ms, Instant{180ms});
+  EXPECT_EQ(results().size(), 1u) << "50 ms old";
+  read(50ms, Instant{181ms});
+  EXPECT_TRUE(results().empty()) << "51 ms old";
+  queue.written(0);
+  read(1h, Instant{182ms});
+  EXPECT_TRUE(results().empty()) << "a write may have changed the items";
+}
+
+TEST_F(CommandQueueTest, AGatewaysReadGoesAfterAllCommands) {
+  Command command = of("client", acquire("", "unit-2"));
+  command.target = AddressTarget{"holding:100", {}};
+  command.gateway = true;
+  accept(command);
+  accept(of("plant", write("r0", 1)));
+  EXPECT_EQ(serve(), "plant");
+  EXPECT_EQ(serve(), "client");
+}
+
 // A bridge that has just started or taken over opens its port soon.
 TEST_F(CommandQueueTest, WhileThePortIsBeingOpenedACommandWaits) {
   accept(write("r0", 1), {BusState::kOpening, false});

@@ -80,6 +80,35 @@ TEST_F(OutcomeRouterTest, AReadIsRepeatedAsOftenAsConfigured) {
   EXPECT_FALSE(parts_.late.none_owed());
 }
 
+// Some devices do not respond to addresses that they do not have.
+TEST_F(OutcomeRouterTest, AGatewaysReadWithoutResponseSaysNothingAboutTheDevice) {
+  ask(Instant{});
+  receive(kZeros, Instant{50ms});
+  parts_.reads.suspend(0, kNever);
+  Instant now{100ms};
+  for (int i = 0; i < 5; ++i) {
+    Command command;
+    command.requester = "client";
+    command.request_id = static_cast<std::uint64_t>(i);
+    command.device = "unit-1";
+    command.operation = Operation::kAcquire;
+    command.target = AddressTarget{"holding:" + std::to_string(5000 + 10 * i), {}};
+    command.count = static_cast<std::uint32_t>(i + 1);
+    command.gateway = true;
+    parts_.commands.accept(command, {}, now, sink_);
+    ask(now);
+    now = time_out() + 1s;
+    EXPECT_FALSE(parts_.wire.waiting()) << "it is not repeated";
+  }
+  EXPECT_EQ(count<Complete>(), 5u);
+  EXPECT_EQ(parts_.devices.report(0).state, DeviceState::kOnline);
+  EXPECT_FALSE(parts_.devices.sick(0));
+  EXPECT_EQ(outcomes_.causes()[Cause::kNoResponse], 5u);
+  const Request one = ReadRequest{{{test::kHolding, 100, 1}}};
+  EXPECT_GT(parts_.devices.longest_exchange(0, one), parts_.setup.device(0).timeout)
+      << "the next one may be silent as well";
+}
+
 TEST_F(OutcomeRouterTest, ARefusalIsNeverRepeated) {
   ask(Instant{});
   receive(kRefusal, Instant{20ms});

@@ -19,7 +19,7 @@ VirtualBus::VirtualBus(const BusSpec& spec, const sim::BusFaults& faults, std::u
 void VirtualBus::run_until(Instant until) { bus_.run_until(until); }
 
 void VirtualBus::command(Command command) {
-  command.requester = "test";
+  if (command.requester.empty()) command.requester = "test";
   command.request_id = ++commands_;
   bus_.feed(CommandArrived{std::move(command)});
 }

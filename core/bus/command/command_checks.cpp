@@ -134,7 +134,7 @@ tl::expected<void, CommandFault> CommandJob::find_channels(const DeviceSpec& dev
 tl::expected<void, CommandFault> CommandJob::find_address(const DeviceSpec& device,
                                                           const AddressTarget& target) {
   const bool write = command_.operation == Operation::kWrite;
-  if (write ? !device.allow_raw_write : !device.allow_raw_read)
+  if (write ? !device.allow_raw_write : !device.allow_raw_read && !command_.gateway)
     return fault(Cause::kRawNotAllowed, "device '" + device.name + "' does not allow " +
                                             (write ? "raw-write" : "raw-read") +
                                             "; its configuration would have to say allow: [" +
@@ -147,9 +147,10 @@ tl::expected<void, CommandFault> CommandJob::find_address(const DeviceSpec& devi
                           ? ""
                           : "; did you mean " + address.error().suggestion + '?'));
   const std::size_t count = write ? command_.values.size() : command_.count;
-  if (count == 0 || count > kMaxRawValues)
+  const std::uint32_t most_values = command_.gateway ? kMaxGatewayValues : kMaxRawValues;
+  if (count == 0 || count > most_values)
     return fault(Cause::kRange,
-                 "between 1 and " + std::to_string(kMaxRawValues) + " values in one command");
+                 "between 1 and " + std::to_string(most_values) + " values in one command");
   const Area& area = protocol_->areas()[address->area];
   if (write && !area.writable)
     return fault(Cause::kReadOnly, std::string(area.name) + " cannot be written");

@@ -228,9 +228,18 @@ std::optional<ChannelIndex> CommandJob::written_channel() const {
 }
 
 CommandResult CommandJob::result(Instant received, Instant completed) const {
-  CommandResult result{
-      command_.requester, command_.request_id,          state_,   cause_, device_code_, reason_, {},
-      received,           started_.value_or(completed), completed};
+  CommandResult result{command_.requester,
+                       command_.request_id,
+                       state_,
+                       cause_,
+                       device_code_,
+                       reason_,
+                       {},
+                       received,
+                       started_.value_or(completed),
+                       completed,
+                       command_.gateway,
+                       command_.is_gateway_read()};
   for (const CommandSubject& subject : subjects_) {
     const ByteView items = items_of(subject);
     if (items.empty()) continue;

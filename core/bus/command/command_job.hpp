@@ -55,6 +55,12 @@ class CommandJob {
 
   [[nodiscard]] DeviceIndex device() const { return device_; }
   [[nodiscard]] const Command& command() const { return command_; }
+  // The items of a gateway's read; empty for other commands.
+  [[nodiscard]] std::optional<Range> gateway_range() const {
+    if (!command_.is_gateway_read() || phase_ != Phase::kAcquire || reads_.size() != 1)
+      return std::nullopt;
+    return reads_.front();
+  }
   [[nodiscard]] bool started() const { return started_.has_value(); }
   void start(Instant now) {
     if (!started_) started_ = now;

@@ -35,16 +35,25 @@ std::size_t bytes_of(const Command& command) {
 }  // namespace
 
 CommandQueue::CommandQueue(const BusSetup& setup, ChannelTable& channels, TextCodec& codec)
-    : setup_(setup), channels_(channels), codec_(codec), last_write_(channels.size(), kLongAgo) {}
+    : setup_(setup),
+      channels_(channels),
+      codec_(codec),
+      responses_(setup.devices()),
+      last_write_(channels.size(), kLongAgo) {}
 
 void CommandQueue::accept(const Command& command, const Condition& condition, Instant now,
                           ActionSink& sink) {
   auto job = check(command, condition, now);
   std::optional<CommandFault> fault;
-  if (!job)
+  if (!job) {
     fault = std::move(job.error());
-  else
+  } else {
+    if (const auto range = job->gateway_range()) {
+      const auto* stored = responses_.find(job->device(), *range, now - command.max_age);
+      if (stored != nullptr && complete_from(*stored, *job, now, now, sink)) return;
+    }
     fault = make_room(command, now, sink);
+  }
   if (fault) {
     const CommandState state =
         fault->cause == Cause::kExpired ? CommandState::kExpired : CommandState::kRejected;
@@ -168,12 +177,45 @@ std::optional<CommandQueue::Next> CommandQueue::next(Instant now, const Gate& ga
 // The requester that was served least recently, among those with a sendable command.
 std::deque<CommandQueue::Waiting>::iterator CommandQueue::next_in_turn(Instant now,
                                                                        const Gate& gate) {
+  const auto turn = [](const Waiting& waiting) {
+    return std::pair(waiting.job.command().is_gateway_read(), waiting.owner->turn);
+  };
   auto next = waiting_.end();
   for (auto each = waiting_.begin(); each != waiting_.end(); ++each) {
-    const bool earlier = next == waiting_.end() || each->owner->turn < next->owner->turn;
+    const bool earlier = next == waiting_.end() || turn(*each) < turn(*next);
     if (earlier && gate(each->job) <= now) next = each;
   }
   return next;
+}
+
+bool CommandQueue::complete_from(const DeviceResponse& response, CommandJob& job, Instant received,
+                                 Instant now, ActionSink& sink) const {
+  const auto range = job.gateway_range();
+  if (!range || !response.contains(*range)) return false;
+  const bool fresh =
+      response.asked >= received || (job.command().max_age > Duration::zero() &&
+                                     response.acquired >= now - job.command().max_age);
+  if (!fresh) return false;
+  const unsigned bits = setup_.area(job.device(), range->area).item_bits;
+  job.responded({RangeReply{Cause::kNone, 0, response.items_of(*range, bits)}});
+  sink.push(Complete{job.result(received, now)});
+  return true;
+}
+
+void CommandQueue::read(DeviceIndex device, DeviceResponse response, Instant now,
+                        ActionSink& sink) {
+  if (!setup_.spec().gateway) return;
+  for (std::size_t i = begun_ ? 1 : 0; i < waiting_.size();) {
+    Waiting& each = waiting_[i];
+    if (each.job.device() != device ||
+        !complete_from(response, each.job, each.received, now, sink)) {
+      ++i;
+      continue;
+    }
+    left(each);
+    waiting_.erase(waiting_.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+  responses_.put(device, std::move(response));
 }
 
 // Moves further writes of the device to the front that extend the range of the first one, for one
@@ -227,7 +269,7 @@ void CommandQueue::finish(std::size_t batch, Instant acquired, Instant now, Acti
     std::vector<Sample> samples;
     for (const CommandJob::Acquired& read : each.job.acquired())
       channels_.acquired(read.channel, read.item_bits, read.items, acquired, samples);
-    ++done_;
+    if (!each.job.command().is_gateway_read()) ++done_;
     sink.push(Complete{each.job.result(each.received, now)});
     sink.publish(std::move(samples));
     left(each);

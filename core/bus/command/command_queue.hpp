@@ -1,7 +1,8 @@
 // The commands of one bus, one on the wire at a time, each completed with exactly one result.
 // Requesters are served in turn; each requester's commands keep their order. Queue and shares are
-// limited; a full queue rejects the requester with the most commands (kQueueFull). On the bus's
-// thread.
+// limited; a full queue rejects the requester with the most commands (kQueueFull). Reads of the
+// gateway are served after all other commands, and by each response of the device that contains
+// their items. On the bus's thread.
 #pragma once
 
 #include <deque>
@@ -13,6 +14,7 @@
 
 #include "core/bus/command/channel_table.hpp"
 #include "core/bus/command/command_job.hpp"
+#include "core/bus/command/response_cache.hpp"
 #include "core/bus/setup/bus_setup.hpp"
 #include "core/model/status.hpp"
 
@@ -51,6 +53,12 @@ class CommandQueue {
               ActionSink& sink, std::string_view seen = {});
   void not_sent(std::size_t batch);
 
+  // The device responded to any read of the bus. Stores the response if the bus has a gateway, and
+  // completes the gateway's reads that it contains.
+  void read(DeviceIndex device, DeviceResponse response, Instant now, ActionSink& sink);
+  // A write to the device was sent; stored responses may differ from its items now.
+  void written(DeviceIndex device) { responses_.forget(device); }
+
   // Only commands that were not started can expire. `bus` is used in the reason.
   void expire(BusState bus, Instant now, ActionSink& sink);
   [[nodiscard]] Instant next_expiry() const;
@@ -88,10 +96,14 @@ class CommandQueue {
                                                      const Condition& condition, Instant now) const;
   [[nodiscard]] std::size_t gather(WriteRequest& write);
   void finish(std::size_t batch, Instant acquired, Instant now, ActionSink& sink);
+  // Completes a gateway's read, if the response contains its items and is fresh enough.
+  [[nodiscard]] bool complete_from(const DeviceResponse& response, CommandJob& job,
+                                   Instant received, Instant now, ActionSink& sink) const;
 
   const BusSetup& setup_;
   ChannelTable& channels_;
   TextCodec& codec_;
+  ResponseCache responses_;
   std::deque<Waiting> waiting_;  // in order of arrival; a started command is first
   std::map<std::string, Owner, std::less<>> owners_;
   std::size_t bytes_ = 0;

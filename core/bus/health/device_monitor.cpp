@@ -54,6 +54,23 @@ void DeviceMonitor::tried(const Try& ended, Instant now, ActionSink& sink) {
   if (!done) device.report.causes.add(ended.cause);
 }
 
+void DeviceMonitor::gateway_read_ended(DeviceIndex index, Cause cause, Instant now) {
+  Device& device = devices_[index];
+  device.gateway_read_failed = cause != Cause::kNone;
+  if (cause == Cause::kNone) return;
+  device.paused_until = now + setup_.device(index).pause;
+  device.report.causes.add(cause);
+}
+
+Duration DeviceMonitor::longest_exchange(DeviceIndex index, const Request& request) const {
+  const Device& device = devices_[index];
+  const ResponseTime& time = device.response_time;
+  const bool known = time.known() && !device.sick() && !device.gateway_read_failed;
+  return setup_.wire_time(index, request) + setup_.silence() + setup_.device(index).pause +
+         (known ? std::min(time.longest(), time.mean() + 4 * time.spread())
+                : setup_.device(index).timeout);
+}
+
 void DeviceMonitor::judge_garbage(const Try& ended, bool responded, ActionSink& sink) {
   Garbage& garbage = devices_[ended.device].garbage;
   anybody_responded_ = anybody_responded_ || responded;

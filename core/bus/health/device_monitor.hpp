@@ -62,6 +62,13 @@ class DeviceMonitor {
   void tried(const Try& ended, Instant now, ActionSink& sink);
   void repeated(DeviceIndex device) { ++devices_[device].report.retries; }
 
+  // Result of a gateway's read; kNone if the device responded. A read without a response is no
+  // sign of the device's health, as some devices ignore unknown addresses; the next read of the
+  // gateway is expected to last as long. Call instead of tried() after such a failure.
+  void gateway_read_ended(DeviceIndex device, Cause cause, Instant now);
+  // Time on the wire with the silence after it; with a timeout if the device may not respond.
+  [[nodiscard]] Duration longest_exchange(DeviceIndex device, const Request& request) const;
+
   // A valid response or a refusal, but not Cause::kDeviceBusy.
   void responded(DeviceIndex device, ActionSink& sink);
   void learn(DeviceIndex device, const Request& request, Duration response_time);
@@ -112,6 +119,7 @@ class DeviceMonitor {
     unsigned busy_in_a_row = 0;         // consecutive Cause::kDeviceBusy responses
     Instant deferred_until = kLongAgo;  // at the latest; kLongAgo if not deferred
     Duration wasted{};
+    bool gateway_read_failed = false;     // the last one
     Instant probe_not_before = kLongAgo;  // set when the wire had no time for a probe
     bool suspended = false;               // last value reported to the scheduler
     DeviceReport report;
