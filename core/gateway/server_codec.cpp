@@ -1,0 +1,184 @@
+#include "core/gateway/server_codec.hpp"
+
+#include "core/protocol/modbus/framing.hpp"
+
+namespace fieldcast::gateway {
+namespace {
+
+using modbus::Function;
+
+constexpr std::size_t kHeader = 7;  // with the unit
+constexpr std::uint16_t kCoilOn = 0xFF00;
+
+tl::unexpected<Exception> fault(Exception exception) { return tl::make_unexpected(exception); }
+
+bool holds_bits(std::uint8_t function) {
+  return function == 1 || function == 2 || function == 5 || function == 15;
+}
+
+bool is_single(std::uint8_t function) { return function == 5 || function == 6; }
+
+// The packed bits or registers of a write, as an image. Empty if they are not valid.
+Bytes image_of(std::uint8_t function, std::uint32_t count, ByteView data) {
+  if (function == static_cast<std::uint8_t>(Function::kWriteCoil)) {
+    const std::uint16_t value = read_u16(data);
+    if (value != 0 && value != kCoilOn) return {};
+    return {static_cast<std::uint8_t>(value == 0 ? 0 : 1)};
+  }
+  if (!holds_bits(function))
+    return data.size() == count * std::size_t{2} ? Bytes(data.begin(), data.end()) : Bytes{};
+  if (data.size() != (count + 7) / 8) return {};
+  Bytes image;
+  for (std::uint32_t i = 0; i < count; ++i)
+    image.push_back(static_cast<std::uint8_t>(data[i / 8] >> i % 8 & 1));
+  return image;
+}
+
+// REQUIRES: pdu fits a frame.
+Bytes framed(const RequestFrame& frame, ByteView pdu) {
+  Bytes out;
+  modbus::tcp_framing().wrap({frame.unit, frame.transaction}, pdu, out);
+  return out;
+}
+
+// Empty if a value is missing or does not fit.
+std::optional<Bytes> packed(const ClientRequest& request, const std::vector<Value>& values) {
+  if (values.size() != request.range.count) return std::nullopt;
+  const bool bits = holds_bits(request.function);
+  Bytes data(bits ? (values.size() + 7) / 8 : 0);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (bits) {
+      const auto* bit = std::get_if<bool>(&values[i]);
+      if (bit == nullptr) return std::nullopt;
+      data[i / 8] = static_cast<std::uint8_t>(data[i / 8] | (*bit ? 1u << i % 8 : 0u));
+    } else {
+      const auto* item = std::get_if<std::uint64_t>(&values[i]);
+      if (item == nullptr || *item > 0xFFFF) return std::nullopt;
+      append_u16(data, static_cast<std::uint16_t>(*item));
+    }
+  }
+  return data;
+}
+
+}  // namespace
+
+std::string_view to_text(FrameFault fault) {
+  return fault == FrameFault::kProtocol ? "the protocol identifier is not 0"
+                                        : "the length is not that of a Modbus frame";
+}
+
+tl::expected<std::optional<RequestFrame>, FrameFault> first_frame(ByteView received) {
+  if (received.size() < 6) return std::optional<RequestFrame>{};
+  if (read_u16(received, 2) != 0) return tl::make_unexpected(FrameFault::kProtocol);
+  const std::size_t length = read_u16(received, 4);
+  if (length < 2 || length > 1 + modbus::kMaxPdu) return tl::make_unexpected(FrameFault::kLength);
+  if (received.size() < 6 + length) return std::optional<RequestFrame>{};
+  return RequestFrame{read_u16(received), received[6], received.subspan(kHeader, length - 1),
+                      6 + length};
+}
+
+tl::expected<ClientRequest, Exception> decode(ByteView pdu) {
+  const std::uint8_t function = pdu[0];
+  const bool write = is_single(function) || function == 15 || function == 16;
+  if (!write && (function < 1 || function > 4)) return fault(Exception::kIllegalFunction);
+  if (pdu.size() < 5 || pdu.size() != modbus::request_pdu_size(pdu))
+    return fault(Exception::kIllegalValue);
+  ClientRequest request{function, {}, {}};
+  // Areas are in the order of functions 1..4; writes are of coils and holding registers.
+  request.range.area = static_cast<AreaIndex>(!write ? function - 1 : holds_bits(function) ? 0 : 2);
+  request.range.first = read_u16(pdu, 1);
+  request.range.count = is_single(function) ? 1 : read_u16(pdu, 3);
+  const std::uint16_t most = modbus::row_of_function(function).most;
+  if (request.range.count == 0 || (most != 0 && request.range.count > most))
+    return fault(Exception::kIllegalValue);
+  if (write) {
+    request.items =
+        image_of(function, request.range.count, pdu.subspan(is_single(function) ? 3 : 6));
+    if (request.items.empty()) return fault(Exception::kIllegalValue);
+  }
+  if (request.range.end() > 65536) return fault(Exception::kIllegalAddress);
+  return request;
+}
+
+Command command_of(const ClientRequest& request, const std::string& device) {
+  const bool bits = holds_bits(request.function);
+  Command command;
+  command.device = device;
+  command.operation = request.is_write() ? Operation::kWrite : Operation::kAcquire;
+  command.count = request.range.count;
+  command.gateway = true;
+  command.target = AddressTarget{std::string(modbus::row_of_function(request.function).area) + ':' +
+                                     std::to_string(request.range.first),
+                                 Encoding{.type = bits ? ValueType::kBool : ValueType::kUint16}};
+  if (!request.is_write()) return command;
+  const ByteView items = request.items;
+  for (std::size_t i = 0; i < request.range.count; ++i) {
+    if (bits)
+      command.values.emplace_back(items[i] != 0);
+    else
+      command.values.emplace_back(std::uint64_t{read_u16(items, 2 * i)});
+  }
+  return command;
+}
+
+Bytes exception_response(const RequestFrame& frame, std::uint8_t code) {
+  const std::array pdu{static_cast<std::uint8_t>(frame.pdu[0] | modbus::kExceptionFlag), code};
+  return framed(frame, pdu);
+}
+
+Bytes response(const RequestFrame& frame, const ClientRequest& request,
+               const CommandResult& result) {
+  if (result.state != CommandState::kDone && result.state != CommandState::kVerified)
+    return exception_response(frame, exception_code(result));
+  Bytes pdu{request.function};
+  if (request.is_write()) {
+    append_u16(pdu, static_cast<std::uint16_t>(request.range.first));
+    if (request.function == static_cast<std::uint8_t>(Function::kWriteCoil))
+      append_u16(pdu, request.items[0] != 0 ? kCoilOn : 0);
+    else if (is_single(request.function))
+      append(pdu, request.items);
+    else
+      append_u16(pdu, static_cast<std::uint16_t>(request.range.count));
+    return framed(frame, pdu);
+  }
+  const auto data = packed(request, result.values);
+  if (!data) return exception_response(frame, Exception::kDeviceFailure);
+  pdu.push_back(static_cast<std::uint8_t>(data->size()));
+  append(pdu, *data);
+  return framed(frame, pdu);
+}
+
+std::uint8_t exception_code(const CommandResult& result) {
+  const auto code = [](Exception exception) { return static_cast<std::uint8_t>(exception); };
+  switch (result.cause) {
+    case Cause::kDeviceError:
+    case Cause::kDeviceBusy:
+      return result.device_code >= 1 && result.device_code <= 0xFF
+                 ? static_cast<std::uint8_t>(result.device_code)
+                 : code(Exception::kDeviceFailure);
+    case Cause::kRawNotAllowed:
+    case Cause::kReadOnly:
+    case Cause::kUnsupported: return code(Exception::kIllegalFunction);
+    case Cause::kBadAddress: return code(Exception::kIllegalAddress);
+    case Cause::kRange:
+    case Cause::kWrongType: return code(Exception::kIllegalValue);
+    case Cause::kExpired:
+    case Cause::kQueueFull:
+    case Cause::kRateLimited:
+    case Cause::kLeased:
+    case Cause::kForeignMaster: return code(Exception::kBusy);
+    case Cause::kUnknownDevice:
+    case Cause::kPortClosed:
+    case Cause::kShutdown: return code(Exception::kNoPath);
+    case Cause::kNoResponse:
+    case Cause::kTruncated:
+    case Cause::kChecksum:
+    case Cause::kMalformed:
+    case Cause::kForeign:
+    case Cause::kOverlong:
+    case Cause::kOffline: return code(Exception::kNoResponse);
+    default: return code(Exception::kDeviceFailure);
+  }
+}
+
+}  // namespace fieldcast::gateway

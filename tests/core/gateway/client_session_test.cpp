@@ -1,0 +1,117 @@
+#include "core/gateway/client_session.hpp"
+
+#include <gtest/gtest.h>
+
+namespace fieldcast::gateway {
+namespace {
+
+using namespace std::chrono_literals;
+
+class ClientSessionTest : public testing::Test {
+ protected:
+  static BusSpec bus() {
+    BusSpec bus;
+    bus.gateway.emplace();
+    for (const int address : {1, 17}) {
+      DeviceSpec& device = bus.devices.emplace_back();
+      device.name = "unit-" + std::to_string(address);
+      device.link.address = static_cast<std::uint16_t>(address);
+    }
+    return bus;
+  }
+  // Returns the response, or an empty text.
+  std::string send(std::string_view hex) {
+    Bytes out;
+    valid_ = session_.on_bytes(*from_hex(hex), Instant{5s}, out, commands_).has_value();
+    return to_hex(out);
+  }
+  std::string complete(const Command& command, std::vector<Value> values) {
+    CommandResult result;
+    result.requester = command.requester;
+    result.request_id = command.request_id;
+    result.state = CommandState::kDone;
+    result.values = std::move(values);
+    Bytes out;
+    session_.on_result(result, out);
+    return to_hex(out);
+  }
+
+  const BusSpec bus_ = bus();
+  GatewaySpec spec_ = *bus_.gateway;
+  const Units units_ = units_of(bus_);
+  Counters counters_;
+  ClientSession session_{spec_, units_, "gateway 127.0.0.1:40000", 100, counters_};
+  std::vector<Command> commands_;
+  bool valid_ = false;
+};
+
+TEST_F(ClientSessionTest, ARequestBecomesACommandAndItsResultTheResponse) {
+  EXPECT_EQ(send("00 07 00 00 00 06 11 03 00 05 00 01"), "");
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_EQ(commands_[0].device, "unit-17");
+  EXPECT_EQ(commands_[0].requester, "gateway 127.0.0.1:40000");
+  EXPECT_EQ(commands_[0].request_id, 100u);
+  EXPECT_EQ(commands_[0].expires, Instant{5s} + spec_.timeout);
+  EXPECT_EQ(commands_[0].max_age, spec_.max_age);
+  EXPECT_EQ(complete(commands_[0], {Value{std::uint64_t{0x0A0B}}}),
+            "00 07 00 00 00 05 11 03 02 0A 0B");
+  EXPECT_EQ(complete(commands_[0], {Value{std::uint64_t{1}}}), "") << "one response for each";
+  EXPECT_EQ(session_.pending(), 0u);
+  EXPECT_EQ(counters_.requests, 1u);
+  EXPECT_EQ(counters_.refused_requests, 0u);
+}
+
+TEST_F(ClientSessionTest, RequestsArriveInPiecesAndTogether) {
+  const Bytes two =
+      *from_hex("00 01 00 00 00 06 01 03 00 05 00 01 00 02 00 00 00 06 11 01 00 05 00 01");
+  for (const std::uint8_t byte : two) (void)send(to_hex({&byte, 1}));
+  EXPECT_EQ(commands_.size(), 2u);
+  (void)send(to_hex(two));
+  EXPECT_EQ(commands_.size(), 4u);
+  EXPECT_EQ(complete(commands_[3], {Value{true}}), "00 02 00 00 00 04 11 01 01 01");
+  EXPECT_EQ(complete(commands_[0], {Value{std::uint64_t{3}}}), "00 01 00 00 00 05 01 03 02 00 03");
+}
+
+TEST_F(ClientSessionTest, AnUnknownUnitHasNoPath) {
+  EXPECT_EQ(send("00 01 00 00 00 06 02 03 00 05 00 01"), "00 01 00 00 00 03 02 83 0A");
+  EXPECT_EQ(counters_.refused_requests, 1u);
+  EXPECT_TRUE(commands_.empty());
+}
+
+TEST_F(ClientSessionTest, WritesNeedThePermission) {
+  EXPECT_EQ(send("00 01 00 00 00 06 01 06 00 05 00 01"), "00 01 00 00 00 03 01 86 01");
+  spec_.writes = spec_.verify = true;
+  EXPECT_EQ(send("00 01 00 00 00 06 01 06 00 05 00 01"), "");
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_EQ(commands_[0].operation, Operation::kWrite);
+  EXPECT_TRUE(commands_[0].verify);
+}
+
+TEST_F(ClientSessionTest, TooManyRequestsInFlightAreRefusedAsBusy) {
+  for (std::size_t i = 0; i < ClientSession::kMaxPending; ++i)
+    EXPECT_EQ(send("00 01 00 00 00 06 01 03 00 05 00 01"), "");
+  EXPECT_EQ(send("00 01 00 00 00 06 01 03 00 05 00 01"), "00 01 00 00 00 03 01 83 06");
+  (void)complete(commands_[0], {Value{std::uint64_t{3}}});
+  EXPECT_EQ(send("00 01 00 00 00 06 01 03 00 05 00 01"), "");
+}
+
+TEST_F(ClientSessionTest, BytesThatAreNotModbusTcpEndTheSession) {
+  (void)send("47 45 54 20 2F 20 48 54 54 50");  // GET / HTTP
+  EXPECT_FALSE(valid_);
+}
+
+TEST(Units, AreTheAddressesOrAsConfigured) {
+  BusSpec bus;
+  bus.gateway.emplace();
+  bus.devices.resize(2);
+  bus.devices[0].name = "a";
+  bus.devices[0].link.address = 3;
+  bus.devices[1].name = "b";
+  bus.devices[1].link.address = 300;
+  EXPECT_EQ(units_of(bus), (Units{{3, "a"}})) << "no unit has the number 300";
+  bus.gateway->units = {{9, "b"}};
+  EXPECT_EQ(units_of(bus), (Units{{9, "b"}}));
+}
+
+}  // namespace
+}  // namespace fieldcast::gateway

@@ -1,0 +1,146 @@
+#include "core/gateway/server_codec.hpp"
+
+#include <gtest/gtest.h>
+
+namespace fieldcast::gateway {
+namespace {
+
+Bytes hex(std::string_view text) { return *from_hex(text); }
+
+// A request in the frame of unit 0x11.
+RequestFrame frame_of(const Bytes& pdu) { return {0x1234, 0x11, pdu, 7 + pdu.size()}; }
+
+Exception fault_of(std::string_view pdu) {
+  const auto request = decode(hex(pdu));
+  EXPECT_FALSE(request) << pdu;
+  return request ? Exception::kDeviceFailure : request.error();
+}
+
+CommandResult done(std::vector<Value> values = {}) {
+  CommandResult result;
+  result.state = CommandState::kDone;
+  result.values = std::move(values);
+  return result;
+}
+
+CommandResult failed(Cause cause, std::uint16_t code = 0) {
+  CommandResult result;
+  result.cause = cause;
+  result.device_code = code;
+  return result;
+}
+
+TEST(ServerCodec, AFrameIsWholeOrNeedsMoreOrIsNone) {
+  const Bytes whole = hex("00 01 00 00 00 06 11 03 00 6B 00 03 AA");
+  for (std::size_t size = 0; size < 12; ++size) {
+    const auto frame = first_frame(ByteView(whole).first(size));
+    ASSERT_TRUE(frame && !*frame) << size;
+  }
+  const auto frame = first_frame(whole);
+  ASSERT_TRUE(frame && *frame);
+  EXPECT_EQ((*frame)->transaction, 1);
+  EXPECT_EQ((*frame)->unit, 0x11);
+  EXPECT_EQ(to_hex((*frame)->pdu), "03 00 6B 00 03");
+  EXPECT_EQ((*frame)->size, 12u);
+  EXPECT_EQ(first_frame(hex("00 01 00 01 00 06")).error(), FrameFault::kProtocol);
+  EXPECT_EQ(first_frame(hex("00 01 00 00 00 01")).error(), FrameFault::kLength) << "no function";
+  EXPECT_EQ(first_frame(hex("00 01 00 00 00 FF")).error(), FrameFault::kLength) << "254 bytes";
+  EXPECT_TRUE(first_frame(hex("00 01 00 00 00 FE"))) << "unit and 253 bytes";
+}
+
+TEST(ServerCodec, ReadsNameTheirArea) {
+  const std::pair<std::string_view, std::string_view> kReads[] = {
+      {"01 00 13 00 25", "coil:19"},
+      {"02 00 C4 00 16", "input:196"},
+      {"03 00 6B 00 03", "holding:107"},
+      {"04 00 08 00 01", "input-register:8"}};
+  for (const auto& [pdu, at] : kReads) {
+    const auto request = decode(hex(pdu));
+    ASSERT_TRUE(request) << pdu;
+    const Command command = command_of(*request, "press");
+    EXPECT_EQ(std::get<AddressTarget>(command.target).at, at);
+    EXPECT_EQ(command.count, hex(pdu)[4]);
+    EXPECT_TRUE(command.is_gateway_read());
+    EXPECT_EQ(command.device, "press");
+  }
+}
+
+TEST(ServerCodec, WritesCarryTheirValues) {
+  const auto values_of = [](std::string_view pdu) {
+    return command_of(decode(hex(pdu)).value(), "press").values;
+  };
+  const std::vector<Value> on{Value{true}}, off{Value{false}};
+  EXPECT_EQ(values_of("05 00 AC FF 00"), on);
+  EXPECT_EQ(values_of("05 00 AC 00 00"), off);
+  EXPECT_EQ(values_of("06 00 01 12 34"), (std::vector<Value>{Value{std::uint64_t{0x1234}}}));
+  EXPECT_EQ(
+      values_of("0F 00 13 00 0A 02 CD 01"),
+      (std::vector<Value>{Value{true}, Value{false}, Value{true}, Value{true}, Value{false},
+                          Value{false}, Value{true}, Value{true}, Value{true}, Value{false}}));
+  EXPECT_EQ(values_of("10 00 01 00 02 04 00 0A 01 02"),
+            (std::vector<Value>{Value{std::uint64_t{10}}, Value{std::uint64_t{0x0102}}}));
+}
+
+// Modbus Application Protocol V1.1b3, the state diagrams of 6.1-6.12.
+TEST(ServerCodec, InvalidRequestsGetTheExceptionOfTheStandard) {
+  EXPECT_EQ(fault_of("07"), Exception::kIllegalFunction);
+  EXPECT_EQ(fault_of("16 00 04 00 F2 00 25"), Exception::kIllegalFunction);
+  EXPECT_EQ(fault_of("83 02"), Exception::kIllegalFunction);
+  EXPECT_EQ(fault_of("03 00 00 00 00"), Exception::kIllegalValue);
+  EXPECT_EQ(fault_of("03 00 00 00 7E"), Exception::kIllegalValue) << "126 registers";
+  EXPECT_EQ(fault_of("01 00 00 07 D1"), Exception::kIllegalValue) << "2001 coils";
+  EXPECT_EQ(fault_of("0F 00 00 07 B1 F7"), Exception::kIllegalValue) << "1969 coils";
+  EXPECT_EQ(fault_of("03 00 00 00"), Exception::kIllegalValue) << "short";
+  EXPECT_EQ(fault_of("03 00 00 00 01 00"), Exception::kIllegalValue) << "long";
+  EXPECT_EQ(fault_of("05 00 00 12 34"), Exception::kIllegalValue) << "neither on nor off";
+  EXPECT_EQ(fault_of("10 00 00 00 02 03 00 01 00"), Exception::kIllegalValue) << "byte count";
+  EXPECT_EQ(fault_of("0F 00 00 00 09 01 00"), Exception::kIllegalValue) << "byte count";
+  EXPECT_EQ(fault_of("03 FF FF 00 02"), Exception::kIllegalAddress);
+  EXPECT_TRUE(decode(hex("03 FF FF 00 01")));
+  EXPECT_TRUE(decode(hex("01 00 00 07 D0")));
+}
+
+TEST(ServerCodec, AResponseIsThatOfTheDevice) {
+  const auto response_of = [](std::string_view pdu, const CommandResult& result) {
+    const Bytes request = hex(pdu);
+    return to_hex(response(frame_of(request), decode(request).value(), result));
+  };
+  EXPECT_EQ(response_of("03 00 6B 00 02",
+                        done({Value{std::uint64_t{0x022B}}, Value{std::uint64_t{0xFFFF}}})),
+            "12 34 00 00 00 07 11 03 04 02 2B FF FF");
+  std::vector<Value> bits(10, Value{false});
+  bits[0] = bits[2] = bits[3] = bits[6] = bits[7] = bits[8] = Value{true};
+  EXPECT_EQ(response_of("01 00 13 00 0A", done(bits)), "12 34 00 00 00 05 11 01 02 CD 01");
+  EXPECT_EQ(response_of("05 00 AC FF 00", done()), "12 34 00 00 00 06 11 05 00 AC FF 00");
+  EXPECT_EQ(response_of("06 00 01 12 34", done()), "12 34 00 00 00 06 11 06 00 01 12 34");
+  EXPECT_EQ(response_of("10 00 01 00 02 04 00 0A 01 02", done()),
+            "12 34 00 00 00 06 11 10 00 01 00 02");
+  EXPECT_EQ(response_of("0F 00 13 00 0A 02 CD 01", done()), "12 34 00 00 00 06 11 0F 00 13 00 0A");
+  EXPECT_EQ(response_of("03 00 6B 00 02", done({Value{std::uint64_t{1}}})),
+            "12 34 00 00 00 03 11 83 04")
+      << "a value is missing";
+  EXPECT_EQ(response_of("03 00 6B 00 01", failed(Cause::kDeviceError, 2)),
+            "12 34 00 00 00 03 11 83 02");
+}
+
+// Modbus Application Protocol V1.1b3, 7.
+TEST(ServerCodec, EachCauseHasItsException) {
+  const auto code_of = [](Cause cause, std::uint16_t code = 0) {
+    return static_cast<Exception>(exception_code(failed(cause, code)));
+  };
+  EXPECT_EQ(code_of(Cause::kDeviceBusy, 6), Exception::kBusy) << "the device's own";
+  EXPECT_EQ(code_of(Cause::kDeviceError, 0), Exception::kDeviceFailure);
+  EXPECT_EQ(code_of(Cause::kRawNotAllowed), Exception::kIllegalFunction);
+  EXPECT_EQ(code_of(Cause::kBadAddress), Exception::kIllegalAddress);
+  EXPECT_EQ(code_of(Cause::kExpired), Exception::kBusy);
+  EXPECT_EQ(code_of(Cause::kQueueFull), Exception::kBusy);
+  EXPECT_EQ(code_of(Cause::kLeased), Exception::kBusy);
+  EXPECT_EQ(code_of(Cause::kShutdown), Exception::kNoPath);
+  EXPECT_EQ(code_of(Cause::kNoResponse), Exception::kNoResponse);
+  EXPECT_EQ(code_of(Cause::kChecksum), Exception::kNoResponse);
+  EXPECT_EQ(code_of(Cause::kOffline), Exception::kNoResponse);
+  EXPECT_EQ(code_of(Cause::kNotVerified), Exception::kDeviceFailure);
+}
+
+}  // namespace
+}  // namespace fieldcast::gateway
