@@ -72,6 +72,24 @@ void read_buses(MapReader& bridge, BridgeSpec& spec, LoadState& state) {
   }
 }
 
+// Every server needs a port of its own. The gateways come last in `spec`.
+void check_gateway_ports(const Node& buses, const BridgeSpec& spec, FaultList& faults) {
+  std::vector<ListenSpec> taken;
+  if (spec.metrics) taken.push_back(spec.metrics->listen);
+  if (spec.program.engineers) taken.push_back(spec.program.engineers->listen);
+  if (spec.program.modules) taken.push_back(spec.program.modules->listen);
+  for (std::size_t i = 0; i < std::min(buses.items.size(), spec.buses.size()); ++i) {
+    const auto& gateway = spec.buses[i].gateway;
+    if (!gateway || gateway->listen.port == 0) continue;
+    if (std::ranges::find(taken, gateway->listen) != taken.end())
+      faults.add(buses.items[i]->position,
+                 fmt::format("the gateway of bus '{}' listens at the port of another server",
+                             spec.buses[i].name),
+                 "a port of its own for each");
+    taken.push_back(gateway->listen);
+  }
+}
+
 void read_bridge(const Node& root, BridgeSpec& spec, LoadState& state) {
   MapReader map(root, bridge_rows(), state.faults);
   read_identity(map, spec);
@@ -81,7 +99,10 @@ void read_bridge(const Node& root, BridgeSpec& spec, LoadState& state) {
   read_store(map, spec.store);
   read_metrics(map, spec);
   read_buses(map, spec, state);
-  if (const Node* buses = map.find("buses")) check_device_numbers(*buses, spec, state.faults);
+  if (const Node* buses = map.find("buses")) {
+    check_device_numbers(*buses, spec, state.faults);
+    check_gateway_ports(*buses, spec, state.faults);
+  }
 }
 
 // REQUIRES: no faults so far.

@@ -9,6 +9,7 @@
 #include "config/document/limits.hpp"
 #include "config/document/scalars.hpp"
 #include "config/sections/bus_keys.hpp"
+#include "config/sections/gateway.hpp"
 #include "config/sections/port.hpp"
 #include "core/base/duration_text.hpp"
 #include "core/protocol/families/registry.hpp"
@@ -118,6 +119,7 @@ BusSpec read_bus(const Node& node, LoadState& state) {
   read_defaults(map, spec, context.defaults);
   read_devices(map, context, spec, state);
   check_in_flight(spec, map, state.faults);
+  read_gateway(map, spec);
   return spec;
 }
 

@@ -163,22 +163,22 @@ void read_subjects(MapReader& map, ModulesSpec& modules) {
     modules.subjects[entry.key->text] = numbers_of(*entry.value, entry.key->text, map.faults());
 }
 
-void read_networks(MapReader& map, ModulesSpec& modules) {
+}  // namespace
+
+void read_networks(MapReader& map, std::string_view key, std::vector<std::string>& networks) {
   static constexpr std::string_view kForm = "addresses and networks: [10.0.7.0/24, 192.168.1.7]";
-  const Node* node = map.find("from");
+  const Node* node = map.find(key);
   if (node == nullptr) return;
-  if (!is_list(*node, "from", 1, kMaxInterfaces, kForm, map.faults())) return;
+  if (!is_list(*node, key, 1, kMaxInterfaces, kForm, map.faults())) return;
   for (const Node* item : node->items) {
-    const std::string* text = scalar_of(*item, "from", kForm, map.faults());
+    const std::string* text = scalar_of(*item, key, kForm, map.faults());
     if (text == nullptr) continue;
     if (!access::Network::parse(*text))
       map.faults().add(item->position, fmt::format("'{}' is no address and no network", *text),
                        kForm);
-    modules.from.push_back(*text);
+    networks.push_back(*text);
   }
 }
-
-}  // namespace
 
 TlsSpec read_tls(MapReader& map, Library& library) {
   TlsSpec tls;
@@ -233,7 +233,7 @@ void read_module_access(MapReader& map, ModulesSpec& modules, Library& library) 
   modules.tls = read_tls(map, library);
   check_needed(map, "subjects", "authority", "authority: who signs the certificates of modules");
   read_subjects(map, modules);
-  read_networks(map, modules);
+  read_networks(map, "from", modules.from);
   std::string path;
   if (map.read("secrets", path, TextRule{kMaxPath}))
     modules.secrets = library.check_file(*map.find("secrets"));

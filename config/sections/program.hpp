@@ -32,6 +32,9 @@ struct DeviceNumberRule {
   [[nodiscard]] std::string form() const;
 };
 
+// A list of addresses and networks, for access::Network.
+void read_networks(MapReader& map, std::string_view key, std::vector<std::string>& networks);
+
 // `certificate`, `key`, `authority`, `revoked`: PEM files.
 [[nodiscard]] TlsSpec read_tls(MapReader& map, Library& library);
 
