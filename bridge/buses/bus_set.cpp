@@ -161,8 +161,33 @@ bool BusSet::start(const BusSpec& bus, const FollowedBus* followed, std::uint64_
   made.runner->start(std::move(inherited));
   uses_.interests.add(bus, made.runner);
   uses_.program.add_bus(bus, made.runner);
+  start_gateway(bus, made);
   running_.emplace(bus.name, std::move(made));
   return true;
+}
+
+// Reads go to the bus only: they are neither noted nor audited, and each may run twice.
+void BusSet::start_gateway(const BusSpec& spec, Bus& bus) {
+  if (!spec.gateway) return;
+  CommandService& commands = uses_.output.commands;
+  const auto submit = [&commands, name = spec.name, runner = bus.runner](
+                          const Command& command) -> std::optional<CommandResult> {
+    if (!command.is_gateway_read()) {
+      commands.receive(name, command);
+    } else if (!runner->post(command)) {
+      return rejection(command, Cause::kQueueFull, "too many commands wait for this bus",
+                       steady_now());
+    }
+    return std::nullopt;
+  };
+  const auto report = [&figures = uses_.output.figures,
+                       name = spec.name](const gateway::Counters& counters) {
+    figures.note(GatewayFigures{name, counters});
+  };
+  bus.gateway = std::make_unique<GatewayServer>(spec, GatewayServer::Uses{submit, report});
+  commands.set_gateway(spec.name, [&server = *bus.gateway](const CommandResult& result) {
+    server.complete(result);
+  });
 }
 
 void BusSet::start(const std::vector<std::string>& names) {
@@ -175,7 +200,9 @@ void BusSet::stop_runners(const std::vector<std::string>& names) {
   uses_.step = "the buses stop";
   std::vector<std::future<void>> stopped;
   for (const std::string& name : names) {
-    uses_.program.remove_bus(name);  // no more requests for its devices; a pairing ends
+    uses_.output.commands.set_gateway(name, {});
+    running_.at(name).gateway.reset();  // its clients are disconnected
+    uses_.program.remove_bus(name);     // no more requests for its devices; a pairing ends
     uses_.interests.remove(name);
     uses_.commands.remove(name);  // 1. no more commands; later ones get kShutdown
     // 2. Pending commands get a response, the port is closed.

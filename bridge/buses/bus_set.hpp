@@ -17,6 +17,7 @@
 #include "bridge/capture/capture_service.hpp"
 #include "bridge/command/command_router.hpp"
 #include "bridge/dds/endpoints/dds_link.hpp"
+#include "bridge/gateway/gateway_server.hpp"
 #include "bridge/interest/interest_registry.hpp"
 #include "bridge/port/dial_in_registry.hpp"
 #include "bridge/program/server.hpp"
@@ -78,8 +79,10 @@ class BusSet {
     std::unique_ptr<BusOutput> sink;  // outlives the runner and its posted tasks
     std::unique_ptr<IoThread> io;     // outlives the runner
     std::shared_ptr<BusRunner> runner;
+    std::unique_ptr<GatewayServer> gateway;  // ends before the runner; null without `gateway`
   };
   [[nodiscard]] Bus make(const BusSpec& bus);
+  void start_gateway(const BusSpec& spec, Bus& bus);
   void stop_runners(const std::vector<std::string>& names);
   [[noreturn]] void abandon(const std::string& bus);
 

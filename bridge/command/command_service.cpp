@@ -57,7 +57,24 @@ void CommandService::receive(const std::string& bus, Command command, std::strin
   if (!refused) refused = router_.route(bus, command, CommandRouter::Identity::kNew, now);
   if (!refused) return;
   audit_.refused(asked, *refused);
-  if (!keeps_result(bus, *refused)) link_->complete(bus, *refused, read_clocks());
+  if (!keeps_result(bus, *refused)) publish(bus, *refused);
+}
+
+void CommandService::set_gateway(const std::string& bus, Done done) {
+  const std::lock_guard lock(gateways_mutex_);
+  gateways_.erase(bus);
+  if (done) gateways_.emplace(bus, std::move(done));
+}
+
+bool CommandService::is_of_gateway(const std::string& bus, const CommandResult& result) {
+  if (!result.gateway) return false;
+  const std::lock_guard lock(gateways_mutex_);
+  if (const auto found = gateways_.find(bus); found != gateways_.end()) found->second(result);
+  return result.gateway_read;
+}
+
+void CommandService::publish(const std::string& bus, const CommandResult& result) {
+  if (!is_of_gateway(bus, result)) link_->complete(bus, result, read_clocks());
 }
 
 void CommandService::run_noted(const std::string& bus, const Command& command, Instant received) {
@@ -65,7 +82,7 @@ void CommandService::run_noted(const std::string& bus, const Command& command, I
     const auto refused = router_.route(bus, command, identity, received);
     if (!refused || keeps_result(bus, *refused)) return;
     audit_.completed(bus, *refused);
-    link_->complete(bus, *refused, read_clocks());
+    publish(bus, *refused);
   };
   const auto keep = [this, run, requester = command.requester, id = command.request_id] {
     identities_ ? identities_->enter(requester, id, run) : run(CommandRouter::Identity::kNew);
@@ -117,7 +134,7 @@ bool CommandService::keep_late(const std::string& bus, const CommandResult& resu
 void CommandService::respond(const std::string& bus, const CommandResult& result) {
   audit_.completed(bus, result);
   note_result(result.requester, result.request_id);
-  link_->complete(bus, result, read_clocks());
+  publish(bus, result);
 }
 
 void CommandService::note_result(const std::string& requester, std::uint64_t request_id) {

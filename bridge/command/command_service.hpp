@@ -5,6 +5,8 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <mutex>
 #include <string>
 #include <utility>
@@ -54,6 +56,13 @@ class CommandService {
   // master is not known at this moment.
   [[nodiscard]] bool keeps_result(const std::string& bus, const CommandResult& result);
 
+  // Results of the gateway's commands on this bus are also passed to `done`, which must not block
+  // or call this object; empty: no more. After the return, no earlier `done` is called.
+  using Done = std::function<void(const CommandResult&)>;
+  void set_gateway(const std::string& bus, Done done);
+  // Passes a result to the gateway. Returns true if nobody else gets it: the result of a read.
+  [[nodiscard]] bool is_of_gateway(const std::string& bus, const CommandResult& result);
+
   // ---- from other bridges of the group
 
   // A response of another bridge, seen as its result or reported by the master.
@@ -84,6 +93,8 @@ class CommandService {
     std::string bus;
     Command command;
   };
+  // Publishes a final result, also to the gateway.
+  void publish(const std::string& bus, const CommandResult& result);
   void run_noted(const std::string& bus, const Command& command, Instant received);
   void run(const AlarmAction& action);
   void respond(const std::string& bus, const CommandResult& result);
@@ -108,6 +119,8 @@ class CommandService {
   std::mutex late_mutex_;
   // Results that arrived while the lease was not held.
   std::vector<std::pair<std::string, CommandResult>> late_;
+  std::mutex gateways_mutex_;
+  std::map<std::string, Done, std::less<>> gateways_;
   std::mutex with_result_mutex_;
   RecentCommands with_result_{HeldCommands<Held>::kResultsFor};
 };

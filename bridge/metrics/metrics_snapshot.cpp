@@ -26,9 +26,15 @@ void MetricsTable::note(DeviceFigures figures) {
   devices_[{made->bus, made->device}].swap(made);
 }
 
+void MetricsTable::note(GatewayFigures figures) {
+  const std::lock_guard lock(mutex_);
+  gateways_[figures.bus] = std::move(figures);
+}
+
 void MetricsTable::remove(std::string_view bus) {
   const std::lock_guard lock(mutex_);
   if (const auto found = buses_.find(bus); found != buses_.end()) buses_.erase(found);
+  if (const auto found = gateways_.find(bus); found != gateways_.end()) gateways_.erase(found);
   std::erase_if(devices_, [bus](const auto& device) { return device.first.first == bus; });
 }
 
@@ -38,6 +44,7 @@ void MetricsTable::copy_to(MetricsSnapshot& snapshot) const {
   snapshot.devices.reserve(devices_.size());
   for (const auto& [name, figures] : buses_) snapshot.buses.push_back(figures);
   for (const auto& [name, figures] : devices_) snapshot.devices.push_back(figures);
+  for (const auto& [name, figures] : gateways_) snapshot.gateways.push_back(figures);
 }
 
 }  // namespace fieldcast

@@ -16,6 +16,7 @@
 #include "bridge/store/store.hpp"
 #include "core/alarm/alarm_registry.hpp"
 #include "core/base/time.hpp"
+#include "core/gateway/client_session.hpp"
 #include "core/model/status.hpp"
 
 namespace fieldcast {
@@ -32,6 +33,12 @@ struct DeviceFigures {
   DeviceReport report;
 };
 
+// Only of a bus with a gateway.
+struct GatewayFigures {
+  std::string bus;
+  gateway::Counters counters;
+};
+
 // Only of a bridge in a standby group.
 struct StandbyFigures {
   bool master = false, ready = false;
@@ -44,6 +51,7 @@ struct MetricsSnapshot {
   std::string bridge;
   std::vector<std::shared_ptr<const BusFigures>> buses;
   std::vector<std::shared_ptr<const DeviceFigures>> devices;
+  std::vector<GatewayFigures> gateways;
   std::optional<AlarmCounts> alarms;
   std::optional<StoreCounters> store;
   std::optional<StandbyFigures> standby;
@@ -62,6 +70,7 @@ class MetricsTable {
  public:
   void note(BusFigures figures);
   void note(DeviceFigures figures);
+  void note(GatewayFigures figures);
   // Removes a stopped bus and its devices. REQUIRES: no note() of this bus follows.
   void remove(std::string_view bus);
 
@@ -72,6 +81,7 @@ class MetricsTable {
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<const BusFigures>, std::less<>> buses_;
   std::map<std::pair<std::string, std::string>, std::shared_ptr<const DeviceFigures>> devices_;
+  std::map<std::string, GatewayFigures, std::less<>> gateways_;
 };
 
 }  // namespace fieldcast

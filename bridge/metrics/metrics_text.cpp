@@ -98,6 +98,19 @@ constexpr Row<BusFigures> kDdsRows[] = {
      [](const BusFigures& bus) { return number(std::uint64_t{bus.dds.block_readers}); }},
 };
 
+constexpr Row<GatewayFigures> kGatewayRows[] = {
+    {{"fieldcast_gateway_clients", Kind::kGauge, "", "Connected Modbus TCP clients."},
+     [](const GatewayFigures& gateway) { return number(gateway.counters.clients); }},
+    {{"fieldcast_gateway_refused_clients", Kind::kCounter, "",
+      "Clients that were not permitted, were too many, or did not send Modbus TCP."},
+     [](const GatewayFigures& gateway) { return number(gateway.counters.refused_clients); }},
+    {{"fieldcast_gateway_requests", Kind::kCounter, "", "Requests of Modbus TCP clients."},
+     [](const GatewayFigures& gateway) { return number(gateway.counters.requests); }},
+    {{"fieldcast_gateway_refused_requests", Kind::kCounter, "",
+      "Requests of Modbus TCP clients whose response is an exception."},
+     [](const GatewayFigures& gateway) { return number(gateway.counters.refused_requests); }},
+};
+
 constexpr Row<DeviceFigures> kDeviceRows[] = {
     {{"fieldcast_device_exchanges", Kind::kCounter, "", "Exchanges with the device."},
      [](const DeviceFigures& device) { return number(device.report.exchanges); }},
@@ -298,6 +311,10 @@ void write_buses(Writer& out, const MetricsSnapshot& snapshot) {
   write_rows(out, kBusRows, buses);
   write_causes(out, kBusCauseRows, buses);
   write_rows(out, kDdsRows, buses);
+  std::vector<Labelled<GatewayFigures>> gateways;
+  for (const auto& gateway : snapshot.gateways)
+    gateways.push_back({label("bus", gateway.bus), &gateway});
+  write_rows(out, kGatewayRows, gateways);
 }
 
 void write_devices(Writer& out, const MetricsSnapshot& snapshot) {

@@ -72,6 +72,7 @@ void BusOutput::promise(ChannelIndex channel, std::optional<Duration> gap) {
 }
 
 void BusOutput::complete(const CommandResult& result, const UtcMapping& mapping) {
+  if (commands_.is_of_gateway(bus_, result)) return;
   if (in_group_ && commands_.keeps_result(bus_, result)) return;
   audit_.completed(bus_, result);
   post([this, result, mapping] { link_.complete(bus_, result, mapping); });

@@ -69,6 +69,7 @@ MetricsSnapshot snapshot() {
   MetricsTable table;
   table.note(press_shop());
   table.note(press());
+  table.note(GatewayFigures{"press-shop", {51, 52, 53, 54}});
   MetricsSnapshot made{.bridge = "line-7"};
   table.copy_to(made);
   made.store = StoreCounters{.stored = 41, .dropped = 42, .waiting = 43, .quarantined = 44};
@@ -115,6 +116,10 @@ TEST(MetricsText, HasEveryFigureOfABus) {
            R"(fieldcast_dds_sample_writers{bus="press-shop"} 22)",
            R"(fieldcast_dds_blocks_total{bus="press-shop"} 23)",
            R"(fieldcast_dds_block_readers{bus="press-shop"} 24)",
+           R"(fieldcast_gateway_clients{bus="press-shop"} 51)",
+           R"(fieldcast_gateway_refused_clients_total{bus="press-shop"} 52)",
+           R"(fieldcast_gateway_requests_total{bus="press-shop"} 53)",
+           R"(fieldcast_gateway_refused_requests_total{bus="press-shop"} 54)",
            R"(fieldcast_dds_receive_buffer_bytes 1048576)",
            R"(fieldcast_dds_refused_datagrams_total{cause="GAP"} 44)",
        })
