@@ -1,6 +1,8 @@
 """Shared by the interop tests: programs that print READY, a null-modem cable, and mbpoll."""
 
 import contextlib
+import ctypes
+import ctypes.util
 import fcntl
 import itertools
 import os
@@ -170,3 +172,71 @@ class Mbpoll:
         """Returns True, or the text of the failure."""
         text = self._run(area, first, self.place, *values)
         return True if f"Written {len(values)} references" in text else text
+
+
+class LibmodbusClient:
+    """A client by libmodbus, which this process loads. Modbus TCP at 127.0.0.1."""
+
+    def __init__(self, port, unit, timeout=5):
+        self.library = ctypes.CDLL(ctypes.util.find_library("modbus"), use_errno=True)
+        self.library.modbus_new_tcp.restype = self.library.modbus_strerror.restype = ctypes.c_void_p
+        self.context = ctypes.c_void_p(self.library.modbus_new_tcp(b"127.0.0.1", port))
+        self.library.modbus_set_slave(self.context, unit)
+        self.library.modbus_set_response_timeout(self.context, timeout, 0)
+        if self.library.modbus_connect(self.context) != 0:
+            raise AssertionError(f"libmodbus does not connect to port {port}")
+
+    def _done(self, result, values):
+        if result >= 0:
+            return values
+        return ctypes.string_at(self.library.modbus_strerror(ctypes.get_errno())).decode()
+
+    def read(self, area, first, count):
+        """Returns the values, or the text of the failure."""
+        bits = area in ("coil", "input")
+        function = {"coil": "bits", "input": "input_bits", "holding": "registers", "input-register": "input_registers"}[area]
+        values = ((ctypes.c_uint8 if bits else ctypes.c_uint16) * count)()
+        result = getattr(self.library, f"modbus_read_{function}")(self.context, first, count, values)
+        return self._done(result, list(values))
+
+    def write(self, area, first, *values):
+        """Returns True, or the text of the failure."""
+        bits = area == "coil"
+        items = ((ctypes.c_uint8 if bits else ctypes.c_uint16) * len(values))(*values)
+        function = self.library.modbus_write_bits if bits else self.library.modbus_write_registers
+        return self._done(function(self.context, first, len(values), items), True)
+
+    def close(self):
+        self.library.modbus_close(self.context)
+        self.library.modbus_free(self.context)
+
+
+class PymodbusClient:
+    """A client by pymodbus. Modbus TCP at 127.0.0.1."""
+
+    def __init__(self, port, unit, timeout=5):
+        from pymodbus.client import ModbusTcpClient
+
+        self.unit = unit
+        self.client = ModbusTcpClient("127.0.0.1", port=port, timeout=timeout, retries=0)
+        if not self.client.connect():
+            raise AssertionError(f"pymodbus does not connect to port {port}")
+
+    def read(self, area, first, count):
+        """Returns the values, or the text of the failure."""
+        name = {"coil": "coils", "input": "discrete_inputs", "holding": "holding_registers", "input-register": "input_registers"}[area]
+        response = getattr(self.client, f"read_{name}")(first, count, slave=self.unit)
+        if response.isError():
+            return str(response)
+        return [int(bit) for bit in response.bits[:count]] if area in ("coil", "input") else response.registers
+
+    def write(self, area, first, *values):
+        """Returns True, or the text of the failure."""
+        if area == "coil":
+            response = self.client.write_coils(first, [bool(value) for value in values], slave=self.unit)
+        else:
+            response = self.client.write_registers(first, list(values), slave=self.unit)
+        return str(response) if response.isError() else True
+
+    def close(self):
+        self.client.close()

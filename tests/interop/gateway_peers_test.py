@@ -1,0 +1,160 @@
+"""Tests the gateway of a bus with clients and a device of other authors: mbpoll, libmodbus and
+pymodbus in front, a libmodbus device on a line of 19 200 baud behind.
+
+usage: gateway_peers_test.py BIN_FOLDER LIBMODBUS_SERVER
+"""
+
+import contextlib
+import os
+import socket
+import sys
+import threading
+import time
+import unittest
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
+from peers import DEADLINE, LibmodbusClient, Mbpoll, Program, PymodbusClient, SerialCable, free_port
+from plant import InAFolder, claim_domain, run_cli, running_bridge
+
+BIN = LIBMODBUS = ""
+UNIT = 7
+CONFIG = """
+bridge: gateway
+dds: {{ domain: {domain}, interfaces: [127.0.0.1] }}
+store: {{ path: {folder}/store.db }}
+buses:
+  - name: line
+    port: {{ serial: {line}, baud: 19200, format: 8N1 }}
+    protocol: modbus-rtu
+    gateway: {{ listen: 127.0.0.1:{port}, access: write, idle: 2s, connections: 12, max-age: {max_age} }}
+    defaults: {{ refresh: 1s, timeout: 500ms }}
+    devices:
+      - name: device
+        address: {unit}
+        allow: [raw-write]
+        channels:
+          - {{ name: first, at: "holding:7", type: uint16 }}
+          - {{ name: second, at: "input-register:20", type: uint16 }}
+      - {{ name: absent, address: 9, allow: [raw-write] }}
+"""
+EXPECTED = {  # memory of the device
+    "coil": lambda n: int(n % 3 == 0),
+    "input": lambda n: n % 2,
+    "holding": lambda n: 1000 + n,
+    "input-register": lambda n: 2000 + n,
+}
+
+
+class GatewayPeersTest(InAFolder):
+    @contextlib.contextmanager
+    def gateway(self, max_age="0ms"):
+        with contextlib.ExitStack() as stack:
+            domain, claim = claim_domain()
+            stack.enter_context(claim)
+            cable = stack.enter_context(SerialCable())
+            stack.enter_context(Program(LIBMODBUS, "rtu", cable.right, 19200, UNIT)).wait_ready()
+            port = free_port()
+            self.config = self.file("bridge.yaml", CONFIG.format(domain=domain, folder=self.folder, line=cable.left, port=port, unit=UNIT, max_age=max_age))
+            stack.enter_context(running_bridge(BIN, self.config, self.path("log")))
+            self.wait_connected(port)
+            yield port
+
+    def wait_connected(self, port):
+        end = time.monotonic() + DEADLINE
+        while True:
+            with contextlib.suppress(OSError, AssertionError):
+                client = LibmodbusClient(port, UNIT)
+                values = client.read("holding", 0, 1)
+                client.close()
+                if values == [1000]:
+                    return
+            self.assertLess(time.monotonic(), end, "the gateway does not serve")
+            time.sleep(0.05)
+
+    def raw(self, port, request):
+        """Returns the response to the bytes of one request."""
+        with socket.create_connection(("127.0.0.1", port), DEADLINE) as client:
+            client.sendall(bytes.fromhex(request))
+            return client.recv(300).hex(" ")
+
+    def test_every_client_reads_and_writes_what_the_device_has(self):
+        with self.gateway() as port:
+            clients = [Mbpoll("127.0.0.1", port=port, unit=UNIT), LibmodbusClient(port, UNIT), PymodbusClient(port, UNIT)]
+            for client in clients:
+                for area, value in EXPECTED.items():
+                    for first, count in ((0, 1), (3, 9), (380, 120)):
+                        self.assertEqual(client.read(area, first, count), [value(n) for n in range(first, first + count)], (client, area))
+            for number, client in enumerate(clients):
+                first = 100 + 10 * number
+                self.assertIs(client.write("holding", first, 7, 8, 9 + number), True)
+                self.assertIs(client.write("coil", first, 1, 0, 1), True)
+                for reader in clients:
+                    self.assertEqual(reader.read("holding", first, 3), [7, 8, 9 + number])
+                    self.assertEqual(reader.read("coil", first, 3), [1, 0, 1])
+            for client in clients[1:]:
+                client.close()
+            audit = run_cli(BIN, "audit", "--config", self.config)
+            self.assertIn("gateway 127.0.0.1:", audit.out, audit)
+            self.assertIn("line/device at holding:100", audit.out, audit)
+
+    def test_exceptions_are_those_of_the_book(self):
+        with self.gateway() as port:
+            for request, response in (
+                ("00 01 00 00 00 06 07 03 00 07 00 01", "00 01 00 00 00 05 07 03 02 03 ef"),
+                ("00 02 00 00 00 06 07 03 01 F4 00 01", "00 02 00 00 00 03 07 83 02"),  # of the device: 500 is missing
+                ("00 03 00 00 00 06 07 03 00 00 00 7E", "00 03 00 00 00 03 07 83 03"),
+                ("00 04 00 00 00 02 07 07", "00 04 00 00 00 03 07 87 01"),
+                ("00 05 00 00 00 06 08 03 00 07 00 01", "00 05 00 00 00 03 08 83 0a"),  # no such unit
+                ("00 06 00 00 00 06 09 03 00 07 00 01", "00 06 00 00 00 03 09 83 0b"),  # no response
+            ):
+                self.assertEqual(self.raw(port, request), response)
+
+    def test_broken_and_hostile_clients_are_bounded(self):
+        with self.gateway() as port, contextlib.ExitStack() as stack:
+            with socket.create_connection(("127.0.0.1", port), DEADLINE) as client:
+                client.sendall(b"GET / HTTP/1.1\r\n\r\n")
+                self.assertEqual(client.recv(100), b"", "it is disconnected")
+            silent = [stack.enter_context(socket.create_connection(("127.0.0.1", port), DEADLINE)) for _ in range(30)]
+            for client in silent:
+                with contextlib.suppress(OSError):
+                    client.sendall(bytes.fromhex("00 01 00 00"))  # never completed
+            good = LibmodbusClient(port, UNIT)  # displaces a silent one
+            self.assertEqual(good.read("holding", 3, 1), [1003])
+            for client in silent:  # the others after `idle`
+                with contextlib.suppress(ConnectionResetError):
+                    self.assertEqual(client.recv(1), b"")
+            flood = stack.enter_context(socket.create_connection(("127.0.0.1", port), DEADLINE))
+            flood.setblocking(False)
+            with contextlib.suppress(BlockingIOError, ConnectionError):
+                for _ in range(20000):
+                    flood.send(bytes.fromhex("00 01 00 00 00 06 07 03 00 00 00 7D"))
+            again = PymodbusClient(port, UNIT)
+            self.assertEqual(again.read("holding", 3, 1), [1003])
+            again.close()
+            good.close()
+
+    def test_many_clients_see_one_line(self):
+        with self.gateway("200ms") as port:
+            kinds = [LibmodbusClient, PymodbusClient] * 4
+            wrong = []
+
+            def ask(kind, number):
+                client = kind(port, UNIT)
+                for turn in range(20):
+                    first = number * 10 + turn
+                    values = client.read("holding", first, 8)
+                    if values != [1000 + n for n in range(first, first + 8)]:
+                        wrong.append((kind, first, values))
+                client.close()
+
+            threads = [threading.Thread(target=ask, args=(kind, number)) for number, kind in enumerate(kinds)]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+            self.assertEqual(wrong, [])
+
+
+if __name__ == "__main__":
+    LIBMODBUS, BIN = sys.argv.pop(), sys.argv.pop()
+    unittest.main()
