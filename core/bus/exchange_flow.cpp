@@ -16,7 +16,8 @@ Arbiter::Arbiter(BusParts& parts)
 std::optional<Bytes> Arbiter::next(Instant now) {
   rest_until_ = kLongAgo;
   deciding_ = now;
-  headroom_.reset();
+  fits_ = Duration::zero();
+  fits_not_ = Duration::max();
   if (now < parts_.wire().free_at()) return std::nullopt;
   if (!parts_.wire().waiting()) {
     auto flight = choose(now);
@@ -118,8 +119,10 @@ Instant Arbiter::sendable_from(const CommandJob& job) {
 }
 
 Instant Arbiter::gateway_from(const CommandJob& job) {
-  if (!headroom_) headroom_ = reads_.headroom(deciding_);
-  if (devices_.longest_exchange(job.device(), *job.next()) <= *headroom_) return kLongAgo;
+  const Duration use = devices_.longest_exchange(job.device(), *job.next());
+  if (use > fits_ && use < fits_not_)
+    (reads_.has_headroom(deciding_, use) ? fits_ : fits_not_) = use;
+  if (use <= fits_) return kLongAgo;
   return gateway_share_ > 0 ? gateway_due_ : kNever;
 }
 

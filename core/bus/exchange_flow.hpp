@@ -3,8 +3,8 @@
 //   - A repeated exchange is sent first.
 //   - A command precedes reads; after it, a due read precedes the next command, so neither starves.
 //   - A started command keeps the wire during its device's pause, unless the pause is long.
-//   - A read of the gateway is sent if every read of the plan can still end in time after it, or if
-//     the gateway has used less than its share.
+//   - A read of the gateway is sent if a rehearsal shows that the next reads of the plan are in time
+//     after it, or if the gateway has used less than its share.
 //   - Probes, and reads of unhealthy devices, use spare time of the wire.
 #pragma once
 
@@ -60,9 +60,11 @@ class Arbiter {
   CommandQueue::Gate command_gate_;
   bool command_was_last_ = false;
   Instant rest_until_ = kLongAgo;
-  Instant gateway_due_ = kLongAgo;    // when the gateway has used less than its share
-  Instant deciding_ = kLongAgo;       // `now` of the last next()
-  std::optional<Duration> headroom_;  // ReadPath::headroom() at that time, once it was needed
+  Instant gateway_due_ = kLongAgo;  // when the gateway has used less than its share
+  Instant deciding_ = kLongAgo;     // `now` of the last next()
+  // What was computed for this time: a longer use does not fit if a shorter one does not.
+  Duration fits_{};
+  Duration fits_not_ = Duration::max();
 };
 
 // Passes the outcome of an exchange to the device, the waiting reads or commands, and the pending

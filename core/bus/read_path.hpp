@@ -82,8 +82,10 @@ class ReadPath {
 
   // How long the wire may be blocked from now on without delaying a read.
   [[nodiscard]] Duration slack(Instant now) { return scheduler_->slack(now); }
-  // The same, but each read may end as late as the plan allows.
-  [[nodiscard]] Duration headroom(Instant now) { return scheduler_->headroom(now); }
+  // Whether the next reads are in time after the wire was used otherwise for `use`.
+  [[nodiscard]] bool has_headroom(Instant now, Duration use) {
+    return scheduler_->has_headroom(now, use);
+  }
   [[nodiscard]] double planned_load() const { return scheduler_->planned_load(); }
   [[nodiscard]] double stretch() const { return scheduler_->stretch(); }
   // The draft does not use this object.

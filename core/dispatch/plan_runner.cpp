@@ -91,11 +91,6 @@ Duration PlanRunner::slack(Instant now) {
                     dispatcher_);
 }
 
-Duration PlanRunner::headroom(Instant now) {
-  wake(now);
-  return state_.headroom(now);
-}
-
 void PlanRunner::begin(Instant now) {
   begun_ = true;
   table_began_ = now;

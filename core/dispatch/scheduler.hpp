@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/dispatch/headroom.hpp"
 #include "core/dispatch/plan_draft.hpp"
 #include "core/dispatch/plan_runner.hpp"
 #include "core/dispatch/policy/decision.hpp"
@@ -48,8 +49,10 @@ class Scheduler {
   void set_longest(DeviceIndex device, AreaIndex area, std::uint32_t items);
   // How long the wire may be blocked from `now` on without delaying a point, as by a probe.
   [[nodiscard]] Duration slack(Instant now) { return runner_.slack(now); }
-  // The same without a promise of an early start: each read may end as late as the plan allows.
-  [[nodiscard]] Duration headroom(Instant now) { return runner_.headroom(now); }
+  // Whether the next reads are in time after the wire was used otherwise for `use`.
+  [[nodiscard]] bool has_headroom(Instant now, Duration use) const {
+    return fieldcast::has_headroom(runner_, now, use);
+  }
   void set_point(PointIndex point, Duration refresh, Mode mode, Instant now);
 
   // To be made on another thread. Null if there are no changes, or a draft is pending.

@@ -78,21 +78,6 @@ Instant DispatchState::next_wake() const {
   return at;
 }
 
-Duration DispatchState::headroom(Instant now) const {
-  std::vector<std::pair<Instant, Duration>> reads;
-  for (GroupIndex group = 0; group < groups.size(); ++group) {
-    if (queues.due.holds(group) || queues.held.holds(group))
-      reads.emplace_back(groups[group].due, groups[group].cost);
-  }
-  std::ranges::sort(reads);
-  Duration headroom = Duration::max(), busy{};
-  for (const auto& [due, cost] : reads) {
-    busy += cost;
-    headroom = std::min(headroom, due - busy - now);
-  }
-  return headroom;
-}
-
 Instant DispatchState::find_urgent(const ReadPlan& plan, GroupIndex index, Instant now) {
   GroupState& group = groups[index];
   const auto members = points_of(plan, index);

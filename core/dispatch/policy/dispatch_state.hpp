@@ -152,9 +152,6 @@ struct DispatchState {
   // Needs at most `free`; empty if there is none.
   [[nodiscard]] std::optional<Block> spare_read(const ReadPlan& plan, Instant now, Duration free);
   [[nodiscard]] Instant next_wake() const;
-  // How long the wire may be used otherwise so that each group can still be read by its due time,
-  // the earliest due first. Negative if a read is late.
-  [[nodiscard]] Duration headroom(Instant now) const;
   // Updates `asleep` and `spare`. Returns the due time of the group's next read; kNever if none.
   [[nodiscard]] Instant find_urgent(const ReadPlan& plan, GroupIndex group, Instant now);
 
