@@ -188,6 +188,7 @@ void BusSet::start_gateway(const BusSpec& spec, Bus& bus) {
   commands.set_gateway(spec.name, [&server = *bus.gateway](const CommandResult& result) {
     server.complete(result);
   });
+  bus.gateway->start();
 }
 
 void BusSet::start(const std::vector<std::string>& names) {

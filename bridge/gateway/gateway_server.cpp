@@ -165,6 +165,7 @@ void GatewayServer::State::accept(tcp::socket socket) {
       std::move(socket), gateway::ClientSession(spec, units, requester, first_id, counters),
       Client::Handlers{[this](Client& from, ByteView bytes) { received(from, bytes); },
                        [this](const std::string& closed) { clients.erase(closed); }});
+  drop(requester);  // an earlier connection of the same address and port is dead
   clients[requester] = client;
   client->read();
 }
@@ -221,8 +222,8 @@ void GatewayServer::State::tick() {
   const Instant now = steady_now();
   std::vector<std::string> idle;
   for (const auto& [requester, client] : clients) {
-    if (client->session.pending() == 0 && now - client->last_request > spec.idle)
-      idle.push_back(requester);
+    const Duration waits = client->session.pending() == 0 ? Duration::zero() : spec.timeout;
+    if (now - client->last_request > spec.idle + waits) idle.push_back(requester);
   }
   for (const std::string& requester : idle) drop(requester);
   counters.clients = clients.size();
@@ -242,7 +243,9 @@ void GatewayServer::State::close() {
 }
 
 GatewayServer::GatewayServer(const BusSpec& bus, Uses uses)
-    : state_(std::make_unique<State>(bus, std::move(uses))) {
+    : state_(std::make_unique<State>(bus, std::move(uses))) {}
+
+void GatewayServer::start() {
   asio::post(state_->io.context(), [&state = *state_] {
     state.open();
     state.tick();

@@ -33,6 +33,8 @@ class GatewayServer {
   GatewayServer(const GatewayServer&) = delete;
   GatewayServer& operator=(const GatewayServer&) = delete;
 
+  // Listens from now on. Call once, when results reach complete().
+  void start();
   void complete(const CommandResult& result);  // any thread
   // Returns the port, or 0 if it does not listen yet. Any thread.
   [[nodiscard]] std::uint16_t port() const;
