@@ -3,8 +3,8 @@
 //   - A repeated exchange is sent first.
 //   - A command precedes reads; after it, a due read precedes the next command, so neither starves.
 //   - A started command keeps the wire during its device's pause, unless the pause is long.
-//   - A read of the gateway is sent if a rehearsal shows that the next reads of the plan are in time
-//     after it, or if the gateway has used less than its share.
+//   - A read of the gateway is sent if a rehearsal shows that the next reads of the plan are in
+//     time after it, or if the gateway has used less than its share.
 //   - Probes, and reads of unhealthy devices, use spare time of the wire.
 #pragma once
 
