@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
@@ -10,7 +11,9 @@
 #include <boost/asio/steady_timer.hpp>
 #include <future>
 #include <map>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "bridge/base/clock.hpp"
 #include "bridge/base/io_thread.hpp"

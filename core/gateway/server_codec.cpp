@@ -1,5 +1,8 @@
 #include "core/gateway/server_codec.hpp"
 
+#include <array>
+#include <vector>
+
 #include "core/protocol/modbus/framing.hpp"
 
 namespace fieldcast::gateway {

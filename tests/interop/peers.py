@@ -225,7 +225,7 @@ class PymodbusClient:
     def read(self, area, first, count):
         """Returns the values, or the text of the failure."""
         name = {"coil": "coils", "input": "discrete_inputs", "holding": "holding_registers", "input-register": "input_registers"}[area]
-        response = getattr(self.client, f"read_{name}")(first, count, slave=self.unit)
+        response = getattr(self.client, f"read_{name}")(first, count=count, slave=self.unit)
         if response.isError():
             return str(response)
         return [int(bit) for bit in response.bits[:count]] if area in ("coil", "input") else response.registers
