@@ -98,7 +98,7 @@ TEST_F(OutcomeRouterTest, AGatewaysReadWithoutResponseSaysNothingAboutTheDevice)
     parts_.commands.accept(command, {}, now, sink_);
     ask(now);
     now = time_out() + 1s;
-    EXPECT_FALSE(parts_.wire.waiting()) << "it is not repeated";
+    EXPECT_FALSE(parts_.wire().waiting()) << "it is not repeated";
   }
   EXPECT_EQ(count<Complete>(), 5u);
   EXPECT_EQ(parts_.devices.report(0).state, DeviceState::kOnline);
