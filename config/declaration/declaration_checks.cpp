@@ -68,7 +68,8 @@ class OperationCheck {
               "command: a number, in the operation");
         check_numbers(draft, operation_.command, operation_.command, "the command");
         break;
-      case FieldKind::kFirst: check_numbers(draft, 0, last * field.times, "the last item"); break;
+      case FieldKind::kFirst:
+      case FieldKind::kLast: check_numbers(draft, 0, last * field.times, "the last item"); break;
       case FieldKind::kCount:
         check_numbers(draft, operation_.min_count * std::uint64_t{field.times}, count * field.times,
                       "the count");
@@ -188,9 +189,10 @@ class OperationCheck {
           "a field that is: first");
     if (operation_.min_count == operation_.max_count) return;
     const bool counted = draft_.request.find(FieldKind::kCount) != nullptr ||
+                         draft_.request.find(FieldKind::kLast) != nullptr ||
                          draft_.request.find(FieldKind::kLength) != nullptr;
     needs(counted, draft_.request.position, "the request does not say how many items it means",
-          "a field that is: count, or no 'count' in the operation");
+          "a field that is: count or last, or no 'count' in the operation");
   }
 
   // A block needs an end, and is only read.

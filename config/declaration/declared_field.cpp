@@ -16,12 +16,12 @@ using declared::FieldKind;
 using declared::Notation;
 
 constexpr std::pair<std::string_view, FieldKind> kKinds[] = {
-    {"address", FieldKind::kAddress}, {"command", FieldKind::kCommand},
-    {"first", FieldKind::kFirst},     {"count", FieldKind::kCount},
-    {"length", FieldKind::kLength},   {"items", FieldKind::kItems},
-    {"value", FieldKind::kValue},     {"checksum", FieldKind::kChecksum},
-    {"error", FieldKind::kError},     {"sequence", FieldKind::kSequence},
-    {"unused", FieldKind::kUnused}};
+    {"address", FieldKind::kAddress},   {"command", FieldKind::kCommand},
+    {"first", FieldKind::kFirst},       {"count", FieldKind::kCount},
+    {"last", FieldKind::kLast},         {"length", FieldKind::kLength},
+    {"items", FieldKind::kItems},       {"value", FieldKind::kValue},
+    {"checksum", FieldKind::kChecksum}, {"error", FieldKind::kError},
+    {"sequence", FieldKind::kSequence}, {"unused", FieldKind::kUnused}};
 constexpr std::pair<std::string_view, Notation> kNotations[] = {{"binary", Notation::kBinary},
                                                                 {"hex", Notation::kHex},
                                                                 {"decimal", Notation::kDecimal},
@@ -44,8 +44,8 @@ struct Meaning {
 const Meaning kMeanings[] = {
     {"plus",
      {FieldKind::kAddress, FieldKind::kCommand, FieldKind::kFirst, FieldKind::kCount,
-      FieldKind::kLength}},
-    {"times", {FieldKind::kFirst, FieldKind::kCount}},
+      FieldKind::kLast, FieldKind::kLength}},
+    {"times", {FieldKind::kFirst, FieldKind::kCount, FieldKind::kLast}},
     {"of", {FieldKind::kLength, FieldKind::kChecksum}},
     {"kind", {FieldKind::kChecksum}},
     {"complement", {FieldKind::kChecksum}},
@@ -307,7 +307,8 @@ class FieldReader {
     if (map_.has("constant") && field.text.empty())
       too_wide(field.number, map_.position_of("constant"), "constant");
     const Node* plus = map_.find("plus");
-    if (plus != nullptr && plus->text == "origin" && field.kind == FieldKind::kFirst)
+    const bool counts_items = field.kind == FieldKind::kFirst || field.kind == FieldKind::kLast;
+    if (plus != nullptr && plus->text == "origin" && counts_items)
       field.plus = defaults_.origin;
     else if (const auto number =
                  plus ? WholeRule{INT32_MIN, UINT32_MAX}(*plus, "plus", faults_) : std::nullopt)

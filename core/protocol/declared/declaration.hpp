@@ -28,6 +28,7 @@ enum class FieldKind : std::uint8_t {
   kCommand,   // command of the operation, plus `plus`
   kFirst,     // first item of the range * times + plus
   kCount,     // items of the range * times + plus
+  kLast,      // last item of the range * times + plus
   kLength,    // size of the fields `of`, in `counts`, plus `plus`
   kItems,     // items of the range
   kValue,     // a named place of a record

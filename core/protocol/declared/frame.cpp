@@ -88,6 +88,8 @@ std::optional<std::uint64_t> number_of(const Field& field, const FrameContext& c
     case FieldKind::kCommand: return narrow(context.command + plus);
     case FieldKind::kFirst: return narrow(std::uint64_t{context.first} * field.times + plus);
     case FieldKind::kCount: return narrow(std::uint64_t{context.count} * field.times + plus);
+    case FieldKind::kLast:
+      return narrow((std::uint64_t{context.first} + context.count - 1) * field.times + plus);
     case FieldKind::kSequence: return narrow(context.sequence);
     default: return std::nullopt;
   }

@@ -104,7 +104,8 @@ class Matcher {
       case FieldKind::kAddress:
       case FieldKind::kSequence: result_.foreign |= !equal; break;
       case FieldKind::kFirst:
-      case FieldKind::kCount: result_.mismatch |= !equal; break;
+      case FieldKind::kCount:
+      case FieldKind::kLast: result_.mismatch |= !equal; break;
       case FieldKind::kLength:
         if (!length(field, number)) return none();
         break;

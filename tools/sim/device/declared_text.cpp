@@ -251,11 +251,21 @@ class ParseRun {
         counted_ = true;
         return meant % field.times == 0 && stated.count >= operation_.min_count &&
                stated.count <= operation_.max_count;
+      case FieldKind::kLast: return meant % field.times == 0 && last(meant / field.times);
       case FieldKind::kSequence: stated.sequence = number; return true;
       case FieldKind::kLength: length(field, number); return true;
       case FieldKind::kValue: stated.numbers[&field] = number; return true;
       default: return true;
     }
+  }
+
+  // The first item is stated before the last one.
+  bool last(std::uint64_t item) {
+    counted_ = true;
+    if (item < received_.text.first) return false;
+    received_.text.count = item - received_.text.first + 1;
+    return received_.text.count >= operation_.min_count &&
+           received_.text.count <= operation_.max_count;
   }
 
   // Assigns the remaining length to the field of the span without a length of its own.
@@ -326,6 +336,7 @@ std::uint64_t spoken(const Field& field, const DeclaredText& text) {
     case FieldKind::kCommand: return text.command + plus;
     case FieldKind::kFirst: return text.first * field.times + plus;
     case FieldKind::kCount: return text.count * field.times + plus;
+    case FieldKind::kLast: return (text.first + text.count - 1) * field.times + plus;
     case FieldKind::kSequence: return text.sequence;
     case FieldKind::kError: return text.error != 0 ? text.error : field.number;
     case FieldKind::kValue: {
