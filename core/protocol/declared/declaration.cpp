@@ -50,13 +50,17 @@ class Parser {
           if (auto found = in_place(index, place, at_.substr(place.name.size()))) return *found;
       }
     }
+    std::optional<ParsedOrFault> outside;  // areas with the same prefix have different numbers
     for (std::size_t i = 0; i < declaration_.areas.size(); ++i) {
       const DeclaredArea& area = declaration_.areas[i];
-      if (!area.record && !area.trigger && at_.starts_with(area.prefix) &&
-          at_.size() > area.prefix.size() && whole_begins(area))
-        return numbered(static_cast<AreaIndex>(i), area, at_.substr(area.prefix.size()));
+      if (area.record || area.trigger || !at_.starts_with(area.prefix) ||
+          at_.size() <= area.prefix.size() || !whole_begins(area))
+        continue;
+      auto found = numbered(static_cast<AreaIndex>(i), area, at_.substr(area.prefix.size()));
+      if (found) return found;
+      if (!outside) outside = std::move(found);
     }
-    return unknown();
+    return outside ? *outside : unknown();
   }
 
  private:

@@ -57,5 +57,15 @@ TEST(DeclaredArea, ARequestNamesTheLastItem) {
   EXPECT_FALSE(driven(device, read, "r100712345678").done());
 }
 
+TEST(DeclaredArea, AreasWithOnePrefixContinueEachOther) {
+  const Device device = ranges();
+  EXPECT_EQ(range_text(device, device.read("D100", 3)), "R50005004");
+  EXPECT_EQ(range_text(device, device.read("D149", 1)), "R50985098");
+  EXPECT_EQ(device.protocol().parse_address("D100.3")->area, 1u);
+  for (const char* at : {"D150", "D100.16"})
+    EXPECT_FALSE(device.protocol().parse_address(at)) << at;
+  EXPECT_EQ(device.protocol().parse_address("D150").error().suggestion, "D99");
+}
+
 }  // namespace
 }  // namespace fieldcast::test
