@@ -1,0 +1,78 @@
+// Golden frames for the shipped declarations of PLCs. Each test names the source of its frames.
+#include <gtest/gtest.h>
+
+#include "tests/support/declared_device.hpp"
+#include "tests/support/drive.hpp"
+
+namespace fieldcast::test {
+namespace {
+
+Bytes plc_bytes(std::string_view text) { return {text.begin(), text.end()}; }
+
+std::string sent_text(const Device& device, const Request& request) {
+  const Bytes sent = device.request_bytes(request);
+  return {sent.begin(), sent.end()};
+}
+
+// The items of the reply, or what went wrong.
+std::string reply_text(const Device& device, const Request& request, std::string_view response) {
+  const Outcome outcome = drive(*device.begin(request), plc_bytes(response));
+  return outcome.done() ? to_hex(outcome.reply[0].items) : to_text(outcome);
+}
+
+std::string words(std::size_t count) { return to_hex(Bytes(2 * count, 1)); }
+
+bool accepts(const Device& device, const Request& request, std::string_view response) {
+  return drive(*device.begin(request), plc_bytes(response)).done();
+}
+
+// Source: examples of the manuals WUME-MEWCP-03 and ACG-M0015-2, as quoted by MewtocolFrameTests of
+// the C# library IndustrialCommunication.
+TEST(Mewtocol, ReadsAndWritesTheWordsOfTheManual) {
+  const Device device = declared_device("panasonic-mewtocol", 1);
+  const Request read = device.read("DT1105", 3);
+  EXPECT_EQ(sent_text(device, read), "%01#RDD011050110757\r");
+  EXPECT_EQ(reply_text(device, read, "%01$RD630044330A0062\r"), "00 63 33 44 00 0A");
+  EXPECT_FALSE(accepts(device, read, "%01$RD630044330A0063\r"));  // wrong check code
+  EXPECT_FALSE(accepts(declared_device("panasonic-mewtocol", 2), read, "%01$RD630044330A0062\r"));
+  const Request write = device.write("DT400", "00 64 00 00");
+  EXPECT_EQ(sent_text(device, write), "%01#WDD00400004016400000053\r");
+  EXPECT_TRUE(accepts(device, write, "%01$WD13\r"));
+}
+
+// Source: the same manuals, the BCC test of MewtocolNet, and the comment on a serial trial in
+// mewtocol-go.
+TEST(Mewtocol, ReadsAndWritesTheContactsOfTheManual) {
+  const Device device = declared_device("panasonic-mewtocol", 1);
+  EXPECT_EQ(sent_text(device, device.read("XA", 1)), "%01#RCSX000A6C\r");
+  const Request first = device.read("X0", 1);
+  EXPECT_EQ(sent_text(device, first), "%01#RCSX00001D\r");
+  EXPECT_EQ(reply_text(device, first, "%01$RC021\r"), "00");
+  EXPECT_EQ(reply_text(device, first, "%01$RC120\r"), "01");
+  EXPECT_EQ(sent_text(device, device.write("YA", "01")), "%01#WCSY000A159\r");
+  // Bit F of word 10 alone, and in its word.
+  EXPECT_TRUE(sent_text(device, device.read("R10F", 1)).starts_with("%01#RCSR010F"));
+  EXPECT_TRUE(sent_text(device, device.read("WR10.15", 1)).starts_with("%01#RCCR00100010"));
+}
+
+// Source: the refusal of MewtocolFrameTests; 42 is "command not supported".
+TEST(Mewtocol, ReportsTheCodeOfARefusal) {
+  const Device device = declared_device("panasonic-mewtocol", 1);
+  const Request read = device.read("DT1105", 3);
+  const Outcome refused = drive(*device.begin(read), plc_bytes("%01!4203\r"));
+  EXPECT_EQ(refused.cause, Cause::kDeviceError);
+  EXPECT_EQ(refused.code, 0x42);
+}
+
+// A frame has at most 118 characters.
+TEST(Mewtocol, KeepsTheLimitOfAFrame) {
+  const Device device = declared_device("panasonic-mewtocol", 1);
+  const auto size = [&](const Request& request) { return device.protocol().size(request); };
+  EXPECT_EQ(size(device.read("DT0", 27))->response_characters, 117u);
+  EXPECT_FALSE(size(device.read("DT0", 28)));
+  EXPECT_LE(size(device.write("DT0", words(24)))->request_characters, 118u);
+  EXPECT_FALSE(size(device.write("DT0", words(25))));
+}
+
+}  // namespace
+}  // namespace fieldcast::test
