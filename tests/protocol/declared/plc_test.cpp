@@ -74,5 +74,61 @@ TEST(Mewtocol, KeepsTheLimitOfAFrame) {
   EXPECT_FALSE(size(device.write("DT0", words(25))));
 }
 
+// Source: FBs-PLC User's Manual, Appendix 2, commands 46 and 44, as in t-command.cpp of libfatek.
+TEST(Fatek, ReadsTheExamplesOfTheManual) {
+  const Device device = declared_device("fatek-facon", 1);
+  const Request registers = device.read("R12", 3);
+  EXPECT_EQ(sent_text(device, registers),
+            "\x02"
+            "014603R00012"
+            "75\x03");
+  EXPECT_EQ(reply_text(device, registers,
+                       "\x02"
+                       "01460"
+                       "10A57FC40001"
+                       "89\x03"),
+            "10 A5 7F C4 00 01");
+  const Request inputs = device.read("X50", 6);
+  EXPECT_EQ(sent_text(device, inputs),
+            "\x02"
+            "014406X0050"
+            "4E\x03");
+  EXPECT_EQ(reply_text(device, inputs,
+                       "\x02"
+                       "01440"
+                       "010110"
+                       "1E\x03"),
+            "00 01 00 01 01 00");
+  EXPECT_FALSE(accepts(device, inputs,
+                       "\x02"
+                       "01440"
+                       "010111"
+                       "1E\x03"));
+}
+
+// Source: the requests of FatekWriteDataCmdTest and FatekWriteDiscreteCmdTest of jfatek; their
+// checksums and the responses follow from Appendix 2.
+TEST(Fatek, WritesRegistersAndContacts) {
+  const Device device = declared_device("fatek-facon", 1);
+  const Request registers = device.write("F12", "AA AA 55 55");
+  EXPECT_EQ(sent_text(device, registers),
+            "\x02"
+            "014702F00012AAAA5555"
+            "41\x03");
+  EXPECT_TRUE(accepts(device, registers,
+                      "\x02"
+                      "01470"
+                      "FE\x03"));
+  EXPECT_EQ(sent_text(device, device.write("Y10", "01 00 01")),
+            "\x02"
+            "014503Y0010101"
+            "DB\x03");
+  const Outcome refused = drive(*device.begin(registers), plc_bytes("\x02"
+                                                                    "0147A"
+                                                                    "0F\x03"));
+  EXPECT_EQ(refused.cause, Cause::kDeviceError);
+  EXPECT_EQ(refused.code, 10);
+}
+
 }  // namespace
 }  // namespace fieldcast::test
