@@ -130,5 +130,61 @@ TEST(Fatek, WritesRegistersAndContacts) {
   EXPECT_EQ(refused.code, 10);
 }
 
+// Source: DVP-ES2/EX2/SS2/SA2/SX2/SE Operation Manual, Programming, 4.2.2 and 4.5. The check of the
+// response to command 1 is the one of the manual's table; its line prints D6.
+TEST(DeltaDvp, ReadsTheExamplesOfTheManual) {
+  const Device device = declared_device("delta-dvp-ascii", 1);
+  const Request contacts = device.read("T20", 37);
+  EXPECT_EQ(sent_text(device, contacts), ":010106140025BF\r\n");
+  EXPECT_EQ(reply_text(device, contacts, ":010105CD6BB20E1BE6\r\n").substr(0, 23),
+            "01 00 01 01 00 00 01 01");
+  const Request timers = device.read("TV20", 8);
+  EXPECT_EQ(sent_text(device, timers), ":010306140008DA\r\n");
+  EXPECT_EQ(reply_text(device, timers, ":01031000010002000300040005000600070008C8\r\n"),
+            "00 01 00 02 00 03 00 04 00 05 00 06 00 07 00 08");
+  const Request outputs = device.read("Y0", 1);
+  const Outcome refused = drive(*device.begin(outputs), plc_bytes(":0181027C\r\n"));
+  EXPECT_EQ(refused.cause, Cause::kDeviceError);
+  EXPECT_EQ(refused.code, 2);
+}
+
+TEST(DeltaDvp, WritesTheExamplesOfTheManual) {
+  const Device device = declared_device("delta-dvp-ascii", 1);
+  const Request output = device.write("Y0", "01");
+  EXPECT_EQ(sent_text(device, output), ":01050500FF00F6\r\n");
+  EXPECT_TRUE(accepts(device, output, ":01050500FF00F6\r\n"));
+  const Request outputs = device.write("Y0", "01 00 01 01 00 00 01 01 01 00");
+  EXPECT_EQ(sent_text(device, outputs), ":010F0500000A02CD0111\r\n");
+  EXPECT_TRUE(accepts(device, outputs, ":010F0500000AE1\r\n"));
+  const Request timers = device.write("TV0", "00 0A 01 02");
+  EXPECT_EQ(sent_text(device, timers), ":01100600000204000A0102D6\r\n");
+  EXPECT_TRUE(accepts(device, timers, ":011006000002E7\r\n"));
+  // The same output by RTU (instruction MODRW, 3-339).
+  const Device rtu = declared_device("delta-dvp-rtu", 1);
+  EXPECT_EQ(to_hex(rtu.request_bytes(rtu.write("Y0", "01"))), "01 05 05 00 FF 00 8C F6");
+}
+
+// Source: the table of the same manual, 4.4. M and D continue at a second address.
+TEST(DeltaDvp, FindsTheDevicesOfTheTable) {
+  const Device device = declared_device("delta-dvp-rtu", 1);
+  for (const auto& [at, address] :
+       std::initializer_list<std::pair<const char*, const char*>>{{"S1023", "03 FF"},
+                                                                  {"X377", "04 FF"},
+                                                                  {"Y0", "05 00"},
+                                                                  {"TV255", "06 FF"},
+                                                                  {"M0", "08 00"},
+                                                                  {"M1535", "0D FF"},
+                                                                  {"M1536", "B0 00"},
+                                                                  {"M4095", "B9 FF"},
+                                                                  {"C255", "0E FF"},
+                                                                  {"CV199", "0E C7"},
+                                                                  {"D0", "10 00"},
+                                                                  {"D4095", "1F FF"},
+                                                                  {"D4096", "90 00"}})
+    EXPECT_EQ(to_hex(device.request_bytes(device.read(at, 1))).substr(6, 5), address) << at;
+  EXPECT_FALSE(device.protocol().parse_address("M4096"));
+  EXPECT_FALSE(device.protocol().parse_address("X8"));
+}
+
 }  // namespace
 }  // namespace fieldcast::test
