@@ -186,5 +186,19 @@ TEST(DeltaDvp, FindsTheDevicesOfTheTable) {
   EXPECT_FALSE(device.protocol().parse_address("X8"));
 }
 
+// Source: the request has the form that HslCommunication and plc-comm-hostlink send, the response
+// the form that they parse. No published exchange of 16 registers was found.
+TEST(KeyenceKv, ReadsNumbersOfAnyWidth) {
+  const Device device = declared_device("keyence-kv", 1);
+  const Request request = device.read("DM1", 3);
+  EXPECT_EQ(sent_text(device, request), "RDS DM0.U 16\r");
+  const std::string rest = " 0 0 0 0 0 0 0 0 0 0 0 0 0 7\r\n";
+  EXPECT_EQ(reply_text(device, request, "10 20" + rest), "32 30 00 00 00 00");
+  EXPECT_EQ(reply_text(device, request, "00010 65535" + rest), "36 35 35 33 35 00");
+  const Outcome refused = drive(*device.begin(request), plc_bytes("E0\r\n"));
+  EXPECT_EQ(refused.cause, Cause::kDeviceError);
+  EXPECT_EQ(refused.code, 0xE0);
+}
+
 }  // namespace
 }  // namespace fieldcast::test
