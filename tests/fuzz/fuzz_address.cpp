@@ -16,7 +16,8 @@ std::vector<std::unique_ptr<Protocol>> all() {
     for (const ProtocolVariant& variant : entry.variants)
       made.push_back(std::move(*entry.make(link_of(variant, 1))));
   }
-  for (const char* name : {"instrument", "modbus-rtu-declared", "dlt645-2007", "mt-sics"}) {
+  for (const char* name : {"instrument", "modbus-rtu-declared", "dlt645-2007", "mt-sics",
+                           "panasonic-mewtocol", "delta-dvp-rtu"}) {
     made.push_back(
         std::move(*declared::make(config::load_declaration(name)->value, {.address = 1})));
   }

@@ -75,7 +75,8 @@ TEST(Notation, OfEveryProtocolIsUnderstoodByTheLoaderThePlantAndTheEngine) {
 }
 
 TEST(Notation, OfADeclarationIsUnderstoodByTheLoaderThePlantAndTheEngine) {
-  for (const char* name : {"instrument", "modbus-rtu-declared", "dlt645-2007", "adam-4000"}) {
+  for (const char* name : {"instrument", "modbus-rtu-declared", "dlt645-2007", "adam-4000",
+                           "panasonic-mewtocol", "delta-dvp-rtu"}) {
     const auto declaration = config::load_declaration(name);
     ASSERT_TRUE(declaration);
     for (const Subject& subject : subjects_of(*declaration)) expect_one_place_on_all_sides(subject);
