@@ -28,6 +28,11 @@ std::optional<DeviceIndex> BusSetup::find(std::string_view name) const {
   return found->second;
 }
 
+bool BusSetup::timeless(DeviceIndex device) const {
+  const ProtocolEntry* entry = find_protocol(spec_.devices[device].protocol);
+  return plain_tcp() && entry != nullptr && entry->network_only;
+}
+
 Duration BusSetup::wire_time(DeviceIndex device, const Request& request) const {
   const auto size = protocol(device).size(request);
   return line_.characters(size ? size->request_characters + size->response_characters : 0);

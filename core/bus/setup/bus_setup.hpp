@@ -28,6 +28,8 @@ class BusSetup {
   // Required silence of the wire after each response.
   [[nodiscard]] Duration silence() const { return silence_; }
   [[nodiscard]] bool plain_tcp() const;
+  // The bytes have no times of a line: a protocol of networks on a plain TCP connection.
+  [[nodiscard]] bool timeless(DeviceIndex device) const;
   // See ProtocolEntry. REQUIRES: spec().in_flight > 1.
   [[nodiscard]] std::optional<std::size_t> first_frame(ByteView stream) const {
     return find_protocol(spec_.devices.front().protocol)->first_frame(stream);
