@@ -32,6 +32,9 @@ void check_in_flight(const BusSpec& spec, const MapReader& map, FaultList& fault
   const auto fault = [&](std::string what, std::string allowed) {
     faults.add(map.position_of("in-flight"), "in-flight: " + std::move(what), std::move(allowed));
   };
+  if (spec.gateway)
+    return fault("clients of a gateway read between the requests of the bus",
+                 "one of in-flight, gateway");
   if (!over_network(spec.port) || has_line(spec.port))
     return fault("the port is no plain TCP device", "port: { tcp: HOST:PORT } without baud");
   for (const DeviceSpec& device : spec.devices) {
@@ -118,8 +121,8 @@ BusSpec read_bus(const Node& node, LoadState& state) {
   read_capture(map, spec.capture);
   read_defaults(map, spec, context.defaults);
   read_devices(map, context, spec, state);
-  check_in_flight(spec, map, state.faults);
   read_gateway(map, spec);
+  check_in_flight(spec, map, state.faults);
   return spec;
 }
 

@@ -61,13 +61,11 @@ class Everything : public testing::Test {
     channel.name = "full";
     channel.at = "40101";
     channel.range = {2, 100, 2};
-    channel.encoding = {ValueType::kInt32,
-                        0,
-                        WordOrder::kLittleEndian,
-                        ByteOrder::kLittleEndian,
-                        std::nullopt,
-                        0.5,
-                        -40};
+    channel.encoding = {.type = ValueType::kInt32,
+                        .word_order = WordOrder::kLittleEndian,
+                        .byte_order = ByteOrder::kLittleEndian,
+                        .scale = 0.5,
+                        .offset = -40};
     channel.encoding.not_available = {0x8000'0000, 0xFFFF'FFFF};
     channel.refresh = milliseconds{250};
     channel.mode = Mode::kScheduled;
@@ -234,7 +232,9 @@ TEST_F(Everything, DefaultsOfABusReachDevicesAndChannelsThatSayNothing) {
   value.name = "value";
   value.at = "holding:0";
   value.range = {2, 0, 1};
-  value.encoding = {ValueType::kUint16, 0, WordOrder::kLittleEndian, ByteOrder::kLittleEndian};
+  value.encoding = {.type = ValueType::kUint16,
+                    .word_order = WordOrder::kLittleEndian,
+                    .byte_order = ByteOrder::kLittleEndian};
   value.refresh = seconds{2};
   value.mode = Mode::kIntensive;
   value.access = Access::kReadWrite;
