@@ -41,7 +41,7 @@ struct BusParts {
   Bytes session;  // of the connection, see ExchangeContext
   std::deque<Wire> wires;
   WireFence fence;
-  InFlight in_flight;
+  FlightLimit in_flight;
 
   // The wire whose exchange begins or ends.
   [[nodiscard]] Wire& wire() { return *wire_; }

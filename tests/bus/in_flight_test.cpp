@@ -16,8 +16,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(InFlightLimit, TheFirstExchangeOfAConnectionIsAlone) {
-  InFlight limit(4);
+TEST(FlightLimitTest, TheFirstExchangeOfAConnectionIsAlone) {
+  FlightLimit limit(4);
   EXPECT_EQ(limit.now(), 1u);
   limit.responded();
   EXPECT_EQ(limit.now(), 4u);
@@ -25,17 +25,17 @@ TEST(InFlightLimit, TheFirstExchangeOfAConnectionIsAlone) {
   EXPECT_EQ(limit.now(), 1u);
 }
 
-TEST(InFlightLimit, IsHalvedWhenRequestsAreDroppedAndGrowsAgain) {
-  InFlight limit(8);
+TEST(FlightLimitTest, IsHalvedWhenRequestsAreDroppedAndGrowsAgain) {
+  FlightLimit limit(8);
   limit.responded();
   for (int i = 0; i < 4; ++i) limit.missed();
   EXPECT_EQ(limit.now(), 4u);
-  for (unsigned i = 0; i < InFlight::kEnoughResponses; ++i) limit.responded();
+  for (unsigned i = 0; i < FlightLimit::kEnoughResponses; ++i) limit.responded();
   EXPECT_EQ(limit.now(), 5u);
 }
 
-TEST(InFlightLimit, ResponsesLostNowAndThenChangeNothing) {
-  InFlight limit(8);
+TEST(FlightLimitTest, ResponsesLostNowAndThenChangeNothing) {
+  FlightLimit limit(8);
   for (int i = 0; i < 10'000; ++i) i % 20 == 0 ? limit.missed() : limit.responded();
   EXPECT_EQ(limit.now(), 8u);
 }

@@ -6,14 +6,14 @@
 
 namespace fieldcast {
 
-class InFlight {
+class FlightLimit {
  public:
   // Share of the last requests without a response above which fewer are in flight.
   static constexpr double kTooMany = 0.2;
   // Responses after which one more exchange is tried.
   static constexpr unsigned kEnoughResponses = 256;
 
-  explicit InFlight(unsigned most) : most_(most), learned_(most) {}
+  explicit FlightLimit(unsigned most) : most_(most), learned_(most) {}
 
   void opened() { established_ = false; }
   void responded() {
