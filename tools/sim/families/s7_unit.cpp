@@ -24,7 +24,7 @@ std::optional<BlockAddress> block_of(std::string_view at) {
   if (!at.starts_with("DB") || dot == std::string_view::npos) return BlockAddress{0, at};
   const auto number = address_number(at.substr(2, dot - 2));
   if (!number || *number < 1 || *number > 65535) return std::nullopt;
-  return BlockAddress{*number, at.substr(dot + 1)};
+  return BlockAddress{static_cast<std::uint32_t>(*number), at.substr(dot + 1)};
 }
 
 // Letters between the name of the area and the number: of a byte, a word, two words, four words.
