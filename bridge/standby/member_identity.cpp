@@ -40,7 +40,6 @@ void add(Sum& sum, const ChannelSpec& channel) {
   sum.add(channel.at);
   sum.add(static_cast<std::int64_t>(encoding.type));
   sum.add(encoding.string_bytes);
-  sum.add(encoding.counted);
   sum.add(static_cast<std::int64_t>(encoding.word_order));
   sum.add(static_cast<std::int64_t>(encoding.byte_order));
   sum.add(encoding.bit ? *encoding.bit : -1);
