@@ -266,6 +266,12 @@ Encoding natural_encoding(const ParsedAddress& address, const Area& area,
     encoding.type = ValueType::kBool;
     return encoding;
   }
+  if (address.counted_text) {
+    encoding.type = ValueType::kString;
+    encoding.string_bytes = 8;
+    encoding.counted = true;
+    return encoding;
+  }
   if (declaration != nullptr && declaration->areas[address.area].record && !address.width_bits) {
     for (const declared::Place& place : declaration->areas[address.area].places) {
       if (place.first != address.first) continue;
