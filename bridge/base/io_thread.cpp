@@ -5,6 +5,8 @@
 
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <future>
 #include <thread>
 
 namespace fieldcast {
@@ -38,5 +40,11 @@ IoThread::~IoThread() {
 }
 
 boost::asio::io_context& IoThread::context() { return loop_->context; }
+
+void IoThread::run(std::function<void()> task) {
+  std::packaged_task<void()> packaged(std::move(task));
+  boost::asio::post(loop_->context, [&packaged] { packaged(); });
+  packaged.get_future().get();
+}
 
 }  // namespace fieldcast

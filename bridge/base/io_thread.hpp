@@ -2,6 +2,7 @@
 // that hangs (for example an ioctl of a failed USB adapter) therefore stops only its own bus.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -20,6 +21,8 @@ class IoThread {
   IoThread& operator=(const IoThread&) = delete;
 
   [[nodiscard]] boost::asio::io_context& context();
+  // Runs the task on the thread and waits for it; rethrows its exception. REQUIRES: another thread.
+  void run(std::function<void()> task);
 
  private:
   struct Loop;

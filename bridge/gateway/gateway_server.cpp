@@ -9,7 +9,6 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <future>
 #include <map>
 #include <string>
 #include <utility>
@@ -256,16 +255,8 @@ void GatewayServer::start() {
 }
 
 GatewayServer::~GatewayServer() {
-  const auto wait_for = [&io = state_->io](auto task) {
-    std::promise<void> done;
-    asio::post(io.context(), [&] {
-      task();
-      done.set_value();
-    });
-    done.get_future().wait();
-  };
-  wait_for([this] { state_->close(); });
-  wait_for([] {});  // the cancelled handlers have run
+  state_->io.run([this] { state_->close(); });
+  state_->io.run([] {});  // the cancelled handlers have run
 }
 
 void GatewayServer::complete(const CommandResult& result) {

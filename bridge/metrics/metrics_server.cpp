@@ -7,7 +7,6 @@
 #include <atomic>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <future>
 #include <optional>
 #include <utility>
 
@@ -140,16 +139,8 @@ MetricsServer::MetricsServer(const ListenSpec& listen, Source source, Health hea
 }
 
 MetricsServer::~MetricsServer() {
-  const auto wait_for = [&io = state_->io](auto task) {
-    std::promise<void> done;
-    asio::post(io.context(), [&] {
-      task();
-      done.set_value();
-    });
-    done.get_future().wait();
-  };
-  wait_for([this] { state_->close(); });
-  wait_for([] {});  // the cancelled handlers have run
+  state_->io.run([this] { state_->close(); });
+  state_->io.run([] {});  // the cancelled handlers have run
 }
 
 std::uint16_t MetricsServer::port() const { return state_->port; }

@@ -28,17 +28,6 @@ constexpr std::chrono::milliseconds kStopLimit{2500};
 struct Server::State {
   State(Hooks given, DialInRegistry& where) : hooks(std::move(given)), registry(where) {}
 
-  // Runs the task on the io thread and waits for it.
-  template <typename Task>
-  void run(Task task) {
-    std::promise<void> done;
-    asio::post(io.context(), [&] {
-      task();
-      done.set_value();
-    });
-    done.get_future().wait();
-  }
-
   void open_modules();
   void close_modules();
 
@@ -64,7 +53,7 @@ void Server::State::open_modules() {
   };
   const auto hand_over = [this](const std::string& number) {
     ModuleConnection connection;
-    run([&] {
+    io.run([&] {
       if (modules) connection = modules->hand_over(number);
     });
     return connection;
@@ -75,9 +64,9 @@ void Server::State::open_modules() {
 void Server::State::close_modules() {
   if (!modules) return;
   registry.set_keeper({});
-  run([&] { modules->close(); });
-  run([] {});  // handlers cancelled by the close have run
-  run([&] { modules.reset(); });
+  io.run([&] { modules->close(); });
+  io.run([] {});  // handlers cancelled by the close have run
+  io.run([&] { modules.reset(); });
 }
 
 Server::Server(Hooks hooks, DialInRegistry& registry)
@@ -90,7 +79,7 @@ tl::expected<void, std::string> Server::start(const ProgramSpec& spec) {
   if (!spec.engineers && !spec.modules) return {};
   if (!s.modules && spec.modules) s.open_modules();
   tl::expected<void, std::string> listening;
-  s.run([&] {
+  s.io.run([&] {
     if (spec.modules) listening = s.modules->listen(*spec.modules);
     s.devices = std::make_shared<DeviceRegistry>(s.io.context(), s.modules);
     for (const auto& [name, bus] : s.buses) s.devices->add(bus.first, bus.second);
@@ -113,7 +102,7 @@ void Server::stop_engineers() {
   State& s = *state_;
   if (!s.devices) return;
   const auto gone = std::make_shared<std::promise<void>>();
-  s.run([&] {
+  s.io.run([&] {
     if (s.engineers) {
       s.engineers->close("the bridge stops", [gone] { gone->set_value(); });
     } else {
@@ -122,8 +111,8 @@ void Server::stop_engineers() {
   });
   if (gone->get_future().wait_for(kStopLimit) != std::future_status::ready)
     log_warning("program", "a client does not disconnect");
-  s.run([] {});  // handlers cancelled by the close have run
-  s.run([&] {
+  s.io.run([] {});  // handlers cancelled by the close have run
+  s.io.run([&] {
     s.engineers.reset();
     s.devices.reset();
   });
@@ -132,7 +121,7 @@ void Server::stop_engineers() {
 std::vector<LeasedDevice> Server::leased() const {
   std::vector<LeasedDevice> all;
   if (!state_->devices) return all;
-  state_->run([&] { all = state_->devices->leased(); });
+  state_->io.run([&] { all = state_->devices->leased(); });
   return all;
 }
 

@@ -250,7 +250,7 @@ void BusEngine::set_timer(ActionSink& sink) {
 }
 
 bool BusEngine::is_too_early(DeviceIndex device) {
-  if (parts_.setup.timeless(device)) return false;
+  if (parts_.setup.timeless()) return false;
   const Duration began = parts_.wire().driver().response_began();
   return parts_.devices.too_early(device, began) ||
          parts_.fence.doubts_first(began, parts_.setup.line().characters(1));

@@ -195,7 +195,7 @@ void OutcomeRouter::learn(const Flight& flight) {
   const Duration response_time = parts_.wire().driver().response_time();
   devices_.learn(device, request, response_time);
   if (std::holds_alternative<ReadRequest>(request))
-    reads_.learn(device, area_of(request), response_time);
+    reads_.learn(device, area_of(request), parts_.in_flight.planned(response_time));
 }
 
 void OutcomeRouter::note_try(const Wire::Ended& ended, Instant now, ActionSink& sink) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/protocol/modbus/framing.hpp"
+#include "core/protocol/received.hpp"
 
 namespace fieldcast::gateway {
 namespace {
@@ -30,11 +31,7 @@ Bytes image_of(std::uint8_t function, std::uint32_t count, ByteView data) {
   }
   if (!holds_bits(function))
     return data.size() == count * std::size_t{2} ? Bytes(data.begin(), data.end()) : Bytes{};
-  if (data.size() != (count + 7) / 8) return {};
-  Bytes image;
-  for (std::uint32_t i = 0; i < count; ++i)
-    image.push_back(static_cast<std::uint8_t>(data[i / 8] >> i % 8 & 1));
-  return image;
+  return data.size() == (count + 7) / 8 ? unpack_bits(data, count) : Bytes{};
 }
 
 // REQUIRES: pdu fits a frame.
@@ -47,20 +44,22 @@ Bytes framed(const RequestFrame& frame, ByteView pdu) {
 // Empty if a value is missing or does not fit.
 std::optional<Bytes> packed(const ClientRequest& request, const std::vector<Value>& values) {
   if (values.size() != request.range.count) return std::nullopt;
-  const bool bits = holds_bits(request.function);
-  Bytes data(bits ? (values.size() + 7) / 8 : 0);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (bits) {
-      const auto* bit = std::get_if<bool>(&values[i]);
+  Bytes image;
+  for (const Value& value : values) {
+    if (holds_bits(request.function)) {
+      const auto* bit = std::get_if<bool>(&value);
       if (bit == nullptr) return std::nullopt;
-      data[i / 8] = static_cast<std::uint8_t>(data[i / 8] | (*bit ? 1u << i % 8 : 0u));
+      image.push_back(*bit ? 1 : 0);
     } else {
-      const auto* item = std::get_if<std::uint64_t>(&values[i]);
+      const auto* item = std::get_if<std::uint64_t>(&value);
       if (item == nullptr || *item > 0xFFFF) return std::nullopt;
-      append_u16(data, static_cast<std::uint16_t>(*item));
+      append_u16(image, static_cast<std::uint16_t>(*item));
     }
   }
-  return data;
+  if (!holds_bits(request.function)) return image;
+  Bytes packed_bits;
+  append_bits(packed_bits, image);
+  return packed_bits;
 }
 
 }  // namespace
@@ -71,13 +70,14 @@ std::string_view to_text(FrameFault fault) {
 }
 
 tl::expected<std::optional<RequestFrame>, FrameFault> first_frame(ByteView received) {
-  if (received.size() < 6) return std::optional<RequestFrame>{};
-  if (read_u16(received, 2) != 0) return tl::make_unexpected(FrameFault::kProtocol);
-  const std::size_t length = read_u16(received, 4);
-  if (length < 2 || length > 1 + modbus::kMaxPdu) return tl::make_unexpected(FrameFault::kLength);
-  if (received.size() < 6 + length) return std::optional<RequestFrame>{};
-  return RequestFrame{read_u16(received), received[6], received.subspan(kHeader, length - 1),
-                      6 + length};
+  const auto size = modbus::first_tcp_frame(received);
+  if (!size) {
+    const bool protocol = received[2] != 0 || (received.size() > 3 && received[3] != 0);
+    return tl::make_unexpected(protocol ? FrameFault::kProtocol : FrameFault::kLength);
+  }
+  if (*size == 0) return std::optional<RequestFrame>{};
+  return RequestFrame{read_u16(received), received[6], received.first(*size).subspan(kHeader),
+                      *size};
 }
 
 tl::expected<ClientRequest, Exception> decode(ByteView pdu) {

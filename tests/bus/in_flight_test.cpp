@@ -30,6 +30,7 @@ TEST(FlightLimitTest, IsHalvedWhenRequestsAreDroppedAndGrowsAgain) {
   limit.responded();
   for (int i = 0; i < 4; ++i) limit.missed();
   EXPECT_EQ(limit.now(), 4u);
+  EXPECT_EQ(limit.planned(10ms), 20ms) << "the plan divides it by 8";
   for (unsigned i = 0; i < FlightLimit::kEnoughResponses; ++i) limit.responded();
   EXPECT_EQ(limit.now(), 5u);
 }

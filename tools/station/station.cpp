@@ -60,18 +60,6 @@ UtcTime utc_now() { return read_clocks().to_utc(steady_now()); }
 struct WebStation::State {
   State(StationSpec given, std::string text) : spec(std::move(given)), version(std::move(text)) {}
 
-  // Runs the task on the io thread and waits; rethrows its exception.
-  template <typename Task>
-  void run(Task task) {
-    std::promise<void> done;
-    asio::post(io.context(), [&] {
-      try {
-        task();
-        done.set_value();
-      } catch (...) { done.set_exception(std::current_exception()); }
-    });
-    done.get_future().get();
-  }
   void post(std::function<void()> task) { asio::post(io.context(), std::move(task)); }
 
   void open_store();
@@ -227,7 +215,7 @@ tl::expected<void, WebStation::Fault> WebStation::start() {
   s.started = true;
   s.open_store();
   tl::expected<void, std::string> listening;
-  s.run([&] {
+  s.io.run([&] {
     s.turning = std::make_unique<asio::steady_timer>(s.io.context());
     s.turn();
     s.listener = std::make_unique<Listener>(s.io.context(), [&s](asio::ip::tcp::socket socket) {
@@ -236,7 +224,7 @@ tl::expected<void, WebStation::Fault> WebStation::start() {
     listening = s.listener->open(s.spec.web.listen);
   });
   if (!listening) return tl::make_unexpected(Fault{false, listening.error()});
-  s.run([&] {
+  s.io.run([&] {
     s.join_domain();
     s.open_site(*std::move(tls));
   });
@@ -254,7 +242,7 @@ std::string WebStation::address() const {
 tl::expected<void, std::string> WebStation::renew_certificate() {
   auto tls = state_->tls_server();
   if (!tls) return tl::make_unexpected(tls.error());
-  state_->run([&] { state_->server->http().serve(*std::move(tls)); });
+  state_->io.run([&] { state_->server->http().serve(*std::move(tls)); });
   return {};
 }
 
@@ -269,7 +257,7 @@ void WebStation::stop() {
   if (!std::exchange(s.started, false)) return;
   s.busy = "telling the pages";
   std::promise<void> told;
-  s.run([&] {
+  s.io.run([&] {
     if (s.listener) s.listener->close();
     s.turning.reset();
     s.users.reset();
@@ -281,13 +269,13 @@ void WebStation::stop() {
   s.logins.reset();
   s.database.reset();
   s.busy = "leaving the DDS domain";
-  s.run([&] {
+  s.io.run([&] {
     s.server.reset();
     s.site.reset();
     s.domain.reset();
     s.listener.reset();
   });
-  s.run([] {});  // waits for tasks posted before
+  s.io.run([] {});  // waits for tasks posted before
   s.busy = "writing to the store";
   s.recorder.reset();
   if (s.store) (void)s.store->flush(kFlushLimit);

@@ -37,7 +37,9 @@ void DeviceMonitor::tried(const Try& ended, Instant now, ActionSink& sink) {
   const bool done = ended.cause == Cause::kNone;
   const bool responded =
       done || ended.cause == Cause::kDeviceError || ended.cause == Cause::kDeviceBusy;
-  if (done || ended.cause == Cause::kNoResponse) device.pauses.tried(ended.rest, done);
+  // With several requests in flight, the device rests at no time.
+  if (setup_.spec().in_flight == 1 && (done || ended.cause == Cause::kNoResponse))
+    device.pauses.tried(ended.rest, done);
   if (done) device.responded_at = ended.responded;
   if (ended.cause == Cause::kDeviceBusy)
     ++device.busy_in_a_row;

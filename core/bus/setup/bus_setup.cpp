@@ -1,14 +1,20 @@
 #include "core/bus/setup/bus_setup.hpp"
 
+#include <algorithm>
 #include <cassert>
 
 #include "core/model/bus_spec.hpp"
+#include "core/protocol/families/registry.hpp"
 #include "core/schedule/bus_schedule.hpp"
 
 namespace fieldcast {
 
 BusSetup::BusSetup(const BusSpec& spec)
-    : spec_(spec), line_(line_of(spec_.port)), silence_(silence_for(spec_)) {
+    : spec_(spec),
+      line_(line_of(spec_.port)),
+      silence_(silence_for(spec_)),
+      timeless_(plain_tcp() && only_network_protocols(spec_)) {
+  if (spec_.in_flight > 1) framer_ = find_protocol(spec_.devices.front().protocol)->first_frame;
   for (const DeviceSpec& device : spec_.devices) {
     auto protocol = make_protocol(device, line_);
     assert(protocol && "the loader checks protocols, addresses and options");
@@ -28,9 +34,11 @@ std::optional<DeviceIndex> BusSetup::find(std::string_view name) const {
   return found->second;
 }
 
-bool BusSetup::timeless(DeviceIndex device) const {
-  const ProtocolEntry* entry = find_protocol(spec_.devices[device].protocol);
-  return plain_tcp() && entry != nullptr && entry->network_only;
+bool only_network_protocols(const BusSpec& bus) {
+  return std::ranges::all_of(bus.devices, [](const DeviceSpec& device) {
+    const ProtocolEntry* entry = find_protocol(device.protocol);
+    return entry != nullptr && entry->network_only;
+  });
 }
 
 Duration BusSetup::wire_time(DeviceIndex device, const Request& request) const {

@@ -12,8 +12,8 @@
 #include "core/bus/setup/event.hpp"
 #include "core/model/bus_spec.hpp"
 #include "core/model/sample.hpp"
-#include "core/protocol/families/registry.hpp"
 #include "core/protocol/protocol.hpp"
+#include "core/protocol/protocol_entry.hpp"
 
 namespace fieldcast {
 
@@ -28,11 +28,11 @@ class BusSetup {
   // Required silence of the wire after each response.
   [[nodiscard]] Duration silence() const { return silence_; }
   [[nodiscard]] bool plain_tcp() const;
-  // The bytes have no times of a line: a protocol of networks on a plain TCP connection.
-  [[nodiscard]] bool timeless(DeviceIndex device) const;
+  // The bytes have no times of a line: protocols of networks on a plain TCP connection.
+  [[nodiscard]] bool timeless() const { return timeless_; }
   // See ProtocolEntry. REQUIRES: spec().in_flight > 1.
   [[nodiscard]] std::optional<std::size_t> first_frame(ByteView stream) const {
-    return find_protocol(spec_.devices.front().protocol)->first_frame(stream);
+    return framer_(stream);
   }
 
   [[nodiscard]] std::size_t devices() const { return spec_.devices.size(); }
@@ -59,9 +59,14 @@ class BusSetup {
   BusSpec spec_;
   LineFormat line_;
   Duration silence_;
+  bool timeless_;
+  Framer framer_ = nullptr;
   std::vector<std::shared_ptr<const Protocol>> protocols_;
   std::unordered_map<std::string_view, DeviceIndex> names_;
 };
+
+// Each device speaks a protocol that frames its own stream, so no serial line carries it.
+[[nodiscard]] bool only_network_protocols(const BusSpec& bus);
 
 [[nodiscard]] AreaIndex area_of(const Request& request);
 

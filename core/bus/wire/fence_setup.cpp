@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/bus/setup/bus_setup.hpp"
 #include "core/bus/wire/pending_responses.hpp"
 #include "core/model/bus_spec.hpp"
 #include "core/protocol/families/registry.hpp"
@@ -47,14 +48,6 @@ std::string listening(const BusSpec& bus) {
          "; it needs a line of two wires, on which each bridge hears the other";
 }
 
-// With a framed protocol over TCP each client has its own connection.
-bool only_network_protocols(const BusSpec& bus) {
-  return std::ranges::all_of(bus.devices, [](const DeviceSpec& device) {
-    const ProtocolEntry* entry = find_protocol(device.protocol);
-    return entry != nullptr && entry->network_only;
-  });
-}
-
 FenceText of(const SerialPortSpec& port, const BusSpec& bus) {
   if (port.fence.is(Fence::kListen)) return {listening(bus)};
   if (port.fence.is(Fence::kLock))
@@ -71,6 +64,7 @@ FenceText of(const TcpPortSpec& port, const BusSpec& bus) {
     return {"one client: the server at " + port.name() +
             " must take one connection only; the bridge that has it is the one that sends"};
   }
+  // With a framed protocol over TCP each client has its own connection.
   if (!port.line && only_network_protocols(bus))
     return {"none is needed: each client has a connection of its own, and no frame is garbled"};
   return {

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "core/base/time.hpp"
+
 namespace fieldcast {
 
 class FlightLimit {
@@ -34,7 +36,10 @@ class FlightLimit {
 
   // The first exchange of a connection is alone, as it may send a greeting.
   [[nodiscard]] unsigned now() const { return established_ ? learned_ : 1; }
-  [[nodiscard]] unsigned learned() const { return learned_; }
+  // The response time for a plan that assumes all of the configuration in flight.
+  [[nodiscard]] Duration planned(Duration response_time) const {
+    return response_time * most_ / learned_;
+  }
 
  private:
   static constexpr double kStep = 1.0 / 16;

@@ -27,7 +27,7 @@ struct Named {
   bool string = false;
 };
 
-std::optional<Named> named(const Areas& areas, bool in_block, std::string_view letters) {
+std::optional<Named> named(std::span<const Area> areas, bool in_block, std::string_view letters) {
   if (in_block) {
     if (!letters.starts_with("DB")) return std::nullopt;
     if (letters == "DBX") return Named{kDB};
@@ -65,7 +65,7 @@ std::string suggestion(std::string_view at) {
 
 }  // namespace
 
-ParsedOrFault parse_address(const Areas& areas, std::string_view at) {
+ParsedOrFault parse_address(std::span<const Area> areas, std::string_view at) {
   const std::string near = suggestion(at);
   const auto fault = [&](std::string what) {
     return address_fault(std::move(what), near == at ? std::string() : near);

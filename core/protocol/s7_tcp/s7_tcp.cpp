@@ -155,31 +155,23 @@ class S7TcpExchange final : public Exchange {
   Cause silence_ = Cause::kNoResponse;
 };
 
+using ParseAddress = ParsedOrFault (*)(std::span<const Area> areas, std::string_view at);
+
 class S7TcpProtocol final : public Protocol {
  public:
-  S7TcpProtocol(const Link& link, bool s7_200)
+  S7TcpProtocol(const Link& link, std::span<const Area> areas,
+                std::span<const s7comm::AreaCode> codes, ParseAddress parse)
       : link_(link),
-        s7_200_(s7_200),
-        areas_(areas_of(link.pdu)),
-        s7_200_areas_(s7comm::s7_200_areas(s7comm::kS7200Smart, link.pdu)) {
-    memory_.pdu = link.pdu;
-    if (s7_200) {
-      memory_.areas = s7_200_areas_;
-      memory_.codes = s7comm::kS7200Codes;
-    } else {
-      memory_.areas = areas_;
-      memory_.codes = kCodes;
-    }
-  }
+        areas_(areas.begin(), areas.end()),
+        memory_{areas_, codes, link.pdu},
+        parse_(parse) {}
   S7TcpProtocol(const S7TcpProtocol&) = delete;
 
   const Traits& traits() const override { return kTraits; }
-  std::span<const Area> areas() const override { return memory_.areas; }
+  std::span<const Area> areas() const override { return areas_; }
   tl::expected<ParsedAddress, AddressFault> parse_address(std::string_view at) const override {
-    return parse_with_suggestion(at, [this](std::string_view text) {
-      return s7_200_ ? s7comm::parse_s7_200_address(s7_200_areas_, text)
-                     : s7_tcp::parse_address(areas_, text);
-    });
+    return parse_with_suggestion(at,
+                                 [this](std::string_view text) { return parse_(areas_, text); });
   }
   std::optional<ExchangeSize> size(const Request& request) const override {
     const auto sizes = s7comm::message_sizes(memory_, request);
@@ -192,10 +184,9 @@ class S7TcpProtocol final : public Protocol {
 
  private:
   const Link link_;
-  const bool s7_200_;
-  const Areas areas_;
-  const s7comm::S7200Areas s7_200_areas_;
-  s7comm::Memory memory_;
+  const std::vector<Area> areas_;
+  const s7comm::Memory memory_;
+  const ParseAddress parse_;
 };
 
 std::optional<std::size_t> first_frame(ByteView stream) {
@@ -231,7 +222,10 @@ tl::expected<std::unique_ptr<Protocol>, OptionFault> make(const DeviceLink& link
   s7.tsap = tsap(reader, "tsap", place);
   s7.local_tsap = tsap(reader, "local-tsap", s7.local_tsap);
   if (reader.fault()) return tl::unexpected(*reader.fault());
-  return std::make_unique<S7TcpProtocol>(s7, s7_200);
+  if (s7_200)
+    return std::make_unique<S7TcpProtocol>(s7, s7comm::s7_200_areas(s7comm::kS7200Smart, s7.pdu),
+                                           s7comm::kS7200Codes, s7comm::parse_s7_200_address);
+  return std::make_unique<S7TcpProtocol>(s7, areas_of(s7.pdu), kCodes, parse_address);
 }
 
 constexpr std::string_view kAddresses[] = {

@@ -20,7 +20,7 @@ struct Named {
   unsigned width = 0;  // bits for B, W or D; 0: a bit or a number follows
 };
 
-std::optional<Named> named(const S7200Areas& areas, std::string_view letters) {
+std::optional<Named> named(std::span<const Area> areas, std::string_view letters) {
   for (AreaIndex area = 0; area < kS7200Areas; ++area) {
     const std::string_view name = areas[area].name;
     if (!letters.starts_with(name)) continue;
@@ -37,7 +37,8 @@ std::optional<Named> named(const S7200Areas& areas, std::string_view letters) {
 }
 
 // Accepts the German names of the Siemens software, and lower case.
-std::string suggestion(const S7200Areas& areas, std::string_view letters, std::string_view rest) {
+std::string suggestion(std::span<const Area> areas, std::string_view letters,
+                       std::string_view rest) {
   std::string upper = upper_case(letters);
   if (upper.starts_with("E"))
     upper[0] = 'I';
@@ -52,7 +53,7 @@ std::string suggestion(const S7200Areas& areas, std::string_view letters, std::s
 
 }  // namespace
 
-ParsedOrFault parse_s7_200_address(const S7200Areas& areas, std::string_view at) {
+ParsedOrFault parse_s7_200_address(std::span<const Area> areas, std::string_view at) {
   const std::size_t digits = std::min(at.find_first_of("0123456789"), at.size());
   const std::string_view letters = at.substr(0, digits);
   const auto name = named(areas, letters);

@@ -78,7 +78,7 @@ inline constexpr Memory kS7226Memory{kS7226Areas, kS7200Codes};
 
 // "VB100", "VW100", "VD204", "V10.3", "I0.3", "SMB28", "AIW4", "T37", "C5", "HC0".
 [[nodiscard]] tl::expected<ParsedAddress, AddressFault> parse_s7_200_address(
-    const S7200Areas& areas, std::string_view at);
+    std::span<const Area> areas, std::string_view at);
 
 inline constexpr std::string_view kS7200Addresses[] = {
     "VB100", "VW102", "VD104", "V108.3", "MB1",  "MW2",  "MD4", "M9.7", "IB0", "IW2",

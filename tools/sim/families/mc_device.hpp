@@ -5,8 +5,8 @@
 //     0403          random read of words and double words
 //     1402          random write of words and double words, and of bits
 //
-// A frame with an unknown subheader ends the connection. A silence of 100 ms ends a partial frame,
-// of which a device may have missed the beginning.
+// A frame with an unknown subheader ends the connection. A silence of 100 ms ends a partial frame:
+// the device no longer waits for its rest.
 #pragma once
 
 #include <array>

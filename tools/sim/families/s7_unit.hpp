@@ -43,19 +43,16 @@ inline constexpr std::array<S7Area, 11> kPpiAreas{{
     {"C", 0x1E, 16, 256, 256, true, 1},
     {"HC", 0x20, 32, 6, 6, true, 1},
 }};
-inline constexpr std::array<S7Area, 11> kS7SmartAreas{{
-    {"V", 0x84, 8, 20480, 0},
-    {"M", 0x83, 8, 32, 0},
-    {"I", 0x81, 8, 32, 32},
-    {"Q", 0x82, 8, 32, 0},
-    {"S", 0x04, 8, 32, 32},
-    {"SM", 0x05, 8, 1536, 30},
-    {"AI", 0x06, 16, 56, 56},
-    {"AQ", 0x07, 16, 56, 0},
-    {"T", 0x1F, 32, 256, 256, true, 1},
-    {"C", 0x1E, 16, 256, 256, true, 1},
-    {"HC", 0x20, 32, 6, 6, true, 1},
-}};
+// The S7-200 SMART has other sizes. What is locked as a whole stays so.
+inline constexpr std::array<S7Area, 11> kS7SmartAreas = [] {
+  constexpr std::array<std::uint32_t, 11> kSizes{20480, 32, 32, 32, 32, 1536, 56, 56, 256, 256, 6};
+  auto areas = kPpiAreas;
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    if (areas[i].locked == areas[i].items) areas[i].locked = kSizes[i];
+    areas[i].items = kSizes[i];
+  }
+  return areas;
+}();
 inline constexpr std::array<S7Area, 7> kS71500Areas{{
     {"DB", 0x84, 8, 65535 * kS7BlockBytes, 0, false, 0, true},
     {"M", 0x83, 8, 16384, 0},
