@@ -263,6 +263,7 @@ void OutcomeRouter::deliver(const Flight& flight, const Wire::Ended& ended, Inst
 
 void OutcomeRouter::share(const Flight& flight, const Wire::Ended& ended, Instant now,
                           ActionSink& sink) {
+  if (!setup_.spec().gateway) return;
   const DeviceIndex device = flight.asked.device;
   const auto* read = std::get_if<ReadRequest>(&flight.asked.request);
   if (read == nullptr) return commands_.written(device);

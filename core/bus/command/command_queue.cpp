@@ -204,7 +204,6 @@ bool CommandQueue::complete_from(const DeviceResponse& response, CommandJob& job
 
 void CommandQueue::read(DeviceIndex device, DeviceResponse response, Instant now,
                         ActionSink& sink) {
-  if (!setup_.spec().gateway) return;
   for (std::size_t i = begun_ ? 1 : 0; i < waiting_.size();) {
     Waiting& each = waiting_[i];
     if (each.job.device() != device ||

@@ -53,7 +53,7 @@ class CommandQueue {
               ActionSink& sink, std::string_view seen = {});
   void not_sent(std::size_t batch);
 
-  // The device responded to any read of the bus. Stores the response if the bus has a gateway, and
+  // The device responded to any read of the bus, which has a gateway. Stores the response, and
   // completes the gateway's reads that it contains.
   void read(DeviceIndex device, DeviceResponse response, Instant now, ActionSink& sink);
   // A write to the device was sent; stored responses may differ from its items now.
