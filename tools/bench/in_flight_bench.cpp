@@ -1,8 +1,10 @@
-// 300 scattered holding registers of a Modbus TCP server (libmodbus) behind a network with a round
-// trip of 2 ms. Compares the channel refreshes a second of the bridge, with several requests in
-// flight, with a bare blocking loop over the optimal partition, and with the prediction.
+// 300 scattered words of a device behind a network with a round trip of 2 ms. Compares the channel
+// refreshes a second of the bridge, with several requests in flight, with a bare blocking loop, and
+// with the prediction. The device of modbus-tcp is libmodbus, and the loop reads the optimal
+// partition. The other devices are simulated, and the loop reads the blocks of the plan.
 //
-// usage: in_flight_bench [--seconds N] [--in-flight N]
+// usage: in_flight_bench [--seconds N] [--in-flight N] [--protocol NAME]
+// NAME: modbus-tcp, s7-tcp, mitsubishi-mc, omron-fins
 #include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/prctl.h>
@@ -12,6 +14,8 @@
 #include <atomic>
 #include <chrono>
 #include <deque>
+#include <memory>
+#include <regex>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -127,54 +131,119 @@ class Network {
   std::thread thread_;
 };
 
-std::string bus(std::uint16_t port, int in_flight) {
-  std::string text = "  - name: bus\n    port: { tcp: \"127.0.0.1:" + std::to_string(port) +
-                     "\" }\n    protocol: modbus-tcp\n    in-flight: " + std::to_string(in_flight) +
-                     "\n    defaults: { refresh: 1s, mode: intensive }\n    devices:\n";
-  return text + scattered_devices(1, kRegisters, 42);
+struct Family {
+  const char* protocol;
+  const char* device;  // further lines of the device
+  const char* word;    // address of the first word, without its number
+  unsigned step = 1;   // number of one word
+};
+constexpr Family kFamilies[] = {
+    {"modbus-tcp", "", "holding:"},
+    {"s7-tcp", "", "DB1.DBW", 2},
+    {"mitsubishi-mc", "        options: { frame: 4e }\n", "D"},
+    {"omron-fins", "", "DM"},
+};
+
+const Family& family_of(const std::string& protocol) {
+  for (const Family& family : kFamilies)
+    if (protocol == family.protocol) return family;
+  throw std::runtime_error("no protocol '" + protocol + "', see the usage in the source");
+}
+
+std::string bus(const Family& family, std::uint16_t port, int in_flight) {
+  const std::string scattered = scattered_devices(1, kRegisters, 42);
+  const std::regex address("holding:([0-9]+)");
+  std::string devices;
+  auto rest = scattered.begin();
+  for (std::sregex_iterator at(rest, scattered.end(), address), end; at != end; ++at) {
+    devices.append(rest, scattered.begin() + at->position());
+    devices += family.word + std::to_string(std::stoul((*at)[1]) * family.step);
+    rest = scattered.begin() + at->position() + at->length();
+  }
+  devices.append(rest, scattered.end());
+  devices.insert(devices.find("        channels:"), family.device);
+  return "  - name: bus\n    port: { tcp: \"127.0.0.1:" + std::to_string(port) +
+         "\" }\n    protocol: " + family.protocol +
+         "\n    in-flight: " + std::to_string(in_flight) +
+         "\n    defaults: { refresh: 1s, mode: intensive }\n    devices:\n" + devices;
+}
+
+BusSpec loaded(const std::string& path) {
+  auto config = config::load_file(path);
+  if (!config)
+    throw std::runtime_error("the bench's own configuration is faulty: " +
+                             to_text(config.error().front()));
+  return std::move(config->buses.front());
+}
+
+Prediction prediction_for(const BusSpec& bus, const Protocol& protocol, Duration response_time) {
+  const Protocol* const pointer = &protocol;
+  const auto input = schedule_input(bus, {&pointer, 1}, map_points(bus).points, response_time);
+  return predict(input, {.horizon = 60s});
+}
+
+double predicted_refreshes(const BusSpec& bus, const Protocol& protocol, Duration response_time) {
+  const Prediction prediction = prediction_for(bus, protocol, response_time);
+  double reads = 0;
+  for (const PointForecast& point : prediction.points) reads += static_cast<double>(point.reads);
+  return reads / to_seconds(prediction.horizon);
 }
 
 struct BareRead {
-  Bytes request;
-  std::size_t response = 0;  // bytes
+  std::vector<Range> ranges;
   std::size_t channels = 0;
 };
 
-std::vector<BareRead> optimal_reads(const BusSpec& bus) {
+std::vector<BareRead> optimal_reads(const BusSpec& bus, const Protocol& protocol) {
   const DeviceSpec& device = bus.devices.front();
-  const auto protocol = make_protocol(device, line_of(bus.port));
   std::vector<Wanted> wanted;
   for (const ChannelSpec& channel : device.channels)
     wanted.push_back({channel.range.first, channel.range.end()});
-  const DeviceTiming timing{protocol->get(), kRoundTrip};
+  const DeviceTiming timing{&protocol, kRoundTrip};
   const AreaIndex area = device.channels.front().range.area;
   const ReadCost cost(timing, area, line_of(bus.port), silence_for(bus), 125);
   std::vector<BareRead> reads;
-  for (const Slice& slice : optimal_partition(wanted, cost)) {
-    const Range range = range_of(wanted, slice, cost);
-    const Request request = ReadRequest{{range}};
-    const auto exchange = (*protocol)->begin(request, {});
-    BareRead read{{}, (*protocol)->size(request)->response_characters, slice.end - slice.begin};
-    (void)exchange->start(read.request);
-    reads.push_back(std::move(read));
-  }
+  for (const Slice& slice : optimal_partition(wanted, cost))
+    reads.push_back({{range_of(wanted, slice, cost)}, slice.end - slice.begin});
+  return reads;
+}
+
+std::vector<BareRead> planned_reads(const BusSpec& bus, const Protocol& protocol) {
+  std::vector<BareRead> reads;
+  for (const BlockForecast& block : prediction_for(bus, protocol, kRoundTrip).blocks)
+    reads.push_back({block.ranges, block.points});
   return reads;
 }
 
 // The simplest master: one request, its response, the next request.
-double bare_loop(const std::vector<BareRead>& reads, std::uint16_t port, double seconds) {
+double bare_loop(const Protocol& protocol, const std::vector<BareRead>& reads, std::uint16_t port,
+                 double seconds) {
   const int connection = connect_to(port);
   std::uint64_t refreshes = 0;
-  Bytes buffer(512);
+  ExchangeContext context;
+  Bytes session, out, received, buffer(4096);
+  context.session = &session;
+  const auto send = [&] {
+    received.clear();
+    if (write(connection, out.data(), out.size()) < 0)
+      throw std::runtime_error("the bare loop cannot write");
+    out.clear();
+  };
   const auto start = Clock::now();
   while (seconds_since(start) < seconds) {
     for (const BareRead& one : reads) {
-      if (write(connection, one.request.data(), one.request.size()) < 0)
-        throw std::runtime_error("the bare loop cannot write");
-      for (std::size_t got = 0; got < one.response;) {
+      const auto exchange = protocol.begin(ReadRequest{one.ranges}, context);
+      ++context.sequence;
+      out.clear();
+      Step step = exchange->start(out);
+      send();
+      while (step.kind != Step::Kind::kDone) {
         const auto n = read(connection, buffer.data(), buffer.size());
         if (n <= 0) throw std::runtime_error("the bare loop lost its connection");
-        got += static_cast<std::size_t>(n);
+        received.insert(received.end(), buffer.begin(), buffer.begin() + n);
+        step = exchange->on_bytes(received, out);
+        if (step.kind == Step::Kind::kFailed) throw std::runtime_error("the device refuses a read");
+        if (step.kind == Step::Kind::kSend) send();
       }
       refreshes += one.channels;
     }
@@ -198,42 +267,47 @@ double bridge_refreshes(Plant& plant, double seconds) {
   return rate;
 }
 
-double predicted_refreshes(const BusSpec& bus, Duration response_time) {
-  const auto protocol = make_protocol(bus.devices.front(), line_of(bus.port));
-  const Protocol* const pointer = protocol->get();
-  const auto input = schedule_input(bus, {&pointer, 1}, map_points(bus).points, response_time);
-  const Prediction prediction = predict(input, {.horizon = 60s});
-  double reads = 0;
-  for (const PointForecast& point : prediction.points) reads += static_cast<double>(point.reads);
-  return reads / to_seconds(prediction.horizon);
+// libmodbus, or the simulator with a configuration of its own.
+std::unique_ptr<Process> start_device(const Family& family, std::uint16_t port,
+                                      const ScratchFolder& folder) {
+  const std::string log = folder.path() + "/device.log";
+  if (&family == &kFamilies[0]) {
+    auto server = std::make_unique<Process>(
+        "libmodbus-server", std::vector<std::string>{"tcp", std::to_string(port), "65535"}, log);
+    if (!wait_for_text(log, "READY", 5))
+      throw std::runtime_error("libmodbus-server does not start");
+    return server;
+  }
+  const std::string config =
+      folder.write("device.yaml", "bridge: device\nbuses:\n" + bus(family, port, 1));
+  auto simulator =
+      std::make_unique<Process>("fieldcast-sim", std::vector<std::string>{config}, log);
+  if (!wait_for_text(log, std::to_string(port), 10))
+    throw std::runtime_error("fieldcast-sim does not start");
+  return simulator;
 }
 
-void run(double seconds, int in_flight) {
+void run(double seconds, int in_flight, const Family& family) {
   prctl(PR_SET_TIMERSLACK, 1000);
   const ScratchFolder folder;
-  const std::uint16_t server_port = free_port();
-  const Process server("libmodbus-server", {"tcp", std::to_string(server_port), "65535"},
-                       folder.path() + "/server.log");
-  if (!wait_for_text(folder.path() + "/server.log", "READY", 5))
-    throw std::runtime_error("libmodbus-server does not start");
-  const Network network(server_port);
-  Plant plant(bus(network.port(), in_flight));
-  const auto loaded = config::load_file(plant.config());
-  if (!loaded)
-    throw std::runtime_error("the bench's own configuration is faulty: " +
-                             to_text(loaded.error().front()));
-  const BusSpec& spec = loaded->buses.front();
-  const auto reads = optimal_reads(spec);
+  const std::uint16_t device_port = free_port();
+  const auto device = start_device(family, device_port, folder);
+  const Network network(device_port);
+  Plant plant(bus(family, network.port(), in_flight));
+  const BusSpec spec = loaded(plant.config());
+  const auto protocol = make_protocol(spec.devices.front(), line_of(spec.port)).value();
+  const auto reads = protocol->traits().max_ranges == 1 ? optimal_reads(spec, *protocol)
+                                                        : planned_reads(spec, *protocol);
   double bare = 0, bridged = 0;
   for (int turn = 0; turn < 2; ++turn) {
-    bare += bare_loop(reads, network.port(), seconds) / 2;
+    bare += bare_loop(*protocol, reads, network.port(), seconds) / 2;
     let_run(0.2);
     bridged += bridge_refreshes(plant, seconds) / 2;
     let_run(0.2);
   }
   const double round_trip = kRegisters / bare / static_cast<double>(reads.size());
-  const double predicted = predicted_refreshes(spec, from_seconds(round_trip));
-  std::printf("%d registers, %zu reads in the optimal partition, %d in flight\n", kRegisters,
+  const double predicted = predicted_refreshes(spec, *protocol, from_seconds(round_trip));
+  std::printf("%s, %d words in %zu reads, %d in flight\n", family.protocol, kRegisters,
               reads.size(), in_flight);
   print_figure("bare blocking loop, channel refreshes a second", bare, "1/s");
   print_figure("its round trip", 1000 * round_trip, "ms");
@@ -249,6 +323,7 @@ void run(double seconds, int in_flight) {
 int main(int argc, char** argv) {
   using namespace fieldcast::bench;
   return run_bench("in_flight_bench", argc, argv, [](const Arguments& arguments) {
-    run(arguments.number("--seconds", 10.0), static_cast<int>(arguments.number("--in-flight", 4)));
+    run(arguments.number("--seconds", 10.0), static_cast<int>(arguments.number("--in-flight", 4)),
+        family_of(arguments.text("--protocol", "modbus-tcp")));
   });
 }
