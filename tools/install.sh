@@ -61,8 +61,8 @@ campaign=(
   # libFuzzer
   clang libclang-rt-dev
 )
-# runc and umoci run the container image in a test
-ci=(clang-tidy codespell git lintian python3-prometheus-client doxygen "${image[@]}" runc umoci)
+# runc and umoci run the container image in a test, rsync is for tools/in_root.sh
+ci=(clang-tidy codespell git lintian python3-prometheus-client doxygen "${image[@]}" runc umoci rsync)
 
 fail() { echo "tools/install.sh: $*" >&2; exit 1; }
 

@@ -7,7 +7,7 @@
 # SUITE: bookworm, trixie; default: both. CELL, default: all in this order:
 #   demo      the simulated plant gives values
 #   tests     every test of the first stage
-#   packages  they are built; in a fresh root they install, and their demo gives values
+#   packages  they are built; in a fresh root they install, their demo gives values, and secured members exchange samples and commands
 #   interop   programs of this machine (build/bin, tools/build.sh) with those of the release
 # Logs are in build/matrix. Takes hours on two cores. Needs what tools/in_root.sh needs. Exit code 1: a cell failed.
 set -uo pipefail
@@ -32,20 +32,7 @@ mkdir -p build/matrix
 
 demo() { tools/in_root.sh "$1" -- tools/demo.sh --no-page --seconds 20; }
 tests() { tools/in_root.sh "$1" -- tools/test.sh; }
-packages() {
-  local fresh status=0
-  tools/in_root.sh "$1" -- tools/package.sh || return
-  fresh=$(mktemp -d)
-  # shellcheck disable=SC2016  # the inner shell expands it
-  FIELDCAST_ROOTS=$fresh tools/in_root.sh "$1" -- mkdir -p build/packages &&
-    cp "$FIELDCAST_ROOTS/$1-$arch/fieldcast/build/packages/"*.deb "$fresh/$1-$arch/fieldcast/build/packages/" &&
-    FIELDCAST_ROOTS=$fresh tools/in_root.sh "$1" -- sh -ec '
-      apt-get -qq update
-      DEBIAN_FRONTEND=noninteractive apt-get -y -qq install --no-install-recommends ./build/packages/fieldcast_*.deb ./build/packages/fieldcast-sim_*.deb
-      tools/demo.sh --no-page --seconds 20 --bin /usr/bin' || status=$?
-  rm -rf --one-file-system "$fresh"
-  return "$status"
-}
+packages() { tools/package.sh --suite "$1" && tests/tools/smoke.sh "$1"; }
 interop() {
   tools/in_root.sh "$1" -- tools/install.sh test && tools/in_root.sh "$1" -- tools/build.sh -DFIELDCAST_TESTS=ON all || return
   PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=tests/tools python3 tests/interop/dds/releases_test.py build/bin \
