@@ -6,7 +6,8 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-families=(dtc lzw mitsubishi_fx mitsubishi_mc mitsubishi_mc_ascii modbus omron_fins omron_hostlink s7_freeport s7_ppi)
+mapfile -t families < <(sed -n 's/^fieldcast_fuzz_protocol(\([a-z0-9_]*\) .*/\1/p' tests/fuzz/CMakeLists.txt)
+families+=(gateway lzw modbus)
 seconds=$((1 + ${1:-60} / ${#families[@]}))
 tools/build.sh --folder build-asan -DFIELDCAST_ASAN=ON -DFIELDCAST_TESTS=ON -DFIELDCAST_BENCHES=OFF \
   "${families[@]/#/fuzz_}"

@@ -28,7 +28,7 @@ EXAMPLES = {
     "a port": Example(
         r"\bTcpPortSpec\b|\bStreamPort\b|stream_port", 14, ["tests/bus/", "tests/tools/", "tools/cli/", "tools/sim/check/"]),
     "a protocol in C++": Example(
-        r"\bmitsubishi_fx\b|\bfx_device\b|\bFxDevice\b", 17, ["tools/sanitize.sh"]),
+        r"\bmitsubishi_fx\b|\bfx_device\b|\bFxDevice\b", 17, []),
     "a family of records in the store": Example(
         r"\bAlarmLifeTable\b|alarm_life_table", 6, ["bridge/buses/", "tests/bridge/bridge_alarms_test.cpp", "tools/"]),
 }
