@@ -82,6 +82,14 @@ TEST(PlanView, ShowsTheOrderOfWideValuesAndTexts) {
   }
 }
 
+TEST(PlanView, NamesABlockByTheAddressesOfTheConfiguration) {
+  const auto bus = line({channel("b", 12, 1s), channel("a", 10, 1s), channel("far", 4000, 1s)});
+  EXPECT_THAT(
+      plan_lines(make_plan(bus, 5ms), {}),
+      testing::IsSupersetOf({testing::StartsWith("holding:10 .. holding:12  meter        2"),
+                             testing::StartsWith("holding:4000              meter        1")}));
+}
+
 TEST(PlanView, FeasiblePlanNeedsNoAdvice) {
   const auto bus = line({channel("a", 0, 1s), channel("b", 4000, 1s)});
   const auto plan = make_plan(bus, 5ms);

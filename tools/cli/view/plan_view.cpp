@@ -54,10 +54,17 @@ std::vector<BlockForecast> blocks_of(const BusPlan& plan) {
   return blocks;
 }
 
-std::string range_text(const Protocol& protocol, const Range& range) {
-  auto text = fmt::format("{} {}", protocol.areas()[range.area].name, range.first);
-  if (range.count > 1) text += fmt::format("..{}", range.end() - 1);
-  return text;
+// The addresses of its first and its last channel, as the configuration writes them.
+std::string range_text(const DeviceSpec& device, const Range& range) {
+  const ChannelSpec *first = nullptr, *last = nullptr;
+  for (const ChannelSpec& channel : device.channels) {
+    const Range& own = channel.range;
+    if (own.area != range.area || own.first < range.first || own.end() > range.end()) continue;
+    if (!first || own.first < first->range.first) first = &channel;
+    if (!last || own.end() > last->range.end()) last = &channel;
+  }
+  if (!first) return {};
+  return first->at == last->at ? first->at : first->at + " .. " + last->at;
 }
 
 std::string names_of(const BusPlan& plan, const std::vector<PointIndex>& points) {
@@ -138,11 +145,12 @@ TextTable block_table(const BusPlan& plan) {
                    {"wire", Align::kRight},
                    {"each second", Align::kRight}});
   for (const auto& block : blocks_of(plan)) {
+    const DeviceSpec& device = plan.bus->devices[block.device];
     std::string ranges;
     for (const auto& range : block.ranges)
-      ranges += (ranges.empty() ? "" : ", ") + range_text(*plan.protocols[block.device], range);
+      ranges += (ranges.empty() ? "" : ", ") + range_text(device, range);
     table.add_row({{ranges},
-                   {plan.bus->devices[block.device].name},
+                   {device.name},
                    {std::to_string(block.points)},
                    {milliseconds(block.cost)},
                    {fmt::format("{:.2f}", block.per_second)}});
