@@ -32,11 +32,7 @@ fi
 for program in mmdebstrap rsync; do
   command -v "$program" >/dev/null || fail "$program is missing: apt-get install $program"
 done
-if [ "$arch" != "$here" ]; then
-  declare -A emulator=([amd64]=x86_64 [arm64]=aarch64 [armhf]=arm)
-  command -v "qemu-${emulator[$arch]}-static" >/dev/null ||
-    fail "programs for $arch do not run here: apt-get install qemu-user-static binfmt-support"
-fi
+tools/emulator.sh "$arch" || fail "no root for $arch, see above"
 
 root=${FIELDCAST_ROOTS:-${XDG_CACHE_HOME:-$HOME/.cache}/fieldcast/roots}/$suite-$arch
 # Debian's archive of this machine: the first address in its package sources whose suites are Debian's own releases.

@@ -23,6 +23,7 @@ done
 
 if [ -n "$arch$suite" ] && [ ! -f /etc/fieldcast-root ]; then
   suite=${suite:-$(sed -n 's/^VERSION_CODENAME=//p' /etc/os-release)} arch=${arch:-$here}
+  tools/emulator.sh "$arch" || fail "no manual pages for $arch, see above"
   packages=build/packages/$suite-$arch
   mkdir -p "$packages"
   tools/in_root.sh "$suite" "$here" -- sh -c 'tools/package.sh --arch "$1" >&2 && cd "build/packages/$1" && tar -c *.deb' sh "$arch" |
