@@ -10,8 +10,9 @@ arch=$1
 [ "$arch" != "$(dpkg --print-architecture)" ] || exit 0
 declare -A names=([amd64]=x86_64 [arm64]=aarch64 [armhf]=arm)
 name=qemu-${names[$arch]}
-if ! command -v "$name-static" >/dev/null; then
-  echo "programs for $arch do not run here: apt-get install qemu-user-static binfmt-support" >&2
+# mmdebstrap asks arch-test.
+if ! command -v "$name-static" >/dev/null || ! command -v arch-test >/dev/null; then
+  echo "programs for $arch do not run here: apt-get install qemu-user-static binfmt-support arch-test" >&2
   exit 1
 fi
 if ! grep -qs '^enabled' "/proc/sys/fs/binfmt_misc/$name"; then
