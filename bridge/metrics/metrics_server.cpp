@@ -30,7 +30,8 @@ class MetricsService final : public web::HttpService {
       : source_(std::move(source)), health_(std::move(health)) {}
 
   void handle(web::RawRequest request, web::Reply reply) override {
-    const std::string_view path = request.target.substr(0, request.target.find('?'));
+    const std::string_view path =
+        std::string_view(request.target).substr(0, request.target.find('?'));
     if (path != kPath && path != kHealthPath) return reply(refusal(404, {}, {}));
     if (request.method != "GET") {
       web::HttpResponse refused = refusal(405, {}, {});
