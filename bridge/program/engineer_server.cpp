@@ -26,8 +26,7 @@ EngineerRules rules_of(const EngineersSpec& spec) {
 
 EngineerServer::EngineerServer(asio::io_context& io, EngineersSpec spec,
                                std::shared_ptr<DeviceRegistry> devices, const Hooks& hooks)
-    : io_(io),
-      spec_(std::move(spec)),
+    : spec_(std::move(spec)),
       hooks_(hooks),
       around_{io, std::move(devices), hooks,
               [this](const auto& over) {

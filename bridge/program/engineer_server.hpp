@@ -47,7 +47,6 @@ class EngineerServer {
   void displaced(const std::string& address);
   void tick();
 
-  boost::asio::io_context& io_;
   const EngineersSpec spec_;
   const Hooks& hooks_;
   EngineerConnection::Surroundings around_;

@@ -115,8 +115,8 @@ std::pair<std::string_view, std::string_view> split_area(std::string_view at) {
 ParsedOrFault parse_address(Mode mode, std::string_view at) {
   const AddressFaults& fault = kFaults[mode != Mode::kCMode];
   const auto [letters, rest] = split_area(at);
-  const auto named = [letters = letters](const AreaRow& row) {
-    return row.name == letters || row.other == letters;
+  const auto named = [wanted = letters](const AreaRow& row) {
+    return row.name == wanted || row.other == wanted;
   };
   const auto row = std::ranges::find_if(kRows, named);
   if (row == std::end(kRows))

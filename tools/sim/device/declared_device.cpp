@@ -190,8 +190,8 @@ void DeclaredDevice::store(const Operation& operation, const DeclaredText& text)
   }
   for (const auto& [field, value] : text.texts) {
     for (std::uint32_t i = 0; i < items_in(*field); ++i) {
-      const auto at = [&value = value](std::size_t place) {
-        return place < value.size() ? static_cast<std::uint8_t>(value[place]) : 0u;
+      const auto at = [&written = value](std::size_t place) {
+        return place < written.size() ? static_cast<std::uint8_t>(written[place]) : 0u;
       };
       memory_.write(operation.area, field->place + i, at(2 * i) << 8 | at(2 * i + 1), statistics_);
     }
