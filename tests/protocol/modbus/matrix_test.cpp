@@ -60,9 +60,9 @@ class ModbusMatrix : public testing::TestWithParam<std::tuple<Wire, Row>> {
     Bytes answer;
     wire.framing().wrap(header, hex(row.answer), answer);
     return {.begin =
-                [&framing = wire.framing(), header, &row = row] {
-                  return std::make_unique<ModbusExchange>(framing, header, row.request,
-                                                          row.options);
+                [&framing = wire.framing(), header, &tried = row] {
+                  return std::make_unique<ModbusExchange>(framing, header, tried.request,
+                                                          tried.options);
                 },
             .answers = {answer},
             .checked = wire.checked,
