@@ -34,8 +34,9 @@ here sh -ec 'arch=$1; shift
   "$compiler" -O1 -shared -fPIC -Wall -Wextra -o "build-$arch/stripped/emulated_calls.so" tests/tools/emulated_calls.c' sh "$arch" "${tests[@]}"
 
 step "the root for $arch"
-# The tests find the tree from their build folder.
-here tar -c -C "build-$arch/stripped" . | there sh -ec 'mkdir -p "$1" && tar -x --no-same-owner -C "$1"' sh "build-$arch/bin"
+# The tests find the tree from their build folder, and the shipped declarations beside the folder of the program.
+here tar -c -C "build-$arch/stripped" . | there sh -ec 'mkdir -p "$1/bin" "$1/share" && tar -x --no-same-owner -C "$1/bin"
+  ln -sfn /fieldcast/config "$1/share/fieldcast"' sh "build-$arch"
 tar -c -C "$packages" . | there sh -ec 'mkdir -p packages && tar -x --no-same-owner -C packages
   apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends \
     ./packages/fieldcast_*.deb ./packages/fieldcast-sim_*.deb >packages/log 2>&1 || { cat packages/log; exit 1; }'
