@@ -8,6 +8,8 @@
 #include "config/document/limits.hpp"
 #include "config/document/scalars.hpp"
 #include "config/sections/program.hpp"
+#include "core/model/fit.hpp"
+#include "core/protocol/families/registry.hpp"
 
 namespace fieldcast::config {
 
@@ -20,6 +22,14 @@ constexpr Duration kMinClientIdle = std::chrono::seconds{1},
                    kMaxClientIdle = std::chrono::hours{24};
 constexpr double kMaxShare = 0.5;
 constexpr std::uint16_t kMaxConnections = 256;
+constexpr std::size_t kMaxGatewayRows = 1000;
+constexpr std::pair<std::string_view, ValueType> kRegisterTypes[] = {
+    {"uint16", ValueType::kUint16},   {"int16", ValueType::kInt16},
+    {"uint32", ValueType::kUint32},   {"int32", ValueType::kInt32},
+    {"uint64", ValueType::kUint64},   {"int64", ValueType::kInt64},
+    {"float32", ValueType::kFloat32}, {"float64", ValueType::kFloat64}};
+constexpr std::string_view kMapForm =
+    "names of devices and their rows: { plc-1: [ { registers: 0, at: DB10.DBW0, count: 50 } ] }";
 constexpr std::string_view kUnitsForm = "units 0 to 255 and names of devices: { 1: press-1 }";
 
 bool is_modbus(const DeviceSpec& device) {
@@ -44,7 +54,128 @@ void read_units(MapReader& map, const BusSpec& spec, GatewaySpec& gateway) {
   }
 }
 
+// A row of `map` with its place in the file.
+struct PlacedRow {
+  GatewayRow row;
+  Position position;
+};
+
+// Checks the addresses of the device, from the first value to the last one.
+void check_values(MapReader& map, const GatewayRow& row, const Protocol& protocol) {
+  const auto address = protocol.parse_address(row.at);
+  if (!address)
+    return map.fault("at", address.error().what, address.error().allowed,
+                     address.error().suggestion);
+  const Area& area = protocol.areas()[address->area];
+  const Encoding encoding{.type = row.type, .bit = address->bit};
+  if (const auto misfit = check_fit(row.at, *address, area, encoding))
+    return map.fault("at", misfit->what, misfit->allowed, misfit->suggestion);
+  const std::uint64_t values = row.count;
+  const std::uint64_t items = address->bit && area.item_bits > 1
+                                  ? (*address->bit + values - 1) / area.item_bits + 1
+                                  : item_count(encoding, area.item_bits) * values;
+  if (address->first + items > area.items || (is_field(*address) && values > 1))
+    map.fault("count",
+              fmt::format("{} values from '{}' on reach beyond the {}", values, row.at,
+                          is_field(*address) ? "field" : "area"),
+              is_field(*address) ? "count: 1" : "fewer values");
+}
+
+void check_overlaps(const std::vector<PlacedRow>& placed, FaultList& faults) {
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    const GatewayRow& row = placed[i].row;
+    for (std::size_t j = 0; j < i; ++j) {
+      const GatewayRow& other = placed[j].row;
+      if (other.bits == row.bits && row.first < other.end() && other.first < row.end())
+        return faults.add(
+            placed[i].position,
+            fmt::format("{} {} is in two rows of the map", row.bits ? "bit" : "register",
+                        std::max(row.first, other.first)),
+            "rows that do not overlap");
+    }
+  }
+}
+
+std::vector<GatewayRow> read_rows(const Node& list, const DeviceSpec& device, const BusSpec& bus,
+                                  FaultList& faults) {
+  if (!is_list(list, device.name, 1, kMaxGatewayRows, "a list of rows", faults)) return {};
+  const auto protocol = make_protocol(device, line_of(bus.port));
+  std::vector<GatewayRow> rows;
+  std::vector<PlacedRow> placed;
+  for (const Node* node : list.items) {
+    MapReader map(*node, gateway_row_rows(), faults);
+    GatewayRow row;
+    gateway_row_rows().read(map, row);
+    row.bits = map.read("bits", row.first, WholeRule{0, 65535});
+    map.read("registers", row.first, WholeRule{0, 65535});
+    if (map.has("bits") == map.has("registers"))
+      map.fault("registers", "a row has either bits or registers", "one of bits, registers");
+    if (row.bits) {
+      if (map.has("type")) map.fault("type", "bits have no type", "registers");
+      row.type = ValueType::kBool;
+    }
+    if (row.end() > 65536)
+      map.fault("count", fmt::format("the last {} is beyond 65535", row.bits ? "bit" : "register"),
+                "fewer values");
+    if (protocol && !row.at.empty()) check_values(map, row, **protocol);
+    placed.push_back({row, node->position});
+    rows.push_back(std::move(row));
+  }
+  check_overlaps(placed, faults);
+  return rows;
+}
+
+void read_map(MapReader& map, const BusSpec& bus, GatewaySpec& gateway) {
+  const Node* node = map.find("map");
+  if (node == nullptr) return;
+  if (node->kind != Kind::kMap || node->entries.empty())
+    return map.fault("map", "map is " + std::string(to_text(node->kind)), kMapForm);
+  std::vector<std::string_view> names;
+  for (const DeviceSpec& device : bus.devices) names.push_back(device.name);
+  for (const Node::Entry& entry : node->entries) {
+    const auto device = std::ranges::find(bus.devices, entry.key->text, &DeviceSpec::name);
+    if (device == bus.devices.end()) {
+      map.faults().add(entry.key->position,
+                       fmt::format("the bus has no device '{}'", entry.key->text), joined(names),
+                       closest(entry.key->text, names));
+      continue;
+    }
+    gateway.rows.emplace(device->name, read_rows(*entry.value, *device, bus, map.faults()));
+  }
+}
+
 }  // namespace
+
+const Rows<GatewayRow>& gateway_row_rows() {
+  static const std::string address = WholeRule{0, 65535}.schema();
+  static const Rows<GatewayRow> rows(
+      "gateway-row", "a row of `map` in 'gateway'",
+      {
+          {{.name = "registers",
+            .fallback = "this or bits",
+            .text = "the first holding register and input register",
+            .schema = address,
+            .form = WholeRule{0, 65535}.form()}},
+          {{.name = "bits",
+            .fallback = "this or registers",
+            .text = "the first coil and discrete input",
+            .schema = address,
+            .form = WholeRule{0, 65535}.form()}},
+          field({.name = "at",
+                 .fallback = std::string(kNeeded),
+                 .text = "address of the first value in the notation of the device",
+                 .example = "at: DB10.DBW0"},
+                &GatewayRow::at, TextRule{kMaxNameLength}),
+          field({"type", "uint16",
+                 "of a value in registers. A wider type occupies several registers, high word "
+                 "first"},
+                &GatewayRow::type, ChoiceRule<ValueType>{kRegisterTypes}),
+          field({"count", "1", "number of consecutive values"}, &GatewayRow::count,
+                WholeRule{1, 65536}),
+      },
+      "Consecutive values of a device as bits or registers of its unit.", {"registers", "bits"});
+  return rows;
+}
 
 const Rows<GatewaySpec>& gateway_rows() {
   static const Rows<GatewaySpec> rows(
@@ -68,6 +199,13 @@ const Rows<GatewaySpec>& gateway_rows() {
             .schema = R"({ "type": "object", "additionalProperties": )"
                       R"({ "$ref": "#/$defs/word" } })",
             .form = "`{ 1: press-1, 2: press-2 }`"}},
+          {{.name = "map",
+            .fallback = "the addresses of the device's own Modbus",
+            .text = "for devices of other protocols: what the bits and registers of their units "
+                    "are",
+            .schema = R"({ "type": "object", "additionalProperties": { "type": "array", )"
+                      R"("minItems": 1, "items": { "$ref": "#/$defs/gateway-row" } } })",
+            .form = "`{ plc-1: [ { registers: 0, at: DB10.DBW0, count: 50 } ] }`"}},
           {{.name = "clients",
             .fallback = "the loopback",
             .text = "addresses and networks of the clients: `[10.0.7.0/24]`",
@@ -103,6 +241,7 @@ void read_gateway(MapReader& bus, BusSpec& spec) {
   GatewaySpec& gateway = spec.gateway.emplace();
   gateway_rows().read(map, gateway);
   read_units(map, spec, gateway);
+  read_map(map, spec, gateway);
   read_networks(map, "clients", gateway.clients);
   if (gateway.clients.empty() && !map.has("clients") && !gateway.listen.host.empty() &&
       !on_loopback(gateway.listen))
@@ -114,11 +253,14 @@ void read_gateway(MapReader& bus, BusSpec& spec) {
            });
   };
   for (const DeviceSpec& device : spec.devices) {
-    if (!named(device) || is_modbus(device) || device.protocol.empty()) continue;
-    return bus.fault("gateway",
-                     fmt::format("device '{}' has protocol {}", device.name, device.protocol),
-                     "a gateway for devices with modbus-rtu, modbus-ascii or modbus-tcp; select "
-                     "them with units");
+    if (!named(device) || is_modbus(device) || device.protocol.empty() ||
+        gateway.rows.contains(device.name))
+      continue;
+    return map.fault(
+        "map",
+        fmt::format("device '{}' has protocol {} and no rows in map", device.name, device.protocol),
+        "rows for each device whose protocol is not Modbus, or only the others in "
+        "units");
   }
   if (gateway.writes && std::ranges::none_of(spec.devices, [&](const DeviceSpec& device) {
         return named(device) && device.allow_raw_write;

@@ -8,8 +8,10 @@
 namespace fieldcast::config {
 
 [[nodiscard]] const Rows<GatewaySpec>& gateway_rows();
+[[nodiscard]] const Rows<GatewayRow>& gateway_row_rows();
 
-// gateway: { listen, access, verify, units, clients, max-age, share, timeout, idle, connections }
+// gateway: { listen, access, verify, units, map, clients, max-age, share, timeout, idle,
+// connections }
 // REQUIRES: the devices of the bus were read.
 void read_gateway(MapReader& bus, BusSpec& spec);
 

@@ -41,14 +41,20 @@ tl::expected<void, Exception> ClientSession::accept(const RequestFrame& frame, I
   const auto unit = units_.find(frame.unit);
   if (unit == units_.end()) return tl::make_unexpected(Exception::kNoPath);
   if (pending_.size() >= kMaxPending) return tl::make_unexpected(Exception::kBusy);
-  Command command = command_of(*request, unit->second);
+  if (const auto rows = spec_.rows.find(unit->second); rows != spec_.rows.end()) {
+    request->row = row_of(rows->second, *request);
+    if (request->row == nullptr) return tl::make_unexpected(Exception::kIllegalAddress);
+  }
+  auto made = command_of(*request, unit->second);
+  if (!made) return tl::make_unexpected(made.error());
+  Command& command = *made;
   command.requester = requester_;
   command.request_id = next_id_++;
   command.verify = request->is_write() && spec_.verify;
   command.expires = now + spec_.timeout;
   command.max_age = spec_.max_age;
   pending_.emplace(command.request_id, Pending{frame.transaction, frame.unit, *std::move(request)});
-  commands.push_back(std::move(command));
+  commands.push_back(*std::move(made));
   return {};
 }
 

@@ -41,22 +41,26 @@ Bytes framed(const RequestFrame& frame, ByteView pdu) {
   return out;
 }
 
+ValueType type_of(const ClientRequest& request) {
+  if (request.row != nullptr) return request.row->type;
+  return holds_bits(request.function) ? ValueType::kBool : ValueType::kUint16;
+}
+
+std::uint32_t width_of(const ClientRequest& request) {
+  return request.row == nullptr ? 1 : request.row->width();
+}
+
 // Empty if a value is missing or does not fit.
 std::optional<Bytes> packed(const ClientRequest& request, const std::vector<Value>& values) {
-  if (values.size() != request.range.count) return std::nullopt;
+  if (values.size() * width_of(request) != request.range.count) return std::nullopt;
+  const bool bits = holds_bits(request.function);
   Bytes image;
   for (const Value& value : values) {
-    if (holds_bits(request.function)) {
-      const auto* bit = std::get_if<bool>(&value);
-      if (bit == nullptr) return std::nullopt;
-      image.push_back(*bit ? 1 : 0);
-    } else {
-      const auto* item = std::get_if<std::uint64_t>(&value);
-      if (item == nullptr || *item > 0xFFFF) return std::nullopt;
-      append_u16(image, static_cast<std::uint16_t>(*item));
-    }
+    const auto items = encode_value({.type = type_of(request)}, bits ? 1 : 16, value);
+    if (!items) return std::nullopt;
+    append(image, *items);
   }
-  if (!holds_bits(request.function)) return image;
+  if (!bits) return image;
   Bytes packed_bits;
   append_bits(packed_bits, image);
   return packed_bits;
@@ -103,23 +107,40 @@ tl::expected<ClientRequest, Exception> decode(ByteView pdu) {
   return request;
 }
 
-Command command_of(const ClientRequest& request, const std::string& device) {
-  const bool bits = holds_bits(request.function);
+const GatewayRow* row_of(const std::vector<GatewayRow>& rows, const ClientRequest& request) {
+  const Range& range = request.range;
+  for (const GatewayRow& row : rows) {
+    const bool inside = row.bits == holds_bits(request.function) && range.first >= row.first &&
+                        range.end() <= row.end();
+    if (inside && (range.first - row.first) % row.width() == 0 && range.count % row.width() == 0)
+      return &row;
+  }
+  return nullptr;
+}
+
+tl::expected<Command, Exception> command_of(const ClientRequest& request,
+                                            const std::string& device) {
+  const Encoding encoding{.type = type_of(request)};
+  const std::uint32_t width = width_of(request);
   Command command;
   command.device = device;
   command.operation = request.is_write() ? Operation::kWrite : Operation::kAcquire;
-  command.count = request.range.count;
+  command.count = request.range.count / width;
   command.gateway = true;
-  command.target = AddressTarget{std::string(modbus::row_of_function(request.function).area) + ':' +
-                                     std::to_string(request.range.first),
-                                 Encoding{.type = bits ? ValueType::kBool : ValueType::kUint16}};
+  if (request.row != nullptr) {
+    command.target = AddressTarget{request.row->at, encoding,
+                                   (request.range.first - request.row->first) / width};
+  } else {
+    const std::string area(modbus::row_of_function(request.function).area);
+    command.target = AddressTarget{area + ':' + std::to_string(request.range.first), encoding};
+  }
   if (!request.is_write()) return command;
-  const ByteView items = request.items;
-  for (std::size_t i = 0; i < request.range.count; ++i) {
-    if (bits)
-      command.values.emplace_back(items[i] != 0);
-    else
-      command.values.emplace_back(std::uint64_t{read_u16(items, 2 * i)});
+  const unsigned item_bits = holds_bits(request.function) ? 1 : 16;
+  const std::size_t size = image_bytes(item_bits, width);
+  for (std::size_t i = 0; i < command.count; ++i) {
+    auto value = decode_value(encoding, item_bits, ByteView(request.items).subspan(i * size, size));
+    if (!value) return fault(Exception::kIllegalValue);
+    command.values.push_back(*std::move(value));
   }
   return command;
 }
@@ -132,7 +153,7 @@ Bytes exception_response(const RequestFrame& frame, std::uint8_t code) {
 Bytes response(const RequestFrame& frame, const ClientRequest& request,
                const CommandResult& result) {
   if (result.state != CommandState::kDone && result.state != CommandState::kVerified)
-    return exception_response(frame, exception_code(result));
+    return exception_response(frame, exception_code(result, request.row == nullptr));
   Bytes pdu{request.function};
   if (request.is_write()) {
     append_u16(pdu, static_cast<std::uint16_t>(request.range.first));
@@ -151,11 +172,14 @@ Bytes response(const RequestFrame& frame, const ClientRequest& request,
   return framed(frame, pdu);
 }
 
-std::uint8_t exception_code(const CommandResult& result) {
+std::uint8_t exception_code(const CommandResult& result, bool modbus) {
   const auto code = [](Exception exception) { return static_cast<std::uint8_t>(exception); };
   switch (result.cause) {
     case Cause::kDeviceError:
     case Cause::kDeviceBusy:
+      if (!modbus)
+        return code(result.cause == Cause::kDeviceBusy ? Exception::kBusy
+                                                       : Exception::kDeviceFailure);
       return result.device_code >= 1 && result.device_code <= 0xFF
                  ? static_cast<std::uint8_t>(result.device_code)
                  : code(Exception::kDeviceFailure);

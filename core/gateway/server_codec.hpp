@@ -12,6 +12,7 @@
 #include <tl/expected.hpp>
 
 #include "core/base/bytes.hpp"
+#include "core/model/bus_spec.hpp"
 #include "core/model/command.hpp"
 #include "core/protocol/protocol.hpp"
 
@@ -46,15 +47,22 @@ enum class FrameFault : std::uint8_t { kProtocol, kLength };
 // Functions 1-6, 15 and 16.
 struct ClientRequest {
   std::uint8_t function = 0;
-  Range range;  // the area is a modbus::Table
-  Bytes items;  // the image of a write; empty for a read
+  Range range;                      // the area is a modbus::Table
+  Bytes items;                      // the image of a write; empty for a read
+  const GatewayRow* row = nullptr;  // that contains the range; null: of the device's own Modbus
 
   [[nodiscard]] bool is_write() const { return !items.empty(); }
 };
 [[nodiscard]] tl::expected<ClientRequest, Exception> decode(ByteView pdu);
 
-// The request as a command to addresses of the device; the caller sets requester and limits.
-[[nodiscard]] Command command_of(const ClientRequest& request, const std::string& device);
+// The row that contains whole values at the range of the request, or null.
+[[nodiscard]] const GatewayRow* row_of(const std::vector<GatewayRow>& rows,
+                                       const ClientRequest& request);
+
+// The request as a command to addresses of the device; the caller sets requester and limits. Fails
+// if the written registers are no value of the row.
+[[nodiscard]] tl::expected<Command, Exception> command_of(const ClientRequest& request,
+                                                          const std::string& device);
 
 // The whole frame that responds to `frame`.
 [[nodiscard]] Bytes exception_response(const RequestFrame& frame, std::uint8_t code);
@@ -65,7 +73,8 @@ struct ClientRequest {
 [[nodiscard]] Bytes response(const RequestFrame& frame, const ClientRequest& request,
                              const CommandResult& result);
 
-// Code for a result that is not a success. An exception of the device is passed on unchanged.
-[[nodiscard]] std::uint8_t exception_code(const CommandResult& result);
+// Code for a result that is not a success. `modbus`: the code of the device is an exception, which
+// is passed on unchanged.
+[[nodiscard]] std::uint8_t exception_code(const CommandResult& result, bool modbus = true);
 
 }  // namespace fieldcast::gateway

@@ -23,8 +23,9 @@ struct ChannelTarget {
 };
 // Only for devices with allow: raw-read or raw-write.
 struct AddressTarget {
-  std::string at;     // in the PLC's own notation
-  Encoding encoding;  // big-endian orders mean the family's own
+  std::string at;          // in the PLC's own notation
+  Encoding encoding;       // big-endian orders mean the family's own
+  std::uint32_t skip = 0;  // values from `at` to the first one
 };
 using Target = std::variant<ChannelTarget, AddressTarget>;
 

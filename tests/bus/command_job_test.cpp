@@ -280,6 +280,19 @@ TEST_F(RawCommandTest, AWriteTouchesNoMoreThanTheAddressNames) {
             "type uint16 has 16 bits, 'VB10' has 8; allowed: a type of 8 bits");
 }
 
+TEST_F(RawCommandTest, SkippedValuesAreNotRead) {
+  const auto range = [&](const char* at, ValueType type, std::uint32_t skip, std::uint32_t count) {
+    Command command = raw_read(at, {type}, count);
+    std::get<AddressTarget>(command.target).skip = skip;
+    const auto job = make(command);
+    return job ? std::get<ReadRequest>(*job->next()).ranges.front() : Range{0, 0, 0};
+  };
+  EXPECT_EQ(range("VW10", ValueType::kUint16, 3, 2), (Range{0, 16, 4}));
+  EXPECT_EQ(range("VD10", ValueType::kFloat32, 1, 1), (Range{0, 14, 4}));
+  EXPECT_EQ(range("V10.6", ValueType::kBool, 4, 1), (Range{0, 11, 1})) << "V11.2";
+  EXPECT_EQ(range("VW10", ValueType::kUint16, UINT32_MAX, 1), (Range{0, 0, 0})) << "far beyond";
+}
+
 TEST_F(RawCommandTest, ATypeThatDoesNotFitTheAddressIsRejectedAsAChannelWouldBe) {
   using enum ValueType;
   EXPECT_EQ(make(raw_read("VW10", {kInt32}, 1)).error().cause, Cause::kWrongType);

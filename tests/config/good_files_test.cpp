@@ -197,16 +197,25 @@ TEST_F(Everything, BusKeysArrive) {
   EXPECT_EQ(spec.buses[0].capture->file_bytes, 250'000u);
   EXPECT_EQ(spec.buses[0].capture->files, 3u);
   EXPECT_FALSE(spec.buses[1].capture);
-  const GatewaySpec gateway{.listen = {"0.0.0.0", 1502},
-                            .writes = true,
-                            .verify = true,
-                            .units = {{std::uint8_t{9}, "special"}},
-                            .clients = {"10.0.7.0/24"},
-                            .max_age = seconds{2},
-                            .share = 0.1,
-                            .timeout = seconds{3},
-                            .idle = seconds{4},
-                            .connections = 5};
+  const GatewaySpec gateway{
+      .listen = {"0.0.0.0", 1502},
+      .writes = true,
+      .verify = true,
+      .units = {{std::uint8_t{9}, "special"}},
+      .rows = {{"special",
+                {{.first = 100, .count = 5, .at = "holding:7"},
+                 {.first = 200, .type = ValueType::kFloat32, .at = "holding:20"},
+                 {.bits = true,
+                  .first = 3,
+                  .count = 20,
+                  .type = ValueType::kBool,
+                  .at = "holding:7.8"}}}},
+      .clients = {"10.0.7.0/24"},
+      .max_age = seconds{2},
+      .share = 0.1,
+      .timeout = seconds{3},
+      .idle = seconds{4},
+      .connections = 5};
   EXPECT_EQ(spec.buses[0].gateway, gateway);
   EXPECT_FALSE(spec.buses[1].gateway);
   EXPECT_EQ(spec.buses[1].planner, Planner::kCyclic);

@@ -2,7 +2,8 @@
 // complete frame must get exactly one response, with its transaction and unit, at most as long as a
 // frame; invalid bytes must end the session.
 //
-// Input: size of a piece and whether writes are permitted (1), then the stream.
+// Input: size of a piece and whether writes are permitted (1), then the stream. Unit 17 has rows of
+// another protocol.
 #include "core/gateway/client_session.hpp"
 #include "core/protocol/modbus/framing.hpp"
 #include "tests/fuzz/fuzz.hpp"
@@ -35,6 +36,10 @@ void run_one(ByteView data) {
   const std::size_t piece = data[0] / 2 + 1u;
   GatewaySpec spec;
   spec.writes = data[0] % 2 == 1;
+  spec.rows["two"] = {
+      {.first = 0, .count = 8, .at = "D0"},
+      {.first = 16, .count = 8, .type = ValueType::kFloat64, .at = "D100"},
+      {.bits = true, .first = 0, .count = 64, .type = ValueType::kBool, .at = "M0"}};
   const Units units{{1, "one"}, {17, "two"}};
   Counters counters;
   ClientSession session(spec, units, "gateway", 1, counters);

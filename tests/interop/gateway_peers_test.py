@@ -14,7 +14,7 @@ import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
 from peers import DEADLINE, LibmodbusClient, Mbpoll, Program, PymodbusClient, SerialCable, free_port
-from plant import InAFolder, claim_domain, run_cli, running_bridge
+from plant import InAFolder, claim_domain, run_cli, running_bridge, wait_until
 
 BIN = LIBMODBUS = ""
 UNIT = 7
@@ -44,6 +44,34 @@ EXPECTED = {  # memory of the device
     "input-register": lambda n: 2000 + n,
 }
 
+OTHER = """
+bridge: gateway
+dds: {{ domain: {domain}, interfaces: [127.0.0.1] }}
+buses:
+  - name: line
+    port: {{ serial: {folder}/line, baud: 9600, format: 7E2 }}
+    protocol: omron-hostlink
+    gateway:
+      listen: 127.0.0.1:{port}
+      access: write
+      verify: true
+      units: {{ 1: plc }}
+      map:
+        plc:
+          - {{ registers: 0, at: DM100, count: 50 }}
+          - {{ registers: 100, at: DM200, type: float32, count: 4 }}
+          - {{ bits: 0, at: CIO10.00, count: 32 }}
+    defaults: {{ refresh: 1s, timeout: 500ms }}
+    devices:
+      - name: plc
+        address: 0
+        allow: [raw-write]
+        channels:
+          - {{ name: pressure, at: DM100, type: uint16, access: read-write }}
+          - {{ name: level, at: DM202, type: float32, access: read-write }}
+          - {{ name: pump, at: CIO11.03, type: bool, access: read-write }}
+"""
+
 
 class GatewayPeersTest(InAFolder):
     @contextlib.contextmanager
@@ -59,14 +87,14 @@ class GatewayPeersTest(InAFolder):
             self.wait_connected(port)
             yield port
 
-    def wait_connected(self, port):
+    def wait_connected(self, port, unit=UNIT, expected=(1000,)):
         end = time.monotonic() + DEADLINE
         while True:
             with contextlib.suppress(OSError, AssertionError):
-                client = LibmodbusClient(port, UNIT)
+                client = LibmodbusClient(port, unit)
                 values = client.read("holding", 0, 1)
                 client.close()
-                if values == [1000]:
+                if values == list(expected):
                     return
             self.assertLess(time.monotonic(), end, "the gateway does not serve")
             time.sleep(0.05)
@@ -96,6 +124,33 @@ class GatewayPeersTest(InAFolder):
             audit = run_cli(BIN, "audit", "--config", self.config)
             self.assertIn("gateway 127.0.0.1:", audit.out, audit)
             self.assertIn("line/device at holding:100", audit.out, audit)
+
+    def test_a_plc_of_another_protocol_is_a_modbus_unit(self):
+        with contextlib.ExitStack() as stack:
+            domain, claim = claim_domain()
+            stack.enter_context(claim)
+            port = free_port()
+            config = self.file("bridge.yaml", OTHER.format(domain=domain, folder=self.folder, port=port))
+            stack.enter_context(Program(os.path.join(BIN, "fieldcast-sim"), config))
+            wait_until(lambda: os.path.exists(self.path("line")), DEADLINE, "the simulated line did not appear")
+            stack.enter_context(running_bridge(BIN, config, self.path("log")))
+            for channel, value in (("pressure", 700), ("level", 1.5), ("pump", "true")):
+                written = run_cli(BIN, "write", f"line/plc/{channel}={value}", "--config", config)
+                self.assertEqual(written.code, 0, written)
+            self.wait_connected(port, 1, [700])
+            for client in (Mbpoll("127.0.0.1", port=port, unit=1), LibmodbusClient(port, 1), PymodbusClient(port, 1)):
+                self.assertEqual(client.read("holding", 0, 1), [700])
+                self.assertEqual(client.read("input-register", 102, 2), [0x3FC0, 0], "1.5, high word first")
+                self.assertEqual(client.read("coil", 19, 1), [1])
+                self.assertIs(client.write("holding", 40, 11, 12, 13), True)
+                self.assertEqual(client.read("holding", 40, 3), [11, 12, 13])
+                self.assertIs(client.write("coil", 2, 1), True)
+                self.assertEqual(client.read("input", 2, 1), [1])
+            for request, response in (
+                ("00 01 00 00 00 06 01 03 00 32 00 01", "00 01 00 00 00 03 01 83 02"),  # in no row
+                ("00 02 00 00 00 06 01 03 00 65 00 01", "00 02 00 00 00 03 01 83 02"),  # half a number
+            ):
+                self.assertEqual(self.raw(port, request), response)
 
     def test_exceptions_are_those_of_the_book(self):
         with self.gateway() as port:

@@ -178,15 +178,16 @@ tl::expected<void, CommandFault> CommandJob::add_values(const AddressTarget& tar
   if (count > 1 && !bits && is_part(encoding, area.item_bits))
     return fault(Cause::kUnsupported, "bytes of an item are read and written one at a time");
   const std::uint32_t width = item_count(encoding, area.item_bits);
-  const std::uint64_t last_bit = bits ? *encoding.bit + std::uint64_t{count} - 1 : 0;
-  const std::uint64_t items = bits ? last_bit / area.item_bits + 1 : std::uint64_t{width} * count;
+  const std::uint64_t end = std::uint64_t{target.skip} + count;
+  const std::uint64_t last_bit = bits ? *encoding.bit + end - 1 : 0;
+  const std::uint64_t items = bits ? last_bit / area.item_bits + 1 : width * end;
   // A declared field is one value; its bits do not extend into the next field.
-  const bool past_field = is_field(address) && (bits ? items > 1 : count > 1);
+  const bool past_field = is_field(address) && (bits ? items > 1 : end > 1);
   if (address.first + items > area.items || past_field)
     return fault(Cause::kBadAddress, "'" + target.at + "' with " + std::to_string(count) +
                                          " values reaches beyond the " +
                                          (past_field ? "field" : "area"));
-  for (std::uint32_t i = 0; i < count; ++i) {
+  for (std::uint32_t i = target.skip; i < end; ++i) {
     CommandSubject subject{{address.area, address.first + i * width, width}, encoding, {}, true};
     if (bits) {
       const std::uint32_t bit = *encoding.bit + i;

@@ -61,6 +61,15 @@ TEST_F(ClientSessionTest, ARequestBecomesACommandAndItsResultTheResponse) {
   EXPECT_EQ(counters_.refused_requests, 0u);
 }
 
+TEST_F(ClientSessionTest, ADeviceOfAnotherProtocolHasTheAddressesOfItsRows) {
+  spec_.rows["unit-17"] = {{.first = 0, .count = 4, .at = "DM100"}};
+  EXPECT_EQ(send("00 07 00 00 00 06 11 03 00 02 00 02"), "");
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_EQ(std::get<AddressTarget>(commands_[0].target).skip, 2u);
+  EXPECT_EQ(send("00 08 00 00 00 06 11 03 00 02 00 03"), "00 08 00 00 00 03 11 83 02");
+  EXPECT_EQ(send("00 09 00 00 00 06 01 03 00 02 00 03"), "") << "a Modbus device";
+}
+
 TEST_F(ClientSessionTest, RequestsArriveInPiecesAndTogether) {
   const Bytes two =
       *from_hex("00 01 00 00 00 06 01 03 00 05 00 01 00 02 00 00 00 06 11 01 00 05 00 01");

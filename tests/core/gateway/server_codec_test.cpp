@@ -57,7 +57,7 @@ TEST(ServerCodec, ReadsNameTheirArea) {
   for (const auto& [pdu, at] : kReads) {
     const auto request = decode(hex(pdu));
     ASSERT_TRUE(request) << pdu;
-    const Command command = command_of(*request, "press");
+    const Command command = command_of(*request, "press").value();
     EXPECT_EQ(std::get<AddressTarget>(command.target).at, at);
     EXPECT_EQ(command.count, hex(pdu)[4]);
     EXPECT_TRUE(command.is_gateway_read());
@@ -67,7 +67,7 @@ TEST(ServerCodec, ReadsNameTheirArea) {
 
 TEST(ServerCodec, WritesCarryTheirValues) {
   const auto values_of = [](std::string_view pdu) {
-    return command_of(decode(hex(pdu)).value(), "press").values;
+    return command_of(decode(hex(pdu)).value(), "press").value().values;
   };
   const std::vector<Value> on{Value{true}}, off{Value{false}};
   EXPECT_EQ(values_of("05 00 AC FF 00"), on);
@@ -79,6 +79,56 @@ TEST(ServerCodec, WritesCarryTheirValues) {
                           Value{false}, Value{true}, Value{true}, Value{true}, Value{false}}));
   EXPECT_EQ(values_of("10 00 01 00 02 04 00 0A 01 02"),
             (std::vector<Value>{Value{std::uint64_t{10}}, Value{std::uint64_t{0x0102}}}));
+}
+
+const std::vector<GatewayRow> kRows{
+    {.first = 100, .count = 10, .at = "DB1.DBW0"},
+    {.first = 200, .count = 3, .type = ValueType::kFloat32, .at = "DB1.DBD20"},
+    {.bits = true, .first = 0, .count = 16, .type = ValueType::kBool, .at = "M0.0"}};
+
+// The request, with the row that contains it.
+ClientRequest mapped(std::string_view pdu) {
+  ClientRequest request = decode(hex(pdu)).value();
+  request.row = row_of(kRows, request);
+  return request;
+}
+
+TEST(ServerCodec, ARowNamesTheAddressesOfAnotherProtocol) {
+  const auto target = [](std::string_view pdu) {
+    const Command command = command_of(mapped(pdu), "plc").value();
+    const auto& at = std::get<AddressTarget>(command.target);
+    return std::tuple(at.at, at.skip, command.count, at.encoding.type);
+  };
+  EXPECT_EQ(target("03 00 66 00 03"), std::tuple("DB1.DBW0", 2u, 3u, ValueType::kUint16));
+  EXPECT_EQ(target("04 00 64 00 0A"), std::tuple("DB1.DBW0", 0u, 10u, ValueType::kUint16));
+  EXPECT_EQ(target("03 00 CA 00 04"), std::tuple("DB1.DBD20", 1u, 2u, ValueType::kFloat32));
+  EXPECT_EQ(target("01 00 08 00 08"), std::tuple("M0.0", 8u, 8u, ValueType::kBool));
+  EXPECT_EQ(target("05 00 0F FF 00"), std::tuple("M0.0", 15u, 1u, ValueType::kBool));
+}
+
+TEST(ServerCodec, NoRowContainsPartsOfValuesOrOtherAddresses) {
+  for (const auto* pdu : {"03 00 63 00 02", "03 00 6E 00 01", "03 00 6D 00 02", "03 00 C9 00 02",
+                          "03 00 C8 00 01", "06 00 C8 00 01", "01 00 10 00 01", "01 00 64 00 01"})
+    EXPECT_EQ(mapped(pdu).row, nullptr) << pdu;
+}
+
+TEST(ServerCodec, AWideValueHasItsHighestBitsFirst) {
+  const Bytes request = hex("03 00 C8 00 04");
+  EXPECT_EQ(to_hex(response(frame_of(request), mapped("03 00 C8 00 04"), done({1.5, -2.0}))),
+            "12 34 00 00 00 0B 11 03 08 3F C0 00 00 C0 00 00 00");
+  const auto written = command_of(mapped("10 00 C8 00 02 04 3F C0 00 00"), "plc");
+  ASSERT_TRUE(written);
+  EXPECT_EQ(written->values, std::vector<Value>{1.5});
+  EXPECT_EQ(command_of(mapped("10 00 C8 00 02 04 7F C0 00 00"), "plc").error(),
+            Exception::kIllegalValue)
+      << "no number";
+}
+
+TEST(ServerCodec, CodesOfOtherProtocolsAreNoExceptions) {
+  EXPECT_EQ(exception_code(failed(Cause::kDeviceError, 5), true), 5);
+  EXPECT_EQ(exception_code(failed(Cause::kDeviceError, 5), false), 4);
+  EXPECT_EQ(exception_code(failed(Cause::kDeviceBusy, 5), false), 6);
+  EXPECT_EQ(exception_code(failed(Cause::kNoResponse), false), 0x0B);
 }
 
 // Modbus Application Protocol V1.1b3, the state diagrams of 6.1-6.12.
